@@ -1,0 +1,134 @@
+/* bench_kernel: nanoseconds per star of each kernel variant, as JSON.
+ *
+ *   bench_kernel MESH [REPEAT]
+ *
+ * value: gather a star and evaluate its sum of RR^2; derivatives: the same with gradient and
+ * Hessian; visit: one whole visit (a Newton step with its search) of every star, on the mesh as it
+ * is. One thread; each figure is the best of the repeats. "check" must be the same for all
+ * variants.
+ */
+#include "sweep/plan.h"
+
+#include <planish/planish_io.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+typedef struct figures {
+    double value, derivatives, visit; /* seconds for all stars */
+    uint64_t check;                   /* of the coordinates after the visits */
+} figures;
+
+static double seconds_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static uint64_t checksum(const double *values, int64_t n) {
+    uint64_t hash = 14695981039346656037u; /* FNV-1a over words */
+    for (int64_t i = 0; i < n; i++) {
+        uint64_t word;
+        memcpy(&word, &values[i], sizeof word);
+        hash = (hash ^ word) * 1099511628211u;
+    }
+    return hash;
+}
+
+static double least(double a, double b) {
+    return b == 0 || a < b ? a : b;
+}
+
+static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
+                    pl_star_problem *problem, const double *start, figures *best) {
+    int which = plan->dim - 2;
+    for (int derivatives = 0; derivatives < 2; derivatives++) {
+        pl_star_value value;
+        double begin = seconds_now();
+        for (int64_t i = 0; i < plan->stars.n_stars; i++)
+            kernel->evaluate[which](problem, i, plan->scratch, derivatives, &value);
+        double *figure = derivatives ? &best->derivatives : &best->value;
+        *figure = least(seconds_now() - begin, *figure);
+    }
+    memcpy(problem->coordinates, start, (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double));
+    memset(problem->changed, 1, (size_t)plan->n_nodes);
+    double begin = seconds_now();
+    for (int c = 0; c < plan->n_colours; c++)
+        kernel->visit[which](problem, plan->colour_begin[c], plan->colour_begin[c + 1],
+                             plan->scratch);
+    best->visit = least(seconds_now() - begin, best->visit);
+    best->check = checksum(problem->coordinates, plan->n_nodes * plan->dim);
+    memcpy(problem->coordinates, start, (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double));
+}
+
+static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
+    int64_t values = plan->n_nodes * plan->dim;
+    double *start = malloc((size_t)values * sizeof *start);
+    if (!start)
+        return 2;
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        for (int d = 0; d < plan->dim; d++)
+            start[(int64_t)plan->inner[i] * plan->dim + d] = mesh->coordinates[i * plan->dim + d];
+    memcpy(plan->coordinates, start, (size_t)values * sizeof *start);
+    pl_star_problem problem = {.coordinates = plan->coordinates,
+                               .node = plan->centre,
+                               .ring_offset = plan->stars.ring_offset,
+                               .ring = plan->stars.ring,
+                               .link_offset = plan->stars.link_offset,
+                               .link = plan->stars.link,
+                               .changed = plan->changed,
+                               .rr2_limit = 1e300};
+    double per_star = plan->stars.n_stars ? 1e9 / (double)plan->stars.n_stars : 0;
+    const char *separator = "";
+    printf("  \"ns_per_star\": [");
+    for (int isa = PLANISH_ISA_PLAIN; isa <= PLANISH_ISA_AVX512; isa++) {
+        const pl_star_kernel *kernel = pl_star_kernel_select((planish_isa)isa);
+        figures best = {0, 0, 0, 0};
+        for (int i = 0; kernel && i < repeat; i++)
+            measure(plan, kernel, &problem, start, &best);
+        if (kernel)
+            printf("%s\n    { \"isa\": \"%s\", \"value\": %.1f, \"derivatives\": %.1f, "
+                   "\"visit\": %.1f, \"check\": \"%016llx\" }",
+                   separator, kernel->name, best.value * per_star, best.derivatives * per_star,
+                   best.visit * per_star, (unsigned long long)best.check);
+        separator = ",";
+    }
+    printf(" ]\n}\n");
+    free(start);
+    return 0;
+}
+
+int main(int argc, char **argv) {
+    planish_error error = {.text = ""};
+    planish_options options;
+    planish_file *file = NULL;
+    planish_plan *plan = NULL;
+    if (argc < 2 || argc > 3) {
+        fprintf(stderr, "usage: bench_kernel MESH [REPEAT]\n");
+        return 64;
+    }
+    planish_options_init(&options);
+    options.threads = 1;
+    options.bind = 1;
+    int status = planish_file_open(argv[1], NULL, 0, &file, &error);
+    if (!status) {
+        planish_mesh mesh = planish_file_mesh(file);
+        status = planish_plan_create(&mesh, &options, &plan, &error);
+        if (!status) {
+            int64_t n = plan->stars.n_stars;
+            printf("{ \"planish\": \"%s\", \"mesh\": \"%s\", \"stars\": %lld, "
+                   "\"facets_per_star\": %.2f, \"ring_per_star\": %.2f,\n",
+                   planish_version(), argv[1], (long long)n,
+                   n ? (double)plan->stars.link_offset[n] / (double)n : 0,
+                   n ? (double)plan->stars.ring_offset[n] / (double)n : 0);
+            status = run(plan, &mesh, argc > 2 ? atoi(argv[2]) : 5);
+        }
+    }
+    if (status)
+        fprintf(stderr, "bench_kernel: %s\n", error.text);
+    planish_plan_destroy(plan);
+    planish_file_close(file);
+    return status ? 2 : 0;
+}

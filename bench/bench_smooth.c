@@ -1,0 +1,230 @@
+/* bench_smooth: how fast a mesh is smoothed, as JSON.
+ *
+ *   bench_smooth MESH [--target RMS] [--repeat N] [--threads LIST] [--isa LIST] [--direction D]
+ *
+ * For every kernel and number of threads: time of the set-up (planish_plan_create), of the sweeps
+ * until the RMS is at most the target and until convergence, node visits per second. Each figure is
+ * the best of the repeats, since other load only adds. Everything is measured on one mesh in
+ * one process, so ratios are fair. Times exclude reading the file, which is reported by itself.
+ */
+#include <planish/planish_io.h>
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { MAX_LIST = 16, MAX_SWEEPS = 1000 };
+
+typedef struct settings {
+    const char *path;
+    double target; /* RMS of RR over all elements; 0: none */
+    int repeat;
+    int threads[MAX_LIST], n_threads;
+    planish_isa isa[MAX_LIST];
+    int n_isa;
+    planish_direction direction;
+} settings;
+
+/** One smoothing, sweep by sweep. */
+typedef struct history {
+    int n;
+    double rms[MAX_SWEEPS], seconds[MAX_SWEEPS];
+    int64_t visits;
+} history;
+
+typedef struct figures {
+    double setup, first_sweep, to_target, sweeps, visits_per_second, rms;
+    int n_sweeps, sweeps_to_target;
+    int64_t visits;
+} figures;
+
+static const char *const isa_names[] = {"auto", "plain", "vector", "avx2", "avx512"};
+
+static double seconds_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static int fail(const char *what, const planish_error *error) {
+    fprintf(stderr, "bench_smooth: %s%s%s\n", what, error ? ": " : "", error ? error->text : "");
+    return 2;
+}
+
+static int record(const planish_progress *progress, void *user) {
+    history *h = user;
+    if (progress->sweep_done && h->n < MAX_SWEEPS) {
+        h->rms[h->n] = progress->rms;
+        h->seconds[h->n++] = progress->seconds;
+        h->visits += progress->visits;
+    }
+    return 0;
+}
+
+static double smaller(double a, double b) {
+    return b == 0 || a < b ? a : b;
+}
+
+/** Fold one run into the best figures. */
+static void fold(figures *best, double setup, const history *h, double target) {
+    double total = 0, reached = 0;
+    int sweeps_to_target = 0;
+    for (int i = 0; i < h->n; i++) {
+        total += h->seconds[i];
+        if (target > 0 && sweeps_to_target == 0 && h->rms[i] <= target) {
+            reached = total;
+            sweeps_to_target = i + 1;
+        }
+    }
+    best->setup = smaller(setup, best->setup);
+    best->sweeps = smaller(total, best->sweeps);
+    best->first_sweep = h->n ? smaller(h->seconds[0], best->first_sweep) : 0;
+    best->to_target = reached > 0 ? smaller(reached, best->to_target) : 0;
+    best->sweeps_to_target = sweeps_to_target;
+    best->n_sweeps = h->n;
+    best->visits = h->visits;
+    best->visits_per_second = best->sweeps > 0 ? (double)h->visits / best->sweeps : 0;
+    best->rms = h->n ? h->rms[h->n - 1] : 0;
+}
+
+static int measure_once(const settings *s, const planish_mesh *mesh, int threads, planish_isa isa,
+                        double *coordinates, figures *best) {
+    planish_error error;
+    planish_options options;
+    planish_plan *plan = NULL;
+    history h = {.n = 0};
+    planish_options_init(&options);
+    options.threads = threads;
+    options.bind = 1;
+    options.isa = isa;
+    options.direction = s->direction;
+    options.progress = record;
+    options.progress_user = &h;
+    double start = seconds_now();
+    if (planish_plan_create(mesh, &options, &plan, &error))
+        return fail("plan", &error);
+    double setup = seconds_now() - start;
+    memcpy(coordinates, mesh->coordinates,
+           (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double));
+    int status = planish_smooth(plan, coordinates, &options, NULL, &error);
+    planish_plan_destroy(plan);
+    if (status)
+        return fail("smooth", &error);
+    fold(best, setup, &h, s->target);
+    return 0;
+}
+
+static void print_figures(const settings *s, const figures *f, int threads, planish_isa isa,
+                          int first) {
+    printf(
+        "%s\n    { \"isa\": \"%s\", \"threads\": %d, \"setup_s\": %.6f, \"first_sweep_s\": %.6f, "
+        "\"setup_in_sweeps\": %.2f,\n      \"sweeps\": %d, \"sweeps_s\": %.6f, \"visits\": %lld, "
+        "\"visits_per_s\": %.0f, \"rms\": %.6f",
+        first ? "" : ",", isa_names[isa], threads, f->setup, f->first_sweep,
+        f->first_sweep > 0 ? f->setup / f->first_sweep : 0, f->n_sweeps, f->sweeps,
+        (long long)f->visits, f->visits_per_second, f->rms);
+    if (s->target > 0)
+        printf(",\n      \"sweeps_to_target\": %d, \"to_target_s\": %.6f", f->sweeps_to_target,
+               f->to_target);
+    printf(" }");
+}
+
+static int run_all(const settings *s, const planish_mesh *mesh) {
+    double *coordinates = malloc((size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double));
+    if (!coordinates)
+        return fail("out of memory", NULL);
+    int status = 0, first = 1;
+    printf("  \"runs\": [");
+    for (int k = 0; k < s->n_isa && !status; k++) {
+        for (int t = 0; t < s->n_threads && !status; t++) {
+            figures best = {.n_sweeps = 0};
+            for (int i = 0; i < s->repeat && !status; i++)
+                status = measure_once(s, mesh, s->threads[t], s->isa[k], coordinates, &best);
+            if (!status)
+                print_figures(s, &best, s->threads[t], s->isa[k], first);
+            first = 0;
+        }
+    }
+    printf(" ]\n}\n");
+    free(coordinates);
+    return status;
+}
+
+static int parse_threads(settings *s, char *list) {
+    s->n_threads = 0;
+    for (char *word = strtok(list, ","); word && s->n_threads < MAX_LIST; word = strtok(NULL, ","))
+        s->threads[s->n_threads++] = atoi(word);
+    return s->n_threads > 0;
+}
+
+static int parse_isa(settings *s, char *list) {
+    s->n_isa = 0;
+    for (char *word = strtok(list, ","); word && s->n_isa < MAX_LIST; word = strtok(NULL, ",")) {
+        int found = 0;
+        for (int i = 0; i < (int)(sizeof isa_names / sizeof *isa_names); i++)
+            if (!strcmp(word, isa_names[i])) {
+                s->isa[s->n_isa++] = (planish_isa)i;
+                found = 1;
+            }
+        if (!found)
+            return 0;
+    }
+    return s->n_isa > 0;
+}
+
+static int parse(settings *s, int argc, char **argv) {
+    *s = (settings){
+        .repeat = 5, .threads = {1}, .n_threads = 1, .isa = {PLANISH_ISA_AUTO}, .n_isa = 1};
+    for (int i = 1; i < argc; i++) {
+        int last = i + 1 == argc;
+        if (argv[i][0] != '-')
+            s->path = argv[i];
+        else if (last)
+            return 0;
+        else if (!strcmp(argv[i], "--target"))
+            s->target = atof(argv[++i]);
+        else if (!strcmp(argv[i], "--repeat"))
+            s->repeat = atoi(argv[++i]);
+        else if (!strcmp(argv[i], "--direction"))
+            s->direction = strcmp(argv[++i], "newton") ? PLANISH_FLETCHER_REEVES : PLANISH_NEWTON;
+        else if (!strcmp(argv[i], "--threads") ? !parse_threads(s, argv[++i])
+                 : !strcmp(argv[i], "--isa")   ? !parse_isa(s, argv[++i])
+                                               : 1)
+            return 0;
+    }
+    return s->path && s->repeat > 0;
+}
+
+int main(int argc, char **argv) {
+    settings s;
+    planish_error error;
+    planish_file *file = NULL;
+    if (!parse(&s, argc, argv)) {
+        fprintf(stderr, "usage: bench_smooth MESH [--target RMS] [--repeat N] [--threads 1,2,...] "
+                        "[--isa plain,vector,avx2,avx512] [--direction newton|fletcher-reeves]\n");
+        return 64;
+    }
+    double start = seconds_now();
+    if (planish_file_open(s.path, NULL, 0, &file, &error))
+        return fail("read", &error);
+    double read = seconds_now() - start;
+    planish_mesh mesh = planish_file_mesh(file);
+    uint8_t *constraint = malloc((size_t)mesh.n_nodes + 1);
+    int status = constraint ? planish_file_constraints(file, NULL, constraint, &error)
+                            : PLANISH_ERROR_MEMORY;
+    if (status) {
+        planish_file_close(file);
+        free(constraint);
+        return fail("constraints", constraint ? &error : NULL);
+    }
+    mesh.constraint = constraint;
+    printf("{ \"planish\": \"%s\", \"mesh\": \"%s\", \"nodes\": %lld, \"elements\": %lld, "
+           "\"read_s\": %.6f, \"target\": %g,\n",
+           planish_version(), s.path, (long long)mesh.n_nodes, (long long)mesh.n_elements, read,
+           s.target);
+    status = run_all(&s, &mesh);
+    free(constraint);
+    planish_file_close(file);
+    return status;
+}

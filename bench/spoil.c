@@ -1,0 +1,205 @@
+/* spoil: make a mesh bad but keep it valid, for benchmarks.
+ *
+ *   spoil IN OUT AMOUNT [SEED]
+ *
+ * Every interior node moves in a random direction by up to AMOUNT times the mean length of its
+ * edges (0.3, say); where an element would lose 98 % of its measure the moves of its nodes are
+ * halved, and given up after some rounds. IN and OUT: any format that planish writes back.
+ */
+#include <planish/planish_io.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROUNDS = 60, HALVINGS = 12 };
+#define KEEP 0.02 /* fraction of an element's measure that must be left */
+
+typedef struct spoiler {
+    planish_mesh mesh;
+    double *move;         /* [n_nodes][dim] */
+    double *length;       /* [n_nodes] sum of the lengths of the node's edges, once per element */
+    int32_t *edges;       /* [n_nodes] how many */
+    uint8_t *on_boundary; /* [n_nodes] */
+} spoiler;
+
+static int fail(const char *what) {
+    fprintf(stderr, "spoil: %s\n", what);
+    return 2;
+}
+
+static double uniform(uint64_t *state) {
+    *state ^= *state << 13; /* Marsaglia's xorshift */
+    *state ^= *state >> 7;
+    *state ^= *state << 17;
+    return (double)(*state >> 11) * 0x1p-53;
+}
+
+/** dim! times the signed measure of an element with its nodes moved by fraction. */
+static double measure(const spoiler *s, int64_t element, double fraction) {
+    int dim = s->mesh.dim;
+    const int32_t *node = s->mesh.elements + element * (dim + 1);
+    double e[3][3];
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++) {
+            int64_t p = (int64_t)node[j + 1] * dim + d, q = (int64_t)node[0] * dim + d;
+            e[j][d] = s->mesh.coordinates[p] + fraction * s->move[p] -
+                      (s->mesh.coordinates[q] + fraction * s->move[q]);
+        }
+    if (dim == 2)
+        return e[0][0] * e[1][1] - e[0][1] * e[1][0];
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+           e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+           e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+typedef struct facet {
+    int32_t node[3]; /* ascending, -1 first in 2-D */
+} facet;
+
+static int compare_facets(const void *a, const void *b) {
+    const facet *f = a, *g = b;
+    for (int j = 0; j < 3; j++)
+        if (f->node[j] != g->node[j])
+            return f->node[j] < g->node[j] ? -1 : 1;
+    return 0;
+}
+
+static facet facet_of(const int32_t *element, int dim, int opposite) {
+    facet f = {{-1, -1, -1}};
+    int n = 3 - dim;
+    for (int j = 0; j <= dim; j++)
+        if (j != opposite)
+            f.node[n++] = element[j];
+    for (int i = 1; i < 3; i++)
+        for (int j = i; j > 0 && f.node[j] < f.node[j - 1]; j--) {
+            int32_t t = f.node[j];
+            f.node[j] = f.node[j - 1];
+            f.node[j - 1] = t;
+        }
+    return f;
+}
+
+static int find_boundary(spoiler *s) {
+    int dim = s->mesh.dim;
+    int64_t n = s->mesh.n_elements * (dim + 1);
+    facet *all = malloc((size_t)n * sizeof *all);
+    if (!all)
+        return 0;
+    for (int64_t i = 0; i < n; i++)
+        all[i] = facet_of(s->mesh.elements + i / (dim + 1) * (dim + 1), dim, (int)(i % (dim + 1)));
+    qsort(all, (size_t)n, sizeof *all, compare_facets);
+    for (int64_t i = 0; i < n; i++) {
+        int single = (i == 0 || compare_facets(&all[i - 1], &all[i])) &&
+                     (i + 1 == n || compare_facets(&all[i], &all[i + 1]));
+        for (int j = 3 - dim; single && j < 3; j++)
+            s->on_boundary[all[i].node[j]] = 1;
+    }
+    free(all);
+    return 1;
+}
+
+static void sum_edges(spoiler *s) {
+    int dim = s->mesh.dim;
+    for (int64_t k = 0; k < s->mesh.n_elements; k++) {
+        const int32_t *node = s->mesh.elements + k * (dim + 1);
+        for (int i = 0; i <= dim; i++)
+            for (int j = 0; j < i; j++) {
+                double length2 = 0;
+                for (int d = 0; d < dim; d++) {
+                    double e = s->mesh.coordinates[(int64_t)node[i] * dim + d] -
+                               s->mesh.coordinates[(int64_t)node[j] * dim + d];
+                    length2 += e * e;
+                }
+                s->length[node[i]] += sqrt(length2);
+                s->length[node[j]] += sqrt(length2);
+                s->edges[node[i]]++;
+                s->edges[node[j]]++;
+            }
+    }
+}
+
+static void draw_moves(spoiler *s, double amount, uint64_t seed) {
+    int dim = s->mesh.dim;
+    uint64_t state = seed * 0x9E3779B97F4A7C15u + 1;
+    for (int64_t i = 0; i < s->mesh.n_nodes; i++) {
+        double v[3], length2;
+        do { /* uniform in the ball, then on the sphere */
+            length2 = 0;
+            for (int d = 0; d < dim; d++) {
+                v[d] = 2 * uniform(&state) - 1;
+                length2 += v[d] * v[d];
+            }
+        } while (length2 > 1 || length2 < 0.01);
+        double far = amount * uniform(&state);
+        if (s->on_boundary[i] || !s->edges[i])
+            far = 0;
+        else
+            far *= s->length[i] / s->edges[i] / sqrt(length2);
+        for (int d = 0; d < dim; d++)
+            s->move[i * dim + d] = far * v[d];
+    }
+}
+
+/** Shorten the moves of the elements that would lose too much; returns how many there were. */
+static int64_t shorten_moves(spoiler *s, uint8_t *bad, double factor) {
+    int dim = s->mesh.dim;
+    int64_t count = 0;
+    memset(bad, 0, (size_t)s->mesh.n_nodes);
+    for (int64_t k = 0; k < s->mesh.n_elements; k++) {
+        double before = measure(s, k, 0), after = measure(s, k, 1);
+        int lost = before > 0 ? after <= KEEP * before : after >= KEEP * before;
+        count += lost;
+        for (int j = 0; lost && j <= dim; j++)
+            bad[s->mesh.elements[k * (dim + 1) + j]] = 1;
+    }
+    for (int64_t i = 0; i < s->mesh.n_nodes; i++)
+        for (int d = 0; bad[i] && d < dim; d++)
+            s->move[i * dim + d] *= factor;
+    return count;
+}
+
+static int spoil(planish_file *file, double amount, uint64_t seed) {
+    spoiler s = {.mesh = planish_file_mesh(file)};
+    size_t n = (size_t)s.mesh.n_nodes, dim = (size_t)s.mesh.dim;
+    uint8_t *bad = malloc(n);
+    s.move = calloc(n * dim, sizeof(double));
+    s.length = calloc(n, sizeof(double));
+    s.edges = calloc(n, sizeof *s.edges);
+    s.on_boundary = calloc(n, 1);
+    int ok = bad && s.move && s.length && s.edges && s.on_boundary && find_boundary(&s);
+    if (ok) {
+        sum_edges(&s);
+        draw_moves(&s, amount, seed);
+        for (int round = 0; round < ROUNDS; round++)
+            if (!shorten_moves(&s, bad, round < HALVINGS ? 0.5 : 0))
+                break;
+        double *coordinates = planish_file_coordinates(file);
+        for (size_t i = 0; i < n * dim; i++)
+            s.move[i] += coordinates[i];
+        memcpy(coordinates, s.move, n * dim * sizeof(double));
+    }
+    free(bad);
+    free(s.move);
+    free(s.length);
+    free(s.edges);
+    free(s.on_boundary);
+    return ok;
+}
+
+int main(int argc, char **argv) {
+    planish_error error;
+    planish_file *file = NULL;
+    if (argc < 4 || argc > 5)
+        return fail("usage: spoil IN OUT AMOUNT [SEED]"), 64;
+    if (planish_file_open(argv[1], NULL, 0, &file, &error))
+        return fail(error.text);
+    int status = 0;
+    if (!spoil(file, atof(argv[3]), argc > 4 ? (uint64_t)atoll(argv[4]) : 1))
+        status = fail("out of memory");
+    else if (planish_file_write(file, argv[2], planish_file_coordinates(file), 0, NULL, 0, &error))
+        status = fail(error.text);
+    planish_file_close(file);
+    return status;
+}

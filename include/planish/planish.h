@@ -1,0 +1,214 @@
+/* planish: smooth meshes of tetrahedra or triangles by moving their interior nodes.
+ *
+ * Caller-owned arrays in, coordinates changed in place. The library keeps no global state, prints
+ * nothing, reads no environment and installs no signal handler; two threads may work on two plans
+ * at the same time (one plan serves one thread at a time).
+ *
+ * Error convention: functions return 0 on success and a negative planish_status on failure; then
+ * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
+ *
+ * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
+ * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
+ * circumradius and r the inradius; 1 for the equilateral element and larger for any other.
+ */
+#ifndef PLANISH_H
+#define PLANISH_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(PLANISH_BUILDING_SHARED) && defined(__GNUC__)
+#define PLANISH_API __attribute__((visibility("default")))
+#else
+#define PLANISH_API
+#endif
+
+#define PLANISH_VERSION "0.1.0"
+
+/** Version of the library that is linked, "MAJOR.MINOR.PATCH"; static text. */
+PLANISH_API const char *planish_version(void);
+
+/* ---- Errors ------------------------------------------------------------------------------- */
+
+typedef enum planish_status {
+    PLANISH_OK = 0,
+    PLANISH_ERROR_ARGUMENT = -1, /* an argument or option is out of its range */
+    PLANISH_ERROR_MESH = -2,     /* the mesh is not one: index out of range, NaN, ... */
+    PLANISH_ERROR_MEMORY = -3,   /* memory could not be allocated */
+    PLANISH_ERROR_FILE = -4,     /* a file could not be opened, read or written */
+    PLANISH_ERROR_FORMAT = -5    /* a file's content is not what its format says */
+} planish_status;
+
+typedef struct planish_error {
+    int code;        /* a planish_status */
+    int64_t element; /* the element meant, or -1 */
+    int64_t node;    /* the node meant, or -1 */
+    char text[512];  /* one line: what, where, what to do */
+} planish_error;
+
+/* ---- Mesh --------------------------------------------------------------------------------- */
+
+/** How a node may move. Nodes on the mesh's boundary are fixed whatever this says. */
+typedef enum planish_constraint { PLANISH_FREE = 0, PLANISH_FIXED = 1 } planish_constraint;
+
+/** A view of the caller's mesh; nothing in it is owned by the library. */
+typedef struct planish_mesh {
+    int dim;                   /* 2: triangles in the plane, 3: tetrahedra */
+    int64_t n_nodes;           /* at most INT32_MAX */
+    int64_t n_elements;        /* at most INT32_MAX */
+    const double *coordinates; /* [n_nodes][dim], finite */
+    const int32_t *elements;   /* [n_elements][dim + 1], any consistent or mixed orientation */
+    const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL: all free */
+} planish_mesh;
+
+/* ---- Options ------------------------------------------------------------------------------ */
+
+typedef enum planish_direction {
+    PLANISH_NEWTON = 0,         /* shifted Newton step, one per visit */
+    PLANISH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's choice (its equation 3) */
+} planish_direction;
+
+/** What a coordinate is stored as in the end: positions are rounded to it before they are judged. */
+typedef enum planish_precision { PLANISH_DOUBLE = 0, PLANISH_FLOAT = 1 } planish_precision;
+
+/** Kernel variants; all of them give the same bits. */
+typedef enum planish_isa {
+    PLANISH_ISA_AUTO = 0,   /* the fastest that the CPU has */
+    PLANISH_ISA_PLAIN = 1,  /* scalar C, the reference */
+    PLANISH_ISA_VECTOR = 2, /* vectors of the compiler's base instruction set */
+    PLANISH_ISA_AVX2 = 3,   /* x86-64-v3 */
+    PLANISH_ISA_AVX512 = 4  /* x86-64-v4 */
+} planish_isa;
+
+typedef struct planish_progress {
+    int sweep;          /* sweeps begun so far, from 1 */
+    int colour;         /* colours done in this sweep, 1 .. n_colours */
+    int n_colours;      /* colours of the plan */
+    int sweep_done;     /* not 0: the last call of this sweep; the fields below are of the sweep */
+    double rms;         /* RMS of RR over the valid elements after the sweep */
+    double rms_movable; /* the same over the valid elements with a free node */
+    int64_t visits;     /* nodes visited in this sweep */
+    double seconds;     /* time of this sweep so far */
+    double elapsed;     /* time of planish_smooth so far, seconds */
+} planish_progress;
+
+/** Called on the calling thread after every colour; a result other than 0 ends the smoothing
+ *  there: the mesh is then valid and no worse than before. */
+typedef int planish_progress_fn(const planish_progress *progress, void *user);
+
+typedef struct planish_options {
+    size_t struct_size;            /* set by planish_options_init */
+    int threads;                   /* 0: as many as OpenMP would use */
+    int bind;                      /* not 0: bind each thread to a core while the library runs */
+    planish_isa isa;               /* kernel variant */
+    planish_direction direction;   /* search direction of the local problem */
+    planish_precision precision;   /* what coordinates are stored as in the end */
+    int max_sweeps;                /* at least 0 */
+    double tolerance;              /* relative fall of the movable RMS that counts as converged */
+    double time_limit;             /* seconds, 0: none */
+    double only_worse_than;        /* visit only stars with an element of RR above it; 0: all */
+    planish_progress_fn *progress; /* or NULL */
+    void *progress_user;           /* handed to progress */
+} planish_options;
+
+/** Fill in the defaults: Newton, 200 sweeps, tolerance 1e-5, no time limit, all nodes. */
+PLANISH_API void planish_options_init(planish_options *options);
+
+/* ---- Plan --------------------------------------------------------------------------------- */
+
+/** Stars, colouring, ordering and scratch of one connectivity. */
+typedef struct planish_plan planish_plan;
+
+typedef struct planish_plan_info {
+    int64_t n_free;               /* nodes that may move */
+    int64_t n_unused;             /* nodes of no element */
+    int64_t n_fixed_elements;     /* elements all of whose nodes are fixed */
+    int64_t n_components;         /* of elements joined by facets; 0: was not needed */
+    int64_t n_reversed;           /* elements whose order in the input is the negative one */
+    int64_t n_boundary_facets;    /* facets of one element */
+    int64_t n_nonmanifold_facets; /* facets of more than two elements; their nodes are fixed */
+    int64_t n_duplicate_elements; /* elements with the same nodes as an earlier one; likewise */
+    int n_colours;
+    int threads;
+    const char *isa;     /* name of the kernel variant in use; static text */
+    const char *binding; /* where the threads are; text of the plan */
+    int64_t bytes;       /* memory the plan holds */
+} planish_plan_info;
+
+/** Make a plan for mesh: validate it, find its boundary and orientation, order and colour its free
+ *  nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
+ *  mesh->elements, which must stay as they are until planish_plan_destroy; coordinates and
+ *  constraint are not used after the return.
+ *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
+PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
+                                    planish_plan **plan, planish_error *error);
+PLANISH_API void planish_plan_destroy(planish_plan *plan);
+PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
+
+/* ---- Quality ------------------------------------------------------------------------------ */
+
+#define PLANISH_HISTOGRAM_BINS 12
+
+/** What a mesh is worth. Ratios and angles are over the valid elements (positive measure). */
+typedef struct planish_quality {
+    int64_t n_elements;
+    int64_t inverted;  /* elements whose measure is not positive, decided exactly */
+    double min_volume; /* signed; areas in 2-D */
+    double max_volume;
+    double total_volume; /* sum of the signed volumes */
+    double rms_radius_ratio;
+    double rms_radius_ratio_movable; /* over elements with a free node */
+    double mean_radius_ratio;
+    double max_radius_ratio;
+    int64_t worst_element;  /* where max_radius_ratio is, or -1 */
+    double min_angle_deg;   /* dihedral angles in 3-D, angles in 2-D */
+    double max_angle_deg;
+    int64_t n_fixed;        /* elements all of whose nodes are fixed */
+    double fixed_rms_radius_ratio; /* 0 where there is none */
+    double fixed_max_radius_ratio; /* the floor of max_radius_ratio with these nodes fixed */
+    double histogram_edges[PLANISH_HISTOGRAM_BINS + 1]; /* of RR; the last is infinite */
+    int64_t histogram_counts[PLANISH_HISTOGRAM_BINS];
+} planish_quality;
+
+/** Measure coordinates [n_nodes][dim] with the plan's elements. */
+PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
+                                planish_quality *quality, planish_error *error);
+
+/* ---- Smoothing ---------------------------------------------------------------------------- */
+
+typedef enum planish_stop {
+    PLANISH_STOP_CONVERGED = 0,
+    PLANISH_STOP_MAX_SWEEPS = 1,
+    PLANISH_STOP_TIME_LIMIT = 2,
+    PLANISH_STOP_INTERRUPTED = 3 /* the progress callback said so */
+} planish_stop;
+
+typedef struct planish_result {
+    planish_stop stop;
+    int sweeps;              /* sweeps begun */
+    int64_t visits;          /* local problems looked at */
+    int64_t moved_nodes;     /* nodes that are not where they were */
+    double max_displacement; /* the farthest of them, in units of the coordinates */
+    int64_t inverted;        /* elements that are not positive: their stars are left alone */
+    double rms;              /* RMS of RR over the valid elements at the end */
+    double rms_movable;      /* the same over those with a free node */
+    double seconds;          /* wall time of the call */
+} planish_result;
+
+/** Smooth coordinates [n_nodes][dim] in place.
+ *  Promised: only free nodes move; no positive element is inverted; no element gets a worse RR than
+ *  the worst of the input; the RMS of RR never rises; the same bits for any number of threads, any
+ *  isa and compiler. options (NULL: defaults); threads, bind and isa are those of the plan.
+ *  Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then untouched. */
+PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
+                               const planish_options *options, planish_result *result,
+                               planish_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

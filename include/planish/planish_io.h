@@ -1,0 +1,78 @@
+/* planish_io: mesh files for planish. Read one, smooth its coordinates, write it back with every
+ * byte but the coordinates of the moved nodes as it was.
+ *
+ * Formats: Gmsh MSH 2.2 and 4.1, Medit .mesh, VTK legacy, TetGen .node/.ele; see docs/formats.md.
+ * Error convention as in planish.h; the text says file, line or byte, and what to do.
+ */
+#ifndef PLANISH_IO_H
+#define PLANISH_IO_H
+
+#include <planish/planish.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** A mesh file that has been read. The file must not change while it is open. */
+typedef struct planish_file planish_file;
+
+/** Read the file at path. format: a name of planish_file_formats, or NULL to tell it by content,
+ *  then by extension. threads: 0 as many as OpenMP would use.
+ *  Errors: _FILE, _FORMAT, _MEMORY, _ARGUMENT (unknown format). */
+PLANISH_API int planish_file_open(const char *path, const char *format, int threads,
+                                  planish_file **file, planish_error *error);
+PLANISH_API void planish_file_close(planish_file *file);
+
+/** NULL-terminated list of the formats' names: "gmsh", "medit", "vtk", "tetgen". */
+PLANISH_API const char *const *planish_file_formats(void);
+
+typedef struct planish_file_info {
+    const char *format;            /* name of the format, static text */
+    planish_precision precision;   /* what the file stores coordinates as */
+    int64_t n_other_elements;      /* elements that are passed through (hexahedra, pyramids, ...) */
+    int64_t n_lower_elements;      /* elements of lower dimension */
+    int64_t n_regions;             /* distinct regions among the elements smoothed */
+    int64_t bytes;                 /* size of the input */
+} planish_file_info;
+
+PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_info *info);
+
+/** The mesh: its arrays belong to the file; constraint is NULL. Coordinates may be changed in place
+ *  through planish_file_coordinates. */
+PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
+PLANISH_API double *planish_file_coordinates(planish_file *file);
+
+typedef struct planish_hold {
+    const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N": hold all nodes of these groups */
+    int n_tags;
+    int ignore_regions; /* not 0: nodes between regions are not held */
+} planish_hold;
+
+/** Which nodes the file (and hold, may be NULL) fixes: constraint [n_nodes] is filled with
+ *  planish_constraint. Nodes on the boundary are not among them unless the file says so.
+ *  Errors: _ARGUMENT (a tag that the file does not have; the text lists those it has). */
+PLANISH_API int planish_file_constraints(const planish_file *file, const planish_hold *hold,
+                                         uint8_t *constraint, planish_error *error);
+
+/** The numbers that the file gives element and node (by their index in planish_file_mesh). */
+PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
+PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
+
+/** Whether path has an extension that this file's format can be written to (the input's own). */
+PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
+
+/** Write the file to path with coordinates [n_nodes][dim]: a copy of the input in which only
+ *  coordinates that differ from those read are replaced. A regular file is written beside its place
+ *  and renamed, its mode kept; symbolic links are followed; pipes and devices are written directly.
+ *  temporary (may be NULL): a buffer of temporary_size bytes, zeroed, that holds the paths of the
+ *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
+ *  signal handler that removes them. TetGen's .ele, .face and .edge are written along with .node.
+ *  Errors: _FILE; nothing is left behind then. */
+PLANISH_API int planish_file_write(const planish_file *file, const char *path,
+                                   const double *coordinates, int threads, char *temporary,
+                                   size_t temporary_size, planish_error *error);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

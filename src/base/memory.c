@@ -1,0 +1,42 @@
+/* memory: arrays whose size cannot overflow. */
+#include "base/memory.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector */
+
+void *pl_alloc(int64_t count, size_t size) {
+    if (count < 0 || (size && (uint64_t)count > (SIZE_MAX / 2) / size))
+        return NULL;
+    size_t bytes = (size_t)count * size;
+    bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+    return aligned_alloc(ALIGNMENT, bytes ? bytes : ALIGNMENT);
+}
+
+void *pl_alloc_zero(int64_t count, size_t size) {
+    void *array = pl_alloc(count, size);
+    if (array)
+        memset(array, 0, (size_t)count * size);
+    return array;
+}
+
+void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, size_t size) {
+    if (needed <= *capacity && array)
+        return array;
+    int64_t wanted = needed > INT64_MAX / 2 ? needed : needed + needed / 2;
+    if (wanted < 16)
+        wanted = 16;
+    void *grown = pl_alloc(wanted, size);
+    if (!grown)
+        return NULL;
+    if (count > 0)
+        memcpy(grown, array, (size_t)count * size);
+    pl_free(array);
+    *capacity = wanted;
+    return grown;
+}
+
+void pl_free(void *array) {
+    free(array);
+}

@@ -1,0 +1,22 @@
+/* memory: arrays whose size cannot overflow. */
+#ifndef PL_BASE_MEMORY_H
+#define PL_BASE_MEMORY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/** count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by pl_free.
+ *  NULL if count is negative, the product overflows or there is no memory. A count of 0 gives a
+ *  valid pointer. Pages are not touched: the thread that writes first places them. */
+void *pl_alloc(int64_t count, size_t size);
+
+/** The same, zeroed. */
+void *pl_alloc_zero(int64_t count, size_t size);
+
+/** Grow array (from pl_alloc, or NULL with count 0) to at least needed elements, by half at least.
+ *  Updates *capacity; returns the new array, or NULL (the old one stays valid). */
+void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, size_t size);
+
+void pl_free(void *array);
+
+#endif

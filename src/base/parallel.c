@@ -1,0 +1,118 @@
+/* parallel: the only loop that runs on several threads, and the sums and scans built on it. */
+#include "base/parallel.h"
+
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+int pl_thread_count(int threads) {
+#ifdef _OPENMP
+    if (threads <= 0)
+        threads = omp_get_max_threads();
+#else
+    threads = 1;
+#endif
+    return threads < 1 ? 1 : threads;
+}
+
+static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context,
+                      int thread) {
+    int64_t begin = index * chunk;
+    int64_t end = n - begin < chunk ? n : begin + chunk;
+    body(context, begin, end, thread);
+}
+
+void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context) {
+    int64_t chunks = n > 0 ? (n - 1) / chunk + 1 : 0;
+    if (threads > chunks)
+        threads = (int)chunks;
+    if (threads <= 1) {
+        for (int64_t i = 0; i < chunks; i++)
+            run_chunk(i, n, chunk, body, context, 0);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
+    for (int64_t i = 0; i < chunks; i++)
+        run_chunk(i, n, chunk, body, context, omp_get_thread_num());
+#endif
+}
+
+void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context) {
+#ifdef _OPENMP
+#pragma omp parallel num_threads(threads)
+    {
+        int thread = omp_get_thread_num();
+        body(context, thread, thread + 1, thread);
+    }
+#else
+    (void)threads;
+    body(context, 0, 1, 0);
+#endif
+}
+
+struct sum {
+    pl_chunk_sum_fn *body;
+    void *context;
+    double *partial;
+    int64_t chunk;
+};
+
+static void sum_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    struct sum *sum = context;
+    sum->partial[begin / sum->chunk] = sum->body(sum->context, begin, end, thread);
+}
+
+double pl_parallel_sum(int threads, int64_t n, int64_t chunk, pl_chunk_sum_fn *body, void *context,
+                       double *partial) {
+    struct sum sum = {body, context, partial, chunk};
+    pl_parallel_for(threads, n, chunk, sum_chunk, &sum);
+    int64_t chunks = n > 0 ? (n - 1) / chunk + 1 : 0;
+    double total = 0;
+    for (int64_t i = 0; i < chunks; i++)
+        total += partial[i];
+    return total;
+}
+
+enum { SCAN_BLOCKS = 64 }; /* blocks of a parallel scan: more than threads that pay for one */
+
+struct scan {
+    int64_t *values;
+    int64_t block_total[SCAN_BLOCKS];
+    int64_t block;
+    int add;
+};
+
+static void scan_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    struct scan *scan = context;
+    (void)thread;
+    int64_t *total = &scan->block_total[begin / scan->block];
+    if (!scan->add) {
+        int64_t sum = 0;
+        for (int64_t i = begin; i < end; i++)
+            sum += scan->values[i];
+        *total = sum;
+        return;
+    }
+    int64_t running = *total;
+    for (int64_t i = begin; i < end; i++) {
+        int64_t value = scan->values[i];
+        scan->values[i] = running;
+        running += value;
+    }
+}
+
+int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values) {
+    struct scan scan = {.values = values, .block = n / SCAN_BLOCKS + 1};
+    pl_parallel_for(threads, n, scan.block, scan_chunk, &scan);
+    int64_t total = 0;
+    for (int64_t i = 0; i * scan.block < n; i++) {
+        int64_t block_total = scan.block_total[i];
+        scan.block_total[i] = total;
+        total += block_total;
+    }
+    scan.add = 1;
+    pl_parallel_for(threads, n, scan.block, scan_chunk, &scan);
+    values[n] = total;
+    return total;
+}

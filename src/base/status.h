@@ -1,0 +1,23 @@
+/* status: fill in a planish_error in one line. */
+#ifndef PL_BASE_STATUS_H
+#define PL_BASE_STATUS_H
+
+#include <planish/planish.h>
+
+#if defined(__GNUC__)
+#define PL_PRINTF(text, first) __attribute__((format(printf, text, first)))
+#else
+#define PL_PRINTF(text, first)
+#endif
+
+/** Write code and text into *error (may be NULL), element and node as none; returns code. */
+int pl_fail(planish_error *error, planish_status code, const char *format, ...) PL_PRINTF(3, 4);
+
+/** The same for an error at an element and/or node (-1: none). */
+int pl_fail_at(planish_error *error, planish_status code, int64_t element, int64_t node,
+               const char *format, ...) PL_PRINTF(5, 6);
+
+/** The usual error of a failed allocation of what. */
+int pl_fail_memory(planish_error *error, const char *what);
+
+#endif

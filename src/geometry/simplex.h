@@ -1,0 +1,352 @@
+/* simplex: measure, radius ratio, its derivatives and angles of one triangle or tetrahedron.
+ *
+ * The plain reference: scalar, written for reading, one body for both dimensions. Vertices go in,
+ * numbers come out; nothing is allocated and nothing is decided. What decides where nodes go is
+ * made of + - * / and sqrt only, so that its bits are the same everywhere.
+ *
+ * Conventions: dim is 2 or 3 and constant where the call is inlined. vertex [dim + 1] are pointers
+ * to coordinates [dim]. Row j of edges [dim][dim] is v_{j+1} - v_0. D = det(edges) is 6 times the
+ * signed volume, or twice the signed area. Facet j is the one opposite vertex j, and its normal
+ * n_j = dD/dv_j points inwards where D > 0; |n_j| is twice a face's area, or an edge's length.
+ */
+#ifndef PL_GEOMETRY_SIMPLEX_H
+#define PL_GEOMETRY_SIMPLEX_H
+
+#include <math.h>
+
+/* Loops over many elements become vectors only if the whole body is inlined. */
+#if defined(__GNUC__)
+#define PL_INLINE static inline __attribute__((always_inline))
+#else
+#define PL_INLINE static inline
+#endif
+
+/* ---- Vectors ------------------------------------------------------------------------------ */
+
+PL_INLINE double pl_dot(int dim, const double a[], const double b[]) {
+    double sum = a[0] * b[0] + a[1] * b[1];
+    return dim == 3 ? sum + a[2] * b[2] : sum;
+}
+
+PL_INLINE void pl_subtract(int dim, const double a[], const double b[], double difference[]) {
+    difference[0] = a[0] - b[0];
+    difference[1] = a[1] - b[1];
+    if (dim == 3)
+        difference[2] = a[2] - b[2];
+}
+
+/** a x b of vectors in space. */
+PL_INLINE void pl_cross(const double a[], const double b[], double product[]) {
+    product[0] = a[1] * b[2] - a[2] * b[1];
+    product[1] = a[2] * b[0] - a[0] * b[2];
+    product[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+/* ---- Measure ------------------------------------------------------------------------------ */
+
+PL_INLINE void pl_edges(int dim, const double *const vertex[], double edges[3][3]) {
+    for (int j = 0; j < dim; j++)
+        pl_subtract(dim, vertex[j + 1], vertex[0], edges[j]);
+}
+
+/** n_1 .. n_dim, the rows of the cofactor matrix of edges, into normals [1] .. [dim]. */
+PL_INLINE void pl_cofactor_normals(int dim, const double edges[3][3], double normals[4][3]) {
+    if (dim == 3) {
+        pl_cross(edges[1], edges[2], normals[1]);
+        pl_cross(edges[2], edges[0], normals[2]);
+        pl_cross(edges[0], edges[1], normals[3]);
+    } else {
+        normals[1][0] = edges[1][1];
+        normals[1][1] = -edges[1][0];
+        normals[2][0] = -edges[0][1];
+        normals[2][1] = edges[0][0];
+    }
+}
+
+/** n_0 from the facet's own edges: the sum of the others would cancel where it is small. */
+PL_INLINE void pl_base_normal(int dim, const double edges[3][3], double normal[3]) {
+    double b[3], c[3];
+    pl_subtract(dim, edges[1], edges[0], b);
+    if (dim == 3) {
+        pl_subtract(dim, edges[2], edges[0], c);
+        pl_cross(c, b, normal);
+    } else {
+        normal[0] = -b[1];
+        normal[1] = b[0];
+    }
+}
+
+/** D from edges; the rounding error bounds of quality/certificate.c hold for this order. */
+PL_INLINE double pl_determinant_of_edges(int dim, const double edges[3][3]) {
+    double normal[3];
+    if (dim == 2)
+        return edges[0][0] * edges[1][1] - edges[0][1] * edges[1][0];
+    pl_cross(edges[1], edges[2], normal);
+    return pl_dot(3, edges[0], normal);
+}
+
+/** Signed measure: area, positive counter-clockwise, or volume, positive where v1 v2 v3 turn
+ *  right-handed seen from v0. */
+PL_INLINE double pl_simplex_measure(int dim, const double *const vertex[]) {
+    double edges[3][3];
+    pl_edges(dim, vertex, edges);
+    return pl_determinant_of_edges(dim, edges) / (dim == 3 ? 6 : 2);
+}
+
+/* ---- Radius ratio ------------------------------------------------------------------------- */
+
+/** What the radius ratio and the angles of an element are made of. */
+typedef struct pl_shape {
+    double determinant;         /* D */
+    double circumradius_square; /* N = (2 R D)^2, R the circumradius; 0 only if edges are */
+    double surface;         /* S: sum of the facets' areas, or perimeter; r = D / (2 S), D / S */
+    double smallest_cosine; /* of the angles between facets: that of the largest angle */
+    double largest_cosine;
+} pl_shape;
+
+/** Take the cosine of the angle between two facets, from their unit normals, into the extremes. */
+PL_INLINE void pl_take_cosine(int dim, const double unit_i[], const double unit_j[],
+                              double *smallest, double *largest) {
+    double cosine = -pl_dot(dim, unit_i, unit_j);
+    *smallest = cosine < *smallest ? cosine : *smallest;
+    *largest = cosine > *largest ? cosine : *largest;
+}
+
+/** Extreme cosines of the angles between facets (dihedral in space, at the vertices in the plane)
+ *  from the normals and their lengths. */
+PL_INLINE void pl_extreme_cosines(int dim, const double normals[4][3], const double lengths[4],
+                                  double *smallest, double *largest) {
+    double unit[4][3];
+    for (int j = 0; j <= dim; j++) {
+        double inverse = 1 / lengths[j];
+        for (int d = 0; d < dim; d++)
+            unit[j][d] = normals[j][d] * inverse;
+    }
+    *smallest = 1;
+    *largest = -1;
+    for (int j = 0; j < 3; j++) {
+        pl_take_cosine(dim, unit[j], unit[(j + 1) % 3], smallest, largest);
+        if (dim == 3)
+            pl_take_cosine(dim, unit[j], unit[3], smallest, largest);
+    }
+}
+
+/** (2 R D)^2: the circumcentre is v_0 + sum |e_j|^2 n_{j+1} / (2 D). In the plane it is the square
+ *  of the product of the edges. */
+PL_INLINE double pl_circumradius_square(int dim, const double edges[3][3],
+                                        const double normals[4][3], const double squares[4]) {
+    if (dim == 2)
+        return squares[0] * squares[1] * squares[2];
+    double length0 = pl_dot(3, edges[0], edges[0]);
+    double length1 = pl_dot(3, edges[1], edges[1]);
+    double length2 = pl_dot(3, edges[2], edges[2]);
+    double alpha[3];
+    for (int d = 0; d < 3; d++)
+        alpha[d] = length0 * normals[1][d] + length1 * normals[2][d] + length2 * normals[3][d];
+    return pl_dot(3, alpha, alpha);
+}
+
+PL_INLINE pl_shape pl_shape_of_edges(int dim, const double edges[3][3]) {
+    double normals[4][3], squares[4], lengths[4];
+    pl_cofactor_normals(dim, edges, normals);
+    pl_base_normal(dim, edges, normals[0]);
+    double sum = 0;
+    for (int j = 0; j <= dim; j++) {
+        squares[j] = pl_dot(dim, normals[j], normals[j]);
+        lengths[j] = sqrt(squares[j]);
+        sum += lengths[j];
+    }
+    pl_shape shape;
+    shape.determinant = pl_determinant_of_edges(dim, edges);
+    shape.circumradius_square = pl_circumradius_square(dim, edges, normals, squares);
+    shape.surface = dim == 3 ? sum / 2 : sum;
+    pl_extreme_cosines(dim, normals, lengths, &shape.smallest_cosine, &shape.largest_cosine);
+    return shape;
+}
+
+/** RR^2 = N S^2 / (9 D^4) or N S^2 / (16 D^4); in range for sizes from 1e-20 to 1e20. */
+PL_INLINE double pl_radius_ratio_square_of_shape(int dim, const pl_shape *shape) {
+    double d2 = shape->determinant * shape->determinant;
+    double s2 = shape->surface * shape->surface;
+    return shape->circumradius_square * s2 / ((dim == 3 ? 9 : 16) * (d2 * d2));
+}
+
+/** RR in an order of operations that overflows only where RR does. */
+PL_INLINE double pl_radius_ratio_of_shape(int dim, const pl_shape *shape) {
+    double d = fabs(shape->determinant);
+    return sqrt(shape->circumradius_square) / d * (shape->surface / ((dim == 3 ? 3 : 4) * d));
+}
+
+/** RR^2 of an element; D < 0 makes no difference, infinite or NaN where D is 0. */
+PL_INLINE double pl_radius_ratio_square(int dim, const double *const vertex[]) {
+    double edges[3][3];
+    pl_edges(dim, vertex, edges);
+    pl_shape shape = pl_shape_of_edges(dim, edges);
+    return pl_radius_ratio_square_of_shape(dim, &shape);
+}
+
+/* ---- Derivatives of RR^2 with respect to one vertex --------------------------------------- */
+
+/** A function of the vertex x. */
+typedef struct pl_derivatives {
+    double value;
+    double gradient[3];   /* [dim] */
+    double hessian[3][3]; /* [dim][dim], symmetric */
+} pl_derivatives;
+
+/** What is constant while x moves: D = n . a and the circumcentre p0 + alpha / (2 D) with
+ *  alpha = |a|^2 n + M a, where a = x - p0. */
+typedef struct pl_opposite_facet {
+    double n[3];    /* [dim] dD/dx */
+    double m[3][3]; /* [dim][dim] M: [w]x in space, |b|^2 times a quarter turn in the plane */
+} pl_opposite_facet;
+
+static inline pl_opposite_facet pl_facet_of(int dim, const double *const facet[]) {
+    pl_opposite_facet f = {{0}, {{0}}};
+    double b[3] = {0}, c[3] = {0}, w[3];
+    pl_subtract(dim, facet[1], facet[0], b);
+    double b2 = pl_dot(dim, b, b);
+    if (dim == 2) {
+        f.n[0] = -b[1];
+        f.n[1] = b[0];
+        f.m[0][1] = b2;
+        f.m[1][0] = -b2;
+        return f;
+    }
+    pl_subtract(dim, facet[2], facet[0], c);
+    double c2 = pl_dot(dim, c, c);
+    pl_cross(b, c, f.n);
+    for (int d = 0; d < 3; d++)
+        w[d] = b2 * c[d] - c2 * b[d];
+    for (int d = 0; d < 3; d++) {
+        int next = (d + 1) % 3, last = (d + 2) % 3;
+        f.m[d][next] = -w[last];
+        f.m[d][last] = w[next];
+    }
+    return f;
+}
+
+/** N = |alpha|^2 = (2 R D)^2 with J = dalpha/dx = 2 n a^T + M: grad N = 2 J^T alpha,
+ *  hess N = 2 J^T J + 4 (alpha . n) I. */
+static inline pl_derivatives pl_circumradius_derivatives(int dim, const pl_opposite_facet *f,
+                                                         const double a[]) {
+    double alpha[3], j[3][3];
+    double a2 = pl_dot(dim, a, a);
+    for (int r = 0; r < dim; r++) {
+        alpha[r] = a2 * f->n[r] + pl_dot(dim, f->m[r], a);
+        for (int s = 0; s < dim; s++)
+            j[r][s] = 2 * f->n[r] * a[s] + f->m[r][s];
+    }
+    pl_derivatives n = {.value = pl_dot(dim, alpha, alpha)};
+    double diagonal = 4 * pl_dot(dim, alpha, f->n);
+    for (int s = 0; s < dim; s++) {
+        for (int r = 0; r < dim; r++)
+            n.gradient[s] += 2 * j[r][s] * alpha[r];
+        for (int t = 0; t < dim; t++) {
+            for (int r = 0; r < dim; r++)
+                n.hessian[s][t] += 2 * j[r][s] * j[r][t];
+            n.hessian[s][t] += s == t ? diagonal : 0;
+        }
+    }
+    return n;
+}
+
+/** Add weight times the distance of x from a line through p along the unit vector e, or from the
+ *  point p (e = 0): grad h = u, hess h = (I - e e^T - u u^T) / h. */
+static inline void pl_add_distance(int dim, double weight, const double x[], const double p[],
+                                   const double e[], pl_derivatives *sum) {
+    double u[3];
+    pl_subtract(dim, x, p, u);
+    double along = pl_dot(dim, u, e);
+    for (int d = 0; d < dim; d++)
+        u[d] -= along * e[d];
+    double h = sqrt(pl_dot(dim, u, u));
+    sum->value += weight * h;
+    for (int d = 0; d < dim; d++)
+        u[d] /= h;
+    for (int s = 0; s < dim; s++) {
+        sum->gradient[s] += weight * u[s];
+        for (int t = 0; t < dim; t++)
+            sum->hessian[s][t] += weight / h * ((s == t) - e[s] * e[t] - u[s] * u[t]);
+    }
+}
+
+/** S: the facet's own measure, constant, and those of the facets at x: half an edge times the
+ *  distance of x from it, or the distances from the ends. */
+static inline pl_derivatives pl_surface_derivatives(int dim, const double n[], const double x[],
+                                                    const double *const facet[]) {
+    double own = sqrt(pl_dot(dim, n, n));
+    pl_derivatives s = {.value = dim == 3 ? own / 2 : own};
+    for (int i = 0; i < dim; i++) {
+        double e[3] = {0}, weight = 1;
+        if (dim == 3) {
+            pl_subtract(dim, facet[(i + 1) % 3], facet[i], e);
+            double length = sqrt(pl_dot(dim, e, e));
+            for (int d = 0; d < dim; d++)
+                e[d] /= length;
+            weight = length / 2;
+        }
+        pl_add_distance(dim, weight, x, facet[i], e, &s);
+    }
+    return s;
+}
+
+/** RR^2 and its derivatives with respect to vertex x; facet [dim] are pointers to the other
+ *  vertices, so oriented that D = (x - p0) . ((p1 - p0) x (p2 - p0)), or (p1 - p0) x (x - p0).
+ *  From the derivatives of the logarithm: RR^2 = N S^2 / (c D^4) (docs/algorithm.md). */
+static inline pl_derivatives pl_radius_ratio_derivatives(int dim, const double x[],
+                                                         const double *const facet[]) {
+    double a[3] = {0}, l[3];
+    pl_subtract(dim, x, facet[0], a);
+    pl_opposite_facet f = pl_facet_of(dim, facet);
+    pl_derivatives n = pl_circumradius_derivatives(dim, &f, a);
+    pl_derivatives s = pl_surface_derivatives(dim, f.n, x, facet);
+    pl_shape shape = {pl_dot(dim, a, f.n), n.value, s.value, 0, 0};
+    double d = shape.determinant;
+    pl_derivatives rr = {.value = pl_radius_ratio_square_of_shape(dim, &shape)};
+    for (int i = 0; i < dim; i++) {
+        l[i] = n.gradient[i] / n.value + 2 * s.gradient[i] / s.value - 4 * f.n[i] / d;
+        rr.gradient[i] = rr.value * l[i];
+    }
+    for (int i = 0; i < dim; i++) {
+        for (int j = 0; j < dim; j++) {
+            double of_n =
+                n.hessian[i][j] / n.value - n.gradient[i] / n.value * (n.gradient[j] / n.value);
+            double of_s =
+                s.hessian[i][j] / s.value - s.gradient[i] / s.value * (s.gradient[j] / s.value);
+            double of_d = f.n[i] / d * (f.n[j] / d);
+            rr.hessian[i][j] = rr.value * (of_n + 2 * of_s + 4 * of_d + l[i] * l[j]);
+        }
+    }
+    return rr;
+}
+
+/* ---- Angles and edges --------------------------------------------------------------------- */
+
+/** Smallest and largest cosine of the dihedral angles of a tetrahedron, or of the angles of a
+ *  triangle: those of the largest and the smallest angle. */
+static inline void pl_angle_cosines(int dim, const double *const vertex[], double *smallest,
+                                    double *largest) {
+    double edges[3][3];
+    pl_edges(dim, vertex, edges);
+    pl_shape shape = pl_shape_of_edges(dim, edges);
+    *smallest = shape.smallest_cosine;
+    *largest = shape.largest_cosine;
+}
+
+/** Longest edge by shortest; infinite if two vertices are one. */
+static inline double pl_edge_ratio(int dim, const double *const vertex[]) {
+    double shortest = INFINITY, longest = 0;
+    for (int i = 0; i < dim; i++) {
+        for (int j = i + 1; j <= dim; j++) {
+            double edge[3];
+            pl_subtract(dim, vertex[j], vertex[i], edge);
+            double square = pl_dot(dim, edge, edge);
+            shortest = square < shortest ? square : shortest;
+            longest = square > longest ? square : longest;
+        }
+    }
+    return sqrt(longest / shortest);
+}
+
+#endif

@@ -1,0 +1,111 @@
+/* bytes: the content of a file, mapped where it can be. */
+#include "io/bytes.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MAPPED_NO, MAPPED_YES, MAPPED_BORROWED }; /* io_bytes.mapped */
+
+static char *copy_text(const char *text) {
+    size_t size = strlen(text) + 1;
+    char *copy = pl_alloc((int64_t)size, 1);
+    if (copy)
+        memcpy(copy, text, size);
+    return copy;
+}
+
+static int fail_errno(const char *path, const char *what, planish_error *error) {
+    return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
+}
+
+static int map_regular(int fd, int64_t size, io_bytes *bytes, planish_error *error) {
+    void *data = mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED)
+        return fail_errno(bytes->path, "cannot be mapped", error);
+    madvise(data, (size_t)size, MADV_SEQUENTIAL);
+    bytes->data = data;
+    bytes->size = size;
+    bytes->mapped = MAPPED_YES;
+    return PLANISH_OK;
+}
+
+static int read_stream(int fd, io_bytes *bytes, planish_error *error) {
+    enum { BLOCK = 1 << 20 };
+    char *data = NULL;
+    int64_t size = 0, capacity = 0;
+    for (;;) {
+        char *grown = pl_grow(data, size, size + BLOCK, &capacity, 1);
+        if (!grown) {
+            pl_free(data);
+            return pl_fail_memory(error, bytes->path);
+        }
+        data = grown;
+        ssize_t got = read(fd, data + size, BLOCK);
+        if (got < 0 && errno == EINTR)
+            continue;
+        if (got < 0) {
+            pl_free(data);
+            return fail_errno(bytes->path, "cannot be read", error);
+        }
+        if (got == 0)
+            break;
+        size += got;
+    }
+    bytes->data = data;
+    bytes->size = size;
+    bytes->mapped = MAPPED_NO;
+    return PLANISH_OK;
+}
+
+static int open_descriptor(int fd, io_bytes *bytes, planish_error *error) {
+    struct stat about;
+    if (fstat(fd, &about))
+        return fail_errno(bytes->path, "cannot be read", error);
+    if (S_ISDIR(about.st_mode))
+        return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a mesh file", bytes->path);
+    int status = PLANISH_OK;
+    if (!S_ISREG(about.st_mode))
+        status = read_stream(fd, bytes, error);
+    else if (about.st_size > 0)
+        status = map_regular(fd, about.st_size, bytes, error);
+    if (!status && bytes->size == 0)
+        status = pl_fail(error, PLANISH_ERROR_FORMAT, "%s: the file is empty", bytes->path);
+    return status;
+}
+
+int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
+    memset(bytes, 0, sizeof *bytes);
+    bytes->path = copy_text(path);
+    if (!bytes->path)
+        return pl_fail_memory(error, path);
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int status =
+        fd < 0 ? fail_errno(path, "cannot be opened", error) : open_descriptor(fd, bytes, error);
+    if (fd >= 0)
+        close(fd);
+    if (status)
+        io_bytes_close(bytes);
+    return status;
+}
+
+int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
+                    planish_error *error) {
+    *bytes = (io_bytes){copy_text(path), data, size, MAPPED_BORROWED};
+    return bytes->path ? PLANISH_OK : pl_fail_memory(error, path);
+}
+
+void io_bytes_close(io_bytes *bytes) {
+    if (bytes->mapped == MAPPED_YES)
+        munmap((void *)(uintptr_t)bytes->data, (size_t)bytes->size);
+    else if (bytes->mapped == MAPPED_NO)
+        pl_free((void *)(uintptr_t)bytes->data);
+    pl_free(bytes->path);
+    memset(bytes, 0, sizeof *bytes);
+}

@@ -1,0 +1,17 @@
+/* bytes: the content of a file, mapped where it can be. */
+#ifndef PL_IO_BYTES_H
+#define PL_IO_BYTES_H
+
+#include "io/model.h"
+
+/** Map the regular file at path, or read anything else (a pipe) to its end. Errors (_FILE) say why;
+ *  a folder and an empty file are errors. */
+int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error);
+
+/** Borrow size bytes at data under the name path: nothing is released but the name. */
+int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
+                    planish_error *error);
+
+void io_bytes_close(io_bytes *bytes);
+
+#endif

@@ -1,0 +1,178 @@
+/* constraints: which nodes a file holds: on its lower elements, marked, between regions, named. */
+#include "io/file.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** A tag of the command line: a name, or a number with or without a dimension. */
+typedef struct tag {
+    const char *name;
+    int has_number, dim; /* dim -1: any */
+    int64_t number;
+} tag;
+
+/* ---- understanding tags ------------------------------------------------------------------- */
+
+static tag tag_parse(const char *text) {
+    tag t = {text, 0, -1, 0};
+    char *end;
+    const char *digits = text;
+    if (text[0] >= '0' && text[0] <= '3' && text[1] == ':') {
+        t.dim = text[0] - '0';
+        digits = text + 2;
+    }
+    t.number = strtoll(digits, &end, 10);
+    t.has_number = end != digits && *end == '\0';
+    return t;
+}
+
+static int has_physical(const io_entity *entity, int64_t number) {
+    for (int i = 0; i < entity->n_physical; i++)
+        if (entity->physical[i] == number)
+            return 1;
+    return 0;
+}
+
+/** Choose the entities that a group is made of: by physical groups, or by their own tags. */
+static int choose_entities(const io_model *model, int dim, int64_t number, int physical,
+                           uint8_t *chosen) {
+    int found = 0;
+    for (int32_t i = 0; i < model->n_entities; i++) {
+        const io_entity *entity = &model->entity[i];
+        if (dim >= 0 && entity->dim != dim)
+            continue;
+        if (physical ? has_physical(entity, number) : entity->tag == number)
+            found = chosen[i] = 1;
+    }
+    return found;
+}
+
+static int choose_number(const io_model *model, int dim, int64_t number, uint8_t *chosen) {
+    return choose_entities(model, dim, number, 1, chosen) ||
+           choose_entities(model, dim, number, 0, chosen);
+}
+
+/** A group by its name, or by a number that only a name knows. */
+static int choose_group(const io_model *model, const tag *t, uint8_t *chosen) {
+    int found = 0;
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const io_group *group = &model->group[i];
+        int same = strcmp(group->name, t->name) == 0 || (t->has_number && group->tag == t->number &&
+                                                         (t->dim < 0 || t->dim == group->dim));
+        if (same)
+            choose_number(model, group->dim, group->tag, chosen);
+        found |= same;
+    }
+    return found;
+}
+
+enum { LISTED = 10 };
+
+/** "a, b, 3:1, ..." of what there is. */
+static void list_tags(const io_model *model, char *text, size_t size) {
+    size_t used = 0;
+    int listed = 0;
+    text[0] = '\0';
+    for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++, listed++)
+        used += (size_t)snprintf(text + used, size - used, "%s%s", listed ? ", " : "",
+                                 model->group[i].name);
+    for (int32_t i = 0; i < model->n_entities && listed < LISTED && used < size; i++) {
+        const io_entity *entity = &model->entity[i];
+        for (int j = 0; j < (entity->n_physical ? entity->n_physical : 1) && used < size; j++)
+            used += (size_t)snprintf(text + used, size - used, "%s%d:%d", listed++ ? ", " : "",
+                                     entity->dim,
+                                     entity->n_physical ? entity->physical[j] : entity->tag);
+    }
+    if (used < size && model->n_groups + model->n_entities > listed)
+        snprintf(text + used, size - used, ", ...");
+    if (!listed)
+        snprintf(text, size, "none");
+}
+
+static int choose_tag(const io_model *model, const char *text, uint8_t *chosen,
+                      planish_error *error) {
+    tag t = tag_parse(text);
+    int found = choose_group(model, &t, chosen);
+    if (t.has_number)
+        found |= choose_number(model, t.dim, t.number, chosen);
+    if (found)
+        return PLANISH_OK;
+    char list[256];
+    list_tags(model, list, sizeof list);
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "%s: there is no group '%s' to hold; the file has: %s", model->input.path, text,
+                   list);
+}
+
+/* ---- holding ------------------------------------------------------------------------------ */
+
+static void hold_cells(const io_cells *cells, int corners, const uint8_t *chosen,
+                       uint8_t *constraint) {
+    for (int64_t i = 0; cells->entity && i < cells->n; i++)
+        for (int j = 0; chosen[cells->entity[i]] && j < corners; j++)
+            constraint[cells->nodes[i * corners + j]] = PLANISH_FIXED;
+}
+
+static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t *constraint,
+                     planish_error *error) {
+    uint8_t *chosen = pl_alloc_zero(model->n_entities, 1);
+    int status = chosen ? PLANISH_OK : pl_fail_memory(error, "groups to hold");
+    for (int i = 0; i < hold->n_tags && !status; i++)
+        status = choose_tag(model, hold->tags[i], chosen, error);
+    if (!status) {
+        hold_cells(&model->tetrahedron, 4, chosen, constraint);
+        hold_cells(&model->triangle, 3, chosen, constraint);
+        for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
+            if (model->node_entity[i] >= 0 && chosen[model->node_entity[i]])
+                constraint[i] = PLANISH_FIXED;
+    }
+    pl_free(chosen);
+    return status;
+}
+
+static int one_region(const io_cells *cells) {
+    for (int64_t i = 1; i < cells->n; i++)
+        if (cells->entity[i] != cells->entity[0])
+            return 0;
+    return 1;
+}
+
+/** Nodes of elements of different regions. */
+static int hold_interfaces(const planish_file *file, uint8_t *constraint, planish_error *error) {
+    const io_cells *cells = io_file_elements(file);
+    const int corners = file->model.dim + 1;
+    if (!cells->entity || one_region(cells))
+        return PLANISH_OK;
+    int32_t *region = pl_alloc(file->model.n_nodes, sizeof *region);
+    if (!region)
+        return pl_fail_memory(error, "the regions of nodes");
+    for (int64_t i = 0; i < file->model.n_nodes; i++)
+        region[i] = -1;
+    for (int64_t i = 0; i < cells->n * corners; i++) {
+        int32_t node = cells->nodes[i], entity = cells->entity[i / corners];
+        if (region[node] < 0)
+            region[node] = entity;
+        else if (region[node] != entity)
+            constraint[node] = PLANISH_FIXED;
+    }
+    pl_free(region);
+    return PLANISH_OK;
+}
+
+int planish_file_constraints(const planish_file *file, const planish_hold *hold,
+                             uint8_t *constraint, planish_error *error) {
+    if (!file || !constraint)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
+    for (int64_t i = 0; i < file->model.n_nodes; i++)
+        constraint[i] = file->model.hold[i] ? PLANISH_FIXED : PLANISH_FREE;
+    int status = PLANISH_OK;
+    if (!hold || !hold->ignore_regions)
+        status = hold_interfaces(file, constraint, error);
+    if (!status && hold && hold->n_tags > 0)
+        status = hold_tags(&file->model, hold, constraint, error);
+    return status;
+}

@@ -1,0 +1,172 @@
+/* file: open a mesh file of any format, and what can be asked of it. */
+#include "io/file.h"
+
+#include "io/bytes.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+
+#include <string.h>
+#include <strings.h>
+
+/* ---- the table of formats ----------------------------------------------------------------- */
+
+static const io_format *const formats[] = {&io_format_gmsh, &io_format_medit, &io_format_vtk,
+                                           &io_format_tetgen};
+enum { N_FORMATS = sizeof formats / sizeof *formats };
+
+const char *const *planish_file_formats(void) {
+    static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", NULL};
+    return names;
+}
+
+const io_format *io_format_by_name(const char *name) {
+    for (int i = 0; i < N_FORMATS; i++)
+        if (strcmp(formats[i]->name, name) == 0)
+            return formats[i];
+    return NULL;
+}
+
+int io_format_has_extension(const io_format *format, const char *path) {
+    size_t length = strlen(path);
+    for (const char *const *extension = format->extensions; *extension; extension++) {
+        size_t size = strlen(*extension);
+        if (length > size && strcasecmp(path + length - size, *extension) == 0)
+            return 1;
+    }
+    return 0;
+}
+
+const io_format *io_format_find(const char *path, const char *data, int64_t size) {
+    for (int i = 0; i < N_FORMATS; i++)
+        if (formats[i]->recognise(data, size))
+            return formats[i];
+    for (int i = 0; i < N_FORMATS; i++)
+        if (io_format_has_extension(formats[i], path))
+            return formats[i];
+    return NULL;
+}
+
+/* ---- opening ------------------------------------------------------------------------------ */
+
+static int choose_format(planish_file *file, const char *name, planish_error *error) {
+    const io_bytes *input = &file->model.input;
+    file->format =
+        name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
+    if (file->format)
+        return PLANISH_OK;
+    if (name)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "unknown format '%s'; there are gmsh, medit, vtk and tetgen", name);
+    return pl_fail(error, PLANISH_ERROR_FORMAT,
+                   "%s: neither content nor extension is of a known mesh format (Gmsh .msh, Medit "
+                   ".mesh, VTK legacy .vtk, TetGen .node and .ele)",
+                   input->path);
+}
+
+static int read_model(planish_file *file, planish_error *error) {
+    int status = file->format->read(&file->model, error);
+    return status ? status : io_model_finish(&file->model, file->format->triangles_hold, error);
+}
+
+int planish_file_open(const char *path, const char *format, int threads, planish_file **out,
+                      planish_error *error) {
+    if (!path || !out)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "path and file must not be NULL");
+    planish_file *file = pl_alloc_zero(1, sizeof *file);
+    if (!file)
+        return pl_fail_memory(error, path);
+    file->model.threads = pl_thread_count(threads);
+    int status = io_bytes_open(path, &file->model.input, error);
+    if (!status)
+        status = choose_format(file, format, error);
+    if (!status)
+        status = read_model(file, error);
+    if (status)
+        planish_file_close(file);
+    else
+        *out = file;
+    return status;
+}
+
+int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
+                        int threads, planish_file **out, planish_error *error) {
+    planish_file *file = pl_alloc_zero(1, sizeof *file);
+    if (!file)
+        return pl_fail_memory(error, path);
+    file->model.threads = threads;
+    file->format = format;
+    int status = io_bytes_borrow(path, data, size, &file->model.input, error);
+    if (!status)
+        status = read_model(file, error);
+    if (status)
+        planish_file_close(file);
+    else
+        *out = file;
+    return status;
+}
+
+void planish_file_close(planish_file *file) {
+    if (!file)
+        return;
+    io_model_destroy(&file->model);
+    pl_free(file);
+}
+
+/* ---- questions ---------------------------------------------------------------------------- */
+
+const io_cells *io_file_elements(const planish_file *file) {
+    return file->model.dim == 3 ? &file->model.tetrahedron : &file->model.triangle;
+}
+
+static int64_t count_regions(const planish_file *file) {
+    const io_cells *cells = io_file_elements(file);
+    if (!cells->entity)
+        return 1;
+    uint8_t *seen = pl_alloc_zero(file->model.n_entities, 1);
+    int64_t count = 0;
+    for (int64_t i = 0; seen && i < cells->n; i++) {
+        count += !seen[cells->entity[i]];
+        seen[cells->entity[i]] = 1;
+    }
+    pl_free(seen);
+    return count;
+}
+
+void planish_file_get_info(const planish_file *file, planish_file_info *info) {
+    *info = (planish_file_info){.format = file->format->name,
+                                .precision = file->model.precision,
+                                .n_other_elements = file->model.n_other,
+                                .n_lower_elements = file->model.n_lower,
+                                .n_regions = count_regions(file),
+                                .bytes = file->model.input.size};
+}
+
+planish_mesh planish_file_mesh(const planish_file *file) {
+    const io_cells *cells = io_file_elements(file);
+    return (planish_mesh){.dim = file->model.dim,
+                          .n_nodes = file->model.n_nodes,
+                          .n_elements = cells->n,
+                          .coordinates = file->model.coordinates,
+                          .elements = cells->nodes,
+                          .constraint = NULL};
+}
+
+double *planish_file_coordinates(planish_file *file) {
+    return file->model.coordinates;
+}
+
+int64_t planish_file_element_number(const planish_file *file, int64_t element) {
+    const io_cells *cells = io_file_elements(file);
+    return cells->number ? cells->number[element] : cells->first_number + element;
+}
+
+int64_t planish_file_node_number(const planish_file *file, int64_t node) {
+    const io_model *model = &file->model;
+    return model->node_number ? model->node_number[node] : model->first_number + node;
+}
+
+int planish_file_can_write(const planish_file *file, const char *path) {
+    return io_format_has_extension(file->format, path);
+}

@@ -1,0 +1,28 @@
+/* file: the object behind planish_file; for file.c, constraints.c, splice.c and tests. */
+#ifndef PL_IO_FILE_H
+#define PL_IO_FILE_H
+
+#include "io/model.h"
+
+struct planish_file {
+    io_model model;
+    const io_format *format;
+};
+
+/** The format called name, or NULL. */
+const io_format *io_format_by_name(const char *name);
+
+/** The format that the content, else the extension of path, is of; NULL if neither tells. */
+const io_format *io_format_find(const char *path, const char *data, int64_t size);
+
+/** Whether path ends in one of the format's extensions, letter case ignored. */
+int io_format_has_extension(const io_format *format, const char *path);
+
+/** Read size bytes at data (borrowed) as a file of format called path: for fuzzing and tests. */
+int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
+                        int threads, planish_file **file, planish_error *error);
+
+/** The simplices that are smoothed. */
+const io_cells *io_file_elements(const planish_file *file);
+
+#endif

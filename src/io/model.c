@@ -1,0 +1,293 @@
+/* model: the arrays that readers fill in, and what follows from them. */
+#include "io/bytes.h"
+#include "io/model.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { CHUNK_NODES = 1 << 16 };
+
+/* ---- nodes -------------------------------------------------------------------------------- */
+
+int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error) {
+    if (n_nodes > INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: %lld nodes are more than the %lld that planish can handle",
+                       model->input.path, (long long)n_nodes, (long long)INT32_MAX);
+    model->n_nodes = n_nodes;
+    model->xyz = pl_alloc(n_nodes, 3 * sizeof *model->xyz);
+    model->hold = pl_alloc_zero(n_nodes, sizeof *model->hold);
+    if (text)
+        model->text_offset = pl_alloc(n_nodes, sizeof *model->text_offset);
+    if (!model->xyz || !model->hold || (text && !model->text_offset))
+        return pl_fail_memory(error, "the nodes of the file");
+    return PLANISH_OK;
+}
+
+int io_model_span(io_model *model, io_span span, planish_error *error) {
+    io_span *grown = pl_grow(model->span, model->n_spans, model->n_spans + 1, &model->span_capacity,
+                             sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(error, "the places of the nodes");
+    model->span = grown;
+    model->span[model->n_spans++] = span;
+    return PLANISH_OK;
+}
+
+/* ---- cells -------------------------------------------------------------------------------- */
+
+int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
+                     planish_error *error) {
+    if (n > INT32_MAX || cells->n + n > INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%lld elements are more than the %lld that planish can handle", (long long)n,
+                       (long long)INT32_MAX);
+    int64_t needed = cells->n + n, capacity = cells->capacity;
+    if (needed <= capacity && cells->nodes)
+        return PLANISH_OK;
+    int64_t nodes_capacity = capacity, entity_capacity = capacity, number_capacity = capacity;
+    size_t size = (size_t)(dim + 1) * sizeof *cells->nodes;
+    int32_t *nodes = pl_grow(cells->nodes, cells->n, needed, &nodes_capacity, size);
+    if (nodes)
+        cells->nodes = nodes;
+    int32_t *entity = NULL;
+    int64_t *number = NULL;
+    if (with_entity &&
+        (entity = pl_grow(cells->entity, cells->n, needed, &entity_capacity, sizeof *entity)))
+        cells->entity = entity;
+    if (with_number &&
+        (number = pl_grow(cells->number, cells->n, needed, &number_capacity, sizeof *number)))
+        cells->number = number;
+    if (!nodes || (with_entity && !entity) || (with_number && !number))
+        return pl_fail_memory(error, "the elements of the file");
+    cells->capacity = nodes_capacity;
+    return PLANISH_OK;
+}
+
+/* ---- entities and groups ------------------------------------------------------------------ */
+
+static int entity_is(const io_entity *entity, int dim, int32_t tag, int n_physical,
+                     const int32_t *physical) {
+    return entity->dim == dim && entity->tag == tag && entity->n_physical == n_physical &&
+           (n_physical == 0 ||
+            memcmp(entity->physical, physical, (size_t)n_physical * sizeof *physical) == 0);
+}
+
+/** FNV-1a over the numbers. */
+static uint32_t entity_hash(int dim, int32_t tag, int n_physical, const int32_t *physical) {
+    uint32_t hash = (2166136261u ^ (uint32_t)dim) * 16777619u;
+    hash = (hash ^ (uint32_t)tag) * 16777619u;
+    for (int i = 0; i < n_physical; i++)
+        hash = (hash ^ (uint32_t)physical[i]) * 16777619u;
+    return hash ^ hash >> 15;
+}
+
+/** The slot of the entity, or the free one where it belongs. */
+static int32_t *entity_find_slot(const io_model *model, int dim, int32_t tag, int n_physical,
+                                 const int32_t *physical) {
+    uint32_t mask = (uint32_t)model->n_slots - 1;
+    uint32_t at = entity_hash(dim, tag, n_physical, physical) & mask;
+    while (model->entity_slot[at] >= 0 &&
+           !entity_is(&model->entity[model->entity_slot[at]], dim, tag, n_physical, physical))
+        at = (at + 1) & mask;
+    return &model->entity_slot[at];
+}
+
+/** Keep the hash table at most half full. */
+static int entity_grow_slots(io_model *model, planish_error *error) {
+    enum { FIRST_SLOTS = 64 };
+    if (2 * (int64_t)model->n_entities < model->n_slots)
+        return PLANISH_OK;
+    if (model->n_slots > INT32_MAX / 2)
+        return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: too many different regions",
+                       model->input.path);
+    int32_t n_slots = model->n_slots ? 2 * model->n_slots : FIRST_SLOTS;
+    int32_t *slot = pl_alloc(n_slots, sizeof *slot);
+    if (!slot)
+        return pl_fail_memory(error, "the regions of the file");
+    memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    pl_free(model->entity_slot);
+    model->entity_slot = slot;
+    model->n_slots = n_slots;
+    for (int32_t i = 0; i < model->n_entities; i++) {
+        const io_entity *e = &model->entity[i];
+        *entity_find_slot(model, e->dim, e->tag, e->n_physical, e->physical) = i;
+    }
+    return PLANISH_OK;
+}
+
+static int entity_append(io_model *model, int dim, int32_t tag, int n_physical,
+                         const int32_t *physical, planish_error *error) {
+    int64_t capacity = model->entity_capacity;
+    io_entity *grown =
+        pl_grow(model->entity, model->n_entities, model->n_entities + 1, &capacity, sizeof *grown);
+    if (grown) {
+        model->entity = grown;
+        model->entity_capacity = (int32_t)capacity;
+    }
+    int32_t *copy = pl_alloc(n_physical, sizeof *copy);
+    if (!grown || !copy) {
+        pl_free(copy);
+        return pl_fail_memory(error, "the regions of the file");
+    }
+    if (n_physical > 0)
+        memcpy(copy, physical, (size_t)n_physical * sizeof *copy);
+    model->entity[model->n_entities] = (io_entity){dim, tag, n_physical, copy};
+    return PLANISH_OK;
+}
+
+int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
+                        const int32_t *physical, planish_error *error) {
+    int status = entity_grow_slots(model, error);
+    if (status)
+        return status;
+    int32_t *slot = entity_find_slot(model, dim, tag, n_physical, physical);
+    if (*slot >= 0)
+        return *slot;
+    status = entity_append(model, dim, tag, n_physical, physical, error);
+    if (status)
+        return status;
+    return *slot = model->n_entities++;
+}
+
+int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
+                   planish_error *error) {
+    int64_t capacity = model->group_capacity;
+    io_group *grown =
+        pl_grow(model->group, model->n_groups, model->n_groups + 1, &capacity, sizeof *grown);
+    if (grown) {
+        model->group = grown;
+        model->group_capacity = (int32_t)capacity;
+    }
+    char *copy = pl_alloc(length + 1, 1);
+    if (!grown || !copy) {
+        pl_free(copy);
+        return pl_fail_memory(error, "the groups of the file");
+    }
+    memcpy(copy, name, (size_t)length);
+    copy[length] = '\0';
+    model->group[model->n_groups++] = (io_group){dim, tag, copy};
+    return PLANISH_OK;
+}
+
+/* ---- finish ------------------------------------------------------------------------------- */
+
+static void hold_triangles(void *context, int64_t begin, int64_t end, int thread) {
+    io_model *model = context;
+    (void)thread;
+    for (int64_t i = 3 * begin; i < 3 * end; i++)
+        __atomic_fetch_or(&model->hold[model->triangle.nodes[i]], IO_HELD_BY_LOWER,
+                          __ATOMIC_RELAXED);
+}
+
+static int finish_solid(io_model *model, int triangles_hold) {
+    model->dim = 3;
+    model->coordinates = model->xyz;
+    model->n_lower += model->triangle.n;
+    if (triangles_hold)
+        pl_parallel_for(model->threads, model->triangle.n, CHUNK_NODES, hold_triangles, model);
+    return PLANISH_OK;
+}
+
+/** The nodes of the triangles must share one z. */
+static int check_plane(const io_model *model, planish_error *error) {
+    const int32_t *nodes = model->triangle.nodes;
+    double z = model->xyz[3 * (int64_t)nodes[0] + 2];
+    for (int64_t i = 0; i < 3 * model->triangle.n; i++)
+        if (model->xyz[3 * (int64_t)nodes[i] + 2] != z)
+            return pl_fail_at(error, PLANISH_ERROR_MESH, i / 3, nodes[i],
+                              "%s: triangles in space (z is %g at one node and %g at another): "
+                              "only plane meshes of one z can be smoothed, surfaces cannot",
+                              model->input.path, z, model->xyz[3 * (int64_t)nodes[i] + 2]);
+    return PLANISH_OK;
+}
+
+static int finish_plane(io_model *model, planish_error *error) {
+    int status = check_plane(model, error);
+    if (status)
+        return status;
+    model->dim = 2;
+    model->coordinates = pl_alloc(model->n_nodes, 2 * sizeof *model->coordinates);
+    if (!model->coordinates)
+        return pl_fail_memory(error, "coordinates");
+    for (int64_t i = 0; i < model->n_nodes; i++) {
+        model->coordinates[2 * i] = model->xyz[3 * i];
+        model->coordinates[2 * i + 1] = model->xyz[3 * i + 1];
+    }
+    pl_free(model->xyz);
+    model->xyz = NULL;
+    return PLANISH_OK;
+}
+
+int io_model_finish(io_model *model, int triangles_hold, planish_error *error) {
+    if (model->tetrahedron.n > 0)
+        return finish_solid(model, triangles_hold);
+    if (model->triangle.n > 0)
+        return finish_plane(model, error);
+    return pl_fail(error, PLANISH_ERROR_FORMAT,
+                   "%s: no tetrahedron and no triangle in it: there is nothing to smooth",
+                   model->input.path);
+}
+
+static void cells_destroy(io_cells *cells) {
+    pl_free(cells->nodes);
+    pl_free(cells->entity);
+    pl_free(cells->number);
+}
+
+void io_model_destroy(io_model *model) {
+    io_bytes_close(&model->input);
+    for (int i = 0; i < model->n_companions; i++)
+        io_bytes_close(&model->companion[i]);
+    pl_free(model->companion);
+    if (model->coordinates != model->xyz)
+        pl_free(model->coordinates);
+    pl_free(model->xyz);
+    pl_free(model->node_number);
+    pl_free(model->span);
+    pl_free(model->text_offset);
+    pl_free(model->hold);
+    pl_free(model->node_entity);
+    cells_destroy(&model->triangle);
+    cells_destroy(&model->tetrahedron);
+    for (int32_t i = 0; i < model->n_entities; i++)
+        pl_free(model->entity[i].physical);
+    pl_free(model->entity);
+    pl_free(model->entity_slot);
+    for (int32_t i = 0; i < model->n_groups; i++)
+        pl_free(model->group[i].name);
+    pl_free(model->group);
+    memset(model, 0, sizeof *model);
+}
+
+/* ---- errors ------------------------------------------------------------------------------- */
+
+int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) {
+    char text[384];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    int64_t line = 1;
+    for (const char *c = model->input.data; error && c < at; c++)
+        line += *c == '\n' || (*c == '\r' && (c + 1 == at || c[1] != '\n'));
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s:%lld: %s", model->input.path, (long long)line,
+                   text);
+}
+
+int io_fail_byte(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) {
+    char text[384];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: byte %lld: %s", model->input.path,
+                   (long long)(at - model->input.data), text);
+}

@@ -1,0 +1,156 @@
+/* model: what every reader fills in and the one writer uses.
+ *
+ * A reader walks the bytes of its format once and tells the model: the nodes (value and place of
+ * their coordinates in the file), the triangles and tetrahedra, which nodes other things in the
+ * file hold, and the names of groups. Nothing else of the file is kept, because the writer copies
+ * the file's own bytes around the coordinates it replaces.
+ */
+#ifndef PL_IO_MODEL_H
+#define PL_IO_MODEL_H
+
+#include <planish/planish_io.h>
+
+/** The bytes of a file: mapped, or read when it is no regular file. */
+typedef struct io_bytes {
+    char *path;
+    const char *data; /* [size] */
+    int64_t size;
+    int mapped;
+} io_bytes;
+
+typedef enum io_encoding {
+    IO_TEXT,      /* columns tokens apart by white space */
+    IO_FLOAT32,   /* binary, in the byte order of swapped */
+    IO_FLOAT64
+} io_encoding;
+
+/** A run of nodes whose coordinates stand in the file at a constant distance (binary), or
+ *  each at its own place (text: io_model.text_offset). Spans are in the file's order. */
+typedef struct io_span {
+    int64_t first_node, n_nodes;
+    io_encoding encoding;
+    int swapped;    /* binary: not this machine's byte order */
+    int64_t offset; /* binary: byte of the first node's first coordinate */
+    int64_t stride; /* binary: bytes from node to node */
+} io_span;
+
+/** Simplices of one dimension in the file's order. */
+typedef struct io_cells {
+    int64_t n, capacity;
+    int32_t *nodes;  /* [n][dim + 1], indices of nodes (not the file's numbers) */
+    int32_t *entity; /* [n] index into io_model.entity, or NULL: the file has none */
+    int64_t *number; /* [n] the file's element numbers, or NULL: 1, 2, 3 ... from first_number */
+    int64_t first_number;
+} io_cells;
+
+/** A region or surface, line, point that cells belong to: cells of different tags are of different
+ *  entities. tag: Gmsh's elementary entity, Medit's reference, TetGen's attribute. */
+typedef struct io_entity {
+    int dim;
+    int32_t tag;
+    int n_physical;
+    int32_t *physical; /* [n_physical] Gmsh's physical groups, owned */
+} io_entity;
+
+/** A named group: all entities of dim with that tag among their physical tags (or their tag, where
+ *  the format has no physical groups). */
+typedef struct io_group {
+    int dim;
+    int32_t tag;
+    char *name; /* owned */
+} io_group;
+
+/** Why the file holds a node, bits of io_model.hold. */
+enum {
+    IO_HELD_BY_LOWER = 1,    /* on an element of lower dimension */
+    IO_HELD_BY_OTHER = 2,    /* on an element of a type that is not smoothed */
+    IO_HELD_REQUIRED = 4,    /* marked in the file */
+    IO_HELD_PERIODIC = 8     /* one of a periodic pair */
+};
+
+typedef struct io_model {
+    io_bytes input;        /* holds the coordinates */
+    io_bytes *companion;   /* files beside the input, written along with it as they are (TetGen) */
+    int n_companions;
+    int threads;
+    planish_precision precision; /* PLANISH_FLOAT: values are rounded to float */
+    int columns;           /* coordinates of a node in the file: 2 or 3 */
+    int64_t n_nodes;
+    double *xyz;           /* [n_nodes][3] (z = 0 where columns is 2) */
+    int64_t *node_number;  /* [n_nodes] the file's numbers, or NULL: consecutive */
+    int64_t first_number;  /* of the nodes if node_number is NULL */
+    io_span *span;         /* [n_spans] */
+    int64_t n_spans, span_capacity;
+    int64_t *text_offset;  /* [n_nodes] byte of the first coordinate, or NULL: no text spans */
+    uint8_t *hold;         /* [n_nodes] bits IO_HELD_... */
+    int32_t *node_entity;  /* [n_nodes] entity of the node (Medit: reference), or NULL */
+    io_cells triangle, tetrahedron;
+    io_entity *entity;     /* [n_entities] */
+    int32_t n_entities, entity_capacity;
+    int32_t *entity_slot;  /* [n_slots] hash table of the entities: index or -1 */
+    int32_t n_slots;       /* a power of two, or 0 */
+    io_group *group;       /* [n_groups] */
+    int32_t n_groups, group_capacity;
+    int64_t n_other, n_lower;
+    /* Set by io_model_finish: */
+    int dim;
+    double *coordinates;   /* [n_nodes][dim] as read; in 3-D this is xyz itself */
+} io_model;
+
+/* ---- for the readers (all return 0 or a negative planish_status with *error filled in) ----- */
+
+/** Allocate the arrays of n_nodes nodes: xyz, hold (zeroed), text_offset if text. The reader has
+ *  already checked that the file is large enough for that many. */
+int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error);
+
+int io_model_span(io_model *model, io_span span, planish_error *error);
+
+/** Room for n more cells; the reader then writes nodes, entity, number at index cells->n ...; and
+ *  raises cells->n. with_entity/with_number must be the same in every call for the same cells. */
+int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
+                     planish_error *error);
+
+/** Index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
+int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
+                        const int32_t *physical, planish_error *error);
+
+int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
+                   planish_error *error);
+
+/** Table from the file's node numbers to indices, for files whose numbers are not 1 .. n. */
+typedef struct io_numbers io_numbers;
+/** numbers [n]; fails on a number that occurs twice (error names it). Any order, any gaps. */
+int io_numbers_create(const int64_t *numbers, int64_t n, int threads, io_numbers **table,
+                      planish_error *error);
+/** Index of number, or -1. */
+int64_t io_numbers_find(const io_numbers *table, int64_t number);
+void io_numbers_destroy(io_numbers *table);
+
+/* ---- for file.c --------------------------------------------------------------------------- */
+
+/** Decide the dimension (tetrahedra if there are any, else triangles), let triangles of a 3-D mesh
+ *  hold their nodes (io_reader.triangles_hold), check that a 2-D mesh has one z, lay out
+ *  coordinates. Fails if there is nothing to smooth. */
+int io_model_finish(io_model *model, int triangles_hold, planish_error *error);
+void io_model_destroy(io_model *model);
+
+/* ---- the formats -------------------------------------------------------------------------- */
+
+typedef struct io_format {
+    const char *name;              /* as in --format and in messages */
+    const char *const *extensions; /* with the dot, NULL-terminated */
+    int (*recognise)(const char *data, int64_t size); /* by content: 1 sure, 0 no */
+    int (*read)(io_model *model, planish_error *error); /* model->input is there */
+    int triangles_hold; /* triangles of a 3-D mesh hold their nodes (TetGen decides by marker) */
+} io_format;
+
+extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_tetgen;
+
+/** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
+int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) __attribute__((format(printf, 4, 5)));
+/** "FILE: byte N: text" for binary parts. */
+int io_fail_byte(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) __attribute__((format(printf, 4, 5)));
+
+#endif

@@ -1,0 +1,100 @@
+/* numbers: from the file's node numbers to indices, whatever their order and gaps. */
+#include "io/model.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdlib.h>
+
+/* Up to this many places per number (and a few) a table by number beats a search. */
+enum { PLACES_PER_NUMBER = 4, PLACES_AT_LEAST = 1024 };
+
+typedef struct numbered {
+    int64_t number;
+    int32_t index;
+} numbered;
+
+struct io_numbers {
+    int64_t n, first, last; /* numbers first .. last occur */
+    int32_t *place;         /* [last - first + 1] index or -1; NULL: see sorted */
+    numbered *sorted;       /* [n] by number */
+};
+
+static int fail_twice(int64_t number, planish_error *error) {
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "node number %lld occurs twice", (long long)number);
+}
+
+static int fill_table(io_numbers *table, const int64_t *numbers, planish_error *error) {
+    int64_t places = table->last - table->first + 1;
+    table->place = pl_alloc(places, sizeof *table->place);
+    if (!table->place)
+        return pl_fail_memory(error, "node numbers");
+    for (int64_t i = 0; i < places; i++)
+        table->place[i] = -1;
+    for (int64_t i = 0; i < table->n; i++) {
+        int32_t *place = &table->place[numbers[i] - table->first];
+        if (*place >= 0)
+            return fail_twice(numbers[i], error);
+        *place = (int32_t)i;
+    }
+    return PLANISH_OK;
+}
+
+static int compare(const void *a, const void *b) {
+    int64_t p = ((const numbered *)a)->number, q = ((const numbered *)b)->number;
+    return (p > q) - (p < q);
+}
+
+static int fill_sorted(io_numbers *table, const int64_t *numbers, planish_error *error) {
+    table->sorted = pl_alloc(table->n, sizeof *table->sorted);
+    if (!table->sorted)
+        return pl_fail_memory(error, "node numbers");
+    for (int64_t i = 0; i < table->n; i++)
+        table->sorted[i] = (numbered){numbers[i], (int32_t)i};
+    qsort(table->sorted, (size_t)table->n, sizeof *table->sorted, compare);
+    for (int64_t i = 1; i < table->n; i++)
+        if (table->sorted[i].number == table->sorted[i - 1].number)
+            return fail_twice(table->sorted[i].number, error);
+    return PLANISH_OK;
+}
+
+int io_numbers_create(const int64_t *numbers, int64_t n, int threads, io_numbers **out,
+                      planish_error *error) {
+    (void)threads;
+    io_numbers *table = pl_alloc_zero(1, sizeof *table);
+    if (!table)
+        return pl_fail_memory(error, "node numbers");
+    table->n = n;
+    table->first = n ? INT64_MAX : 0;
+    table->last = n ? INT64_MIN : -1;
+    for (int64_t i = 0; i < n; i++) {
+        table->first = numbers[i] < table->first ? numbers[i] : table->first;
+        table->last = numbers[i] > table->last ? numbers[i] : table->last;
+    }
+    uint64_t range = (uint64_t)table->last - (uint64_t)table->first;
+    int dense = range < (uint64_t)n * PLACES_PER_NUMBER + PLACES_AT_LEAST;
+    int status = dense ? fill_table(table, numbers, error) : fill_sorted(table, numbers, error);
+    if (status)
+        io_numbers_destroy(table);
+    else
+        *out = table;
+    return status;
+}
+
+int64_t io_numbers_find(const io_numbers *table, int64_t number) {
+    if (number < table->first || number > table->last)
+        return -1;
+    if (table->place)
+        return table->place[number - table->first];
+    numbered key = {number, 0};
+    const numbered *found = bsearch(&key, table->sorted, (size_t)table->n, sizeof key, compare);
+    return found ? found->index : -1;
+}
+
+void io_numbers_destroy(io_numbers *table) {
+    if (!table)
+        return;
+    pl_free(table->place);
+    pl_free(table->sorted);
+    pl_free(table);
+}

@@ -1,0 +1,295 @@
+/* splice: planish_file_write, for every format: the input's bytes, with the coordinates that
+ * changed replaced where they stand.
+ *
+ * Nodes are taken in chunks; the text of a chunk is made by one thread, and chunks are written in
+ * the file's order, with the bytes between them copied from the input. A component that did not
+ * change keeps its bytes, found by reading it again.
+ */
+#include "io/file.h"
+#include "io/number.h"
+#include "io/output.h"
+#include "io/text.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/round.h"
+#include "base/status.h"
+
+#include <string.h>
+#include <sys/stat.h>
+
+enum { CHUNK_NODES = 8192 };
+
+/** A run of nodes of one span and the bytes that replace its stretch of the file. */
+typedef struct piece {
+    const char *begin, *end; /* the stretch: from the first coordinate to behind the last */
+    char *text;              /* [length] owned */
+    int64_t length;
+    int failed;
+} piece;
+
+typedef struct splice {
+    const io_model *model;
+    const double *coordinates; /* [n_nodes][dim] */
+    const io_span *span;
+    int64_t first; /* node of the span where the wave of pieces begins */
+    piece *pieces; /* [threads] */
+    int threads;
+} splice;
+
+/* ---- one node ----------------------------------------------------------------------------- */
+
+/** A component as the reader would read it. */
+static double as_read(const io_model *model, double value) {
+    return model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
+}
+
+static char *append(char *to, const char *from, const char *end) {
+    memcpy(to, from, (size_t)(end - from));
+    return to + (end - from);
+}
+
+/** Copy one node's text with changed components replaced; at: behind what has been copied. */
+static char *splice_text_node(const splice *s, int64_t node, const char **at, char *to) {
+    const io_model *model = s->model;
+    io_cursor cursor = {model->input.data + model->text_offset[node],
+                        model->input.data + model->input.size};
+    for (int d = 0; d < model->dim; d++) {
+        double value, wanted = s->coordinates[node * model->dim + d];
+        io_skip_space_comments(&cursor, '#');
+        const char *token = cursor.at;
+        if (io_parse_real(&cursor.at, cursor.end, &value))
+            break; /* it was read before: cannot be */
+        if (as_read(model, value) == wanted)
+            continue;
+        to = append(to, *at, token);
+        to += io_format_real(to, wanted, model->precision == PLANISH_FLOAT);
+        *at = cursor.at;
+    }
+    return to;
+}
+
+static void swap_bytes(char *bytes, int size) {
+    for (int i = 0; i < size / 2; i++) {
+        char t = bytes[i];
+        bytes[i] = bytes[size - 1 - i];
+        bytes[size - 1 - i] = t;
+    }
+}
+
+/** Replace the changed components of one node in a copy of its bytes. */
+static void splice_binary_node(const splice *s, int64_t node, char *bytes) {
+    const int is_float = s->span->encoding == IO_FLOAT32;
+    const int size = is_float ? (int)sizeof(float) : (int)sizeof(double);
+    for (int d = 0; d < s->model->dim; d++, bytes += size) {
+        double wanted = s->coordinates[node * s->model->dim + d], value = wanted;
+        float single = (float)wanted;
+        char now[sizeof(double)];
+        memcpy(now, bytes, (size_t)size);
+        if (s->span->swapped)
+            swap_bytes(now, size);
+        if (is_float) {
+            float before;
+            memcpy(&before, now, sizeof before);
+            if (before == single)
+                continue;
+            memcpy(now, &single, sizeof single);
+        } else {
+            double before;
+            memcpy(&before, now, sizeof before);
+            if (before == wanted)
+                continue;
+            memcpy(now, &value, sizeof value);
+        }
+        if (s->span->swapped)
+            swap_bytes(now, size);
+        memcpy(bytes, now, (size_t)size);
+    }
+}
+
+/* ---- one piece ---------------------------------------------------------------------------- */
+
+static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
+    const io_model *model = s->model;
+    io_cursor cursor = {model->input.data + model->text_offset[last - 1],
+                        model->input.data + model->input.size};
+    double value;
+    p->begin = model->input.data + model->text_offset[first];
+    for (int d = 0; d < model->dim; d++) {
+        io_skip_space_comments(&cursor, '#');
+        io_parse_real(&cursor.at, cursor.end, &value);
+    }
+    p->end = cursor.at;
+    p->text = pl_alloc(p->end - p->begin + (last - first) * model->dim * IO_REAL_SIZE, 1);
+    if (!p->text) {
+        p->failed = 1;
+        return;
+    }
+    const char *at = p->begin;
+    char *to = p->text;
+    for (int64_t node = first; node < last; node++)
+        to = splice_text_node(s, node, &at, to);
+    to = append(to, at, p->end);
+    p->length = to - p->text;
+}
+
+static void make_binary(const splice *s, int64_t first, int64_t last, piece *p) {
+    const io_span *span = s->span;
+    int size = span->encoding == IO_FLOAT32 ? (int)sizeof(float) : (int)sizeof(double);
+    const char *data = s->model->input.data + span->offset;
+    p->begin = data + (first - span->first_node) * span->stride;
+    p->end = data + (last - 1 - span->first_node) * span->stride + s->model->dim * size;
+    p->length = p->end - p->begin;
+    p->text = pl_alloc(p->length, 1);
+    if (!p->text) {
+        p->failed = 1;
+        return;
+    }
+    append(p->text, p->begin, p->end);
+    for (int64_t node = first; node < last; node++)
+        splice_binary_node(s, node, p->text + (node - first) * span->stride);
+}
+
+static void make_piece(void *context, int64_t begin, int64_t end, int thread) {
+    const splice *s = context;
+    (void)end;
+    (void)thread;
+    int64_t last_of_span = s->span->first_node + s->span->n_nodes;
+    int64_t first = s->first + begin * CHUNK_NODES;
+    int64_t last = last_of_span - first < CHUNK_NODES ? last_of_span : first + CHUNK_NODES;
+    piece *p = &s->pieces[begin];
+    *p = (piece){NULL, NULL, NULL, 0, 0};
+    if (s->span->encoding == IO_TEXT)
+        make_text(s, first, last, p);
+    else
+        make_binary(s, first, last, p);
+}
+
+/* ---- the file ----------------------------------------------------------------------------- */
+
+/** Make and write the pieces of one wave; *at: how far the input has been written. */
+static int write_wave(splice *s, int64_t n_pieces, const char **at, io_output *output,
+                      planish_error *error) {
+    int status = PLANISH_OK;
+    pl_parallel_for(s->threads, n_pieces, 1, make_piece, s);
+    for (int64_t i = 0; i < n_pieces; i++) {
+        piece *p = &s->pieces[i];
+        if (!status && p->failed)
+            status = pl_fail_memory(error, "the text of coordinates");
+        if (!status)
+            status = io_output_write(output, *at, p->begin - *at, error);
+        if (!status)
+            status = io_output_write(output, p->text, p->length, error);
+        *at = p->end;
+        pl_free(p->text);
+    }
+    return status;
+}
+
+static int write_spans(splice *s, io_output *output, planish_error *error) {
+    const io_model *model = s->model;
+    const int64_t wave = s->threads;
+    const char *at = model->input.data, *end = at + model->input.size;
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < model->n_spans && !status; i++) {
+        s->span = &model->span[i];
+        int64_t n_pieces = (s->span->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES;
+        for (int64_t done = 0; done < n_pieces && !status; done += wave) {
+            s->first = s->span->first_node + done * CHUNK_NODES;
+            status =
+                write_wave(s, n_pieces - done < wave ? n_pieces - done : wave, &at, output, error);
+        }
+    }
+    return status ? status : io_output_write(output, at, end - at, error);
+}
+
+static int write_main(const planish_file *file, const double *coordinates, int threads,
+                      io_output *output, planish_error *error) {
+    splice s = {.model = &file->model,
+                .coordinates = coordinates,
+                .threads = threads,
+                .pieces = pl_alloc(threads, sizeof *s.pieces)};
+    int status = s.pieces ? write_spans(&s, output, error)
+                          : pl_fail_memory(error, "the text of coordinates");
+    pl_free(s.pieces);
+    return status ? status : io_output_finish(output, error);
+}
+
+/* ---- the file and its companions ----------------------------------------------------------- */
+
+static const char *extension_of(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot && !strchr(dot, '/') ? dot : path + strlen(path);
+}
+
+/** path with the extension of another; owned by the caller, NULL without memory. */
+static char *with_extension_of(const char *path, const char *other) {
+    size_t base = (size_t)(extension_of(path) - path);
+    const char *extension = extension_of(other);
+    char *result = pl_alloc((int64_t)(base + strlen(extension) + 1), 1);
+    if (result) {
+        memcpy(result, path, base);
+        strcpy(result + base, extension);
+    }
+    return result;
+}
+
+static int same_file(const char *a, const char *b) {
+    struct stat x, y;
+    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+}
+
+static int write_companion(const io_bytes *companion, const char *path, io_temporaries temporaries,
+                           io_output *output, planish_error *error) {
+    char *target = with_extension_of(path, companion->path);
+    if (!target)
+        return pl_fail_memory(error, companion->path);
+    int status = PLANISH_OK;
+    if (!same_file(target, companion->path)) {
+        status = io_output_open(target, temporaries, output, error);
+        if (!status)
+            status = io_output_write(output, companion->data, companion->size, error);
+        if (!status)
+            status = io_output_finish(output, error);
+    }
+    pl_free(target);
+    return status;
+}
+
+/** Write all temporary files, then rename all. output [1 + n_companions]. */
+static int write_all(const planish_file *file, const char *path, const char *main_path,
+                     const double *coordinates, int threads, io_temporaries temporaries,
+                     io_output *output, int n_companions, planish_error *error) {
+    int status = io_output_open(main_path, temporaries, &output[0], error);
+    if (!status)
+        status = write_main(file, coordinates, threads, &output[0], error);
+    for (int i = 0; i < n_companions && !status; i++)
+        status =
+            write_companion(&file->model.companion[i], path, temporaries, &output[i + 1], error);
+    for (int i = 0; i <= n_companions && !status; i++)
+        status = io_output_commit(&output[i], temporaries, error);
+    for (int i = 0; i <= n_companions; i++)
+        io_output_release(&output[i], temporaries);
+    return status;
+}
+
+int planish_file_write(const planish_file *file, const char *path, const double *coordinates,
+                       int threads, char *temporary, size_t temporary_size, planish_error *error) {
+    if (!file || !path || !coordinates)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "file, path and coordinates must not be NULL");
+    int alone = file->model.n_companions == 0 || io_output_is_stream(path);
+    int n_companions = alone ? 0 : file->model.n_companions;
+    char *main_path = with_extension_of(path, alone ? path : file->model.input.path);
+    io_output *output = pl_alloc(n_companions + 1, sizeof *output);
+    int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
+    for (int i = 0; i <= n_companions && output; i++)
+        output[i] = (io_output){-1, NULL, NULL};
+    if (!status)
+        status =
+            write_all(file, path, main_path, coordinates, pl_thread_count(threads),
+                      (io_temporaries){temporary, temporary_size}, output, n_companions, error);
+    pl_free(output);
+    pl_free(main_path);
+    return status;
+}

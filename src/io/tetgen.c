@@ -1,0 +1,435 @@
+/* tetgen: .node with .ele beside it, of TetGen (tetrahedra) and of Triangle
+ * (triangles).
+ *
+ * Either file may be named; the other is found beside it. The .node file
+ * becomes the model's input, as it holds the coordinates; .ele, and .face and
+ * .edge if they are there, become its companions. All of these are read by
+ * lines: a first line of counts, then one line for each node, element, face or
+ * edge, which begins with its number; '#' begins a comment. Numbers run in
+ * sequence from that of the first line (0 or 1, as a rule).
+ *
+ * A .face or .edge file may list every face or edge of the mesh: only those
+ * with a marker that is not zero hold their nodes. The first attribute of
+ * elements tells regions apart if all its values are integers; other attributes
+ * may be any quantity.
+ */
+#include "io/bytes.h"
+#include "io/records.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+/** One of the files. */
+typedef struct part {
+    io_model view; /* only what messages and records need: input (borrowed) and
+                      threads */
+    io_cursor cursor;
+    int64_t n;        /* lines after the first */
+    int64_t count[3]; /* what follows n in the first line; 0 where it ends before */
+    int64_t first;    /* number of the first of the n */
+} part;
+
+/** What the rows of a file are read with. */
+typedef struct rows {
+    io_model *model;
+    const part *part;
+    const char *what;      /* of a row, for messages */
+    int dim;               /* nodes: number of coordinates; else nodes of an element less one */
+    int64_t skipped;       /* words between coordinates or corners and the tag */
+    int32_t *nodes;        /* [n][dim + 1] elements only, owned by the model */
+    int32_t *tag;          /* [n] marker or attribute, or NULL: rows have none */
+    int real_tag;          /* attributes are written as reals */
+    atomic_int fractional; /* not 0: a real tag is no integer */
+} rows;
+
+/* ---- words of a line
+ * ---------------------------------------------------------------------- */
+
+/** Whether the line goes on at the cursor, with blanks skipped. */
+static int line_goes_on(io_cursor *cursor) {
+    while (cursor->at < cursor->end && (*cursor->at == ' ' || *cursor->at == '\t'))
+        cursor->at++;
+    return cursor->at < cursor->end && *cursor->at != '\n' && *cursor->at != '\r' &&
+           *cursor->at != '#';
+}
+
+static int line_integer(io_cursor *cursor, int64_t *value) {
+    return line_goes_on(cursor) ? io_integer(cursor, value) : -1;
+}
+
+static int line_real(io_cursor *cursor, double *value) {
+    return line_goes_on(cursor) ? io_real(cursor, value) : -1;
+}
+
+/* ---- the first line
+ * ----------------------------------------------------------------------- */
+
+static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
+                      planish_error *error) {
+    *p = (part){.view = {.input = *file, .threads = threads},
+                .cursor = {file->data, file->data + file->size}};
+    io_skip_space_comments(&p->cursor, '#');
+    if (line_integer(&p->cursor, &p->n) || p->n < 0)
+        return io_fail_text(&p->view, p->cursor.at, error, "a first line of counts was expected");
+    for (int i = 0; i < 3 && line_goes_on(&p->cursor); i++)
+        if (io_integer(&p->cursor, &p->count[i]) || p->count[i] < 0)
+            return io_fail_text(&p->view, p->cursor.at, error, "a count was expected");
+    const char *counts = p->cursor.at;
+    io_skip_line(&p->cursor);
+    /* Every word takes two bytes at least, with what parts it from the next. */
+    if (p->n > (io_left(&p->cursor) + 1) / (2 * words))
+        return io_fail_text(&p->view, counts, error,
+                            "%lld lines were promised, the file is too short for that",
+                            (long long)p->n);
+    io_cursor peek = p->cursor;
+    io_skip_space_comments(&peek, '#');
+    if (p->n > 0 && line_integer(&peek, &p->first))
+        return io_fail_text(&p->view, peek.at, error, "a number was expected");
+    return PLANISH_OK;
+}
+
+/* ---- rows
+ * ---------------------------------------------------------------------------------
+ */
+
+/** The number that each row begins with: in sequence. */
+static int read_number(const rows *r, io_cursor *cursor, int64_t row, planish_error *error) {
+    const part *p = r->part;
+    int64_t number;
+    io_skip_space_comments(cursor, '#');
+    if (cursor->at == cursor->end)
+        return io_fail_text(&p->view, cursor->at, error,
+                            "the file ends after %lld of %lld %ss (it may be cut short)",
+                            (long long)row, (long long)p->n, r->what);
+    const char *at = cursor->at;
+    if (io_integer(cursor, &number) || (uint64_t)number - (uint64_t)p->first != (uint64_t)row)
+        return io_fail_text(&p->view, at, error, "%s number %lld was expected", r->what,
+                            (long long)((uint64_t)p->first + (uint64_t)row));
+    return PLANISH_OK;
+}
+
+/** The marker or attribute at the end of a row; 0 where the line ends before.
+ */
+static int read_tag(rows *r, io_cursor *cursor, int64_t row, planish_error *error) {
+    double real = 0;
+    int64_t length, tag = 0;
+    int failed = 0;
+    for (int64_t i = 0; i < r->skipped && line_goes_on(cursor); i++)
+        io_word(cursor, &length);
+    if (line_goes_on(cursor))
+        failed = r->real_tag ? io_real(cursor, &real) : io_integer(cursor, &tag);
+    if (failed)
+        return io_fail_text(&r->part->view, cursor->at, error, "a %s was expected",
+                            r->real_tag ? "region attribute" : "boundary marker");
+    if (r->real_tag && !(real >= INT32_MIN && real <= INT32_MAX && floor(real) == real))
+        atomic_store_explicit(&r->fractional, 1, memory_order_relaxed);
+    else if (r->real_tag)
+        tag = (int64_t)real;
+    if (tag < INT32_MIN || tag > INT32_MAX)
+        return io_fail_text(&r->part->view, cursor->at, error,
+                            "boundary marker %lld is out of range", (long long)tag);
+    r->tag[row] = (int32_t)tag;
+    return PLANISH_OK;
+}
+
+static int read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                      planish_error *error) {
+    rows *r = context;
+    for (int64_t node = begin; node < end; node++) {
+        double *xyz = r->model->xyz + 3 * node;
+        int status = read_number(r, cursor, node, error);
+        if (status)
+            return status;
+        line_goes_on(cursor);
+        r->model->text_offset[node] = cursor->at - r->model->input.data;
+        xyz[2] = 0;
+        for (int i = 0; i < r->dim; i++)
+            if (line_real(cursor, &xyz[i]) || !isfinite(xyz[i]))
+                return io_fail_text(&r->part->view, cursor->at, error,
+                                    "node %lld: a finite coordinate was expected",
+                                    (long long)(r->part->first + node));
+        if (r->tag && (status = read_tag(r, cursor, node, error)))
+            return status;
+        io_skip_line(cursor);
+    }
+    return PLANISH_OK;
+}
+
+/** The corners of one element, face or edge as indices of nodes. */
+static int read_corners(const rows *r, io_cursor *cursor, int64_t row, int32_t *corner,
+                        planish_error *error) {
+    int64_t number;
+    for (int i = 0; i <= r->dim; i++) {
+        if (line_integer(cursor, &number))
+            return io_fail_text(&r->part->view, cursor->at, error, "a node of %s %lld was expected",
+                                r->what, (long long)(r->part->first + row));
+        uint64_t index = (uint64_t)number - (uint64_t)r->model->first_number;
+        if (index >= (uint64_t)r->model->n_nodes)
+            return io_fail_text(&r->part->view, cursor->at, error,
+                                "%s %lld has node %lld, but there are nodes %lld to %lld only",
+                                r->what, (long long)(r->part->first + row), (long long)number,
+                                (long long)r->model->first_number,
+                                (long long)(r->model->first_number + r->model->n_nodes - 1));
+        corner[i] = (int32_t)index;
+    }
+    return PLANISH_OK;
+}
+
+static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                         planish_error *error) {
+    rows *r = context;
+    for (int64_t i = begin; i < end; i++) {
+        int status = read_number(r, cursor, i, error);
+        if (!status)
+            status = read_corners(r, cursor, i, r->nodes + i * (r->dim + 1), error);
+        if (!status && r->tag)
+            status = read_tag(r, cursor, i, error);
+        if (status)
+            return status;
+        io_skip_line(cursor);
+    }
+    return PLANISH_OK;
+}
+
+/** Faces or edges: nothing is kept but what they hold. */
+static int read_holders(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                        planish_error *error) {
+    rows *r = context;
+    int32_t corner[3];
+    for (int64_t i = begin; i < end; i++) {
+        int status = read_number(r, cursor, i, error);
+        if (!status)
+            status = read_corners(r, cursor, i, corner, error);
+        if (!status)
+            status = read_tag(r, cursor, i, error);
+        if (status)
+            return status;
+        for (int j = 0; r->tag[i] != 0 && j <= r->dim; j++)
+            io_hold_node(r->model, corner[j], IO_HELD_BY_LOWER);
+        io_skip_line(cursor);
+    }
+    return PLANISH_OK;
+}
+
+static int read_rows(rows *r, io_records_fn *read, int64_t words, planish_error *error) {
+    io_text text;
+    io_cursor cursor = r->part->cursor;
+    io_text_init(&text, &r->part->view);
+    int status = io_text_records(&text, &cursor, r->part->n, words, read, r, error);
+    io_text_release(&text);
+    return status;
+}
+
+/** Replace tags [n] by the entities of dim that have them. */
+static int tags_to_entities(io_model *model, int dim, int32_t *tags, int64_t n,
+                            planish_error *error) {
+    int32_t tag = 0, entity = -1;
+    for (int64_t i = 0; i < n; i++) {
+        if (entity < 0 || tags[i] != tag) {
+            tag = tags[i];
+            entity = io_model_entity(model, dim, tag, 0, NULL, error);
+            if (entity < 0)
+                return entity;
+        }
+        tags[i] = entity;
+    }
+    return PLANISH_OK;
+}
+
+/* ---- the files
+ * ----------------------------------------------------------------------------
+ */
+
+static int read_node_file(io_model *model, int *dim, planish_error *error) {
+    part p;
+    int status = part_begin(&p, &model->input, model->threads, 3, error);
+    if (status)
+        return status;
+    if (p.count[0] != 2 && p.count[0] != 3)
+        return io_fail_text(&p.view, model->input.data, error,
+                            "dimension %lld: 2 or 3 was expected", (long long)p.count[0]);
+    *dim = (int)p.count[0];
+    model->columns = *dim;
+    model->first_number = p.first;
+    /* Attributes are words of each line, so that their count is that of the file
+     * at most. */
+    int64_t words = 1 + *dim + p.count[1] + (p.count[2] > 0);
+    if (p.count[1] > model->input.size)
+        return io_fail_text(&p.view, model->input.data, error,
+                            "%lld attributes were promised, the file is too short for that",
+                            (long long)p.count[1]);
+    status = io_model_nodes(model, p.n, 1, error);
+    if (!status)
+        status = io_model_span(model, (io_span){.n_nodes = p.n, .encoding = IO_TEXT}, error);
+    if (!status && p.count[2] > 0 &&
+        !(model->node_entity = pl_alloc(p.n, sizeof *model->node_entity)))
+        status = pl_fail_memory(error, "boundary markers");
+    if (status)
+        return status;
+    rows r = {.model = model,
+              .part = &p,
+              .what = "node",
+              .dim = *dim,
+              .skipped = p.count[1],
+              .tag = model->node_entity};
+    status = read_rows(&r, read_nodes, words, error);
+    if (!status && model->node_entity)
+        status = tags_to_entities(model, 0, model->node_entity, p.n, error);
+    return status;
+}
+
+static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
+    part p;
+    io_cells *cells = dim == 3 ? &model->tetrahedron : &model->triangle;
+    int status = part_begin(&p, file, model->threads, dim + 2, error);
+    if (status)
+        return status;
+    if (p.count[0] == (dim == 3 ? 10 : 6))
+        return io_fail_text(&p.view, file->data, error,
+                            "elements of second order (%lld nodes): only linear ones can be "
+                            "smoothed, write the mesh without -o2",
+                            (long long)p.count[0]);
+    if (p.count[0] != dim + 1)
+        return io_fail_text(&p.view, file->data, error,
+                            "elements of %lld nodes: %d were expected in %d dimensions",
+                            (long long)p.count[0], dim + 1, dim);
+    if (p.count[1] > file->size)
+        return io_fail_text(&p.view, file->data, error,
+                            "%lld attributes were promised, the file is too short for that",
+                            (long long)p.count[1]);
+    status = io_cells_reserve(cells, dim, p.n, p.count[1] > 0, 0, error);
+    if (status)
+        return status;
+    rows r = {.model = model,
+              .part = &p,
+              .what = "element",
+              .dim = dim,
+              .nodes = cells->nodes,
+              .tag = cells->entity,
+              .real_tag = 1};
+    status = read_rows(&r, read_elements, dim + 2 + p.count[1], error);
+    if (status)
+        return status;
+    cells->n = p.n;
+    cells->first_number = p.first;
+    if (atomic_load(&r.fractional)) {
+        pl_free(cells->entity);
+        cells->entity = NULL;
+    }
+    return cells->entity ? tags_to_entities(model, dim, cells->entity, p.n, error) : PLANISH_OK;
+}
+
+/** .face (dim 2) or .edge (dim 1). Without markers nothing in it is marked. */
+static int read_holder_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
+    part p;
+    int status = part_begin(&p, file, model->threads, dim + 2, error);
+    if (status)
+        return status;
+    model->n_lower += p.n;
+    if (p.count[0] == 0)
+        return PLANISH_OK;
+    int32_t *tag = pl_alloc(p.n, sizeof *tag);
+    if (!tag)
+        return pl_fail_memory(error, "boundary markers");
+    rows r = {
+        .model = model, .part = &p, .what = dim == 2 ? "face" : "edge", .dim = dim, .tag = tag};
+    status = read_rows(&r, read_holders, dim + 3, error);
+    if (!status)
+        status = tags_to_entities(model, dim, tag, p.n, error);
+    pl_free(tag);
+    return status;
+}
+
+/* ---- which files
+ * -------------------------------------------------------------------------- */
+
+/** Length of path without the extension .node or .ele. */
+static size_t base_length(const char *path) {
+    size_t length = strlen(path);
+    if (length > 5 && strcasecmp(path + length - 5, ".node") == 0)
+        return length - 5;
+    if (length > 4 && strcasecmp(path + length - 4, ".ele") == 0)
+        return length - 4;
+    return length;
+}
+
+/** Open the file of that extension beside path as *bytes; absent (data NULL) is
+ * no error where it is not needed. */
+static int open_beside(const char *path, const char *extension, int needed, io_bytes *bytes,
+                       planish_error *error) {
+    size_t base = base_length(path);
+    char *beside = pl_alloc((int64_t)(base + strlen(extension) + 1), 1);
+    if (!beside)
+        return pl_fail_memory(error, path);
+    memcpy(beside, path, base);
+    strcpy(beside + base, extension);
+    int status = PLANISH_OK;
+    memset(bytes, 0, sizeof *bytes);
+    if (access(beside, F_OK) == 0)
+        status = io_bytes_open(beside, bytes, error);
+    else if (needed)
+        status = pl_fail(error, PLANISH_ERROR_FILE,
+                         "%s: there is no %s beside it; TetGen's meshes are a "
+                         ".node and an .ele file",
+                         path, beside);
+    pl_free(beside);
+    return status;
+}
+
+/** model->input: .node; model->companion: .ele and, if they are there, .face
+ * and .edge. dim_of [n_companions] of their elements, -1 for .ele. */
+static int gather_files(io_model *model, int *dim_of, planish_error *error) {
+    static const char *const extensions[] = {".ele", ".face", ".edge"};
+    static const int dims[] = {-1, 2, 1};
+    io_bytes named = model->input, other;
+    size_t length = strlen(named.path), base = base_length(named.path);
+    int is_ele = length - base == 4;
+    model->companion = pl_alloc(3, sizeof *model->companion);
+    if (!model->companion)
+        return pl_fail_memory(error, named.path);
+    int status = open_beside(named.path, is_ele ? ".node" : ".ele", 1, &other, error);
+    if (status)
+        return status;
+    model->input = is_ele ? other : named;
+    model->companion[0] = is_ele ? named : other;
+    dim_of[0] = dims[0];
+    model->n_companions = 1;
+    for (int i = 1; i < 3 && !status; i++) {
+        status = open_beside(model->input.path, extensions[i], 0, &other, error);
+        if (!status && other.data) {
+            dim_of[model->n_companions] = dims[i];
+            model->companion[model->n_companions++] = other;
+        }
+    }
+    return status;
+}
+
+static int read_tetgen(io_model *model, planish_error *error) {
+    int dim_of[3], dim = 0;
+    int status = gather_files(model, dim_of, error);
+    if (!status)
+        status = read_node_file(model, &dim, error);
+    if (!status)
+        status = read_ele_file(model, &model->companion[0], dim, error);
+    for (int i = 1; i < model->n_companions && !status; i++)
+        if (dim_of[i] < dim)
+            status = read_holder_file(model, &model->companion[i], dim_of[i], error);
+    return status;
+}
+
+/* Nothing but numbers: any table looks like that. */
+static int recognise_tetgen(const char *data, int64_t size) {
+    (void)data;
+    (void)size;
+    return 0;
+}
+
+static const char *const tetgen_extensions[] = {".node", ".ele", NULL};
+
+const io_format io_format_tetgen = {"tetgen", tetgen_extensions, recognise_tetgen, read_tetgen, 0};

@@ -1,0 +1,88 @@
+/* text: walk the bytes of an ASCII mesh file. */
+#include "io/text.h"
+
+#include "io/number.h"
+
+#include <string.h>
+
+static int is_space(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
+}
+
+static char lower(char c) {
+    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
+}
+
+void io_skip_space(io_cursor *cursor) {
+    while (cursor->at < cursor->end && is_space(*cursor->at))
+        cursor->at++;
+}
+
+void io_skip_space_comments(io_cursor *cursor, char mark) {
+    io_skip_space(cursor);
+    while (cursor->at < cursor->end && *cursor->at == mark) {
+        io_skip_line(cursor);
+        io_skip_space(cursor);
+    }
+}
+
+void io_skip_line(io_cursor *cursor) {
+    while (cursor->at < cursor->end && *cursor->at != '\n' && *cursor->at != '\r')
+        cursor->at++;
+    int carriage_return = cursor->at < cursor->end && *cursor->at == '\r';
+    cursor->at += carriage_return;
+    if (cursor->at < cursor->end && *cursor->at == '\n')
+        cursor->at++;
+}
+
+const char *io_word(io_cursor *cursor, int64_t *length) {
+    io_skip_space(cursor);
+    const char *word = cursor->at;
+    while (cursor->at < cursor->end && !is_space(*cursor->at))
+        cursor->at++;
+    *length = cursor->at - word;
+    return word;
+}
+
+int io_word_is(const char *word, int64_t length, const char *name, int fold) {
+    for (int64_t i = 0; i < length; i++)
+        if (name[i] == '\0' || (fold ? lower(word[i]) != lower(name[i]) : word[i] != name[i]))
+            return 0;
+    return name[length] == '\0';
+}
+
+/** What follows a number must be white space or the end. */
+static int ends_here(const io_cursor *cursor, const char *at) {
+    return at == cursor->end || is_space(*at);
+}
+
+int io_integer(io_cursor *cursor, int64_t *value) {
+    io_skip_space(cursor);
+    const char *at = cursor->at;
+    if (io_parse_integer(&at, cursor->end, value) || !ends_here(cursor, at))
+        return -1;
+    cursor->at = at;
+    return 0;
+}
+
+int io_real(io_cursor *cursor, double *value) {
+    io_skip_space(cursor);
+    const char *at = cursor->at;
+    if (io_parse_real(&at, cursor->end, value) || !ends_here(cursor, at))
+        return -1;
+    cursor->at = at;
+    return 0;
+}
+
+const char *io_find_line(const char *from, const char *end, const char *name) {
+    size_t length = strlen(name);
+    while (from < end) {
+        if ((size_t)(end - from) >= length && memcmp(from, name, length) == 0)
+            return from;
+        const char *next = memchr(from, '\n', (size_t)(end - from));
+        if (!next)
+            return end;
+        from = next + 1;
+    }
+    return end;
+}

@@ -1,0 +1,134 @@
+/* certificate: the exact sign of the measure of a simplex. The plain formula decides where it
+ * exceeds the bound of its rounding error, integers as long as needed elsewhere. */
+#include "quality/certificate.h"
+#include "geometry/simplex.h"
+#include "quality/exact.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+
+/* Rounding error of D by this multiple of its permanent (Shewchuk 1997, "Adaptive precision
+ * floating-point arithmetic and fast robust geometric predicates"), u = 2^-53. */
+static const double ERROR_2D = (3 + 16 * 0x1p-53) * 0x1p-53;
+static const double ERROR_3D = (7 + 56 * 0x1p-53) * 0x1p-53;
+
+/* With differences below SCALED_HIGH, what underflow adds to the errors of D and of its permanent:
+ * each of a dozen products loses less than 2^-1074 and meets factors below 2^100 afterwards. */
+static const double UNDERFLOW_ERROR = 0x1p-960;
+static const double SCALED_LOW = 0x1p-100, SCALED_HIGH = 0x1p100;
+
+/** Largest absolute entry; NaN and infinite entries give infinity. */
+static double largest_entry(int dim, const double edges[3][3]) {
+    double largest = 0;
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++) {
+            double entry = fabs(edges[i][j]);
+            if (!(entry <= DBL_MAX))
+                return INFINITY;
+            largest = entry > largest ? entry : largest;
+        }
+    return largest;
+}
+
+/** Sum of the absolute products in D. */
+static double permanent_of_edges(int dim, const double edges[3][3]) {
+    double e[3][3];
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++)
+            e[i][j] = fabs(edges[i][j]);
+    if (dim == 2)
+        return e[0][0] * e[1][1] + e[0][1] * e[1][0];
+    return e[0][0] * (e[1][1] * e[2][2] + e[1][2] * e[2][1]) +
+           e[0][1] * (e[1][2] * e[2][0] + e[1][0] * e[2][2]) +
+           e[0][2] * (e[1][0] * e[2][1] + e[1][1] * e[2][0]);
+}
+
+/** Power of two that brings edges with this largest entry into range, 0 where they are. */
+static int scale_exponent(double largest) {
+    int exponent = 0;
+    if (largest < SCALED_LOW || largest > SCALED_HIGH)
+        frexp(largest, &exponent);
+    return exponent;
+}
+
+/** Lowest unit of the coordinates, or INT_MAX if all are 0 or one is not finite. */
+static int common_unit(int dim, const double *const vertex[]) {
+    int lowest = INT_MAX;
+    for (int i = 0; i <= dim; i++)
+        for (int d = 0; d < dim; d++) {
+            double a = vertex[i][d];
+            if (!(fabs(a) <= DBL_MAX))
+                return INT_MAX;
+            if (a == 0)
+                continue;
+            int unit = pl_exact_unit(a);
+            lowest = unit < lowest ? unit : lowest;
+        }
+    return lowest;
+}
+
+/** a d - b c. */
+static void exact_minor(const pl_exact *a, const pl_exact *b, const pl_exact *c, const pl_exact *d,
+                        pl_exact *minor) {
+    pl_exact ad, bc;
+    pl_exact_multiply(a, d, &ad);
+    pl_exact_multiply(b, c, &bc);
+    pl_exact_add(&ad, &bc, -1, minor);
+}
+
+/** Determinant of the 3 x 3 matrix e by its first row. */
+static void exact_determinant(const pl_exact e[3][3], pl_exact *determinant) {
+    pl_exact minor, term[3], sum;
+    for (int d = 0; d < 3; d++) {
+        int next = (d + 1) % 3, last = (d + 2) % 3;
+        exact_minor(&e[1][next], &e[1][last], &e[2][next], &e[2][last], &minor);
+        pl_exact_multiply(&e[0][d], &minor, &term[d]);
+    }
+    pl_exact_add(&term[0], &term[1], 1, &sum);
+    pl_exact_add(&sum, &term[2], 1, determinant);
+}
+
+static double certify_exactly(int dim, const double *const vertex[], int *exponent) {
+    *exponent = 0;
+    int unit = common_unit(dim, vertex);
+    if (unit == INT_MAX)
+        return 0;
+    pl_exact e[3][3], determinant;
+    for (int i = 0; i < dim; i++)
+        for (int d = 0; d < dim; d++)
+            pl_exact_difference(vertex[i + 1][d], vertex[0][d], unit, &e[i][d]);
+    if (dim == 2)
+        exact_minor(&e[0][0], &e[0][1], &e[1][0], &e[1][1], &determinant);
+    else
+        exact_determinant(e, &determinant);
+    double m = pl_exact_round(&determinant, exponent);
+    *exponent += dim * unit;
+    return m;
+}
+
+double pl_certified_determinant(int dim, const double *const vertex[], int *exponent) {
+    double edges[3][3];
+    pl_edges(dim, vertex, edges);
+    double largest = largest_entry(dim, edges);
+    if (largest > DBL_MAX)
+        return certify_exactly(dim, vertex, exponent);
+    int scale = scale_exponent(largest);
+    if (scale != 0)
+        for (int i = 0; i < dim; i++)
+            for (int d = 0; d < dim; d++)
+                edges[i][d] = ldexp(edges[i][d], -scale);
+    double determinant = pl_determinant_of_edges(dim, edges);
+    double permanent = permanent_of_edges(dim, edges);
+    double error = (dim == 3 ? ERROR_3D : ERROR_2D) * permanent + UNDERFLOW_ERROR;
+    *exponent = dim * scale;
+    if (fabs(determinant) > error)
+        return determinant;
+    return certify_exactly(dim, vertex, exponent);
+}
+
+int pl_measure_sign(int dim, const double *const vertex[]) {
+    int exponent;
+    double determinant = pl_certified_determinant(dim, vertex, &exponent);
+    return (determinant > 0) - (determinant < 0);
+}

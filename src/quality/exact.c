@@ -1,0 +1,118 @@
+/* exact: integers as long as the determinant of any four points needs. Schoolbook methods, sign and
+ * magnitude. */
+#include "quality/exact.h"
+
+#include <math.h>
+
+enum { LIMB_BITS = 32, MANTISSA_BITS = 53, LOWEST_UNIT = -1074 };
+
+int pl_exact_unit(double a) {
+    int exponent;
+    frexp(a, &exponent);
+    int unit = exponent - MANTISSA_BITS;
+    return unit > LOWEST_UNIT ? unit : LOWEST_UNIT;
+}
+
+static void trim(pl_exact *a) {
+    while (a->n > 0 && a->limb[a->n - 1] == 0)
+        a->n--;
+}
+
+/** a / 2^unit. */
+static void from_double(double a, int unit, pl_exact *result) {
+    result->sign = a < 0 ? -1 : 1;
+    result->n = 0;
+    if (a == 0)
+        return;
+    int own = pl_exact_unit(a);
+    uint64_t mantissa = (uint64_t)ldexp(fabs(a), -own);
+    int zeros = (own - unit) / LIMB_BITS, shift = (own - unit) % LIMB_BITS;
+    for (; result->n < zeros; result->n++)
+        result->limb[result->n] = 0;
+    uint64_t low = (mantissa & UINT32_MAX) << shift;
+    uint64_t high = (mantissa >> LIMB_BITS << shift) + (low >> LIMB_BITS);
+    result->limb[result->n++] = (uint32_t)low;
+    result->limb[result->n++] = (uint32_t)high;
+    result->limb[result->n++] = (uint32_t)(high >> LIMB_BITS);
+    trim(result);
+}
+
+/** Sign of |a| - |b|. */
+static int compare_magnitudes(const pl_exact *a, const pl_exact *b) {
+    if (a->n != b->n)
+        return a->n > b->n ? 1 : -1;
+    for (int i = a->n - 1; i >= 0; i--)
+        if (a->limb[i] != b->limb[i])
+            return a->limb[i] > b->limb[i] ? 1 : -1;
+    return 0;
+}
+
+/** |a| + |b|, |a| the longer. */
+static void add_magnitudes(const pl_exact *a, const pl_exact *b, pl_exact *sum) {
+    uint64_t carry = 0;
+    for (int i = 0; i < a->n; i++) {
+        carry += (uint64_t)a->limb[i] + (i < b->n ? b->limb[i] : 0);
+        sum->limb[i] = (uint32_t)carry;
+        carry >>= LIMB_BITS;
+    }
+    sum->n = a->n;
+    if (carry)
+        sum->limb[sum->n++] = (uint32_t)carry;
+}
+
+/** |a| - |b|, |a| not the smaller. */
+static void subtract_magnitudes(const pl_exact *a, const pl_exact *b, pl_exact *difference) {
+    uint64_t borrow = 0;
+    for (int i = 0; i < a->n; i++) {
+        uint64_t value = (uint64_t)a->limb[i] - (i < b->n ? b->limb[i] : 0) - borrow;
+        difference->limb[i] = (uint32_t)value;
+        borrow = value >> 63;
+    }
+    difference->n = a->n;
+    trim(difference);
+}
+
+void pl_exact_add(const pl_exact *a, const pl_exact *b, int b_sign, pl_exact *sum) {
+    int sign = b_sign * b->sign;
+    int a_is_larger = compare_magnitudes(a, b) >= 0;
+    const pl_exact *larger = a_is_larger ? a : b, *smaller = a_is_larger ? b : a;
+    sum->sign = a_is_larger ? a->sign : sign;
+    if (a->sign == sign)
+        add_magnitudes(larger, smaller, sum);
+    else
+        subtract_magnitudes(larger, smaller, sum);
+}
+
+void pl_exact_difference(double a, double b, int unit, pl_exact *difference) {
+    pl_exact first, second;
+    from_double(a, unit, &first);
+    from_double(b, unit, &second);
+    pl_exact_add(&first, &second, -1, difference);
+}
+
+void pl_exact_multiply(const pl_exact *a, const pl_exact *b, pl_exact *product) {
+    product->sign = a->sign * b->sign;
+    product->n = a->n + b->n;
+    for (int i = 0; i < product->n; i++)
+        product->limb[i] = 0;
+    for (int i = 0; i < a->n; i++) {
+        uint64_t carry = 0;
+        for (int j = 0; j < b->n; j++) {
+            carry += (uint64_t)a->limb[i] * b->limb[j] + product->limb[i + j];
+            product->limb[i + j] = (uint32_t)carry;
+            carry >>= LIMB_BITS;
+        }
+        product->limb[i + b->n] = (uint32_t)carry;
+    }
+    trim(product);
+}
+
+double pl_exact_round(const pl_exact *a, int *exponent) {
+    enum { KEPT = 3 }; /* limbs with at least 65 bits */
+    int lowest = a->n > KEPT ? a->n - KEPT : 0;
+    double m = 0;
+    for (int i = a->n - 1; i >= lowest; i--)
+        m = m * 0x1p32 + a->limb[i];
+    *exponent = lowest * LIMB_BITS;
+    return a->sign * m;
+}

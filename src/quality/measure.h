@@ -1,0 +1,39 @@
+/* measure: what a mesh is worth, in one pass over its elements.
+ *
+ * Sums run over chunks that depend on the mesh alone and are added in the chunks' order, with a
+ * fixed number of accumulators in each: the same bits for any number of threads and instruction
+ * set. Which elements are valid is decided exactly (certificate.h).
+ */
+#ifndef PL_QUALITY_MEASURE_H
+#define PL_QUALITY_MEASURE_H
+
+#include <planish/planish.h>
+
+/* Both functions take, with n nodes and m elements: elements [m][dim + 1], node numbers in range;
+ * sign [m], +1 or -1 so that sign * measure is positive in a valid mesh, or NULL: all +1;
+ * is_free [n], 1: the node may move; coordinates [n][dim]. */
+
+/** Fill in *quality (planish.h). Each element is looked at in its own scale, so that any volume
+ *  that a double holds gives a finite ratio; sums that overflow are infinite. What has no value for
+ *  lack of (valid) elements is 0. Errors: _MEMORY; *quality is then untouched. */
+int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+               const uint8_t *is_free, const double *coordinates, int threads,
+               planish_quality *quality, planish_error *error);
+
+/** Radius ratios over the valid elements (positive measure, decided exactly). */
+typedef struct pl_ratio_sums {
+    double movable;    /* sum of RR^2 over the elements with a free node */
+    double fixed;      /* sum of RR^2 over the others */
+    int64_t n_movable; /* valid elements with a free node */
+    int64_t n_fixed;   /* other valid elements */
+    double max;        /* largest RR^2 of all, 0 without any */
+    int64_t inverted;  /* elements that are not valid */
+} pl_ratio_sums;
+
+/** The part of pl_measure that convergence is judged by, twice as fast; the same bits. Fastest
+ * where edges are between 1e-18 and 1e24 long, and right everywhere. */
+void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+                         const uint8_t *is_free, const double *coordinates, int threads,
+                         pl_ratio_sums *sums);
+
+#endif

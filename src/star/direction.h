@@ -1,0 +1,117 @@
+/* direction: where to go from the gradient and Hessian of a star. Plain scalar arithmetic. */
+#ifndef PL_STAR_DIRECTION_H
+#define PL_STAR_DIRECTION_H
+
+#include <math.h>
+
+/* First shift of an indefinite Hessian, relative to its largest entry; then times 8 each. */
+#define SHIFT_FIRST  0x1p-7
+#define SHIFT_FACTOR 8.0
+enum { SHIFT_TRIALS = 8 }; /* the last shift exceeds any negative eigenvalue many times */
+/* A pivot below this fraction of the largest entry counts as not positive. */
+#define PIVOT_FLOOR 0x1p-40
+
+/** Index of entry (i, j), i <= j, of a symmetric matrix stored by rows of its upper triangle. */
+static inline int packed(int i, int j, int dim) {
+    return i * dim - i * (i - 1) / 2 + (j - i);
+}
+
+/** direction = -(hessian + shift I)^-1 gradient by LDL^T; 0 if a pivot is not above floor. */
+static inline int solve_shifted(const double *hessian, double shift, double floor,
+                                const double *gradient, double *direction, const int dim) {
+    double l[3][3] = {{0}}, pivot[3], y[3];
+    for (int i = 0; i < dim; i++) {
+        double d = hessian[packed(i, i, dim)] + shift;
+        for (int k = 0; k < i; k++)
+            d -= l[i][k] * l[i][k] * pivot[k];
+        if (!(d > floor))
+            return 0;
+        pivot[i] = d;
+        for (int j = i + 1; j < dim; j++) {
+            double e = hessian[packed(i, j, dim)];
+            for (int k = 0; k < i; k++)
+                e -= l[i][k] * l[j][k] * pivot[k];
+            l[j][i] = e / d;
+        }
+    }
+    for (int i = 0; i < dim; i++) {
+        y[i] = -gradient[i];
+        for (int k = 0; k < i; k++)
+            y[i] -= l[i][k] * y[k];
+    }
+    for (int i = dim - 1; i >= 0; i--) {
+        direction[i] = y[i] / pivot[i];
+        for (int k = i + 1; k < dim; k++)
+            direction[i] -= l[k][i] * direction[k];
+    }
+    return 1;
+}
+
+static inline double dot(const double *a, const double *b, const int dim) {
+    double sum = a[0] * b[0];
+    for (int d = 1; d < dim; d++)
+        sum += a[d] * b[d];
+    return sum;
+}
+
+/** v^T hessian v. */
+static inline double curvature(const double *hessian, const double *v, const int dim) {
+    double sum = 0;
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++)
+            sum += v[i] * v[j] * hessian[i <= j ? packed(i, j, dim) : packed(j, i, dim)];
+    return sum;
+}
+
+/** Newton direction, the Hessian shifted by multiples of the identity until it is positive
+ *  definite; 0 if even that fails (entries not finite, or all zero). */
+static inline int newton_direction(const double *gradient, const double *hessian, double *direction,
+                                   const int dim) {
+    double largest = 0;
+    for (int i = 0; i < dim; i++) {
+        double entry = fabs(hessian[packed(i, i, dim)]);
+        largest = entry > largest ? entry : largest;
+    }
+    double floor = largest * PIVOT_FLOOR;
+    if (solve_shifted(hessian, 0, floor, gradient, direction, dim))
+        return 1;
+    double shift = largest * SHIFT_FIRST;
+    for (int trial = 0; trial < SHIFT_TRIALS; trial++, shift *= SHIFT_FACTOR)
+        if (solve_shifted(hessian, shift, floor, gradient, direction, dim))
+            return 1;
+    return 0;
+}
+
+/** What conjugate directions remember from one iteration of a star to the next. */
+typedef struct conjugate {
+    double direction[3]; /* S^(q-1) */
+    double gradient2;    /* |grad F|^2 of the last iteration, 0: none */
+} conjugate;
+
+/** Equation 3 of the paper: S = -grad F + beta S^(q-1), beta = |grad F|^2 / |last grad F|^2;
+ * steepest descent at first and where that is no descent. The length is that of a Newton step along
+ * S where the curvature is positive, else that of the star. */
+static inline int fletcher_reeves_direction(const double *gradient, const double *hessian,
+                                            double size2, conjugate *memory, double *direction,
+                                            const int dim) {
+    double gradient2 = dot(gradient, gradient, dim);
+    if (!(gradient2 > 0) || !(gradient2 < INFINITY))
+        return 0;
+    double beta = memory->gradient2 > 0 ? gradient2 / memory->gradient2 : 0;
+    for (int d = 0; d < dim; d++)
+        direction[d] = -gradient[d] + beta * memory->direction[d];
+    if (!(dot(gradient, direction, dim) < 0))
+        for (int d = 0; d < dim; d++)
+            direction[d] = -gradient[d];
+    memory->gradient2 = gradient2;
+    for (int d = 0; d < dim; d++)
+        memory->direction[d] = direction[d];
+    double bend = curvature(hessian, direction, dim);
+    double length = bend > 0 ? -dot(gradient, direction, dim) / bend
+                             : sqrt(size2 / dot(direction, direction, dim));
+    for (int d = 0; d < dim; d++)
+        direction[d] *= length;
+    return 1;
+}
+
+#endif

@@ -1,0 +1,162 @@
+/* facets: gather a star and what stays constant while its node moves.
+ *
+ * One visit works on columns (structure of arrays) of the star's link facets, padded to a multiple
+ * of PL_LANES with copies of facet 0 of weight 0. All columns of a star lie together in scratch.
+ */
+#ifndef PL_STAR_FACETS_H
+#define PL_STAR_FACETS_H
+
+#include "star/lanes.h"
+
+/** Columns; in 2-D those with Z, C, N, W are not used. Symbols as in docs/algorithm.md. */
+enum {
+    P0X,
+    P0Y,
+    P1X,
+    P1Y,      /* the facet's nodes */
+    LENGTH,   /* 3-D: twice the facet's area |n|; 2-D: its length L */
+    ROUNDING, /* D is certain to be positive where D^2 > ROUNDING * |x - p0|^2 */
+    WEIGHT,   /* 1, or 0 for padding */
+    RATE,     /* n / D along the direction, see step.h; and 1 / D before */
+    COLUMNS_2D,
+    P0Z = COLUMNS_2D,
+    P1Z,
+    P2X,
+    P2Y,
+    P2Z,
+    NX,
+    NY,
+    NZ, /* n = (p1 - p0) x (p2 - p0) */
+    WX,
+    WY,
+    WZ, /* w = |b|^2 c - |c|^2 b, b = p1 - p0, c = p2 - p0 */
+    COLUMNS_3D
+};
+
+/** A gathered star. */
+typedef struct star {
+    double *column; /* [COLUMNS][padded] */
+    int64_t padded; /* facets, padded to a multiple of PL_LANES */
+    int64_t n_facets;
+    const int32_t *ring; /* [n_ring] */
+    int64_t n_ring;
+} star;
+
+static inline lanes load(const star *s, int column, int64_t i) {
+    return lanes_load(s->column + column * s->padded + i);
+}
+static inline void store(const star *s, int column, int64_t i, lanes a) {
+    lanes_store(s->column + column * s->padded + i, a);
+}
+
+typedef struct vec3 {
+    lanes x, y, z;
+} vec3;
+
+static inline vec3 vec3_load(const star *s, int cx, int cy, int cz, int64_t i) {
+    return (vec3){load(s, cx, i), load(s, cy, i), load(s, cz, i)};
+}
+static inline vec3 vec3_minus(vec3 a, vec3 b) {
+    return (vec3){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+static inline vec3 vec3_scaled(vec3 a, lanes f) {
+    return (vec3){a.x * f, a.y * f, a.z * f};
+}
+static inline vec3 vec3_plus(vec3 a, vec3 b) {
+    return (vec3){a.x + b.x, a.y + b.y, a.z + b.z};
+}
+static inline lanes vec3_dot(vec3 a, vec3 b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+static inline vec3 vec3_cross(vec3 a, vec3 b) {
+    return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/** Sum of the absolute values of the components. */
+static inline lanes vec3_norm1(vec3 a) {
+    return lanes_abs(a.x) + lanes_abs(a.y) + lanes_abs(a.z);
+}
+
+/* Rounding error of D = (x - p0) . ((p1 - p0) x (p2 - p0)), all as computed: at most (7 + 56u) u
+ * times its permanent, u = 2^-53 (Shewchuk 1997), and the permanent is at most
+ * sqrt(3) |x - p0| |b|_1 |c|_1. 8 for 7 pays for the rounding of the bound itself. In 2-D
+ * (3 + 16u) u and sqrt(2) |x - p0| |b|_1. */
+#define ROUNDING_3D (3 * 64 * 0x1p-106)
+#define ROUNDING_2D (2 * 16 * 0x1p-106)
+
+/** n, w, |n| and ROUNDING of the facets from their nodes. */
+static inline void facet_constants_3d(const star *s) {
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        vec3 p0 = vec3_load(s, P0X, P0Y, P0Z, i);
+        vec3 b = vec3_minus(vec3_load(s, P1X, P1Y, P1Z, i), p0);
+        vec3 c = vec3_minus(vec3_load(s, P2X, P2Y, P2Z, i), p0);
+        vec3 n = vec3_cross(b, c);
+        vec3 w = vec3_minus(vec3_scaled(c, vec3_dot(b, b)), vec3_scaled(b, vec3_dot(c, c)));
+        lanes permanent = vec3_norm1(b) * vec3_norm1(c);
+        store(s, NX, i, n.x);
+        store(s, NY, i, n.y);
+        store(s, NZ, i, n.z);
+        store(s, WX, i, w.x);
+        store(s, WY, i, w.y);
+        store(s, WZ, i, w.z);
+        store(s, LENGTH, i, lanes_sqrt(vec3_dot(n, n)));
+        store(s, ROUNDING, i, lanes_of(ROUNDING_3D) * (permanent * permanent));
+    }
+}
+
+/** Lengths and ROUNDING of the facets (edges) from their nodes. */
+static inline void facet_constants_2d(const star *s) {
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        lanes bx = load(s, P1X, i) - load(s, P0X, i);
+        lanes by = load(s, P1Y, i) - load(s, P0Y, i);
+        lanes permanent = lanes_abs(bx) + lanes_abs(by);
+        store(s, LENGTH, i, lanes_sqrt(bx * bx + by * by));
+        store(s, ROUNDING, i, lanes_of(ROUNDING_2D) * (permanent * permanent));
+    }
+}
+
+/** Copy one facet's nodes to row i of the columns. */
+static inline void facet_row(const star *s, int64_t i, const uint16_t *facet,
+                             const double *ring_xyz, const int dim) {
+    static const uint8_t columns[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            s->column[columns[j][d] * s->padded + i] = ring_xyz[facet[j] * dim + d];
+}
+
+/** Copy the coordinates of the facets' nodes from the ring's into the columns, padding included. */
+static inline void facet_nodes(const star *s, const uint16_t *link, const double *ring_xyz,
+                               const int dim) {
+    double *weight = s->column + WEIGHT * s->padded;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        facet_row(s, i, link + i * dim, ring_xyz, dim);
+        weight[i] = 1;
+    }
+    for (int64_t i = s->n_facets; i < s->padded; i++) {
+        facet_row(s, i, link, ring_xyz, dim);
+        weight[i] = 0;
+    }
+}
+
+/** Gather star index of problem into scratch. */
+static inline star gather(const pl_star_problem *problem, int64_t index, double *scratch,
+                          const int dim) {
+    star s;
+    int64_t first = problem->link_offset[index];
+    s.n_facets = problem->link_offset[index + 1] - first;
+    s.padded = (s.n_facets + PL_LANES - 1) / PL_LANES * PL_LANES;
+    s.ring = problem->ring + problem->ring_offset[index];
+    s.n_ring = problem->ring_offset[index + 1] - problem->ring_offset[index];
+    s.column = scratch;
+    double *ring_xyz = scratch + s.padded * (dim == 3 ? COLUMNS_3D : COLUMNS_2D);
+    for (int64_t i = 0; i < s.n_ring; i++)
+        for (int d = 0; d < dim; d++)
+            ring_xyz[i * dim + d] = problem->coordinates[(int64_t)s.ring[i] * dim + d];
+    facet_nodes(&s, problem->link + first * dim, ring_xyz, dim);
+    if (dim == 3)
+        facet_constants_3d(&s);
+    else
+        facet_constants_2d(&s);
+    return s;
+}
+
+#endif

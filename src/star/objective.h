@@ -1,0 +1,311 @@
+/* objective: sum of RR^2 over a star, its gradient and Hessian, at any position of the node.
+ *
+ * Formulas and symbols: docs/algorithm.md. In 3-D RR^2 = N s^2 / (36 D^4), in 2-D
+ * RR^2 = (L d e (L + d + e) / (4 D^2))^2 with D twice the area; the constant factors 1/36 and 1/16
+ * are applied to the sums.
+ */
+#ifndef PL_STAR_OBJECTIVE_H
+#define PL_STAR_OBJECTIVE_H
+
+#include "star/facets.h"
+
+#define RR2_FACTOR_3D (1.0 / 36.0)
+#define RR2_FACTOR_2D (1.0 / 16.0)
+
+/** The objective at a position. */
+typedef struct objective {
+    double sum, max; /* of RR^2 */
+    int positive;    /* all D > 0 */
+    int certain;     /* all D > 0 beyond doubt of rounding */
+} objective;
+
+/** Derivatives of the sum: gradient, Hessian (xx xy xz yy yz zz; 2-D: xx xy yy), and the mean
+ *  square distance of x from the first nodes of the facets, the star's size squared. */
+typedef struct derivatives {
+    double gradient[3], hessian[6];
+    double size2;
+} derivatives;
+
+/** Accumulators of PL_LANES lanes of the objective. */
+typedef struct accumulator {
+    lanes sum[PL_PACKS], max[PL_PACKS];
+    lanes_mask positive[PL_PACKS], certain[PL_PACKS];
+} accumulator;
+
+static inline void accumulator_init(accumulator *t) {
+    for (int k = 0; k < PL_PACKS; k++) {
+        t->sum[k] = t->max[k] = lanes_of(0);
+        t->positive[k] = t->certain[k] = lanes_greater(lanes_of(1), lanes_of(0));
+    }
+}
+
+static inline void accumulate(accumulator *t, int k, lanes rr2, lanes weight, lanes D,
+                              lanes rounding) {
+    lanes_mask positive = lanes_greater(D, lanes_of(0));
+    t->sum[k] += rr2 * weight;
+    t->max[k] = lanes_max(rr2, t->max[k]);
+    t->positive[k] &= positive;
+    t->certain[k] &= positive & lanes_greater(D * D, rounding);
+}
+
+static inline objective accumulator_result(const accumulator *t, double factor) {
+    objective f = {lanes_sum(t->sum) * factor, lanes_largest(t->max) * factor, 1, 1};
+    for (int k = 0; k < PL_PACKS; k++) {
+        f.positive &= lanes_all_set(t->positive[k]);
+        f.certain &= lanes_all_set(t->certain[k]);
+    }
+    return f;
+}
+
+/* ---- tetrahedra --------------------------------------------------------------------------- */
+
+/** One pack of tetrahedra at x. */
+typedef struct tetrahedra {
+    vec3 a, r1, r2;    /* x - p0, x - p1, x - p2 */
+    vec3 n, w, alpha;  /* alpha = |a|^2 n + w x a */
+    vec3 m0, m1, m2;   /* twice the vector areas of the facets at x */
+    lanes l0, l1, l2;  /* their norms */
+    lanes aa, D, N, s; /* |a|^2, 6 V, |alpha|^2, twice the surface */
+} tetrahedra;
+
+static inline tetrahedra tetrahedra_at(const star *s, int64_t i, vec3 x) {
+    tetrahedra t;
+    t.a = vec3_minus(x, vec3_load(s, P0X, P0Y, P0Z, i));
+    t.r1 = vec3_minus(x, vec3_load(s, P1X, P1Y, P1Z, i));
+    t.r2 = vec3_minus(x, vec3_load(s, P2X, P2Y, P2Z, i));
+    t.n = vec3_load(s, NX, NY, NZ, i);
+    t.w = vec3_load(s, WX, WY, WZ, i);
+    t.aa = vec3_dot(t.a, t.a);
+    t.D = vec3_dot(t.a, t.n);
+    t.alpha = vec3_plus(vec3_scaled(t.n, t.aa), vec3_cross(t.w, t.a));
+    t.N = vec3_dot(t.alpha, t.alpha);
+    t.m0 = vec3_cross(t.a, t.r1);
+    t.m1 = vec3_cross(t.r1, t.r2);
+    t.m2 = vec3_cross(t.r2, t.a);
+    t.l0 = lanes_sqrt(vec3_dot(t.m0, t.m0));
+    t.l1 = lanes_sqrt(vec3_dot(t.m1, t.m1));
+    t.l2 = lanes_sqrt(vec3_dot(t.m2, t.m2));
+    t.s = load(s, LENGTH, i) + (t.l0 + (t.l1 + t.l2));
+    return t;
+}
+
+static inline objective value_3d(const star *s, const double *position) {
+    vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
+    accumulator total;
+    accumulator_init(&total);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            tetrahedra t = tetrahedra_at(s, j, x);
+            lanes q = t.s / (t.D * t.D);
+            accumulate(&total, k, t.N * (q * q), load(s, WEIGHT, j), t.D,
+                       load(s, ROUNDING, j) * t.aa);
+        }
+    return accumulator_result(&total, RR2_FACTOR_3D);
+}
+
+/** Gradient g and Hessian h of the surface term: adds those of |m|, m = e x r with r = x - p, e the
+ *  edge from p. inverse: 1 / |m|. */
+static inline void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) {
+    vec3 u = vec3_cross(vec3_scaled(m, inverse), e);
+    lanes ee = vec3_dot(e, e);
+    *g = vec3_plus(*g, u);
+    h[0] += (ee - e.x * e.x - u.x * u.x) * inverse;
+    h[1] -= (e.x * e.y + u.x * u.y) * inverse;
+    h[2] -= (e.x * e.z + u.x * u.z) * inverse;
+    h[3] += (ee - e.y * e.y - u.y * u.y) * inverse;
+    h[4] -= (e.y * e.z + u.y * u.z) * inverse;
+    h[5] += (ee - e.z * e.z - u.z * u.z) * inverse;
+}
+
+/** The log-derivatives of one pack: gradient l of log RR^2, Hessian h of RR^2 divided by RR^2. */
+static inline vec3 log_derivatives_3d(const tetrahedra *t, lanes inverse_d, lanes h[6]) {
+    const lanes one = lanes_of(1), two = lanes_of(2), four = lanes_of(4);
+    vec3 b = vec3_minus(t->a, t->r1), c = vec3_minus(t->a, t->r2); /* p1 - p0, p2 - p0 */
+    vec3 bc = vec3_minus(c, b);                                    /* p2 - p1 */
+    vec3 cn = vec3_scaled(c, lanes_of(-1));                        /* p0 - p2 */
+
+    for (int k = 0; k < 6; k++)
+        h[k] = lanes_of(0);
+    vec3 gs = {lanes_of(0), lanes_of(0), lanes_of(0)};
+    add_area(t->m0, b, one / t->l0, &gs, h);
+    add_area(t->m1, bc, one / t->l1, &gs, h);
+    add_area(t->m2, cn, one / t->l2, &gs, h);
+    lanes inverse_s = one / t->s, f = two * inverse_s;
+    gs = vec3_scaled(gs, inverse_s);
+
+    lanes g2 = two / t->N;
+    lanes na = vec3_dot(t->n, t->alpha);
+    vec3 gn = vec3_scaled(vec3_plus(vec3_scaled(t->a, two * na), vec3_cross(t->alpha, t->w)), g2);
+    vec3 q = vec3_scaled(vec3_cross(t->n, t->w), two);
+    vec3 v = vec3_scaled(t->a, four * vec3_dot(t->n, t->n)); /* 4 |n|^2 a a^T + 2 (a q^T + q a^T) */
+    lanes d2 = vec3_dot(t->w, t->w) + two * na;
+
+    vec3 d = vec3_scaled(t->n, inverse_d);
+    vec3 l = {gn.x + two * gs.x - four * d.x, gn.y + two * gs.y - four * d.y,
+              gn.z + two * gs.z - four * d.z};
+    const vec3 *a = &t->a, *w = &t->w;
+#define LOG_HESSIAN(i, j)                                                                          \
+    (g2 * (a->i * v.j + (a->i * q.j + q.i * a->j) - w->i * w->j) +                                 \
+     ((l.i * l.j - gn.i * gn.j) + (four * (d.i * d.j) - two * (gs.i * gs.j))))
+    h[0] = h[0] * f + LOG_HESSIAN(x, x) + g2 * d2;
+    h[1] = h[1] * f + LOG_HESSIAN(x, y);
+    h[2] = h[2] * f + LOG_HESSIAN(x, z);
+    h[3] = h[3] * f + LOG_HESSIAN(y, y) + g2 * d2;
+    h[4] = h[4] * f + LOG_HESSIAN(y, z);
+    h[5] = h[5] * f + LOG_HESSIAN(z, z) + g2 * d2;
+#undef LOG_HESSIAN
+    return l;
+}
+
+static inline objective derivatives_3d(const star *s, const double *position, derivatives *out) {
+    vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
+    accumulator total;
+    accumulator_init(&total);
+    lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
+    for (int k = 0; k < PL_PACKS; k++) {
+        for (int c = 0; c < 3; c++)
+            g[c][k] = lanes_of(0);
+        for (int c = 0; c < 6; c++)
+            h[c][k] = lanes_of(0);
+        size2[k] = lanes_of(0);
+    }
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            tetrahedra t = tetrahedra_at(s, j, x);
+            lanes weight = load(s, WEIGHT, j);
+            lanes inverse_d = lanes_of(1) / t.D;
+            lanes q = t.s * (inverse_d * inverse_d);
+            lanes rr2 = t.N * (q * q);
+            store(s, RATE, j, inverse_d);
+            accumulate(&total, k, rr2, weight, t.D, load(s, ROUNDING, j) * t.aa);
+            lanes hessian[6];
+            vec3 l = log_derivatives_3d(&t, inverse_d, hessian);
+            rr2 *= weight;
+            g[0][k] += rr2 * l.x;
+            g[1][k] += rr2 * l.y;
+            g[2][k] += rr2 * l.z;
+            for (int c = 0; c < 6; c++)
+                h[c][k] += rr2 * hessian[c];
+            size2[k] += t.aa * weight;
+        }
+    for (int c = 0; c < 3; c++)
+        out->gradient[c] = lanes_sum(g[c]) * RR2_FACTOR_3D;
+    for (int c = 0; c < 6; c++)
+        out->hessian[c] = lanes_sum(h[c]) * RR2_FACTOR_3D;
+    out->size2 = lanes_sum(size2) / (double)s->n_facets;
+    return accumulator_result(&total, RR2_FACTOR_3D);
+}
+
+/* ---- triangles ---------------------------------------------------------------------------- */
+
+/** One pack of triangles at x. */
+typedef struct triangles {
+    lanes ax, ay, bx, by;     /* x - p0, x - p1 */
+    lanes aa, bb, a, b, L, D; /* their squares and lengths, the facet's length, twice the area */
+} triangles;
+
+static inline triangles triangles_at(const star *s, int64_t i, lanes x, lanes y) {
+    triangles t;
+    t.ax = x - load(s, P0X, i);
+    t.ay = y - load(s, P0Y, i);
+    t.bx = x - load(s, P1X, i);
+    t.by = y - load(s, P1Y, i);
+    t.aa = t.ax * t.ax + t.ay * t.ay;
+    t.bb = t.bx * t.bx + t.by * t.by;
+    t.a = lanes_sqrt(t.aa);
+    t.b = lanes_sqrt(t.bb);
+    t.L = load(s, LENGTH, i);
+    t.D = (load(s, P1X, i) - load(s, P0X, i)) * t.ay - (load(s, P1Y, i) - load(s, P0Y, i)) * t.ax;
+    return t;
+}
+
+static inline objective value_2d(const star *s, const double *position) {
+    lanes x = lanes_of(position[0]), y = lanes_of(position[1]);
+    accumulator total;
+    accumulator_init(&total);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            triangles t = triangles_at(s, j, x, y);
+            lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) / (t.D * t.D);
+            accumulate(&total, k, rr * rr, load(s, WEIGHT, j), t.D, load(s, ROUNDING, j) * t.aa);
+        }
+    return accumulator_result(&total, RR2_FACTOR_2D);
+}
+
+/** With a, b the distances to the ends, p = L + a + b and D twice the area,
+ *  log RR^2 = 2 (log a + log b + log p - 2 log D) + const:
+ *  l = 2 (A + B + (ua + ub) / p - 2 n / D),
+ *  hess RR^2 / RR^2 = l l^T + 2 (hess log a + hess log b + hess log p + 2 n n^T / D^2), where
+ *  A = (x - p0) / a^2, ua = (x - p0) / a, hess log a = I / a^2 - 2 A A^T, and
+ *  hess log p = ((I - ua ua^T) / a + (I - ub ub^T) / b) / p - (ua + ub)(ua + ub)^T / p^2. */
+static inline void log_derivatives_2d(const star *s, int64_t i, const triangles *t, lanes inverse_d,
+                                      lanes l[2], lanes h[3]) {
+    const lanes one = lanes_of(1), two = lanes_of(2);
+    lanes ia = one / t->a, ib = one / t->b, ip = one / (t->L + (t->a + t->b));
+    lanes uax = t->ax * ia, uay = t->ay * ia, ubx = t->bx * ib, uby = t->by * ib;
+    lanes px = (uax + ubx) * ip, py = (uay + uby) * ip;
+    lanes nx = (load(s, P0Y, i) - load(s, P1Y, i)) * inverse_d;
+    lanes ny = (load(s, P1X, i) - load(s, P0X, i)) * inverse_d;
+    l[0] = two * (uax * ia + ubx * ib + px - two * nx);
+    l[1] = two * (uay * ia + uby * ib + py - two * ny);
+    lanes ia2 = ia * ia, ib2 = ib * ib, iap = ia * ip, ibp = ib * ip;
+    lanes trace = ia2 + ib2 + iap + ibp;
+    lanes ca = two * ia2 + iap, cb = two * ib2 + ibp;
+#define LOG_HESSIAN(i, j)                                                                          \
+    (two * (n##i * n##j) - (ca * (ua##i * ua##j) + cb * (ub##i * ub##j)) - p##i * p##j)
+    h[0] = l[0] * l[0] + two * (trace + LOG_HESSIAN(x, x));
+    h[1] = l[0] * l[1] + two * LOG_HESSIAN(x, y);
+    h[2] = l[1] * l[1] + two * (trace + LOG_HESSIAN(y, y));
+#undef LOG_HESSIAN
+}
+
+static inline objective derivatives_2d(const star *s, const double *position, derivatives *out) {
+    lanes x = lanes_of(position[0]), y = lanes_of(position[1]);
+    accumulator total;
+    accumulator_init(&total);
+    lanes g[2][PL_PACKS], h[3][PL_PACKS], size2[PL_PACKS];
+    for (int k = 0; k < PL_PACKS; k++) {
+        g[0][k] = g[1][k] = h[0][k] = h[1][k] = h[2][k] = size2[k] = lanes_of(0);
+    }
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            triangles t = triangles_at(s, j, x, y);
+            lanes weight = load(s, WEIGHT, j);
+            lanes inverse_d = lanes_of(1) / t.D;
+            lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * (inverse_d * inverse_d);
+            lanes rr2 = rr * rr;
+            store(s, RATE, j, inverse_d);
+            accumulate(&total, k, rr2, weight, t.D, load(s, ROUNDING, j) * t.aa);
+            lanes l[2], hessian[3];
+            log_derivatives_2d(s, j, &t, inverse_d, l, hessian);
+            rr2 *= weight;
+            g[0][k] += rr2 * l[0];
+            g[1][k] += rr2 * l[1];
+            for (int c = 0; c < 3; c++)
+                h[c][k] += rr2 * hessian[c];
+            size2[k] += t.aa * weight;
+        }
+    for (int c = 0; c < 2; c++)
+        out->gradient[c] = lanes_sum(g[c]) * RR2_FACTOR_2D;
+    for (int c = 0; c < 3; c++)
+        out->hessian[c] = lanes_sum(h[c]) * RR2_FACTOR_2D;
+    out->size2 = lanes_sum(size2) / (double)s->n_facets;
+    return accumulator_result(&total, RR2_FACTOR_2D);
+}
+
+/* ---- either ------------------------------------------------------------------------------- */
+
+static inline objective value_at(const star *s, const double *position, const int dim) {
+    return dim == 3 ? value_3d(s, position) : value_2d(s, position);
+}
+
+static inline objective derivatives_at(const star *s, const double *position, derivatives *out,
+                                       const int dim) {
+    return dim == 3 ? derivatives_3d(s, position, out) : derivatives_2d(s, position, out);
+}
+
+#endif

@@ -1,0 +1,124 @@
+/* step: how far to go along a direction. The largest feasible step is exact, because the measures
+ * of a star's elements are affine in the position of its node (docs/algorithm.md). */
+#ifndef PL_STAR_STEP_H
+#define PL_STAR_STEP_H
+
+#include "base/round.h"
+#include "star/direction.h"
+#include "star/objective.h"
+
+/* Fraction of the largest feasible step that is tried at most: the objective is a barrier there. */
+#define STEP_FRACTION_FIRST 0.9
+#define STEP_FRACTION_LAST  0.95
+/* Sufficient decrease: this fraction of what the slope promises (Armijo). */
+#define STEP_ARMIJO 1e-4
+/* A decrease below this fraction of the sum is noise of rounding, and no decrease. */
+#define STEP_NOISE 0x1p-48
+/* Stars whose mean RR^2 is above this stand near the barrier, where a Newton step is too short. */
+#define STEP_EXPAND_ABOVE 4.0
+enum { STEP_BACKTRACKS = 10, STEP_EXPANSIONS = 60 };
+
+/** 1 / (largest feasible step) along direction, 0 if nothing is in the way: the largest of
+ *  -(n . S) / D over the facets; RATE holds 1 / D. */
+static inline double blocking_rate(const star *s, const double *direction, const int dim) {
+    lanes most[PL_PACKS];
+    for (int k = 0; k < PL_PACKS; k++)
+        most[k] = lanes_of(0);
+    lanes sx = lanes_of(-direction[0]), sy = lanes_of(-direction[1]);
+    lanes sz = lanes_of(dim == 3 ? -direction[2] : 0);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            lanes slope;
+            if (dim == 3)
+                slope = load(s, NX, j) * sx + load(s, NY, j) * sy + load(s, NZ, j) * sz;
+            else
+                slope = (load(s, P0Y, j) - load(s, P1Y, j)) * sx +
+                        (load(s, P1X, j) - load(s, P0X, j)) * sy;
+            most[k] = lanes_max(slope * load(s, RATE, j), most[k]);
+        }
+    return lanes_largest(most);
+}
+
+/** What a trial position is worth. */
+typedef struct trial {
+    double position[3];
+    objective value;
+} trial;
+
+/** The position step along direction from x0, as it will be stored, and its value. */
+static inline trial try_step(const pl_star_problem *problem, const star *s, const double *x0,
+                             const double *direction, double step, const int dim) {
+    trial t;
+    for (int d = 0; d < dim; d++) {
+        t.position[d] = x0[d] + step * direction[d];
+        if (problem->float_scale != 0)
+            t.position[d] =
+                pl_round_to_float(t.position[d] * problem->float_scale) / problem->float_scale;
+    }
+    t.value = value_at(s, t.position, dim);
+    return t;
+}
+
+/** Whether a trial stands where the node stood: the step was lost in rounding. */
+static inline int stands_still(const trial *t, const double *x0, const int dim) {
+    int same = 1;
+    for (int d = 0; d < dim; d++)
+        same &= t->position[d] == x0[d];
+    return same;
+}
+
+/** Whether a trial may be taken: valid beyond doubt, no element worse than the limit, and the sum
+ *  below bound. Not so for values that are not numbers. */
+static inline int acceptable(const pl_star_problem *problem, const trial *t, double bound) {
+    return t->value.certain && t->value.max <= problem->rr2_limit && t->value.sum < bound;
+}
+
+/** Double the step while that pays, from a first trial that was acceptable. */
+static inline void expand(const pl_star_problem *problem, const star *s, const double *x0,
+                          const double *direction, double step, double largest, trial *best,
+                          const int dim) {
+    for (int i = 0; i < STEP_EXPANSIONS && step < largest; i++) {
+        step = 2 * step < largest ? 2 * step : largest;
+        trial t = try_step(problem, s, x0, direction, step, dim);
+        if (!acceptable(problem, &t, best->value.sum))
+            return;
+        *best = t;
+    }
+}
+
+/** The next shorter step: the minimum of the parabola through the sum and slope at 0 and the sum
+ *  at step, kept within 0.1 to 0.5 of it. */
+static inline double shorter_step(double step, double sum0, double slope, const trial *t) {
+    double rise = t->value.sum - sum0 - slope * step;
+    double next = rise > 0 && t->value.positive ? -0.5 * slope * step * step / rise : 0;
+    if (!(next < 0.5 * step))
+        next = 0.5 * step;
+    return next > 0.1 * step ? next : 0.1 * step;
+}
+
+/** Search along direction from x0, where the objective is now, with slope grad F . direction < 0.
+ *  Returns whether an acceptable position was found. */
+static inline int search(const pl_star_problem *problem, const star *s, const double *x0,
+                         const objective *now, const double *direction, double slope, trial *best,
+                         const int dim) {
+    double rate = blocking_rate(s, direction, dim);
+    double step = rate > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : 1;
+    double largest = rate > 0 ? STEP_FRACTION_LAST / rate : INFINITY;
+    double noise = STEP_NOISE * now->sum;
+    for (int i = 0; i < STEP_BACKTRACKS; i++) {
+        *best = try_step(problem, s, x0, direction, step, dim);
+        double wanted = -STEP_ARMIJO * slope * step;
+        if (acceptable(problem, best, now->sum - (wanted > noise ? wanted : noise))) {
+            if (i == 0 && now->sum > STEP_EXPAND_ABOVE * (double)s->n_facets)
+                expand(problem, s, x0, direction, step, largest, best, dim);
+            return 1;
+        }
+        if (-slope * step < noise || stands_still(best, x0, dim))
+            return 0;
+        step = shorter_step(step, now->sum, slope, best);
+    }
+    return 0;
+}
+
+#endif

@@ -1,0 +1,179 @@
+/* placement: how many threads, and on which cores. The only user of hwloc. */
+#include "sweep/placement.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+
+#include <stdio.h>
+
+#ifdef PL_HWLOC
+#include <hwloc.h>
+#endif
+
+enum { TEXT_SIZE = 160 };
+
+struct pl_placement {
+    int threads;
+    char text[TEXT_SIZE];
+#ifdef PL_HWLOC
+    hwloc_topology_t topology; /* NULL: threads stay where they are */
+    hwloc_cpuset_t *core;      /* [threads] where each thread is bound: one hardware thread */
+    hwloc_cpuset_t *former;    /* [threads] where it was before */
+#endif
+};
+
+#ifdef PL_HWLOC
+
+/** The machine's cores within the set that the process was started in; NULL if binding is out of
+ *  the question. */
+static hwloc_topology_t load_topology(void) {
+    hwloc_topology_t topology;
+    if (hwloc_topology_init(&topology))
+        return NULL;
+#if HWLOC_API_VERSION >= 0x00020000
+    hwloc_topology_set_all_types_filter(topology, HWLOC_TYPE_FILTER_KEEP_NONE);
+    hwloc_topology_set_type_filter(topology, HWLOC_OBJ_CORE, HWLOC_TYPE_FILTER_KEEP_ALL);
+#endif
+    if (hwloc_topology_load(topology) || !hwloc_topology_is_thissystem(topology)) {
+        hwloc_topology_destroy(topology);
+        return NULL;
+    }
+    hwloc_cpuset_t allowed = hwloc_bitmap_alloc();
+    if (allowed && !hwloc_get_cpubind(topology, allowed, HWLOC_CPUBIND_PROCESS))
+        hwloc_topology_restrict(topology, allowed, 0);
+    hwloc_bitmap_free(allowed);
+    return topology;
+}
+
+static int count_cores(hwloc_topology_t topology) {
+    int cores = hwloc_get_nbobjs_by_type(topology, HWLOC_OBJ_CORE);
+    return cores > 0 ? cores : hwloc_get_nbobjs_by_type(topology, HWLOC_OBJ_PU);
+}
+
+/** The hardware threads of the placement's threads: the first of each core, then, when there are
+ *  more threads than cores, round again. */
+static int choose_cores(pl_placement *placement) {
+    placement->core = pl_alloc_zero(placement->threads, sizeof *placement->core);
+    placement->former = pl_alloc_zero(placement->threads, sizeof *placement->former);
+    if (!placement->core || !placement->former)
+        return 0;
+    hwloc_obj_type_t type = hwloc_get_nbobjs_by_type(placement->topology, HWLOC_OBJ_CORE) > 0
+                                ? HWLOC_OBJ_CORE
+                                : HWLOC_OBJ_PU;
+    int cores = count_cores(placement->topology);
+    for (int t = 0; t < placement->threads; t++) {
+        hwloc_obj_t core = hwloc_get_obj_by_type(placement->topology, type, (unsigned)(t % cores));
+        placement->core[t] = hwloc_bitmap_dup(core->cpuset);
+        placement->former[t] = hwloc_bitmap_alloc();
+        if (!placement->core[t] || !placement->former[t])
+            return 0;
+        hwloc_bitmap_singlify(placement->core[t]);
+    }
+    return 1;
+}
+
+static void describe_binding(pl_placement *placement) {
+    hwloc_cpuset_t all = hwloc_bitmap_alloc();
+    char list[TEXT_SIZE / 2];
+    for (int t = 0; all && t < placement->threads; t++)
+        hwloc_bitmap_or(all, all, placement->core[t]);
+    if (all && hwloc_bitmap_list_snprintf(list, sizeof list, all) > 0)
+        snprintf(placement->text, sizeof placement->text, "one thread per core, on CPUs %s", list);
+    hwloc_bitmap_free(all);
+}
+
+static void release_topology(pl_placement *placement) {
+    for (int t = 0; t < placement->threads; t++) {
+        if (placement->core)
+            hwloc_bitmap_free(placement->core[t]);
+        if (placement->former)
+            hwloc_bitmap_free(placement->former[t]);
+    }
+    pl_free(placement->core);
+    pl_free(placement->former);
+    if (placement->topology)
+        hwloc_topology_destroy(placement->topology);
+    placement->core = placement->former = NULL;
+    placement->topology = NULL;
+}
+
+static void prepare_binding(pl_placement *placement, int threads) {
+    placement->topology = load_topology();
+    if (!placement->topology)
+        return;
+    int cores = count_cores(placement->topology);
+    if (threads <= 0 && cores > 0 && cores < placement->threads)
+        placement->threads = cores;
+    if (cores > 0 && placement->threads <= cores && choose_cores(placement))
+        describe_binding(placement);
+    else
+        release_topology(placement);
+}
+
+static void bind_thread(void *context, int64_t begin, int64_t end, int thread) {
+    pl_placement *placement = context;
+    (void)begin;
+    (void)end;
+    hwloc_get_cpubind(placement->topology, placement->former[thread], HWLOC_CPUBIND_THREAD);
+    hwloc_set_cpubind(placement->topology, placement->core[thread], HWLOC_CPUBIND_THREAD);
+}
+
+static void restore_thread(void *context, int64_t begin, int64_t end, int thread) {
+    pl_placement *placement = context;
+    (void)begin;
+    (void)end;
+    if (!hwloc_bitmap_iszero(placement->former[thread]))
+        hwloc_set_cpubind(placement->topology, placement->former[thread], HWLOC_CPUBIND_THREAD);
+}
+
+#endif
+
+pl_placement *pl_placement_create(int threads, int bind) {
+    pl_placement *placement = pl_alloc_zero(1, sizeof *placement);
+    if (!placement)
+        return NULL;
+    placement->threads = pl_thread_count(threads);
+    snprintf(placement->text, sizeof placement->text, "not bound");
+#ifdef PL_HWLOC
+    if (bind)
+        prepare_binding(placement, threads);
+#else
+    (void)bind;
+#endif
+    return placement;
+}
+
+void pl_placement_destroy(pl_placement *placement) {
+    if (!placement)
+        return;
+#ifdef PL_HWLOC
+    release_topology(placement);
+#endif
+    pl_free(placement);
+}
+
+int pl_placement_threads(const pl_placement *placement) {
+    return placement->threads;
+}
+
+const char *pl_placement_text(const pl_placement *placement) {
+    return placement->text;
+}
+
+void pl_placement_enter(pl_placement *placement) {
+#ifdef PL_HWLOC
+    if (placement->topology)
+        pl_on_each_thread(placement->threads, bind_thread, placement);
+#else
+    (void)placement;
+#endif
+}
+
+void pl_placement_leave(pl_placement *placement) {
+#ifdef PL_HWLOC
+    if (placement->topology)
+        pl_on_each_thread(placement->threads, restore_thread, placement);
+#else
+    (void)placement;
+#endif
+}

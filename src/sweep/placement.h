@@ -1,0 +1,22 @@
+/* placement: how many threads, and on which cores. The only user of hwloc. */
+#ifndef PL_SWEEP_PLACEMENT_H
+#define PL_SWEEP_PLACEMENT_H
+
+typedef struct pl_placement pl_placement;
+
+/** Decide on threads (0: with bind one for each core that the process may use, at most as many as
+ *  OpenMP would use; without bind as many as OpenMP would use) and, with bind, on a core for each.
+ *  Without hwloc, or where its topology is not this machine's, nothing is ever bound. Always
+ *  succeeds but for memory: NULL then. */
+pl_placement *pl_placement_create(int threads, int bind);
+void pl_placement_destroy(pl_placement *placement);
+
+int pl_placement_threads(const pl_placement *placement);
+/** What was decided, for people: "2 threads, bound to cores 0, 1"; text of placement. */
+const char *pl_placement_text(const pl_placement *placement);
+
+/** Bind the threads; pl_placement_leave gives them back the places they had. */
+void pl_placement_enter(pl_placement *placement);
+void pl_placement_leave(pl_placement *placement);
+
+#endif

@@ -1,0 +1,37 @@
+/* plan: all that smoothing needs to know of one connectivity, made once. */
+#ifndef PL_SWEEP_PLAN_H
+#define PL_SWEEP_PLAN_H
+
+#include "star/star.h"
+#include "sweep/placement.h"
+#include "topology/topology.h"
+
+/** n nodes, m elements; "inner" numbers run along the space-filling curve. Everything is owned but
+ *  elements. */
+struct planish_plan {
+    int dim;
+    int64_t n_nodes, n_elements;
+    const int32_t *elements; /* [m][dim + 1] the caller's */
+    int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
+    uint8_t *is_free;        /* [n] by the caller's numbers */
+    int32_t *inner;          /* [n] inner number of each of the caller's nodes */
+    int32_t *centre;         /* [n_stars] inner number of each star's node, colour by colour */
+    int64_t *colour_begin;   /* [n_colours + 1] first star of each colour */
+    int n_colours;
+    pl_stars stars; /* in visiting order, rings in inner numbers */
+    pl_placement *placement;
+    int threads;
+    const pl_star_kernel *kernel;
+    planish_plan_info info;
+    /* Scratch of planish_smooth: */
+    double *coordinates; /* [n][dim] by inner numbers, scaled */
+    double *measured;    /* [n][dim] by the caller's numbers, scaled: for measuring */
+    uint8_t *changed;    /* [n] by inner numbers, see pl_star_problem */
+    double *partial;     /* decrease of each chunk of a colour */
+    double *scratch;     /* [threads][scratch_stride] of the kernels */
+    int64_t scratch_stride;
+};
+
+enum { PL_CHUNK_STARS = 32 }; /* stars that one thread takes at a time */
+
+#endif

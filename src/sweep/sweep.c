@@ -1,0 +1,37 @@
+/* sweep: one pass over the colours of a plan. Nodes of one colour share no element, so they are
+ * visited in parallel, each reading its neighbours and writing only itself. */
+#include "sweep/sweep.h"
+
+#include "base/parallel.h"
+
+/** One colour under way. */
+typedef struct colour_pass {
+    const planish_plan *plan;
+    const pl_star_problem *problem;
+    int64_t first; /* star */
+    int64_t visits;
+} colour_pass;
+
+static double visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    colour_pass *pass = context;
+    const planish_plan *plan = pass->plan;
+    pl_star_tally tally =
+        plan->kernel->visit[plan->dim - 2](pass->problem, pass->first + begin, pass->first + end,
+                                           plan->scratch + plan->scratch_stride * thread);
+    __atomic_fetch_add(&pass->visits, tally.visits, __ATOMIC_RELAXED);
+    return tally.decrease;
+}
+
+pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem,
+                        pl_after_colour_fn *after_colour, void *context) {
+    pl_sweep_tally tally = {0, 0, 0};
+    for (int c = 0; c < plan->n_colours && !tally.stopped; c++) {
+        colour_pass pass = {plan, problem, plan->colour_begin[c], 0};
+        int64_t n = plan->colour_begin[c + 1] - pass.first;
+        tally.decrease +=
+            pl_parallel_sum(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass, plan->partial);
+        tally.visits += pass.visits;
+        tally.stopped = after_colour(context, c + 1);
+    }
+    return tally;
+}

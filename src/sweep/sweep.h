@@ -1,0 +1,42 @@
+/* sweep: passes over the colours of a plan until the RMS converges. One header for the parts
+ * of the folder that are not the plan's or the placement's own. */
+#ifndef PL_SWEEP_H
+#define PL_SWEEP_H
+
+#include "sweep/plan.h"
+
+/* ---- options.c ---------------------------------------------------------------------------- */
+
+/** Check struct_size and the ranges of all fields. */
+int pl_options_check(const planish_options *options, planish_error *error);
+
+/* ---- sweep.c: one pass over the colours ---------------------------------------------------- */
+
+/** Asked after every colour (colours done so far): a result other than 0 ends the sweep there. */
+typedef int pl_after_colour_fn(void *context, int colours_done);
+
+/** What one sweep did. */
+typedef struct pl_sweep_tally {
+    double decrease; /* of the sum of RR^2 */
+    int64_t visits;
+    int stopped; /* what pl_after_colour_fn said */
+} pl_sweep_tally;
+
+/** Visit the changed stars of plan, colour by colour. */
+pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem,
+                        pl_after_colour_fn *after_colour, void *context);
+
+/* ---- convergence.c ------------------------------------------------------------------------- */
+
+enum { PL_CALM_SWEEPS = 3 }; /* sweeps in a row that must bring less than the tolerance */
+
+/** The relative falls of the movable RMS in the last sweeps, latest last. */
+typedef struct pl_convergence {
+    double fall[PL_CALM_SWEEPS];
+    int n_falls;
+} pl_convergence;
+
+/** Take note of one more sweep, from RMS before to after; not 0 if smoothing has converged. */
+int pl_converged(pl_convergence *convergence, double before, double after, double tolerance);
+
+#endif

@@ -1,0 +1,61 @@
+/* elements: walk over the elements of one node after the other. Internal to topology.
+ *
+ * The elements of a node lie all over memory. Who walks over many nodes asks for those of a node
+ * some steps ahead, and waits for none: on a million tetrahedra that halves the time.
+ */
+#ifndef PL_TOPOLOGY_ELEMENTS_H
+#define PL_TOPOLOGY_ELEMENTS_H
+
+#include "topology/topology.h"
+
+/** How many nodes ahead to fetch the elements, and the list of their numbers. */
+enum { PL_AHEAD_ELEMENTS = 2, PL_AHEAD_LIST = 6 };
+
+/* Inlined at once: compilers take functions that only fetch for ones without effect. */
+#define PL_AT_ONCE static inline __attribute__((always_inline))
+
+/** Fetch the elements of node; of a giant star only the first ones. */
+PL_AT_ONCE void pl_fetch_elements(const planish_mesh *mesh, int dim, const pl_incidence *incidence,
+                                  int64_t node) {
+    enum { MOST = 64 };
+    int64_t begin = incidence->offset[node], end = incidence->offset[node + 1];
+    end = end - begin > MOST ? begin + MOST : end;
+    for (int64_t i = begin; i < end; i++)
+        __builtin_prefetch(mesh->elements + (int64_t)incidence->element[i] * (dim + 1));
+}
+
+/** Fetch the list of the elements of node. */
+PL_AT_ONCE void pl_fetch_list(const pl_incidence *incidence, int64_t node) {
+    enum { CACHE_LINE = 64 / sizeof(int32_t) };
+    const int32_t *list = incidence->element + incidence->offset[node];
+    __builtin_prefetch(list);
+    if (incidence->offset[node + 1] - incidence->offset[node] > CACHE_LINE)
+        __builtin_prefetch(list + CACHE_LINE);
+}
+
+/** Fetch what a walk over node[i], i < end, will need soon after node[i]. */
+PL_AT_ONCE void pl_fetch_ahead(const planish_mesh *mesh, int dim, const pl_incidence *incidence,
+                               const int32_t *node, int64_t i, int64_t end) {
+    if (i + PL_AHEAD_ELEMENTS < end)
+        pl_fetch_elements(mesh, dim, incidence, node[i + PL_AHEAD_ELEMENTS]);
+    if (i + PL_AHEAD_LIST < end)
+        pl_fetch_list(incidence, node[i + PL_AHEAD_LIST]);
+}
+
+/* ---- the nodes of an element but one; no branch depends on which, for nothing could predict it -
+ */
+
+/** Place of node in element, 0 .. dim. */
+static inline int pl_place_in_element(int dim, const int32_t *element, int32_t node) {
+    int place = 0;
+    for (int j = 1; j <= dim; j++)
+        place += element[j] == node ? j : 0;
+    return place;
+}
+
+/** The i-th of the other nodes, i < dim, in the element's order. */
+static inline int32_t pl_other_node(const int32_t *element, int place, int i) {
+    return element[i + (i >= place)];
+}
+
+#endif

@@ -1,0 +1,134 @@
+/* facets: match the facets of the elements, each at its smallest node.
+ *
+ * A facet belongs to the smallest of its nodes, whose elements are all known: so a map of the size
+ * of one neighbourhood finds its partners. An element with the sorted nodes s has its facets
+ * opposite s[1] .. s[dim] at s[0], and the one opposite s[0] at s[1].
+ */
+#include "topology/facets.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "topology/elements.h"
+#include "topology/local_map.h"
+
+enum { CHUNK = 256 }; /* nodes that one thread takes at a time */
+
+/** A matching under way. */
+typedef struct matching {
+    const planish_mesh *mesh;
+    const pl_incidence *incidence;
+    pl_facets_fn *body;
+    void *context;
+    pl_local_map *maps; /* [threads] facets of one node */
+    struct list {
+        pl_facet *facet; /* [capacity] by position in the map */
+        int64_t capacity;
+        char padding[48]; /* lists of different threads share no cache line */
+    } * lists;            /* [threads] */
+} matching;
+
+static inline void add_facet(pl_local_map *map, pl_facet *facets, int32_t node0, int32_t node1,
+                             int32_t opposite, int32_t element, int parity) {
+    int32_t known = map->count;
+    int32_t at = pl_local_map_add(map, (uint64_t)(uint32_t)node0 << 32 | (uint32_t)node1);
+    pl_facet *facet = facets + at;
+    if (at == known) {
+        *facet = (pl_facet){.node = {node0, node1},
+                            .count = 1,
+                            .element = {element, -1},
+                            .opposite = opposite,
+                            .parity = {(uint8_t)parity, 0}};
+        return;
+    }
+    if (facet->count++ == 1) {
+        facet->element[1] = element;
+        facet->parity[1] = (uint8_t)parity;
+    }
+    facet->twin |= facet->opposite == opposite;
+}
+
+/** Add those facets of element whose smallest node is node. */
+static inline void add_element(int dim, pl_local_map *map, pl_facet *facets, const int32_t *nodes,
+                               int32_t node, int32_t element) {
+    int below = 0;
+    for (int j = 0; j <= dim; j++)
+        below += nodes[j] < node;
+    if (below > 1)
+        return;
+    int32_t s[4];
+    int parity = pl_sort_element(dim, nodes, s);
+    if (below == 1) {
+        add_facet(map, facets, s[2], dim == 3 ? s[3] : -1, s[0], element, parity);
+    } else if (dim == 3) {
+        add_facet(map, facets, s[2], s[3], s[1], element, parity ^ 1);
+        add_facet(map, facets, s[1], s[3], s[2], element, parity);
+        add_facet(map, facets, s[1], s[2], s[3], element, parity ^ 1);
+    } else {
+        add_facet(map, facets, s[2], -1, s[1], element, parity ^ 1);
+        add_facet(map, facets, s[1], -1, s[2], element, parity);
+    }
+}
+
+/** Empty map and make room for the facets of a node with n_elements elements; their list, or NULL
+ *  without memory. */
+static pl_facet *prepare(matching *m, pl_local_map *map, struct list *list, int64_t n_elements) {
+    int64_t most = n_elements * m->mesh->dim;
+    if (pl_local_map_empty(map, most) != 0)
+        return NULL;
+    if (most > list->capacity) {
+        pl_facet *facet = pl_grow(list->facet, 0, most, &list->capacity, sizeof *facet);
+        map->failed |= !facet;
+        if (!facet)
+            return NULL;
+        list->facet = facet;
+    }
+    return list->facet;
+}
+
+static inline void match_nodes(matching *m, int dim, int64_t begin, int64_t end, int thread) {
+    const pl_incidence *incidence = m->incidence;
+    pl_local_map *map = m->maps + thread;
+    for (int64_t node = begin; node < end; node++) {
+        if (node + PL_AHEAD_ELEMENTS < end)
+            pl_fetch_elements(m->mesh, dim, incidence, node + PL_AHEAD_ELEMENTS);
+        int64_t from = incidence->offset[node], to = incidence->offset[node + 1];
+        if (from == to)
+            continue;
+        pl_facet *facets = prepare(m, map, m->lists + thread, to - from);
+        if (!facets)
+            return;
+        for (int64_t i = from; i < to; i++) {
+            int32_t element = incidence->element[i];
+            add_element(dim, map, facets, m->mesh->elements + (int64_t)element * (dim + 1),
+                        (int32_t)node, element);
+        }
+        if (map->count)
+            m->body(m->context, (int32_t)node, facets, map->count);
+    }
+}
+
+static void match_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    matching *m = context;
+    if (m->mesh->dim == 3)
+        match_nodes(m, 3, begin, end, thread);
+    else
+        match_nodes(m, 2, begin, end, thread);
+}
+
+int pl_facets_match(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
+                    pl_facets_fn *body, void *context, planish_error *error) {
+    matching m = {mesh, incidence, body, context, NULL, NULL};
+    m.maps = pl_local_maps_create(threads);
+    m.lists = pl_alloc_zero(threads, sizeof *m.lists);
+    int done = m.maps && m.lists;
+    if (done) {
+        pl_parallel_for(threads, mesh->n_nodes, CHUNK, match_chunk, &m);
+        done = !pl_local_maps_failed(m.maps, threads);
+    }
+    for (int i = 0; m.lists && i < threads; i++)
+        pl_free(m.lists[i].facet);
+    pl_free(m.lists);
+    pl_local_maps_destroy(m.maps, threads);
+    return done ? PLANISH_OK : pl_fail_memory(error, "the facets of a node");
+}

@@ -1,0 +1,81 @@
+/* frame: the bounding box of a mesh, and lengths in units of it; see the header. */
+#include "topology/frame.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+
+#include <math.h>
+
+enum { CHUNK = 16384 }; /* nodes that one thread looks at at a time */
+
+/* Coordinates beyond it are made smaller before they are subtracted. */
+#define HUGE_COORDINATE 0x1p1000
+#define SHRINK          0x1p-64
+
+typedef struct box {
+    double low[3], high[3];
+} box;
+
+typedef struct search {
+    const planish_mesh *mesh;
+    box *boxes; /* [chunks] */
+} search;
+
+static void extend(box *whole, const box *part, int dim) {
+    for (int d = 0; d < dim; d++) {
+        whole->low[d] = part->low[d] < whole->low[d] ? part->low[d] : whole->low[d];
+        whole->high[d] = part->high[d] > whole->high[d] ? part->high[d] : whole->high[d];
+    }
+}
+
+static inline box box_of_nodes(int dim, const double *coordinates, int64_t begin, int64_t end) {
+    box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    for (int64_t i = begin; i < end; i++)
+        for (int d = 0; d < dim; d++) {
+            double x = coordinates[i * dim + d];
+            b.low[d] = x < b.low[d] ? x : b.low[d];
+            b.high[d] = x > b.high[d] ? x : b.high[d];
+        }
+    return b;
+}
+
+static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    search *s = context;
+    const double *x = s->mesh->coordinates;
+    (void)thread;
+    s->boxes[begin / CHUNK] =
+        s->mesh->dim == 3 ? box_of_nodes(3, x, begin, end) : box_of_nodes(2, x, begin, end);
+}
+
+static pl_frame frame_of_box(const box *b, int dim) {
+    pl_frame frame = {.shrink = 1};
+    double extent = 0;
+    for (int d = 0; d < dim; d++)
+        if (fabs(b->low[d]) > HUGE_COORDINATE || fabs(b->high[d]) > HUGE_COORDINATE)
+            frame.shrink = SHRINK;
+    for (int d = 0; d < dim; d++) {
+        double side = b->high[d] * frame.shrink - b->low[d] * frame.shrink;
+        extent = side > extent ? side : extent;
+        frame.low[d] = b->low[d];
+    }
+    int exponent = 0;
+    if (extent > 0)
+        frexp(extent, &exponent);
+    frame.scale[0] = ldexp(1, -(exponent / 2));
+    frame.scale[1] = ldexp(1, -(exponent - exponent / 2));
+    return frame;
+}
+
+int pl_frame_create(const planish_mesh *mesh, int threads, pl_frame *frame, planish_error *error) {
+    int64_t chunks = (mesh->n_nodes - 1) / CHUNK + 1;
+    search s = {.mesh = mesh, .boxes = pl_alloc(chunks, sizeof *s.boxes)};
+    if (!s.boxes)
+        return pl_fail_memory(error, "the bounding box");
+    pl_parallel_for(threads, mesh->n_nodes, CHUNK, search_chunk, &s);
+    for (int64_t i = 1; i < chunks; i++)
+        extend(&s.boxes[0], &s.boxes[i], mesh->dim);
+    *frame = frame_of_box(&s.boxes[0], mesh->dim);
+    pl_free(s.boxes);
+    return PLANISH_OK;
+}

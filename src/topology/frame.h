@@ -1,0 +1,26 @@
+/* frame: the bounding box of a mesh, and lengths in units of it. Internal to topology.
+ *
+ * Lengths are scaled by a power of two so that the box's longest side is between 1/2 and 1: nothing
+ * overflows or underflows that the mesh itself can tell apart, and no bit of a result depends on
+ * the scale of the input.
+ */
+#ifndef PL_TOPOLOGY_FRAME_H
+#define PL_TOPOLOGY_FRAME_H
+
+#include <planish/planish.h>
+
+typedef struct pl_frame {
+    double low[3];   /* [dim] the corner of the box with the smallest coordinates */
+    double shrink;   /* 1, or a power of two that lets differences of huge coordinates be numbers */
+    double scale[2]; /* two powers of two: their product may be out of range */
+} pl_frame;
+
+/** The frame of the nodes; their coordinates are finite. */
+int pl_frame_create(const planish_mesh *mesh, int threads, pl_frame *frame, planish_error *error);
+
+/** x - y in units of the frame. */
+static inline double pl_frame_difference(const pl_frame *frame, double x, double y) {
+    return (x * frame->shrink - y * frame->shrink) * frame->scale[0] * frame->scale[1];
+}
+
+#endif

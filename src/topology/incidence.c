@@ -1,0 +1,128 @@
+/* incidence: the elements of every node.
+ *
+ * A stable counting sort of the pairs (node, element) by node, in two steps that both stay in cache
+ * and need neither atomics nor an array per thread: chunks of elements deal their pairs out to
+ * buckets of neighbouring node numbers, then each bucket is sorted by itself. Both steps keep the
+ * order of the elements, so that every list comes out ascending.
+ */
+#include "topology/topology.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+
+#include <string.h>
+
+enum {
+    MAX_BUCKETS = 1024,  /* as many write streams as caches and page tables follow */
+    MIN_BUCKET_BITS = 9, /* a bucket of 512 nodes: 4 kB of offsets */
+    MIN_CHUNK = 8192,    /* elements that one thread deals out at a time, at least, */
+    MAX_CHUNKS = 1024    /* and such chunks, at most: bounds the table of counts */
+};
+
+typedef struct pair {
+    int32_t node, element;
+} pair;
+
+/** The sort. Bucket b holds the nodes b << bits .. */
+typedef struct sort {
+    const planish_mesh *mesh;
+    pl_incidence *incidence;
+    int bits;
+    int64_t n_buckets, chunk, n_chunks;
+    int64_t *begin; /* [n_buckets * n_chunks + 1] first pair of chunk c in bucket b, at b * n_chunks
+                       + c; counts at first */
+    pair *pairs;    /* [m * k] bucket by bucket */
+} sort;
+
+static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    int64_t nodes_per_element = s->mesh->dim + 1;
+    int64_t count[MAX_BUCKETS] = {0};
+    (void)thread;
+    for (int64_t i = begin * nodes_per_element; i < end * nodes_per_element; i++)
+        count[s->mesh->elements[i] >> s->bits]++;
+    for (int64_t b = 0; b < s->n_buckets; b++)
+        s->begin[b * s->n_chunks + begin / s->chunk] = count[b];
+}
+
+static inline void deal(sort *s, int dim, int64_t begin, int64_t end) {
+    int64_t place[MAX_BUCKETS];
+    for (int64_t b = 0; b < s->n_buckets; b++)
+        place[b] = s->begin[b * s->n_chunks + begin / s->chunk];
+    for (int64_t i = begin; i < end; i++)
+        for (int j = 0; j <= dim; j++) {
+            int32_t node = s->mesh->elements[i * (dim + 1) + j];
+            s->pairs[place[node >> s->bits]++] = (pair){node, (int32_t)i};
+        }
+}
+
+static void deal_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    (void)thread;
+    if (s->mesh->dim == 3)
+        deal(s, 3, begin, end);
+    else
+        deal(s, 2, begin, end);
+}
+
+/** Sort the pairs of one bucket: the offsets become the ends of the lists, and move to their
+ *  beginnings while the lists are filled from behind. */
+static void sort_bucket(void *context, int64_t bucket, int64_t unused, int thread) {
+    sort *s = context;
+    int64_t *offset = s->incidence->offset;
+    int64_t first_node = bucket << s->bits, end_node = (bucket + 1) << s->bits;
+    int64_t begin = s->begin[bucket * s->n_chunks], end = s->begin[(bucket + 1) * s->n_chunks];
+    (void)unused;
+    (void)thread;
+    if (end_node > s->mesh->n_nodes)
+        end_node = s->mesh->n_nodes;
+    memset(offset + first_node, 0, (size_t)(end_node - first_node) * sizeof *offset);
+    for (int64_t i = begin; i < end; i++)
+        offset[s->pairs[i].node]++;
+    int64_t list_end = begin;
+    for (int64_t node = first_node; node < end_node; node++)
+        offset[node] = list_end += offset[node];
+    for (int64_t i = end; i-- > begin;)
+        s->incidence->element[--offset[s->pairs[i].node]] = s->pairs[i].element;
+}
+
+static void run(sort *s, int threads) {
+    int64_t m = s->mesh->n_elements;
+    pl_parallel_for(threads, m, s->chunk, count_chunk, s);
+    pl_prefix_sum(threads, s->n_buckets * s->n_chunks, s->begin);
+    pl_parallel_for(threads, m, s->chunk, deal_chunk, s);
+    pl_parallel_for(threads, s->n_buckets, 1, sort_bucket, s);
+    s->incidence->offset[s->mesh->n_nodes] = m * (s->mesh->dim + 1);
+}
+
+int pl_incidence_create(const planish_mesh *mesh, int threads, pl_incidence *incidence,
+                        planish_error *error) {
+    int64_t n = mesh->n_nodes, m = mesh->n_elements, n_pairs = m * (mesh->dim + 1);
+    sort s = {.mesh = mesh, .incidence = incidence, .bits = MIN_BUCKET_BITS};
+    while ((n - 1) >> s.bits >= MAX_BUCKETS)
+        s.bits++;
+    s.n_buckets = ((n - 1) >> s.bits) + 1;
+    s.chunk = m / MAX_CHUNKS + 1 > MIN_CHUNK ? m / MAX_CHUNKS + 1 : MIN_CHUNK;
+    s.n_chunks = (m - 1) / s.chunk + 1;
+    s.begin = pl_alloc(s.n_buckets * s.n_chunks + 1, sizeof *s.begin);
+    s.pairs = pl_alloc(n_pairs, sizeof *s.pairs);
+    incidence->offset = pl_alloc(n + 1, sizeof *incidence->offset);
+    incidence->element = pl_alloc(n_pairs, sizeof *incidence->element);
+    int status = PLANISH_OK;
+    if (s.begin && s.pairs && incidence->offset && incidence->element) {
+        run(&s, threads);
+    } else {
+        pl_incidence_destroy(incidence);
+        status = pl_fail_memory(error, "the elements of the nodes");
+    }
+    pl_free(s.pairs);
+    pl_free(s.begin);
+    return status;
+}
+
+void pl_incidence_destroy(pl_incidence *incidence) {
+    pl_free(incidence->offset);
+    pl_free(incidence->element);
+    *incidence = (pl_incidence){0};
+}

@@ -1,0 +1,202 @@
+/* ordering: the nodes along a Hilbert curve.
+ *
+ * Keys from coordinates by the state machine of the curve (after C. Hamilton, Compact Hilbert
+ * Indices, 2006), then a stable radix sort that skips the digits in which no two keys differ.
+ */
+#include "topology/topology.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "topology/frame.h"
+
+enum {
+    LEVELS_3D = 21,  /* 63 bits of key */
+    LEVELS_2D = 31,  /* 62 bits */
+    MAX_STATES = 24, /* entry corners times directions */
+    DIGIT_BITS = 11, /* a table of counts fits the first-level cache */
+    DIGITS = 1 << DIGIT_BITS,
+    MIN_CHUNK = 8192, /* nodes that one thread takes at a time, at least, */
+    MAX_CHUNKS = 256  /* and such chunks, at most: bounds the table of counts */
+};
+
+/* ---- the curve ---------------------------------------------------------------------------- */
+
+/** The curve as a state machine: cell is the octant (quadrant) of a point, bit d for axis d. A
+ *  state is an entry corner e and a direction d, numbered e * dim + d. */
+typedef struct curve {
+    uint8_t digit[MAX_STATES][8]; /* of the key */
+    uint8_t next[MAX_STATES][8];  /* state inside the cell */
+} curve;
+
+static unsigned rotate_right(unsigned bits, unsigned by, unsigned dim) {
+    by %= dim;
+    return (bits >> by | bits << (dim - by)) & ((1u << dim) - 1);
+}
+
+static unsigned gray_code(unsigned i) {
+    return i ^ i >> 1;
+}
+
+static unsigned inverse_gray_code(unsigned code) {
+    return code ^ code >> 1 ^ code >> 2;
+}
+
+/** Corner at which the curve enters the i-th cell on its way. */
+static unsigned entry_corner(unsigned i) {
+    return i == 0 ? 0 : gray_code((i - 1) / 2 * 2);
+}
+
+/** Axis along which the curve runs inside the i-th cell: the number of trailing ones decides. */
+static unsigned cell_direction(unsigned i, unsigned dim) {
+    if (i == 0)
+        return 0;
+    unsigned ones = i % 2 == 0 ? i - 1 : i;
+    return (unsigned)__builtin_ctz(~ones) % dim;
+}
+
+static void make_curve(unsigned dim, curve *c) {
+    unsigned cells = 1u << dim;
+    for (unsigned entry = 0; entry < cells; entry++)
+        for (unsigned direction = 0; direction < dim; direction++)
+            for (unsigned cell = 0; cell < cells; cell++) {
+                unsigned state = entry * dim + direction;
+                unsigned turn = direction + 1;
+                unsigned i = inverse_gray_code(rotate_right(cell ^ entry, turn, dim));
+                unsigned corner = rotate_right(entry_corner(i), 2 * dim - turn, dim);
+                unsigned along = (direction + cell_direction(i, dim) + 1) % dim;
+                c->digit[state][cell] = (uint8_t)i;
+                c->next[state][cell] = (uint8_t)((entry ^ corner) * dim + along);
+            }
+}
+
+static inline uint64_t key_of(const curve *c, unsigned dim, int levels, const uint32_t *place) {
+    uint64_t key = 0;
+    unsigned state = 0;
+    for (int level = levels - 1; level >= 0; level--) {
+        unsigned cell = 0;
+        for (unsigned d = 0; d < dim; d++)
+            cell |= (place[d] >> level & 1) << d;
+        key = key << dim | c->digit[state][cell];
+        state = c->next[state][cell];
+    }
+    return key;
+}
+
+/* ---- keys --------------------------------------------------------------------------------- */
+
+typedef struct item {
+    uint64_t key;
+    int32_t node;
+} item;
+
+/** The sort of the nodes. */
+typedef struct sort {
+    const planish_mesh *mesh;
+    pl_frame frame;
+    curve curve;
+    uint64_t first_key, differing; /* bits in which a key differs from the first one */
+    item *from, *to;               /* [n] a pass sorts from -> to */
+    int shift;                     /* of the pass's digit */
+    int64_t chunk, n_chunks;
+    int64_t *begin; /* [DIGITS * n_chunks + 1] where digit d of chunk c goes, at d * n_chunks + c;
+                       counts at first */
+    int32_t *order; /* [n] result */
+} sort;
+
+static inline uint64_t key_of_node(const sort *s, int dim, int levels, int64_t node) {
+    const double *x = s->mesh->coordinates + node * dim;
+    uint32_t place[3];
+    double cells = (double)((int64_t)1 << levels);
+    for (int d = 0; d < dim; d++) { /* differences are below 1 */
+        double cell = pl_frame_difference(&s->frame, x[d], s->frame.low[d]) * cells;
+        place[d] = (uint32_t)(cell < cells - 1 ? cell : cells - 1);
+    }
+    return key_of(&s->curve, (unsigned)dim, levels, place);
+}
+
+static void make_keys(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    uint64_t differing = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        uint64_t key =
+            s->mesh->dim == 3 ? key_of_node(s, 3, LEVELS_3D, i) : key_of_node(s, 2, LEVELS_2D, i);
+        differing |= key ^ s->first_key;
+        s->from[i] = (item){key, (int32_t)i};
+    }
+    __atomic_fetch_or(&s->differing, differing, __ATOMIC_RELAXED);
+}
+
+/* ---- sorting ------------------------------------------------------------------------------ */
+
+static inline unsigned digit_of(const sort *s, const item *it) {
+    return (unsigned)(it->key >> s->shift) & (DIGITS - 1);
+}
+
+static void count_digits(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    int32_t count[DIGITS] = {0};
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        count[digit_of(s, s->from + i)]++;
+    for (int64_t d = 0; d < DIGITS; d++)
+        s->begin[d * s->n_chunks + begin / s->chunk] = count[d];
+}
+
+static void move_items(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    int64_t place[DIGITS];
+    (void)thread;
+    for (int64_t d = 0; d < DIGITS; d++)
+        place[d] = s->begin[d * s->n_chunks + begin / s->chunk];
+    for (int64_t i = begin; i < end; i++)
+        s->to[place[digit_of(s, s->from + i)]++] = s->from[i];
+}
+
+static void write_order(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        s->order[i] = s->from[i].node;
+}
+
+static void run(sort *s, int threads) {
+    int64_t n = s->mesh->n_nodes;
+    make_curve((unsigned)s->mesh->dim, &s->curve);
+    s->first_key =
+        s->mesh->dim == 3 ? key_of_node(s, 3, LEVELS_3D, 0) : key_of_node(s, 2, LEVELS_2D, 0);
+    pl_parallel_for(threads, n, s->chunk, make_keys, s);
+    for (s->shift = 0; s->shift < 64; s->shift += DIGIT_BITS) {
+        if ((s->differing >> s->shift & (DIGITS - 1)) == 0)
+            continue;
+        pl_parallel_for(threads, n, s->chunk, count_digits, s);
+        pl_prefix_sum(threads, DIGITS * s->n_chunks, s->begin);
+        pl_parallel_for(threads, n, s->chunk, move_items, s);
+        item *sorted = s->to;
+        s->to = s->from;
+        s->from = sorted;
+    }
+    pl_parallel_for(threads, n, s->chunk, write_order, s);
+}
+
+int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planish_error *error) {
+    int64_t n = mesh->n_nodes;
+    sort s = {.mesh = mesh, .order = order};
+    int status = pl_frame_create(mesh, threads, &s.frame, error);
+    if (status)
+        return status;
+    s.chunk = n / MAX_CHUNKS + 1 > MIN_CHUNK ? n / MAX_CHUNKS + 1 : MIN_CHUNK;
+    s.n_chunks = (n - 1) / s.chunk + 1;
+    s.begin = pl_alloc(DIGITS * s.n_chunks + 1, sizeof *s.begin);
+    s.from = pl_alloc(n, sizeof *s.from);
+    s.to = pl_alloc(n, sizeof *s.to);
+    if (s.begin && s.from && s.to)
+        run(&s, threads);
+    else
+        status = pl_fail_memory(error, "the order of the nodes");
+    pl_free(s.from);
+    pl_free(s.to);
+    pl_free(s.begin);
+    return status;
+}

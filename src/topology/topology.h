@@ -1,0 +1,112 @@
+/* topology: what connects to what. One header for the folder; one source file per part.
+ *
+ * Shapes use n = n_nodes, m = n_elements, k = dim + 1 (nodes of an element). A facet is a triangle
+ * of a tetrahedron or an edge of a triangle. Everything is a function of the mesh alone, whatever
+ * the number of threads.
+ */
+#ifndef PL_TOPOLOGY_H
+#define PL_TOPOLOGY_H
+
+#include <planish/planish.h>
+
+/* ---- validate.c: is this a mesh? ---------------------------------------------------------- */
+
+/** Check dim, counts, indices, repeated nodes of an element and finite coordinates of mesh.
+ *  The lowest offending element or node is reported, whatever the number of threads. */
+int pl_validate_mesh(const planish_mesh *mesh, int threads, planish_error *error);
+
+/** Check that coordinates [n_nodes][dim] are finite. */
+int pl_validate_coordinates(const double *coordinates, int64_t n_nodes, int dim, int threads,
+                            planish_error *error);
+
+/* ---- incidence.c: the elements of every node ---------------------------------------------- */
+
+/** Elements of each node, compressed, ascending. */
+typedef struct pl_incidence {
+    int64_t *offset;  /* [n + 1] */
+    int32_t *element; /* [offset[n]] */
+} pl_incidence;
+
+int pl_incidence_create(const planish_mesh *mesh, int threads, pl_incidence *incidence,
+                        planish_error *error);
+void pl_incidence_destroy(pl_incidence *incidence);
+
+/* ---- boundary.c: facets, boundary nodes, orientation -------------------------------------- */
+
+/** What the facets say. */
+typedef struct pl_boundary {
+    uint8_t *on_boundary; /* [n] 1: on a facet of one element or of more than two, of a duplicate
+                             element, or on a facet that contradicts its component's order */
+    int8_t *sign;         /* [m] +1, -1: sign * measure is positive in a valid mesh; NULL: all +1 */
+    int64_t n_boundary_facets;    /* of one element */
+    int64_t n_nonmanifold_facets; /* of more than two */
+    int64_t n_duplicate_elements; /* with the nodes of an earlier one, in any order */
+    int64_t n_components;         /* of elements joined by facets, 0: was not needed */
+    int64_t n_reversed;           /* elements of sign -1 */
+} pl_boundary;
+
+/** Orientation is combinatorial (docs/algorithm.md): inside a component of elements joined by
+ *  facets of two elements (no duplicates), neighbours traverse their facet in opposite directions;
+ *  the component's sign is that of its summed measure. A component that cannot be oriented, such
+ *  as a Moebius strip, keeps the file's order up to that sign; where two of its neighbours
+ *  traverse their facet in the same direction, the facet's nodes are held. mesh is valid. */
+int pl_boundary_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
+                       pl_boundary *boundary, planish_error *error);
+void pl_boundary_destroy(pl_boundary *boundary);
+
+/* ---- ordering.c: nodes along a space-filling curve ---------------------------------------- */
+
+/** order [n]: the nodes along a Hilbert curve through their bounding box (ties: by number). */
+int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planish_error *error);
+
+/* ---- rings.c: the neighbours of every free node ------------------------------------------- */
+
+/** Neighbours (nodes of a common element) of the nodes node [n_rings]; ring r is that of node[r]. */
+typedef struct pl_rings {
+    int64_t n_rings;
+    int64_t *offset;    /* [n_rings + 1] into neighbour */
+    int32_t *neighbour; /* each once, in order of first appearance in the ascending elements */
+} pl_rings;
+
+enum { PL_MAX_RING = 65535 }; /* neighbours that fit the positions in pl_stars.link */
+
+/** is_free [n]: 1 for the nodes that may move. A node with more than PL_MAX_RING neighbours is made
+ *  not free (is_free becomes 0). node [n]: the free nodes in the wanted order; on return without
+ *  those held. */
+int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, uint8_t *is_free,
+                    int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
+                    planish_error *error);
+void pl_rings_destroy(pl_rings *rings);
+
+/* ---- colouring.c: independent nodes ------------------------------------------------------- */
+
+/** Colour the nodes of rings so that no two neighbours share a colour. colour [n_rings]: 0 ..
+ *  n_colours-1. Greedy in the order (more free neighbours first, then a hash of the node's number,
+ *  then its number), computed in parallel after Jones and Plassmann (1993): the result is that of
+ *  the serial greedy algorithm, whatever the order of the rings. */
+int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes, int threads,
+                        int32_t *colour, int *n_colours, planish_error *error);
+
+/* ---- stars.c: the star of every free node ------------------------------------------------- */
+
+/** The rings and link facets of nodes, compressed, in visiting order (the caller's choice). */
+typedef struct pl_stars {
+    int64_t n_stars;
+    int64_t *ring_offset; /* [n_stars + 1] into ring */
+    int32_t *ring;        /* the star's other nodes as in pl_rings, but numbered by number_of */
+    int64_t *link_offset; /* [n_stars + 1] in link facets: one per element of the star */
+    uint16_t *link;       /* [link_offset[n_stars]][dim] positions in the star's ring; facets in the
+                             order of their elements, oriented so that the measure of (facet, node)
+                             is positive in a valid mesh: with x the node, 3-D
+                             (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D (p0 - x) x (p1 - x) > 0 */
+    int64_t max_ring, max_link; /* of one star */
+} pl_stars;
+
+/** Star s is that of the node of ring visit[s], s < rings->n_rings; node [n_rings] as given to
+ *  pl_rings_create; number_of [n] maps the mesh's node numbers to those written to stars->ring. */
+int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
+                    const pl_rings *rings, const int32_t *node, const int32_t *visit,
+                    const int32_t *number_of, int threads, pl_stars *stars, planish_error *error);
+void pl_stars_destroy(pl_stars *stars);
+
+#endif

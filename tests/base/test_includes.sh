@@ -1,0 +1,41 @@
+#!/usr/bin/env bash
+# Dependencies point one way (docs/architecture.md): no file includes what its folder must not know.
+set -u
+cd "$(dirname "$0")/../.." || exit 1
+bad=0
+
+# refuse FOLDER-OR-FILES PATTERN WHY
+refuse() {
+    local found
+    found=$(grep -nE "$2" $1 2>/dev/null)
+    if [ -n "$found" ]; then
+        echo "$3:"
+        echo "$found"
+        bad=1
+    fi
+}
+
+others() { # all folders of src but those named
+    local pattern
+    pattern=$(printf '%s|' "$@")
+    for folder in src/*/; do
+        folder=${folder#src/}
+        [[ "${folder%/}" =~ ^(${pattern%|})$ ]] || printf '%s|' "${folder%/}"
+    done | sed 's/|$//'
+}
+
+includes() { echo "^ *# *include *\"($1)/"; }
+
+refuse "src/base/*" "$(includes "$(others base)")" "base knows nobody"
+refuse "src/geometry/*" "$(includes "$(others base geometry)")" "geometry knows base only"
+refuse "src/topology/*" "$(includes "$(others base geometry topology)")" "topology knows base and geometry"
+refuse "src/star/*" "$(includes "$(others base geometry star)")" "star knows base and geometry"
+refuse "src/quality/*" "$(includes "$(others base geometry quality)")" "quality knows base and geometry"
+refuse "src/sweep/*" "$(includes "io")" "sweep does not know io"
+refuse "src/io/*" "$(includes "$(others base io)")" "io knows base only"
+refuse "tools/*.c tools/*.h" "$(includes "$(others base)")" "the program knows public headers and base"
+refuse "$(ls src/*/* tools/*.[ch] | grep -v src/base/parallel.c)" "omp\.h|# *pragma *omp" "OpenMP belongs in src/base/parallel.c"
+refuse "$(ls src/*/* tools/*.[ch] | grep -v src/sweep/placement.c)" "hwloc\.h" "hwloc belongs in src/sweep/placement.c"
+
+[ $bad = 0 ] && echo "includes point one way"
+exit $bad

@@ -1,0 +1,89 @@
+"""check_report.py SMOOTH.json QUALITY.json SMOOTH.json: keys, types and relations of the reports."""
+import json
+import math
+import sys
+
+NUMBER = (int, float)
+QUALITY = {
+    "inverted": int, "below_min_volume": int, "min_volume": NUMBER, "max_volume": NUMBER,
+    "total_volume": NUMBER, "rms_radius_ratio": NUMBER, "rms_radius_ratio_movable": NUMBER,
+    "mean_radius_ratio": NUMBER, "max_radius_ratio": NUMBER, "min_dihedral_deg": NUMBER,
+    "max_dihedral_deg": NUMBER, "histogram": {"edges": list, "counts": list},
+}
+MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "fixed_elements": int,
+        "colours": int}
+SMOOTH = {
+    "planish": str, "input": str, "output": str, "mesh": MESH, "before": QUALITY, "after": QUALITY,
+    "sweeps": list, "stop": str, "certified": bool, "max_displacement": NUMBER,
+    "moved_nodes": int, "node_visits": int, "threads": int, "binding": str, "isa": str,
+    "seconds": dict.fromkeys(("read", "setup", "smooth", "write", "total"), NUMBER),
+    "fixed": {"count": int, "rms_radius_ratio": NUMBER, "max_radius_ratio": NUMBER},
+    "unfixable": list, "below_min": list, "reason": str, "peak_memory_bytes": int,
+}
+SWEEP = {"phase": str, "rms": NUMBER, "rms_movable": NUMBER, "inverted": int, "visits": int,
+         "seconds": NUMBER}
+
+
+def check(value, shape, where):
+    if isinstance(shape, dict):
+        missing = set(shape) - set(value)
+        assert not missing, "%s lacks %s" % (where, missing)
+        for key in shape:
+            check(value[key], shape[key], where + "." + key)
+    else:
+        assert isinstance(value, shape), "%s is %r" % (where, value)
+
+
+def check_histogram(quality, elements):
+    edges, counts = quality["histogram"]["edges"], quality["histogram"]["counts"]
+    assert len(edges) == len(counts) + 1 and edges[0] <= 1 and edges[-1] is None
+    assert edges[:-1] == sorted(edges[:-1])
+    assert sum(counts) == elements - quality["inverted"]
+
+
+def same(a, b):
+    return math.isclose(a, b, rel_tol=1e-12)
+
+
+smooth, quality, printed = (json.load(open(name)) for name in sys.argv[1:4])
+check(smooth, SMOOTH, "smooth")
+assert set(quality) == {"mesh", "quality"}
+check(quality, {"mesh": MESH, "quality": QUALITY}, "quality")
+
+before, after, mesh = smooth["before"], smooth["after"], smooth["mesh"]
+for state in (before, after, quality["quality"]):
+    check_histogram(state, mesh["elements"])
+assert mesh == quality["mesh"] and mesh["dimension"] == 3
+assert 0 < mesh["free_nodes"] < mesh["nodes"] and 0 < mesh["colours"] <= 14
+
+# The mesh that was written is the one that was reported.
+for key in after:
+    if key != "histogram":
+        assert same(after[key], quality["quality"][key]), key
+
+assert smooth["stop"] == "converged" and smooth["certified"] and smooth["reason"] == ""
+assert after["rms_radius_ratio"] < 0.9 * before["rms_radius_ratio"]
+assert after["max_radius_ratio"] <= before["max_radius_ratio"]
+assert same(after["total_volume"], before["total_volume"])
+assert smooth["fixed"]["count"] == mesh["fixed_elements"]
+assert smooth["fixed"]["max_radius_ratio"] <= after["max_radius_ratio"]
+assert 0 < smooth["moved_nodes"] <= mesh["free_nodes"] and smooth["max_displacement"] > 0
+
+sweeps = smooth["sweeps"]
+for sweep in sweeps:
+    check(sweep, SWEEP, "sweep")
+    assert sweep["phase"] == "smooth"
+rms = [before["rms_radius_ratio"]] + [sweep["rms"] for sweep in sweeps]
+assert all(b <= a * (1 + 1e-12) for a, b in zip(rms, rms[1:])), "F rises: %s" % rms
+assert same(rms[-1], after["rms_radius_ratio"])
+assert sum(sweep["visits"] for sweep in sweeps) == smooth["node_visits"]
+parts = smooth["seconds"]
+assert all(s >= 0 for s in parts.values()) and smooth["peak_memory_bytes"] > 0
+
+# A second run says the same, times and places aside.
+for report in (smooth, printed):
+    for key in ("output", "seconds", "peak_memory_bytes"):
+        del report[key]
+    for sweep in report["sweeps"]:
+        del sweep["seconds"]
+assert smooth == printed

@@ -1,0 +1,60 @@
+#!/usr/bin/env bash
+# One mesh in every format: each comes back in its own bytes with nothing but coordinates changed,
+# and all of them become as good.
+. "$(dirname "$0")/common.sh"
+
+data=$source_folder/tests/data
+cp "$data"/*.msh "$data"/*.mesh "$data"/*.vtk "$data"/tetgen.* .
+
+for file in ascii22.msh binary22.msh ascii41.msh binary41.msh medit.mesh ascii.vtk binary.vtk \
+    tetgen.node square.msh; do
+    out=smooth.${file##*.}
+    expect_status 0 "$program" smooth $file -o "$out" --json $file.json -q
+    [ "$file" != tetgen.node ] || cmp tetgen.ele smooth.ele || fail "the companion of $file"
+    python3 - $file "$out" <<'END' || fail "$file"
+import json, sys
+name, out = sys.argv[1:]
+report = json.load(open(name + ".json"))
+before, after = report["before"], report["after"]
+assert report["stop"] == "converged" and report["certified"] and report["moved_nodes"] > 0
+assert report["mesh"]["dimension"] == (2 if name == "square.msh" else 3)
+assert after["rms_radius_ratio"] < before["rms_radius_ratio"]
+assert abs(after["total_volume"] / before["total_volume"] - 1) < 1e-12
+old, new = open(name, "rb").read(), open(out, "rb").read()
+assert old != new
+if name.startswith("binary"):
+    changed = [i for i in range(len(old)) if old[i] != new[i]]
+    assert len(old) == len(new) and len(changed) <= 24 * report["moved_nodes"]
+else:
+    old, new = old.split(b"\n"), new.split(b"\n")
+    changed = [i for i in range(len(old)) if old[i] != new[i]]
+    assert len(old) == len(new) and len(changed) == report["moved_nodes"]
+    assert all(len(old[i].split()) == len(new[i].split()) for i in changed)
+END
+    # Smooth already: read again, nothing is inverted and next to nothing can be won.
+    expect_status 0 "$program" smooth "$out" -o "again.${file##*.}" --json again.json -q
+    python3 - $file <<'END' || fail "$file a second time"
+import json, sys
+first, again = json.load(open(sys.argv[1] + ".json"))["after"], json.load(open("again.json"))["after"]
+assert 0.999 < again["rms_radius_ratio"] / first["rms_radius_ratio"] <= 1
+END
+done
+
+python3 - <<'END' || fail "the formats differ"
+import json
+names = "ascii22.msh binary22.msh ascii41.msh binary41.msh medit.mesh ascii.vtk binary.vtk".split()
+reports = [json.load(open(name + ".json")) for name in names]
+for name, report in zip(names, reports):
+    for state in ("before", "after"):
+        ratio = report[state]["rms_radius_ratio"] / reports[0][state]["rms_radius_ratio"]
+        assert abs(ratio - 1) < 1e-4, (name, state, ratio)
+    assert report["mesh"]["free_nodes"] == reports[0]["mesh"]["free_nodes"], name
+END
+
+# A format that is named is the one that is read.
+expect_status 0 "$program" quality medit.mesh --format medit -q
+expect_status 2 "$program" quality medit.mesh --format gmsh -q
+expect_one_line
+cp medit.mesh no_extension
+expect_status 0 "$program" quality no_extension -q
+finish

@@ -1,0 +1,102 @@
+#!/usr/bin/env bash
+# Ends before convergence: the mesh is written, the status is 1 and the reason is told; a second
+# signal ends at once.
+. "$(dirname "$0")/common.sh"
+
+python3 "$cli/make_mesh.py" 24 0.2 in.mesh || exit 1
+
+# json EXPRESSION: the report.json is such that it holds.
+json() {
+    python3 -c "import json; r = json.load(open('report.json')); assert $1, r['stop']" ||
+        fail "report: $1"
+}
+
+for limit in 0.001 1e-9; do
+    expect_status 1 "$program" smooth in.mesh -o out.mesh --time-limit $limit --json report.json -q
+    expect_one_line
+    expect_text "time limit"
+    json "r['stop'] == 'time-limit' and 'time limit' in r['reason'] and r['certified']"
+    "$program" quality out.mesh -q || fail "the mesh after a time limit is readable"
+    rm -f out.mesh report.json
+done
+expect_status 0 "$program" smooth in.mesh -o out.mesh --max-sweeps 1 --json report.json -q
+json "r['stop'] == 'max-sweeps' and r['reason'] == '' and len(r['sweeps']) == 1"
+expect_status 0 "$program" smooth in.mesh -o out.mesh --max-sweeps 0 --json report.json -q
+json "r['stop'] == 'max-sweeps' and r['moved_nodes'] == 0"
+cmp in.mesh out.mesh || fail "no sweep, no change"
+rm -f out.mesh report.json
+
+# start OUT: a run with no end of its own in the background; returns once it is sweeping. Jobs of a
+# script have SIGINT ignored unless it is reset.
+start() {
+    rm -f err
+    env --default-signal=INT,TERM "$program" smooth in.mesh -o "$1" --tolerance 0 \
+        --max-sweeps 2000000000 --json report.json -v >out 2>err &
+    run=$!
+    wait_for "sweep 1:" err
+}
+
+for signal in INT TERM; do
+    rm -f out.mesh report.json
+    start out.mesh
+    if kill -$signal $run 2>/dev/null; then
+        wait $run
+        status=$?
+        [ $status -eq 1 ] || fail "SIG$signal: status $status instead of 1"
+        json "r['stop'] == 'interrupted' and 'interrupted' in r['reason']"
+        json "r['after']['rms_radius_ratio'] <= r['before']['rms_radius_ratio']"
+        json "r['after']['inverted'] == 0"
+    else
+        fail "the run ended before it could be interrupted"
+    fi
+done
+
+# The second one: the first makes it write, and the pipe keeps it there, as nobody reads.
+mkfifo pipe.mesh
+for signal in INT TERM; do
+    start pipe.mesh
+    kill -$signal $run
+    sleep 0.3
+    kill -0 $run 2>/dev/null || fail "SIG$signal: the run should wait for a reader"
+    kill -$signal $run
+    wait $run
+    status=$?
+    [ $status -eq $((128 + $(kill -l $signal))) ] || fail "second SIG$signal: status $status"
+done
+
+# A signal that the parent had ignored stays ignored.
+(
+    trap '' INT
+    exec "$program" smooth in.mesh -o out.mesh --tolerance 0 --max-sweeps 2000000000 -v >out 2>err
+) &
+run=$!
+wait_for "sweep 1:" err
+kill -INT $run
+sleep 0.2
+kill -0 $run 2>/dev/null || fail "an ignored SIGINT should stay ignored"
+kill -TERM $run
+wait $run
+[ $? -eq 1 ] || fail "SIGTERM beside an ignored SIGINT"
+
+# The input becomes shorter while it is mapped.
+cp in.mesh shrinking.mesh
+rm -f out.mesh err
+"$program" smooth shrinking.mesh -o out.mesh --tolerance 0 --max-sweeps 3 -v >out 2>err &
+run=$!
+wait_for "sweep 1:" err
+: >shrinking.mesh
+wait $run
+status=$?
+[ $status -eq 2 ] || fail "shrinking input: status $status instead of 2"
+[ "$(grep -c '^planish: ' err)" -eq 1 ] || fail "shrinking input: one line expected"
+[ "$(find . -name '*out.mesh*' | wc -l)" -eq 0 ] || fail "shrinking input: something was written"
+
+# Inverted elements: status 1, how many there are, and the rest is smoothed.
+python3 "$cli/make_mesh.py" 8 0.9 tangled.mesh
+expect_status 1 "$program" smooth tangled.mesh -o out.mesh --json report.json -q
+expect_one_line
+expect_text "inverted"
+json "r['before']['inverted'] > 0 and not r['certified']"
+json "r['after']['inverted'] == r['before']['inverted'] and str(r['after']['inverted']) in r['reason']"
+expect_status 0 "$program" quality tangled.mesh
+finish

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# The same bits on any number of threads, and the ways to say how many.
+. "$(dirname "$0")/common.sh"
+
+expect_status 0 "$program" smooth "$sample" -o one.msh -j 1 -q
+for threads in 2 3 4 7; do
+    expect_status 0 "$program" smooth "$sample" -o many.msh -j $threads --json report.json -q
+    cmp one.msh many.msh || fail "$threads threads give another mesh than 1"
+    python3 -c "import json; assert json.load(open('report.json'))['threads'] == $threads" ||
+        fail "-j $threads: another number of threads"
+done
+
+# OMP_NUM_THREADS is respected, -j wins over it.
+expect_status 0 env OMP_NUM_THREADS=3 "$program" smooth "$sample" -o many.msh --json report.json -q
+python3 -c "import json; assert json.load(open('report.json'))['threads'] == 3" ||
+    fail "OMP_NUM_THREADS"
+expect_status 0 env OMP_NUM_THREADS=3 "$program" smooth "$sample" -o many.msh -j 2 \
+    --json report.json -q
+python3 -c "import json; assert json.load(open('report.json'))['threads'] == 2" ||
+    fail "-j beside OMP_NUM_THREADS"
+
+# Binding is left alone where the user has decided.
+for setting in OMP_PROC_BIND=close OMP_PLACES=threads OMP_PROC_BIND=false; do
+    expect_status 0 env $setting "$program" smooth "$sample" -o many.msh -j 2 -q
+    cmp one.msh many.msh || fail "$setting gives another mesh"
+done
+
+# The other direction is its own method, as deterministic.
+expect_status 0 "$program" smooth "$sample" -o fr1.msh --direction fletcher-reeves -j 1 -q
+expect_status 0 "$program" smooth "$sample" -o fr3.msh --direction fletcher-reeves -j 3 -q
+cmp fr1.msh fr3.msh || fail "Fletcher-Reeves depends on the number of threads"
+cmp -s fr1.msh one.msh && fail "both directions give the same mesh"
+finish

@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Bad command lines: status 64, one line, a hint to the help, nothing read or written.
+. "$(dirname "$0")/common.sh"
+
+cp "$sample" in.msh
+bad() {
+    expect_status 64 "$program" "$@"
+    expect_one_line
+    expect_text "--help"
+    expect_no_file out.msh
+}
+
+bad
+bad polish
+bad --frobnicate
+bad smooth
+bad smooth in.msh
+bad smooth -o out.msh
+bad smooth in.msh second.msh -o out.msh
+bad smooth "" -o out.msh
+bad smooth in.msh -o ""
+bad smooth in.msh -o
+bad smooth in.msh -o out.msh --frobnicate
+bad smooth in.msh -o out.msh -Z
+bad smooth in.msh -o out.msh --ignore-regions=1
+bad smooth in.msh -o out.msh --max-sweeps
+bad quality
+bad quality in.msh -o out.msh
+bad quality in.msh -v
+
+# Values: the whole word, in range, finite.
+for value in "" x 1x " 1" "1 " -1 +1 1.5 99999999999999999999 0x10; do
+    bad smooth in.msh -o out.msh --max-sweeps "$value"
+    bad smooth in.msh -o out.msh --threads "$value"
+done
+bad smooth in.msh -o out.msh -j 0
+for value in "" x 1x " 1" "1 " nan inf 1e999 0x1p3 1,5; do
+    bad smooth in.msh -o out.msh --tolerance "$value"
+    bad smooth in.msh -o out.msh --time-limit "$value"
+    bad smooth in.msh -o out.msh --only-worse-than "$value"
+done
+bad smooth in.msh -o out.msh --tolerance -1e-9
+bad smooth in.msh -o out.msh --time-limit 0
+bad smooth in.msh -o out.msh --only-worse-than 0.5
+bad smooth in.msh -o out.msh --direction south
+bad smooth in.msh -o out.msh --format stl
+bad smooth in.msh -o out.msh --fix ""
+bad smooth in.msh -o out.msh --fix "no such group"
+
+# Options of later versions are not accepted.
+for option in --objective --min-volume --area-weight --method --no-untangle --report; do
+    bad smooth in.msh -o out.msh $option 1
+done
+
+# Outputs that make no sense.
+bad smooth in.msh -o out.vtk
+bad smooth in.msh -o out
+expect_no_file out.vtk
+bad smooth in.msh -o out.msh --json out.msh
+bad smooth in.msh -o out.msh --json in.msh
+bad quality in.msh --json in.msh
+bad smooth in.msh -o /dev/stdout --json -
+cmp in.msh "$sample" || fail "the input was changed"
+
+# Help and version go to standard output and need nothing else.
+for arguments in --help "smooth --help" "quality --help" --version "smooth --version" \
+    "smooth nothing.msh --help"; do
+    # shellcheck disable=SC2086
+    expect_status 0 "$program" $arguments
+    [ -s out ] && [ ! -s err ] || fail "$arguments: output expected, and no message"
+    expect_status 2 bash -c "exec \"$program\" $arguments >/dev/full"
+done
+expect_status 0 "$program" --version
+grep -q '^planish [0-9]*\.[0-9]*\.[0-9]*$' out || fail "version line"
+expect_status 0 "$program" smooth --help
+awk 'length($0) > 80 { exit 1 }' out || fail "help wider than 80 columns"
+finish

@@ -1,0 +1,206 @@
+/* The kernels' objective against textbook formulas in long double, and the variants against the
+ * plain one, bit for bit. */
+#include "support/hand_star.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { STARS = 200 };
+
+static const planish_isa variants[] = {PLANISH_ISA_VECTOR, PLANISH_ISA_AVX2, PLANISH_ISA_AVX512};
+
+static void evaluate(hand_star *s, planish_isa isa, pl_star_value *value) {
+    const pl_star_kernel *kernel = pl_star_kernel_select(isa);
+    assert_true(kernel->evaluate[s->dim - 2](&s->problem, 0, s->scratch, 1, value));
+}
+
+static void regular_star_has_known_value(void **state) {
+    (void)state;
+    hand_star s;
+    pl_star_value value;
+    hand_star_create(&s, 2, 0, 1); /* a hexagon: six equilateral triangles */
+    evaluate(&s, PLANISH_ISA_PLAIN, &value);
+    assert_true(fabs(value.sum - 6) < 1e-13);
+    assert_true(fabs(value.max - 1) < 1e-14);
+    assert_true(fabs(value.gradient[0]) < 1e-13 && fabs(value.gradient[1]) < 1e-13);
+    hand_star_destroy(&s);
+}
+
+/** Central differences in long double, extrapolated once, of the sum along direction e_i (+ e_j).
+ */
+static long double difference(const hand_star *s, int i, int j, int second) {
+    long double result[2];
+    for (int level = 0; level < 2; level++) {
+        long double h = level ? 5e-5L : 1e-4L, f[3];
+        for (int k = 0; k < 3; k++) {
+            long double x[3];
+            for (int d = 0; d < s->dim; d++)
+                x[d] = s->coordinates[d] + (k - 1) * h * ((d == i) + (d == j));
+            f[k] = hand_star_sum(s, x);
+        }
+        result[level] = second ? (f[0] - 2 * f[1] + f[2]) / (h * h) : (f[2] - f[0]) / (2 * h);
+    }
+    return (4 * result[1] - result[0]) / 3;
+}
+
+static void derivatives_match_differences(void **state) {
+    int dim = *(int *)*state;
+    for (unsigned seed = 0; seed < STARS; seed++) {
+        hand_star s;
+        pl_star_value value;
+        hand_star_create(&s, dim, 0.4 * seed / STARS, seed);
+        evaluate(&s, PLANISH_ISA_PLAIN, &value);
+        long double x[3];
+        for (int d = 0; d < dim; d++)
+            x[d] = s.coordinates[d];
+        long double sum = hand_star_sum(&s, x);
+        assert_true(fabsl(value.sum - sum) < 1e-12L * sum);
+
+        long double size = 0, second[3][3];
+        for (int i = 0; i < dim; i++)
+            size += fabsl(second[i][i] = difference(&s, i, -1, 1));
+        for (int i = 0, k = 0; i < dim; i++)
+            for (int j = i; j < dim; j++, k++) {
+                /* along e_i + e_j the second difference is H_ii + 2 H_ij + H_jj */
+                long double wanted =
+                    i == j ? second[i][i]
+                           : (difference(&s, i, j, 1) - second[i][i] - second[j][j]) / 2;
+                assert_true(fabsl(value.hessian[k] - wanted) < 1e-7L * size);
+            }
+        for (int i = 0; i < dim; i++)
+            assert_true(fabsl(value.gradient[i] - difference(&s, i, -1, 0)) < 1e-9L * size);
+        hand_star_destroy(&s);
+    }
+}
+
+static void variants_give_the_same_bits(void **state) {
+    int dim = *(int *)*state;
+    for (size_t v = 0; v < sizeof variants / sizeof *variants; v++) {
+        if (!pl_star_kernel_select(variants[v]))
+            continue;
+        for (unsigned seed = 0; seed < STARS; seed++) {
+            hand_star plain, other;
+            pl_star_value a, b;
+            hand_star_create(&plain, dim, 0.5 * seed / STARS, seed);
+            hand_star_create(&other, dim, 0.5 * seed / STARS, seed);
+            plain.problem.direction = other.problem.direction =
+                seed % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+            evaluate(&plain, PLANISH_ISA_PLAIN, &a);
+            evaluate(&other, variants[v], &b);
+            assert_memory_equal(&a, &b, sizeof a);
+            for (int visit = 0; visit < 3; visit++) {
+                pl_star_tally p = pl_star_kernel_select(PLANISH_ISA_PLAIN)
+                                      ->visit[dim - 2](&plain.problem, 0, 1, plain.scratch);
+                pl_star_tally q = pl_star_kernel_select(variants[v])
+                                      ->visit[dim - 2](&other.problem, 0, 1, other.scratch);
+                assert_memory_equal(&p, &q, sizeof p);
+                assert_memory_equal(plain.coordinates, other.coordinates, sizeof plain.coordinates);
+            }
+            hand_star_destroy(&plain);
+            hand_star_destroy(&other);
+        }
+    }
+}
+
+static void an_inverted_star_is_left_alone(void **state) {
+    int dim = *(int *)*state;
+    hand_star s;
+    hand_star_create(&s, dim, 0.2, 7);
+    s.coordinates[0] = 5; /* outside */
+    pl_star_tally tally =
+        pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    assert_int_equal(tally.visits, 1);
+    assert_true(tally.decrease == 0 && s.coordinates[0] == 5);
+    hand_star_destroy(&s);
+}
+
+/** Move the centre 0.999 of the way to where an element would lose its last volume. */
+static void move_to_the_brink(hand_star *s) {
+    double from[3], low = 0, high = 4;
+    memcpy(from, s->coordinates, sizeof from);
+    for (int i = 0; i < 60; i++) {
+        pl_star_value value;
+        double middle = 0.5 * (low + high);
+        s->coordinates[0] = from[0] + middle;
+        int valid = pl_star_kernel_select(PLANISH_ISA_PLAIN)
+                        ->evaluate[s->dim - 2](&s->problem, 0, s->scratch, 0, &value);
+        *(valid ? &low : &high) = middle;
+    }
+    s->coordinates[0] = from[0] + 0.999 * low;
+}
+
+/** From next to a facet, where RR^2 is huge, visits must come to a local minimum. */
+static void visits_reach_a_minimum(void **state) {
+    int dim = *(int *)*state;
+    for (unsigned seed = 0; seed < STARS; seed++) {
+        hand_star s;
+        hand_star_create(&s, dim, 0.2, seed);
+        s.problem.direction = seed % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+        move_to_the_brink(&s);
+        pl_star_value before, after;
+        evaluate(&s, PLANISH_ISA_AUTO, &before);
+        for (int visit = 0; visit < 60; visit++) {
+            s.changed[0] = 1;
+            pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+        }
+        evaluate(&s, PLANISH_ISA_AUTO, &after);
+        assert_true(after.sum < before.sum / 100);
+        double trace =
+            after.hessian[0] + (dim == 3 ? after.hessian[3] + after.hessian[5] : after.hessian[2]);
+        for (int d = 0; d < dim; d++)
+            assert_true(fabs(after.gradient[d]) < 1e-4 * trace);
+        hand_star_destroy(&s);
+    }
+}
+
+static void float_positions_are_floats(void **state) {
+    int dim = *(int *)*state;
+    hand_star s;
+    hand_star_create(&s, dim, 0.3, 3);
+    s.problem.float_scale = 4;
+    double before = s.coordinates[0];
+    pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    assert_true(s.coordinates[0] != before);
+    for (int d = 0; d < dim; d++)
+        assert_true((double)(float)(4 * s.coordinates[d]) == 4 * s.coordinates[d]);
+    hand_star_destroy(&s);
+}
+
+static void limit_refuses_worse_elements(void **state) {
+    int dim = *(int *)*state;
+    hand_star s;
+    pl_star_value value;
+    hand_star_create(&s, dim, 0.4, 11);
+    evaluate(&s, PLANISH_ISA_AUTO, &value);
+    s.problem.rr2_limit = 0.5; /* below what any element can have */
+    double before[3];
+    memcpy(before, s.coordinates, sizeof before);
+    pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    assert_memory_equal(before, s.coordinates, (size_t)dim * sizeof(double));
+    hand_star_destroy(&s);
+}
+
+int main(void) {
+    static int two = 2, three = 3;
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(regular_star_has_known_value),
+        {"derivatives 2-D", derivatives_match_differences, NULL, NULL, &two},
+        {"derivatives 3-D", derivatives_match_differences, NULL, NULL, &three},
+        {"variants 2-D", variants_give_the_same_bits, NULL, NULL, &two},
+        {"variants 3-D", variants_give_the_same_bits, NULL, NULL, &three},
+        {"inverted 2-D", an_inverted_star_is_left_alone, NULL, NULL, &two},
+        {"inverted 3-D", an_inverted_star_is_left_alone, NULL, NULL, &three},
+        {"minimum 2-D", visits_reach_a_minimum, NULL, NULL, &two},
+        {"minimum 3-D", visits_reach_a_minimum, NULL, NULL, &three},
+        {"float 2-D", float_positions_are_floats, NULL, NULL, &two},
+        {"float 3-D", float_positions_are_floats, NULL, NULL, &three},
+        {"limit 2-D", limit_refuses_worse_elements, NULL, NULL, &two},
+        {"limit 3-D", limit_refuses_worse_elements, NULL, NULL, &three},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

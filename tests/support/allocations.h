@@ -1,0 +1,13 @@
+/* allocations: permit the library a number of allocations, and no more.
+ *
+ * A program that links this file gets its aligned_alloc, the one that pl_alloc calls.
+ */
+#ifndef TEST_SUPPORT_ALLOCATIONS_H
+#define TEST_SUPPORT_ALLOCATIONS_H
+
+#include <stdint.h>
+
+/** Let the next permitted allocations succeed and all others fail; negative: let all succeed. */
+void allocations_permit(int64_t permitted);
+
+#endif

@@ -1,0 +1,152 @@
+/* hand_star: one star made by hand, as the kernels see it. */
+#include "support/hand_star.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+#define PI 3.14159265358979323846
+
+static double uniform(unsigned *state) {
+    *state = *state * 1664525u + 1013904223u;
+    return (double)(*state >> 8) / (1 << 24);
+}
+
+static const double golden = 1.6180339887498949;
+
+/** The icosahedron's vertices, and its facets: the triples at the shortest distance. */
+static void icosahedron(hand_star *s) {
+    double *x = s->coordinates + 3;
+    int n = 0;
+    for (int axis = 0; axis < 3; axis++)
+        for (int sign = 0; sign < 4; sign++, n++) {
+            x[3 * n + axis] = 0;
+            x[3 * n + (axis + 1) % 3] = sign & 1 ? 1 : -1;
+            x[3 * n + (axis + 2) % 3] = (sign & 2 ? 1 : -1) * golden;
+        }
+    int64_t facets = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            for (int k = 0; k < n; k++) {
+                const double *p = x + 3 * i, *q = x + 3 * j, *r = x + 3 * k;
+                double pq = 0, qr = 0, rp = 0;
+                for (int d = 0; d < 3; d++) {
+                    pq += (p[d] - q[d]) * (p[d] - q[d]);
+                    qr += (q[d] - r[d]) * (q[d] - r[d]);
+                    rp += (r[d] - p[d]) * (r[d] - p[d]);
+                }
+                double inward =
+                    -(p[0] * (q[1] * r[2] - q[2] * r[1]) + p[1] * (q[2] * r[0] - q[0] * r[2]) +
+                      p[2] * (q[0] * r[1] - q[1] * r[0]));
+                int first = i < j && i < k; /* one of three rotations */
+                if (first && inward > 0 && pq < 4.1 && qr < 4.1 && rp < 4.1) {
+                    s->link[3 * facets] = (uint16_t)i;
+                    s->link[3 * facets + 1] = (uint16_t)j;
+                    s->link[3 * facets++ + 2] = (uint16_t)k;
+                }
+            }
+    s->ring_offset[1] = n;
+    s->link_offset[1] = facets;
+}
+
+static void polygon(hand_star *s, int corners) {
+    for (int i = 0; i < corners; i++) {
+        s->coordinates[2 + 2 * i] = cos(2 * PI * i / corners);
+        s->coordinates[3 + 2 * i] = sin(2 * PI * i / corners);
+        s->link[2 * i] = (uint16_t)i;
+        s->link[2 * i + 1] = (uint16_t)((i + 1) % corners);
+    }
+    s->ring_offset[1] = s->link_offset[1] = corners;
+}
+
+void hand_star_create(hand_star *s, int dim, double unevenness, unsigned seed) {
+    memset(s, 0, sizeof *s);
+    s->dim = dim;
+    if (dim == 3)
+        icosahedron(s);
+    else
+        polygon(s, 5 + (int)(seed % 3));
+    unsigned state = seed * 2654435761u + 1;
+    for (int64_t i = 0; i < s->ring_offset[1]; i++) {
+        double radius = 1 + unevenness * (2 * uniform(&state) - 1);
+        for (int d = 0; d < dim; d++)
+            s->coordinates[(i + 1) * dim + d] *= radius;
+        s->ring[i] = (int32_t)(i + 1);
+    }
+    for (int d = 0; d < dim; d++)
+        s->coordinates[d] = 0.3 * unevenness * (2 * uniform(&state) - 1);
+    memset(s->changed, 1, sizeof s->changed);
+    s->scratch = pl_alloc(pl_star_scratch_size(dim, s->ring_offset[1], s->link_offset[1]), 1);
+    s->problem = (pl_star_problem){.coordinates = s->coordinates,
+                                   .node = &s->node,
+                                   .ring_offset = s->ring_offset,
+                                   .ring = s->ring,
+                                   .link_offset = s->link_offset,
+                                   .link = s->link,
+                                   .changed = s->changed,
+                                   .rr2_limit = INFINITY};
+}
+
+void hand_star_destroy(hand_star *s) {
+    pl_free(s->scratch);
+}
+
+/* ---- textbook radius ratio ---------------------------------------------------------------- */
+
+static long double length(const long double *p, const long double *q, int dim) {
+    long double sum = 0;
+    for (int d = 0; d < dim; d++)
+        sum += (p[d] - q[d]) * (p[d] - q[d]);
+    return sqrtl(sum);
+}
+
+/** Heron. */
+static long double area(long double a, long double b, long double c) {
+    long double p = (a + b + c) / 2;
+    return sqrtl(p * (p - a) * (p - b) * (p - c));
+}
+
+static long double triangle_ratio(const long double *p[]) {
+    long double a = length(p[0], p[1], 2), b = length(p[1], p[2], 2), c = length(p[2], p[0], 2);
+    long double A = area(a, b, c);
+    long double R = a * b * c / (4 * A), r = 2 * A / (a + b + c);
+    return R / (2 * r);
+}
+
+/** R from the products of opposite edges (Crelle), r from volume and surface. */
+static long double tetrahedron_ratio(const long double *p[]) {
+    long double e[4][4], u[3], v[3], w[3];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            e[i][j] = length(p[i], p[j], 3);
+    for (int d = 0; d < 3; d++) {
+        u[d] = p[1][d] - p[0][d];
+        v[d] = p[2][d] - p[0][d];
+        w[d] = p[3][d] - p[0][d];
+    }
+    long double V = fabsl(u[0] * (v[1] * w[2] - v[2] * w[1]) + u[1] * (v[2] * w[0] - v[0] * w[2]) +
+                          u[2] * (v[0] * w[1] - v[1] * w[0])) /
+                    6;
+    long double S = area(e[0][1], e[1][2], e[2][0]) + area(e[0][1], e[1][3], e[3][0]) +
+                    area(e[0][2], e[2][3], e[3][0]) + area(e[1][2], e[2][3], e[3][1]);
+    long double R = area(e[0][1] * e[2][3], e[0][2] * e[1][3], e[0][3] * e[1][2]) / (6 * V);
+    return R * S / (9 * V);
+}
+
+long double hand_star_sum(const hand_star *s, const long double *x) {
+    long double sum = 0;
+    for (int64_t f = 0; f < s->link_offset[1]; f++) {
+        long double corner[4][3];
+        const long double *p[4];
+        for (int j = 0; j <= s->dim; j++) {
+            for (int d = 0; d < s->dim; d++)
+                corner[j][d] =
+                    j == s->dim ? x[d] : s->coordinates[(1 + s->link[f * s->dim + j]) * s->dim + d];
+            p[j] = corner[j];
+        }
+        long double ratio = s->dim == 3 ? tetrahedron_ratio(p) : triangle_ratio(p);
+        sum += ratio * ratio;
+    }
+    return sum;
+}

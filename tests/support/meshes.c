@@ -1,0 +1,184 @@
+/* meshes: small meshes for tests, made by rule or by hand. */
+#include "support/meshes.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+double test_random(unsigned *state) {
+    *state = *state * 1664525u + 1013904223u;
+    return (double)(*state >> 8) / (1 << 24);
+}
+
+static int64_t random_below(unsigned *state, int64_t n) {
+    return (int64_t)(test_random(state) * (double)n);
+}
+
+static void *checked(void *memory) {
+    if (!memory)
+        abort();
+    return memory;
+}
+
+/** Room for the mesh; contents are the caller's. */
+static void allocate(test_mesh *mesh, int dim, int64_t n_nodes, int64_t n_elements) {
+    mesh->coordinates = checked(malloc((size_t)(n_nodes * dim) * sizeof(double) + 1));
+    mesh->elements = checked(malloc((size_t)(n_elements * (dim + 1)) * sizeof(int32_t) + 1));
+    mesh->mesh = (planish_mesh){.dim = dim,
+                                .n_nodes = n_nodes,
+                                .n_elements = n_elements,
+                                .coordinates = mesh->coordinates,
+                                .elements = mesh->elements};
+}
+
+void test_mesh_create(test_mesh *mesh, int dim, int64_t n_nodes, const double *coordinates,
+                      int64_t n_elements, const int32_t *elements) {
+    unsigned state = 1;
+    allocate(mesh, dim, n_nodes, n_elements);
+    for (int64_t i = 0; i < n_nodes * dim; i++)
+        mesh->coordinates[i] = coordinates ? coordinates[i] : test_random(&state);
+    memcpy(mesh->elements, elements, (size_t)(n_elements * (dim + 1)) * sizeof *elements);
+}
+
+void test_mesh_destroy(test_mesh *mesh) {
+    free(mesh->coordinates);
+    free(mesh->elements);
+    *mesh = (test_mesh){0};
+}
+
+/* ---- the box ------------------------------------------------------------------------------ */
+
+/** The orders in which a path from corner to corner can take the axes, odd ones second. */
+static const int paths_2d[2][3] = {{0, 1}, {1, 0}};
+static const int paths_3d[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1},
+                                   {0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
+
+void test_mesh_box(test_mesh *mesh, int dim, int cells) {
+    int n = cells + 1, n_paths = dim == 3 ? 6 : 2;
+    int step[3] = {1, n, n * n}; /* in node numbers */
+    int64_t n_nodes = dim == 3 ? n * n * n : n * n, at = 0;
+    allocate(mesh, dim, n_nodes, (int64_t)n_paths * cells * cells * (dim == 3 ? cells : 1));
+    for (int32_t node = 0; node < n_nodes; node++) {
+        int inside = 1; /* the node is the first corner of a cell */
+        for (int d = 0; d < dim; d++) {
+            int place = node / step[d] % n;
+            mesh->coordinates[node * dim + d] = place;
+            inside &= place < cells;
+        }
+        for (int p = 0; inside && p < n_paths; p++) {
+            const int *path = dim == 3 ? paths_3d[p] : paths_2d[p];
+            int32_t *element = mesh->elements + at++ * (dim + 1);
+            element[0] = node;
+            for (int d = 0; d < dim; d++)
+                element[d + 1] = element[d] + step[path[d]];
+            if (p >= n_paths / 2)
+                test_mesh_reverse(mesh, at - 1);
+        }
+    }
+}
+
+/* ---- other meshes ------------------------------------------------------------------------- */
+
+void test_mesh_garbage(test_mesh *mesh, int dim, int64_t n_nodes, int64_t n_elements,
+                       unsigned seed) {
+    allocate(mesh, dim, n_nodes, n_elements);
+    for (int64_t i = 0; i < n_nodes * dim; i++)
+        mesh->coordinates[i] = test_random(&seed);
+    for (int64_t i = 0; i < n_elements; i++)
+        for (int j = 0; j <= dim; j++) {
+            int32_t *element = mesh->elements + i * (dim + 1);
+            int again = 1;
+            while (again) {
+                again = 0;
+                element[j] = (int32_t)random_below(&seed, n_nodes);
+                for (int k = 0; k < j; k++)
+                    again |= element[k] == element[j];
+            }
+        }
+}
+
+void test_mesh_append(test_mesh *mesh, const test_mesh *other, double shift) {
+    test_mesh a = *mesh;
+    int dim = a.mesh.dim;
+    int64_t n = a.mesh.n_nodes * dim, n_other = other->mesh.n_nodes * dim;
+    int64_t m = a.mesh.n_elements * (dim + 1), m_other = other->mesh.n_elements * (dim + 1);
+    allocate(mesh, dim, a.mesh.n_nodes + other->mesh.n_nodes,
+             a.mesh.n_elements + other->mesh.n_elements);
+    memcpy(mesh->coordinates, a.coordinates, (size_t)n * sizeof(double));
+    memcpy(mesh->elements, a.elements, (size_t)m * sizeof(int32_t));
+    for (int64_t i = 0; i < n_other; i++)
+        mesh->coordinates[n + i] = other->coordinates[i] + shift;
+    for (int64_t i = 0; i < m_other; i++)
+        mesh->elements[m + i] = other->elements[i] + (int32_t)a.mesh.n_nodes;
+    test_mesh_destroy(&a);
+}
+
+/* ---- changes ------------------------------------------------------------------------------ */
+
+void test_mesh_perturb(test_mesh *mesh, double amount, unsigned seed) {
+    int dim = mesh->mesh.dim;
+    double low = mesh->coordinates[0], high = low;
+    for (int64_t i = 0; i < mesh->mesh.n_nodes * dim; i++) {
+        low = mesh->coordinates[i] < low ? mesh->coordinates[i] : low;
+        high = mesh->coordinates[i] > high ? mesh->coordinates[i] : high;
+    }
+    for (int64_t i = 0; i < mesh->mesh.n_nodes; i++) {
+        double *x = mesh->coordinates + i * dim;
+        int inside = 1;
+        for (int d = 0; d < dim; d++)
+            inside &= x[d] > low && x[d] < high;
+        for (int d = 0; inside && d < dim; d++)
+            x[d] += amount * (2 * test_random(&seed) - 1);
+    }
+}
+
+/** A random permutation of 0 .. n-1, to be freed. */
+static int32_t *permutation(int64_t n, unsigned *state) {
+    int32_t *p = checked(malloc((size_t)n * sizeof *p + 1));
+    for (int64_t i = 0; i < n; i++)
+        p[i] = (int32_t)i;
+    for (int64_t i = n - 1; i > 0; i--) {
+        int64_t j = random_below(state, i + 1);
+        int32_t swapped = p[i];
+        p[i] = p[j];
+        p[j] = swapped;
+    }
+    return p;
+}
+
+void test_mesh_renumber(test_mesh *mesh, unsigned seed, int32_t *new_number) {
+    test_mesh old = *mesh;
+    int dim = old.mesh.dim;
+    int64_t n = old.mesh.n_nodes, m = old.mesh.n_elements;
+    int32_t *node = permutation(n, &seed), *place = permutation(m, &seed);
+    allocate(mesh, dim, n, m);
+    for (int64_t i = 0; i < n; i++)
+        for (int d = 0; d < dim; d++)
+            mesh->coordinates[node[i] * dim + d] = old.coordinates[i * dim + d];
+    for (int64_t i = 0; i < m; i++)
+        for (int j = 0; j <= dim; j++)
+            mesh->elements[place[i] * (dim + 1) + j] = node[old.elements[i * (dim + 1) + j]];
+    if (new_number)
+        memcpy(new_number, node, (size_t)n * sizeof *node);
+    free(node);
+    free(place);
+    test_mesh_destroy(&old);
+}
+
+void test_mesh_reverse(test_mesh *mesh, int64_t element) {
+    int dim = mesh->mesh.dim;
+    int32_t *node = mesh->elements + element * (dim + 1);
+    int32_t last = node[dim];
+    node[dim] = node[dim - 1];
+    node[dim - 1] = last;
+}
+
+void test_mesh_reverse_some(test_mesh *mesh, unsigned every, unsigned seed) {
+    for (int64_t i = 0; i < mesh->mesh.n_elements; i++)
+        if (random_below(&seed, every) == 0)
+            test_mesh_reverse(mesh, i);
+}
+
+void test_mesh_transform(test_mesh *mesh, double scale, double shift) {
+    for (int64_t i = 0; i < mesh->mesh.n_nodes * mesh->mesh.dim; i++)
+        mesh->coordinates[i] = mesh->coordinates[i] * scale + shift;
+}

@@ -1,0 +1,47 @@
+/* meshes: small meshes for tests, made by rule or by hand. */
+#ifndef TEST_SUPPORT_MESHES_H
+#define TEST_SUPPORT_MESHES_H
+
+#include <planish/planish.h>
+
+/** A mesh that owns its arrays: mesh.coordinates and mesh.elements are the same ones, read-only. */
+typedef struct test_mesh {
+    planish_mesh mesh;
+    double *coordinates; /* [n_nodes][dim] */
+    int32_t *elements;   /* [n_elements][dim + 1] */
+} test_mesh;
+
+/** A copy of what is given; coordinates NULL: random ones in the unit box. */
+void test_mesh_create(test_mesh *mesh, int dim, int64_t n_nodes, const double *coordinates,
+                      int64_t n_elements, const int32_t *elements);
+void test_mesh_destroy(test_mesh *mesh);
+
+/** The box [0, cells] in each direction, cut into unit cubes (squares) and these into 6 tetrahedra
+ *  (2 triangles) along a diagonal; all positive, nodes and elements in lexicographic order. */
+void test_mesh_box(test_mesh *mesh, int dim, int cells);
+
+/** n_elements elements of random distinct nodes: facets of any number of elements, duplicates. */
+void test_mesh_garbage(test_mesh *mesh, int dim, int64_t n_nodes, int64_t n_elements,
+                       unsigned seed);
+
+/** Append a copy of other, moved by shift in every direction, that shares no node. */
+void test_mesh_append(test_mesh *mesh, const test_mesh *other, double shift);
+
+/** Move the nodes inside the box by up to amount in every direction: a box of test_mesh_box stays
+ *  valid up to about 0.15. */
+void test_mesh_perturb(test_mesh *mesh, double amount, unsigned seed);
+
+/** Number nodes and elements at random; new_number (may be NULL) [n_nodes] of the old ones. */
+void test_mesh_renumber(test_mesh *mesh, unsigned seed, int32_t *new_number);
+
+/** Reverse the order of one element, or of about one in every elements. */
+void test_mesh_reverse(test_mesh *mesh, int64_t element);
+void test_mesh_reverse_some(test_mesh *mesh, unsigned every, unsigned seed);
+
+/** Multiply the coordinates by scale, then add shift. */
+void test_mesh_transform(test_mesh *mesh, double scale, double shift);
+
+/** The next of a sequence of random numbers in [0, 1). */
+double test_random(unsigned *state);
+
+#endif

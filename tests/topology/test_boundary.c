@@ -1,0 +1,534 @@
+/* Tests of src/topology/boundary.c, facets.c and orientation.c. */
+#include "topology/topology.h"
+
+#include "geometry/simplex.h"
+#include "support/allocations.h"
+#include "support/meshes.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+static void create(const planish_mesh *mesh, int threads, pl_boundary *boundary) {
+    pl_incidence incidence;
+    assert_int_equal(pl_incidence_create(mesh, threads, &incidence, NULL), PLANISH_OK);
+    assert_int_equal(pl_boundary_create(mesh, &incidence, threads, boundary, NULL), PLANISH_OK);
+    pl_incidence_destroy(&incidence);
+}
+
+static int sign_of(const pl_boundary *boundary, int64_t element) {
+    return boundary->sign ? boundary->sign[element] : 1;
+}
+
+/* ---- a reference: every facet against every other one ------------------------------------- */
+
+typedef struct facet {
+    int32_t node[3]; /* ascending; node[2] = -1 in 2-D */
+    int64_t element;
+    int direction; /* 0 or 1: how the element traverses it */
+} facet;
+
+typedef struct reference {
+    pl_boundary boundary;
+    int64_t n_facets;
+    facet *facet; /* [n_facets] (dim + 1) per element */
+} reference;
+
+/** Parity of the permutation that sorts node [n]. */
+static int inversions(const int32_t *node, int n) {
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++)
+            count += node[j] > node[i];
+    return count % 2;
+}
+
+static int ascending(const void *a, const void *b) {
+    int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/** Facet opposite node j: its own order, preceded by node j, is a permutation of the element. */
+static facet facet_of(const planish_mesh *mesh, int64_t element, int j) {
+    facet f = {{-1, -1, -1}, element, 0};
+    int dim = mesh->dim;
+    for (int i = 0, n = 0; i <= dim; i++)
+        if (i != j)
+            f.node[n++] = mesh->elements[element * (dim + 1) + i];
+    f.direction = (inversions(f.node, dim) + j) % 2;
+    qsort(f.node, (size_t)dim, sizeof f.node[0], ascending);
+    return f;
+}
+
+static int same_nodes(const planish_mesh *mesh, int64_t a, int64_t b) {
+    int32_t x[4], y[4];
+    size_t k = (size_t)mesh->dim + 1;
+    memcpy(x, mesh->elements + a * (int64_t)k, k * sizeof *x);
+    memcpy(y, mesh->elements + b * (int64_t)k, k * sizeof *y);
+    qsort(x, k, sizeof *x, ascending);
+    qsort(y, k, sizeof *y, ascending);
+    return memcmp(x, y, k * sizeof *x) == 0;
+}
+
+static void hold(reference *r, const int32_t *node, int n) {
+    for (int i = 0; i < n; i++)
+        r->boundary.on_boundary[node[i]] = 1;
+}
+
+/** The facet that joins facet i's element to another one, or -1. *count: elements of facet i. */
+static int64_t partner(const planish_mesh *mesh, const reference *r, int64_t i, int *count,
+                       int *first) {
+    int64_t other = -1;
+    *count = 0;
+    *first = 1;
+    for (int64_t j = 0; j < r->n_facets; j++) {
+        if (memcmp(r->facet[i].node, r->facet[j].node, sizeof r->facet[i].node) != 0)
+            continue;
+        ++*count;
+        *first &= j >= i;
+        other = j == i ? other : j;
+    }
+    int joins = *count == 2 && !same_nodes(mesh, r->facet[i].element, r->facet[other].element);
+    return joins ? other : -1;
+}
+
+/** Spread an orientation from the first element of each component until nothing changes; component
+ *  [m] gets its first element, sign [m] the order relative to that. */
+static void spread(const planish_mesh *mesh, const reference *r, const int64_t *partners,
+                   int64_t *component, int8_t *sign) {
+    int k = mesh->dim + 1;
+    for (int64_t e = 0; e < mesh->n_elements; e++) {
+        if (component[e] >= 0)
+            continue;
+        component[e] = e;
+        sign[e] = 1;
+        for (int changed = 1; changed;) {
+            changed = 0;
+            for (int64_t i = 0; i < r->n_facets; i++) {
+                int64_t a = i / k, b = partners[i] / k;
+                if (partners[i] < 0 || component[a] != e || component[b] >= 0)
+                    continue;
+                int same = r->facet[i].direction == r->facet[partners[i]].direction;
+                component[b] = e;
+                sign[b] = (int8_t)(same ? -sign[a] : sign[a]);
+                changed = 1;
+            }
+        }
+    }
+}
+
+static double measure_of(const planish_mesh *mesh, int64_t element) {
+    const double *vertex[4];
+    for (int j = 0; j <= mesh->dim; j++)
+        vertex[j] =
+            mesh->coordinates + (int64_t)mesh->elements[element * (mesh->dim + 1) + j] * mesh->dim;
+    return pl_simplex_measure(mesh->dim, vertex);
+}
+
+/** Signs from the components: those in which facets contradict one another keep the file's order,
+ *  and hold the nodes of the facets that do. */
+static void orient(const planish_mesh *mesh, reference *r, const int64_t *partners) {
+    size_t m = (size_t)mesh->n_elements;
+    int64_t *component = malloc(m * sizeof *component);
+    int8_t *bad = calloc(m, 1), *sign = malloc(m);
+    double *sum = calloc(m, sizeof *sum);
+    assert_true(component && bad && sum && sign);
+    memset(component, -1, m * sizeof *component);
+    spread(mesh, r, partners, component, sign);
+    int k = mesh->dim + 1;
+    for (int64_t i = 0; i < r->n_facets; i++) {
+        int64_t j = partners[i];
+        if (j >= 0 &&
+            (sign[i / k] != sign[j / k]) != (r->facet[i].direction == r->facet[j].direction))
+            bad[component[i / k]] = 1;
+    }
+    for (int64_t i = 0; i < r->n_facets; i++)
+        if (partners[i] >= 0 && bad[component[i / k]] &&
+            r->facet[i].direction == r->facet[partners[i]].direction)
+            hold(r, r->facet[i].node, mesh->dim);
+    for (size_t e = 0; e < m; e++) {
+        sign[e] = bad[component[e]] ? 1 : sign[e];
+        sum[component[e]] += sign[e] * measure_of(mesh, (int64_t)e);
+    }
+    for (size_t e = 0; e < m; e++) {
+        sign[e] = (int8_t)(sum[component[e]] < 0 ? -sign[e] : sign[e]);
+        r->boundary.n_reversed += sign[e] < 0;
+        r->boundary.n_components += component[e] == (int64_t)e;
+    }
+    r->boundary.sign = sign;
+    free(component);
+    free(bad);
+    free(sum);
+}
+
+static void find_duplicates(const planish_mesh *mesh, reference *r) {
+    for (int64_t a = 0; a < mesh->n_elements; a++) {
+        int duplicate = 0;
+        for (int64_t b = 0; b < a && !duplicate; b++)
+            duplicate = same_nodes(mesh, a, b);
+        r->boundary.n_duplicate_elements += duplicate;
+        if (duplicate)
+            hold(r, mesh->elements + a * (mesh->dim + 1), mesh->dim + 1);
+    }
+}
+
+static void reference_create(const planish_mesh *mesh, reference *r) {
+    int k = mesh->dim + 1;
+    *r = (reference){.n_facets = mesh->n_elements * k};
+    r->facet = malloc((size_t)r->n_facets * sizeof *r->facet);
+    int64_t *partners = malloc((size_t)r->n_facets * sizeof *partners);
+    r->boundary.on_boundary = calloc((size_t)mesh->n_nodes, 1);
+    assert_true(r->facet && partners && r->boundary.on_boundary);
+    for (int64_t i = 0; i < r->n_facets; i++)
+        r->facet[i] = facet_of(mesh, i / k, (int)(i % k));
+    for (int64_t i = 0; i < r->n_facets; i++) {
+        int count, first;
+        partners[i] = partner(mesh, r, i, &count, &first);
+        r->boundary.n_boundary_facets += count == 1;
+        r->boundary.n_nonmanifold_facets += first && count > 2;
+        if (count != 2)
+            hold(r, r->facet[i].node, mesh->dim);
+    }
+    find_duplicates(mesh, r);
+    orient(mesh, r, partners);
+    free(partners);
+}
+
+static void reference_destroy(reference *r) {
+    free(r->boundary.on_boundary);
+    free(r->boundary.sign);
+    free(r->facet);
+}
+
+/** Compare with the reference, on several numbers of threads. */
+static void check(const planish_mesh *mesh) {
+    reference r;
+    reference_create(mesh, &r);
+    for (int threads = 1; threads <= 5; threads++) {
+        pl_boundary b;
+        create(mesh, threads, &b);
+        assert_memory_equal(b.on_boundary, r.boundary.on_boundary, (size_t)mesh->n_nodes);
+        assert_int_equal(b.n_boundary_facets, r.boundary.n_boundary_facets);
+        assert_int_equal(b.n_nonmanifold_facets, r.boundary.n_nonmanifold_facets);
+        assert_int_equal(b.n_duplicate_elements, r.boundary.n_duplicate_elements);
+        assert_int_equal(b.n_reversed, r.boundary.n_reversed);
+        if (b.n_components)
+            assert_int_equal(b.n_components, r.boundary.n_components);
+        for (int64_t e = 0; e < mesh->n_elements; e++)
+            assert_int_equal(sign_of(&b, e), r.boundary.sign[e]);
+        pl_boundary_destroy(&b);
+    }
+    reference_destroy(&r);
+}
+
+/* ---- boxes -------------------------------------------------------------------------------- */
+
+static void consistent_boxes(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        pl_boundary b;
+        int cells = 6;
+        test_mesh_box(&box, dim, cells);
+        test_mesh_perturb(&box, 0.15, 1);
+        create(&box.mesh, 2, &b);
+        assert_null(b.sign);
+        assert_int_equal(b.n_components, 0);
+        assert_int_equal(b.n_boundary_facets, dim == 3 ? 2 * 6 * cells * cells : 4 * cells);
+        for (int64_t i = 0; i < box.mesh.n_nodes; i++) {
+            int outside = 0;
+            for (int d = 0; d < dim; d++)
+                outside |=
+                    box.coordinates[i * dim + d] == 0 || box.coordinates[i * dim + d] == cells;
+            assert_int_equal(b.on_boundary[i], outside);
+        }
+        pl_boundary_destroy(&b);
+        for (int64_t i = 0; i < box.mesh.n_elements; i++)
+            test_mesh_reverse(&box, i);
+        create(&box.mesh, 2, &b);
+        assert_non_null(b.sign);
+        assert_int_equal(b.n_components, 0);
+        assert_int_equal(b.n_reversed, box.mesh.n_elements);
+        for (int64_t i = 0; i < box.mesh.n_elements; i++)
+            assert_int_equal(b.sign[i], -1);
+        pl_boundary_destroy(&b);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Whatever the numbering, and with many inverted elements: exactly the reversed ones have -1. */
+static void mixed_boxes(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (unsigned seed = 1; seed <= 3; seed++) {
+            test_mesh box;
+            test_mesh_box(&box, dim, dim == 3 ? 12 : 60);
+            test_mesh_perturb(&box, 0.2 * seed, seed); /* the last one is tangled */
+            test_mesh_renumber(&box, seed, NULL);
+            int32_t *before = malloc((size_t)(box.mesh.n_elements * (dim + 1)) * sizeof *before);
+            assert_non_null(before);
+            memcpy(before, box.elements,
+                   (size_t)(box.mesh.n_elements * (dim + 1)) * sizeof *before);
+            test_mesh_reverse_some(&box, 2 + seed, seed);
+            for (int threads = 1; threads <= 5; threads++) {
+                pl_boundary b;
+                create(&box.mesh, threads, &b);
+                assert_int_equal(b.n_components, 1);
+                for (int64_t i = 0; i < box.mesh.n_elements; i++) {
+                    int reversed = before[i * (dim + 1) + dim] != box.elements[i * (dim + 1) + dim];
+                    assert_int_equal(sign_of(&b, i), reversed ? -1 : 1);
+                }
+                pl_boundary_destroy(&b);
+            }
+            free(before);
+            test_mesh_destroy(&box);
+        }
+}
+
+/** The scale of the coordinates does not matter, nor where the box is. */
+static void extreme_coordinates(void **state) {
+    (void)state;
+    const double scales[] = {1e-300, 1e-120, 1e120, 1e300, 1e-3};
+    const double shifts[] = {0, 0, 0, 0, 1e6};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int i = 0; i < 5; i++) {
+            test_mesh box;
+            pl_boundary b;
+            test_mesh_box(&box, dim, 3);
+            test_mesh_transform(&box, scales[i], shifts[i]);
+            test_mesh_reverse(&box, 5);
+            create(&box.mesh, 1, &b);
+            assert_int_equal(b.n_reversed, 1);
+            assert_int_equal(b.sign[5], -1);
+            pl_boundary_destroy(&b);
+            test_mesh_destroy(&box);
+        }
+}
+
+/* ---- special meshes ----------------------------------------------------------------------- */
+
+static void parts_of_opposite_order(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh mesh, other;
+        pl_boundary b;
+        test_mesh_box(&mesh, dim, 2);
+        test_mesh_box(&other, dim, 3);
+        for (int64_t i = 0; i < other.mesh.n_elements; i++)
+            test_mesh_reverse(&other, i);
+        int64_t n_first = mesh.mesh.n_elements;
+        test_mesh_append(&mesh, &other, 10);
+        create(&mesh.mesh, 2, &b);
+        assert_int_equal(b.n_components, 2);
+        assert_int_equal(b.n_reversed, other.mesh.n_elements);
+        for (int64_t i = 0; i < mesh.mesh.n_elements; i++)
+            assert_int_equal(b.sign[i], i < n_first ? 1 : -1);
+        pl_boundary_destroy(&b);
+        check(&mesh.mesh);
+        test_mesh_destroy(&mesh);
+        test_mesh_destroy(&other);
+    }
+}
+
+static void five_tetrahedra_in_a_cube(void **state) {
+    (void)state;
+    const double x[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 0, 1, 1, 0, 1, 0, 1, 1, 1, 1, 1};
+    const int32_t elements[] = {0, 1, 2, 4, 3, 2, 1, 7, 5, 4, 7, 1, 6, 7, 4, 2, 1, 2, 4, 7};
+    test_mesh cube;
+    pl_boundary b;
+    test_mesh_create(&cube, 3, 8, x, 5, elements);
+    create(&cube.mesh, 1, &b);
+    assert_int_equal(b.n_boundary_facets, 12);
+    assert_int_equal(b.n_nonmanifold_facets, 0);
+    for (int i = 0; i < 8; i++)
+        assert_int_equal(b.on_boundary[i], 1);
+    pl_boundary_destroy(&b);
+    check(&cube.mesh);
+    test_mesh_destroy(&cube);
+}
+
+static void three_tetrahedra_on_a_facet(void **state) {
+    (void)state;
+    const int32_t elements[] = {0, 1, 2, 3, 4, 0, 1, 2, 2, 0, 5, 1};
+    test_mesh mesh;
+    pl_boundary b;
+    test_mesh_create(&mesh, 3, 6, NULL, 3, elements);
+    create(&mesh.mesh, 1, &b);
+    assert_int_equal(b.n_boundary_facets, 9);
+    assert_int_equal(b.n_nonmanifold_facets, 1);
+    assert_int_equal(b.n_duplicate_elements, 0);
+    pl_boundary_destroy(&b);
+    check(&mesh.mesh);
+    test_mesh_destroy(&mesh);
+}
+
+/** An element of the inside twice, and again: its nodes are held, all others stay as they were. */
+static void duplicates(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box, twice;
+        pl_boundary b;
+        int k = dim + 1;
+        test_mesh_box(&box, dim, 4);
+        int64_t m = box.mesh.n_elements, inner = m / 2 + (dim == 3 ? 31 : 5);
+        int32_t *elements = malloc((size_t)((m + 2) * k) * sizeof *elements);
+        assert_non_null(elements);
+        memcpy(elements, box.elements, (size_t)(m * k) * sizeof *elements);
+        for (int j = 0; j < k; j++) {
+            elements[m * k + j] = box.elements[inner * k + (j + 1) % k];
+            elements[(m + 1) * k + j] = box.elements[inner * k + (j + 2) % k];
+        }
+        for (int64_t extra = 0; extra <= 2; extra++) {
+            test_mesh_create(&twice, dim, box.mesh.n_nodes, box.coordinates, m + extra, elements);
+            create(&twice.mesh, 2, &b);
+            assert_int_equal(b.n_duplicate_elements, extra);
+            assert_int_equal(b.n_nonmanifold_facets, extra ? k : 0);
+            for (int j = 0; j < k && extra; j++)
+                assert_int_equal(b.on_boundary[box.elements[inner * k + j]], 1);
+            pl_boundary_destroy(&b);
+            check(&twice.mesh);
+            test_mesh_destroy(&twice);
+        }
+        free(elements);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Nothing but two copies of one element: they do not orient one another. */
+static void lonely_twins(void **state) {
+    (void)state;
+    const double x[] = {0, 0, 1, 0, 0, 1};
+    const int32_t elements[] = {0, 1, 2, 1, 2, 0};
+    test_mesh mesh;
+    pl_boundary b;
+    test_mesh_create(&mesh, 2, 3, x, 2, elements);
+    create(&mesh.mesh, 1, &b);
+    assert_int_equal(b.n_duplicate_elements, 1);
+    assert_int_equal(b.n_reversed, 0);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(b.on_boundary[i], 1);
+    pl_boundary_destroy(&b);
+    test_mesh_destroy(&mesh);
+}
+
+/** A band of triangles closed with a twist, and wide enough that it has nodes inside: it keeps its
+ *  order, and the nodes where that contradicts itself are held. A sound part beside it is oriented
+ *  all the same. */
+static void moebius_strip(void **state) {
+    (void)state;
+    enum { LENGTH = 9, WIDTH = 5 };
+    int32_t elements[LENGTH * (WIDTH - 1) * 2][3];
+    double x[LENGTH * WIDTH * 2];
+    int64_t m = 0;
+    for (int32_t i = 0; i < LENGTH; i++)
+        for (int32_t j = 0; j < WIDTH; j++) {
+            x[(i * WIDTH + j) * 2] = i;
+            x[(i * WIDTH + j) * 2 + 1] = j;
+            if (j == WIDTH - 1)
+                continue;
+            int last = i == LENGTH - 1; /* its right side is the first column upside down */
+            int32_t a = i * WIDTH + j, d = a + 1;
+            int32_t b = last ? WIDTH - 1 - j : a + WIDTH, c = last ? b - 1 : b + 1;
+            memcpy(elements[m++], (int32_t[]){a, b, c}, sizeof elements[0]);
+            memcpy(elements[m++], (int32_t[]){a, c, d}, sizeof elements[0]);
+        }
+    test_mesh strip, box;
+    pl_boundary b;
+    test_mesh_create(&strip, 2, LENGTH * WIDTH, x, m, elements[0]);
+    test_mesh_box(&box, 2, 4);
+    test_mesh_reverse(&box, 7);
+    test_mesh_append(&strip, &box, 100);
+    create(&strip.mesh, 2, &b);
+    assert_int_equal(b.n_boundary_facets, 2 * LENGTH + 16);
+    assert_int_equal(b.n_components, 2);
+    int64_t inside_held = 0;
+    for (int64_t i = 0; i < LENGTH * WIDTH; i++)
+        if (i % WIDTH != 0 && i % WIDTH != WIDTH - 1)
+            inside_held += b.on_boundary[i];
+    assert_int_equal(inside_held, WIDTH - 2); /* the column at which the strip was closed */
+    int sign = b.sign[0];
+    for (int64_t i = 0; i < strip.mesh.n_elements; i++)
+        assert_int_equal(b.sign[i], i < m ? sign : i == m + 7 ? -1 : 1);
+    pl_boundary_destroy(&b);
+    check(&strip.mesh);
+    test_mesh_destroy(&strip);
+    test_mesh_destroy(&box);
+}
+
+static void garbage(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (unsigned seed = 1; seed <= 40; seed++) {
+            test_mesh mesh;
+            int64_t n_nodes = seed % 4 ? 5 + seed : 400; /* most of these have no element */
+            test_mesh_garbage(&mesh, dim, n_nodes, 20 + 2 * seed, seed);
+            check(&mesh.mesh);
+            test_mesh_destroy(&mesh);
+        }
+}
+
+/** All elements share an edge: a map of facets far larger than usual. */
+static void a_giant_star(void **state) {
+    (void)state;
+    enum { N = 3000 };
+    int32_t(*elements)[4] = malloc(N * sizeof *elements);
+    assert_non_null(elements);
+    for (int32_t i = 0; i < N; i++)
+        memcpy(elements[i], (int32_t[]){0, 1, 2 + i, 2 + (i + 1) % N}, sizeof elements[i]);
+    test_mesh mesh;
+    pl_boundary b;
+    test_mesh_create(&mesh, 3, N + 2, NULL, N, elements[0]);
+    create(&mesh.mesh, 2, &b);
+    assert_int_equal(b.n_boundary_facets, 2 * N);
+    assert_int_equal(b.n_nonmanifold_facets, 0);
+    pl_boundary_destroy(&b);
+    test_mesh_destroy(&mesh);
+    free(elements);
+}
+
+static void survives_without_memory(void **state) {
+    (void)state;
+    for (unsigned seed = 0; seed < 2; seed++) {
+        test_mesh mesh;
+        pl_incidence incidence;
+        pl_boundary b;
+        if (seed == 0)
+            test_mesh_box(&mesh, 3, 2);
+        else
+            test_mesh_garbage(&mesh, 3, 6, 40, seed);
+        assert_int_equal(pl_incidence_create(&mesh.mesh, 1, &incidence, NULL), PLANISH_OK);
+        int status = PLANISH_ERROR_MEMORY, permitted = 0;
+        for (; status; permitted++) {
+            allocations_permit(permitted);
+            status = pl_boundary_create(&mesh.mesh, &incidence, 1, &b, NULL);
+            allocations_permit(-1);
+            assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
+        }
+        assert_true(permitted > (seed ? 9 : 5));
+        pl_boundary_destroy(&b);
+        pl_incidence_destroy(&incidence);
+        test_mesh_destroy(&mesh);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(consistent_boxes),
+        cmocka_unit_test(mixed_boxes),
+        cmocka_unit_test(extreme_coordinates),
+        cmocka_unit_test(parts_of_opposite_order),
+        cmocka_unit_test(five_tetrahedra_in_a_cube),
+        cmocka_unit_test(three_tetrahedra_on_a_facet),
+        cmocka_unit_test(duplicates),
+        cmocka_unit_test(lonely_twins),
+        cmocka_unit_test(moebius_strip),
+        cmocka_unit_test(garbage),
+        cmocka_unit_test(a_giant_star),
+        cmocka_unit_test(survives_without_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

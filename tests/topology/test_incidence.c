@@ -1,0 +1,108 @@
+/* Tests of src/topology/incidence.c. */
+#include "topology/topology.h"
+
+#include "support/allocations.h"
+#include "support/meshes.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <string.h>
+#include <cmocka.h>
+
+static void two_tetrahedra(void **state) {
+    (void)state;
+    const int32_t elements[] = {0, 1, 2, 3, 4, 3, 2, 1};
+    const int64_t offset[] = {0, 1, 3, 5, 7, 8, 8};
+    const int32_t element[] = {0, 0, 1, 0, 1, 0, 1, 1};
+    test_mesh mesh;
+    pl_incidence incidence;
+    test_mesh_create(&mesh, 3, 6, NULL, 2, elements); /* node 5 is unused */
+    assert_int_equal(pl_incidence_create(&mesh.mesh, 1, &incidence, NULL), PLANISH_OK);
+    assert_memory_equal(incidence.offset, offset, sizeof offset);
+    assert_memory_equal(incidence.element, element, sizeof element);
+    pl_incidence_destroy(&incidence);
+    test_mesh_destroy(&mesh);
+}
+
+/** Every list is ascending, and holds only elements of its node; together they hold all. */
+static void check(const planish_mesh *mesh, const pl_incidence *incidence) {
+    int k = mesh->dim + 1;
+    assert_int_equal(incidence->offset[0], 0);
+    assert_int_equal(incidence->offset[mesh->n_nodes], mesh->n_elements * k);
+    for (int64_t node = 0; node < mesh->n_nodes; node++) {
+        int64_t begin = incidence->offset[node], end = incidence->offset[node + 1];
+        assert_true(begin <= end);
+        for (int64_t i = begin; i < end; i++) {
+            int32_t element = incidence->element[i];
+            int found = 0;
+            assert_true(i == begin || element > incidence->element[i - 1]);
+            assert_true(element >= 0 && element < mesh->n_elements);
+            for (int j = 0; j < k; j++)
+                found |= mesh->elements[element * k + j] == node;
+            assert_true(found);
+        }
+    }
+}
+
+/** Enough nodes for several buckets, and elements for several chunks. */
+static void large_meshes(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh mesh;
+        pl_incidence first, other;
+        test_mesh_box(&mesh, dim, dim == 3 ? 16 : 100);
+        test_mesh_renumber(&mesh, 5, NULL);
+        assert_int_equal(pl_incidence_create(&mesh.mesh, 1, &first, NULL), PLANISH_OK);
+        check(&mesh.mesh, &first);
+        size_t n_offset = (size_t)(mesh.mesh.n_nodes + 1) * sizeof *first.offset;
+        size_t n_element = (size_t)mesh.mesh.n_elements * (size_t)(dim + 1) * sizeof(int32_t);
+        for (int threads = 2; threads <= 5; threads++) {
+            assert_int_equal(pl_incidence_create(&mesh.mesh, threads, &other, NULL), PLANISH_OK);
+            assert_memory_equal(first.offset, other.offset, n_offset);
+            assert_memory_equal(first.element, other.element, n_element);
+            pl_incidence_destroy(&other);
+        }
+        pl_incidence_destroy(&first);
+        test_mesh_destroy(&mesh);
+    }
+}
+
+/** So many nodes that the buckets grow. */
+static void many_nodes(void **state) {
+    (void)state;
+    test_mesh mesh;
+    pl_incidence incidence;
+    test_mesh_garbage(&mesh, 2, 1100000, 2000, 3);
+    assert_int_equal(pl_incidence_create(&mesh.mesh, 3, &incidence, NULL), PLANISH_OK);
+    check(&mesh.mesh, &incidence);
+    pl_incidence_destroy(&incidence);
+    test_mesh_destroy(&mesh);
+}
+
+static void survives_without_memory(void **state) {
+    (void)state;
+    test_mesh mesh;
+    pl_incidence incidence;
+    test_mesh_box(&mesh, 3, 2);
+    int status = PLANISH_ERROR_MEMORY;
+    for (int permitted = 0; status; permitted++) {
+        allocations_permit(permitted);
+        status = pl_incidence_create(&mesh.mesh, 2, &incidence, NULL);
+        allocations_permit(-1);
+        assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
+        assert_true(status == (permitted < 4 ? PLANISH_ERROR_MEMORY : PLANISH_OK));
+    }
+    pl_incidence_destroy(&incidence);
+    test_mesh_destroy(&mesh);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(two_tetrahedra),
+        cmocka_unit_test(large_meshes),
+        cmocka_unit_test(many_nodes),
+        cmocka_unit_test(survives_without_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,216 @@
+/* Tests of src/topology/stars.c. */
+#include "topology/topology.h"
+
+#include "geometry/simplex.h"
+#include "support/allocations.h"
+#include "support/meshes.h"
+#include "support/rings.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+
+/** A mesh with all that stars are made of; visits and inner numbers are in reverse. */
+typedef struct fixture {
+    test_mesh mesh;
+    pl_boundary boundary;
+    test_rings rings;
+    int32_t *visit;     /* [n_free] */
+    int32_t *number_of; /* [n_nodes] */
+} fixture;
+
+static void fixture_create(fixture *f, test_mesh mesh, int all) {
+    f->mesh = mesh;
+    test_rings_create(&f->rings, &mesh.mesh, all, 1);
+    assert_int_equal(pl_boundary_create(&mesh.mesh, &f->rings.incidence, 1, &f->boundary, NULL),
+                     PLANISH_OK);
+    int64_t n = f->rings.n_free;
+    f->visit = malloc((size_t)n * sizeof *f->visit + 1);
+    f->number_of = malloc((size_t)mesh.mesh.n_nodes * sizeof *f->number_of);
+    assert_true(f->visit && f->number_of);
+    for (int64_t i = 0; i < n; i++)
+        f->visit[i] = (int32_t)(n - 1 - i);
+    for (int64_t i = 0; i < mesh.mesh.n_nodes; i++)
+        f->number_of[i] = (int32_t)(mesh.mesh.n_nodes - 1 - i);
+}
+
+static void fixture_destroy(fixture *f) {
+    test_rings_destroy(&f->rings);
+    pl_boundary_destroy(&f->boundary);
+    free(f->visit);
+    free(f->number_of);
+    test_mesh_destroy(&f->mesh);
+}
+
+static int create(fixture *f, int threads, pl_stars *stars) {
+    return pl_stars_create(&f->mesh.mesh, &f->rings.incidence, f->boundary.sign, &f->rings.rings,
+                           f->rings.node, f->visit, f->number_of, threads, stars, NULL);
+}
+
+/** The rings are those given; every link facet has the other nodes of its element, and is oriented
+ *  as the element is. */
+static void check_star(const fixture *f, const pl_stars *stars, int64_t s) {
+    const planish_mesh *mesh = &f->mesh.mesh;
+    int dim = mesh->dim;
+    int32_t r = f->visit[s], node = f->rings.node[r];
+    const int32_t *ring = stars->ring + stars->ring_offset[s];
+    const int32_t *neighbour = f->rings.rings.neighbour + f->rings.rings.offset[r];
+    int64_t n_ring = stars->ring_offset[s + 1] - stars->ring_offset[s];
+    int64_t first = f->rings.incidence.offset[node];
+    int64_t n_link = f->rings.incidence.offset[node + 1] - first;
+    assert_int_equal(n_ring, f->rings.rings.offset[r + 1] - f->rings.rings.offset[r]);
+    for (int64_t i = 0; i < n_ring; i++)
+        assert_int_equal(ring[i], f->number_of[neighbour[i]]);
+    assert_int_equal(stars->link_offset[s + 1] - stars->link_offset[s], n_link);
+    for (int64_t i = 0; i < n_link; i++) {
+        const uint16_t *facet = stars->link + (stars->link_offset[s] + i) * dim;
+        int32_t element = f->rings.incidence.element[first + i];
+        const double *vertex[4] = {0}, *own[4] = {0};
+        /* 3-D: (p0, node, p1, p2), 2-D: (node, p0, p1) */
+        for (int d = 0; d < dim; d++) {
+            assert_true(facet[d] < n_ring);
+            int place = dim == 3 && d == 0 ? 0 : d + 1;
+            vertex[place] = mesh->coordinates + (int64_t)neighbour[facet[d]] * dim;
+        }
+        vertex[dim - 2] = mesh->coordinates + (int64_t)node * dim;
+        for (int j = 0; j <= dim; j++)
+            own[j] = mesh->coordinates + (int64_t)mesh->elements[element * (dim + 1) + j] * dim;
+        double seen = pl_simplex_measure(dim, vertex), measure = pl_simplex_measure(dim, own);
+        measure *= f->boundary.sign ? f->boundary.sign[element] : 1;
+        assert_true(measure != 0);
+        assert_true(fabs(seen / measure - 1) < 1e-9);
+    }
+}
+
+static void check(fixture *f) {
+    pl_stars stars;
+    assert_int_equal(create(f, 1, &stars), PLANISH_OK);
+    assert_int_equal(stars.n_stars, f->rings.n_free);
+    int64_t max_ring = 0, max_link = 0;
+    for (int64_t s = 0; s < stars.n_stars; s++) {
+        int64_t n_ring = stars.ring_offset[s + 1] - stars.ring_offset[s];
+        int64_t n_link = stars.link_offset[s + 1] - stars.link_offset[s];
+        max_ring = n_ring > max_ring ? n_ring : max_ring;
+        max_link = n_link > max_link ? n_link : max_link;
+        check_star(f, &stars, s);
+    }
+    assert_int_equal(stars.max_ring, max_ring);
+    assert_int_equal(stars.max_link, max_link);
+    for (int threads = 2; threads <= 5; threads++) {
+        pl_stars other;
+        assert_int_equal(create(f, threads, &other), PLANISH_OK);
+        size_t n = (size_t)stars.n_stars;
+        assert_memory_equal(stars.ring_offset, other.ring_offset, (n + 1) * sizeof(int64_t));
+        assert_memory_equal(stars.link_offset, other.link_offset, (n + 1) * sizeof(int64_t));
+        assert_memory_equal(stars.ring, other.ring, (size_t)stars.ring_offset[n] * 4);
+        assert_memory_equal(stars.link, other.link,
+                            (size_t)stars.link_offset[n] * (size_t)f->mesh.mesh.dim * 2);
+        assert_int_equal(stars.max_ring, other.max_ring);
+        assert_int_equal(stars.max_link, other.max_link);
+        pl_stars_destroy(&other);
+    }
+    pl_stars_destroy(&stars);
+}
+
+static void boxes(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (unsigned every = 0; every < 4; every++) {
+            test_mesh box;
+            fixture f;
+            test_mesh_box(&box, dim, dim == 3 ? 9 : 30);
+            test_mesh_perturb(&box, 0.15, 1);
+            test_mesh_renumber(&box, 3, NULL);
+            if (every)
+                test_mesh_reverse_some(&box, every, 4); /* 1: all of them */
+            fixture_create(&f, box, 0);
+            check(&f);
+            fixture_destroy(&f);
+        }
+}
+
+/** By hand: four triangles around node 4, one of them in the other order. */
+static void a_square(void **state) {
+    (void)state;
+    const double x[] = {0, 0, 2, 0, 2, 2, 0, 2, 1, 1};
+    const int32_t elements[] = {4, 0, 1, 4, 2, 1, 2, 3, 4, 3, 4, 0};
+    const int32_t ring[] = {4, 3, 2, 1};
+    const uint16_t link[] = {0, 1, 1, 2, 2, 3, 3, 0};
+    test_mesh mesh;
+    fixture f;
+    pl_stars stars;
+    test_mesh_create(&mesh, 2, 5, x, 4, elements);
+    test_mesh_reverse(&mesh, 3);
+    fixture_create(&f, mesh, 0);
+    assert_int_equal(create(&f, 1, &stars), PLANISH_OK);
+    assert_int_equal(stars.n_stars, 1);
+    assert_int_equal(stars.max_ring, 4);
+    assert_int_equal(stars.max_link, 4);
+    assert_memory_equal(stars.ring, ring, sizeof ring);
+    assert_memory_equal(stars.link, link, sizeof link);
+    pl_stars_destroy(&stars);
+    fixture_destroy(&f);
+}
+
+static void links_of_any_shape(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (unsigned seed = 1; seed <= 3; seed++) {
+            test_mesh mesh;
+            fixture f;
+            test_mesh_garbage(&mesh, dim, 20 << (2 * seed), 900, seed);
+            fixture_create(&f, mesh, 1);
+            check(&f);
+            fixture_destroy(&f);
+        }
+}
+
+static void no_star(void **state) {
+    (void)state;
+    test_mesh box;
+    fixture f;
+    pl_stars stars;
+    test_mesh_box(&box, 3, 1);
+    fixture_create(&f, box, 0);
+    assert_int_equal(create(&f, 2, &stars), PLANISH_OK);
+    assert_int_equal(stars.n_stars, 0);
+    assert_int_equal(stars.ring_offset[0], 0);
+    assert_int_equal(stars.link_offset[0], 0);
+    assert_int_equal(stars.max_ring, 0);
+    pl_stars_destroy(&stars);
+    fixture_destroy(&f);
+}
+
+static void survives_without_memory(void **state) {
+    (void)state;
+    test_mesh box;
+    fixture f;
+    pl_stars stars;
+    test_mesh_box(&box, 3, 4);
+    fixture_create(&f, box, 0);
+    int status = PLANISH_ERROR_MEMORY, permitted = 0;
+    for (; status; permitted++) {
+        allocations_permit(permitted);
+        status = create(&f, 1, &stars);
+        allocations_permit(-1);
+        assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
+    }
+    assert_true(permitted > 6);
+    pl_stars_destroy(&stars);
+    fixture_destroy(&f);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(boxes),
+        cmocka_unit_test(a_square),
+        cmocka_unit_test(no_star),
+        cmocka_unit_test(links_of_any_shape),
+        cmocka_unit_test(survives_without_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,103 @@
+/* Tests of src/topology/validate.c. */
+#include "topology/topology.h"
+
+#include "support/meshes.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <string.h>
+#include <cmocka.h>
+
+static void accepts_meshes(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        test_mesh_box(&box, dim, 3);
+        assert_int_equal(pl_validate_mesh(&box.mesh, 2, NULL), PLANISH_OK);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Validate mesh and expect this error there. */
+static void expect(const planish_mesh *mesh, int code, int64_t element, int64_t node,
+                   const char *text) {
+    for (int threads = 1; threads <= 5; threads += 2) {
+        planish_error error = {0};
+        assert_int_equal(pl_validate_mesh(mesh, threads, &error), code);
+        assert_int_equal(error.code, code);
+        assert_int_equal(error.element, element);
+        assert_int_equal(error.node, node);
+        assert_non_null(strstr(error.text, text));
+    }
+}
+
+static void refuses_arguments(void **state) {
+    (void)state;
+    test_mesh box;
+    test_mesh_box(&box, 3, 1);
+    planish_mesh mesh = box.mesh;
+    mesh.dim = 4;
+    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.dim is 4");
+    mesh = box.mesh;
+    mesh.n_nodes = -1;
+    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is -1");
+    mesh = box.mesh;
+    mesh.n_nodes = INT64_C(1) << 31;
+    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "n_nodes is 2147483648");
+    mesh = box.mesh;
+    mesh.n_elements = INT64_MAX;
+    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "n_elements");
+    mesh = box.mesh;
+    mesh.n_elements = 0;
+    expect(&mesh, PLANISH_ERROR_MESH, -1, -1, "no elements");
+    mesh = box.mesh;
+    mesh.elements = NULL;
+    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.elements");
+    mesh = box.mesh;
+    mesh.coordinates = NULL;
+    expect(&mesh, PLANISH_ERROR_ARGUMENT, -1, -1, "mesh.coordinates");
+    mesh.n_nodes = 0;
+    expect(&mesh, PLANISH_ERROR_MESH, 0, 0, "nodes 0 to -1");
+    assert_int_equal(pl_validate_mesh(NULL, 1, NULL), PLANISH_ERROR_ARGUMENT);
+    test_mesh_destroy(&box);
+}
+
+/** Several offenders in several chunks: the lowest is named. */
+static void names_the_lowest_element(void **state) {
+    (void)state;
+    test_mesh box;
+    test_mesh_box(&box, 3, 20);
+    int64_t last = box.mesh.n_elements - 1;
+    assert_true(last > 40000);
+    box.elements[4 * last + 3] = -7;
+    expect(&box.mesh, PLANISH_ERROR_MESH, last, -7, "has node -7");
+    box.elements[4 * 30000 + 1] = (int32_t)box.mesh.n_nodes;
+    expect(&box.mesh, PLANISH_ERROR_MESH, 30000, box.mesh.n_nodes, "the nodes 0 to 9260");
+    int32_t node = box.elements[4 * 20000];
+    box.elements[4 * 20000 + 3] = node;
+    expect(&box.mesh, PLANISH_ERROR_MESH, 20000, node, "twice");
+    test_mesh_destroy(&box);
+}
+
+static void names_the_lowest_node(void **state) {
+    (void)state;
+    test_mesh box;
+    test_mesh_box(&box, 2, 200);
+    box.coordinates[2 * 40000] = NAN;
+    expect(&box.mesh, PLANISH_ERROR_MESH, -1, 40000, "x = ");
+    box.coordinates[2 * 17 + 1] = -INFINITY;
+    expect(&box.mesh, PLANISH_ERROR_MESH, -1, 17, "y = -inf");
+    test_mesh_destroy(&box);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(accepts_meshes),
+        cmocka_unit_test(refuses_arguments),
+        cmocka_unit_test(names_the_lowest_element),
+        cmocka_unit_test(names_the_lowest_node),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

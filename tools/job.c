@@ -1,0 +1,92 @@
+/* job: what smooth and quality have in common: a mesh file, the nodes it holds, and a plan for it.
+ */
+#include "job.h"
+
+#include "message.h"
+
+#include "base/clock.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** Whether the user has told OpenMP where threads belong; the program then leaves that alone. */
+static int user_binds_threads(void) {
+    return getenv("OMP_PLACES") || getenv("OMP_PROC_BIND") || getenv("GOMP_CPU_AFFINITY");
+}
+
+int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
+    const char *input = job->arguments->input;
+    char where[64] = "";
+    if (error->element >= 0 && job->file)
+        snprintf(where, sizeof where, " (element %" PRId64 " of the file)",
+                 planish_file_element_number(job->file, error->element));
+    else if (error->node >= 0 && job->file)
+        snprintf(where, sizeof where, " (node %" PRId64 " of the file)",
+                 planish_file_node_number(job->file, error->node));
+    if (error->code == PLANISH_ERROR_FILE || error->code == PLANISH_ERROR_FORMAT)
+        return pl_complain(status, "%s", error->text);
+    return pl_complain(status, "%s: %s%s", input, error->text, where);
+}
+
+static int find_constraints(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_error error;
+    job->constraint = malloc(job->mesh.n_nodes ? (size_t)job->mesh.n_nodes : 1);
+    if (!job->constraint)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
+                           arguments->input, job->mesh.n_nodes);
+    const planish_hold hold = {.tags = arguments->fix,
+                               .n_tags = arguments->n_fix,
+                               .ignore_regions = arguments->ignore_regions};
+    const int code = planish_file_constraints(job->file, &hold, job->constraint, &error);
+    if (code == PLANISH_ERROR_ARGUMENT)
+        return pl_complain_usage(pl_command_name(arguments->command), "%s: %s", arguments->input,
+                                 error.text);
+    if (code)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    job->mesh.constraint = job->constraint;
+    return 0;
+}
+
+int pl_job_read(pl_job *job, const pl_arguments *arguments) {
+    planish_error error;
+    memset(job, 0, sizeof *job);
+    job->begin = pl_seconds();
+    job->arguments = arguments;
+    job->options = arguments->library;
+    job->options.bind = !user_binds_threads();
+    if (planish_file_open(arguments->input, arguments->format, job->options.threads, &job->file,
+                          &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    planish_file_get_info(job->file, &job->file_info);
+    job->options.precision = job->file_info.precision;
+    job->mesh = planish_file_mesh(job->file);
+    const int status = find_constraints(job);
+    job->read_seconds = pl_seconds() - job->begin;
+    return status;
+}
+
+int pl_job_plan(pl_job *job) {
+    planish_error error;
+    const double begin = pl_seconds();
+    if (planish_plan_create(&job->mesh, &job->options, &job->plan, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    planish_plan_get_info(job->plan, &job->plan_info);
+    job->setup_seconds = pl_seconds() - begin;
+    return 0;
+}
+
+int pl_job_measure(const pl_job *job, planish_quality *quality) {
+    planish_error error;
+    if (planish_measure(job->plan, job->mesh.coordinates, quality, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    return 0;
+}
+
+void pl_job_close(pl_job *job) {
+    planish_plan_destroy(job->plan);
+    free(job->constraint);
+    planish_file_close(job->file);
+}

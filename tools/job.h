@@ -1,0 +1,40 @@
+/* job: what smooth and quality have in common: a mesh file, the nodes it holds, and a plan for it.
+ *
+ * Every function returns 0, or an exit status after a message.
+ */
+#ifndef PL_TOOLS_JOB_H
+#define PL_TOOLS_JOB_H
+
+#include "options.h"
+
+#include <planish/planish_io.h>
+
+typedef struct pl_job {
+    const pl_arguments *arguments; /* the caller's */
+    planish_options options;       /* those of the arguments, and what file and machine say */
+    planish_file *file;
+    planish_file_info file_info;
+    planish_mesh mesh;   /* its arrays are those of file; constraint is owned */
+    uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint */
+    planish_plan *plan;
+    planish_plan_info plan_info;
+    double begin;         /* pl_seconds when the job began */
+    double read_seconds;  /* file and constraints */
+    double setup_seconds; /* plan */
+} pl_job;
+
+/** Read the file of arguments and find out which nodes it holds. */
+int pl_job_read(pl_job *job, const pl_arguments *arguments);
+
+/** Make the plan. */
+int pl_job_plan(pl_job *job);
+
+/** Measure the mesh as it is now. */
+int pl_job_measure(const pl_job *job, planish_quality *quality);
+
+/** Message for an error of the library: the text, and which file if it does not say so. */
+int pl_job_complain(const pl_job *job, int status, const planish_error *error);
+
+void pl_job_close(pl_job *job);
+
+#endif

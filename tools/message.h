@@ -1,0 +1,29 @@
+/* message: exit statuses and the one-line messages on standard error. */
+#ifndef PL_TOOLS_MESSAGE_H
+#define PL_TOOLS_MESSAGE_H
+
+#if defined(__GNUC__)
+#define PL_MESSAGE_FORMAT(text, first) __attribute__((format(printf, text, first)))
+#else
+#define PL_MESSAGE_FORMAT(text, first)
+#endif
+
+/** Exit statuses of the program. */
+enum {
+    PL_EXIT_DONE = 0,   /* all that was asked for */
+    PL_EXIT_PARTLY = 1, /* a usable mesh was written, but something asked for was not reached */
+    PL_EXIT_FAILED = 2, /* nothing was written */
+    PL_EXIT_USAGE = 64  /* the command line makes no sense (EX_USAGE of sysexits.h) */
+};
+
+/** Print "planish: text" as one line (control characters become '?'); returns status. */
+int pl_complain(int status, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
+
+/** The same for a bad command line, with a hint to the help of command (NULL: of the program);
+ *  returns PL_EXIT_USAGE. */
+int pl_complain_usage(const char *command, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
+
+/** Write out what is buffered on stdout; returns status, or failed with a message if it cannot. */
+int pl_flush_stdout(int status, int failed);
+
+#endif

@@ -1,0 +1,317 @@
+/* options: the command line of `planish smooth` and `planish quality`. */
+#include "options.h"
+
+#include "message.h"
+
+#include <planish/planish_io.h>
+
+#include <errno.h>
+#include <getopt.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_THREADS = 4096, HELP_COLUMN = 27 };
+
+const char *pl_command_name(pl_command command) {
+    return command == PL_COMMAND_SMOOTH ? "smooth" : "quality";
+}
+
+/* ---- values: strictly the whole word, in range, finite ------------------------------------- */
+
+/** The whole of text as a decimal integer in low .. high; 0, or -1. */
+static int parse_integer(const char *text, int low, int high, int *value) {
+    if (text[0] == '\0' || text[strspn(text, "0123456789")] != '\0')
+        return -1;
+    errno = 0;
+    const long number = strtol(text, NULL, 10);
+    if (errno || number < low || number > high)
+        return -1;
+    *value = (int)number;
+    return 0;
+}
+
+/** The whole of text as a finite decimal number; 0, or -1. The program never leaves the C locale,
+ *  so that the decimal point is a point. */
+static int parse_real(const char *text, double *value) {
+    char *end = NULL;
+    if (text[0] == '\0' || text[strspn(text, "0123456789+-.eE")] != '\0')
+        return -1;
+    const double number = strtod(text, &end);
+    if (end == text || *end != '\0' || !isfinite(number))
+        return -1;
+    *value = number;
+    return 0;
+}
+
+/* ---- one setter per option: takes the value, or says what it must be ----------------------- */
+
+typedef const char *option_setter(pl_arguments *arguments, const char *value);
+
+static const char *set_output(pl_arguments *arguments, const char *value) {
+    arguments->output = value;
+    return value[0] ? NULL : "must be the name of a file";
+}
+
+static const char *set_format(pl_arguments *arguments, const char *value) {
+    for (const char *const *name = planish_file_formats(); *name; name++)
+        if (strcmp(*name, value) == 0) {
+            arguments->format = *name;
+            return NULL;
+        }
+    return "must be gmsh, medit, vtk or tetgen";
+}
+
+static const char *set_direction(pl_arguments *arguments, const char *value) {
+    if (strcmp(value, "newton") == 0)
+        arguments->library.direction = PLANISH_NEWTON;
+    else if (strcmp(value, "fletcher-reeves") == 0)
+        arguments->library.direction = PLANISH_FLETCHER_REEVES;
+    else
+        return "must be newton or fletcher-reeves";
+    return NULL;
+}
+
+static const char *set_max_sweeps(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 0, INT_MAX, &arguments->library.max_sweeps)
+               ? "must be a whole number, 0 or more"
+               : NULL;
+}
+
+static const char *set_tolerance(pl_arguments *arguments, const char *value) {
+    double *tolerance = &arguments->library.tolerance;
+    return parse_real(value, tolerance) || *tolerance < 0 || *tolerance >= 1
+               ? "must be a number from 0 to less than 1"
+               : NULL;
+}
+
+static const char *set_time_limit(pl_arguments *arguments, const char *value) {
+    double *limit = &arguments->library.time_limit;
+    return parse_real(value, limit) || *limit <= 0 ? "must be a number of seconds above 0" : NULL;
+}
+
+static const char *set_only_worse_than(pl_arguments *arguments, const char *value) {
+    double *ratio = &arguments->library.only_worse_than;
+    return parse_real(value, ratio) || *ratio < 1 ? "must be a radius ratio, 1 or more" : NULL;
+}
+
+static const char *set_fix(pl_arguments *arguments, const char *value) {
+    arguments->fix[arguments->n_fix++] = value;
+    return value[0] ? NULL : "must be a group's NAME, N or DIM:N";
+}
+
+static const char *set_ignore_regions(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->ignore_regions = 1;
+    return NULL;
+}
+
+static const char *set_threads(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 1, MAX_THREADS, &arguments->library.threads)
+               ? "must be a whole number from 1 to 4096"
+               : NULL;
+}
+
+static const char *set_json(pl_arguments *arguments, const char *value) {
+    arguments->json = value;
+    return value[0] ? NULL : "must be the name of a file, or - for standard output";
+}
+
+static const char *set_verbose(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->verbosity = PL_VERBOSE;
+    return NULL;
+}
+
+static const char *set_quiet(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->verbosity = PL_QUIET;
+    return NULL;
+}
+
+static const char *set_help(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->help = 1;
+    return NULL;
+}
+
+static const char *set_version(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->version = 1;
+    return NULL;
+}
+
+/* ---- the table ------------------------------------------------------------------------------ */
+
+typedef struct option_row {
+    int letter;        /* short option, or 0 */
+    const char *name;  /* long option */
+    const char *value; /* what its value is called, or NULL: takes none */
+    unsigned commands; /* bits of pl_command */
+    option_setter *set;
+    const char *help; /* lines separated by '\n' */
+} option_row;
+
+enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY };
+
+static const option_row option_table[] = {
+    {'o', "output", "OUT", SMOOTH, set_output,
+     "write the smoothed mesh to OUT, which may be IN; same\nformat as IN, only coordinates "
+     "change"},
+    {0, "format", "NAME", BOTH, set_format,
+     "format of the input: gmsh, medit, vtk or tetgen\n(default: told by its content, then its "
+     "name)"},
+    {0, "direction", "NAME", SMOOTH, set_direction,
+     "search direction: newton (default) or fletcher-reeves"},
+    {0, "max-sweeps", "N", SMOOTH, set_max_sweeps, "at most N sweeps over the mesh (default 200)"},
+    {0, "tolerance", "T", SMOOTH, set_tolerance,
+     "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)"},
+    {0, "time-limit", "S", SMOOTH, set_time_limit,
+     "stop smoothing after S seconds; the mesh is written\nand the exit status is 1"},
+    {0, "fix", "TAG", BOTH, set_fix,
+     "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once"},
+    {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
+     "let nodes between regions (materials) move"},
+    {0, "only-worse-than", "RR", SMOOTH, set_only_worse_than,
+     "move only nodes of elements whose radius ratio\nexceeds RR"},
+    {'j', "threads", "N", BOTH, set_threads,
+     "run on N threads (default: OMP_NUM_THREADS, else one\nper core)"},
+    {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output"},
+    {'v', "verbose", NULL, SMOOTH, set_verbose, "one line per sweep, and where the threads run"},
+    {'q', "quiet", NULL, BOTH, set_quiet, "print nothing but errors"},
+    {0, "help", NULL, BOTH, set_help, "show this help and exit"},
+    {0, "version", NULL, BOTH, set_version, "show the version and exit"},
+};
+
+enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
+
+/* ---- parsing -------------------------------------------------------------------------------- */
+
+/** What getopt_long returns for row i: its letter, or a number that is no character. */
+static int option_code(int i) {
+    return option_table[i].letter ? option_table[i].letter : UCHAR_MAX + 1 + i;
+}
+
+/** The rows of command in getopt's terms: letters [3 * N_OPTIONS + 2], rows [N_OPTIONS + 1]. */
+static void make_getopt_table(pl_command command, char *letters, struct option *rows) {
+    *letters++ = ':'; /* tells a missing value from an unknown option */
+    for (int i = 0; i < N_OPTIONS; i++) {
+        const option_row *row = &option_table[i];
+        if (!(row->commands & command))
+            continue;
+        *rows++ = (struct option){row->name, row->value ? required_argument : no_argument, NULL,
+                                  option_code(i)};
+        if (row->letter) {
+            *letters++ = (char)row->letter;
+            if (row->value)
+                *letters++ = ':';
+        }
+    }
+    *letters = '\0';
+    *rows = (struct option){NULL, 0, NULL, 0};
+}
+
+static const option_row *find_row(pl_command command, int code) {
+    for (int i = 0; i < N_OPTIONS; i++)
+        if (option_code(i) == code && (option_table[i].commands & command))
+            return &option_table[i];
+    return NULL;
+}
+
+/** Message for what getopt refused; word: the argument it was looking at. */
+static int complain_option(pl_command command, const char *name, int refusal, int code,
+                           const char *word) {
+    const option_row *row = find_row(command, code);
+    if (refusal == ':' && row)
+        return pl_complain_usage(name, "option --%s needs a value (%s)", row->name, row->value);
+    if (row)
+        return pl_complain_usage(name, "option --%s takes no value", row->name);
+    if (code)
+        return pl_complain_usage(name, "unknown option '-%c'", code);
+    return pl_complain_usage(name, "unknown or ambiguous option '%s'", word);
+}
+
+/** Take the operands that stand at argv[optind ...] and check that all is there. */
+static int take_operands(pl_arguments *arguments, int argc, char **argv) {
+    const char *command = argv[0];
+    if (optind == argc)
+        return pl_complain_usage(command, "no mesh file is named");
+    if (optind + 1 < argc)
+        return pl_complain_usage(command, "one mesh file is expected, and '%s' is a second one",
+                                 argv[optind + 1]);
+    arguments->input = argv[optind];
+    if (arguments->input[0] == '\0')
+        return pl_complain_usage(command, "the name of the mesh file is empty");
+    if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
+        return pl_complain_usage(command, "no output is named (-o OUT)");
+    return 0;
+}
+
+int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {
+    memset(arguments, 0, sizeof *arguments);
+    arguments->command = command;
+    planish_options_init(&arguments->library);
+    arguments->fix = calloc((size_t)argc, sizeof *arguments->fix);
+    if (!arguments->fix)
+        return pl_complain(PL_EXIT_FAILED, "out of memory");
+
+    char letters[3 * N_OPTIONS + 2];
+    struct option rows[N_OPTIONS + 1];
+    make_getopt_table(command, letters, rows);
+    opterr = 0;
+    optind = 1;
+    int code;
+    while ((code = getopt_long(argc, argv, letters, rows, NULL)) != -1) {
+        if (code == '?' || code == ':')
+            return complain_option(command, argv[0], code, optopt, argv[optind - 1]);
+        const option_row *row = find_row(command, code);
+        const char *wanted = row->set(arguments, optarg);
+        if (wanted)
+            return pl_complain_usage(argv[0], "--%s '%s' %s", row->name, optarg, wanted);
+        if (arguments->help || arguments->version)
+            return 0;
+    }
+    return take_operands(arguments, argc, argv);
+}
+
+void pl_arguments_free(pl_arguments *arguments) {
+    free(arguments->fix);
+    arguments->fix = NULL;
+}
+
+/* ---- help ----------------------------------------------------------------------------------- */
+
+static void print_row(const option_row *row) {
+    char left[64];
+    const int has_letter = row->letter != 0;
+    snprintf(left, sizeof left, "  %c%c%s --%s%s%s", has_letter ? '-' : ' ',
+             has_letter ? row->letter : ' ', has_letter ? "," : " ", row->name,
+             row->value ? " " : "", row->value ? row->value : "");
+    printf("%-*s", HELP_COLUMN, left);
+    for (const char *c = row->help; *c; c++)
+        if (*c == '\n')
+            printf("\n%*s", HELP_COLUMN, "");
+        else
+            putchar(*c);
+    putchar('\n');
+}
+
+void pl_help_print(pl_command command) {
+    if (command == PL_COMMAND_SMOOTH)
+        printf("Usage: planish smooth IN -o OUT [OPTION]...\n"
+               "Move the interior nodes of the mesh IN until its radius ratios are best, and\n"
+               "write OUT: IN with the coordinates of the moved nodes replaced.\n\n");
+    else
+        printf("Usage: planish quality FILE [OPTION]...\n"
+               "Measure a mesh and print what it is worth. Nothing is changed.\n\n");
+    for (int i = 0; i < N_OPTIONS; i++)
+        if (option_table[i].commands & command)
+            print_row(&option_table[i]);
+    if (command == PL_COMMAND_SMOOTH)
+        printf("\nExit status: 0 done; 1 a usable mesh was written, but it has inverted elements\n"
+               "or smoothing was cut short; 2 failed, nothing was written; 64 bad usage.\n");
+    else
+        printf("\nExit status: 0 if the file could be read; 2 if not; 64 bad usage.\n");
+}

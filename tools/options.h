@@ -1,0 +1,40 @@
+/* options: the command line of `planish smooth` and `planish quality`.
+ *
+ * One table (options.c) says which options there are; it drives the parser and the help.
+ */
+#ifndef PL_TOOLS_OPTIONS_H
+#define PL_TOOLS_OPTIONS_H
+
+#include <planish/planish.h>
+
+typedef enum pl_command { PL_COMMAND_SMOOTH = 1, PL_COMMAND_QUALITY = 2 } pl_command;
+
+/** The word that names command. */
+const char *pl_command_name(pl_command command);
+
+typedef enum pl_verbosity { PL_QUIET = -1, PL_NORMAL = 0, PL_VERBOSE = 1 } pl_verbosity;
+
+/** A command line that has been understood. Strings are those of argv. */
+typedef struct pl_arguments {
+    pl_command command;
+    const char *input;
+    const char *output; /* smooth only */
+    const char *format; /* or NULL: find out */
+    const char *json;   /* a path, "-" for standard output, or NULL: no report */
+    const char **fix;   /* [n_fix] tags, owned */
+    int n_fix;
+    int ignore_regions;
+    pl_verbosity verbosity;
+    int help, version;       /* asked for: nothing else is set then */
+    planish_options library; /* what goes to the library as it is */
+} pl_arguments;
+
+/** Understand argv (argv[0] is the command's name). Returns 0, or an exit status after a message.
+ *  To be released by pl_arguments_free in any case. */
+int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv);
+void pl_arguments_free(pl_arguments *arguments);
+
+/** Print the help of command on standard output. */
+void pl_help_print(pl_command command);
+
+#endif

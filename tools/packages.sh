@@ -1,0 +1,55 @@
+# shellcheck shell=bash
+# packages: what planish needs from the system, in one place; sourced by quickstart and check.
+#
+# Debian's and Ubuntu's names. install_packages asks apt only for what is missing, and says so.
+
+# shellcheck disable=SC2034 # used by those that source this
+packages_build=(
+    gcc g++       # the compilers: C11, and C++17 for reading and writing numbers
+    make cmake    # the build
+    libhwloc-dev  # where threads run
+    libcjson-dev  # the report of the program
+)
+# shellcheck disable=SC2034
+packages_check=(
+    libcmocka-dev # unit tests
+    python3       # scripts of the tests: reads reports, measures meshes independently
+)
+# shellcheck disable=SC2034
+packages_full=(
+    python3-numpy python3-meshio # independent figures on large meshes
+    gmsh tetgen                  # meshes as their generators write them
+    clang libomp-dev             # the other compiler, its OpenMP
+    libclang-rt-dev              # its sanitizers and the fuzzer
+    valgrind                     # memory, independently of the sanitizers
+)
+
+is_installed() {
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+# install_packages WHY PACKAGE...: install those that are missing; nothing is asked of apt if none is.
+install_packages() {
+    local why=$1 missing=() package as_root=()
+    shift
+    if ! command -v dpkg-query >/dev/null; then
+        echo "This is neither Debian nor Ubuntu: make sure yourself that there are: $*"
+        return 0
+    fi
+    for package; do
+        is_installed "$package" || missing+=("$package")
+    done
+    [ ${#missing[@]} -gt 0 ] || return 0
+    if [ "$(id -u)" -ne 0 ]; then
+        if ! command -v sudo >/dev/null; then
+            echo "Missing $why: ${missing[*]}" >&2
+            echo "As root, run: apt-get install ${missing[*]}" >&2
+            return 1
+        fi
+        as_root=(sudo)
+    fi
+    echo "Installing $why: ${missing[*]}"
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq >/dev/null || return 1
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}

@@ -1,0 +1,232 @@
+/* result: what a run has come to, and its report as JSON.
+ *
+ * Real numbers are written with the fewest digits that restore them, those that are not finite as
+ * null. The keys are a contract: they are only ever added.
+ */
+#include "result.h"
+
+#include <cjson/cJSON.h>
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+
+/** A document that is being made. cJSON calls may fail for want of memory; failed remembers. */
+typedef struct document {
+    int failed;
+} document;
+
+static void add(document *json, cJSON *parent, const char *name, cJSON *item) {
+    const int done =
+        name ? cJSON_AddItemToObject(parent, name, item) : cJSON_AddItemToArray(parent, item);
+    if (!done) {
+        cJSON_Delete(item);
+        json->failed = 1;
+    }
+}
+
+static cJSON *new_object(document *json, cJSON *parent, const char *name) {
+    cJSON *object = cJSON_CreateObject();
+    add(json, parent, name, object);
+    return object;
+}
+
+static cJSON *new_array(document *json, cJSON *parent, const char *name) {
+    cJSON *array = cJSON_CreateArray();
+    add(json, parent, name, array);
+    return array;
+}
+
+static void add_integer(document *json, cJSON *parent, const char *name, int64_t value) {
+    char text[32]; /* as text: a double would lose digits above 2^53 */
+    snprintf(text, sizeof text, "%" PRId64, value);
+    add(json, parent, name, cJSON_CreateRaw(text));
+}
+
+static void add_real(document *json, cJSON *parent, const char *name, double value) {
+    char text[32];
+    if (!isfinite(value)) {
+        add(json, parent, name, cJSON_CreateNull());
+        return;
+    }
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, value);
+        if (strtod(text, NULL) == value)
+            break;
+    }
+    add(json, parent, name, cJSON_CreateRaw(text));
+}
+
+/** Length of the well-formed UTF-8 sequence at text, or 0. */
+static int utf8_length(const unsigned char *text) {
+    const unsigned char lead = text[0];
+    const int length = lead < 0x80 ? 1 : lead < 0xC2 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+    if (lead > 0xF4)
+        return 0;
+    for (int i = 1; i < length; i++)
+        if ((text[i] & 0xC0) != 0x80)
+            return 0;
+    if (length < 3)
+        return length;
+    const int overlong = (lead == 0xE0 && text[1] < 0xA0) || (lead == 0xF0 && text[1] < 0x90);
+    const int no_character = (lead == 0xED && text[1] > 0x9F) || (lead == 0xF4 && text[1] > 0x8F);
+    return overlong || no_character ? 0 : length;
+}
+
+/** JSON is UTF-8, names of files are any bytes: what is no UTF-8 becomes U+FFFD. */
+static void add_text(document *json, cJSON *parent, const char *name, const char *text) {
+    char *clean = malloc(3 * strlen(text) + 1), *to = clean;
+    if (!clean) {
+        json->failed = 1;
+        return;
+    }
+    for (const unsigned char *from = (const unsigned char *)text; *from;) {
+        const int length = utf8_length(from);
+        const int n = length ? length : 3;
+        memcpy(to, length ? (const char *)from : "\xEF\xBF\xBD", (size_t)n);
+        to += n;
+        from += length ? length : 1;
+    }
+    *to = '\0';
+    add(json, parent, name, cJSON_CreateString(clean));
+    free(clean);
+}
+
+static void add_mesh(document *json, cJSON *root, const pl_job *job) {
+    cJSON *mesh = new_object(json, root, "mesh");
+    add_integer(json, mesh, "dimension", job->mesh.dim);
+    add_integer(json, mesh, "nodes", job->mesh.n_nodes);
+    add_integer(json, mesh, "elements", job->mesh.n_elements);
+    add_integer(json, mesh, "free_nodes", job->plan_info.n_free);
+    add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
+    add_integer(json, mesh, "colours", job->plan_info.n_colours);
+}
+
+static void add_quality(document *json, cJSON *root, const char *name, const planish_quality *q) {
+    cJSON *quality = new_object(json, root, name);
+    add_integer(json, quality, "inverted", q->inverted);
+    add_real(json, quality, "below_min_volume",
+             0); /* no volume is asked for: certified sign only */
+    add_real(json, quality, "min_volume", q->min_volume);
+    add_real(json, quality, "max_volume", q->max_volume);
+    add_real(json, quality, "total_volume", q->total_volume);
+    add_real(json, quality, "rms_radius_ratio", q->rms_radius_ratio);
+    add_real(json, quality, "rms_radius_ratio_movable", q->rms_radius_ratio_movable);
+    add_real(json, quality, "mean_radius_ratio", q->mean_radius_ratio);
+    add_real(json, quality, "max_radius_ratio", q->max_radius_ratio);
+    add_real(json, quality, "min_dihedral_deg", q->min_angle_deg);
+    add_real(json, quality, "max_dihedral_deg", q->max_angle_deg);
+    cJSON *histogram = new_object(json, quality, "histogram");
+    cJSON *edges = new_array(json, histogram, "edges");
+    cJSON *counts = new_array(json, histogram, "counts");
+    for (int i = 0; i <= PLANISH_HISTOGRAM_BINS; i++)
+        add_real(json, edges, NULL, q->histogram_edges[i]);
+    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
+        add_integer(json, counts, NULL, q->histogram_counts[i]);
+}
+
+static void add_sweeps(document *json, cJSON *root, const pl_result *result,
+                       const pl_progress *progress) {
+    cJSON *sweeps = new_array(json, root, "sweeps");
+    for (int64_t i = 0; i < progress->n_sweeps; i++) {
+        const pl_sweep *done = &progress->sweep[i];
+        cJSON *sweep = new_object(json, sweeps, NULL);
+        add_text(json, sweep, "phase", "smooth");
+        add_real(json, sweep, "rms", done->rms);
+        add_real(json, sweep, "rms_movable", done->rms_movable);
+        /* Stars with inverted elements are left alone, so that their number stays. */
+        add_integer(json, sweep, "inverted", result->before.inverted);
+        add_integer(json, sweep, "visits", done->visits);
+        add_real(json, sweep, "seconds", done->seconds);
+    }
+}
+
+static const char *stop_name(planish_stop stop) {
+    switch (stop) {
+    case PLANISH_STOP_CONVERGED:
+        return "converged";
+    case PLANISH_STOP_MAX_SWEEPS:
+        return "max-sweeps";
+    case PLANISH_STOP_TIME_LIMIT:
+        return "time-limit";
+    case PLANISH_STOP_INTERRUPTED:
+        return "interrupted";
+    }
+    return "unknown";
+}
+
+static void add_seconds(document *json, cJSON *root, const pl_job *job, const pl_result *result) {
+    cJSON *seconds = new_object(json, root, "seconds");
+    add_real(json, seconds, "read", job->read_seconds);
+    add_real(json, seconds, "setup", job->setup_seconds);
+    add_real(json, seconds, "smooth", result->smooth_seconds);
+    add_real(json, seconds, "write", result->write_seconds);
+    add_real(json, seconds, "total", result->total_seconds);
+}
+
+static void add_fixed(document *json, cJSON *root, const planish_quality *quality) {
+    cJSON *fixed = new_object(json, root, "fixed");
+    add_integer(json, fixed, "count", quality->n_fixed);
+    add_real(json, fixed, "rms_radius_ratio", quality->fixed_rms_radius_ratio);
+    add_real(json, fixed, "max_radius_ratio", quality->fixed_max_radius_ratio);
+}
+
+static int64_t peak_memory_bytes(void) {
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (int64_t)usage.ru_maxrss * 1024 : 0;
+}
+
+/** The text of root with a line end, or NULL; root is released. */
+static char *finish(document *json, cJSON *root) {
+    char *text = json->failed ? NULL : cJSON_Print(root);
+    cJSON_Delete(root);
+    if (!text)
+        return NULL;
+    const size_t length = strlen(text);
+    char *line = malloc(length + 2);
+    if (line) {
+        memcpy(line, text, length);
+        memcpy(line + length, "\n", 2);
+    }
+    cJSON_free(text);
+    return line;
+}
+
+char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
+                            const pl_progress *progress) {
+    document json = {0};
+    cJSON *root = cJSON_CreateObject();
+    add_text(&json, root, "planish", planish_version());
+    add_text(&json, root, "input", job->arguments->input);
+    add_text(&json, root, "output", job->arguments->output);
+    add_mesh(&json, root, job);
+    add_quality(&json, root, "before", &result->before);
+    add_quality(&json, root, "after", &result->after);
+    add_sweeps(&json, root, result, progress);
+    add_text(&json, root, "stop", stop_name(result->smooth.stop));
+    add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
+    add_real(&json, root, "max_displacement", result->smooth.max_displacement);
+    add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
+    add_integer(&json, root, "node_visits", result->smooth.visits);
+    add_integer(&json, root, "threads", job->plan_info.threads);
+    add_text(&json, root, "binding", job->plan_info.binding);
+    add_text(&json, root, "isa", job->plan_info.isa);
+    add_seconds(&json, root, job, result);
+    add_fixed(&json, root, &result->after);
+    new_array(&json, root, "unfixable");
+    new_array(&json, root, "below_min");
+    add_text(&json, root, "reason", result->reason);
+    add_integer(&json, root, "peak_memory_bytes", peak_memory_bytes());
+    return finish(&json, root);
+}
+
+char *pl_result_quality_json(const pl_job *job, const planish_quality *quality) {
+    document json = {0};
+    cJSON *root = cJSON_CreateObject();
+    add_mesh(&json, root, job);
+    add_quality(&json, root, "quality", quality);
+    return finish(&json, root);
+}

@@ -1,0 +1,76 @@
+/* signals: what the program does when it is told to stop. */
+#include "signals.h"
+
+#include "message.h"
+
+#include <signal.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The only changing globals of the program: a signal handler can reach nothing else. */
+static atomic_int stop_asked;
+static char temporary_path[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
+
+static void remove_temporaries(void) {
+    for (int i = 0; i < PL_N_TEMPORARIES; i++)
+        if (temporary_path[i][0])
+            unlink(temporary_path[i]);
+}
+
+static void on_stop(int signal_number) {
+    if (atomic_exchange(&stop_asked, 1) == 0)
+        return;
+    remove_temporaries();
+    /* The signal is blocked in here: raised again, it ends the program as this returns, and the
+     * parent sees what it was ended by. */
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+}
+
+static void on_bus_error(int signal_number) {
+    static const char text[] =
+        "planish: the input became shorter while it was read; run again when it is complete\n";
+    (void)signal_number;
+    remove_temporaries();
+    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written;
+    _exit(PL_EXIT_FAILED);
+}
+
+static void handle(int signal_number, void (*handler)(int)) {
+    struct sigaction action;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = handler;
+    action.sa_flags = SA_RESTART;
+    sigemptyset(&action.sa_mask);
+    sigaddset(&action.sa_mask, SIGINT);
+    sigaddset(&action.sa_mask, SIGTERM);
+    sigaction(signal_number, &action, NULL);
+}
+
+/** A signal that the parent had ignored (a job in the background, say) stays ignored. */
+static void handle_unless_ignored(int signal_number, void (*handler)(int)) {
+    struct sigaction present;
+    if (sigaction(signal_number, NULL, &present) == 0 && present.sa_handler != SIG_IGN)
+        handle(signal_number, handler);
+}
+
+void pl_signals_install(void) {
+    handle(SIGPIPE, SIG_IGN);
+    handle(SIGBUS, on_bus_error);
+}
+
+void pl_signals_install_stop(void) {
+    handle_unless_ignored(SIGINT, on_stop);
+    handle_unless_ignored(SIGTERM, on_stop);
+}
+
+int pl_signals_stop_asked(void) {
+    return atomic_load(&stop_asked);
+}
+
+char *pl_signals_temporary(pl_temporary which) {
+    return temporary_path[which];
+}

@@ -1,0 +1,145 @@
+/* table: what a mesh is worth, for people: what hurts most stands first.
+ *
+ * Both tables come from the same rows; before is NULL where there is but one state of the mesh.
+ */
+#include "table.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, HISTOGRAM_WIDTH = 40 };
+
+static void put_label(FILE *stream, const char *label) {
+    fprintf(stream, "%-*s", LABEL_WIDTH, label);
+}
+
+static void put_real(FILE *stream, double value) {
+    if (isfinite(value))
+        fprintf(stream, "%*.5g", VALUE_WIDTH, value);
+    else
+        fprintf(stream, "%*s", VALUE_WIDTH, "-");
+}
+
+static void row_real(FILE *stream, const char *label, const double *before, double after,
+                     const char *unit) {
+    put_label(stream, label);
+    if (before)
+        put_real(stream, *before);
+    put_real(stream, after);
+    fprintf(stream, "%s\n", unit);
+}
+
+static void row_count(FILE *stream, const char *label, const int64_t *before, int64_t after) {
+    put_label(stream, label);
+    if (before)
+        fprintf(stream, "%*" PRId64, VALUE_WIDTH, *before);
+    fprintf(stream, "%*" PRId64 "\n", VALUE_WIDTH, after);
+}
+
+static void row_mesh(FILE *stream, const pl_job *job) {
+    fprintf(stream, "%s: %s, %" PRId64 " %s, %" PRId64 " nodes, %" PRId64 " of them free to move\n",
+            job->arguments->input, job->file_info.format, job->mesh.n_elements,
+            job->mesh.dim == 3 ? "tetrahedra" : "triangles", job->mesh.n_nodes,
+            job->plan_info.n_free);
+}
+
+/** The floor: elements whose nodes are all fixed stay as they are, whatever the others do. */
+static void row_floor(FILE *stream, const planish_quality *before, const planish_quality *after) {
+    const double floor = after->fixed_max_radius_ratio;
+    if (after->n_fixed == 0)
+        return;
+    row_real(stream, "  floor (no node free)", before ? &before->fixed_max_radius_ratio : NULL,
+             floor, "");
+}
+
+static void rows_quality(FILE *stream, int dim, const planish_quality *before,
+                         const planish_quality *after) {
+    row_real(stream, "worst radius ratio", before ? &before->max_radius_ratio : NULL,
+             after->max_radius_ratio, "");
+    row_floor(stream, before, after);
+    row_real(stream, dim == 3 ? "smallest dihedral angle" : "smallest angle",
+             before ? &before->min_angle_deg : NULL, after->min_angle_deg, " deg");
+    row_real(stream, dim == 3 ? "largest dihedral angle" : "largest angle",
+             before ? &before->max_angle_deg : NULL, after->max_angle_deg, " deg");
+    row_real(stream, "RMS radius ratio", before ? &before->rms_radius_ratio : NULL,
+             after->rms_radius_ratio, "");
+    row_real(stream, "  of elements with free nodes",
+             before ? &before->rms_radius_ratio_movable : NULL, after->rms_radius_ratio_movable,
+             "");
+    row_real(stream, "mean radius ratio", before ? &before->mean_radius_ratio : NULL,
+             after->mean_radius_ratio, "");
+    row_real(stream, dim == 3 ? "smallest volume" : "smallest area",
+             before ? &before->min_volume : NULL, after->min_volume, "");
+    row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
+}
+
+static void put_end(FILE *stream, const planish_result *smooth) {
+    switch (smooth->stop) {
+    case PLANISH_STOP_CONVERGED:
+        fprintf(stream, "converged");
+        break;
+    case PLANISH_STOP_MAX_SWEEPS:
+        fprintf(stream, "stopped at the most sweeps allowed");
+        break;
+    case PLANISH_STOP_TIME_LIMIT:
+        fprintf(stream, "stopped by the time limit");
+        break;
+    case PLANISH_STOP_INTERRUPTED:
+        fprintf(stream, "interrupted");
+        break;
+    }
+    fprintf(stream, " after %d sweep%s, %" PRId64 " nodes moved by up to %.3g\n", smooth->sweeps,
+            smooth->sweeps == 1 ? "" : "s", smooth->moved_nodes, smooth->max_displacement);
+}
+
+void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
+    row_mesh(stream, job);
+    fprintf(stream, "%-*s%*s%*s\n", LABEL_WIDTH, "", VALUE_WIDTH, "before", VALUE_WIDTH, "after");
+    rows_quality(stream, job->mesh.dim, &result->before, &result->after);
+    put_end(stream, &result->smooth);
+    fprintf(stream, "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s\n",
+            result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
+            result->write_seconds, job->plan_info.threads, job->plan_info.threads == 1 ? "" : "s");
+}
+
+static void put_histogram(FILE *stream, const planish_quality *quality) {
+    int64_t most = 1;
+    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
+        if (quality->histogram_counts[i] > most)
+            most = quality->histogram_counts[i];
+    fprintf(stream, "elements by radius ratio:\n");
+    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++) {
+        const int64_t count = quality->histogram_counts[i];
+        const double share = (double)count / (double)most;
+        const int bar = (int)ceil(share * HISTOGRAM_WIDTH);
+        fprintf(stream, "  from %7.5g %*" PRId64 " ", quality->histogram_edges[i], VALUE_WIDTH,
+                count);
+        for (int j = 0; j < bar; j++)
+            fputc('#', stream);
+        fputc('\n', stream);
+    }
+}
+
+void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality) {
+    row_mesh(stream, job);
+    rows_quality(stream, job->mesh.dim, NULL, quality);
+    if (quality->worst_element >= 0)
+        fprintf(stream, "the worst is element %" PRId64 "\n",
+                planish_file_element_number(job->file, quality->worst_element));
+    put_histogram(stream, quality);
+}
+
+void pl_table_oddities(FILE *stream, const pl_job *job) {
+    const planish_plan_info *info = &job->plan_info;
+    if (info->n_nonmanifold_facets > 0)
+        fprintf(stream,
+                "note: %" PRId64 " %s belong to more than two elements; their nodes are held\n",
+                info->n_nonmanifold_facets, job->mesh.dim == 3 ? "faces" : "edges");
+    if (info->n_duplicate_elements > 0)
+        fprintf(stream, "note: %" PRId64 " elements have the nodes of another one; they are held\n",
+                info->n_duplicate_elements);
+    if (job->file_info.n_other_elements > 0)
+        fprintf(stream,
+                "note: %" PRId64 " elements of other types pass through; their nodes are held\n",
+                job->file_info.n_other_elements);
+}
