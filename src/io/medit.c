@@ -98,8 +98,9 @@ static void skip_to_keyword(io_cursor *cursor) {
         int64_t length;
         const char *block = cursor->at;
         skip_numbers(cursor);
-        if (cursor->at > block && (unsigned char)cursor->at[-1] > ' ')
-            io_word(cursor, &length); /* the rest of a number */
+        while (cursor->at > block && cursor->at < cursor->end && (unsigned char)*cursor->at > ' ' &&
+               (unsigned char)cursor->at[-1] > ' ')
+            cursor->at++; /* the rest of a number */
         io_skip_space_comments(cursor, '#');
         io_cursor before = *cursor;
         const char *word = io_word(cursor, &length);

@@ -12,28 +12,28 @@
 #include "io/binary.h"
 
 static const vtk_type number_types[] = {
-    {"float", KIND_REAL, 4},
-    {"double", KIND_REAL, 8},
-    {"int", KIND_SIGNED, 4},
-    {"vtktypeint64", KIND_SIGNED, 8},
-    {"vtktypeint32", KIND_SIGNED, 4},
-    {"vtkidtype", KIND_SIGNED, 4}, /* written as int */
-    {"char", KIND_SIGNED, 1},
-    {"signed_char", KIND_SIGNED, 1},
-    {"unsigned_char", KIND_UNSIGNED, 1},
-    {"short", KIND_SIGNED, 2},
-    {"unsigned_short", KIND_UNSIGNED, 2},
-    {"unsigned_int", KIND_UNSIGNED, 4},
-    {"long", KIND_SIGNED, 8},
-    {"unsigned_long", KIND_UNSIGNED, 8},
-    {"vtktypeuint64", KIND_UNSIGNED, 8},
-    {"vtktypeuint32", KIND_UNSIGNED, 4},
-    {"vtktypeint16", KIND_SIGNED, 2},
-    {"vtktypeuint16", KIND_UNSIGNED, 2},
-    {"vtktypeint8", KIND_SIGNED, 1},
-    {"vtktypeuint8", KIND_UNSIGNED, 1},
-    {"bit", KIND_BIT, 0},
-    {"string", KIND_STRING, 0},
+    {"float", VTK_REAL, 4},
+    {"double", VTK_REAL, 8},
+    {"int", VTK_SIGNED, 4},
+    {"vtktypeint64", VTK_SIGNED, 8},
+    {"vtktypeint32", VTK_SIGNED, 4},
+    {"vtkidtype", VTK_SIGNED, 4}, /* written as int */
+    {"char", VTK_SIGNED, 1},
+    {"signed_char", VTK_SIGNED, 1},
+    {"unsigned_char", VTK_UNSIGNED, 1},
+    {"short", VTK_SIGNED, 2},
+    {"unsigned_short", VTK_UNSIGNED, 2},
+    {"unsigned_int", VTK_UNSIGNED, 4},
+    {"long", VTK_SIGNED, 8},
+    {"unsigned_long", VTK_UNSIGNED, 8},
+    {"vtktypeuint64", VTK_UNSIGNED, 8},
+    {"vtktypeuint32", VTK_UNSIGNED, 4},
+    {"vtktypeint16", VTK_SIGNED, 2},
+    {"vtktypeuint16", VTK_UNSIGNED, 2},
+    {"vtktypeint8", VTK_SIGNED, 1},
+    {"vtktypeuint8", VTK_UNSIGNED, 1},
+    {"bit", VTK_BIT, 0},
+    {"string", VTK_STRING, 0},
 };
 
 /* ---- words and lines ---------------------------------------------------------------------- */
@@ -48,13 +48,11 @@ int vtk_fail_here(const vtk_reader *reader, const char *text) {
     return vtk_fail_at(reader, reader->cursor.at, text);
 }
 
-/* Cursor to the start of the next line; data follow there. */
 void vtk_end_line(io_cursor *cursor) {
     const char *newline = memchr(cursor->at, '\n', (size_t)io_left(cursor));
     cursor->at = newline == NULL ? cursor->end : newline + 1;
 }
 
-/* The words of the rest of this line; at most MAX_WORDS of them. Cursor to the next line. */
 int vtk_take_words(io_cursor *cursor, vtk_word *words) {
     io_cursor line = *cursor;
     int n = 0;
@@ -81,8 +79,6 @@ const vtk_type *vtk_find_type(vtk_word name) {
     return NULL;
 }
 
-/* Whether the next word is name; then the cursor goes behind it. In binary files nothing is
- * skipped before it, as the next bytes may be data. */
 int vtk_take_if(vtk_reader *reader, const char *name) {
     io_cursor ahead = reader->cursor;
     int64_t length;

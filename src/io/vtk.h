@@ -9,12 +9,12 @@
 #include "io/records.h"
 
 typedef enum vtk_kind {
-    KIND_NONE,
-    KIND_SIGNED,
-    KIND_UNSIGNED,
-    KIND_REAL,
-    KIND_BIT,
-    KIND_STRING
+
+    VTK_SIGNED,
+    VTK_UNSIGNED,
+    VTK_REAL,
+    VTK_BIT,
+    VTK_STRING
 } vtk_kind;
 
 /* How a number of a VTK type stands in a binary file. */

@@ -7,12 +7,6 @@
 #include "base/status.h"
 #include "io/binary.h"
 
-static int64_t add_capped(int64_t a, int64_t b) {
-    return a > INT64_MAX - b ? INT64_MAX : a + b;
-}
-
-/* ---- attributes --------------------------------------------------------------------------- */
-
 /* One array of attributes. */
 struct array {
     vtk_reader *reader;
@@ -22,8 +16,8 @@ struct array {
 };
 
 static double load_number(const char *at, const vtk_type *type, int swapped) {
-    int is_signed = type->kind == KIND_SIGNED;
-    if (type->kind == KIND_REAL)
+    int is_signed = type->kind == VTK_SIGNED;
+    if (type->kind == VTK_REAL)
         return type->size == 4 ? (double)io_load_f32(at, swapped) : io_load_f64(at, swapped);
     switch (type->size) {
     case 1:
@@ -53,9 +47,9 @@ static void hold_binary(const struct array *array) {
     const vtk_reader *reader = array->reader;
     const char *data = reader->cursor.at;
     for (int64_t i = 0; i < array->n * array->width; i++) {
-        int set = array->type->kind == KIND_BIT ? ((unsigned char)data[i / 8] >> (7 - i % 8)) & 1
-                                                : load_number(data + i * array->type->size,
-                                                              array->type, reader->swapped) != 0;
+        int set = array->type->kind == VTK_BIT ? ((unsigned char)data[i / 8] >> (7 - i % 8)) & 1
+                                               : load_number(data + i * array->type->size,
+                                                             array->type, reader->swapped) != 0;
         if (set)
             io_hold_node(reader->model, i / array->width, IO_HELD_REQUIRED);
     }
@@ -68,7 +62,8 @@ static int skip_numbers(vtk_reader *reader, int64_t n) {
     return length > 0 ? 0 : vtk_fail_here(reader, "attributes are cut short");
 }
 
-/* Bytes of a string's length and text: the two highest bits say how many the length has. */
+/* Bytes of a string's length and text, or more than left: the two highest bits say how many bytes
+ * the length has. */
 static int64_t string_size(const char *at, int64_t left) {
     static const int bytes_of_length[4] = {8, 4, 2, 1};
     int bytes = bytes_of_length[(unsigned char)*at >> 6];
@@ -77,7 +72,7 @@ static int64_t string_size(const char *at, int64_t left) {
     uint64_t length = (unsigned char)*at & 0x3f;
     for (int i = 1; i < bytes; i++)
         length = length << 8 | (unsigned char)at[i];
-    return add_capped((int64_t)length, bytes);
+    return (int64_t)(length < (uint64_t)left ? length : (uint64_t)left) + bytes;
 }
 
 static int skip_strings(vtk_reader *reader, int64_t n) {
@@ -103,11 +98,11 @@ static int read_array(const struct array *array, int fixes) {
         (array->width > 0 && array->n > INT64_MAX / 16 / array->width))
         return vtk_fail_here(reader, "attributes: number of values is out of range");
     int64_t values = array->n * array->width;
-    if (type->kind == KIND_STRING)
+    if (type->kind == VTK_STRING)
         return skip_strings(reader, values);
     if (!reader->binary)
         return fixes ? hold_text(array) : skip_numbers(reader, values);
-    int64_t bytes = type->kind == KIND_BIT ? (values + 7) / 8 : values * type->size;
+    int64_t bytes = type->kind == VTK_BIT ? (values + 7) / 8 : values * type->size;
     if (bytes > io_left(&reader->cursor))
         return vtk_fail_here(reader, "attributes are cut short");
     if (fixes)
@@ -185,7 +180,7 @@ int vtk_texture(vtk_reader *reader) {
 
 /* Colours have no type: bytes where binary. n tuples of width. */
 static int skip_colours(vtk_reader *reader, int64_t n, int64_t width) {
-    static const vtk_type byte = {"unsigned_char", KIND_UNSIGNED, 1};
+    static const vtk_type byte = {"unsigned_char", VTK_UNSIGNED, 1};
     struct array array = {reader, &byte, n, width};
     return read_array(&array, 0);
 }

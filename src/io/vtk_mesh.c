@@ -86,7 +86,7 @@ int vtk_points(vtk_reader *reader) {
         return vtk_fail_here(reader, "POINTS: number of points expected");
     name.at = io_word(&reader->cursor, &name.length);
     const vtk_type *type = vtk_find_type(name);
-    if (type == NULL || type->kind != KIND_REAL)
+    if (type == NULL || type->kind != VTK_REAL)
         return vtk_fail_at(reader, name.at,
                            "POINTS of this type are not read: float or double expected");
     if (reader->binary)
@@ -179,7 +179,7 @@ static int take_list_type(vtk_reader *reader, int *size) {
     vtk_word name;
     name.at = io_word(&reader->cursor, &name.length);
     const vtk_type *type = vtk_find_type(name);
-    if (type == NULL || type->kind != KIND_SIGNED || type->size < 4)
+    if (type == NULL || type->kind != VTK_SIGNED || type->size < 4)
         return vtk_fail_at(reader, name.at,
                            "OFFSETS and CONNECTIVITY of this type are not read: "
                            "vtktypeint64 or vtktypeint32 expected");

@@ -1,2 +1,0 @@
-cd /work/main; F="-std=gnu11 -O3 -g -fopenmp -ffp-contract=off -fno-math-errno -fno-trapping-math -Wno-psabi -I/tmp/drv/q -Iinclude -Isrc -DPL_X86_KERNELS -DPL_HWLOC $X"
-/tmp/drv/build.sh; rm -f /tmp/drv/L*.o; for f in src/base/*.c src/topology/*.c src/sweep/*.c /tmp/drv/q/measure.c; do gcc $F -Wall -c $f -o /tmp/drv/L$(basename $f).o || exit 1; done; g++ -O2 -w -Iinclude -fopenmp -o /tmp/drv/lib /tmp/drv/lib.cpp /tmp/drv/L*.o /tmp/drv/k*.o -lhwloc
