@@ -1,0 +1,66 @@
+/* reading: mesh files from memory, for tests of readers and the writer. */
+#include "support/reading.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+planish_file *reading_text(const io_format *format, const char *text) {
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    int status = io_file_from_memory(format, "test", text, (int64_t)strlen(text), 1, &file, &error);
+    if (status)
+        print_error("%s\n", error.text);
+    assert_int_equal(status, 0);
+    return file;
+}
+
+void reading_fails(const io_format *format, const char *text, const char *word) {
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    int status = io_file_from_memory(format, "test", text, (int64_t)strlen(text), 1, &file, &error);
+    planish_file_close(file);
+    assert_true(status < 0);
+    if (!strstr(error.text, word))
+        print_error("'%s' is not in: %s\n", word, error.text);
+    assert_non_null(strstr(error.text, word));
+    assert_null(strchr(error.text, '\n'));
+}
+
+void reading_every_beginning(const io_format *format, const char *data, int64_t size) {
+    for (int64_t length = 0; length <= size; length++) {
+        planish_file *file = NULL;
+        planish_error error = {.text = ""};
+        char *copy = malloc(length ? (size_t)length : 1);
+        memcpy(copy, data, (size_t)length);
+        int status = io_file_from_memory(format, "test", copy, length, 1, &file, &error);
+        assert_true(status ? error.text[0] != '\0' : file != NULL);
+        planish_file_close(file);
+        free(copy);
+    }
+}
+
+void reading_write_file(const char *path, const void *data, size_t size) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+char *reading_whole_file(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    fseek(file, 0, SEEK_END);
+    *size = (size_t)ftell(file);
+    rewind(file);
+    char *data = malloc(*size + 1);
+    assert_int_equal(fread(data, 1, *size, file), *size);
+    data[*size] = '\0';
+    fclose(file);
+    return data;
+}

@@ -1,0 +1,77 @@
+/* Threads and places, on made-up machines: HWLOC_SYNTHETIC stands for a topology that is not
+ * this system's, so nothing may be bound to it. */
+#define _GNU_SOURCE /* cpu_set_t */
+#include "sweep/placement.h"
+
+#include <sched.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void threads_asked_for_are_given(void **state) {
+    (void)state;
+    for (int threads = 1; threads < 9; threads++) {
+        pl_placement *placement = pl_placement_create(threads, 0);
+        assert_int_equal(pl_placement_threads(placement), threads);
+        assert_string_equal(pl_placement_text(placement), "not bound");
+        pl_placement_destroy(placement);
+    }
+}
+
+static void other_machines_are_never_bound_to(void **state) {
+    (void)state;
+    setenv("HWLOC_SYNTHETIC", "package:2 core:4 pu:2", 1);
+    pl_placement *placement = pl_placement_create(2, 1);
+    assert_string_equal(pl_placement_text(placement), "not bound");
+    pl_placement_enter(placement);
+    pl_placement_leave(placement);
+    pl_placement_destroy(placement);
+    unsetenv("HWLOC_SYNTHETIC");
+}
+
+/** Bound while inside, as before afterwards. */
+static void binding_is_undone(void **state) {
+    (void)state;
+    cpu_set_t before, inside, after;
+    assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
+    pl_placement *placement = pl_placement_create(1, 1);
+    pl_placement_enter(placement);
+    assert_int_equal(sched_getaffinity(0, sizeof inside, &inside), 0);
+    pl_placement_leave(placement);
+    assert_int_equal(sched_getaffinity(0, sizeof after, &after), 0);
+    if (strcmp(pl_placement_text(placement), "not bound"))
+        assert_int_equal(CPU_COUNT(&inside), 1);
+    assert_true(CPU_EQUAL(&before, &after));
+    pl_placement_destroy(placement);
+}
+
+/** Only the CPUs that the process may use are counted. */
+static void the_cpuset_is_respected(void **state) {
+    (void)state;
+    cpu_set_t before, one;
+    assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
+    CPU_ZERO(&one);
+    for (size_t cpu = 0; CPU_COUNT(&one) == 0; cpu++)
+        if (CPU_ISSET(cpu, &before))
+            CPU_SET(cpu, &one);
+    assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+    pl_placement *placement = pl_placement_create(0, 1);
+    if (strcmp(pl_placement_text(placement), "not bound"))
+        assert_int_equal(pl_placement_threads(placement), 1);
+    pl_placement_destroy(placement);
+    assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(threads_asked_for_are_given),
+        cmocka_unit_test(other_machines_are_never_bound_to),
+        cmocka_unit_test(binding_is_undone),
+        cmocka_unit_test(the_cpuset_is_respected),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

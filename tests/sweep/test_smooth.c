@@ -1,0 +1,448 @@
+/* What planish_smooth promises: better, valid, only free nodes, the same bits, stoppable. */
+#include "support/meshes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { CELLS = 8 };
+
+typedef struct smoothed {
+    double *coordinates; /* [n_nodes][dim] owned */
+    planish_quality before, after;
+    planish_result result;
+    planish_plan_info info;
+} smoothed;
+
+static planish_options defaults(void) {
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = 1;
+    return options;
+}
+
+static void smooth(const planish_mesh *mesh, const planish_options *options, smoothed *s) {
+    planish_plan *plan;
+    planish_error error = {.text = ""};
+    size_t size = (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double);
+    s->coordinates = malloc(size);
+    memcpy(s->coordinates, mesh->coordinates, size);
+    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), 0);
+    assert_int_equal(planish_measure(plan, s->coordinates, &s->before, &error), 0);
+    assert_int_equal(planish_smooth(plan, s->coordinates, options, &s->result, &error), 0);
+    assert_int_equal(planish_measure(plan, s->coordinates, &s->after, &error), 0);
+    planish_plan_get_info(plan, &s->info);
+    s->info.isa = s->info.binding = NULL; /* text of the plan */
+    planish_plan_destroy(plan);
+}
+
+static void same_coordinates(const planish_mesh *mesh, const smoothed *a, const smoothed *b) {
+    assert_memory_equal(a->coordinates, b->coordinates,
+                        (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double));
+}
+
+static void bad_box(test_mesh *mesh, int dim) {
+    test_mesh_box(mesh, dim, CELLS);
+    test_mesh_perturb(mesh, 0.14, 1);
+}
+
+static int is_inside(const double *x, int dim) {
+    int inside = 1;
+    for (int d = 0; d < dim; d++)
+        inside &= x[d] != 0 && x[d] != CELLS;
+    return inside;
+}
+
+/* ---- better and valid --------------------------------------------------------------------- */
+
+static int rms_falls(const planish_progress *progress, void *user) {
+    double *last = user;
+    if (progress->sweep_done) {
+        assert_true(progress->rms <= *last);
+        *last = progress->rms;
+    }
+    return 0;
+}
+
+static void the_mesh_becomes_better(void **state) {
+    int dim = *(int *)*state;
+    for (int direction = 0; direction < 2; direction++) {
+        test_mesh mesh;
+        smoothed s;
+        bad_box(&mesh, dim);
+        double last = INFINITY;
+        planish_options options = defaults();
+        options.direction = (planish_direction)direction;
+        options.progress = rms_falls;
+        options.progress_user = &last;
+        smooth(&mesh.mesh, &options, &s);
+        assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
+        assert_true(s.after.rms_radius_ratio < 0.98 * s.before.rms_radius_ratio);
+        assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
+        assert_int_equal(s.after.inverted, 0);
+        assert_true(fabs(s.after.total_volume / s.before.total_volume - 1) < 1e-12);
+        assert_true(fabs(s.result.rms / s.after.rms_radius_ratio - 1) < 1e-12);
+        assert_int_equal(s.info.n_free, dim == 3 ? 7 * 7 * 7 : 7 * 7);
+        free(s.coordinates);
+        test_mesh_destroy(&mesh);
+    }
+}
+
+static void only_free_nodes_move(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    bad_box(&mesh, dim);
+    uint8_t *constraint = calloc((size_t)mesh.mesh.n_nodes, 1);
+    for (int64_t i = 0; i < mesh.mesh.n_nodes; i += 3)
+        constraint[i] = PLANISH_FIXED;
+    mesh.mesh.constraint = constraint;
+    planish_options options = defaults();
+    smooth(&mesh.mesh, &options, &s);
+    int64_t moved = 0;
+    double farthest = 0;
+    for (int64_t i = 0; i < mesh.mesh.n_nodes; i++) {
+        const double *x = mesh.coordinates + i * dim, *y = s.coordinates + i * dim;
+        double distance = 0;
+        for (int d = 0; d < dim; d++)
+            distance += (x[d] - y[d]) * (x[d] - y[d]);
+        if (constraint[i] || !is_inside(x, dim))
+            assert_memory_equal(x, y, (size_t)dim * sizeof *x);
+        moved += distance > 0;
+        farthest = distance > farthest ? distance : farthest;
+    }
+    assert_true(moved > s.info.n_free / 2);
+    assert_int_equal(moved, s.result.moved_nodes);
+    assert_true(fabs(s.result.max_displacement - sqrt(farthest)) < 1e-14);
+    free(constraint);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/* ---- the same bits ------------------------------------------------------------------------ */
+
+static void bits_do_not_depend_on_threads_or_kernel(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed first, other;
+    bad_box(&mesh, dim);
+    for (int direction = 0; direction < 2; direction++) {
+        planish_options options = defaults();
+        options.direction = (planish_direction)direction;
+        options.isa = PLANISH_ISA_PLAIN;
+        smooth(&mesh.mesh, &options, &first);
+        static const int threads[] = {1, 2, 3, 4, 7};
+        for (int isa = PLANISH_ISA_AUTO; isa <= PLANISH_ISA_AVX512; isa++)
+            for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
+                planish_plan *plan;
+                options.threads = threads[t];
+                options.isa = (planish_isa)isa;
+                if (planish_plan_create(&mesh.mesh, &options, &plan, NULL) != 0)
+                    continue; /* this CPU has no such instructions */
+                planish_plan_destroy(plan);
+                smooth(&mesh.mesh, &options, &other);
+                same_coordinates(&mesh.mesh, &first, &other);
+                assert_true(first.result.rms == other.result.rms);
+                assert_int_equal(first.result.visits, other.result.visits);
+                free(other.coordinates);
+            }
+        free(first.coordinates);
+    }
+    test_mesh_destroy(&mesh);
+}
+
+static void powers_of_two_change_no_bit(void **state) {
+    int dim = *(int *)*state;
+    static const int exponents[] = {-900, -300, -1, 7, 300, 900};
+    planish_options options = defaults();
+    test_mesh mesh;
+    smoothed plain, scaled;
+    bad_box(&mesh, dim);
+    smooth(&mesh.mesh, &options, &plain);
+    for (size_t e = 0; e < sizeof exponents / sizeof *exponents; e++) {
+        test_mesh other;
+        bad_box(&other, dim);
+        test_mesh_transform(&other, ldexp(1, exponents[e]), 0);
+        smooth(&other.mesh, &options, &scaled);
+        for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
+            assert_true(scaled.coordinates[i] == ldexp(plain.coordinates[i], exponents[e]));
+        free(scaled.coordinates);
+        test_mesh_destroy(&other);
+    }
+    free(plain.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/** Elements of 1e-3 a million away: only the digits that such coordinates have are lost. */
+static void far_from_the_origin_it_works(void **state) {
+    int dim = *(int *)*state;
+    planish_options options = defaults();
+    test_mesh near, far;
+    smoothed a, b;
+    bad_box(&near, dim);
+    bad_box(&far, dim);
+    test_mesh_transform(&near, 1e-3, 0);
+    test_mesh_transform(&far, 1e-3, 1e6);
+    smooth(&near.mesh, &options, &a);
+    smooth(&far.mesh, &options, &b);
+    assert_int_equal(b.after.inverted, 0);
+    assert_true(fabs(a.after.rms_radius_ratio / b.after.rms_radius_ratio - 1) < 1e-5);
+    free(a.coordinates);
+    free(b.coordinates);
+    test_mesh_destroy(&near);
+    test_mesh_destroy(&far);
+}
+
+static void element_order_does_not_invert(void **state) {
+    int dim = *(int *)*state;
+    planish_options options = defaults();
+    test_mesh mesh, mixed;
+    smoothed a, b;
+    bad_box(&mesh, dim);
+    bad_box(&mixed, dim);
+    test_mesh_reverse_some(&mixed, 2, 5);
+    smooth(&mesh.mesh, &options, &a);
+    smooth(&mixed.mesh, &options, &b);
+    assert_int_equal(b.before.inverted, 0);
+    assert_true(b.info.n_reversed > 0);
+    assert_true(fabs(a.after.rms_radius_ratio / b.after.rms_radius_ratio - 1) < 1e-6);
+    free(a.coordinates);
+    free(b.coordinates);
+    test_mesh_destroy(&mesh);
+    test_mesh_destroy(&mixed);
+}
+
+static void floats_stay_floats(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    bad_box(&mesh, dim);
+    for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++) {
+        volatile float rounded = (float)mesh.coordinates[i];
+        mesh.coordinates[i] = rounded;
+    }
+    planish_options options = defaults();
+    options.precision = PLANISH_FLOAT;
+    smooth(&mesh.mesh, &options, &s);
+    for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++) {
+        volatile float rounded = (float)s.coordinates[i];
+        assert_true(s.coordinates[i] == rounded);
+    }
+    assert_true(s.result.moved_nodes > s.info.n_free / 2);
+    assert_int_equal(s.after.inverted, 0);
+    assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/* ---- what is left alone ------------------------------------------------------------------- */
+
+/** A node pushed out of its star: its elements stay as they are, the others become better. */
+static void inverted_stars_are_left_alone(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    bad_box(&mesh, dim);
+    int64_t middle = 0;
+    for (int64_t i = 0; i < mesh.mesh.n_nodes; i++) {
+        int central = 1;
+        for (int d = 0; d < dim; d++)
+            central &= fabs(mesh.coordinates[i * dim + d] - CELLS / 2) < 0.5;
+        middle = central ? i : middle;
+    }
+    mesh.coordinates[middle * dim] += 1.6;
+    planish_options options = defaults();
+    smooth(&mesh.mesh, &options, &s);
+    assert_true(s.before.inverted > 0);
+    assert_int_equal(s.after.inverted, s.before.inverted);
+    assert_int_equal(s.result.inverted, s.before.inverted);
+    assert_memory_equal(s.coordinates + middle * dim, mesh.coordinates + middle * dim,
+                        (size_t)dim * sizeof(double));
+    assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+static void only_worse_stars_are_touched(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed all, some, none;
+    bad_box(&mesh, dim);
+    planish_options options = defaults();
+    smooth(&mesh.mesh, &options, &all);
+    options.only_worse_than = all.before.max_radius_ratio * 0.8;
+    smooth(&mesh.mesh, &options, &some);
+    options.only_worse_than = all.before.max_radius_ratio * 1.01;
+    smooth(&mesh.mesh, &options, &none);
+    assert_true(some.result.moved_nodes > 0);
+    assert_true(some.result.moved_nodes < all.result.moved_nodes);
+    assert_int_equal(none.result.moved_nodes, 0);
+    free(all.coordinates);
+    free(some.coordinates);
+    free(none.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+static void without_free_nodes_nothing_happens(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    test_mesh_box(&mesh, dim, 1);
+    planish_options options = defaults();
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.info.n_free, 0);
+    assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
+    assert_int_equal(s.result.visits, 0);
+    assert_int_equal(s.after.n_fixed, s.after.n_elements);
+    assert_true(s.after.fixed_max_radius_ratio == s.after.max_radius_ratio);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/* ---- stopping ----------------------------------------------------------------------------- */
+
+static int stop_at_third(const planish_progress *progress, void *user) {
+    int *calls = user;
+    (void)progress;
+    return ++*calls == 3;
+}
+
+static void a_callback_stops_after_a_colour(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    bad_box(&mesh, dim);
+    int calls = 0;
+    planish_options options = defaults();
+    options.progress = stop_at_third;
+    options.progress_user = &calls;
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.result.stop, PLANISH_STOP_INTERRUPTED);
+    assert_true(s.result.moved_nodes > 0 && s.result.moved_nodes < s.info.n_free);
+    assert_int_equal(s.after.inverted, 0);
+    assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+static void limits_stop(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    bad_box(&mesh, dim);
+    planish_options options = defaults();
+    options.max_sweeps = 2;
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.result.stop, PLANISH_STOP_MAX_SWEEPS);
+    assert_int_equal(s.result.sweeps, 2);
+    free(s.coordinates);
+    options.max_sweeps = 0;
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.result.moved_nodes, 0);
+    free(s.coordinates);
+    options.max_sweeps = 100;
+    options.time_limit = 1e-9;
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.result.stop, PLANISH_STOP_TIME_LIMIT);
+    assert_int_equal(s.result.sweeps, 1);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/* ---- a plan used again, and wrong arguments ------------------------------------------------- */
+
+static void a_plan_serves_many_coordinates(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    planish_plan *plan;
+    planish_options options = defaults();
+    bad_box(&mesh, dim);
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, NULL), 0);
+    size_t size = (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double);
+    double *copy = malloc(size);
+    for (int i = 0; i < 3; i++) {
+        memcpy(copy, mesh.coordinates, size);
+        assert_int_equal(planish_smooth(plan, copy, &options, NULL, NULL), 0);
+        assert_memory_equal(copy, s.coordinates, size);
+    }
+    planish_plan_destroy(plan);
+    free(copy);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+static void expect_refusal(planish_plan *plan, double *coordinates, const planish_options *options,
+                           const char *word) {
+    planish_error error = {.text = ""};
+    assert_int_not_equal(planish_smooth(plan, coordinates, options, NULL, &error), 0);
+    assert_non_null(strstr(error.text, word));
+}
+
+static void wrong_arguments_are_refused(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    planish_plan *plan;
+    planish_error error;
+    planish_options options = defaults();
+    bad_box(&mesh, dim);
+    assert_int_equal(planish_plan_create(NULL, NULL, &plan, &error), PLANISH_ERROR_ARGUMENT);
+    options.threads = -1;
+    assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    options = defaults();
+    assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, &error), 0);
+    options.struct_size = 3;
+    expect_refusal(plan, mesh.coordinates, &options, "struct_size");
+    options = defaults();
+    options.max_sweeps = -1;
+    expect_refusal(plan, mesh.coordinates, &options, "max_sweeps");
+    options = defaults();
+    options.tolerance = NAN;
+    expect_refusal(plan, mesh.coordinates, &options, "tolerance");
+    options = defaults();
+    options.time_limit = -1;
+    expect_refusal(plan, mesh.coordinates, &options, "time_limit");
+    options = defaults();
+    options.only_worse_than = NAN;
+    expect_refusal(plan, mesh.coordinates, &options, "only_worse_than");
+    mesh.coordinates[7] = NAN;
+    options = defaults();
+    assert_int_equal(planish_smooth(plan, mesh.coordinates, &options, NULL, &error),
+                     PLANISH_ERROR_MESH);
+    assert_int_equal(error.node, 7 / dim);
+    planish_plan_destroy(plan);
+    planish_plan_destroy(NULL);
+    test_mesh_destroy(&mesh);
+}
+
+int main(void) {
+    static int dims[] = {2, 3};
+#define BOTH(test)                                                                                 \
+    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
+#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
+    }
+    const struct CMUnitTest tests[] = {
+        BOTH(the_mesh_becomes_better),
+        BOTH(only_free_nodes_move),
+        BOTH(bits_do_not_depend_on_threads_or_kernel),
+        BOTH(powers_of_two_change_no_bit),
+        BOTH(far_from_the_origin_it_works),
+        BOTH(element_order_does_not_invert),
+        BOTH(floats_stay_floats),
+        BOTH(inverted_stars_are_left_alone),
+        BOTH(only_worse_stars_are_touched),
+        BOTH(without_free_nodes_nothing_happens),
+        BOTH(a_callback_stops_after_a_colour),
+        BOTH(limits_stop),
+        BOTH(a_plan_serves_many_coordinates),
+        BOTH(wrong_arguments_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
