@@ -26,16 +26,16 @@ void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, v
     int64_t chunks = n > 0 ? (n - 1) / chunk + 1 : 0;
     if (threads > chunks)
         threads = (int)chunks;
-    if (threads <= 1) {
+#ifdef _OPENMP
+    if (threads > 1) {
+#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
         for (int64_t i = 0; i < chunks; i++)
-            run_chunk(i, n, chunk, body, context, 0);
+            run_chunk(i, n, chunk, body, context, omp_get_thread_num());
         return;
     }
-#ifdef _OPENMP
-#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
-    for (int64_t i = 0; i < chunks; i++)
-        run_chunk(i, n, chunk, body, context, omp_get_thread_num());
 #endif
+    for (int64_t i = 0; i < chunks; i++)
+        run_chunk(i, n, chunk, body, context, 0);
 }
 
 void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context) {

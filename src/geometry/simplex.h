@@ -65,7 +65,7 @@ PL_INLINE void pl_cofactor_normals(int dim, const double edges[3][3], double nor
 
 /** n_0 from the facet's own edges: the sum of the others would cancel where it is small. */
 PL_INLINE void pl_base_normal(int dim, const double edges[3][3], double normal[3]) {
-    double b[3], c[3];
+    double b[3] = {0}, c[3] = {0};
     pl_subtract(dim, edges[1], edges[0], b);
     if (dim == 3) {
         pl_subtract(dim, edges[2], edges[0], c);
@@ -116,7 +116,7 @@ PL_INLINE void pl_take_cosine(int dim, const double unit_i[], const double unit_
  *  from the normals and their lengths. */
 PL_INLINE void pl_extreme_cosines(int dim, const double normals[4][3], const double lengths[4],
                                   double *smallest, double *largest) {
-    double unit[4][3];
+    double unit[4][3] = {{0}};
     for (int j = 0; j <= dim; j++) {
         double inverse = 1 / lengths[j];
         for (int d = 0; d < dim; d++)
@@ -147,7 +147,7 @@ PL_INLINE double pl_circumradius_square(int dim, const double edges[3][3],
 }
 
 PL_INLINE pl_shape pl_shape_of_edges(int dim, const double edges[3][3]) {
-    double normals[4][3], squares[4], lengths[4];
+    double normals[4][3] = {{0}}, squares[4], lengths[4];
     pl_cofactor_normals(dim, edges, normals);
     pl_base_normal(dim, edges, normals[0]);
     double sum = 0;

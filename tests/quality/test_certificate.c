@@ -211,6 +211,10 @@ static void knows_extreme_elements(void **state) {
                    {-DBL_MAX, -DBL_MAX, DBL_MAX}};
     assert_int_equal(sign_of(3, huge), 1);
     assert_int_equal(sign_of(2, huge), 1);
+    /* In units of 2^-1074, D is 0.4 + 0.4 - 0.6, which underflow makes 0 + 0 - 1. */
+    points underflow = {
+        {0, 0, 0}, {1, 1, 1}, {1.5 * 0x1p-537, 0, 0x1p-537}, {0.4 * 0x1p-537, -0.4 * 0x1p-537, 0}};
+    assert_int_equal(sign_of(3, underflow), 1);
     /* Far from the origin, flat but for one unit in the last place of one coordinate. */
     points far = {{1e6, 1e6, 1e6}, {1e6 + 1, 1e6, 1e6}, {1e6, 1e6 + 1, 1e6}, {1e6, 1e6, 1e6}};
     assert_int_equal(sign_of(3, far), 0);
