@@ -2,7 +2,7 @@
 //   gmsh -3 bracket.geo -format msh41 -o bracket.msh
 // Mesh.Optimize = 0 leaves the slivers of the Delaunay mesh in, so that there is something to gain.
 SetFactory("OpenCASCADE");
-DefineConstant[ h = {3.6, Name "element size [mm]"} ];
+DefineConstant[ h = {4, Name "element size [mm]"} ];
 
 Box(1) = {0, 0, 0, 60, 40, 12};                      // base plate
 Box(2) = {0, 0, 0, 12, 40, 50};                      // wall

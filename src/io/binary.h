@@ -15,7 +15,9 @@ static inline int io_machine_is_little(void) {
 static inline uint16_t io_load_u16(const char *at, int swapped) {
     uint16_t bits;
     memcpy(&bits, at, sizeof bits);
-    return swapped ? (uint16_t)(bits << 8 | bits >> 8) : bits;
+    if (!swapped)
+        return bits;
+    return (uint16_t)((bits & 0xffu) << 8 | bits >> 8);
 }
 
 static inline uint32_t io_load_u32(const char *at, int swapped) {

@@ -94,9 +94,10 @@ int gmsh_index_nodes(gmsh_reader *reader);
 /** Hold both nodes of n periodic pairs; text or (MSH 4) binary. */
 int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int binary);
 
-/** Sections of MSH 2 and MSH 4. */
+/** Sections of MSH 2 and MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
 int gmsh2_nodes(gmsh_reader *reader);
 int gmsh2_elements(gmsh_reader *reader);
+int gmsh2_merge_copies(gmsh_reader *reader);
 int gmsh2_periodic(gmsh_reader *reader);
 int gmsh4_entities(gmsh_reader *reader);
 int gmsh4_partitioned_entities(gmsh_reader *reader);

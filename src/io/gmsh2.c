@@ -226,7 +226,7 @@ static int store_cell(const gmsh_reader *reader, io_cursor *cursor, const struct
     for (int i = 0; i < corners; i++) {
         int64_t number;
         if (io_integer(cursor, &number) != 0)
-            return fail_element(reader, cursor->at, error);
+            return fail_element(reader, element->at, error);
         int64_t node = gmsh_node(reader, number);
         if (node < 0)
             return fail_node(reader, element->at, element->number, number, error);
@@ -243,7 +243,7 @@ static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const struct 
     for (int i = 0; i < element->type.nodes; i++) {
         int64_t number;
         if (io_integer(cursor, &number) != 0)
-            return fail_element(reader, cursor->at, error);
+            return fail_element(reader, element->at, error);
         int64_t node = gmsh_node(reader, number);
         if (node < 0)
             return fail_node(reader, element->at, element->number, number, error);
@@ -503,18 +503,7 @@ static int read_binary_elements(gmsh_reader *reader, int64_t n) {
 
 /* ---- sections ----------------------------------------------------------------------------- */
 
-int gmsh2_elements(gmsh_reader *reader) {
-    int64_t n;
-    int status = gmsh_take_text(reader, &n, "number of elements");
-    if (status == 0 && reader->have_elements)
-        status = gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Elements");
-    if (status == 0 && reader->binary)
-        status = gmsh_end_line(reader);
-    if (status == 0)
-        status = gmsh_check_count(reader, n, ELEMENT_TEXT, 2 * 4, "elements");
-    if (status != 0)
-        return status;
-    reader->have_elements = 1;
+static int read_elements(gmsh_reader *reader, int64_t n) {
     if (reader->binary)
         return read_binary_elements(reader, n);
     const char *begin = reader->cursor.at;
@@ -525,6 +514,21 @@ int gmsh2_elements(gmsh_reader *reader) {
         reader->cursor.at = begin;
     }
     return read_text_elements(reader, n, reader->cursor.end, 0);
+}
+
+int gmsh2_elements(gmsh_reader *reader) {
+    int64_t n;
+    int status = gmsh_take_text(reader, &n, "number of elements");
+    if (status == 0 && reader->have_elements)
+        status = gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Elements");
+    if (status == 0 && reader->binary)
+        status = gmsh_end_line(reader);
+    if (status == 0)
+        status = gmsh_check_count(reader, n, ELEMENT_TEXT, 2 * 4, "elements");
+    reader->have_elements = 1;
+    if (status == 0)
+        status = read_elements(reader, n);
+    return status != 0 ? status : gmsh2_merge_copies(reader);
 }
 
 /* The transform of a periodic pair stands between its tags and its nodes, where there is one. */

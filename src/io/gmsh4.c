@@ -322,7 +322,7 @@ int gmsh4_nodes(gmsh_reader *reader) {
         node_block block = {reader, done, head.kind != 0 ? head.dim : 0};
         status = reader->binary ? read_binary_block(reader, &block, head.n)
                                 : read_text_block(reader, &block, head.n);
-        done += head.n;
+        done += status == 0 ? head.n : 0;
     }
     if (status == 0)
         status = check_total(reader, &section, done);
@@ -450,7 +450,7 @@ int gmsh4_elements(gmsh_reader *reader) {
         status = take_block_head(reader, &section, done, &head);
         if (status == 0)
             status = read_elements(reader, &head);
-        done += head.n;
+        done += status == 0 ? head.n : 0;
     }
     return status != 0 ? status : check_total(reader, &section, done);
 }

@@ -185,7 +185,11 @@ static void hold_triangles(void *context, int64_t begin, int64_t end, int thread
                           __ATOMIC_RELAXED);
 }
 
-static int finish_solid(io_model *model, int triangles_hold) {
+static int finish_solid(io_model *model, int triangles_hold, planish_error *error) {
+    if (model->columns < 3)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: tetrahedra in two dimensions; a third coordinate is missing",
+                       model->input.path);
     model->dim = 3;
     model->coordinates = model->xyz;
     model->n_lower += model->triangle.n;
@@ -226,7 +230,7 @@ static int finish_plane(io_model *model, planish_error *error) {
 
 int io_model_finish(io_model *model, int triangles_hold, planish_error *error) {
     if (model->tetrahedron.n > 0)
-        return finish_solid(model, triangles_hold);
+        return finish_solid(model, triangles_hold, error);
     if (model->triangle.n > 0)
         return finish_plane(model, error);
     return pl_fail(error, PLANISH_ERROR_FORMAT,

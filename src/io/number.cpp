@@ -1,6 +1,7 @@
-// number: numbers from text and back by <charconv>: exact, independent of the locale, no exceptions.
+// number: numbers from text and back by <charconv>: exact, in any locale, without exceptions.
 #include "io/number.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstring>
@@ -8,33 +9,35 @@
 
 namespace {
 
-constexpr int longest_token = 512; // of a number with a Fortran exponent; longer ones are not numbers
+constexpr long farthest = 1L << 40; // decimal exponents beyond it are as good as it
+constexpr int longest_token = 512;  // of numbers with a Fortran exponent
 
 bool is_space(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
 }
 
-// The magnitude that from_chars gave up on is infinite or zero: its decimal exponent says which.
+// The magnitude that from_chars gave up on is infinite or zero: the decimal exponent of its first
+// digit that is not zero says which.
 double beyond_range(const char *begin, const char *end) {
     bool negative = *begin == '-';
-    long exponent = 0, digits_before_point = 0;
+    long exponent = 0, shift = 0; // shift: places from that digit to the point, if positive
     bool seen_point = false, seen_digit = false;
     for (const char *c = begin; c < end; c++) {
         if (*c == 'e' || *c == 'E') {
             const char *from = c + 1 < end && c[1] == '+' ? c + 2 : c + 1;
             auto result = std::from_chars(from, end, exponent);
             if (result.ec != std::errc())
-                exponent = *from == '-' ? -1000000 : 1000000;
+                exponent = *from == '-' ? -farthest : farthest;
+            exponent = std::clamp(exponent, -farthest, farthest);
             break;
         }
         seen_point |= *c == '.';
-        if (*c >= '1' && *c <= '9')
-            seen_digit = true;
-        if (seen_digit && !seen_point && *c != '.')
-            digits_before_point++;
+        seen_digit |= *c >= '1' && *c <= '9';
+        if (*c >= '0' && *c <= '9' && seen_digit != seen_point)
+            shift += seen_digit ? 1 : -1;
     }
     double magnitude =
-        exponent + digits_before_point > 0 ? std::numeric_limits<double>::infinity() : 0.0;
+        seen_digit && shift + exponent > 0 ? std::numeric_limits<double>::infinity() : 0.0;
     return negative ? -magnitude : magnitude;
 }
 
@@ -100,8 +103,7 @@ extern "C" int io_parse_integer(const char **at, const char *end, int64_t *value
 }
 
 extern "C" int io_format_real(char *text, double value, int is_float) {
-    auto result = is_float
-                      ? std::to_chars(text, text + IO_REAL_SIZE, static_cast<float>(value))
-                      : std::to_chars(text, text + IO_REAL_SIZE, value);
+    auto result = is_float ? std::to_chars(text, text + IO_REAL_SIZE, static_cast<float>(value))
+                           : std::to_chars(text, text + IO_REAL_SIZE, value);
     return static_cast<int>(result.ptr - text);
 }

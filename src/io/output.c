@@ -51,9 +51,29 @@ static void temporaries_remove(io_temporaries list, const char *path) {
 
 /* ---- where it goes ------------------------------------------------------------------------ */
 
+/** The open descriptor that path is a name of, or -1. What it leads to may be a regular file, which
+ *  others write, too (>> log): it must not be replaced. */
+static int named_descriptor(const char *path) {
+    static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+    if (strcmp(path, "/dev/stdout") == 0)
+        return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0)
+        return STDERR_FILENO;
+    for (int i = 0; i < 2; i++) {
+        size_t length = strlen(folders[i]);
+        if (strncmp(path, folders[i], length) != 0)
+            continue;
+        size_t digits = strspn(path + length, "0123456789");
+        if (digits > 0 && digits < 9 && path[length + digits] == '\0')
+            return atoi(path + length);
+    }
+    return -1;
+}
+
 int io_output_is_stream(const char *path) {
     struct stat about;
-    return stat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode);
+    return named_descriptor(path) >= 0 ||
+           (stat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode));
 }
 
 /** path with a link at its end followed, also one that leads nowhere yet. Owned; NULL: errno. */
@@ -139,7 +159,8 @@ int io_output_open(const char *path, io_temporaries temporaries, io_output *outp
     *output = (io_output){-1, NULL, NULL};
     if (!io_output_is_stream(path))
         return open_beside(path, temporaries, output, error);
-    output->fd = open(path, O_WRONLY | O_CLOEXEC);
+    int named = named_descriptor(path);
+    output->fd = named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : open(path, O_WRONLY | O_CLOEXEC);
     output->target = pl_alloc((int64_t)strlen(path) + 1, 1);
     if (output->fd < 0)
         return fail_errno(path, "cannot be written", error);

@@ -20,7 +20,7 @@ typedef struct io_output {
     char *temporary; /* where it is now, owned; NULL: written directly */
 } io_output;
 
-/** Not 0 if path exists and is no regular file: a pipe, a device. */
+/** Not 0 if path is written as it is: a pipe, a device, a name of an open file (/dev/stdout). */
 int io_output_is_stream(const char *path);
 
 /** Begin to write path. A file that exists keeps its mode and owner. */

@@ -140,21 +140,34 @@ static void read_text_chunk(void *context, int64_t begin, int64_t end, int threa
         atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
 }
 
+/* Read by threads: 0 if that was not to be, and nothing has been read for certain. */
+static int read_text_chunks(io_text *text, io_cursor *cursor, struct job *job, int64_t n) {
+    if (cursor->end != text->end || !index_tokens(text))
+        return 0;
+    job->rank = token_rank(text, cursor->at);
+    /* The index takes control characters for white space, which readers do not. */
+    if (cursor->at != token_begin(text, job->rank))
+        return 0;
+    pl_parallel_for(text->threads, n, RECORDS_AT_ONCE, read_text_chunk, job);
+    if (atomic_load(&job->failed))
+        return 0;
+    cursor->at = token_begin(text, job->rank + n * job->size);
+    return 1;
+}
+
 int io_text_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens,
                     io_records_fn *read, void *context, planish_error *error) {
+    struct job job = {text, *cursor, tokens, 0, read, context, 0};
     /* A token is two bytes at least: with this n * tokens cannot overflow. */
     int many = text->threads > 1 && n <= io_left(cursor) / tokens &&
                n * tokens * 2 > WORTH_THREADS && n > RECORDS_AT_ONCE;
     io_skip_space(cursor);
-    if (many && cursor->end == text->end && index_tokens(text)) {
-        struct job job = {text, *cursor, tokens, token_rank(text, cursor->at), read, context, 0};
-        pl_parallel_for(text->threads, n, RECORDS_AT_ONCE, read_text_chunk, &job);
-        if (!atomic_load(&job.failed)) {
-            cursor->at = token_begin(text, job.rank + n * tokens);
-            return 0;
-        }
-    }
-    return read(context, cursor, 0, n, error);
+    if (many && read_text_chunks(text, cursor, &job, n))
+        return 0;
+    int status = read(context, cursor, 0, n, error);
+    if (status == 0)
+        io_skip_space(cursor);
+    return status;
 }
 
 static void read_binary_chunk(void *context, int64_t begin, int64_t end, int thread) {

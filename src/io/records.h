@@ -26,7 +26,7 @@ typedef struct io_text {
 void io_text_init(io_text *text, const io_model *model);
 void io_text_release(io_text *text);
 
-/** Read n records of tokens tokens each from *cursor; the cursor ends behind them. */
+/** Read n records of tokens tokens each from *cursor; the cursor ends at the next token. */
 int io_text_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens,
                     io_records_fn *read, void *context, planish_error *error);
 

@@ -6,6 +6,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -100,6 +101,30 @@ static void known_texts_are_read(void **state) {
     assert_true(value == -INFINITY);
 }
 
+/** Numbers whose digits, not their exponent, decide whether they are too large or too small. */
+static void long_texts_are_read(void **state) {
+    (void)state;
+    char text[2100];
+    double value;
+    snprintf(text, sizeof text, "0.%0*d1e100", 600, 0);
+    assert_int_equal(parse(text, &value), (int)strlen(text));
+    assert_true(value == 0);
+    snprintf(text, sizeof text, "0.%0*d1e601", 600, 0);
+    assert_int_equal(parse(text, &value), (int)strlen(text));
+    assert_true(value == 1);
+    memset(text, '9', 2000);
+    strcpy(text + 2000, "e-1000");
+    assert_int_equal(parse(text, &value), 2006);
+    assert_true(isinf(value));
+    strcpy(text + 2000, "e-2400");
+    assert_int_equal(parse(text, &value), 2006);
+    assert_true(value == 0);
+    assert_int_equal(parse("0.000e99999999999999999999", &value), 26);
+    assert_true(value == 0);
+    assert_int_equal(parse("0.01e-9223372036854775808", &value), 25);
+    assert_true(value == 0);
+}
+
 static void the_end_is_never_passed(void **state) {
     (void)state;
     static const char text[] = "-123.456d+78";
@@ -160,8 +185,11 @@ static void the_locale_does_not_matter(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(written_numbers_are_restored), cmocka_unit_test(known_texts_are_read),
-        cmocka_unit_test(the_end_is_never_passed),      cmocka_unit_test(integers_are_checked),
+        cmocka_unit_test(written_numbers_are_restored),
+        cmocka_unit_test(known_texts_are_read),
+        cmocka_unit_test(long_texts_are_read),
+        cmocka_unit_test(the_end_is_never_passed),
+        cmocka_unit_test(integers_are_checked),
         cmocka_unit_test(the_locale_does_not_matter),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

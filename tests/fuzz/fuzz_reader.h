@@ -1,0 +1,142 @@
+/* fuzz_reader: any bytes given to the reader of one format. A fuzz target is
+ *
+ *     #include "fuzz_reader.h"
+ *     FUZZ_READER(io_format_NAME)
+ *
+ * Nothing may crash, leak or hang. A mesh that is read has nodes in range and finite coordinates;
+ * written unchanged it is the same bytes; written with other coordinates it reads as these.
+ */
+#ifndef FUZZ_READER_H
+#define FUZZ_READER_H
+
+#include "io/file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { FUZZ_PATH_SIZE = 128 };
+
+static inline void fuzz_require(int condition, const char *what) {
+    if (condition)
+        return;
+    fprintf(stderr, "broken promise: %s\n", what);
+    abort();
+}
+
+/** A path of this process for a file with that ending, in text. */
+static inline const char *fuzz_path(char *text, const char *ending) {
+    snprintf(text, FUZZ_PATH_SIZE, "/tmp/planish-fuzz-%ld%s", (long)getpid(), ending);
+    return text;
+}
+
+static inline void fuzz_check_mesh(const planish_file *file) {
+    planish_mesh mesh = planish_file_mesh(file);
+    for (int64_t i = 0; i < mesh.n_elements * (mesh.dim + 1); i++)
+        fuzz_require(mesh.elements[i] >= 0 && mesh.elements[i] < mesh.n_nodes, "nodes in range");
+    for (int64_t i = 0; i < mesh.n_nodes * mesh.dim; i++)
+        fuzz_require(isfinite(mesh.coordinates[i]), "coordinates are finite");
+}
+
+static inline void fuzz_check_questions(const planish_file *file) {
+    static const char *const tags[] = {"1"};
+    planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_error error;
+    planish_hold hold = {tags, 1, 0};
+    uint8_t *constraint = malloc((size_t)mesh.n_nodes + 1);
+    fuzz_require(constraint != NULL, "memory");
+    planish_file_get_info(file, &info);
+    fuzz_require(planish_file_constraints(file, NULL, constraint, &error) == 0, "constraints");
+    if (planish_file_constraints(file, &hold, constraint, &error))
+        fuzz_require(strstr(error.text, "'1'") != NULL, "the error names the tag");
+    planish_file_element_number(file, mesh.n_elements - 1);
+    if (mesh.n_nodes > 0)
+        planish_file_node_number(file, mesh.n_nodes - 1);
+    free(constraint);
+}
+
+/** Whether the file at path is these bytes. */
+static inline int fuzz_same_bytes(const char *path, const void *data, size_t size) {
+    FILE *file = fopen(path, "rb");
+    char *copy = malloc(size + 1);
+    fuzz_require(file && copy, "the written file can be read");
+    size_t got = fread(copy, 1, size + 1, file);
+    int same = got == size && (size == 0 || memcmp(copy, data, size) == 0);
+    free(copy);
+    fclose(file);
+    return same;
+}
+
+/** Other coordinates, of the file's precision. */
+static inline double *fuzz_move(const planish_file *file) {
+    planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    int64_t n = mesh.n_nodes * mesh.dim;
+    double *moved = malloc(((size_t)n + 1) * sizeof *moved);
+    fuzz_require(moved != NULL, "memory");
+    for (int64_t i = 0; i < n; i++) {
+        double value = mesh.coordinates[i] / 3 + 0.1;
+        volatile float single = (float)value;
+        value = info.precision == PLANISH_FLOAT ? (double)single : value;
+        moved[i] = i % 3 || !isfinite(value) ? mesh.coordinates[i] : value;
+    }
+    return moved;
+}
+
+/** Write file and read it again: unchanged (input: its bytes), and with other coordinates. */
+static inline void fuzz_check_writing(const planish_file *file, const char *path, const void *input,
+                                      size_t size) {
+    planish_mesh mesh = planish_file_mesh(file), other;
+    planish_file *again;
+    planish_error error;
+    if (planish_file_write(file, path, mesh.coordinates, 1, NULL, 0, &error))
+        fuzz_require(0, error.text);
+    fuzz_require(fuzz_same_bytes(path, input, size), "unchanged coordinates give the same bytes");
+    double *moved = fuzz_move(file);
+    if (planish_file_write(file, path, moved, 1, NULL, 0, &error) ||
+        planish_file_open(path, file->format->name, 1, &again, &error))
+        fuzz_require(0, error.text);
+    other = planish_file_mesh(again);
+    fuzz_require(other.dim == mesh.dim && other.n_nodes == mesh.n_nodes &&
+                     other.n_elements == mesh.n_elements,
+                 "the written mesh has the same size");
+    for (int64_t i = 0; i < mesh.n_nodes * mesh.dim; i++)
+        fuzz_require(other.coordinates[i] == moved[i], "the written coordinates are those given");
+    fuzz_require(memcmp(other.elements, mesh.elements,
+                        (size_t)(mesh.n_elements * (mesh.dim + 1)) * sizeof *mesh.elements) == 0,
+                 "the written mesh has the same elements");
+    planish_file_close(again);
+    unlink(path);
+    free(moved);
+}
+
+static inline int fuzz_reader(const io_format *format, const uint8_t *data, size_t size) {
+    char path[FUZZ_PATH_SIZE];
+    planish_file *file;
+    planish_error error = {.code = 0};
+    int status =
+        io_file_from_memory(format, "fuzz", (const char *)data, (int64_t)size, 1, &file, &error);
+    format->recognise((const char *)data, (int64_t)size);
+    if (status) {
+        fuzz_require(error.code == status && error.text[0], "a failure has a code and a text");
+        return 0;
+    }
+    fuzz_check_mesh(file);
+    fuzz_check_questions(file);
+    fuzz_check_writing(file, fuzz_path(path, format->extensions[0]), data, size);
+    planish_file_close(file);
+    return 0;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+#define FUZZ_READER(format)                                                                        \
+    int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {                                 \
+        return fuzz_reader(&format, data, size);                                                   \
+    }
+
+#endif

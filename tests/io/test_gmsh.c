@@ -1,0 +1,585 @@
+/* Tests of the reader of MSH files: the same small mesh in every encoding, and files that lie. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "support/file_builder.h"
+
+/* A tetrahedron cut into four by a node inside, with one surface triangle, one line, one point. */
+enum { N_NODES = 6, INSIDE = 4, FAR = 5 };
+static const double points[N_NODES][3] = {{0, 0, 0}, {1, 0, 0},          {0, 1, 0},
+                                          {0, 0, 1}, {0.25, 0.125, 0.2}, {5, 6, 7}};
+static const int tets[4][4] = {{0, 1, 2, 4}, {0, 1, 3, 4}, {0, 2, 3, 4}, {1, 2, 3, 4}};
+
+/* How a test file is written. */
+struct variant {
+    int binary, swapped;
+    int sparse;     /* node tags 1000, 990, 980, ...; else 1, 2, 3, ... */
+    int parametric; /* MSH 4: u (and v) behind the coordinates of nodes on lines and surfaces */
+    int wrap;       /* as in file_builder */
+};
+
+static int64_t node_tag(const struct variant *variant, int node) {
+    return variant->sparse ? 1000 - 10 * node : node + 1;
+}
+
+static file_builder begin_file(const struct variant *variant, const char *version) {
+    file_builder file = {.binary = variant->binary, .swapped = variant->swapped};
+    file.wrap = variant->wrap;
+    builder_text(&file, "$MeshFormat\n%s %d 8\n", version, variant->binary);
+    if (variant->binary) {
+        builder_integer(&file, 1, 4);
+        builder_text(&file, "\n");
+    }
+    builder_text(&file, "$EndMeshFormat\n$Comments\n$Nodes are below\n$EndComments\n");
+    builder_text(&file, "$PhysicalNames\n2\n3 7 \"the part\"\n2 8 \"skin\"\n$EndPhysicalNames\n");
+    return file;
+}
+
+/* An element of MSH 2: its header if binary, number, tags, nodes. */
+static void put_element2(file_builder *file, const struct variant *variant, int type, int number,
+                         int physical, int elementary, int n, const int *nodes) {
+    if (variant->binary) {
+        builder_integer(file, type, 4);
+        builder_integer(file, 1, 4);
+        builder_integer(file, 2, 4);
+        builder_integer(file, number, 4);
+    } else {
+        builder_integer(file, number, 4);
+        builder_integer(file, type, 4);
+        builder_integer(file, 2, 4);
+    }
+    builder_integer(file, physical, 4);
+    builder_integer(file, elementary, 4);
+    for (int i = 0; i < n; i++)
+        builder_integer(file, node_tag(variant, nodes[i]), 4);
+    builder_line(file);
+}
+
+static file_builder make_msh2(const struct variant *variant, int64_t *place) {
+    file_builder file = begin_file(variant, "2.2");
+    builder_text(&file, "$Nodes\n%d\n", N_NODES);
+    for (int i = 0; i < N_NODES; i++) {
+        builder_integer(&file, node_tag(variant, i), 4);
+        place[i] = builder_place(&file);
+        for (int d = 0; d < 3; d++)
+            builder_real(&file, points[i][d], 8);
+        builder_line(&file);
+    }
+    builder_text(&file, "\n$EndNodes\n$Elements\n7\n");
+    put_element2(&file, variant, 15, 1, 0, 1, 1, (int[]){0});
+    put_element2(&file, variant, 1, 2, 0, 2, 2, (int[]){0, 1});
+    put_element2(&file, variant, 2, 3, 8, 3, 3, (int[]){0, 1, 2});
+    for (int i = 0; i < 4; i++)
+        put_element2(&file, variant, 4, 10 + i * i, 7, i < 3 ? 4 : 5, 4, tets[i]);
+    builder_text(&file, "\n$EndElements\n$Periodic\n1\n2 1 2\n");
+    builder_text(&file, "Affine 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n1\n%d %d\n$EndPeriodic\n",
+                 (int)node_tag(variant, 3), (int)node_tag(variant, FAR));
+    builder_text(&file, "$NodeData\n1\n\"$Elements\"\n$EndNodeData\n");
+    return file;
+}
+
+/* $Entities: a curve, a surface of the skin, two volumes of the part. */
+static void put_entity(file_builder *file, int tag, int physical) {
+    builder_integer(file, tag, 4);
+    for (int i = 0; i < 6; i++)
+        builder_real(file, i, 8);
+    builder_integer(file, physical != 0, 8);
+    if (physical != 0)
+        builder_integer(file, physical, 4);
+    builder_integer(file, 1, 8);
+    builder_integer(file, -tag, 4);
+    builder_line(file);
+}
+
+static void put_sizes(file_builder *file, int64_t a, int64_t b, int64_t c, int64_t d) {
+    builder_integer(file, a, 8);
+    builder_integer(file, b, 8);
+    builder_integer(file, c, 8);
+    builder_integer(file, d, 8);
+    builder_line(file);
+}
+
+static void put_head(file_builder *file, int dim, int tag, int kind, int64_t n) {
+    builder_integer(file, dim, 4);
+    builder_integer(file, tag, 4);
+    builder_integer(file, kind, 4);
+    builder_integer(file, n, 8);
+    builder_line(file);
+}
+
+/* Nodes first .. first + n - 1 as a block on an entity of dim. */
+static void put_nodes4(file_builder *file, const struct variant *variant, int dim, int first, int n,
+                       int64_t *place) {
+    int extra = variant->parametric ? dim : 0;
+    put_head(file, dim, dim + 1, variant->parametric, n);
+    for (int i = first; i < first + n; i++) {
+        builder_integer(file, node_tag(variant, i), 8);
+        builder_line(file);
+    }
+    for (int i = first; i < first + n; i++) {
+        place[i] = builder_place(file);
+        for (int d = 0; d < 3; d++)
+            builder_real(file, points[i][d], 8);
+        for (int d = 0; d < extra; d++)
+            builder_real(file, 99, 8);
+        builder_line(file);
+    }
+}
+
+static void put_element4(file_builder *file, const struct variant *variant, int number, int n,
+                         const int *nodes) {
+    builder_integer(file, number, 8);
+    for (int i = 0; i < n; i++)
+        builder_integer(file, node_tag(variant, nodes[i]), 8);
+    builder_line(file);
+}
+
+static void put_elements4(file_builder *file, const struct variant *variant) {
+    builder_text(file, "\n$EndNodes\n$Elements\n");
+    put_sizes(file, 5, 7, 1, 19);
+    put_head(file, 0, 1, 15, 1);
+    put_element4(file, variant, 1, 1, (int[]){0});
+    put_head(file, 1, 2, 1, 1);
+    put_element4(file, variant, 2, 2, (int[]){0, 1});
+    put_head(file, 2, 3, 2, 1);
+    put_element4(file, variant, 3, 3, (int[]){0, 1, 2});
+    put_head(file, 3, 4, 4, 3);
+    for (int i = 0; i < 3; i++)
+        put_element4(file, variant, 10 + i * i, 4, tets[i]);
+    put_head(file, 3, 5, 4, 1);
+    put_element4(file, variant, 19, 4, tets[3]);
+}
+
+static file_builder make_msh4(const struct variant *variant, int64_t *place) {
+    file_builder file = begin_file(variant, "4.1");
+    builder_text(&file, "$Entities\n");
+    put_sizes(&file, 0, 1, 1, 2);
+    put_entity(&file, 2, 0);
+    put_entity(&file, 3, -8);
+    put_entity(&file, 4, 7);
+    put_entity(&file, 5, 7);
+    builder_text(&file, "\n$EndEntities\n$Nodes\n");
+    put_sizes(&file, 4, N_NODES, 1, 1000);
+    put_nodes4(&file, variant, 1, 0, 2, place);
+    put_nodes4(&file, variant, 2, 2, 2, place);
+    put_nodes4(&file, variant, 0, 4, 0, place);
+    put_nodes4(&file, variant, 3, 4, 2, place);
+    put_elements4(&file, variant);
+    builder_text(&file, "\n$EndElements\n$Periodic\n");
+    builder_integer(&file, 1, 8);
+    builder_integer(&file, 2, 4);
+    builder_integer(&file, 1, 4);
+    builder_integer(&file, 2, 4);
+    builder_integer(&file, 16, 8);
+    for (int i = 0; i < 16; i++)
+        builder_real(&file, i % 5 == 0, 8);
+    builder_integer(&file, 1, 8);
+    builder_integer(&file, node_tag(variant, 3), 8);
+    builder_integer(&file, node_tag(variant, FAR), 8);
+    builder_text(&file, "\n$EndPeriodic\n");
+    return file;
+}
+
+/* ---- what must have been read ------------------------------------------------------------- */
+
+static void expect_places(const io_model *model, const struct variant *variant,
+                          const int64_t *place) {
+    for (int i = 0; i < N_NODES; i++) {
+        if (!variant->binary) {
+            assert_int_equal(model->text_offset[i], place[i]);
+            continue;
+        }
+        const io_span *span = model->span;
+        while (i >= span->first_node + span->n_nodes)
+            span++;
+        assert_int_equal(span->encoding, IO_FLOAT64);
+        assert_int_equal(span->swapped, variant->swapped);
+        assert_int_equal(span->offset + (i - span->first_node) * span->stride, place[i]);
+    }
+    assert_int_equal(model->text_offset == NULL, variant->binary);
+}
+
+static void expect_mesh(const planish_file *file, const struct variant *variant) {
+    const io_model *model = &file->model;
+    const io_cells *cells = &model->tetrahedron;
+    assert_int_equal(model->dim, 3);
+    assert_int_equal(model->columns, 3);
+    assert_int_equal(model->n_nodes, N_NODES);
+    assert_memory_equal(model->coordinates, points, sizeof points);
+    assert_int_equal(cells->n, 4);
+    assert_memory_equal(cells->nodes, tets, sizeof tets);
+    assert_int_equal(model->triangle.n, 1);
+    assert_int_equal(model->n_lower, 3);
+    assert_int_equal(model->n_other, 0);
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(planish_file_element_number(file, i), 10 + i * i);
+    assert_null(model->triangle.number);
+    assert_int_equal(model->triangle.first_number, 3);
+    assert_int_equal(model->node_number == NULL, !variant->sparse);
+    for (int i = 0; i < N_NODES; i++)
+        assert_int_equal(planish_file_node_number(file, i), node_tag(variant, i));
+    for (int i = 0; i < N_NODES; i++)
+        assert_int_equal(model->hold[i], i < 3         ? IO_HELD_BY_LOWER
+                                         : i == INSIDE ? 0
+                                                       : IO_HELD_PERIODIC);
+}
+
+static void expect_entities(const io_model *model) {
+    const io_cells *cells = &model->tetrahedron;
+    assert_int_equal(model->n_groups, 2);
+    assert_string_equal(model->group[0].name, "the part");
+    assert_int_equal(model->group[0].dim, 3);
+    assert_int_equal(model->group[0].tag, 7);
+    for (int i = 0; i < 4; i++) {
+        const io_entity *entity = &model->entity[cells->entity[i]];
+        assert_int_equal(entity->dim, 3);
+        assert_int_equal(entity->tag, i < 3 ? 4 : 5);
+        assert_int_equal(entity->n_physical, 1);
+        assert_int_equal(entity->physical[0], 7);
+    }
+    const io_entity *skin = &model->entity[model->triangle.entity[0]];
+    assert_int_equal(skin->dim, 2);
+    assert_int_equal(skin->tag, 3);
+    assert_int_equal(skin->physical[0], 8);
+}
+
+typedef file_builder make_fn(const struct variant *variant, int64_t *place);
+
+static void check_variants(make_fn *make, int n, const struct variant *variants) {
+    for (int i = 0; i < n; i++) {
+        int64_t place[N_NODES];
+        planish_file *file;
+        planish_error error = {0};
+        file_builder builder = make(&variants[i], place);
+        if (builder_read(&builder, &io_format_gmsh, 1, &file, &error) != 0)
+            fail_msg("variant %d: %s", i, error.text);
+        assert_true(io_format_gmsh.recognise(builder.data, builder.size));
+        expect_mesh(file, &variants[i]);
+        expect_entities(&file->model);
+        expect_places(&file->model, &variants[i], place);
+        planish_file_close(file);
+        builder_try_to_break(&builder, &io_format_gmsh);
+        builder_release(&builder);
+    }
+}
+
+static void test_msh2(void **state) {
+    (void)state;
+    const struct variant variants[] = {
+        {0, 0, 0, 0, 0}, {0, 0, 1, 0, 0}, {1, 0, 0, 0, 0}, {1, 1, 1, 0, 0}, {0, 0, 1, 0, 5}};
+    check_variants(make_msh2, 5, variants);
+}
+
+static void test_msh4(void **state) {
+    (void)state;
+    const struct variant variants[] = {{0, 0, 0, 0, 0}, {0, 0, 1, 0, 0}, {1, 0, 0, 0, 0},
+                                       {1, 1, 1, 0, 0}, {0, 0, 0, 1, 0}, {1, 0, 1, 1, 0},
+                                       {0, 0, 1, 1, 7}};
+    check_variants(make_msh4, 7, variants);
+}
+
+/* ---- other kinds of mesh ------------------------------------------------------------------ */
+
+static void read_text(const char *text, planish_file **file) {
+    planish_error error = {0};
+    file_builder builder = {.data = (char *)(uintptr_t)text, .size = (int64_t)strlen(text)};
+    if (builder_read(&builder, &io_format_gmsh, 1, file, &error) != 0)
+        fail_msg("%s", error.text);
+}
+
+static void test_plane_mesh(void **state) {
+    (void)state;
+    planish_file *file;
+    read_text("$MeshFormat\r\n2.2 0 8\r\n$EndMeshFormat\r\n$Nodes\r\n4\r\n1 0 0 2\r\n2 1 0 2\r\n"
+              "3 1 1 2\r\n4 0 1 2\r\n$EndNodes\r\n$Elements\r\n3\r\n1 1 2 0 1 1 2\r\n"
+              "2 2 0 1 2 3\r\n3 2 3 0 1 9 1 3 4\r\n$EndElements\r\n",
+              &file);
+    assert_int_equal(file->model.dim, 2);
+    assert_int_equal(file->model.triangle.n, 2);
+    assert_int_equal(file->model.columns, 3);
+    assert_true(file->model.coordinates[2 * 2 + 1] == 1);
+    assert_int_equal(file->model.hold[0], IO_HELD_BY_LOWER);
+    assert_int_equal(file->model.hold[2], 0);
+    planish_file_close(file);
+}
+
+static void test_other_elements_hold(void **state) {
+    (void)state;
+    planish_file *file;
+    read_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
+              "4 0 0 1\n5 1 1 1\n6 2 2 2\n$EndNodes\n$Elements\n2\n1 4 2 0 1 1 2 3 4\n"
+              "2 7 2 0 1 1 2 3 5 6\n$EndElements\n",
+              &file);
+    const uint8_t other = IO_HELD_BY_OTHER;
+    const uint8_t expected[6] = {other, other, other, 0, other, other};
+    assert_int_equal(file->model.n_other, 1);
+    assert_memory_equal(file->model.hold, expected, 6);
+    planish_file_close(file);
+}
+
+/* A square cut in two parts: the line between them is of the partition and holds nothing, the
+ * parts are one region. */
+static void test_partition(void **state) {
+    (void)state;
+    planish_file *file;
+    read_text("$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 1 0\n"
+              "1 0 0 0 1 1 0 1 5 0\n$EndEntities\n$PartitionedEntities\n2\n0\n0 1 2 0\n"
+              "9 2 1 2 1 2 0 0 0 1 1 0 1 5 0\n2 2 1 1 1 0 0 0 1 1 0 1 5 0\n"
+              "3 2 1 1 2 0 0 0 1 1 0 1 5 0\n$EndPartitionedEntities\n$Nodes\n1 4 1 4\n2 2 0 4\n"
+              "1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n$EndNodes\n$Elements\n3 3 1 3\n1 9 1 1\n"
+              "1 1 3\n2 2 2 1\n2 1 2 3\n2 3 2 1\n3 1 3 4\n$EndElements\n",
+              &file);
+    const io_model *model = &file->model;
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_regions, 1);
+    assert_int_equal(model->entity[model->triangle.entity[1]].tag, 1);
+    assert_int_equal(model->entity[model->triangle.entity[1]].physical[0], 5);
+    assert_int_equal(model->hold[0], 0);
+    assert_int_equal(model->n_lower, 1);
+    planish_file_close(file);
+}
+
+/* Gmsh writes an element once for each of its groups: it is one element, in both of them. An
+ * element that is there twice in one group stays. */
+static void test_copies(void **state) {
+    (void)state;
+    planish_file *file;
+    planish_file_info info;
+    read_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n"
+              "4 0 0 1\n5 1 1 1\n$EndNodes\n$Elements\n6\n1 4 2 9 1 1 2 3 4\n"
+              "2 4 2 5 1 4 3 2 1\n3 4 2 0 2 2 3 4 5\n4 4 2 9 1 5 1 3 2\n5 4 2 5 1 1 2 3 5\n"
+              "6 4 2 0 2 2 3 4 5\n$EndElements\n",
+              &file);
+    const io_cells *cells = &file->model.tetrahedron;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_regions, 2);
+    assert_int_equal(cells->n, 4);
+    const int64_t numbers[4] = {1, 3, 4, 6};
+    assert_memory_equal(cells->number, numbers, sizeof numbers);
+    assert_int_equal(cells->entity[0], cells->entity[2]);
+    assert_int_equal(cells->entity[1], cells->entity[3]);
+    const io_entity *entity = &file->model.entity[cells->entity[0]];
+    const int32_t groups[2] = {5, 9};
+    assert_int_equal(entity->tag, 1);
+    assert_int_equal(entity->n_physical, 2);
+    assert_memory_equal(entity->physical, groups, sizeof groups);
+    const int32_t nodes[4] = {4, 0, 2, 1};
+    assert_memory_equal(&cells->nodes[8], nodes, sizeof nodes);
+    planish_file_close(file);
+}
+
+/* ---- large files on several threads ------------------------------------------------------- */
+
+enum { SIDE = 180 }; /* nodes along the side of a plane grid: files of over 2 MB */
+
+static void put_grid_point(file_builder *file, int i) {
+    builder_real(file, i % SIDE + 1.0 / (3 + i), 8);
+    builder_real(file, i / SIDE + 1.0 / (5 + i), 8);
+    builder_real(file, 0, 8);
+    builder_line(file);
+}
+
+/* Triangle t of the grid; numbers that make tags sparse. */
+static void put_grid_triangle(file_builder *file, int t) {
+    int cell = t / 2, corner = cell / (SIDE - 1) * SIDE + cell % (SIDE - 1) + 1;
+    int nodes[2][3] = {{corner, corner + 1, corner + SIDE + 1},
+                       {corner, corner + SIDE + 1, corner + SIDE}};
+    for (int i = 0; i < 3; i++)
+        builder_integer(file, 3 * nodes[t % 2][i], 8);
+    builder_line(file);
+}
+
+static void test_large_msh2(void **state) {
+    (void)state;
+    for (int wrap = 0; wrap <= 11; wrap += 11) { /* 11: lines that are no records */
+        file_builder file = {.wrap = wrap};
+        int n = 2 * (SIDE - 1) * (SIDE - 1);
+        builder_text(&file, "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n%d\n", SIDE * SIDE);
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            builder_integer(&file, 3 * (i + 1), 8);
+            put_grid_point(&file, i);
+        }
+        builder_text(&file, "\n$EndNodes\n$Elements\n%d\n", n);
+        for (int i = 0; i < n; i++) {
+            builder_integer(&file, 7 * i, 8);
+            builder_integer(&file, 2, 8);
+            builder_integer(&file, 2, 8);
+            builder_integer(&file, i / 1000 % 3, 8);
+            builder_integer(&file, i / 1000, 8);
+            put_grid_triangle(&file, i);
+        }
+        builder_text(&file, "\n$EndElements\n");
+        builder_expect_same_on_threads(&file, &io_format_gmsh);
+        builder_release(&file);
+    }
+}
+
+static void test_large_msh4(void **state) {
+    (void)state;
+    for (int wrap = 0; wrap <= 11; wrap += 11) {
+        file_builder file = {.wrap = wrap};
+        int n = 2 * (SIDE - 1) * (SIDE - 1);
+        builder_text(&file, "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n");
+        put_sizes(&file, 1, SIDE * SIDE, 1, 3 * SIDE * SIDE);
+        put_head(&file, 2, 1, 0, SIDE * SIDE);
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            builder_integer(&file, 3 * (i + 1), 8);
+            builder_line(&file);
+        }
+        for (int i = 0; i < SIDE * SIDE; i++)
+            put_grid_point(&file, i);
+        builder_text(&file, "\n$EndNodes\n$Elements\n");
+        put_sizes(&file, 1, n, 0, 7 * n);
+        put_head(&file, 2, 1, 2, n);
+        for (int i = 0; i < n; i++) {
+            builder_integer(&file, 7 * i, 8);
+            put_grid_triangle(&file, i);
+        }
+        builder_text(&file, "\n$EndElements\n");
+        builder_expect_same_on_threads(&file, &io_format_gmsh);
+        /* An error far down is found, and is the same error, on any number of threads. */
+        char *last = file.data + file.size - 30;
+        *last = 'x';
+        planish_error one = {0}, three = {0};
+        planish_file *none;
+        assert_int_equal(builder_read(&file, &io_format_gmsh, 1, &none, &one),
+                         PLANISH_ERROR_FORMAT);
+        assert_int_equal(builder_read(&file, &io_format_gmsh, 3, &none, &three),
+                         PLANISH_ERROR_FORMAT);
+        assert_string_equal(one.text, three.text);
+        builder_release(&file);
+    }
+}
+
+/* ---- bad files ---------------------------------------------------------------------------- */
+
+#define HEAD   "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+#define HEAD4  "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
+#define NODES  "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+#define NODES4 "$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n"
+
+static void test_errors(void **state) {
+    (void)state;
+    const struct {
+        const char *text, *part;
+    } cases[] = {
+        {"$NOD\n1\n", "MSH version 1"},
+        {"$MeshFormat\n4 0 8\n", "gmsh IN.msh -0 -format msh41"},
+        {"$MeshFormat\n3.0 0 8\n", "version 3"},
+        {"$MeshFormat\n2.2 0 4\n", "data size 4"},
+        {"$MeshFormat\n2.2 0 8\n", "file:3: $EndMeshFormat expected"},
+        {HEAD, "without $Nodes"},
+        {HEAD NODES, "without $Elements"},
+        {HEAD "$Elements\n", "before $Nodes"},
+        {NODES, "no $MeshFormat"},
+        {HEAD NODES NODES, "second $Nodes"},
+        {HEAD "$Nodes\n4611686018427387904\n1 0 0 0\n", "4611686018427387904 nodes cannot be"},
+        {HEAD "$Nodes\n-1\n", "negative"},
+        {HEAD "$Nodes\n2\n1 0 0 0\n1 1 0 0\n$EndNodes\n", "node number 1 occurs twice"},
+        {HEAD "$Nodes\n2\n1 0 0 0\n2 nan 0 0\n$EndNodes\n", "file:7: node 2 has a coordinate"},
+        {HEAD "$Nodes\n2\n1 0 0 0\n2 1 1e999 0\n$EndNodes\n", "not finite"},
+        {HEAD "$Nodes\n2\n1 0 0 0\n2 1 0\n$EndNodes\n", "coordinate expected"},
+        {HEAD "$Nodes\n1\n1 0 0 0\n2 1 0 0\n$EndNodes\n", "$EndNodes expected"},
+        {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3 5\n$EndElements\n", "there is no node 5"},
+        {HEAD NODES "$Elements\n1\n1 4 2 0 1 1 2 3\n$EndElements\n", "file:13: element"},
+        {HEAD NODES "$Elements\n1\n1 99999 0 1\n$EndElements\n", "element type 99999 is not known"},
+        {HEAD NODES "$Elements\n1\n1 11 0 1 2 3 4 1 2 3 4 1 2\n", "tetrahedron of 10 nodes"},
+        {HEAD NODES "$Elements\n2\n1 4 0 1 2 3 4\n$EndElements\n", "element"},
+        {HEAD NODES "$Elements\n1\n1 4 -3 1 2 3 4\n$EndElements\n", "element"},
+        {HEAD NODES "$Elements\n4611686018427387904\n", "cannot be in the rest"},
+        {HEAD NODES "$Elements\n3\n1 4 0 1 2 3 4\n2 15 0 1\n1 4 0 1 2 4 3\n$EndElements\n",
+         "same number"},
+        {HEAD NODES "$Elements\n1\n1 15 0 1\n$EndElements\n", "nothing to smooth"},
+        {HEAD "$NodeData\n1\n", "no $EndNodeData"},
+        {HEAD "$ParametricNodes\n", "msh41"},
+        {HEAD4 "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 4611686018427387904\n", "cannot be in the rest"},
+        {HEAD4 "$Nodes\n1 4611686018427387904 1 2\n", "cannot be in the rest"},
+        {HEAD4 "$Nodes\n1 1 1 1\n2 1 0 2\n1\n2\n0 0 0\n0 0 1\n$EndNodes\n", "more than the 1"},
+        {HEAD4 "$Nodes\n1 2 1 2\n2 1 0 1\n1\n0 0 0\n$EndNodes\n", "1 of the 2"},
+        {HEAD4 "$Nodes\n1 1 1 1\n7 1 0 1\n1\n0 0 0\n$EndNodes\n", "block of dimension 7"},
+        {HEAD4 NODES4 "$Elements\n1 1 1 1\n2 1 2 1\n1 1 2 4\n$EndElements\n", "no node 4"},
+        {HEAD4 NODES4 "$Elements\n1 1 1 1\n2 1 9 1\n1 1 2 3\n$EndElements\n", "triangle of 6"},
+        {HEAD4 NODES4 "$Periodic\n1\n1 1 2\n-4\n", "periodic transform expected"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        file_builder builder = {.data = (char *)(uintptr_t)cases[i].text,
+                                .size = (int64_t)strlen(cases[i].text)};
+        builder_expect_error(&builder, &io_format_gmsh, cases[i].part);
+    }
+}
+
+/* A block header whose size would be 0 or less must not divide by it. */
+static void test_binary_tags_that_lie(void **state) {
+    (void)state;
+    file_builder file = {.binary = 1};
+    builder_text(&file, "$MeshFormat\n2.2 1 8\n");
+    builder_integer(&file, 1, 4);
+    builder_text(&file, "\n$EndMeshFormat\n$Nodes\n1\n");
+    builder_integer(&file, 1, 4);
+    for (int i = 0; i < 3; i++)
+        builder_real(&file, 0, 8);
+    builder_text(&file, "\n$EndNodes\n$Elements\n1\n");
+    builder_integer(&file, 4, 4);
+    builder_integer(&file, 1, 4);
+    builder_integer(&file, -5, 4);
+    builder_expect_error(&file, &io_format_gmsh, "byte");
+    builder_release(&file);
+}
+
+static void test_recognise(void **state) {
+    (void)state;
+    assert_true(io_format_gmsh.recognise("\n$MeshFormat", 12));
+    assert_false(io_format_gmsh.recognise("$", 1));
+    assert_false(io_format_gmsh.recognise("", 0));
+    assert_false(io_format_gmsh.recognise("MeshVersionFormatted 2", 22));
+}
+
+/* ---- files made by others ----------------------------------------------------------------- */
+
+static void test_real_files(void **state) {
+    (void)state;
+    const struct {
+        const char *name;
+        int nodes, elements, groups, regions;
+    } cases[] = {
+        {"part_10k.msh", 2689, 10350, 0, 1},       {"mmg_cube.msh", 152, 373, 0, 1},
+        {"msq2d_shashkov.msh", 4225, 8192, 0, 1},  {"part_msh41.msh", 8565, 40356, 2, 1},
+        {"part_msh41_bin.msh", 8565, 40356, 2, 1}, {"two_materials.msh", 2360, 10752, 2, 2}};
+    const char *folder = getenv("PLANISH_MESHES");
+    if (folder == NULL)
+        skip();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char path[1024];
+        planish_file *file;
+        planish_error error;
+        planish_file_info info;
+        snprintf(path, sizeof path, "%s/%s", folder, cases[i].name);
+        if (planish_file_open(path, NULL, 2, &file, &error) != 0)
+            fail_msg("%s", error.text);
+        planish_file_get_info(file, &info);
+        assert_int_equal(planish_file_mesh(file).n_nodes, cases[i].nodes);
+        assert_int_equal(planish_file_mesh(file).n_elements, cases[i].elements);
+        assert_int_equal(file->model.n_groups, cases[i].groups);
+        assert_int_equal(info.n_regions, cases[i].regions);
+        planish_file_close(file);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_msh2),       cmocka_unit_test(test_msh4),
+        cmocka_unit_test(test_plane_mesh), cmocka_unit_test(test_other_elements_hold),
+        cmocka_unit_test(test_partition),  cmocka_unit_test(test_copies),
+        cmocka_unit_test(test_large_msh2), cmocka_unit_test(test_large_msh4),
+        cmocka_unit_test(test_errors),     cmocka_unit_test(test_binary_tags_that_lie),
+        cmocka_unit_test(test_recognise),  cmocka_unit_test(test_real_files),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

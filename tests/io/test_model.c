@@ -1,0 +1,207 @@
+/* What readers build on: numbers of nodes, entities, the mesh that comes of it. */
+#include "io/model.h"
+
+#include "base/memory.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { N = 1000 };
+
+/** Numbers spread by stride, in a shuffled order, are all found; what is between them is not. */
+static void check_numbers(int64_t first, int64_t stride) {
+    int64_t numbers[N];
+    for (int64_t i = 0; i < N; i++)
+        numbers[i] = first + (i * 7919 % N) * stride;
+    io_numbers *table = NULL;
+    planish_error error;
+    assert_int_equal(io_numbers_create(numbers, N, 2, &table, &error), PLANISH_OK);
+    for (int64_t i = 0; i < N; i++) {
+        assert_int_equal(io_numbers_find(table, numbers[i]), i);
+        if (stride > 1)
+            assert_int_equal(io_numbers_find(table, numbers[i] + 1), -1);
+    }
+    assert_int_equal(io_numbers_find(table, first - 1), -1);
+    assert_int_equal(io_numbers_find(table, first + N * stride), -1);
+    assert_int_equal(io_numbers_find(table, INT64_MIN), -1);
+    assert_int_equal(io_numbers_find(table, INT64_MAX), -1);
+    io_numbers_destroy(table);
+}
+
+static void numbers_close_together(void **state) {
+    (void)state;
+    check_numbers(1, 1);
+    check_numbers(-500, 3);
+}
+
+static void numbers_far_apart(void **state) {
+    (void)state;
+    check_numbers(1, 1000003);
+    check_numbers(-4000000000000000000, 8000000000000000);
+}
+
+static void numbers_at_the_limits(void **state) {
+    (void)state;
+    static const int64_t numbers[] = {INT64_MAX, 0, INT64_MIN};
+    io_numbers *table = NULL;
+    assert_int_equal(io_numbers_create(numbers, 3, 1, &table, NULL), PLANISH_OK);
+    for (int64_t i = 0; i < 3; i++)
+        assert_int_equal(io_numbers_find(table, numbers[i]), i);
+    assert_int_equal(io_numbers_find(table, 1), -1);
+    io_numbers_destroy(table);
+    assert_int_equal(io_numbers_create(numbers, 0, 1, &table, NULL), PLANISH_OK);
+    assert_int_equal(io_numbers_find(table, 0), -1);
+    io_numbers_destroy(table);
+}
+
+static void numbers_that_occur_twice(void **state) {
+    (void)state;
+    static const int64_t close[] = {4, 2, 17, 2}, far[] = {4, 1000000000000, 17, 1000000000000};
+    io_numbers *table = NULL;
+    planish_error error;
+    assert_int_equal(io_numbers_create(close, 4, 1, &table, &error), PLANISH_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, " 2 "));
+    assert_int_equal(io_numbers_create(far, 4, 1, &table, &error), PLANISH_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "1000000000000"));
+}
+
+static void entities_are_told_apart(void **state) {
+    (void)state;
+    io_model model = {.n_nodes = 0};
+    static const int32_t physical[] = {5, 6};
+    int32_t first = io_model_entity(&model, 3, 1, 2, physical, NULL);
+    assert_int_equal(first, 0);
+    assert_int_equal(io_model_entity(&model, 2, 1, 2, physical, NULL), 1);
+    assert_int_equal(io_model_entity(&model, 3, 1, 1, physical, NULL), 2);
+    assert_int_equal(io_model_entity(&model, 3, 1, 0, NULL, NULL), 3);
+    assert_int_equal(io_model_entity(&model, 3, 1, 2, physical, NULL), first);
+    for (int32_t i = 0; i < 100000; i++) /* by a search of all of them this would take minutes */
+        assert_int_equal(io_model_entity(&model, 0, i, 0, NULL, NULL), 4 + i);
+    for (int32_t i = 0; i < 100000; i++)
+        assert_int_equal(io_model_entity(&model, 0, i, 0, NULL, NULL), 4 + i);
+    io_model_destroy(&model);
+}
+
+/** A model of n nodes at (i, i^2, z_i) and one simplex of dimension dim on the first of them. */
+static void make_model(io_model *model, int columns, int dim, const double *z) {
+    memset(model, 0, sizeof *model);
+    model->threads = 1;
+    model->columns = columns;
+    io_cells *cells = dim == 3 ? &model->tetrahedron : &model->triangle;
+    assert_int_equal(io_model_nodes(model, 4, 1, NULL), PLANISH_OK);
+    assert_int_equal(io_cells_reserve(cells, dim, 1, 0, 0, NULL), PLANISH_OK);
+    for (int i = 0; i < 4; i++) {
+        model->xyz[3 * i] = i;
+        model->xyz[3 * i + 1] = i * i;
+        model->xyz[3 * i + 2] = z[i];
+    }
+    for (int i = 0; i <= dim; i++)
+        cells->nodes[i] = i;
+    cells->n = 1;
+}
+
+static void dimension_is_that_of_the_cells(void **state) {
+    (void)state;
+    static const double flat[] = {2, 2, 2, 5};
+    io_model model;
+    make_model(&model, 3, 3, flat);
+    assert_int_equal(io_model_finish(&model, 1, NULL), PLANISH_OK);
+    assert_int_equal(model.dim, 3);
+    assert_ptr_equal(model.coordinates, model.xyz);
+    io_model_destroy(&model);
+    make_model(&model, 3, 2, flat); /* the node that is off the plane is none of the triangle's */
+    assert_int_equal(io_model_finish(&model, 1, NULL), PLANISH_OK);
+    assert_int_equal(model.dim, 2);
+    for (int i = 0; i < 4; i++)
+        assert_true(model.coordinates[2 * i] == i && model.coordinates[2 * i + 1] == i * i);
+    assert_int_equal(model.hold[0], 0); /* triangles hold in 3-D only */
+    io_model_destroy(&model);
+}
+
+static void triangles_hold_beside_tetrahedra(void **state) {
+    (void)state;
+    static const double z[] = {0, 0, 0, 1};
+    for (int hold = 0; hold < 2; hold++) {
+        io_model model;
+        make_model(&model, 3, 3, z);
+        assert_int_equal(io_cells_reserve(&model.triangle, 2, 1, 0, 0, NULL), PLANISH_OK);
+        memcpy(model.triangle.nodes, (int32_t[]){1, 2, 3}, 3 * sizeof(int32_t));
+        model.triangle.n = 1;
+        assert_int_equal(io_model_finish(&model, hold, NULL), PLANISH_OK);
+        assert_int_equal(model.n_lower, 1);
+        assert_int_equal(model.hold[0], 0);
+        for (int i = 1; i < 4; i++)
+            assert_int_equal(model.hold[i], hold ? IO_HELD_BY_LOWER : 0);
+        io_model_destroy(&model);
+    }
+}
+
+static void what_cannot_be_smoothed_is_refused(void **state) {
+    (void)state;
+    static const double bent[] = {0, 0, 1, 0}, flat[] = {0, 0, 0, 0};
+    io_model model;
+    planish_error error;
+    make_model(&model, 3, 2, bent);
+    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_MESH);
+    io_model_destroy(&model);
+    make_model(&model, 2, 3, flat); /* tetrahedra without a third coordinate */
+    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_FORMAT);
+    io_model_destroy(&model);
+    make_model(&model, 3, 2, flat);
+    model.triangle.n = 0;
+    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_FORMAT);
+    io_model_destroy(&model);
+}
+
+static void counts_beyond_int32_are_refused(void **state) {
+    (void)state;
+    io_model model = {.n_nodes = 0};
+    planish_error error;
+    assert_int_equal(io_model_nodes(&model, (int64_t)INT32_MAX + 1, 0, &error),
+                     PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_cells_reserve(&model.triangle, 2, (int64_t)INT32_MAX + 1, 0, 0, &error),
+                     PLANISH_ERROR_FORMAT);
+    model.triangle.n = 5;
+    assert_int_equal(io_cells_reserve(&model.triangle, 2, INT64_MAX - 2, 0, 0, &error),
+                     PLANISH_ERROR_FORMAT);
+    model.triangle.n = 0;
+    io_model_destroy(&model);
+}
+
+static void errors_name_the_line(void **state) {
+    (void)state;
+    static const char text[] = "a\nb\r\nc\rd";
+    char path[] = "mesh";
+    io_model model = {.input = {path, text, (int64_t)strlen(text), 0}};
+    planish_error error;
+    assert_int_equal(io_fail_text(&model, strchr(text, 'd'), &error, "bad %d", 7),
+                     PLANISH_ERROR_FORMAT);
+    assert_string_equal(error.text, "mesh:4: bad 7");
+    io_fail_text(&model, text, &error, "bad");
+    assert_string_equal(error.text, "mesh:1: bad");
+    io_fail_byte(&model, text + 3, &error, "bad");
+    assert_string_equal(error.text, "mesh: byte 3: bad");
+    assert_int_equal(io_fail_text(&model, text, NULL, "bad"), PLANISH_ERROR_FORMAT);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(numbers_close_together),
+        cmocka_unit_test(numbers_far_apart),
+        cmocka_unit_test(numbers_at_the_limits),
+        cmocka_unit_test(numbers_that_occur_twice),
+        cmocka_unit_test(entities_are_told_apart),
+        cmocka_unit_test(dimension_is_that_of_the_cells),
+        cmocka_unit_test(triangles_hold_beside_tetrahedra),
+        cmocka_unit_test(what_cannot_be_smoothed_is_refused),
+        cmocka_unit_test(counts_beyond_int32_are_refused),
+        cmocka_unit_test(errors_name_the_line),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,291 @@
+/* TetGen and Triangle: files beside one another, numbers from 0 or 1, what markers hold. */
+#include "support/files.h"
+
+#include "io/file.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* Two tetrahedra on the triangle 1 2 3 of five nodes numbered from 0. */
+static const char nodes_from_0[] = "# nodes\n5 3 2 1\n0  0 0 0  0.5 9  1\n1  1 0 0  0.5 9  0\n"
+                                   "2  0 1 0  0.5 9  0 # here\n\n3  0 0 1  0.5 9  0\n"
+                                   "4  1 1 1.5  0.5 9  -3\n# end\n";
+static const char elements_from_0[] = "2 4 1\n0  0 1 2 3  7\n1  1 2 3 4  8\n";
+static const char nodes_from_1[] = "5 3\r\n1 0 0 0\r\n2 1 0 0\r\n3 0 1 0\r\n4 0 0 1\r\n5 1 1 1.5";
+static const char elements_from_1[] = "2 4\r\n1 1 2 3 4\r\n2 2 3 4 5";
+
+static void put(void **state, const char *name, const char *text) {
+    test_write(*state, name, text, strlen(text));
+}
+
+/** Open a mesh of that folder; it must succeed. */
+static planish_file *open_mesh(void **state, const char *name) {
+    char path[TEST_PATH_SIZE];
+    planish_file *file = NULL;
+    planish_error error;
+    if (planish_file_open(test_path(path, *state, name), NULL, 1, &file, &error))
+        fail_msg("%s", error.text);
+    return file;
+}
+
+/** Opening must fail with a message that has word in it, and about that file. */
+static void open_fails(void **state, const char *name, const char *about, const char *word) {
+    char path[TEST_PATH_SIZE];
+    planish_file *file = NULL;
+    planish_error error;
+    assert_true(planish_file_open(test_path(path, *state, name), NULL, 1, &file, &error) < 0);
+    assert_null(file);
+    if (!strstr(error.text, about) || !strstr(error.text, word))
+        fail_msg("'%s' is not about %s and '%s'", error.text, about, word);
+}
+
+static void check_two_tetrahedra(const planish_file *file) {
+    static const int32_t elements[] = {0, 1, 2, 3, 1, 2, 3, 4};
+    planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(mesh.dim, 3);
+    assert_int_equal(mesh.n_nodes, 5);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_true(mesh.coordinates[12] == 1 && mesh.coordinates[14] == 1.5);
+}
+
+/** Constraints as digits, 1 for fixed. */
+static void check_constraints(const planish_file *file, const char *tag, const char *expected) {
+    uint8_t constraint[16];
+    planish_hold hold = {&tag, tag != NULL, 0};
+    planish_error error;
+    if (planish_file_constraints(file, &hold, constraint, &error))
+        fail_msg("%s", error.text);
+    for (size_t i = 0; expected[i]; i++)
+        if (constraint[i] != expected[i] - '0')
+            fail_msg("node %zu: constraint %d, expected %c", i, constraint[i], expected[i]);
+}
+
+static void either_file_may_be_named(void **state) {
+    static const char *const names[] = {"a.node", "a.ele"};
+    put(state, "a.node", nodes_from_0);
+    put(state, "a.ele", elements_from_0);
+    for (int i = 0; i < 2; i++) {
+        planish_file *file = open_mesh(state, names[i]);
+        planish_file_info info;
+        planish_file_get_info(file, &info);
+        check_two_tetrahedra(file);
+        assert_string_equal(info.format, "tetgen");
+        assert_int_equal(info.n_regions, 2);
+        assert_int_equal(info.bytes, strlen(nodes_from_0));
+        assert_int_equal(planish_file_node_number(file, 4), 4);
+        assert_int_equal(planish_file_element_number(file, 1), 1);
+        check_constraints(file, NULL, "01110"); /* between the regions */
+        check_constraints(file, "3:8", "01111");
+        check_constraints(file, "-3", "01111"); /* a node's marker */
+        planish_file_close(file);
+    }
+}
+
+static void numbers_may_begin_with_1(void **state) {
+    put(state, "a.node", nodes_from_1);
+    put(state, "a.ele", elements_from_1);
+    planish_file *file = open_mesh(state, "a.ele");
+    check_two_tetrahedra(file);
+    assert_int_equal(planish_file_node_number(file, 4), 5);
+    assert_int_equal(planish_file_element_number(file, 1), 2);
+    check_constraints(file, NULL, "00000");
+    planish_file_close(file);
+}
+
+static void marked_faces_and_edges_hold(void **state) {
+    put(state, "a.node", nodes_from_1);
+    put(state, "a.ele", elements_from_1);
+    put(state, "a.face", "3 1\n1 1 2 3 0\n2 1 2 4 5\n3 2 3 4 0\n");
+    put(state, "a.edge", "2 1\n1 4 5 -1\n2 3 2 0\n");
+    planish_file *file = open_mesh(state, "a.node");
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_lower_elements, 5);
+    check_constraints(file, NULL, "11011");
+    check_constraints(file, "2:5", "11011"); /* a known tag */
+    planish_file_close(file);
+    put(state, "a.face", "1 0\n1 1 2 3\n"); /* without markers nothing is marked */
+    put(state, "a.edge", "0 1\n");
+    file = open_mesh(state, "a.node");
+    check_constraints(file, NULL, "00000");
+    planish_file_close(file);
+}
+
+static void attributes_that_are_no_integers_make_no_regions(void **state) {
+    put(state, "a.node", nodes_from_1);
+    put(state, "a.ele", "2 4 1\n1 1 2 3 4 0.25\n2 2 3 4 5 1\n");
+    planish_file *file = open_mesh(state, "a.node");
+    check_two_tetrahedra(file);
+    check_constraints(file, NULL, "00000");
+    planish_file_close(file);
+}
+
+static void triangles_in_the_plane(void **state) {
+    put(state, "a.1.node", "4 2 0 1\n1 0 0 1\n2 1 0 1\n3 1 1 0\n4 0 1 1\n");
+    put(state, "a.1.ele", "2 3 0\n1 1 2 3\n2 1 3 4\n");
+    put(state, "a.1.edge", "2 1\n1 1 2 1\n2 1 3 0\n");
+    planish_file *file = open_mesh(state, "a.1.ele");
+    planish_mesh mesh = planish_file_mesh(file);
+    static const int32_t elements[] = {0, 1, 2, 0, 2, 3};
+    assert_int_equal(mesh.dim, 2);
+    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_true(mesh.coordinates[2 * 2] == 1 && mesh.coordinates[2 * 2 + 1] == 1);
+    check_constraints(file, NULL, "1100");
+    planish_file_close(file);
+}
+
+static void bad_files_are_refused(void **state) {
+    static const struct {
+        const char *node, *ele;
+        const char *about, *word; /* NULL node or ele: as they should be */
+    } cases[] = {
+        {NULL, "2 10 0\n1 1 2 3 4 1 2 3 4 5 1\n2 1 2 3 4 1 2 3 4 5 1\n", "a.ele:1", "order"},
+        {NULL, "2 5 0\n1 1 2 3 4 5\n2 1 2 3 4 5\n", "a.ele:1", "nodes"},
+        {NULL, "2 4 0\n1 1 2 3 4\n2 1 2 3 6\n", "a.ele:3", "node 6"},
+        {NULL, "2 4 0\n1 1 2 3 4\n2 1 2 3 0\n", "a.ele:3", "node 0"},
+        {NULL, "2 4 0\n1 1 2 3     4\n2 1 2 3\n", "a.ele:3", "node"},
+        {NULL, "2 4 0\n1 1 2 3 4\n3 1 2 3 4\n", "a.ele:3", "number 2"},
+        {NULL, "2 4 0\n1 1 2 3 4\n# 2 1 2 3 5\n", "a.ele:4", "cut short"},
+        {NULL, "4611686018427387904 4 0\n1 1 2 3 4\n", "a.ele:1", "too short"},
+        {NULL, "1 4 4611686018427387904\n1 1 2 3 4\n", "a.ele:1", "too short"},
+        {NULL, "-1 4 0\n", "a.ele:1", "count"},
+        {NULL, "0 4 0\n", "a.node", "nothing to smooth"},
+        {NULL, "1 4 1\n1 1 2 3 4 x\n", "a.ele:2", "attribute"},
+        {"4611686018427387904 3 0 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
+        {"1 3 4611686018427387904 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
+        {"1 4 0 0\n1 0 0 0 0\n", NULL, "a.node:1", "dimension 4"},
+        {"2 3 0 0\n1 0 0 0\n2 0 nan 0\n", NULL, "a.node:3", "finite"},
+        {"2 3 0 0\n1 0 0 0\n2 0 1e999 0\n", NULL, "a.node:3", "finite"},
+        {"2 3 0 0\n1 0 0\n2 0 0 0\n", NULL, "a.node:2", "coordinate"},
+        {"2 3 0 1\n1 0 0 0 99999999999\n2 0 0 0 0\n", NULL, "a.node:2", "marker"},
+        {"2 3 0 0\n1 0 0 0\n1 0 0 0\n", NULL, "a.node:3", "number 2"},
+        {"hello\n", NULL, "a.node:1", "counts"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        put(state, "a.node", cases[i].node ? cases[i].node : nodes_from_1);
+        put(state, "a.ele", cases[i].ele ? cases[i].ele : elements_from_1);
+        open_fails(state, "a.node", cases[i].about, cases[i].word);
+        open_fails(state, "a.ele", cases[i].about, cases[i].word);
+    }
+}
+
+static void missing_files_are_named(void **state) {
+    put(state, "a.node", nodes_from_1);
+    open_fails(state, "a.node", "a.ele", "beside");
+    put(state, "b.ele", elements_from_1);
+    open_fails(state, "b.ele", "b.node", "beside");
+}
+
+/** Cut each file at every byte: a mesh or an error, whichever is named. */
+static void truncation(void **state) {
+    static const char *const names[] = {"a.node", "a.ele", "a.face"};
+    static const char *const texts[] = {nodes_from_0, elements_from_0,
+                                        "2 1\n0 0 1 2 1\n1 1 2 3 0\n"};
+    for (int cut = 0; cut < 3; cut++)
+        for (size_t size = 0; size < strlen(texts[cut]); size++) {
+            for (int i = 0; i < 3; i++)
+                test_write(*state, names[i], texts[i], i == cut ? size : strlen(texts[i]));
+            for (int named = 0; named < 2; named++) {
+                char path[TEST_PATH_SIZE];
+                planish_file *file = NULL;
+                planish_error error = {.code = 0};
+                int status = planish_file_open(test_path(path, *state, names[named]), NULL, 1,
+                                               &file, &error);
+                if (status)
+                    assert_true(error.code == status && error.text[0]);
+                else
+                    assert_int_equal(planish_file_mesh(file).n_elements, 2);
+                planish_file_close(file);
+            }
+        }
+}
+
+/** Write text and what is beside it to b, with the last coordinate of node 4 moved. */
+static void written_with_all_its_files(void **state) {
+    static const char *const outputs[] = {"b.node", "b.ele"};
+    char path[TEST_PATH_SIZE], expected[sizeof nodes_from_0];
+    planish_error error;
+    put(state, "a.node", nodes_from_0);
+    put(state, "a.ele", elements_from_0);
+    put(state, "a.face", "0 1\n");
+    strcpy(expected, nodes_from_0);
+    memcpy(strstr(expected, "1.5"), "2.5", 3);
+    for (int i = 0; i < 2; i++) {
+        planish_file *file = open_mesh(state, "a.node");
+        planish_file_coordinates(file)[14] = 2.5;
+        test_path(path, *state, outputs[i]);
+        assert_true(planish_file_can_write(file, path));
+        if (planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error))
+            fail_msg("%s", error.text);
+        planish_file_close(file);
+        static const char *const names[] = {"b.node", "b.ele", "b.face"};
+        const char *const texts[] = {expected, elements_from_0, "0 1\n"};
+        for (int j = 0; j < 3; j++) {
+            char *written = test_read(test_path(path, *state, names[j]), NULL);
+            assert_string_equal(written, texts[j]);
+            free(written);
+            unlink(path);
+        }
+    }
+    assert_int_equal(test_count_files(*state), 3);
+}
+
+static void written_over_itself(void **state) {
+    char path[TEST_PATH_SIZE];
+    planish_error error;
+    put(state, "a.node", nodes_from_1);
+    put(state, "a.ele", elements_from_1);
+    planish_file *file = open_mesh(state, "a.ele");
+    planish_file_coordinates(file)[14] = 0.1;
+    test_path(path, *state, "a.ele");
+    if (planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error))
+        fail_msg("%s", error.text);
+    planish_file_close(file);
+    file = open_mesh(state, "a.ele");
+    assert_true(planish_file_mesh(file).coordinates[14] == 0.1);
+    planish_file_close(file);
+    assert_int_equal(test_count_files(*state), 2);
+}
+
+static void a_real_mesh(void **state) {
+    char path[TEST_PATH_SIZE];
+    planish_file *file = NULL;
+    planish_error error;
+    (void)state;
+    test_path_from(path, "PLANISH_MESHES", "stellar_house2.ele");
+    if (planish_file_open(path, NULL, 1, &file, &error))
+        fail_msg("%s", error.text);
+    planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(mesh.n_nodes, 400);
+    assert_int_equal(mesh.n_elements, 1389);
+    planish_file_close(file);
+}
+
+#define IN_A_FOLDER(test)                                                                          \
+    cmocka_unit_test_setup_teardown(test, test_folder_create, test_folder_remove)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        IN_A_FOLDER(either_file_may_be_named),
+        IN_A_FOLDER(numbers_may_begin_with_1),
+        IN_A_FOLDER(marked_faces_and_edges_hold),
+        IN_A_FOLDER(attributes_that_are_no_integers_make_no_regions),
+        IN_A_FOLDER(triangles_in_the_plane),
+        IN_A_FOLDER(bad_files_are_refused),
+        IN_A_FOLDER(missing_files_are_named),
+        IN_A_FOLDER(truncation),
+        IN_A_FOLDER(written_with_all_its_files),
+        IN_A_FOLDER(written_over_itself),
+        cmocka_unit_test(a_real_mesh),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

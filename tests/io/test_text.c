@@ -1,0 +1,100 @@
+/* Walking the bytes of a text file. */
+#include "io/text.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static io_cursor cursor_on(const char *text) {
+    return (io_cursor){text, text + strlen(text)};
+}
+
+static void words_between_any_white_space(void **state) {
+    (void)state;
+    io_cursor cursor = cursor_on(" \t\r\nalpha\r\n\v\fb,c\n");
+    int64_t length;
+    const char *word = io_word(&cursor, &length);
+    assert_true(io_word_is(word, length, "alpha", 0));
+    word = io_word(&cursor, &length);
+    assert_true(io_word_is(word, length, "b,c", 0));
+    io_word(&cursor, &length);
+    assert_int_equal(length, 0);
+    assert_ptr_equal(cursor.at, cursor.end);
+}
+
+static void words_are_compared_whole(void **state) {
+    (void)state;
+    assert_true(io_word_is("Vertices", 8, "Vertices", 0));
+    assert_false(io_word_is("Vertices", 7, "Vertices", 0));
+    assert_false(io_word_is("Vertices2", 9, "Vertices", 0));
+    assert_false(io_word_is("VERTICES", 8, "Vertices", 0));
+    assert_true(io_word_is("VERTICES", 8, "Vertices", 1));
+    assert_false(io_word_is("", 0, "Vertices", 0));
+}
+
+static void lines_end_in_three_ways(void **state) {
+    (void)state;
+    io_cursor cursor = cursor_on("a\nb\r\nc\rd");
+    static const char first[] = "abcd";
+    for (int i = 0; i < 4; i++) {
+        assert_int_equal(*cursor.at, first[i]);
+        io_skip_line(&cursor);
+    }
+    assert_ptr_equal(cursor.at, cursor.end);
+    io_skip_line(&cursor);
+    assert_ptr_equal(cursor.at, cursor.end);
+}
+
+static void comments_are_skipped(void **state) {
+    (void)state;
+    io_cursor cursor = cursor_on("# one\n  #two # three\r\n\t7 # not yet");
+    int64_t value;
+    io_skip_space_comments(&cursor, '#');
+    assert_int_equal(io_integer(&cursor, &value), 0);
+    assert_int_equal(value, 7);
+    io_skip_space_comments(&cursor, '#');
+    assert_ptr_equal(cursor.at, cursor.end);
+}
+
+static void numbers_must_end_with_space(void **state) {
+    (void)state;
+    int64_t integer;
+    double real;
+    io_cursor cursor = cursor_on("  12.5 x");
+    assert_int_equal(io_integer(&cursor, &integer), -1);
+    assert_ptr_equal(cursor.at, cursor.end - 6); /* white space is skipped, nothing else */
+    assert_int_equal(io_real(&cursor, &real), 0);
+    assert_true(real == 12.5);
+    assert_int_equal(io_real(&cursor, &real), -1);
+    cursor = cursor_on("1.5x");
+    assert_int_equal(io_real(&cursor, &real), -1);
+    cursor = cursor_on("");
+    assert_int_equal(io_integer(&cursor, &integer), -1);
+    assert_int_equal(io_real(&cursor, &real), -1);
+}
+
+static void lines_are_found_at_their_start(void **state) {
+    (void)state;
+    static const char text[] = "x $End\n$En\n$EndNodes\n";
+    const char *end = text + strlen(text);
+    assert_ptr_equal(io_find_line(text, end, "$End"), strstr(text, "$EndNodes"));
+    assert_ptr_equal(io_find_line(text, end, "$Elements"), end);
+    assert_ptr_equal(io_find_line(text, text + 12, "$End"), text + 12);
+    assert_ptr_equal(io_find_line(end, end, "$End"), end);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(words_between_any_white_space),
+        cmocka_unit_test(words_are_compared_whole),
+        cmocka_unit_test(lines_end_in_three_ways),
+        cmocka_unit_test(comments_are_skipped),
+        cmocka_unit_test(numbers_must_end_with_space),
+        cmocka_unit_test(lines_are_found_at_their_start),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
