@@ -70,7 +70,18 @@ static int choose_group(const io_model *model, const tag *t, uint8_t *chosen) {
     return found;
 }
 
-enum { LISTED = 10 };
+enum { LISTED = 10, LOOKED_AT = 64 }; /* tags in a message; entities that are searched for them */
+
+/** Whether an entity before that of index i has the same number. */
+static int listed_before(const io_model *model, int32_t i, int dim, int32_t number) {
+    for (int32_t k = 0; k < i; k++) {
+        const io_entity *entity = &model->entity[k];
+        if (entity->dim == dim &&
+            (entity->n_physical ? has_physical(entity, number) : entity->tag == number))
+            return 1;
+    }
+    return 0;
+}
 
 /** "a, b, 3:1, ..." of what there is. */
 static void list_tags(const io_model *model, char *text, size_t size) {
@@ -80,17 +91,19 @@ static void list_tags(const io_model *model, char *text, size_t size) {
     for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++, listed++)
         used += (size_t)snprintf(text + used, size - used, "%s%s", listed ? ", " : "",
                                  model->group[i].name);
-    for (int32_t i = 0; i < model->n_entities && listed < LISTED && used < size; i++) {
+    for (int32_t i = 0; i < model->n_entities && i < LOOKED_AT; i++) {
         const io_entity *entity = &model->entity[i];
-        for (int j = 0; j < (entity->n_physical ? entity->n_physical : 1) && used < size; j++)
-            used += (size_t)snprintf(text + used, size - used, "%s%d:%d", listed++ ? ", " : "",
-                                     entity->dim,
-                                     entity->n_physical ? entity->physical[j] : entity->tag);
+        for (int j = 0; j < (entity->n_physical ? entity->n_physical : 1); j++) {
+            int32_t number = entity->n_physical ? entity->physical[j] : entity->tag;
+            if (listed < LISTED && used < size && !listed_before(model, i, entity->dim, number))
+                used += (size_t)snprintf(text + used, size - used, "%s%d:%d", listed++ ? ", " : "",
+                                         entity->dim, number);
+        }
     }
-    if (used < size && model->n_groups + model->n_entities > listed)
-        snprintf(text + used, size - used, ", ...");
     if (!listed)
         snprintf(text, size, "none");
+    else if (listed == LISTED && used < size)
+        snprintf(text + used, size - used, ", ...");
 }
 
 static int choose_tag(const io_model *model, const char *text, uint8_t *chosen,

@@ -150,13 +150,14 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
         return fail_errno(path, "cannot be written", error);
     }
     temporaries_add(temporaries, output->temporary);
+    output->replaces = access(output->target, F_OK) == 0;
     keep_mode_and_owner(output->fd, output->target);
     return PLANISH_OK;
 }
 
 int io_output_open(const char *path, io_temporaries temporaries, io_output *output,
                    planish_error *error) {
-    *output = (io_output){-1, NULL, NULL};
+    *output = (io_output){-1, NULL, NULL, 0};
     if (!io_output_is_stream(path))
         return open_beside(path, temporaries, output, error);
     int named = named_descriptor(path);
@@ -185,7 +186,14 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
 }
 
 int io_output_finish(io_output *output, planish_error *error) {
-    int failed = close(output->fd);
+    /* What it replaces may be the only copy: then the bytes must be on the disk before the rename.
+     * EINVAL: this file system knows no such thing. */
+    int failed = output->replaces && fsync(output->fd) && errno != EINVAL;
+    int reason = errno;
+    if (close(output->fd) == 0)
+        errno = reason;
+    else
+        failed = 1;
     output->fd = -1;
     return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
 }
@@ -210,5 +218,5 @@ void io_output_release(io_output *output, io_temporaries temporaries) {
     }
     pl_free(output->temporary);
     pl_free(output->target);
-    *output = (io_output){-1, NULL, NULL};
+    *output = (io_output){-1, NULL, NULL, 0};
 }

@@ -18,6 +18,7 @@ typedef struct io_output {
     int fd;
     char *target;    /* where the file will be: symbolic links followed; owned */
     char *temporary; /* where it is now, owned; NULL: written directly */
+    int replaces;    /* there is a file in its place already */
 } io_output;
 
 /** Not 0 if path is written as it is: a pipe, a device, a name of an open file (/dev/stdout). */

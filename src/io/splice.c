@@ -284,7 +284,7 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     io_output *output = pl_alloc(n_companions + 1, sizeof *output);
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
     for (int i = 0; i <= n_companions && output; i++)
-        output[i] = (io_output){-1, NULL, NULL};
+        output[i] = (io_output){-1, NULL, NULL, 0};
     if (!status)
         status =
             write_all(file, path, main_path, coordinates, pl_thread_count(threads),

@@ -1,10 +1,9 @@
-/* reading: mesh files from memory, for tests of readers and the writer. */
+/* reading: mesh files from memory, for tests of readers. */
 #include "support/reading.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,24 +42,4 @@ void reading_every_beginning(const io_format *format, const char *data, int64_t 
         planish_file_close(file);
         free(copy);
     }
-}
-
-void reading_write_file(const char *path, const void *data, size_t size) {
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
-char *reading_whole_file(const char *path, size_t *size) {
-    FILE *file = fopen(path, "rb");
-    assert_non_null(file);
-    fseek(file, 0, SEEK_END);
-    *size = (size_t)ftell(file);
-    rewind(file);
-    char *data = malloc(*size + 1);
-    assert_int_equal(fread(data, 1, *size, file), *size);
-    data[*size] = '\0';
-    fclose(file);
-    return data;
 }

@@ -1,4 +1,4 @@
-/* reading: mesh files from memory, for tests of readers and the writer. */
+/* reading: mesh files from memory, for tests of readers. */
 #ifndef TEST_SUPPORT_READING_H
 #define TEST_SUPPORT_READING_H
 
@@ -13,11 +13,5 @@ void reading_fails(const io_format *format, const char *text, const char *word);
 /** Read every beginning of size bytes at data (each in memory of its own, so that a sanitizer sees
  *  any look behind the end): a mesh or an error with a text. */
 void reading_every_beginning(const io_format *format, const char *data, int64_t size);
-
-/** Create the file at path with size bytes at data. */
-void reading_write_file(const char *path, const void *data, size_t size);
-
-/** All bytes of the file at path; owned by the caller, *size of them and a '\0'. */
-char *reading_whole_file(const char *path, size_t *size);
 
 #endif
