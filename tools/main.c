@@ -5,6 +5,7 @@
 
 #include <fcntl.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -54,6 +55,8 @@ static void open_standard_streams(void) {
 int main(int argc, char **argv) {
     open_standard_streams();
     pl_signals_install();
+    /* hwloc would print what it does not find on odd machines; placement copes without. */
+    setenv("HWLOC_HIDE_ERRORS", "2", 0);
     const char *word = argc > 1 ? argv[1] : NULL;
     if (!word)
         return pl_complain_usage(NULL, "no command is named (smooth or quality)");

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_THREADS = 4096, HELP_COLUMN = 27 };
+enum { HELP_COLUMN = 27 };
 
 const char *pl_command_name(pl_command command) {
     return command == PL_COMMAND_SMOOTH ? "smooth" : "quality";
@@ -109,7 +109,7 @@ static const char *set_ignore_regions(pl_arguments *arguments, const char *value
 }
 
 static const char *set_threads(pl_arguments *arguments, const char *value) {
-    return parse_integer(value, 1, MAX_THREADS, &arguments->library.threads)
+    return parse_integer(value, 1, PL_MAX_THREADS, &arguments->library.threads)
                ? "must be a whole number from 1 to 4096"
                : NULL;
 }

@@ -94,13 +94,14 @@ static int write_and_rename(const char *target, const struct stat *replaced, con
     char temporary[PL_TEMPORARY_SIZE];
     const int size =
         snprintf(temporary, sizeof temporary, "%s.planish-%ld", target, (long)getpid());
-    if (size < 0 || (size_t)size >= sizeof temporary)
+    if (size < 0 || (size_t)size + 2 > sizeof temporary) /* two: the list's end behind it */
         return ENAMETOOLONG;
     const int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor < 0)
         return errno;
     char *shown = pl_signals_temporary(PL_TEMPORARY_REPORT);
-    memcpy(shown, temporary, (size_t)size + 1);
+    memcpy(shown + 1, temporary + 1, (size_t)size);
+    shown[0] = temporary[0]; /* last: until now the list is empty */
     if (replaced)
         (void)fchmod(descriptor, replaced->st_mode & 07777);
     int failure = write_and_close(descriptor, text, length);

@@ -10,13 +10,13 @@
 #include <unistd.h>
 
 /* The only changing globals of the program: a signal handler can reach nothing else. */
-static atomic_int stop_asked;
-static char temporary_path[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
+static atomic_int stop_asked, bus_error_met;
+static char temporary_paths[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
 
 static void remove_temporaries(void) {
     for (int i = 0; i < PL_N_TEMPORARIES; i++)
-        if (temporary_path[i][0])
-            unlink(temporary_path[i]);
+        for (const char *path = temporary_paths[i]; *path; path += strlen(path) + 1)
+            unlink(path);
 }
 
 static void on_stop(int signal_number) {
@@ -33,6 +33,9 @@ static void on_bus_error(int signal_number) {
     static const char text[] =
         "planish: the input became shorter while it was read; run again when it is complete\n";
     (void)signal_number;
+    while (
+        atomic_exchange(&bus_error_met, 1)) /* another thread met it first and ends the program */
+        pause();
     remove_temporaries();
     const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
     (void)written;
@@ -72,5 +75,5 @@ int pl_signals_stop_asked(void) {
 }
 
 char *pl_signals_temporary(pl_temporary which) {
-    return temporary_path[which];
+    return temporary_paths[which];
 }

@@ -11,7 +11,7 @@
 /** Files that are removed when the program is ended by a signal. */
 typedef enum pl_temporary { PL_TEMPORARY_MESH, PL_TEMPORARY_REPORT, PL_N_TEMPORARIES } pl_temporary;
 
-enum { PL_TEMPORARY_SIZE = 4096 };
+enum { PL_TEMPORARY_SIZE = 16384 };
 
 /** For every command: SIGPIPE and SIGBUS. */
 void pl_signals_install(void);
@@ -22,8 +22,8 @@ void pl_signals_install_stop(void);
 /** Whether a signal asked to stop. */
 int pl_signals_stop_asked(void);
 
-/** The place where the path of a temporary file is kept while there is one ("" otherwise):
- *  PL_TEMPORARY_SIZE bytes. */
+/** The place where the paths of temporary files are kept while there are any: PL_TEMPORARY_SIZE
+ *  bytes, each path ends with '\0' and an empty one ends the list (as in planish_file_write). */
 char *pl_signals_temporary(pl_temporary which);
 
 #endif

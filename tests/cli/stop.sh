@@ -4,6 +4,7 @@
 . "$(dirname "$0")/common.sh"
 
 python3 "$cli/make_mesh.py" 24 0.2 in.mesh || exit 1
+python3 "$cli/make_slow_mesh.py" 150 slow.mesh || exit 1
 
 # json EXPRESSION: the report.json is such that it holds.
 json() {
@@ -26,12 +27,14 @@ json "r['stop'] == 'max-sweeps' and r['moved_nodes'] == 0"
 cmp in.mesh out.mesh || fail "no sweep, no change"
 rm -f out.mesh report.json
 
-# start OUT: a run with no end of its own in the background; returns once it is sweeping. Jobs of a
-# script have SIGINT ignored unless it is reset.
+endless=(--tolerance 0 --max-sweeps 2000000000 -j 1) # as good as: half a minute
+
+# start OUT: an endless run in the background; returns once it is sweeping. Jobs of a script have
+# SIGINT ignored unless it is reset.
 start() {
     rm -f err
-    env --default-signal=INT,TERM "$program" smooth in.mesh -o "$1" --tolerance 0 \
-        --max-sweeps 2000000000 --json report.json -v >out 2>err &
+    env --default-signal=INT,TERM "$program" smooth slow.mesh -o "$1" "${endless[@]}" \
+        --json report.json -v >out 2>err &
     run=$!
     wait_for "sweep 1:" err
 }
@@ -65,10 +68,9 @@ for signal in INT TERM; do
 done
 
 # A signal that the parent had ignored stays ignored.
-(
-    trap '' INT
-    exec "$program" smooth in.mesh -o out.mesh --tolerance 0 --max-sweeps 2000000000 -v >out 2>err
-) &
+rm -f err
+env --ignore-signal=INT --default-signal=TERM "$program" smooth slow.mesh -o out.mesh \
+    "${endless[@]}" -v >out 2>err &
 run=$!
 wait_for "sweep 1:" err
 kill -INT $run
