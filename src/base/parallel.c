@@ -9,6 +9,10 @@ int pl_thread_count(int threads) {
 #ifdef _OPENMP
     if (threads <= 0)
         threads = omp_get_max_threads();
+    if (threads > omp_get_thread_limit())
+        threads = omp_get_thread_limit();
+    if (threads > PL_MAX_THREADS)
+        threads = PL_MAX_THREADS;
 #else
     threads = 1;
 #endif
@@ -24,15 +28,17 @@ static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body
 
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context) {
     int64_t chunks = n > 0 ? (n - 1) / chunk + 1 : 0;
-    if (threads > chunks)
-        threads = (int)chunks;
 #ifdef _OPENMP
-    if (threads > 1) {
+    /* Always the whole team, also for few chunks: libgomp ends the threads that a smaller team
+     * leaves over, and those it makes later have lost their places. */
+    if (threads > 1 && chunks > 1) {
 #pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
         for (int64_t i = 0; i < chunks; i++)
             run_chunk(i, n, chunk, body, context, omp_get_thread_num());
         return;
     }
+#else
+    (void)threads;
 #endif
     for (int64_t i = 0; i < chunks; i++)
         run_chunk(i, n, chunk, body, context, 0);

@@ -9,14 +9,17 @@
 
 #include <stdint.h>
 
-/** Threads that threads = 0 stands for; at least 1. */
+enum { PL_MAX_THREADS = 1024 }; /* more than any machine has cores for one process */
+
+/** The threads that threads (0: as many as OpenMP would use) can mean: at least 1, at most what
+ *  OpenMP's limit and PL_MAX_THREADS allow. */
 int pl_thread_count(int threads);
 
 /** A chunk: indices begin .. end-1, on thread (0 .. threads-1). */
 typedef void pl_chunk_fn(void *context, int64_t begin, int64_t end, int thread);
 
-/** Call body once for every chunk of 0 .. n-1; chunks are of size chunk but the last. Chunks near
- *  one another go to the same thread as far as the load allows. Returns when all are done. */
+/** Call body once for every chunk of 0 .. n-1; chunks are of size chunk but the last. A thread takes
+ *  the next chunk when it is done with one. Returns when all are done. */
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context);
 
 /** Call body(context, t, t + 1, t) on thread t of each of the threads that pl_parallel_for uses. */

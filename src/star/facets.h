@@ -8,6 +8,8 @@
 
 #include "star/lanes.h"
 
+#include <string.h>
+
 /** Columns; in 2-D those with Z, C, N, W are not used. Symbols as in docs/algorithm.md. */
 enum {
     P0X,
@@ -33,13 +35,16 @@ enum {
     COLUMNS_3D
 };
 
-/** A gathered star. */
+/** A gathered star. Its coordinates are those of the mesh times a power of two, which brings the
+ * star to a size of about 1: no bit of any result depends on it, and nothing over- or underflows.
+ */
 typedef struct star {
     double *column; /* [COLUMNS][padded] */
     int64_t padded; /* facets, padded to a multiple of PL_LANES */
     int64_t n_facets;
     const int32_t *ring; /* [n_ring] */
     int64_t n_ring;
+    double scale, unscale; /* coordinates here / in the mesh, and the inverse */
 } star;
 
 static inline lanes load(const star *s, int column, int64_t i) {
@@ -137,9 +142,49 @@ static inline void facet_nodes(const star *s, const uint16_t *link, const double
     }
 }
 
-/** Gather star index of problem into scratch. */
-static inline star gather(const pl_star_problem *problem, int64_t index, double *scratch,
-                          const int dim) {
+/* Exponents of the scale are kept within this, so that it and its inverse are doubles. */
+enum { SCALE_LIMIT = 1000 };
+
+/** 2^exponent, for exponents of normal doubles. */
+static inline double power_of_two(int exponent) {
+    uint64_t bits = (uint64_t)(exponent + 1023) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+
+/** Choose the scale from extent, half of the largest difference of a coordinate in the star. */
+static inline void choose_scale(star *s, double extent) {
+    uint64_t bits;
+    memcpy(&bits, &extent, sizeof bits);
+    int exponent = (int)(bits >> 52 & 0x7ff) - 1023;
+    if (exponent > SCALE_LIMIT)
+        exponent = SCALE_LIMIT;
+    if (exponent < -SCALE_LIMIT)
+        exponent = -SCALE_LIMIT;
+    s->scale = power_of_two(-exponent);
+    s->unscale = power_of_two(exponent);
+}
+
+/** Copy the ring's coordinates to ring_xyz [n_ring][dim], scaled. */
+static inline void gather_ring(const pl_star_problem *problem, star *s, const double *x,
+                               double *ring_xyz, const int dim) {
+    double extent = 0;
+    for (int64_t i = 0; i < s->n_ring; i++)
+        for (int d = 0; d < dim; d++) {
+            double p = problem->coordinates[(int64_t)s->ring[i] * dim + d];
+            double half = fabs(0.5 * p - 0.5 * x[d]); /* the whole could overflow */
+            extent = half > extent ? half : extent;
+            ring_xyz[i * dim + d] = p;
+        }
+    choose_scale(s, extent);
+    for (int64_t i = 0; i < s->n_ring * dim; i++)
+        ring_xyz[i] *= s->scale;
+}
+
+/** Gather star index of problem, with its node at x (as in the mesh), into scratch. */
+static inline star gather(const pl_star_problem *problem, int64_t index, const double *x,
+                          double *scratch, const int dim) {
     star s;
     int64_t first = problem->link_offset[index];
     s.n_facets = problem->link_offset[index + 1] - first;
@@ -148,9 +193,7 @@ static inline star gather(const pl_star_problem *problem, int64_t index, double 
     s.n_ring = problem->ring_offset[index + 1] - problem->ring_offset[index];
     s.column = scratch;
     double *ring_xyz = scratch + s.padded * (dim == 3 ? COLUMNS_3D : COLUMNS_2D);
-    for (int64_t i = 0; i < s.n_ring; i++)
-        for (int d = 0; d < dim; d++)
-            ring_xyz[i * dim + d] = problem->coordinates[(int64_t)s.ring[i] * dim + d];
+    gather_ring(problem, &s, x, ring_xyz, dim);
     facet_nodes(&s, problem->link + first * dim, ring_xyz, dim);
     if (dim == 3)
         facet_constants_3d(&s);

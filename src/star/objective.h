@@ -15,9 +15,15 @@
 /** The objective at a position. */
 typedef struct objective {
     double sum, max; /* of RR^2 */
+    double error;    /* relative, of sum and max: a bound of what rounding can have done */
     int positive;    /* all D > 0 */
     int certain;     /* all D > 0 beyond doubt of rounding */
 } objective;
+
+/* The relative error of RR^2 ~ N / D^4 is at most that of D, sqrt(ROUNDING) |x - p0| / D, times
+ * this: 4 for D^4, and N is at least as well known, because |alpha| = 2 D R with R >= |x - p0| / 2.
+ */
+#define ERROR_FACTOR 8
 
 /** Derivatives of the sum: gradient, Hessian (xx xy xz yy yz zz; 2-D: xx xy yy), and the mean
  *  square distance of x from the first nodes of the facets, the star's size squared. */
@@ -28,28 +34,31 @@ typedef struct derivatives {
 
 /** Accumulators of PL_LANES lanes of the objective. */
 typedef struct accumulator {
-    lanes sum[PL_PACKS], max[PL_PACKS];
+    lanes sum[PL_PACKS], max[PL_PACKS], error2[PL_PACKS];
     lanes_mask positive[PL_PACKS], certain[PL_PACKS];
 } accumulator;
 
 static inline void accumulator_init(accumulator *t) {
     for (int k = 0; k < PL_PACKS; k++) {
-        t->sum[k] = t->max[k] = lanes_of(0);
+        t->sum[k] = t->max[k] = t->error2[k] = lanes_of(0);
         t->positive[k] = t->certain[k] = lanes_greater(lanes_of(1), lanes_of(0));
     }
 }
 
+/** Take in one pack: inverse_d2 = 1 / D^2, rounding = ROUNDING |x - p0|^2. */
 static inline void accumulate(accumulator *t, int k, lanes rr2, lanes weight, lanes D,
-                              lanes rounding) {
+                              lanes inverse_d2, lanes rounding) {
     lanes_mask positive = lanes_greater(D, lanes_of(0));
     t->sum[k] += rr2 * weight;
     t->max[k] = lanes_max(rr2, t->max[k]);
+    t->error2[k] = lanes_max(rounding * inverse_d2, t->error2[k]);
     t->positive[k] &= positive;
     t->certain[k] &= positive & lanes_greater(D * D, rounding);
 }
 
 static inline objective accumulator_result(const accumulator *t, double factor) {
-    objective f = {lanes_sum(t->sum) * factor, lanes_largest(t->max) * factor, 1, 1};
+    objective f = {lanes_sum(t->sum) * factor, lanes_largest(t->max) * factor,
+                   ERROR_FACTOR * sqrt(lanes_largest(t->error2)), 1, 1};
     for (int k = 0; k < PL_PACKS; k++) {
         f.positive &= lanes_all_set(t->positive[k]);
         f.certain &= lanes_all_set(t->certain[k]);
@@ -97,8 +106,9 @@ static inline objective value_3d(const star *s, const double *position) {
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
             tetrahedra t = tetrahedra_at(s, j, x);
-            lanes q = t.s / (t.D * t.D);
-            accumulate(&total, k, t.N * (q * q), load(s, WEIGHT, j), t.D,
+            lanes inverse_d2 = lanes_of(1) / (t.D * t.D);
+            lanes q = t.s * inverse_d2;
+            accumulate(&total, k, t.N * (q * q), load(s, WEIGHT, j), t.D, inverse_d2,
                        load(s, ROUNDING, j) * t.aa);
         }
     return accumulator_result(&total, RR2_FACTOR_3D);
@@ -176,10 +186,11 @@ static inline objective derivatives_3d(const star *s, const double *position, de
             tetrahedra t = tetrahedra_at(s, j, x);
             lanes weight = load(s, WEIGHT, j);
             lanes inverse_d = lanes_of(1) / t.D;
-            lanes q = t.s * (inverse_d * inverse_d);
+            lanes inverse_d2 = inverse_d * inverse_d;
+            lanes q = t.s * inverse_d2;
             lanes rr2 = t.N * (q * q);
             store(s, RATE, j, inverse_d);
-            accumulate(&total, k, rr2, weight, t.D, load(s, ROUNDING, j) * t.aa);
+            accumulate(&total, k, rr2, weight, t.D, inverse_d2, load(s, ROUNDING, j) * t.aa);
             lanes hessian[6];
             vec3 l = log_derivatives_3d(&t, inverse_d, hessian);
             rr2 *= weight;
@@ -229,8 +240,10 @@ static inline objective value_2d(const star *s, const double *position) {
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
             triangles t = triangles_at(s, j, x, y);
-            lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) / (t.D * t.D);
-            accumulate(&total, k, rr * rr, load(s, WEIGHT, j), t.D, load(s, ROUNDING, j) * t.aa);
+            lanes inverse_d2 = lanes_of(1) / (t.D * t.D);
+            lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * inverse_d2;
+            accumulate(&total, k, rr * rr, load(s, WEIGHT, j), t.D, inverse_d2,
+                       load(s, ROUNDING, j) * t.aa);
         }
     return accumulator_result(&total, RR2_FACTOR_2D);
 }
@@ -276,10 +289,11 @@ static inline objective derivatives_2d(const star *s, const double *position, de
             triangles t = triangles_at(s, j, x, y);
             lanes weight = load(s, WEIGHT, j);
             lanes inverse_d = lanes_of(1) / t.D;
-            lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * (inverse_d * inverse_d);
+            lanes inverse_d2 = inverse_d * inverse_d;
+            lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * inverse_d2;
             lanes rr2 = rr * rr;
             store(s, RATE, j, inverse_d);
-            accumulate(&total, k, rr2, weight, t.D, load(s, ROUNDING, j) * t.aa);
+            accumulate(&total, k, rr2, weight, t.D, inverse_d2, load(s, ROUNDING, j) * t.aa);
             lanes l[2], hessian[3];
             log_derivatives_2d(s, j, &t, inverse_d, l, hessian);
             rr2 *= weight;

@@ -25,10 +25,9 @@ typedef struct pl_star_problem {
     const uint16_t *link;       /* [.][dim] positions in the ring, see pl_stars */
     uint8_t *changed;           /* [n_nodes] 1: the star of the node changed since its visit */
     planish_direction direction;
-    double rr2_limit;   /* a move that makes an element's RR^2 larger is refused */
-    double rr2_skip;    /* stars whose largest RR^2 is not above it are left alone */
-    double float_scale; /* 0: positions are doubles; else position * float_scale is
-                           rounded to float (the unit of the file) */
+    double rr2_limit; /* a move that makes an element's RR^2 larger is refused */
+    double rr2_skip;  /* stars whose largest RR^2 is not above it are left alone */
+    int to_float;     /* positions are rounded to float before they are judged */
 } pl_star_problem;
 
 /** What a range of visits did. */

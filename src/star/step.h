@@ -46,16 +46,21 @@ typedef struct trial {
     objective value;
 } trial;
 
+/** The position as the mesh will hold it: rounded to float if need be, and to what is left of a
+ *  double where coordinates are subnormal. */
+static inline double as_stored(const pl_star_problem *problem, const star *s, double position) {
+    double stored = position * s->unscale;
+    if (problem->to_float)
+        stored = pl_round_to_float(stored);
+    return stored * s->scale;
+}
+
 /** The position step along direction from x0, as it will be stored, and its value. */
 static inline trial try_step(const pl_star_problem *problem, const star *s, const double *x0,
                              const double *direction, double step, const int dim) {
     trial t;
-    for (int d = 0; d < dim; d++) {
-        t.position[d] = x0[d] + step * direction[d];
-        if (problem->float_scale != 0)
-            t.position[d] =
-                pl_round_to_float(t.position[d] * problem->float_scale) / problem->float_scale;
-    }
+    for (int d = 0; d < dim; d++)
+        t.position[d] = as_stored(problem, s, x0[d] + step * direction[d]);
     t.value = value_at(s, t.position, dim);
     return t;
 }
@@ -68,20 +73,29 @@ static inline int stands_still(const trial *t, const double *x0, const int dim) 
     return same;
 }
 
+/** The sum that a trial must be below by more than the rounding errors of both. Not a number if one
+ *  of them is none. */
+static inline double surely_below(const objective *now, const objective *next) {
+    return now->sum - (STEP_NOISE + now->error) * now->sum - next->error * next->sum;
+}
+
 /** Whether a trial may be taken: valid beyond doubt, no element worse than the limit, and the sum
- *  below bound. Not so for values that are not numbers. */
-static inline int acceptable(const pl_star_problem *problem, const trial *t, double bound) {
-    return t->value.certain && t->value.max <= problem->rr2_limit && t->value.sum < bound;
+ *  below bound and surely below that of now. Not so for values that are not numbers. */
+static inline int acceptable(const pl_star_problem *problem, const trial *t, const objective *now,
+                             double bound) {
+    const objective *value = &t->value;
+    return value->certain && value->max * (1 + value->error) <= problem->rr2_limit &&
+           value->sum < bound && value->sum < surely_below(now, value);
 }
 
 /** Double the step while that pays, from a first trial that was acceptable. */
 static inline void expand(const pl_star_problem *problem, const star *s, const double *x0,
-                          const double *direction, double step, double largest, trial *best,
-                          const int dim) {
+                          const objective *now, const double *direction, double step,
+                          double largest, trial *best, const int dim) {
     for (int i = 0; i < STEP_EXPANSIONS && step < largest; i++) {
         step = 2 * step < largest ? 2 * step : largest;
         trial t = try_step(problem, s, x0, direction, step, dim);
-        if (!acceptable(problem, &t, best->value.sum))
+        if (!acceptable(problem, &t, now, best->value.sum))
             return;
         *best = t;
     }
@@ -105,13 +119,12 @@ static inline int search(const pl_star_problem *problem, const star *s, const do
     double rate = blocking_rate(s, direction, dim);
     double step = rate > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : 1;
     double largest = rate > 0 ? STEP_FRACTION_LAST / rate : INFINITY;
-    double noise = STEP_NOISE * now->sum;
+    double noise = (STEP_NOISE + now->error) * now->sum;
     for (int i = 0; i < STEP_BACKTRACKS; i++) {
         *best = try_step(problem, s, x0, direction, step, dim);
-        double wanted = -STEP_ARMIJO * slope * step;
-        if (acceptable(problem, best, now->sum - (wanted > noise ? wanted : noise))) {
+        if (acceptable(problem, best, now, now->sum + STEP_ARMIJO * slope * step)) {
             if (i == 0 && now->sum > STEP_EXPAND_ABOVE * (double)s->n_facets)
-                expand(problem, s, x0, direction, step, largest, best, dim);
+                expand(problem, s, x0, now, direction, step, largest, best, dim);
             return 1;
         }
         if (-slope * step < noise || stands_still(best, x0, dim))

@@ -9,7 +9,7 @@
 
 /* A move shorter than this fraction of the star's size changes nothing for the stars around. */
 #define STILL 1e-4
-/* No step is longer than this many sizes of the star (the root mean square distance of its link).
+/* No direction is longer than this many sizes of the star (root mean square distance of its link).
  */
 #define STEP_LIMIT 2.0
 
@@ -45,33 +45,49 @@ static inline void tell_neighbours(const pl_star_problem *problem, int32_t node,
         __atomic_store_n(&problem->changed[s->ring[i]], 1, __ATOMIC_RELAXED);
 }
 
+/** One step from x (scaled, changed if a better place is found); returns by how much the sum of
+ * RR^2 fell, 0 for no step. */
+static inline double one_step(const pl_star_problem *problem, const star *s, conjugate *memory,
+                              double *x, double *size2, const int dim) {
+    derivatives derivative;
+    double direction[3];
+    trial best;
+    objective now = derivatives_at(s, x, &derivative, dim);
+    *size2 = derivative.size2;
+    if (!now.positive || !(now.sum < INFINITY) || !(now.max > problem->rr2_skip))
+        return 0;
+    if (!find_direction(problem, &derivative, memory, direction, dim))
+        return 0;
+    double slope = dot(derivative.gradient, direction, dim);
+    if (!(slope < 0) || !search(problem, s, x, &now, direction, slope, &best, dim))
+        return 0;
+    for (int d = 0; d < dim; d++)
+        x[d] = best.position[d];
+    return now.sum - best.value.sum;
+}
+
 /** Improve one star; returns by how much the sum of RR^2 fell. */
 static inline double visit_star(const pl_star_problem *problem, int64_t index, double *scratch,
                                 const int dim) {
     int32_t node = problem->node[index];
-    double *x = problem->coordinates + (int64_t)node * dim;
-    star s = gather(problem, index, scratch, dim);
+    double *place = problem->coordinates + (int64_t)node * dim;
+    star s = gather(problem, index, place, scratch, dim);
     conjugate memory = {{0, 0, 0}, 0};
-    double decrease = 0, moved2 = 0, size2 = 0;
+    double x[3], decrease = 0, moved2 = 0, size2 = 0;
+    for (int d = 0; d < dim; d++)
+        x[d] = place[d] * s.scale;
     for (int step = 0; step < steps_of_visit(problem->direction, dim); step++) {
-        derivatives derivative;
-        double direction[3];
-        objective now = derivatives_at(&s, x, &derivative, dim);
-        if (!now.positive || !(now.sum < INFINITY) || !(now.max > problem->rr2_skip))
+        double fall = one_step(problem, &s, &memory, x, &size2, dim);
+        if (!(fall > 0))
             break;
-        size2 = derivative.size2;
-        if (!find_direction(problem, &derivative, &memory, direction, dim))
-            break;
-        double slope = dot(derivative.gradient, direction, dim);
-        trial best;
-        if (!(slope < 0) || !search(problem, &s, x, &now, direction, slope, &best, dim))
-            break;
-        decrease += now.sum - best.value.sum;
-        for (int d = 0; d < dim; d++) {
-            double move = best.position[d] - x[d];
-            moved2 += move * move;
-            x[d] = best.position[d];
-        }
+        decrease += fall;
+    }
+    if (!(decrease > 0))
+        return 0;
+    for (int d = 0; d < dim; d++) {
+        double move = x[d] - place[d] * s.scale;
+        moved2 += move * move;
+        place[d] = x[d] * s.unscale;
     }
     if (moved2 > STILL * STILL * size2)
         tell_neighbours(problem, node, &s);
@@ -94,16 +110,19 @@ static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t 
 
 static inline int evaluate(const pl_star_problem *problem, int64_t index, double *scratch,
                            int with_derivatives, pl_star_value *value, const int dim) {
-    const double *x = problem->coordinates + (int64_t)problem->node[index] * dim;
-    star s = gather(problem, index, scratch, dim);
+    const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
+    star s = gather(problem, index, place, scratch, dim);
+    double x[3];
+    for (int d = 0; d < dim; d++)
+        x[d] = place[d] * s.scale;
     derivatives derivative = {{0}, {0}, 0};
     objective f = with_derivatives ? derivatives_at(&s, x, &derivative, dim) : value_at(&s, x, dim);
     value->sum = f.sum;
     value->max = f.max;
     for (int d = 0; d < 3; d++)
-        value->gradient[d] = derivative.gradient[d];
+        value->gradient[d] = derivative.gradient[d] * s.scale;
     for (int d = 0; d < 6; d++)
-        value->hessian[d] = derivative.hessian[d];
+        value->hessian[d] = derivative.hessian[d] * s.scale * s.scale;
     return f.positive;
 }
 

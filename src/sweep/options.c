@@ -1,6 +1,7 @@
 /* options: their defaults and their ranges; the version. */
 #include "sweep/sweep.h"
 
+#include "base/parallel.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -26,9 +27,10 @@ int pl_options_check(const planish_options *options, planish_error *error) {
                        "options.struct_size is %zu, not %zu: call planish_options_init first, "
                        "with the header of the library that is linked",
                        options->struct_size, sizeof *options);
-    if (options->threads < 0)
+    if (options->threads < 0 || options->threads > PL_MAX_THREADS)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.threads is %d; give 0 (automatic) or more", options->threads);
+                       "options.threads is %d; give 0 (automatic) to %d", options->threads,
+                       PL_MAX_THREADS);
     if (options->direction != PLANISH_NEWTON && options->direction != PLANISH_FLETCHER_REEVES)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.direction %d is unknown",
                        (int)options->direction);

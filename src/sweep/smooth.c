@@ -9,10 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum {
-    CHUNK_NODES = 4096,
-    EXPONENT_LIMIT = 1000 /* so that the power of two and its inverse are doubles */
-};
+enum { CHUNK_NODES = 4096 };
 
 /* Where the tracked sum of RR^2 has fallen below this fraction of the one measured last, rounding
  * could show in it: measure again. */
@@ -25,8 +22,8 @@ enum {
 typedef struct run {
     planish_plan *plan;
     const planish_options *options;
+    double *outside; /* [n][dim] the caller's coordinates */
     pl_star_problem problem;
-    int exponent;       /* coordinates of the caller = coordinates inside * 2^exponent */
     pl_ratio_sums sums; /* as measured last, movable then tracked */
     double measured;    /* sums.movable as measured last */
     double start;       /* clock */
@@ -38,49 +35,19 @@ typedef struct run {
 
 /* ---- coordinates in and out --------------------------------------------------------------- */
 
-/** Exponent of the power of two that brings the mesh's extent to between 1/2 and 1. Powers of two
- *  change no bit of any result. */
-static int extent_exponent(const double *coordinates, int64_t n_nodes, int dim) {
-    double extent = 0;
-    for (int d = 0; d < dim; d++) {
-        double low = 0, high = 0;
-        for (int64_t i = 0; i < n_nodes; i++) {
-            double value = coordinates[i * dim + d];
-            low = i == 0 || value < low ? value : low;
-            high = i == 0 || value > high ? value : high;
-        }
-        double half = high / 2 - low / 2; /* the whole could overflow */
-        extent = half > extent ? half : extent;
-    }
-    int exponent = 0;
-    if (extent > 0)
-        frexp(extent, &exponent);
-    if (exponent > EXPONENT_LIMIT)
-        return EXPONENT_LIMIT;
-    return exponent < -EXPONENT_LIMIT ? -EXPONENT_LIMIT : exponent + 1;
-}
-
-typedef struct transfer {
-    const planish_plan *plan;
-    const double *outside; /* [n][dim] the caller's */
-    double scale;
-} transfer;
-
 static void transfer_in(void *context, int64_t begin, int64_t end, int thread) {
-    const transfer *t = context;
-    const int dim = t->plan->dim;
+    const run *r = context;
+    const int dim = r->plan->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        for (int d = 0; d < dim; d++) {
-            double value = t->outside[i * dim + d] * t->scale;
-            t->plan->coordinates[(int64_t)t->plan->inner[i] * dim + d] = value;
-            t->plan->measured[i * dim + d] = value;
-        }
+        for (int d = 0; d < dim; d++)
+            r->plan->coordinates[(int64_t)r->plan->inner[i] * dim + d] = r->outside[i * dim + d];
 }
 
-/** The caller's order of the coordinates inside, for measuring. */
+/** The present coordinates by the caller's numbers, for measuring. */
 static void transfer_measured(void *context, int64_t begin, int64_t end, int thread) {
-    const planish_plan *plan = context;
+    const run *r = context;
+    const planish_plan *plan = r->plan;
     const int dim = plan->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
@@ -88,27 +55,29 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
             plan->measured[i * dim + d] = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
 }
 
-/** Write back the nodes that moved; how many and how far is the result's. */
-static void transfer_out(run *r, double *outside) {
+static double distance(const double *a, const double *b, int dim) {
+    double far = 0;
+    for (int d = 0; d < dim; d++)
+        far = hypot(far, a[d] - b[d]);
+    return far;
+}
+
+/** Write the nodes that moved to the caller's coordinates; how many and how far is the result's. */
+static void transfer_out(run *r) {
     const planish_plan *plan = r->plan;
     const int dim = plan->dim;
-    double shrink = ldexp(1, -r->exponent), grow = ldexp(1, r->exponent), farthest2 = 0;
+    planish_result *result = r->result;
     for (int64_t i = 0; i < plan->n_nodes; i++) {
-        if (!plan->is_free[i])
-            continue;
-        double moved2 = 0;
+        double *outside = r->outside + i * dim;
         const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
-        for (int d = 0; d < dim; d++) {
-            double before = outside[i * dim + d] * shrink;
-            if (inside[d] == before)
-                continue;
-            moved2 += (inside[d] - before) * (inside[d] - before);
-            outside[i * dim + d] = inside[d] * grow;
-        }
-        r->result->moved_nodes += moved2 > 0;
-        farthest2 = moved2 > farthest2 ? moved2 : farthest2;
+        double far = plan->is_free[i] ? distance(inside, outside, dim) : 0;
+        if (!(far > 0))
+            continue;
+        result->moved_nodes++;
+        result->max_displacement = far > result->max_displacement ? far : result->max_displacement;
+        for (int d = 0; d < dim; d++)
+            outside[d] = inside[d];
     }
-    r->result->max_displacement = sqrt(farthest2) * grow;
 }
 
 /* ---- the RMS ------------------------------------------------------------------------------ */
@@ -133,7 +102,7 @@ static void measure(run *r) {
 }
 
 static void measure_again(run *r) {
-    pl_parallel_for(r->plan->threads, r->plan->n_nodes, CHUNK_NODES, transfer_measured, r->plan);
+    pl_parallel_for(r->plan->threads, r->plan->n_nodes, CHUNK_NODES, transfer_measured, r);
     measure(r);
 }
 
@@ -179,9 +148,13 @@ static int one_sweep(run *r) {
     r->result->visits += tally.visits;
     if (!(r->sums.movable > MEASURE_AGAIN * r->measured))
         measure_again(r);
-    planish_progress progress = progress_of(r, r->plan->n_colours, tally.visits);
+    planish_progress progress = progress_of(r, tally.colours, tally.visits);
     progress.sweep_done = 1;
-    return call_progress(r, &progress) | tally.stopped;
+    if (!tally.stopped)
+        return call_progress(r, &progress);
+    if (r->options->progress) /* the reason to stop stands: no answer is wanted */
+        r->options->progress(&progress, r->options->progress_user);
+    return 1;
 }
 
 static void run_sweeps(run *r) {
@@ -201,34 +174,31 @@ static void run_sweeps(run *r) {
 static void prepare_problem(run *r) {
     const planish_plan *plan = r->plan;
     double worse = r->options->only_worse_than;
-    r->problem = (pl_star_problem){
-        .coordinates = plan->coordinates,
-        .node = plan->centre,
-        .ring_offset = plan->stars.ring_offset,
-        .ring = plan->stars.ring,
-        .link_offset = plan->stars.link_offset,
-        .link = plan->stars.link,
-        .changed = plan->changed,
-        .direction = r->options->direction,
-        .rr2_limit = r->sums.max * LIMIT_MARGIN,
-        .rr2_skip = worse * worse,
-        .float_scale = r->options->precision == PLANISH_FLOAT ? ldexp(1, r->exponent) : 0};
+    r->problem = (pl_star_problem){.coordinates = plan->coordinates,
+                                   .node = plan->centre,
+                                   .ring_offset = plan->stars.ring_offset,
+                                   .ring = plan->stars.ring,
+                                   .link_offset = plan->stars.link_offset,
+                                   .link = plan->stars.link,
+                                   .changed = plan->changed,
+                                   .direction = r->options->direction,
+                                   .rr2_limit = r->sums.max * LIMIT_MARGIN,
+                                   .rr2_skip = worse * worse,
+                                   .to_float = r->options->precision == PLANISH_FLOAT};
     memset(plan->changed, 1, (size_t)plan->n_nodes);
 }
 
-static void smooth(run *r, double *coordinates) {
+static void smooth(run *r) {
     planish_plan *plan = r->plan;
-    r->exponent = extent_exponent(coordinates, plan->n_nodes, plan->dim);
-    transfer t = {plan, coordinates, ldexp(1, -r->exponent)};
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, transfer_in, &t);
-    measure(r);
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, transfer_in, r);
+    measure_again(r);
     prepare_problem(r);
     if (plan->stars.n_stars > 0)
         run_sweeps(r);
     else
         r->stop = PLANISH_STOP_CONVERGED;
     measure_again(r);
-    transfer_out(r, coordinates);
+    transfer_out(r);
 }
 
 int planish_smooth(planish_plan *plan, double *coordinates, const planish_options *options,
@@ -249,12 +219,13 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
         return status;
 
     run r = {.plan = plan,
+             .outside = coordinates,
              .options = options,
              .start = pl_seconds(),
              .result = result ? result : &unwanted};
     memset(r.result, 0, sizeof *r.result);
     pl_placement_enter(plan->placement);
-    smooth(&r, coordinates);
+    smooth(&r);
     pl_placement_leave(plan->placement);
     r.result->stop = r.stop;
     r.result->sweeps = r.sweep;

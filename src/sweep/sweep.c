@@ -24,14 +24,15 @@ static double visit_chunk(void *context, int64_t begin, int64_t end, int thread)
 
 pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem,
                         pl_after_colour_fn *after_colour, void *context) {
-    pl_sweep_tally tally = {0, 0, 0};
+    pl_sweep_tally tally = {0, 0, 0, 0};
     for (int c = 0; c < plan->n_colours && !tally.stopped; c++) {
         colour_pass pass = {plan, problem, plan->colour_begin[c], 0};
         int64_t n = plan->colour_begin[c + 1] - pass.first;
         tally.decrease +=
             pl_parallel_sum(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass, plan->partial);
         tally.visits += pass.visits;
-        tally.stopped = after_colour(context, c + 1);
+        tally.colours = c + 1;
+        tally.stopped = after_colour(context, tally.colours);
     }
     return tally;
 }

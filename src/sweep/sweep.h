@@ -19,6 +19,7 @@ typedef int pl_after_colour_fn(void *context, int colours_done);
 typedef struct pl_sweep_tally {
     double decrease; /* of the sum of RR^2 */
     int64_t visits;
+    int colours; /* done */
     int stopped; /* what pl_after_colour_fn said */
 } pl_sweep_tally;
 
