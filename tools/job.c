@@ -5,8 +5,10 @@
 #include "message.h"
 
 #include "base/clock.h"
+#include "base/parallel.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,8 +52,7 @@ static int find_constraints(pl_job *job) {
                                .ignore_regions = arguments->ignore_regions};
     const int code = planish_file_constraints(job->file, &hold, job->constraint, &error);
     if (code == PLANISH_ERROR_ARGUMENT)
-        return pl_complain_usage(pl_command_name(arguments->command), "%s: %s", arguments->input,
-                                 error.text);
+        return pl_complain_usage(pl_command_name(arguments->command), "%s", error.text);
     if (code)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     job->mesh.constraint = job->constraint;
@@ -88,10 +89,24 @@ int pl_job_plan(pl_job *job) {
     return 0;
 }
 
+/** A ratio over no element has no value; 0 would read as better than perfect. */
+static void forget_if_none(double *ratio) {
+    if (*ratio == 0)
+        *ratio = NAN;
+}
+
 int pl_job_measure(const pl_job *job, planish_quality *quality) {
     planish_error error;
     if (planish_measure(job->plan, job->mesh.coordinates, quality, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (quality->max_radius_ratio == 0)
+        quality->min_angle_deg = quality->max_angle_deg = NAN;
+    forget_if_none(&quality->rms_radius_ratio);
+    forget_if_none(&quality->rms_radius_ratio_movable);
+    forget_if_none(&quality->mean_radius_ratio);
+    forget_if_none(&quality->max_radius_ratio);
+    forget_if_none(&quality->fixed_rms_radius_ratio);
+    forget_if_none(&quality->fixed_max_radius_ratio);
     return 0;
 }
 

@@ -45,10 +45,11 @@ static int run_command(pl_command command, int argc, char **argv) {
 }
 
 /** A closed standard stream would give its number to the next file opened, and messages would then
- *  go into a mesh. */
+ *  go into a mesh. A closed standard output stays an error for what is meant for it. */
 static void open_standard_streams(void) {
     for (int descriptor = 0; descriptor <= 2; descriptor++)
-        if (fcntl(descriptor, F_GETFD) == -1 && open("/dev/null", O_RDWR) != descriptor)
+        if (fcntl(descriptor, F_GETFD) == -1 &&
+            open("/dev/null", descriptor == STDOUT_FILENO ? O_RDONLY : O_RDWR) != descriptor)
             _exit(PL_EXIT_FAILED);
 }
 

@@ -3,6 +3,8 @@
 
 #include "message.h"
 
+#include "base/parallel.h"
+
 #include <planish/planish_io.h>
 
 #include <errno.h>
@@ -110,7 +112,7 @@ static const char *set_ignore_regions(pl_arguments *arguments, const char *value
 
 static const char *set_threads(pl_arguments *arguments, const char *value) {
     return parse_integer(value, 1, PL_MAX_THREADS, &arguments->library.threads)
-               ? "must be a whole number from 1 to 4096"
+               ? "must be a whole number from 1 to 1024"
                : NULL;
 }
 

@@ -7,8 +7,6 @@
 
 #include <planish/planish.h>
 
-enum { PL_MAX_THREADS = 4096 };
-
 typedef enum pl_command { PL_COMMAND_SMOOTH = 1, PL_COMMAND_QUALITY = 2 } pl_command;
 
 /** The word that names command. */

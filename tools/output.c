@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -35,6 +36,24 @@ int pl_output_same_file(const char *a, const char *b) {
         return 1;
     return stat(a, &status_a) == 0 && stat(b, &status_b) == 0 && S_ISREG(status_a.st_mode) &&
            same_inode(&status_a, &status_b);
+}
+
+int pl_output_hits_mesh(const char *path, const char *mesh_path) {
+    static const char *const parts[] = {".node", ".ele", ".face", ".edge"};
+    enum { N_PARTS = sizeof parts / sizeof *parts };
+    if (pl_output_same_file(path, mesh_path))
+        return 1;
+    const char *dot = strrchr(mesh_path, '.');
+    int is_part = 0, hit = 0;
+    for (int i = 0; dot && i < N_PARTS; i++)
+        is_part |= strcmp(dot, parts[i]) == 0;
+    for (int i = 0; is_part && i < N_PARTS; i++) {
+        char other[PATH_MAX];
+        const int size =
+            snprintf(other, sizeof other, "%.*s%s", (int)(dot - mesh_path), mesh_path, parts[i]);
+        hit |= size > 0 && (size_t)size < sizeof other && pl_output_same_file(path, other);
+    }
+    return hit;
 }
 
 /** The folder that path is in, to be freed; NULL without memory. */

@@ -18,6 +18,10 @@ int pl_output_is_stdout(const char *path);
 /** Whether the two paths name one existing file, or are the same words. */
 int pl_output_same_file(const char *a, const char *b);
 
+/** Whether writing to path would change a file of the mesh at mesh_path: itself, or, of TetGen's,
+ *  those of the same base name beside it. */
+int pl_output_hits_mesh(const char *path, const char *mesh_path);
+
 /** Whether a file can be made or replaced at path; 0, or an exit status after a message. */
 int pl_output_check(const char *path);
 

@@ -14,7 +14,7 @@ static int check_report(const pl_arguments *arguments) {
     const char *json = arguments->json;
     if (!json || strcmp(json, "-") == 0)
         return 0;
-    if (pl_output_same_file(json, arguments->input))
+    if (pl_output_hits_mesh(json, arguments->input))
         return pl_complain_usage("quality", "the report would overwrite the mesh '%s'", json);
     return pl_output_check(json);
 }

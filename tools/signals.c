@@ -62,6 +62,7 @@ static void handle_unless_ignored(int signal_number, void (*handler)(int)) {
 
 void pl_signals_install(void) {
     handle(SIGPIPE, SIG_IGN);
+    handle(SIGXFSZ, SIG_IGN); /* a limit on the size of files is an error like a full disk */
     handle(SIGBUS, on_bus_error);
 }
 

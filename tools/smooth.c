@@ -31,7 +31,7 @@ static int check_outputs(const pl_arguments *arguments) {
     if (json_is_stdout && pl_output_is_stdout(output))
         return pl_complain_usage("smooth", "mesh and report cannot both go to standard output");
     if (json && strcmp(json, "-") != 0) {
-        if (pl_output_same_file(json, output) || pl_output_same_file(json, arguments->input))
+        if (pl_output_hits_mesh(json, output) || pl_output_hits_mesh(json, arguments->input))
             return pl_complain_usage("smooth", "the report would overwrite the mesh '%s'", json);
         const int status = pl_output_check(json);
         if (status)
@@ -43,7 +43,7 @@ static int check_outputs(const pl_arguments *arguments) {
 /** Another extension than the input's would ask for a conversion. */
 static int check_extension(const pl_job *job) {
     const char *output = job->arguments->output;
-    if (pl_output_is_stream(output) || planish_file_can_write(job->file, output))
+    if (planish_file_can_write(job->file, output))
         return 0;
     return pl_complain_usage("smooth",
                              "'%s' does not have the extension of a %s file, and the format cannot "
@@ -54,6 +54,8 @@ static int check_extension(const pl_job *job) {
 static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
     planish_error error;
     const double begin = pl_seconds();
+    pl_signals_install_stop(); /* before, there is nothing to save: a signal just ends the program
+                                */
     job->options.progress = pl_progress_step;
     job->options.progress_user = progress;
     const int code = planish_smooth(job->plan, planish_file_coordinates(job->file), &job->options,
@@ -99,8 +101,8 @@ static int judge(const pl_job *job, pl_result *result) {
     char *reason = result->reason;
     const size_t size = sizeof result->reason;
     if (result->after.inverted > 0) {
-        snprintf(reason, size, "%" PRId64 " inverted elements are left; nodes beside them stayed",
-                 result->after.inverted);
+        snprintf(reason, size, "%" PRId64 " inverted element%s left; nodes beside them stayed",
+                 result->after.inverted, result->after.inverted == 1 ? " is" : "s are");
         return PL_EXIT_PARTLY;
     }
     if (result->smooth.stop == PLANISH_STOP_TIME_LIMIT) {
@@ -184,7 +186,6 @@ int pl_smooth_command(const pl_arguments *arguments) {
     int status = check_outputs(arguments);
     if (status)
         return status;
-    pl_signals_install_stop();
     pl_progress_init(&progress, arguments->verbosity);
     status = pl_job_read(&job, arguments);
     if (!status)

@@ -2,6 +2,7 @@
 #include "io/file.h"
 
 #include "io/bytes.h"
+#include "io/output.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -36,6 +37,11 @@ int io_format_has_extension(const io_format *format, const char *path) {
             return 1;
     }
     return 0;
+}
+
+const char *io_extension(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot && !strchr(dot, '/') ? dot : path + strlen(path);
 }
 
 const io_format *io_format_find(const char *path, const char *data, int64_t size) {
@@ -168,5 +174,6 @@ int64_t planish_file_node_number(const planish_file *file, int64_t node) {
 }
 
 int planish_file_can_write(const planish_file *file, const char *path) {
-    return io_format_has_extension(file->format, path);
+    return io_output_is_stream(path) || io_format_has_extension(file->format, path) ||
+           strcasecmp(io_extension(path), io_extension(file->model.input.path)) == 0;
 }

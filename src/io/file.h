@@ -18,6 +18,9 @@ const io_format *io_format_find(const char *path, const char *data, int64_t size
 /** Whether path ends in one of the format's extensions, letter case ignored. */
 int io_format_has_extension(const io_format *format, const char *path);
 
+/** Where the extension of path begins (its dot), or its end. */
+const char *io_extension(const char *path);
+
 /** Read size bytes at data (borrowed) as a file of format called path: for fuzzing and tests. */
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
                         int threads, planish_file **file, planish_error *error);

@@ -500,4 +500,8 @@ static int recognise_gmsh(const char *data, int64_t size) {
 
 static const char *const gmsh_extensions[] = {".msh", NULL};
 
-const io_format io_format_gmsh = {"gmsh", gmsh_extensions, recognise_gmsh, read_gmsh, 1};
+const io_format io_format_gmsh = {.name = "gmsh",
+                                  .extensions = gmsh_extensions,
+                                  .recognise = recognise_gmsh,
+                                  .read = read_gmsh,
+                                  .triangles_hold = 1};

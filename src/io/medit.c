@@ -183,8 +183,11 @@ static int walk_keyword(reader *r, io_cursor *cursor, int *done) {
         return PLANISH_OK;
     }
     if (io_word_is(word, length, "MeshVersionFormatted", 0) ||
-        io_word_is(word, length, "Dimension", 0))
-        return read_header(r, word, length, cursor);
+        io_word_is(word, length, "Dimension", 0)) {
+        status = read_header(r, word, length, cursor);
+        skip_to_keyword(cursor);
+        return status;
+    }
     const keyword *k = find_keyword(word, length);
     if (k && k->kind == REFUSED)
         return io_fail_text(r->model, word, r->error,
@@ -458,4 +461,8 @@ static int medit_recognise(const char *data, int64_t size) {
 
 static const char *const extensions[] = {".mesh", NULL};
 
-const io_format io_format_medit = {"medit", extensions, medit_recognise, medit_read, 1};
+const io_format io_format_medit = {.name = "medit",
+                                   .extensions = extensions,
+                                   .recognise = medit_recognise,
+                                   .read = medit_read,
+                                   .triangles_hold = 1};

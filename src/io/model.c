@@ -204,8 +204,8 @@ static int check_plane(const io_model *model, planish_error *error) {
     double z = model->xyz[3 * (int64_t)nodes[0] + 2];
     for (int64_t i = 0; i < 3 * model->triangle.n; i++)
         if (model->xyz[3 * (int64_t)nodes[i] + 2] != z)
-            return pl_fail_at(error, PLANISH_ERROR_MESH, i / 3, nodes[i],
-                              "%s: triangles in space (z is %g at one node and %g at another): "
+            return pl_fail_at(error, PLANISH_ERROR_FORMAT, i / 3, nodes[i],
+                              "%s: triangles in space (z is %.17g here and %.17g there): "
                               "only plane meshes of one z can be smoothed, surfaces cannot",
                               model->input.path, z, model->xyz[3 * (int64_t)nodes[i] + 2]);
     return PLANISH_OK;

@@ -142,6 +142,8 @@ typedef struct io_format {
     int (*recognise)(const char *data, int64_t size); /* by content: 1 sure, 0 no */
     int (*read)(io_model *model, planish_error *error); /* model->input is there */
     int triangles_hold; /* triangles of a 3-D mesh hold their nodes (TetGen decides by marker) */
+    const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
+                                      NULL: there are none */
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_tetgen;

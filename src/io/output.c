@@ -13,7 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MAX_LINKS = 40, MAX_NAMES = 1000 };
+enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
 /* Largest single write(): Linux takes no more than just below 2^31 bytes. */
 enum { WRITE_AT_ONCE = 1 << 30 };
 
@@ -107,14 +107,19 @@ static char *follow_links(const char *path) {
  *  whose mode it will get. */
 static int create_temporary(io_output *output) {
     mode_t mode = access(output->target, F_OK) ? 0666 : 0600;
-    size_t size = strlen(output->target) + 48;
+    const char *slash = strrchr(output->target, '/');
+    size_t folder = slash ? (size_t)(slash - output->target) + 1 : 0;
+    size_t size = folder + LONGEST_KEPT + 48, kept = strlen(output->target);
+    if (kept > folder + LONGEST_KEPT)
+        kept = folder + LONGEST_KEPT; /* the whole name must be legal, too */
     output->temporary = pl_alloc((int64_t)size, 1);
     if (!output->temporary) {
         errno = ENOMEM;
         return -1;
     }
     for (int i = 0; i < MAX_NAMES; i++) {
-        snprintf(output->temporary, size, "%s.planish-%ld-%d", output->target, (long)getpid(), i);
+        snprintf(output->temporary, size, "%.*s.planish-%ld-%d", (int)kept, output->target,
+                 (long)getpid(), i);
         int fd = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (fd >= 0 || errno != EEXIST)
             return fd;

@@ -17,6 +17,7 @@
 
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 enum { CHUNK_NODES = 8192 };
 
@@ -217,15 +218,10 @@ static int write_main(const planish_file *file, const double *coordinates, int t
 
 /* ---- the file and its companions ----------------------------------------------------------- */
 
-static const char *extension_of(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot && !strchr(dot, '/') ? dot : path + strlen(path);
-}
-
 /** path with the extension of another; owned by the caller, NULL without memory. */
 static char *with_extension_of(const char *path, const char *other) {
-    size_t base = (size_t)(extension_of(path) - path);
-    const char *extension = extension_of(other);
+    size_t base = (size_t)(io_extension(path) - path);
+    const char *extension = io_extension(other);
     char *result = pl_alloc((int64_t)(base + strlen(extension) + 1), 1);
     if (result) {
         memcpy(result, path, base);
@@ -253,6 +249,25 @@ static int write_companion(const io_bytes *companion, const char *path, io_tempo
             status = io_output_finish(output, error);
     }
     pl_free(target);
+    return status;
+}
+
+/** Files of another mesh that would be read along with what is written are an error. */
+static int check_strangers(const planish_file *file, const char *path, planish_error *error) {
+    const io_model *model = &file->model;
+    int status = PLANISH_OK;
+    for (const char *const *kind = file->format->companions; kind && *kind && !status; kind++) {
+        int known = 0;
+        for (int i = 0; i < model->n_companions; i++)
+            known |= strcmp(io_extension(model->companion[i].path), *kind) == 0;
+        char *stranger = known ? NULL : with_extension_of(path, *kind);
+        if (stranger && access(stranger, F_OK) == 0)
+            status = pl_fail(error, PLANISH_ERROR_FILE,
+                             "%s: is of another mesh and would be read along with the one to be "
+                             "written; remove it, or choose another name",
+                             stranger);
+        pl_free(stranger);
+    }
     return status;
 }
 
@@ -285,6 +300,8 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
     for (int i = 0; i <= n_companions && output; i++)
         output[i] = (io_output){-1, NULL, NULL, 0};
+    if (!status && !alone)
+        status = check_strangers(file, path, error);
     if (!status)
         status =
             write_all(file, path, main_path, coordinates, pl_thread_count(threads),

@@ -122,8 +122,13 @@ static int read_tag(rows *r, io_cursor *cursor, int64_t row, planish_error *erro
     int failed = 0;
     for (int64_t i = 0; i < r->skipped && line_goes_on(cursor); i++)
         io_word(cursor, &length);
-    if (line_goes_on(cursor))
-        failed = r->real_tag ? io_real(cursor, &real) : io_integer(cursor, &tag);
+    if (line_goes_on(cursor) && (r->real_tag || io_integer(cursor, &tag))) {
+        failed = io_real(cursor, &real);
+        if (!failed && !r->real_tag) { /* some programs write markers as 1.0 */
+            failed = !(fabs(real) <= INT32_MAX) || floor(real) != real;
+            tag = failed ? 0 : (int64_t)real;
+        }
+    }
     if (failed)
         return io_fail_text(&r->part->view, cursor->at, error, "a %s was expected",
                             r->real_tag ? "region attribute" : "boundary marker");
@@ -431,5 +436,10 @@ static int recognise_tetgen(const char *data, int64_t size) {
 }
 
 static const char *const tetgen_extensions[] = {".node", ".ele", NULL};
+static const char *const tetgen_companions[] = {".ele", ".face", ".edge", NULL};
 
-const io_format io_format_tetgen = {"tetgen", tetgen_extensions, recognise_tetgen, read_tetgen, 0};
+const io_format io_format_tetgen = {.name = "tetgen",
+                                    .extensions = tetgen_extensions,
+                                    .recognise = recognise_tetgen,
+                                    .read = read_tetgen,
+                                    .companions = tetgen_companions};

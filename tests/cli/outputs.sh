@@ -23,6 +23,31 @@ cp in.msh same.msh
 expect_status 0 "$program" smooth same.msh -o same.msh -q
 cmp same.msh out.msh || fail "OUT = IN gives another mesh"
 
+# A name without extension, or with that of another format: fine if the output has the same.
+cp in.msh plain
+expect_status 0 "$program" smooth plain -o plain -q
+cmp plain out.msh || fail "a name without extension"
+cp in.msh odd.vtk
+expect_status 0 "$program" smooth odd.vtk -o odd_out.vtk -q
+cmp odd_out.vtk out.msh || fail "a name with another extension"
+
+# The longest name that a file can have.
+long=$(printf 'x%.0s' $(seq 251)).msh
+expect_status 0 "$program" smooth in.msh -o "$long" -q
+cmp "$long" out.msh || fail "a long name"
+
+# A limit on the size of files is like a full disk.
+expect_status 2 bash -c "ulimit -f 20; exec \"$program\" smooth in.msh -o limited.msh -q"
+expect_one_line
+expect_no_file limited.msh*
+
+# Files of another TetGen mesh are not silently joined to the one that is written.
+cp "$source_folder"/tests/data/tetgen.* .
+echo "0 1" >stale.face
+expect_status 2 "$program" smooth tetgen.node -o stale.node -q
+expect_text "stale.face"
+expect_no_file stale.node stale.ele
+
 # Through symbolic links, which stay links; one that leads nowhere yet makes the file.
 mkdir elsewhere
 cp in.msh elsewhere/target.msh
@@ -49,6 +74,8 @@ expect_text "worst radius ratio"
 expect_status 0 "$program" smooth in.msh -o /dev/null
 grep -q "worst radius ratio" out || fail "table on standard output"
 [ -c /dev/null ] || fail "/dev/null was replaced"
+"$program" smooth in.msh -o /dev/stdout -q >redirected.msh
+cmp redirected.msh out.msh || fail "standard output that is a file"
 mkfifo fifo
 "$program" smooth in.msh -o fifo -q &
 cat fifo >piped.msh

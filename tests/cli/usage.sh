@@ -60,6 +60,16 @@ bad smooth in.msh -o out.msh --json out.msh
 bad smooth in.msh -o out.msh --json in.msh
 bad quality in.msh --json in.msh
 bad smooth in.msh -o /dev/stdout --json -
+
+# TetGen's mesh is several files; the report may be none of them, neither read nor written.
+cp "$source_folder"/tests/data/tetgen.* .
+for report in tetgen.ele tetgen.node tetgen.face other.node other.ele other.edge; do
+    bad smooth tetgen.node -o other.node --json $report
+    bad smooth tetgen.ele -o other.ele --json $report
+done
+bad quality tetgen.node --json tetgen.ele
+expect_no_file other.node other.ele
+cmp tetgen.ele "$source_folder/tests/data/tetgen.ele" || fail "the elements were changed"
 cmp in.msh "$sample" || fail "the input was changed"
 
 # Help and version go to standard output and need nothing else.

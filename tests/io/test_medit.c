@@ -106,6 +106,17 @@ static void sections_may_stand_in_any_order(void **state) {
 #define HEAD  "MeshVersionFormatted 2\nDimension 3\n"
 #define NODES "Vertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n"
 
+static void comments_are_no_keywords(void **state) {
+    (void)state;
+    planish_file *file =
+        reading_text(&io_format_medit, "MeshVersionFormatted 2\n# Vertices 5\nDimension 3\n"
+                                       "# RequiredVertices 1 1\n" NODES
+                                       "# Corners 1 2\nTetrahedra\n1\n1 2 3 4 0\nEnd\n");
+    assert_int_equal(planish_file_mesh(file).n_nodes, 4);
+    assert_int_equal(file->model.hold[0] | file->model.hold[1], 0);
+    planish_file_close(file);
+}
+
 static void wrong_files_are_refused(void **state) {
     (void)state;
     const io_format *f = &io_format_medit;
@@ -174,6 +185,7 @@ int main(void) {
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(a_plane_is_read),
         cmocka_unit_test(sections_may_stand_in_any_order),
+        cmocka_unit_test(comments_are_no_keywords),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(every_beginning_is_survived),
         cmocka_unit_test(many_threads_read_the_same),

@@ -148,7 +148,7 @@ static void what_cannot_be_smoothed_is_refused(void **state) {
     io_model model;
     planish_error error;
     make_model(&model, 3, 2, bent);
-    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_MESH);
+    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
     make_model(&model, 2, 3, flat); /* tetrahedra without a third coordinate */
     assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_FORMAT);

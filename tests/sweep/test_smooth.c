@@ -240,6 +240,81 @@ static void floats_stay_floats(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Two boxes whose sizes differ by a factor of 2^400, and a node of no element far away: each star
+ * is seen in its own scale. */
+static void sizes_do_not_disturb_one_another(void **state) {
+    int dim = *(int *)*state;
+    planish_options options = defaults();
+    test_mesh large, both;
+    smoothed alone, s;
+    bad_box(&large, dim);
+    bad_box(&both, dim);
+    test_mesh_transform(&both, ldexp(1, -400), 0);
+    test_mesh_append(&both, &large, 0);
+    options.max_sweeps = 5;
+    smooth(&large.mesh, &options, &alone);
+    smooth(&both.mesh, &options, &s);
+    int64_t n = large.mesh.n_nodes * dim;
+    for (int64_t i = 0; i < n; i++) /* the small one has the numbers, so the colours, of alone */
+        assert_true(s.coordinates[i] == ldexp(alone.coordinates[i], -400));
+    assert_int_equal(s.result.moved_nodes, 2 * alone.result.moved_nodes);
+    free(alone.coordinates);
+    free(s.coordinates);
+    test_mesh_destroy(&large);
+    test_mesh_destroy(&both);
+}
+
+/** Coordinates that are small multiples of the smallest double: what was judged is what is stored.
+ */
+static void subnormal_meshes_stay_valid(void **state) {
+    int dim = *(int *)*state;
+    planish_options options = defaults();
+    for (unsigned seed = 0; seed < 30; seed++) {
+        test_mesh mesh;
+        smoothed s;
+        test_mesh_box(&mesh, dim, 4);
+        test_mesh_perturb(&mesh, 0.14, seed);
+        test_mesh_transform(&mesh, ldexp(1, -1070), 0);
+        smooth(&mesh.mesh, &options, &s);
+        assert_int_equal(s.after.inverted, s.before.inverted);
+        assert_int_equal(s.result.inverted, s.after.inverted);
+        assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
+        assert_true(s.after.rms_radius_ratio <= s.before.rms_radius_ratio);
+        free(s.coordinates);
+        test_mesh_destroy(&mesh);
+    }
+}
+
+/** Boxes squeezed to 1e-9 of their height: radius ratios of 1e9 and more, whose rounding is seen.
+ */
+static void flat_meshes_keep_the_promises(void **state) {
+    int dim = *(int *)*state;
+    planish_options options = defaults();
+    for (unsigned seed = 0; seed < 20; seed++) {
+        test_mesh mesh;
+        smoothed s, again;
+        options.direction = (planish_direction)(seed % 2);
+        test_mesh_box(&mesh, dim, 4);
+        test_mesh_perturb(&mesh, 0.14, seed);
+        for (int64_t i = 0; i < mesh.mesh.n_nodes; i++) {
+            double *x = mesh.coordinates + i * dim;
+            x[dim - 1] = 0.3 * x[0] + 1e-9 * x[dim - 1]; /* oblique, so that coordinates round */
+        }
+        smooth(&mesh.mesh, &options, &s);
+        memcpy(mesh.coordinates, s.coordinates,
+               (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double));
+        smooth(&mesh.mesh, &options, &again);
+        assert_int_equal(s.after.inverted, s.before.inverted);
+        assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
+        assert_true(s.after.rms_radius_ratio <= s.before.rms_radius_ratio);
+        assert_true(again.after.max_radius_ratio <= again.before.max_radius_ratio);
+        assert_true(again.after.rms_radius_ratio <= again.before.rms_radius_ratio);
+        free(s.coordinates);
+        free(again.coordinates);
+        test_mesh_destroy(&mesh);
+    }
+}
+
 /* ---- what is left alone ------------------------------------------------------------------- */
 
 /** A node pushed out of its star: its elements stay as they are, the others become better. */
@@ -326,6 +401,38 @@ static void a_callback_stops_after_a_colour(void **state) {
     assert_true(s.result.moved_nodes > 0 && s.result.moved_nodes < s.info.n_free);
     assert_int_equal(s.after.inverted, 0);
     assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/** How many calls, and what the last one said. */
+typedef struct calls {
+    int n, sweep_done, colour;
+} calls;
+
+static int refuse_everything(const planish_progress *progress, void *user) {
+    calls *c = user;
+    c->n++;
+    c->sweep_done = progress->sweep_done;
+    c->colour = progress->colour;
+    return 1;
+}
+
+/** The call that closes a sweep cut short says how far it came, and its answer changes nothing. */
+static void the_last_call_tells_the_truth(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    bad_box(&mesh, dim);
+    calls c = {0, 0, 0};
+    planish_options options = defaults();
+    options.progress = refuse_everything;
+    options.progress_user = &c;
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.result.stop, PLANISH_STOP_INTERRUPTED);
+    assert_int_equal(c.n, 2);
+    assert_true(c.sweep_done);
+    assert_int_equal(c.colour, 1);
     free(s.coordinates);
     test_mesh_destroy(&mesh);
 }
@@ -436,10 +543,14 @@ int main(void) {
         BOTH(far_from_the_origin_it_works),
         BOTH(element_order_does_not_invert),
         BOTH(floats_stay_floats),
+        BOTH(sizes_do_not_disturb_one_another),
+        BOTH(subnormal_meshes_stay_valid),
+        BOTH(flat_meshes_keep_the_promises),
         BOTH(inverted_stars_are_left_alone),
         BOTH(only_worse_stars_are_touched),
         BOTH(without_free_nodes_nothing_happens),
         BOTH(a_callback_stops_after_a_colour),
+        BOTH(the_last_call_tells_the_truth),
         BOTH(limits_stop),
         BOTH(a_plan_serves_many_coordinates),
         BOTH(wrong_arguments_are_refused),
