@@ -8,6 +8,8 @@
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
  *
  * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
+ * Floating-point environment: round to nearest, subnormals not flushed to zero (the default of every
+ * system); otherwise the bits, and near rounding the promises, are not those stated here.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
  * circumradius and r the inradius; 1 for the equilateral element and larger for any other.
  */
@@ -72,7 +74,9 @@ typedef enum planish_direction {
     PLANISH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's choice (its equation 3) */
 } planish_direction;
 
-/** What a coordinate is stored as in the end: positions are rounded to it before they are judged. */
+/** What a coordinate is stored as in the end: positions of nodes that move are rounded to it before
+ *  they are judged. With PLANISH_FLOAT the coordinates given should be floats, too: those of nodes
+ *  that do not move are taken as they are. */
 typedef enum planish_precision { PLANISH_DOUBLE = 0, PLANISH_FLOAT = 1 } planish_precision;
 
 /** Kernel variants; all of them give the same bits. */
@@ -88,22 +92,29 @@ typedef struct planish_progress {
     int sweep;          /* sweeps begun so far, from 1 */
     int colour;         /* colours done in this sweep, 1 .. n_colours */
     int n_colours;      /* colours of the plan */
-    int sweep_done;     /* not 0: the last call of this sweep; the fields below are of the sweep */
-    double rms;         /* RMS of RR over the valid elements after the sweep */
+    int sweep_done;     /* not 0: the last call of this sweep, which may have been cut short */
+    double rms;         /* RMS of RR over the valid elements after the last sweep: measured at first
+                           and when it has fallen much, else tracked by what the visits report */
     double rms_movable; /* the same over the valid elements with a free node */
-    int64_t visits;     /* nodes visited in this sweep */
+    int64_t visits;     /* nodes visited in this sweep; 0 until sweep_done */
     double seconds;     /* time of this sweep so far */
     double elapsed;     /* time of planish_smooth so far, seconds */
 } planish_progress;
 
-/** Called on the calling thread after every colour; a result other than 0 ends the smoothing
- *  there: the mesh is then valid and no worse than before. */
+/** Called on the calling thread after every colour and once more at the end of every sweep; a result
+ *  other than 0 ends the smoothing there: the mesh that planish_smooth returns is then valid and no
+ *  worse than before. A sweep that is cut short (by this or the time limit) still gets its last call,
+ *  whose result does not matter. The caller's coordinates change only when planish_smooth returns.
+ *  With bind, the calling thread is bound meanwhile, and threads made in here inherit that. */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
 typedef struct planish_options {
     size_t struct_size;            /* set by planish_options_init */
-    int threads;                   /* 0: as many as OpenMP would use */
-    int bind;                      /* not 0: bind each thread to a core while the library runs */
+    int threads;                   /* 1 .. 1024; 0: as many as OpenMP would use, with bind at most
+                                      as many as there are cores. If the system cannot start that
+                                      many, libgomp ends the process: see docs/architecture.md */
+    int bind;                      /* not 0: bind each thread to a core while the library runs, if
+                                      there are as many cores and hwloc is there */
     planish_isa isa;               /* kernel variant */
     planish_direction direction;   /* search direction of the local problem */
     planish_precision precision;   /* what coordinates are stored as in the end */
@@ -142,7 +153,9 @@ typedef struct planish_plan_info {
 /** Make a plan for mesh: validate it, find its boundary and orientation, order and colour its free
  *  nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
  *  mesh->elements, which must stay as they are until planish_plan_destroy; coordinates and
- *  constraint are not used after the return.
+ *  constraint are not read after the return. Which order of an element is the positive one is decided
+ *  here, from these coordinates: for a mirrored copy of them make another plan.
+ *  Nodes with more than 65535 neighbours are held. A mesh without elements is an error.
  *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
@@ -202,7 +215,8 @@ typedef struct planish_result {
 /** Smooth coordinates [n_nodes][dim] in place.
  *  Promised: only free nodes move; no positive element is inverted; no element gets a worse RR than
  *  the worst of the input; the RMS of RR never rises; the same bits for any number of threads, any
- *  isa and compiler. options (NULL: defaults); threads, bind and isa are those of the plan.
+ *  isa and compiler (gcc and clang are tested). Stars with an element that is not positive are left
+ *  alone. options (NULL: defaults); threads, bind and isa are those of the plan.
  *  Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then untouched. */
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,
