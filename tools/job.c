@@ -3,9 +3,9 @@
 #include "job.h"
 
 #include "message.h"
+#include "threads.h"
 
 #include "base/clock.h"
-#include "base/parallel.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -16,14 +16,6 @@
 /** Whether the user has told OpenMP where threads belong; the program then leaves that alone. */
 static int user_binds_threads(void) {
     return getenv("OMP_PLACES") || getenv("OMP_PROC_BIND") || getenv("GOMP_CPU_AFFINITY");
-}
-
-/** The number of threads that the user has told OpenMP, or 0. The library would take it as a bound
- *  beside the number of cores; here it is as good as -j. */
-static int user_threads(void) {
-    const char *text = getenv("OMP_NUM_THREADS");
-    const long threads = text ? strtol(text, NULL, 10) : 0; /* of "4,2" the outermost level */
-    return threads > 0 && threads <= PL_MAX_THREADS ? (int)threads : 0;
 }
 
 int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
@@ -66,8 +58,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     job->arguments = arguments;
     job->options = arguments->library;
     job->options.bind = !user_binds_threads();
-    if (job->options.threads == 0)
-        job->options.threads = user_threads();
+    job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (planish_file_open(arguments->input, arguments->format, job->options.threads, &job->file,
                           &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
