@@ -4,6 +4,8 @@
 #include "message.h"
 #include "signals.h"
 
+#include "io/output.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -12,11 +14,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-int pl_output_is_stream(const char *path) {
-    struct stat status;
-    return stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode);
-}
 
 static int same_inode(const struct stat *a, const struct stat *b) {
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
@@ -30,9 +27,34 @@ int pl_output_is_stdout(const char *path) {
            !S_ISCHR(named.st_mode) && same_inode(&named, &standard);
 }
 
+/** The folder that path is in, to be freed; NULL without memory. */
+static char *folder_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    if (!slash)
+        return strdup(".");
+    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+}
+
+static const char *base_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/** Whether two names of files that need not exist are of one file in one folder. */
+static int same_place(const char *a, const char *b) {
+    struct stat folder_a, folder_b;
+    char *in_a = folder_of(a), *in_b = folder_of(b);
+    const int same = in_a && in_b && strcmp(base_of(a), base_of(b)) == 0 &&
+                     stat(in_a, &folder_a) == 0 && stat(in_b, &folder_b) == 0 &&
+                     same_inode(&folder_a, &folder_b);
+    free(in_a);
+    free(in_b);
+    return same;
+}
+
 int pl_output_same_file(const char *a, const char *b) {
     struct stat status_a, status_b;
-    if (strcmp(a, b) == 0)
+    if (strcmp(a, b) == 0 || same_place(a, b))
         return 1;
     return stat(a, &status_a) == 0 && stat(b, &status_b) == 0 && S_ISREG(status_a.st_mode) &&
            same_inode(&status_a, &status_b);
@@ -56,21 +78,13 @@ int pl_output_hits_mesh(const char *path, const char *mesh_path) {
     return hit;
 }
 
-/** The folder that path is in, to be freed; NULL without memory. */
-static char *folder_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    if (!slash)
-        return strdup(".");
-    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
-}
-
 int pl_output_check(const char *path) {
     struct stat status;
     const int exists = stat(path, &status) == 0;
     if (exists && S_ISDIR(status.st_mode))
         return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
-    if (exists && !S_ISREG(status.st_mode))
-        return 0;
+    if (io_output_is_stream(path) || (!exists && lstat(path, &status) == 0))
+        return 0; /* nothing is made beside it, or it is made where the link leads */
     if (path[0] && path[strlen(path) - 1] == '/')
         return pl_complain(PL_EXIT_FAILED, "%s: is no name for a file", path);
     char *target = exists ? realpath(path, NULL) : strdup(path);
@@ -79,73 +93,31 @@ int pl_output_check(const char *path) {
     if (!folder)
         result = pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
     else if (access(folder, W_OK | X_OK) != 0)
-        result = pl_complain(PL_EXIT_FAILED, "%s: cannot be written, as its folder is: %s", path,
+        result = pl_complain(PL_EXIT_FAILED, "%s: its folder cannot be written: %s", path,
                              strerror(errno));
     free(folder);
     free(target);
     return result;
 }
 
-/** Write and close; 0 or errno. */
-static int write_and_close(int descriptor, const char *text, size_t length) {
-    int failure = 0;
-    while (length > 0 && !failure) {
-        const ssize_t written = write(descriptor, text, length);
-        if (written >= 0) {
-            text += written;
-            length -= (size_t)written;
-        } else if (errno != EINTR) {
-            failure = errno;
-        }
-    }
-    if (close(descriptor) != 0 && !failure)
-        failure = errno;
-    return failure;
-}
-
-static int write_directly(const char *path, const char *text, size_t length) {
-    const int descriptor = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-    return descriptor < 0 ? errno : write_and_close(descriptor, text, length);
-}
-
-static int write_and_rename(const char *target, const struct stat *replaced, const char *text,
-                            size_t length) {
-    char temporary[PL_TEMPORARY_SIZE];
-    const int size =
-        snprintf(temporary, sizeof temporary, "%s.planish-%ld", target, (long)getpid());
-    if (size < 0 || (size_t)size + 2 > sizeof temporary) /* two: the list's end behind it */
-        return ENAMETOOLONG;
-    const int descriptor = open(temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor < 0)
-        return errno;
-    char *shown = pl_signals_temporary(PL_TEMPORARY_REPORT);
-    memcpy(shown + 1, temporary + 1, (size_t)size);
-    shown[0] = temporary[0]; /* last: until now the list is empty */
-    if (replaced)
-        (void)fchmod(descriptor, replaced->st_mode & 07777);
-    int failure = write_and_close(descriptor, text, length);
-    if (!failure && rename(temporary, target) != 0)
-        failure = errno;
-    if (failure)
-        unlink(temporary);
-    shown[0] = '\0';
-    return failure;
-}
-
-int pl_output_write_text(const char *path, const char *text, size_t length) {
-    struct stat status;
+int pl_output_write_text(const char *path, const char *text, size_t length, planish_error *error) {
     if (strcmp(path, "-") == 0) {
         errno = 0;
-        return fwrite(text, 1, length, stdout) == length && fflush(stdout) == 0 ? 0 : errno;
+        if (fwrite(text, 1, length, stdout) == length && fflush(stdout) == 0)
+            return 0;
+        snprintf(error->text, sizeof error->text, "standard output: %s", strerror(errno));
+        return PLANISH_ERROR_FILE;
     }
-    const int exists = stat(path, &status) == 0;
-    const int is_link = !exists && lstat(path, &status) == 0;
-    if (is_link || (exists && !S_ISREG(status.st_mode)))
-        return write_directly(path, text, length);
-    char *target = exists ? realpath(path, NULL) : strdup(path);
-    if (!target)
-        return errno;
-    const int failure = write_and_rename(target, exists ? &status : NULL, text, length);
-    free(target);
-    return failure;
+    const io_temporaries temporaries = {pl_signals_temporary(PL_TEMPORARY_REPORT),
+                                        PL_TEMPORARY_SIZE};
+    io_output output;
+    int status = io_output_open(path, temporaries, &output, error);
+    if (!status)
+        status = io_output_write(&output, text, (int64_t)length, error);
+    if (!status)
+        status = io_output_finish(&output, error);
+    if (!status)
+        status = io_output_commit(&output, temporaries, error);
+    io_output_release(&output, temporaries);
+    return status;
 }

@@ -26,11 +26,11 @@ static int write_report(const pl_job *job, const planish_quality *quality) {
     char *text = pl_result_quality_json(job, quality);
     if (!text)
         return pl_complain(PL_EXIT_FAILED, "out of memory for the report %s", path);
-    const int failure = pl_output_write_text(path, text, strlen(text));
+    planish_error error;
+    const int failure = pl_output_write_text(path, text, strlen(text), &error);
     free(text);
     if (failure)
-        return pl_complain(PL_EXIT_FAILED, "%s: the report cannot be written: %s", path,
-                           strerror(failure));
+        return pl_complain(PL_EXIT_FAILED, "the report: %s", error.text);
     return 0;
 }
 

@@ -69,6 +69,7 @@ void pl_signals_install(void) {
 void pl_signals_install_stop(void) {
     handle_unless_ignored(SIGINT, on_stop);
     handle_unless_ignored(SIGTERM, on_stop);
+    handle_unless_ignored(SIGHUP, on_stop);
 }
 
 int pl_signals_stop_asked(void) {

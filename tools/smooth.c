@@ -77,6 +77,12 @@ static int check_promises(const pl_job *job, const pl_result *result) {
                            "%s: internal error: %" PRId64 " elements inverted after smoothing, "
                            "%" PRId64 " before; nothing was written, please report this",
                            job->arguments->input, after->inverted, before->inverted);
+    if (after->max_radius_ratio > before->max_radius_ratio)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: internal error: the worst radius ratio rose from %.17g to %.17g; "
+                           "nothing was written, please report this",
+                           job->arguments->input, before->max_radius_ratio,
+                           after->max_radius_ratio);
     if (after->rms_radius_ratio > before->rms_radius_ratio * (1 + RMS_ROUNDING))
         return pl_complain(PL_EXIT_FAILED,
                            "%s: internal error: the RMS rose from %.17g to %.17g; nothing was "
@@ -127,11 +133,11 @@ static int write_report(const pl_job *job, const pl_result *result, const pl_pro
     char *text = pl_result_smooth_json(job, result, progress);
     if (!text)
         return pl_complain(PL_EXIT_PARTLY, "out of memory for the report %s", path);
-    const int failure = pl_output_write_text(path, text, strlen(text));
+    planish_error error;
+    const int failure = pl_output_write_text(path, text, strlen(text), &error);
     free(text);
     if (failure)
-        return pl_complain(PL_EXIT_PARTLY, "%s: the report cannot be written: %s", path,
-                           strerror(failure));
+        return pl_complain(PL_EXIT_PARTLY, "the report: %s", error.text);
     return 0;
 }
 

@@ -8,8 +8,8 @@
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
  *
  * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
- * Floating-point environment: round to nearest, subnormals not flushed to zero (the default of every
- * system); otherwise the bits, and near rounding the promises, are not those stated here.
+ * Floating-point environment: round to nearest, subnormals not flushed to zero (the default of
+ * every system); otherwise the bits, and near rounding the promises, are not those stated here.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
  * circumradius and r the inradius; 1 for the equilateral element and larger for any other.
  */
@@ -101,11 +101,12 @@ typedef struct planish_progress {
     double elapsed;     /* time of planish_smooth so far, seconds */
 } planish_progress;
 
-/** Called on the calling thread after every colour and once more at the end of every sweep; a result
- *  other than 0 ends the smoothing there: the mesh that planish_smooth returns is then valid and no
- *  worse than before. A sweep that is cut short (by this or the time limit) still gets its last call,
- *  whose result does not matter. The caller's coordinates change only when planish_smooth returns.
- *  With bind, the calling thread is bound meanwhile, and threads made in here inherit that. */
+/** Called on the calling thread after every colour and once more at the end of every sweep; a
+ * result other than 0 ends the smoothing there: the mesh that planish_smooth returns is then valid
+ * and no worse than before. A sweep that is cut short (by this or the time limit) still gets its
+ * last call, whose result does not matter. The caller's coordinates change only when planish_smooth
+ * returns. With bind, the calling thread is bound meanwhile, and threads made in here inherit that.
+ */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
 typedef struct planish_options {
@@ -126,7 +127,8 @@ typedef struct planish_options {
     void *progress_user;           /* handed to progress */
 } planish_options;
 
-/** Fill in the defaults: Newton, 200 sweeps, tolerance 1e-5, no time limit, all nodes. */
+/** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel;
+ * Newton; doubles; 200 sweeps, tolerance 1e-5, no time limit; all nodes; no callback. */
 PLANISH_API void planish_options_init(planish_options *options);
 
 /* ---- Plan --------------------------------------------------------------------------------- */
@@ -153,12 +155,13 @@ typedef struct planish_plan_info {
 /** Make a plan for mesh: validate it, find its boundary and orientation, order and colour its free
  *  nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
  *  mesh->elements, which must stay as they are until planish_plan_destroy; coordinates and
- *  constraint are not read after the return. Which order of an element is the positive one is decided
- *  here, from these coordinates: for a mirrored copy of them make another plan.
- *  Nodes with more than 65535 neighbours are held. A mesh without elements is an error.
- *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
+ *  constraint are not read after the return. Which order of an element is the positive one is
+ * decided here, from these coordinates: for a mirrored copy of them make another plan. Nodes with
+ * more than 65535 neighbours are held. A mesh without elements is an error. Errors: _ARGUMENT,
+ * _MESH (element or node is set), _MEMORY. */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
+/** plan may be NULL. */
 PLANISH_API void planish_plan_destroy(planish_plan *plan);
 PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
 
@@ -177,10 +180,10 @@ typedef struct planish_quality {
     double rms_radius_ratio_movable; /* over elements with a free node */
     double mean_radius_ratio;
     double max_radius_ratio;
-    int64_t worst_element;  /* where max_radius_ratio is, or -1 */
-    double min_angle_deg;   /* dihedral angles in 3-D, angles in 2-D */
+    int64_t worst_element; /* where max_radius_ratio is, or -1 */
+    double min_angle_deg;  /* dihedral angles in 3-D, angles in 2-D */
     double max_angle_deg;
-    int64_t n_fixed;        /* elements all of whose nodes are fixed */
+    int64_t n_fixed;               /* elements all of whose nodes are fixed */
     double fixed_rms_radius_ratio; /* 0 where there is none */
     double fixed_max_radius_ratio; /* the floor of max_radius_ratio with these nodes fixed */
     double histogram_edges[PLANISH_HISTOGRAM_BINS + 1]; /* of RR; the last is infinite */
@@ -217,7 +220,8 @@ typedef struct planish_result {
  *  the worst of the input; the RMS of RR never rises; the same bits for any number of threads, any
  *  isa and compiler (gcc and clang are tested). Stars with an element that is not positive are left
  *  alone. options (NULL: defaults); threads, bind and isa are those of the plan.
- *  Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then untouched. */
+ *  Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then untouched.
+ */
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,
                                planish_error *error);

@@ -27,17 +27,18 @@ PLANISH_API void planish_file_close(planish_file *file);
 PLANISH_API const char *const *planish_file_formats(void);
 
 typedef struct planish_file_info {
-    const char *format;            /* name of the format, static text */
-    planish_precision precision;   /* what the file stores coordinates as */
-    int64_t n_other_elements;      /* elements that are passed through (hexahedra, pyramids, ...) */
-    int64_t n_lower_elements;      /* elements of lower dimension */
-    int64_t n_regions;             /* distinct regions among the elements smoothed */
-    int64_t bytes;                 /* size of the input */
+    const char *format;          /* name of the format, static text */
+    planish_precision precision; /* what the file stores coordinates as */
+    int64_t n_other_elements;    /* elements that are passed through (hexahedra, pyramids, ...) */
+    int64_t n_lower_elements;    /* elements of lower dimension */
+    int64_t n_regions;           /* distinct regions among the elements smoothed */
+    int64_t bytes;               /* size of the input */
 } planish_file_info;
 
 PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_info *info);
 
-/** The mesh: its arrays belong to the file; constraint is NULL. Coordinates may be changed in place
+/** The mesh: its arrays belong to the file; constraint is NULL, to be set to what
+ *  planish_file_constraints fills in. Coordinates may be changed in place
  *  through planish_file_coordinates. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 PLANISH_API double *planish_file_coordinates(planish_file *file);
@@ -67,7 +68,8 @@ PLANISH_API int planish_file_can_write(const planish_file *file, const char *pat
  *  temporary (may be NULL): a buffer of temporary_size bytes, zeroed, that holds the paths of the
  *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
  *  signal handler that removes them. TetGen's .ele, .face and .edge are written along with .node.
- *  Errors: _FILE; nothing is left behind then. */
+ *  Errors: _FILE, _MEMORY, _ARGUMENT; nothing is left behind then (but if one of TetGen's files
+ *  could not be renamed after another had been, that one is in its place). */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);

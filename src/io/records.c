@@ -3,10 +3,10 @@
 
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "base/round.h"
 #include "base/round.h"
 
 enum {
@@ -148,10 +148,13 @@ static int read_text_chunks(io_text *text, io_cursor *cursor, struct job *job, i
     /* The index takes control characters for white space, which readers do not. */
     if (cursor->at != token_begin(text, job->rank))
         return 0;
+    const char *end = token_begin(text, job->rank + n * job->size);
+    if (memchr(cursor->at, '#', (size_t)(end - cursor->at)))
+        return 0;
     pl_parallel_for(text->threads, n, RECORDS_AT_ONCE, read_text_chunk, job);
     if (atomic_load(&job->failed))
         return 0;
-    cursor->at = token_begin(text, job->rank + n * job->size);
+    cursor->at = end;
     return 1;
 }
 

@@ -4,6 +4,8 @@
  * first of them. Where records are many, io_text_records finds the places between (by an index of
  * the file's tokens) and threads read chunks of them; otherwise, and when any chunk fails, the
  * same function reads all of them in order, so that errors are those of the first bad record.
+ * Before a comment nothing is read by threads: its words are tokens to the index and none to the
+ * reader, and what a pass notes of misplaced records (nodes that are held) could not be taken back.
  * Nothing is assumed about lines: records are as many tokens as the caller says.
  */
 #ifndef PL_IO_RECORDS_H

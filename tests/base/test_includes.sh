@@ -33,7 +33,8 @@ refuse "src/star/*" "$(includes "$(others base geometry star)")" "star knows bas
 refuse "src/quality/*" "$(includes "$(others base geometry quality)")" "quality knows base and geometry"
 refuse "src/sweep/*" "$(includes "io")" "sweep does not know io"
 refuse "src/io/*" "$(includes "$(others base io)")" "io knows base only"
-refuse "tools/*.c tools/*.h" "$(includes "$(others base)")" "the program knows public headers and base"
+refuse "$(ls tools/*.[ch] | grep -v tools/output.c)" "$(includes "$(others base)")" \
+    "the program knows public headers and base, and io's output to write its report"
 refuse "$(ls src/*/* tools/*.[ch] | grep -v src/base/parallel.c)" "omp\.h|# *pragma *omp" "OpenMP belongs in src/base/parallel.c"
 refuse "$(ls src/*/* tools/*.[ch] | grep -v src/sweep/placement.c)" "hwloc\.h" "hwloc belongs in src/sweep/placement.c"
 

@@ -31,6 +31,13 @@ cp in.msh odd.vtk
 expect_status 0 "$program" smooth odd.vtk -o odd_out.vtk -q
 cmp odd_out.vtk out.msh || fail "a name with another extension"
 
+# A report appended to a log leaves what is in it; one that would land on the mesh is refused.
+echo "first line" >log
+"$program" quality in.msh -q --json /dev/stdout >>log || fail "report to a log"
+head -n 1 log | grep -q "first line" || fail "the log was replaced"
+expect_status 64 "$program" smooth in.msh -o absent.msh --json ./absent.msh -q
+expect_no_file absent.msh
+
 # The longest name that a file can have.
 long=$(printf 'x%.0s' $(seq 251)).msh
 expect_status 0 "$program" smooth in.msh -o "$long" -q

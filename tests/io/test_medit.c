@@ -179,6 +179,32 @@ static void many_threads_read_the_same(void **state) {
     free(text);
 }
 
+/** A comment among many edges: threads must hold the nodes that one thread holds. */
+static void comments_do_not_misplace_records(void **state) {
+    (void)state;
+    enum { N = 300000 };
+    char *text = malloc((size_t)N * 6 + 1000);
+    size_t used = (size_t)sprintf(text,
+                                  HEAD "Vertices 9 0 0 0 5 1 0 0 5 0 1 0 5 0 0 1 5 2 2 2 5 "
+                                       "3 3 3 5 4 4 4 5 5 5 5 5 6 6 6 5\n"
+                                       "Tetrahedra 1 1 2 3 4 5\nEdges %d\n# 1\n",
+                                  N);
+    for (int i = 0; i < N; i++)
+        used += (size_t)sprintf(text + used, "1 2 5\n");
+    planish_file *one = NULL, *four = NULL;
+    planish_error error = {.text = ""};
+    assert_int_equal(
+        io_file_from_memory(&io_format_medit, "test", text, (int64_t)used, 1, &one, &error), 0);
+    assert_int_equal(
+        io_file_from_memory(&io_format_medit, "test", text, (int64_t)used, 4, &four, &error), 0);
+    static const uint8_t held[9] = {IO_HELD_BY_LOWER, IO_HELD_BY_LOWER};
+    assert_memory_equal(one->model.hold, held, sizeof held);
+    assert_memory_equal(four->model.hold, held, sizeof held);
+    planish_file_close(one);
+    planish_file_close(four);
+    free(text);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_solid_is_read),
@@ -189,6 +215,7 @@ int main(void) {
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(every_beginning_is_survived),
         cmocka_unit_test(many_threads_read_the_same),
+        cmocka_unit_test(comments_do_not_misplace_records),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
