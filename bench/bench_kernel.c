@@ -72,14 +72,7 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
         for (int d = 0; d < plan->dim; d++)
             start[(int64_t)plan->inner[i] * plan->dim + d] = mesh->coordinates[i * plan->dim + d];
     memcpy(plan->coordinates, start, (size_t)values * sizeof *start);
-    pl_star_problem problem = {.coordinates = plan->coordinates,
-                               .node = plan->centre,
-                               .ring_offset = plan->stars.ring_offset,
-                               .ring = plan->stars.ring,
-                               .link_offset = plan->stars.link_offset,
-                               .link = plan->stars.link,
-                               .changed = plan->changed,
-                               .rr2_limit = 1e300};
+    pl_star_problem problem = pl_plan_problem(plan);
     double per_star = plan->stars.n_stars ? 1e9 / (double)plan->stars.n_stars : 0;
     const char *separator = "";
     printf("  \"ns_per_star\": [");

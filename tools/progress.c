@@ -71,7 +71,7 @@ int pl_progress_step(const planish_progress *step, void *user) {
         show_line(step);
     else if (progress->show == PL_SHOW_BAR)
         show_bar(progress, step);
-    return pl_signals_stop_asked() || progress->out_of_memory;
+    return pl_signals_stop_asked();
 }
 
 void pl_progress_clear(pl_progress *progress) {

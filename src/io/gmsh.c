@@ -228,8 +228,8 @@ int gmsh_index_nodes(gmsh_reader *reader) {
         model->node_number = NULL;
         return 0;
     }
-    int status = io_numbers_create(model->node_number, model->n_nodes, model->threads,
-                                   &reader->numbers, reader->error);
+    int status =
+        io_numbers_create(model->node_number, model->n_nodes, &reader->numbers, reader->error);
     return status == PLANISH_ERROR_FORMAT ? fail_in_file(reader) : status;
 }
 
@@ -245,7 +245,7 @@ static int settle_numbers(gmsh_reader *reader, io_cells *cells) {
     }
     io_numbers *table; /* made only to find a number that occurs twice */
     planish_error found;
-    int status = io_numbers_create(cells->number, cells->n, reader->model->threads, &table, &found);
+    int status = io_numbers_create(cells->number, cells->n, &table, &found);
     if (status == 0)
         io_numbers_destroy(table);
     else if (status == PLANISH_ERROR_FORMAT)

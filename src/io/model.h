@@ -120,8 +120,7 @@ int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int6
 /** Table from the file's node numbers to indices, for files whose numbers are not 1 .. n. */
 typedef struct io_numbers io_numbers;
 /** numbers [n]; fails on a number that occurs twice (error names it). Any order, any gaps. */
-int io_numbers_create(const int64_t *numbers, int64_t n, int threads, io_numbers **table,
-                      planish_error *error);
+int io_numbers_create(const int64_t *numbers, int64_t n, io_numbers **table, planish_error *error);
 /** Index of number, or -1. */
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);
@@ -129,7 +128,7 @@ void io_numbers_destroy(io_numbers *table);
 /* ---- for file.c --------------------------------------------------------------------------- */
 
 /** Decide the dimension (tetrahedra if there are any, else triangles), let triangles of a 3-D mesh
- *  hold their nodes (io_reader.triangles_hold), check that a 2-D mesh has one z, lay out
+ *  hold their nodes (io_format.triangles_hold), check that a 2-D mesh has one z, lay out
  *  coordinates. Fails if there is nothing to smooth. */
 int io_model_finish(io_model *model, int triangles_hold, planish_error *error);
 void io_model_destroy(io_model *model);

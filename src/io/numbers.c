@@ -58,9 +58,7 @@ static int fill_sorted(io_numbers *table, const int64_t *numbers, planish_error 
     return PLANISH_OK;
 }
 
-int io_numbers_create(const int64_t *numbers, int64_t n, int threads, io_numbers **out,
-                      planish_error *error) {
-    (void)threads;
+int io_numbers_create(const int64_t *numbers, int64_t n, io_numbers **out, planish_error *error) {
     io_numbers *table = pl_alloc_zero(1, sizeof *table);
     if (!table)
         return pl_fail_memory(error, "node numbers");

@@ -48,8 +48,7 @@ typedef struct rows {
     atomic_int fractional; /* not 0: a real tag is no integer */
 } rows;
 
-/* ---- words of a line
- * ---------------------------------------------------------------------- */
+/* ---- words of a line --------------------------------------------------------------------- */
 
 /** Whether the line goes on at the cursor, with blanks skipped. */
 static int line_goes_on(io_cursor *cursor) {
@@ -67,8 +66,7 @@ static int line_real(io_cursor *cursor, double *value) {
     return line_goes_on(cursor) ? io_real(cursor, value) : -1;
 }
 
-/* ---- the first line
- * ----------------------------------------------------------------------- */
+/* ---- the first line ---------------------------------------------------------------------- */
 
 static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
                       planish_error *error) {
@@ -94,9 +92,7 @@ static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
     return PLANISH_OK;
 }
 
-/* ---- rows
- * ---------------------------------------------------------------------------------
- */
+/* ---- rows -------------------------------------------------------------------------------- */
 
 /** The number that each row begins with: in sequence. */
 static int read_number(const rows *r, io_cursor *cursor, int64_t row, planish_error *error) {
@@ -114,8 +110,7 @@ static int read_number(const rows *r, io_cursor *cursor, int64_t row, planish_er
     return PLANISH_OK;
 }
 
-/** The marker or attribute at the end of a row; 0 where the line ends before.
- */
+/** The marker or attribute at the end of a row; 0 where the line ends before. */
 static int read_tag(rows *r, io_cursor *cursor, int64_t row, planish_error *error) {
     double real = 0;
     int64_t length, tag = 0;
@@ -247,9 +242,7 @@ static int tags_to_entities(io_model *model, int dim, int32_t *tags, int64_t n,
     return PLANISH_OK;
 }
 
-/* ---- the files
- * ----------------------------------------------------------------------------
- */
+/* ---- the files --------------------------------------------------------------------------- */
 
 static int read_node_file(io_model *model, int *dim, planish_error *error) {
     part p;
@@ -351,8 +344,7 @@ static int read_holder_file(io_model *model, const io_bytes *file, int dim, plan
     return status;
 }
 
-/* ---- which files
- * -------------------------------------------------------------------------- */
+/* ---- which files ------------------------------------------------------------------------- */
 
 /** Length of path without the extension .node or .ele. */
 static size_t base_length(const char *path) {

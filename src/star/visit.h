@@ -9,8 +9,7 @@
 
 /* A move shorter than this fraction of the star's size changes nothing for the stars around. */
 #define STILL 1e-4
-/* No direction is longer than this many sizes of the star (root mean square distance of its link).
- */
+/* No direction is longer than this many sizes (root mean square distance of the link) of a star. */
 #define STEP_LIMIT 2.0
 
 /** Steps of one visit: one Newton step (more sweeps beat more steps), but as many conjugate

@@ -12,7 +12,8 @@ pl_placement *pl_placement_create(int threads, int bind);
 void pl_placement_destroy(pl_placement *placement);
 
 int pl_placement_threads(const pl_placement *placement);
-/** What was decided, for people: "one thread per core, on CPUs 0-1" or "not bound"; text of placement. */
+/** What was decided, for people: "one thread per core, on CPUs 0-1" or "not bound"; text of
+ * placement. */
 const char *pl_placement_text(const pl_placement *placement);
 
 /** Bind the threads; pl_placement_leave gives them back the places they had. */

@@ -7,6 +7,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
+#include <math.h>
 #include <string.h>
 
 enum { CHUNK_ELEMENTS = 4096 };
@@ -258,6 +259,17 @@ void planish_plan_destroy(planish_plan *plan) {
     pl_free(plan->partial);
     pl_free(plan->scratch);
     pl_free(plan);
+}
+
+pl_star_problem pl_plan_problem(const planish_plan *plan) {
+    return (pl_star_problem){.coordinates = plan->coordinates,
+                             .node = plan->centre,
+                             .ring_offset = plan->stars.ring_offset,
+                             .ring = plan->stars.ring,
+                             .link_offset = plan->stars.link_offset,
+                             .link = plan->stars.link,
+                             .changed = plan->changed,
+                             .rr2_limit = INFINITY};
 }
 
 void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info) {

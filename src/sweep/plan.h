@@ -32,6 +32,9 @@ struct planish_plan {
     int64_t scratch_stride;
 };
 
+/** The local problem of the plan's stars in its arrays, with the first direction and no limits. */
+pl_star_problem pl_plan_problem(const planish_plan *plan);
+
 enum { PL_CHUNK_STARS = 32 }; /* stars that one thread takes at a time */
 
 #endif

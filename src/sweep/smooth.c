@@ -174,17 +174,11 @@ static void run_sweeps(run *r) {
 static void prepare_problem(run *r) {
     const planish_plan *plan = r->plan;
     double worse = r->options->only_worse_than;
-    r->problem = (pl_star_problem){.coordinates = plan->coordinates,
-                                   .node = plan->centre,
-                                   .ring_offset = plan->stars.ring_offset,
-                                   .ring = plan->stars.ring,
-                                   .link_offset = plan->stars.link_offset,
-                                   .link = plan->stars.link,
-                                   .changed = plan->changed,
-                                   .direction = r->options->direction,
-                                   .rr2_limit = r->sums.max * LIMIT_MARGIN,
-                                   .rr2_skip = worse * worse,
-                                   .to_float = r->options->precision == PLANISH_FLOAT};
+    r->problem = pl_plan_problem(plan);
+    r->problem.direction = r->options->direction;
+    r->problem.rr2_limit = r->sums.max * LIMIT_MARGIN;
+    r->problem.rr2_skip = worse * worse;
+    r->problem.to_float = r->options->precision == PLANISH_FLOAT;
     memset(plan->changed, 1, (size_t)plan->n_nodes);
 }
 
