@@ -51,6 +51,56 @@ static int find_constraints(pl_job *job) {
     return 0;
 }
 
+/** Area enters F as 1 - V/delta, so that with a weight every element needs its delta. */
+static int check_area_weight(const pl_job *job) {
+    const planish_options *options = &job->options;
+    if (options->area_weight == 0 || options->min_volume > 0 || options->min_volume_fraction > 0)
+        return 0;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++)
+        if (job->min_volume[i] == 0)
+            return pl_complain_usage(pl_command_name(job->arguments->command),
+                                     "--area-weight needs a least volume for every element, and "
+                                     "element %" PRId64 " is in none of the groups named",
+                                     planish_file_element_number(job->file, i));
+    return 0;
+}
+
+static int find_min_volumes(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_error error;
+    if (arguments->n_min_volumes == 0)
+        return 0;
+    job->min_volume = malloc((size_t)job->mesh.n_elements * sizeof *job->min_volume);
+    if (!job->min_volume)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " elements",
+                           arguments->input, job->mesh.n_elements);
+    const int code = planish_file_min_volumes(
+        job->file, (const char *const *)arguments->min_volume_tag, arguments->min_volume_value,
+        arguments->n_min_volumes, job->min_volume, &error);
+    if (code == PLANISH_ERROR_ARGUMENT)
+        return pl_complain_usage(pl_command_name(arguments->command), "%s", error.text);
+    if (code)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    job->mesh.min_volume = job->min_volume;
+    return check_area_weight(job);
+}
+
+static int find_box(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const int dim = job->mesh.dim;
+    if (arguments->n_box == 0)
+        return 0;
+    if (arguments->n_box != 2 * dim)
+        return pl_complain_usage(pl_command_name(arguments->command),
+                                 "--box has %d numbers, and a mesh of %s needs %d",
+                                 arguments->n_box, dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
+    for (int d = 0; d < dim; d++) {
+        job->options.box_lower[d] = arguments->box[d];
+        job->options.box_upper[d] = arguments->box[dim + d];
+    }
+    return 0;
+}
+
 int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     planish_error error;
     memset(job, 0, sizeof *job);
@@ -65,7 +115,11 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     planish_file_get_info(job->file, &job->file_info);
     job->options.precision = job->file_info.precision;
     job->mesh = planish_file_mesh(job->file);
-    const int status = find_constraints(job);
+    int status = find_constraints(job);
+    if (!status)
+        status = find_min_volumes(job);
+    if (!status)
+        status = find_box(job);
     job->read_seconds = pl_seconds() - job->begin;
     return status;
 }
@@ -86,12 +140,21 @@ static void forget_if_none(double *ratio) {
         *ratio = NAN;
 }
 
+/** Without a valid element, no measure has a value. */
+static void forget_measures(planish_quality *quality) {
+    const planish_spread none = {NAN, NAN, NAN};
+    quality->radius_ratio = quality->circumradius_to_edge = quality->edge_to_inradius = none;
+    quality->edge_ratio = quality->mean_ratio = quality->scaled_jacobian = none;
+    quality->smallest_angle_deg = quality->largest_angle_deg = none;
+    quality->min_angle_deg = quality->max_angle_deg = NAN;
+}
+
 int pl_job_measure(const pl_job *job, planish_quality *quality) {
     planish_error error;
     if (planish_measure(job->plan, job->mesh.coordinates, quality, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (quality->max_radius_ratio == 0)
-        quality->min_angle_deg = quality->max_angle_deg = NAN;
+        forget_measures(quality);
     forget_if_none(&quality->rms_radius_ratio);
     forget_if_none(&quality->rms_radius_ratio_movable);
     forget_if_none(&quality->mean_radius_ratio);
@@ -103,6 +166,7 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 
 void pl_job_close(pl_job *job) {
     planish_plan_destroy(job->plan);
+    free(job->min_volume);
     free(job->constraint);
     planish_file_close(job->file);
 }

@@ -14,8 +14,9 @@ typedef struct pl_job {
     planish_options options;       /* those of the arguments, and what file and machine say */
     planish_file *file;
     planish_file_info file_info;
-    planish_mesh mesh;   /* its arrays are those of file; constraint is owned */
-    uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint */
+    planish_mesh mesh;   /* its arrays are those of file, but for those that follow */
+    uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
+    double *min_volume;  /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
     double begin;         /* pl_seconds when the job began */
@@ -23,7 +24,7 @@ typedef struct pl_job {
     double setup_seconds; /* plan */
 } pl_job;
 
-/** Read the file of arguments and find out which nodes it holds. */
+/** Read the file of arguments and find out which nodes it holds and what bounds there are. */
 int pl_job_read(pl_job *job, const pl_arguments *arguments);
 
 /** Make the plan. */

@@ -21,6 +21,41 @@ const char *pl_command_name(pl_command command) {
     return command == PL_COMMAND_SMOOTH ? "smooth" : "quality";
 }
 
+/* ---- words for choices ---------------------------------------------------------------------- */
+
+static const char *const method_names[] = {
+    [PLANISH_METHOD_PLANISH] = "planish",
+    [PLANISH_METHOD_LAPLACIAN] = "laplacian",
+    [PLANISH_METHOD_AREA_LAPLACIAN] = "area-laplacian",
+    [PLANISH_METHOD_LENGTH_LAPLACIAN] = "length-laplacian",
+};
+static const char *const objective_names[] = {
+    [PLANISH_RADIUS_RATIO] = "radius-ratio",
+    [PLANISH_MEAN_RATIO] = "mean-ratio",
+    [PLANISH_EDGE_RATIO] = "edge-ratio",
+};
+
+enum {
+    N_METHODS = sizeof method_names / sizeof method_names[0],
+    N_OBJECTIVES = sizeof objective_names / sizeof objective_names[0]
+};
+
+const char *pl_method_name(planish_method method) {
+    return method_names[method];
+}
+
+const char *pl_objective_name(planish_objective objective) {
+    return objective_names[objective];
+}
+
+/** Index of word among names [n], or -1. */
+static int find_name(const char *const *names, int n, const char *word) {
+    for (int i = 0; i < n; i++)
+        if (strcmp(names[i], word) == 0)
+            return i;
+    return -1;
+}
+
 /* ---- values: strictly the whole word, in range, finite ------------------------------------- */
 
 /** The whole of text as a decimal integer in low .. high; 0, or -1. */
@@ -35,17 +70,34 @@ static int parse_integer(const char *text, int low, int high, int *value) {
     return 0;
 }
 
-/** The whole of text as a finite decimal number; 0, or -1. The program never leaves the C locale,
- *  so that the decimal point is a point. */
-static int parse_real(const char *text, double *value) {
+/** The finite decimal number that text begins with; returns what is behind it, or NULL if there is
+ *  none. The program never leaves the C locale, so that the decimal point is a point. */
+static const char *take_real(const char *text, double *value) {
+    const size_t most = strspn(text, "0123456789+-.eE"); /* no spaces, no hexadecimals, no inf */
     char *end = NULL;
-    if (text[0] == '\0' || text[strspn(text, "0123456789+-.eE")] != '\0')
-        return -1;
     const double number = strtod(text, &end);
-    if (end == text || *end != '\0' || !isfinite(number))
-        return -1;
+    if (end == text || end > text + most || !isfinite(number))
+        return NULL;
     *value = number;
-    return 0;
+    return end;
+}
+
+/** The whole of text as a finite decimal number; 0, or -1. */
+static int parse_real(const char *text, double *value) {
+    const char *end = take_real(text, value);
+    return end && *end == '\0' ? 0 : -1;
+}
+
+/** Numbers between commas, at most most of them; their number, or -1. */
+static int parse_reals(const char *text, int most, double *values) {
+    for (int n = 0; n < most; text++) {
+        text = take_real(text, &values[n++]);
+        if (!text || *text == '\0')
+            return text ? n : -1;
+        if (*text != ',')
+            return -1;
+    }
+    return -1;
 }
 
 /* ---- one setter per option: takes the value, or says what it must be ----------------------- */
@@ -73,6 +125,77 @@ static const char *set_direction(pl_arguments *arguments, const char *value) {
         arguments->library.direction = PLANISH_FLETCHER_REEVES;
     else
         return "must be newton or fletcher-reeves";
+    return NULL;
+}
+
+static const char *set_method(pl_arguments *arguments, const char *value) {
+    const int i = find_name(method_names, N_METHODS, value);
+    if (i < 0)
+        return "must be planish, laplacian, area-laplacian or length-laplacian";
+    arguments->library.method = (planish_method)i;
+    return NULL;
+}
+
+static const char *set_objective(pl_arguments *arguments, const char *value) {
+    const int i = find_name(objective_names, N_OBJECTIVES, value);
+    if (i < 0)
+        return "must be radius-ratio, mean-ratio or edge-ratio";
+    arguments->library.objective = (planish_objective)i;
+    return NULL;
+}
+
+/** V for all elements; the last '=' ends a tag, which may have others in its name. */
+static const char *set_min_volume(pl_arguments *arguments, const char *value) {
+    const char *wanted = "must be a volume (area in 2-D) above 0, or TAG=V with such a V";
+    const char *sign = strrchr(value, '=');
+    double volume;
+    if (parse_real(sign ? sign + 1 : value, &volume) || volume <= 0 || sign == value)
+        return wanted;
+    if (!sign) {
+        if (arguments->library.min_volume > 0)
+            return "is a second volume for all elements; that for a group is TAG=V";
+        arguments->library.min_volume = volume;
+        return NULL;
+    }
+    char *tag = strndup(value, (size_t)(sign - value));
+    if (!tag)
+        return "needs more memory than there is";
+    arguments->min_volume_tag[arguments->n_min_volumes] = tag;
+    arguments->min_volume_value[arguments->n_min_volumes++] = volume;
+    return NULL;
+}
+
+static const char *set_min_volume_fraction(pl_arguments *arguments, const char *value) {
+    double *fraction = &arguments->library.min_volume_fraction;
+    return parse_real(value, fraction) || *fraction <= 0 || *fraction >= 1
+               ? "must be a number between 0 and 1"
+               : NULL;
+}
+
+static const char *set_area_weight(pl_arguments *arguments, const char *value) {
+    double *weight = &arguments->library.area_weight;
+    return parse_real(value, weight) || *weight < 0 || *weight > 1 ? "must be a number from 0 to 1"
+                                                                   : NULL;
+}
+
+static const char *set_box(pl_arguments *arguments, const char *value) {
+    double *box = arguments->box;
+    const int n = parse_reals(value, 6, box), dim = n / 2;
+    if (n != 4 && n != 6)
+        return "must be X0,Y0,X1,Y1, in 3-D X0,Y0,Z0,X1,Y1,Z1";
+    for (int d = 0; d < dim; d++)
+        if (box[d] > box[dim + d])
+            return "must begin with the lower corner: X0 <= X1 and so on";
+    arguments->n_box = n;
+    return NULL;
+}
+
+static const char *set_max_displacement(pl_arguments *arguments, const char *value) {
+    double *distance = &arguments->library.max_displacement;
+    const char *unit = take_real(value, distance);
+    if (!unit || *distance <= 0 || (strcmp(unit, "") != 0 && strcmp(unit, "h") != 0))
+        return "must be a distance above 0, or a number and h for that many edge lengths";
+    arguments->library.displacement_unit = *unit ? PLANISH_UNIT_EDGE : PLANISH_UNIT_MESH;
     return NULL;
 }
 
@@ -151,12 +274,12 @@ typedef struct option_row {
     int letter;        /* short option, or 0 */
     const char *name;  /* long option */
     const char *value; /* what its value is called, or NULL: takes none */
-    unsigned commands; /* bits of pl_command */
+    unsigned commands; /* bits of pl_command, and OPTIMISES: heeded by no Laplacian method */
     option_setter *set;
     const char *help; /* lines separated by '\n' */
 } option_row;
 
-enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY };
+enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY, OPTIMISES = 4 };
 
 static const option_row option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_output,
@@ -165,8 +288,26 @@ static const option_row option_table[] = {
     {0, "format", "NAME", BOTH, set_format,
      "format of the input: gmsh, medit, vtk or tetgen\n(default: told by its content, then its "
      "name)"},
-    {0, "direction", "NAME", SMOOTH, set_direction,
+    {0, "method", "NAME", SMOOTH, set_method,
+     "how nodes are moved: planish (default), or to compare\nwith laplacian, area-laplacian, "
+     "length-laplacian,\nwhich may invert elements"},
+    {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective,
+     "what is made small, as RMS over the elements:\nradius-ratio (default), mean-ratio or "
+     "edge-ratio"},
+    {0, "direction", "NAME", SMOOTH | OPTIMISES, set_direction,
      "search direction: newton (default) or fletcher-reeves"},
+    {0, "min-volume", "[TAG=]V", BOTH, set_min_volume,
+     "no element (of group TAG) may have less volume (area\nin 2-D) than V; TAG=V may be given "
+     "more than once"},
+    {0, "min-volume-fraction", "F", BOTH, set_min_volume_fraction,
+     "the same with V = F times the volume of all elements"},
+    {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_area_weight,
+     "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)"},
+    {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box,
+     "keep all nodes in the box; those outside stay put"},
+    {0, "max-displacement", "D", SMOOTH, set_max_displacement,
+     "move no node farther than D from where it was; Dh:\nthan D times the mean length of its "
+     "edges"},
     {0, "max-sweeps", "N", SMOOTH, set_max_sweeps, "at most N sweeps over the mesh (default 200)"},
     {0, "tolerance", "T", SMOOTH, set_tolerance,
      "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)"},
@@ -176,7 +317,7 @@ static const option_row option_table[] = {
      "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once"},
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
      "let nodes between regions (materials) move"},
-    {0, "only-worse-than", "RR", SMOOTH, set_only_worse_than,
+    {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
      "move only nodes of elements whose radius ratio\nexceeds RR"},
     {'j', "threads", "N", BOTH, set_threads,
      "run on N threads (default: OMP_NUM_THREADS, else one\nper core)"},
@@ -251,13 +392,51 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
     return 0;
 }
 
+int pl_arguments_bound_volumes(const pl_arguments *arguments) {
+    const planish_options *library = &arguments->library;
+    return library->min_volume > 0 || library->min_volume_fraction > 0 ||
+           arguments->n_min_volumes > 0;
+}
+
+int pl_arguments_change_objective(const pl_arguments *arguments) {
+    return arguments->library.objective != PLANISH_RADIUS_RATIO ||
+           arguments->library.area_weight > 0;
+}
+
+/** Options that exclude or need one another. */
+static int check_combinations(const pl_arguments *arguments) {
+    const planish_options *library = &arguments->library;
+    const char *command = pl_command_name(arguments->command);
+    if (library->min_volume > 0 && library->min_volume_fraction > 0)
+        return pl_complain_usage(command, "--min-volume for all elements and "
+                                          "--min-volume-fraction exclude one another");
+    if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
+        return pl_complain_usage(command, "--area-weight needs a least volume: --min-volume or "
+                                          "--min-volume-fraction");
+    if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
+        return pl_complain_usage(command, "--%s has no effect with --method %s",
+                                 arguments->optimiser, pl_method_name(library->method));
+    return 0;
+}
+
+/** Room for as many tags as there are words. */
+static int make_room(pl_arguments *arguments, int argc) {
+    const size_t n = (size_t)argc;
+    arguments->fix = calloc(n, sizeof *arguments->fix);
+    arguments->min_volume_tag = calloc(n, sizeof *arguments->min_volume_tag);
+    arguments->min_volume_value = calloc(n, sizeof *arguments->min_volume_value);
+    if (arguments->fix && arguments->min_volume_tag && arguments->min_volume_value)
+        return 0;
+    return pl_complain(PL_EXIT_FAILED, "out of memory");
+}
+
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {
     memset(arguments, 0, sizeof *arguments);
     arguments->command = command;
     planish_options_init(&arguments->library);
-    arguments->fix = calloc((size_t)argc, sizeof *arguments->fix);
-    if (!arguments->fix)
-        return pl_complain(PL_EXIT_FAILED, "out of memory");
+    int status = make_room(arguments, argc);
+    if (status)
+        return status;
 
     char letters[3 * N_OPTIONS + 2];
     struct option rows[N_OPTIONS + 1];
@@ -272,15 +451,21 @@ int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, ch
         const char *wanted = row->set(arguments, optarg);
         if (wanted)
             return pl_complain_usage(argv[0], "--%s '%s' %s", row->name, optarg, wanted);
+        if (row->commands & OPTIMISES)
+            arguments->optimiser = row->name;
         if (arguments->help || arguments->version)
             return 0;
     }
-    return take_operands(arguments, argc, argv);
+    status = take_operands(arguments, argc, argv);
+    return status ? status : check_combinations(arguments);
 }
 
 void pl_arguments_free(pl_arguments *arguments) {
+    for (int i = 0; i < arguments->n_min_volumes; i++)
+        free(arguments->min_volume_tag[i]);
+    free(arguments->min_volume_tag);
+    free(arguments->min_volume_value);
     free(arguments->fix);
-    arguments->fix = NULL;
 }
 
 /* ---- help ----------------------------------------------------------------------------------- */
@@ -288,10 +473,12 @@ void pl_arguments_free(pl_arguments *arguments) {
 static void print_row(const option_row *row) {
     char left[64];
     const int has_letter = row->letter != 0;
-    snprintf(left, sizeof left, "  %c%c%s --%s%s%s", has_letter ? '-' : ' ',
-             has_letter ? row->letter : ' ', has_letter ? "," : " ", row->name,
-             row->value ? " " : "", row->value ? row->value : "");
+    const int width = snprintf(left, sizeof left, "  %c%c%s --%s%s%s", has_letter ? '-' : ' ',
+                               has_letter ? row->letter : ' ', has_letter ? "," : " ", row->name,
+                               row->value ? " " : "", row->value ? row->value : "");
     printf("%-*s", HELP_COLUMN, left);
+    if (width >= HELP_COLUMN)
+        printf("\n%*s", HELP_COLUMN, "");
     for (const char *c = row->help; *c; c++)
         if (*c == '\n')
             printf("\n%*s", HELP_COLUMN, "");
@@ -303,7 +490,7 @@ static void print_row(const option_row *row) {
 void pl_help_print(pl_command command) {
     if (command == PL_COMMAND_SMOOTH)
         printf("Usage: planish smooth IN -o OUT [OPTION]...\n"
-               "Move the interior nodes of the mesh IN until its radius ratios are best, and\n"
+               "Move the interior nodes of the mesh IN until its elements are best, and\n"
                "write OUT: IN with the coordinates of the moved nodes replaced.\n\n");
     else
         printf("Usage: planish quality FILE [OPTION]...\n"
@@ -312,8 +499,9 @@ void pl_help_print(pl_command command) {
         if (option_table[i].commands & command)
             print_row(&option_table[i]);
     if (command == PL_COMMAND_SMOOTH)
-        printf("\nExit status: 0 done; 1 a usable mesh was written, but it has inverted elements\n"
-               "or smoothing was cut short; 2 failed, nothing was written; 64 bad usage.\n");
+        printf("\nExit status: 0 done; 1 a usable mesh was written, but it has elements that are\n"
+               "inverted or below their least volume, or smoothing was cut short; 2 failed,\n"
+               "nothing was written; 64 bad usage.\n");
     else
         printf("\nExit status: 0 if the file could be read; 2 if not; 64 bad usage.\n");
 }

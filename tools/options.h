@@ -12,6 +12,10 @@ typedef enum pl_command { PL_COMMAND_SMOOTH = 1, PL_COMMAND_QUALITY = 2 } pl_com
 /** The word that names command. */
 const char *pl_command_name(pl_command command);
 
+/** The words for method and objective on the command line and in the report. */
+const char *pl_method_name(planish_method method);
+const char *pl_objective_name(planish_objective objective);
+
 typedef enum pl_verbosity { PL_QUIET = -1, PL_NORMAL = 0, PL_VERBOSE = 1 } pl_verbosity;
 
 /** A command line that has been understood. Strings are those of argv. */
@@ -24,10 +28,22 @@ typedef struct pl_arguments {
     const char **fix;   /* [n_fix] tags, owned */
     int n_fix;
     int ignore_regions;
+    char **min_volume_tag;    /* [n_min_volumes] groups with a least volume of their own, owned */
+    double *min_volume_value; /* [n_min_volumes] and that volume, owned */
+    int n_min_volumes;
+    double box[6];         /* the lower and then the upper corner */
+    int n_box;             /* numbers in box: 4 or 6; 0: no box */
+    const char *optimiser; /* an option given that only PLANISH_METHOD_PLANISH heeds, or NULL */
     pl_verbosity verbosity;
     int help, version;       /* asked for: nothing else is set then */
     planish_options library; /* what goes to the library as it is */
 } pl_arguments;
+
+/** Whether some elements have a least volume. */
+int pl_arguments_bound_volumes(const pl_arguments *arguments);
+
+/** Whether F is another number than the RMS of the radius ratio. */
+int pl_arguments_change_objective(const pl_arguments *arguments);
 
 /** Understand argv (argv[0] is the command's name). Returns 0, or an exit status after a message.
  *  To be released by pl_arguments_free in any case. */

@@ -18,6 +18,7 @@ packages_check=(
 # shellcheck disable=SC2034
 packages_full=(
     python3-numpy python3-meshio # independent figures on large meshes
+    python3-vtk9                 # another program's quality measures
     gmsh tetgen                  # meshes as their generators write them
     clang libomp-dev             # the other compiler, its OpenMP
     libclang-rt-dev              # its sanitizers and the fuzzer

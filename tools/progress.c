@@ -14,8 +14,10 @@ enum { LINE_WIDTH = 79, BAR_WIDTH = 20, FIRST_CAPACITY = 64 };
 /* Seconds between two updates of the bar: more often is not seen and only costs. */
 static const double BAR_INTERVAL = 0.1;
 
-void pl_progress_init(pl_progress *progress, pl_verbosity verbosity) {
+void pl_progress_init(pl_progress *progress, const pl_arguments *arguments) {
+    const pl_verbosity verbosity = arguments->verbosity;
     memset(progress, 0, sizeof *progress);
+    progress->shows_objective = pl_arguments_change_objective(arguments);
     progress->last_shown = -BAR_INTERVAL;
     if (verbosity == PL_VERBOSE)
         progress->show = PL_SHOW_LINES;
@@ -36,13 +38,24 @@ static void keep_sweep(pl_progress *progress, const planish_progress *step) {
     }
     progress->sweep[progress->n_sweeps++] = (pl_sweep){.rms = step->rms,
                                                        .rms_movable = step->rms_movable,
+                                                       .objective = step->objective,
                                                        .seconds = step->seconds,
-                                                       .visits = step->visits};
+                                                       .inverted = step->inverted,
+                                                       .below_min_volume = step->below_min_volume,
+                                                       .visits = step->visits,
+                                                       .restoring = step->restoring};
 }
 
-static void show_line(const planish_progress *step) {
-    fprintf(stderr, "sweep %d: RMS %.6g, movable %.6g, %" PRId64 " visits, %.3f s\n", step->sweep,
-            step->rms, step->rms_movable, step->visits, step->seconds);
+static void show_line(const pl_progress *progress, const planish_progress *step) {
+    fprintf(stderr, "sweep %d: RMS %.6g, movable %.6g", step->sweep, step->rms, step->rms_movable);
+    if (progress->shows_objective)
+        fprintf(stderr, ", F %.6g", step->objective);
+    if (step->inverted > 0)
+        fprintf(stderr, ", %" PRId64 " inverted", step->inverted);
+    if (step->below_min_volume > 0)
+        fprintf(stderr, ", %" PRId64 " below minimum", step->below_min_volume);
+    fprintf(stderr, "%s, %" PRId64 " visits, %.3f s\n", step->restoring ? ", untangling" : "",
+            step->visits, step->seconds);
 }
 
 /** One line, written over the last one; the bar is the share of this sweep's colours. */
@@ -68,7 +81,7 @@ int pl_progress_step(const planish_progress *step, void *user) {
     if (step->sweep_done)
         keep_sweep(progress, step);
     if (progress->show == PL_SHOW_LINES && step->sweep_done)
-        show_line(step);
+        show_line(progress, step);
     else if (progress->show == PL_SHOW_BAR)
         show_bar(progress, step);
     return pl_signals_stop_asked();

@@ -6,13 +6,15 @@
 
 /** A sweep that was done. */
 typedef struct pl_sweep {
-    double rms, rms_movable, seconds;
-    int64_t visits;
+    double rms, rms_movable, objective, seconds;
+    int64_t inverted, below_min_volume, visits;
+    int restoring; /* as in planish_progress */
 } pl_sweep;
 
 typedef struct pl_progress {
     enum { PL_SHOW_NOTHING, PL_SHOW_BAR, PL_SHOW_LINES } show;
-    double last_shown; /* planish_progress.elapsed of the last update of the bar */
+    int shows_objective; /* F is another number than the RMS */
+    double last_shown;   /* planish_progress.elapsed of the last update of the bar */
     int bar_is_shown;
     pl_sweep *sweep; /* [n_sweeps], owned */
     int64_t n_sweeps, capacity;
@@ -20,7 +22,7 @@ typedef struct pl_progress {
 } pl_progress;
 
 /** Quiet: nothing; verbose: a line per sweep; else a bar if standard error is a terminal. */
-void pl_progress_init(pl_progress *progress, pl_verbosity verbosity);
+void pl_progress_init(pl_progress *progress, const pl_arguments *arguments);
 
 /** The callback for planish_options; user is the pl_progress. Stops when a signal asked to. */
 int pl_progress_step(const planish_progress *step, void *user);

@@ -105,11 +105,29 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job) {
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
 }
 
-static void add_quality(document *json, cJSON *root, const char *name, const planish_quality *q) {
+static void add_spread(document *json, cJSON *quality, const char *name, const planish_spread *s) {
+    cJSON *spread = new_object(json, quality, name);
+    add_real(json, spread, "min", s->min);
+    add_real(json, spread, "mean", s->mean);
+    add_real(json, spread, "max", s->max);
+}
+
+static void add_spreads(document *json, cJSON *quality, const planish_quality *q) {
+    add_spread(json, quality, "radius_ratio", &q->radius_ratio);
+    add_spread(json, quality, "circumradius_to_edge", &q->circumradius_to_edge);
+    add_spread(json, quality, "edge_to_inradius", &q->edge_to_inradius);
+    add_spread(json, quality, "edge_ratio", &q->edge_ratio);
+    add_spread(json, quality, "mean_ratio", &q->mean_ratio);
+    add_spread(json, quality, "scaled_jacobian", &q->scaled_jacobian);
+    add_spread(json, quality, "smallest_angle_deg", &q->smallest_angle_deg);
+    add_spread(json, quality, "largest_angle_deg", &q->largest_angle_deg);
+}
+
+static void add_quality(document *json, cJSON *root, const char *name, const planish_quality *q,
+                        int64_t below_min_volume) {
     cJSON *quality = new_object(json, root, name);
     add_integer(json, quality, "inverted", q->inverted);
-    add_real(json, quality, "below_min_volume",
-             0); /* no volume is asked for: certified sign only */
+    add_integer(json, quality, "below_min_volume", below_min_volume);
     add_real(json, quality, "min_volume", q->min_volume);
     add_real(json, quality, "max_volume", q->max_volume);
     add_real(json, quality, "total_volume", q->total_volume);
@@ -119,6 +137,7 @@ static void add_quality(document *json, cJSON *root, const char *name, const pla
     add_real(json, quality, "max_radius_ratio", q->max_radius_ratio);
     add_real(json, quality, "min_dihedral_deg", q->min_angle_deg);
     add_real(json, quality, "max_dihedral_deg", q->max_angle_deg);
+    add_spreads(json, quality, q);
     cJSON *histogram = new_object(json, quality, "histogram");
     cJSON *edges = new_array(json, histogram, "edges");
     cJSON *counts = new_array(json, histogram, "counts");
@@ -128,17 +147,17 @@ static void add_quality(document *json, cJSON *root, const char *name, const pla
         add_integer(json, counts, NULL, q->histogram_counts[i]);
 }
 
-static void add_sweeps(document *json, cJSON *root, const pl_result *result,
-                       const pl_progress *progress) {
+static void add_sweeps(document *json, cJSON *root, const pl_progress *progress) {
     cJSON *sweeps = new_array(json, root, "sweeps");
     for (int64_t i = 0; i < progress->n_sweeps; i++) {
         const pl_sweep *done = &progress->sweep[i];
         cJSON *sweep = new_object(json, sweeps, NULL);
-        add_text(json, sweep, "phase", "smooth");
+        add_text(json, sweep, "phase", done->restoring ? "untangle" : "smooth");
         add_real(json, sweep, "rms", done->rms);
         add_real(json, sweep, "rms_movable", done->rms_movable);
-        /* Stars with inverted elements are left alone, so that their number stays. */
-        add_integer(json, sweep, "inverted", result->before.inverted);
+        add_real(json, sweep, "objective", done->objective);
+        add_integer(json, sweep, "inverted", done->inverted);
+        add_integer(json, sweep, "below_min_volume", done->below_min_volume);
         add_integer(json, sweep, "visits", done->visits);
         add_real(json, sweep, "seconds", done->seconds);
     }
@@ -154,6 +173,8 @@ static const char *stop_name(planish_stop stop) {
         return "time-limit";
     case PLANISH_STOP_INTERRUPTED:
         return "interrupted";
+    case PLANISH_STOP_INFEASIBLE:
+        return "infeasible";
     }
     return "unknown";
 }
@@ -172,6 +193,50 @@ static void add_fixed(document *json, cJSON *root, const planish_quality *qualit
     add_integer(json, fixed, "count", quality->n_fixed);
     add_real(json, fixed, "rms_radius_ratio", quality->fixed_rms_radius_ratio);
     add_real(json, fixed, "max_radius_ratio", quality->fixed_max_radius_ratio);
+}
+
+static void add_objective(document *json, cJSON *root, const pl_job *job,
+                          const planish_result *smooth) {
+    cJSON *objective = new_object(json, root, "objective");
+    add_text(json, objective, "name", pl_objective_name(job->options.objective));
+    add_real(json, objective, "area_weight", job->options.area_weight);
+    add_real(json, objective, "before", smooth->objective_before);
+    add_real(json, objective, "after", smooth->objective);
+}
+
+int pl_result_has_optimality(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    return job->options.method == PLANISH_METHOD_PLANISH &&
+           (pl_arguments_change_objective(arguments) || pl_arguments_bound_volumes(arguments) ||
+            arguments->n_box > 0 || job->options.max_displacement > 0);
+}
+
+static void add_optimality(document *json, cJSON *root, const pl_job *job,
+                           const planish_result *smooth) {
+    if (!pl_result_has_optimality(job)) {
+        add(json, root, "kkt", cJSON_CreateNull());
+        return;
+    }
+    cJSON *kkt = new_object(json, root, "kkt");
+    add_real(json, kkt, "residual", smooth->kkt_residual);
+    add_real(json, kkt, "rms", smooth->kkt_rms);
+    add_real(json, kkt, "max_multiplier", smooth->max_multiplier);
+    add_integer(json, kkt, "active", smooth->n_active);
+}
+
+/** The file's numbers of the elements whose state is at least least. */
+static void add_elements(document *json, cJSON *root, const char *name, const pl_job *job,
+                         const uint8_t *state, planish_volume_state least) {
+    cJSON *list = new_array(json, root, name);
+    for (int64_t i = 0; state && i < job->mesh.n_elements && !json->failed; i++)
+        if (state[i] >= least)
+            add_integer(json, list, NULL, planish_file_element_number(job->file, i));
+}
+
+static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl_volumes *volumes) {
+    add_real(json, root, "min_volume", volumes->least > 0 ? volumes->least : NAN);
+    add_elements(json, root, "unfixable", job, volumes->state, PLANISH_VOLUME_INFEASIBLE);
+    add_elements(json, root, "below_min", job, volumes->state, PLANISH_VOLUME_BELOW);
 }
 
 static int64_t peak_memory_bytes(void) {
@@ -203,30 +268,36 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "input", job->arguments->input);
     add_text(&json, root, "output", job->arguments->output);
     add_mesh(&json, root, job);
-    add_quality(&json, root, "before", &result->before);
-    add_quality(&json, root, "after", &result->after);
-    add_sweeps(&json, root, result, progress);
+    add_text(&json, root, "method", pl_method_name(job->options.method));
+    add_objective(&json, root, job, &result->smooth);
+    add_quality(&json, root, "before", &result->before, result->below_before);
+    add_quality(&json, root, "after", &result->after, result->volumes.n_below);
+    add_sweeps(&json, root, progress);
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
     add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
     add_integer(&json, root, "node_visits", result->smooth.visits);
+    add_integer(&json, root, "evaluations", result->smooth.evaluations);
+    add_integer(&json, root, "held_outside", result->smooth.held_outside);
+    add_optimality(&json, root, job, &result->smooth);
     add_integer(&json, root, "threads", job->plan_info.threads);
     add_text(&json, root, "binding", job->plan_info.binding);
     add_text(&json, root, "isa", job->plan_info.isa);
     add_seconds(&json, root, job, result);
     add_fixed(&json, root, &result->after);
-    new_array(&json, root, "unfixable");
-    new_array(&json, root, "below_min");
+    add_volumes(&json, root, job, &result->volumes);
     add_text(&json, root, "reason", result->reason);
     add_integer(&json, root, "peak_memory_bytes", peak_memory_bytes());
     return finish(&json, root);
 }
 
-char *pl_result_quality_json(const pl_job *job, const planish_quality *quality) {
+char *pl_result_quality_json(const pl_job *job, const planish_quality *quality,
+                             const pl_volumes *volumes) {
     document json = {0};
     cJSON *root = cJSON_CreateObject();
     add_mesh(&json, root, job);
-    add_quality(&json, root, "quality", quality);
+    add_quality(&json, root, "quality", quality, volumes->n_below);
+    add_volumes(&json, root, job, volumes);
     return finish(&json, root);
 }

@@ -4,20 +4,27 @@
 
 #include "job.h"
 #include "progress.h"
+#include "volumes.h"
 
 /** Everything that smooth can say about a run. */
 typedef struct pl_result {
     planish_quality before, after;
+    int64_t below_before; /* elements below their least volume in the input */
+    pl_volumes volumes;   /* those of the result */
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
-    char reason[256]; /* why the end is not the plain one, or "" */
+    char reason[512]; /* why the end is not the plain one, or "" */
 } pl_result;
+
+/** Whether first-order optimality was measured: there is more to it than a small gradient. */
+int pl_result_has_optimality(const pl_job *job);
 
 /** The report of smooth as JSON text, to be released by free; NULL without memory. */
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress);
 
 /** The report of quality, likewise. */
-char *pl_result_quality_json(const pl_job *job, const planish_quality *quality);
+char *pl_result_quality_json(const pl_job *job, const planish_quality *quality,
+                             const pl_volumes *volumes);
 
 #endif

@@ -13,16 +13,19 @@
 #include "result.h"
 #include "signals.h"
 #include "table.h"
+#include "volumes.h"
 
 #include "base/clock.h"
 
 #include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* The RMS before and after is summed over the same elements, most of which are unchanged: a rise
+/* F before and after is summed over the same elements, most of which are unchanged: a rise
  * within the rounding of such a sum says nothing. Relative. */
-static const double RMS_ROUNDING = 1e-12;
+static const double F_ROUNDING = 1e-12;
 
 /** What the command line says about outputs, checked before the work begins. */
 static int check_outputs(const pl_arguments *arguments) {
@@ -70,26 +73,34 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
     return 0;
 }
 
-/** The library promises not to make anything worse; a mesh that says otherwise is not written. */
+/** A promise of the library was broken: value rose from before to after. */
+static int complain_promise(const pl_job *job, const char *value, double before, double after) {
+    return pl_complain(PL_EXIT_FAILED,
+                       "%s: internal error: %s rose from %.17g to %.17g; nothing was written, "
+                       "please report this",
+                       job->arguments->input, value, before, after);
+}
+
+/** The library promises not to make anything worse; a mesh that says otherwise is not written.
+ *  Laplacian methods promise nothing, and elements brought above their least volume cost F. */
 static int check_promises(const pl_job *job, const pl_result *result) {
     const planish_quality *before = &result->before, *after = &result->after;
+    const planish_result *smooth = &result->smooth;
+    if (job->options.method != PLANISH_METHOD_PLANISH)
+        return 0;
     if (after->inverted > before->inverted)
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: internal error: %" PRId64 " elements inverted after smoothing, "
-                           "%" PRId64 " before; nothing was written, please report this",
-                           job->arguments->input, after->inverted, before->inverted);
+        return complain_promise(job, "the number of inverted elements", (double)before->inverted,
+                                (double)after->inverted);
+    if (result->below_before > 0)
+        return 0;
     if (after->max_radius_ratio > before->max_radius_ratio)
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: internal error: the worst radius ratio rose from %.17g to %.17g; "
-                           "nothing was written, please report this",
-                           job->arguments->input, before->max_radius_ratio,
-                           after->max_radius_ratio);
-    if (after->rms_radius_ratio > before->rms_radius_ratio * (1 + RMS_ROUNDING))
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: internal error: the RMS rose from %.17g to %.17g; nothing was "
-                           "written, please report this",
-                           job->arguments->input, before->rms_radius_ratio,
-                           after->rms_radius_ratio);
+        return complain_promise(job, "the worst radius ratio", before->max_radius_ratio,
+                                after->max_radius_ratio);
+    if (smooth->objective > smooth->objective_before * (1 + F_ROUNDING))
+        return complain_promise(job, "F", smooth->objective_before, smooth->objective);
+    if (!pl_arguments_change_objective(job->arguments) &&
+        after->rms_radius_ratio > before->rms_radius_ratio * (1 + F_ROUNDING))
+        return complain_promise(job, "the RMS", before->rms_radius_ratio, after->rms_radius_ratio);
     return 0;
 }
 
@@ -103,26 +114,63 @@ static int write_mesh(const pl_job *job, pl_result *result) {
     return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
 }
 
+/** Add a part to the reason, after "; " if it is not the first. */
+static void add_reason(pl_result *result, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+static void add_reason(pl_result *result, const char *format, ...) {
+    const size_t used = strlen(result->reason), size = sizeof result->reason;
+    const char *joint = used ? "; " : "";
+    const size_t begin = used + strlen(joint);
+    if (begin >= size)
+        return;
+    memcpy(result->reason + used, joint, strlen(joint) + 1);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(result->reason + begin, size - begin, format, arguments);
+    va_end(arguments);
+}
+
+static const char *is_or_are(int64_t n) {
+    return n == 1 ? " is" : "s are";
+}
+
+static void judge_inverted(const pl_job *job, pl_result *result) {
+    const int64_t inverted = result->after.inverted;
+    const planish_method method = job->options.method;
+    if (inverted > 0 && method != PLANISH_METHOD_PLANISH)
+        add_reason(result,
+                   "%" PRId64 " element%s inverted, %" PRId64
+                   " before: the method %s does not guard against that",
+                   inverted, is_or_are(inverted), result->before.inverted, pl_method_name(method));
+    else if (inverted > 0)
+        add_reason(result, "%" PRId64 " inverted element%s left%s", inverted, is_or_are(inverted),
+                   result->volumes.n_below > 0 ? "" : "; nodes beside them stayed");
+}
+
+static void judge_volumes(pl_result *result) {
+    const pl_volumes *volumes = &result->volumes;
+    if (volumes->n_below == 0)
+        return;
+    add_reason(result, "%" PRId64 " element%s below the least volume", volumes->n_below,
+               is_or_are(volumes->n_below));
+    if (volumes->n_infeasible > 0)
+        add_reason(result, "%" PRId64 " of these cannot reach it wherever the free nodes are",
+                   volumes->n_infeasible);
+}
+
 /** Whether all that was asked for was reached, and if not (or if there was nothing to do) why. */
 static int judge(const pl_job *job, pl_result *result) {
-    char *reason = result->reason;
-    const size_t size = sizeof result->reason;
-    if (result->after.inverted > 0) {
-        snprintf(reason, size, "%" PRId64 " inverted element%s left; nodes beside them stayed",
-                 result->after.inverted, result->after.inverted == 1 ? " is" : "s are");
+    judge_inverted(job, result);
+    judge_volumes(result);
+    if (result->smooth.stop == PLANISH_STOP_TIME_LIMIT)
+        add_reason(result, "stopped by the time limit of %g s before convergence",
+                   job->options.time_limit);
+    if (result->smooth.stop == PLANISH_STOP_INTERRUPTED)
+        add_reason(result, "interrupted by a signal before convergence");
+    if (result->reason[0])
         return PL_EXIT_PARTLY;
-    }
-    if (result->smooth.stop == PLANISH_STOP_TIME_LIMIT) {
-        snprintf(reason, size, "stopped by the time limit of %g s before convergence",
-                 job->options.time_limit);
-        return PL_EXIT_PARTLY;
-    }
-    if (result->smooth.stop == PLANISH_STOP_INTERRUPTED) {
-        snprintf(reason, size, "interrupted by a signal before convergence");
-        return PL_EXIT_PARTLY;
-    }
     if (job->plan_info.n_free == 0)
-        snprintf(reason, size, "no node is free to move: the mesh is written back as it was");
+        add_reason(result, "no node is free to move: the mesh is written back as it was");
     return PL_EXIT_DONE;
 }
 
@@ -150,8 +198,19 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
                                                      pl_output_is_stdout(arguments->json)));
     if (arguments->verbosity != PL_QUIET)
         pl_table_smooth(stdout_is_taken ? stderr : stdout, job, result);
+    if (arguments->verbosity != PL_QUIET)
+        pl_volumes_print(stderr, job, &result->volumes);
     if (result->reason[0] && (status || arguments->verbosity != PL_QUIET))
         pl_complain(status, "%s: %s", arguments->output, result->reason);
+}
+
+/** With -v: how close to a local optimum the end is. */
+static void print_optimality(const pl_job *job, const planish_result *smooth) {
+    if (job->arguments->verbosity == PL_VERBOSE && pl_result_has_optimality(job))
+        fprintf(stderr,
+                "KKT residual: largest %.3g, RMS %.3g; %" PRId64
+                " active constraints, largest multiplier %.3g\n",
+                smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
 }
 
 static void print_setup(const pl_job *job) {
@@ -171,9 +230,14 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     print_setup(job);
     if ((status = pl_job_measure(job, &result->before)))
         return status;
+    if ((status = pl_volumes_count(job, &result->below_before)))
+        return status;
     if ((status = run_sweeps(job, result, progress)))
         return status;
+    print_optimality(job, &result->smooth);
     if ((status = pl_job_measure(job, &result->after)))
+        return status;
+    if ((status = pl_volumes_find(job, result->smooth.min_volume, &result->volumes)))
         return status;
     if ((status = check_promises(job, result)))
         return status;
@@ -193,13 +257,14 @@ int pl_smooth_command(const pl_arguments *arguments) {
     int status = check_outputs(arguments);
     if (status)
         return status;
-    pl_progress_init(&progress, arguments->verbosity);
+    pl_progress_init(&progress, arguments);
     status = pl_job_read(&job, arguments);
     if (!status)
         status = check_extension(&job);
     if (!status)
         status = smooth_job(&job, &result, &progress);
     pl_progress_free(&progress);
+    pl_volumes_free(&result.volumes);
     pl_job_close(&job);
     return status;
 }

@@ -73,6 +73,31 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
     row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
 }
 
+/** Elements below their least volume, where there is one. */
+static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, int64_t after) {
+    if (pl_arguments_bound_volumes(job->arguments))
+        row_count(stream, "elements below minimum volume", before, after);
+}
+
+/** What was minimised, where it is not one of the measures. */
+static void row_objective(FILE *stream, const pl_job *job, const planish_result *smooth) {
+    char label[LABEL_WIDTH + 1];
+    const char *name = pl_objective_name(job->options.objective);
+    if (!pl_arguments_change_objective(job->arguments))
+        return;
+    if (job->options.area_weight > 0)
+        snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
+    else
+        snprintf(label, sizeof label, "F (%s)", name);
+    row_real(stream, label, &smooth->objective_before, smooth->objective, "");
+}
+
+static void put_held_outside(FILE *stream, int64_t n) {
+    if (n > 0)
+        fprintf(stream, "note: %" PRId64 " node%s outside of the bounds and stayed there\n", n,
+                n == 1 ? " was" : "s were");
+}
+
 static void put_end(FILE *stream, const planish_result *smooth) {
     switch (smooth->stop) {
     case PLANISH_STOP_CONVERGED:
@@ -87,6 +112,9 @@ static void put_end(FILE *stream, const planish_result *smooth) {
     case PLANISH_STOP_INTERRUPTED:
         fprintf(stream, "interrupted");
         break;
+    case PLANISH_STOP_INFEASIBLE:
+        fprintf(stream, "converged, but for volumes that cannot be reached,");
+        break;
     }
     fprintf(stream, " after %d sweep%s, %" PRId64 " nodes moved by up to %.3g\n", smooth->sweeps,
             smooth->sweeps == 1 ? "" : "s", smooth->moved_nodes, smooth->max_displacement);
@@ -96,6 +124,9 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     row_mesh(stream, job);
     fprintf(stream, "%-*s%*s%*s\n", LABEL_WIDTH, "", VALUE_WIDTH, "before", VALUE_WIDTH, "after");
     rows_quality(stream, job->mesh.dim, &result->before, &result->after);
+    row_volumes(stream, job, &result->below_before, result->volumes.n_below);
+    row_objective(stream, job, &result->smooth);
+    put_held_outside(stream, result->smooth.held_outside);
     put_end(stream, &result->smooth);
     fprintf(stream, "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s\n",
             result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
@@ -120,12 +151,44 @@ static void put_histogram(FILE *stream, const planish_quality *quality) {
     }
 }
 
-void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality) {
+static void row_spread(FILE *stream, const char *label, const planish_spread *spread,
+                       const char *range) {
+    put_label(stream, label);
+    put_real(stream, spread->min);
+    put_real(stream, spread->mean);
+    put_real(stream, spread->max);
+    fprintf(stream, "  %s\n", range);
+}
+
+/** All measures of the elements (docs/measures.md); the range begins with the value of the regular
+ *  element, but for R / longest edge, where that is 1. */
+static void rows_measures(FILE *stream, int dim, const planish_quality *q) {
+    const int solid = dim == 3;
+    fprintf(stream, "%-*s%*s%*s%*s  %s\n", LABEL_WIDTH, "over the elements", VALUE_WIDTH,
+            "smallest", VALUE_WIDTH, "mean", VALUE_WIDTH, "largest", "best .. worst");
+    row_spread(stream, solid ? "radius ratio R/(3r)" : "radius ratio R/(2r)", &q->radius_ratio,
+               "1 .. inf");
+    row_spread(stream, "R / longest edge", &q->circumradius_to_edge,
+               solid ? "0.8165 (regular: 1) .. inf" : "0.8660 (regular: 1) .. inf");
+    row_spread(stream, "longest edge / r", &q->edge_to_inradius, "1 .. inf");
+    row_spread(stream, "longest edge / shortest", &q->edge_ratio, "1 .. inf");
+    row_spread(stream, "mean ratio", &q->mean_ratio, "1 .. 0");
+    row_spread(stream, "scaled Jacobian", &q->scaled_jacobian, "1 .. 0");
+    row_spread(stream, solid ? "smallest dihedral angle, deg" : "smallest angle, deg",
+               &q->smallest_angle_deg, solid ? "70.53 .. 0" : "60 .. 0");
+    row_spread(stream, solid ? "largest dihedral angle, deg" : "largest angle, deg",
+               &q->largest_angle_deg, solid ? "70.53 .. 180" : "60 .. 180");
+}
+
+void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality,
+                      const pl_volumes *volumes) {
     row_mesh(stream, job);
     rows_quality(stream, job->mesh.dim, NULL, quality);
+    row_volumes(stream, job, NULL, volumes->n_below);
     if (quality->worst_element >= 0)
         fprintf(stream, "the worst is element %" PRId64 "\n",
                 planish_file_element_number(job->file, quality->worst_element));
+    rows_measures(stream, job->mesh.dim, quality);
     put_histogram(stream, quality);
 }
 

@@ -10,7 +10,8 @@
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result);
 
 /** One mesh. */
-void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality);
+void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality,
+                      const pl_volumes *volumes);
 
 /** What is odd about the mesh, a line each: facets of more than two elements and the like. */
 void pl_table_oddities(FILE *stream, const pl_job *job);

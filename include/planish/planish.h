@@ -65,9 +65,36 @@ typedef struct planish_mesh {
     const double *coordinates; /* [n_nodes][dim], finite */
     const int32_t *elements;   /* [n_elements][dim + 1], any consistent or mixed orientation */
     const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL: all free */
+    const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
+                                  0: that of the options. NULL: 0 for all */
 } planish_mesh;
 
 /* ---- Options ------------------------------------------------------------------------------ */
+
+/** How nodes are moved. The Laplacian methods are what the paper compares with: unguarded, they may
+ *  invert elements, and none of the promises of planish_smooth holds but those on fixed nodes,
+ * bounds and bits. */
+typedef enum planish_method {
+    PLANISH_METHOD_PLANISH = 0,   /* constrained optimisation of each star */
+    PLANISH_METHOD_LAPLACIAN = 1, /* to the mean of the neighbours */
+    PLANISH_METHOD_AREA_LAPLACIAN =
+        2, /* to the mean of the elements' centroids, by their volumes */
+    PLANISH_METHOD_LENGTH_LAPLACIAN = 3 /* to the mean of the neighbours, by their distances */
+} planish_method;
+
+/** The aspect ratio AR of an element; 1 for the regular one and larger for any other. */
+typedef enum planish_objective {
+    PLANISH_RADIUS_RATIO = 0, /* R/(3r), R/(2r) in 2-D: the paper's */
+    PLANISH_MEAN_RATIO = 1,   /* inverse mean ratio: mean square edge to that of the regular element
+                                 of   the same volume */
+    PLANISH_EDGE_RATIO = 2    /* longest edge to shortest; not smooth, see docs/algorithm.md */
+} planish_objective;
+
+/** What a length is given in. */
+typedef enum planish_length_unit {
+    PLANISH_UNIT_MESH = 0, /* units of the coordinates */
+    PLANISH_UNIT_EDGE = 1  /* mean length of the node's edges at the start */
+} planish_length_unit;
 
 typedef enum planish_direction {
     PLANISH_NEWTON = 0,         /* shifted Newton step, one per visit */
@@ -96,9 +123,14 @@ typedef struct planish_progress {
     double rms;         /* RMS of RR over the valid elements after the last sweep: measured at first
                            and when it has fallen much, else tracked by what the visits report */
     double rms_movable; /* the same over the valid elements with a free node */
-    int64_t visits;     /* nodes visited in this sweep; 0 until sweep_done */
-    double seconds;     /* time of this sweep so far */
-    double elapsed;     /* time of planish_smooth so far, seconds */
+    double objective;   /* F over the valid elements after the last sweep; rms by default */
+    int64_t inverted;   /* elements that are not positive, after the last sweep */
+    int64_t below_min_volume; /* elements below 0.997 of their least volume, likewise */
+    int restoring;  /* not 0: in the last sweep, moves brought elements above their least volume,
+                       and F may have risen */
+    int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
+    double seconds; /* time of this sweep so far */
+    double elapsed; /* time of planish_smooth so far, seconds */
 } planish_progress;
 
 /** Called on the calling thread after every colour and once more at the end of every sweep; a
@@ -110,16 +142,28 @@ typedef struct planish_progress {
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
 typedef struct planish_options {
-    size_t struct_size;            /* set by planish_options_init */
-    int threads;                   /* 1 .. 1024; 0: as many as OpenMP would use, with bind at most
-                                      as many as there are cores. If the system cannot start that
-                                      many, libgomp ends the process: see docs/architecture.md */
-    int bind;                      /* not 0: bind each thread to a core while the library runs, if
-                                      there are as many cores and hwloc is there */
-    planish_isa isa;               /* kernel variant */
-    planish_direction direction;   /* search direction of the local problem */
-    planish_precision precision;   /* what coordinates are stored as in the end */
-    int max_sweeps;                /* at least 0 */
+    size_t struct_size;          /* set by planish_options_init */
+    int threads;                 /* 1 .. 1024; 0: as many as OpenMP would use, with bind at most
+                                    as many as there are cores. If the system cannot start that
+                                    many, libgomp ends the process: see docs/architecture.md */
+    int bind;                    /* not 0: bind each thread to a core while the library runs, if
+                                    there are as many cores and hwloc is there */
+    planish_isa isa;             /* kernel variant */
+    planish_method method;       /* how nodes are moved */
+    planish_objective objective; /* AR in F = mu1 RMS(AR) + mu2 RMS(g) */
+    planish_direction direction; /* search direction of the local problem */
+    double min_volume;           /* delta, the least volume (area in 2-D) of every element, or */
+    double min_volume_fraction;  /* delta as a fraction of the domain's volume; 0: none, elements
+                                    only stay positive. At most one of the two */
+    double area_weight;          /* mu2 = 1 - mu1, 0 .. 1: weight of g = 1 - V/delta in F; above 0
+                                    every element needs a delta */
+    const double *lower, *upper; /* [n_nodes][dim] bounds of the coordinates, or NULL: none */
+    double box_lower[3];         /* bounds for all nodes, -INFINITY and INFINITY: none; a node */
+    double box_upper[3];         /* that starts outside of its bounds stays where it is */
+    double max_displacement;     /* how far from its start a node may go; 0: any distance */
+    planish_length_unit displacement_unit; /* of max_displacement */
+    planish_precision precision;           /* what coordinates are stored as in the end */
+    int max_sweeps;                        /* at least 0 */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
     double time_limit;             /* seconds, 0: none */
     double only_worse_than;        /* visit only stars with an element of RR above it; 0: all */
@@ -127,8 +171,9 @@ typedef struct planish_options {
     void *progress_user;           /* handed to progress */
 } planish_options;
 
-/** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel;
- * Newton; doubles; 200 sweeps, tolerance 1e-5, no time limit; all nodes; no callback. */
+/** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel; radius
+ * ratio by constrained optimisation, Newton, volumes only positive, no bounds; doubles; 200 sweeps,
+ * tolerance 1e-5, no time limit; all nodes; no callback. */
 PLANISH_API void planish_options_init(planish_options *options);
 
 /* ---- Plan --------------------------------------------------------------------------------- */
@@ -169,7 +214,13 @@ PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_in
 
 #define PLANISH_HISTOGRAM_BINS 12
 
-/** What a mesh is worth. Ratios and angles are over the valid elements (positive measure). */
+/** Smallest, mean and largest value of a measure over the valid elements; 0 without any. */
+typedef struct planish_spread {
+    double min, mean, max;
+} planish_spread;
+
+/** What a mesh is worth. Definitions and sources: docs/measures.md. Ratios and angles are over the
+ * valid elements (positive measure). */
 typedef struct planish_quality {
     int64_t n_elements;
     int64_t inverted;  /* elements whose measure is not positive, decided exactly */
@@ -183,9 +234,17 @@ typedef struct planish_quality {
     int64_t worst_element; /* where max_radius_ratio is, or -1 */
     double min_angle_deg;  /* dihedral angles in 3-D, angles in 2-D */
     double max_angle_deg;
-    int64_t n_fixed;               /* elements all of whose nodes are fixed */
-    double fixed_rms_radius_ratio; /* 0 where there is none */
-    double fixed_max_radius_ratio; /* the floor of max_radius_ratio with these nodes fixed */
+    int64_t n_fixed;                     /* elements all of whose nodes are fixed */
+    double fixed_rms_radius_ratio;       /* 0 where there is none */
+    double fixed_max_radius_ratio;       /* the floor of max_radius_ratio with these nodes fixed */
+    planish_spread radius_ratio;         /* R/(3r), R/(2r) in 2-D: 1 .. inf */
+    planish_spread circumradius_to_edge; /* R / longest edge; 1 if regular, not the least */
+    planish_spread edge_to_inradius;     /* longest edge / r, normalised to 1 .. inf */
+    planish_spread edge_ratio;           /* longest edge / shortest: 1 .. inf */
+    planish_spread mean_ratio;           /* 0 .. 1, 1 for the regular element */
+    planish_spread scaled_jacobian;      /* 0 .. 1, 1 for the regular element */
+    planish_spread smallest_angle_deg;   /* of each element; dihedral in 3-D */
+    planish_spread largest_angle_deg;
     double histogram_edges[PLANISH_HISTOGRAM_BINS + 1]; /* of RR; the last is infinite */
     int64_t histogram_counts[PLANISH_HISTOGRAM_BINS];
 } planish_quality;
@@ -200,7 +259,8 @@ typedef enum planish_stop {
     PLANISH_STOP_CONVERGED = 0,
     PLANISH_STOP_MAX_SWEEPS = 1,
     PLANISH_STOP_TIME_LIMIT = 2,
-    PLANISH_STOP_INTERRUPTED = 3 /* the progress callback said so */
+    PLANISH_STOP_INTERRUPTED = 3, /* the progress callback said so */
+    PLANISH_STOP_INFEASIBLE = 4 /* converged, with elements that cannot reach their least volume */
 } planish_stop;
 
 typedef struct planish_result {
@@ -212,19 +272,51 @@ typedef struct planish_result {
     int64_t inverted;        /* elements that are not positive: their stars are left alone */
     double rms;              /* RMS of RR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
-    double seconds;          /* wall time of the call */
+    double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
+    int64_t below_min_volume; /* elements below 0.997 of their least volume at the end */
+    int64_t held_outside;     /* free nodes that started outside of their bounds and were held */
+    double objective_before;  /* F over the valid elements at the start */
+    double objective;         /* and at the end */
+    int64_t evaluations;      /* of the function of a star, with or without derivatives */
+    /* With a least volume, bounds or an objective other than the default: first-order optimality at
+       the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f on
+       the directions that no active constraint forbids, f the function of the node's star, h the
+       star's size: |P| h / f is about the relative fall of f that a move by h still promises. */
+    double kkt_residual;   /* largest |P| h / f of a node */
+    double kkt_rms;        /* root mean square of these */
+    double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
+    int64_t n_active;      /* constraints with a multiplier, counted at each node */
+    double seconds;        /* wall time of the call */
 } planish_result;
 
 /** Smooth coordinates [n_nodes][dim] in place.
- *  Promised: only free nodes move; no positive element is inverted; no element gets a worse RR than
- *  the worst of the input; the RMS of RR never rises; the same bits for any number of threads, any
- *  isa and compiler (gcc and clang are tested). Stars with an element that is not positive are left
- *  alone. options (NULL: defaults); threads, bind and isa are those of the plan.
+ *  Promised: only free nodes move, and within their bounds; no positive element is inverted; no
+ *  element gets a worse RR than the worst of the input; F never rises once no element is inverted
+ * or below its least volume; the same bits for any number of threads, any isa and compiler (gcc and
+ *  clang are tested). Stars with an element that is not positive are left alone if it has no least
+ *  volume; those with an element below it are brought above it first where that can be done.
+ *  options (NULL: defaults); threads, bind and isa are those of the plan.
  *  Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then untouched.
  */
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,
                                planish_error *error);
+
+/** What planish_check_volumes says of an element. */
+typedef enum planish_volume_state {
+    PLANISH_VOLUME_MET = 0,   /* at least 0.997 of its least volume, or it has none */
+    PLANISH_VOLUME_BELOW = 1, /* not so */
+    PLANISH_VOLUME_INFEASIBLE =
+        2 /* not so, and it cannot be, wherever the free nodes are: by itself
+             or together with the elements around its only free node */
+} planish_volume_state;
+
+/** Compare the elements of coordinates [n_nodes][dim] with their least volumes, those of options
+ * and of the plan's mesh. state [n_elements] (may be NULL) is filled with planish_volume_state;
+ * *n_below counts those that are not MET. Errors: _ARGUMENT, _MESH, _MEMORY. */
+PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,
+                                      const planish_options *options, uint8_t *state,
+                                      int64_t *n_below, planish_error *error);
 
 #ifdef __cplusplus
 }

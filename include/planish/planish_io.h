@@ -55,6 +55,15 @@ typedef struct planish_hold {
 PLANISH_API int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                                          uint8_t *constraint, planish_error *error);
 
+/** The least volumes of groups, for planish_mesh.min_volume: min_volume [n_elements] is filled with
+ *  the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
+ *  planish_hold, has the element, and 0 for elements in none of these groups. Groups are those of
+ *  the elements that are smoothed. Errors: _ARGUMENT (a tag that the file does not have; the text
+ *  lists those it has), _MEMORY; min_volume is then untouched. */
+PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *const *tags,
+                                         const double *values, int n_tags, double *min_volume,
+                                         planish_error *error);
+
 /** The numbers that the file gives element and node (by their index in planish_file_mesh). */
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);

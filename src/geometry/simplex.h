@@ -12,14 +12,10 @@
 #ifndef PL_GEOMETRY_SIMPLEX_H
 #define PL_GEOMETRY_SIMPLEX_H
 
-#include <math.h>
+#include "geometry/cube_root.h"
+#include "geometry/inline.h"
 
-/* Loops over many elements become vectors only if the whole body is inlined. */
-#if defined(__GNUC__)
-#define PL_INLINE static inline __attribute__((always_inline))
-#else
-#define PL_INLINE static inline
-#endif
+#include <math.h>
 
 /* ---- Vectors ------------------------------------------------------------------------------ */
 
@@ -321,7 +317,7 @@ static inline pl_derivatives pl_radius_ratio_derivatives(int dim, const double x
     return rr;
 }
 
-/* ---- Angles and edges --------------------------------------------------------------------- */
+/* ---- Angles ------------------------------------------------------------------------------- */
 
 /** Smallest and largest cosine of the dihedral angles of a tetrahedron, or of the angles of a
  *  triangle: those of the largest and the smallest angle. */
@@ -334,19 +330,97 @@ static inline void pl_angle_cosines(int dim, const double *const vertex[], doubl
     *largest = shape.largest_cosine;
 }
 
+/* ---- Other measures (docs/measures.md) ---------------------------------------------------- */
+
+/** Of the squares of all edges. */
+typedef struct pl_edge_squares {
+    double shortest, longest, sum;
+    double corner; /* the largest product of those that meet in a vertex */
+} pl_edge_squares;
+
+/** Take in the edge from vertex i to vertex j; corner [dim + 1]: the products at the vertices. */
+PL_INLINE void pl_take_edge(int dim, const double x[4][3], int i, int j, pl_edge_squares *of,
+                            double corner[4]) {
+    double edge[3];
+    pl_subtract(dim, x[j], x[i], edge);
+    double square = pl_dot(dim, edge, edge);
+    of->shortest = square < of->shortest ? square : of->shortest;
+    of->longest = square > of->longest ? square : of->longest;
+    of->sum += square;
+    corner[i] *= square;
+    corner[j] *= square;
+}
+
+/** Of the vertices x [dim + 1][dim]. Each edge is taken from its own two: as a difference of others
+ *  a short one would cancel. */
+PL_INLINE pl_edge_squares pl_edge_squares_of(int dim, const double x[4][3]) {
+    pl_edge_squares of = {INFINITY, 0, 0, 0};
+    double corner[4] = {1, 1, 1, 1};
+    for (int j = 0; j < 3; j++) {
+        pl_take_edge(dim, x, j, (j + 1) % 3, &of, corner);
+        if (dim == 3)
+            pl_take_edge(dim, x, j, 3, &of, corner);
+    }
+    for (int i = 0; i <= dim; i++)
+        of.corner = corner[i] > of.corner ? corner[i] : of.corner;
+    return of;
+}
+
+static inline pl_edge_squares pl_edge_squares_at(int dim, const double *const vertex[]) {
+    double x[4][3] = {{0}};
+    for (int j = 0; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            x[j][d] = vertex[j][d];
+    return pl_edge_squares_of(dim, x);
+}
+
 /** Longest edge by shortest; infinite if two vertices are one. */
 static inline double pl_edge_ratio(int dim, const double *const vertex[]) {
-    double shortest = INFINITY, longest = 0;
-    for (int i = 0; i < dim; i++) {
-        for (int j = i + 1; j <= dim; j++) {
-            double edge[3];
-            pl_subtract(dim, vertex[j], vertex[i], edge);
-            double square = pl_dot(dim, edge, edge);
-            shortest = square < shortest ? square : shortest;
-            longest = square > longest ? square : longest;
-        }
-    }
-    return sqrt(longest / shortest);
+    pl_edge_squares squares = pl_edge_squares_at(dim, vertex);
+    return sqrt(squares.longest / squares.shortest);
+}
+
+/* What makes the measures 1 for the regular element, of dimension 2 and 3. */
+static const double PL_CIRCUMRADIUS_SCALE[] = {0, 0, 1.7320508075688772935 / 2,
+                                               0.81649658092772603273}; /* sqrt(3)/2, sqrt(2/3) */
+static const double PL_INRADIUS_SCALE[] = {0, 0, 1 / 3.4641016151377545871,
+                                           1 / 2.4494897427831780982}; /* 1/sqrt(12), 1/sqrt(6) */
+static const double PL_JACOBIAN_SCALE[] = {0, 0, 1.1547005383792515290,
+                                           1.4142135623730950488}; /* 2/sqrt(3), sqrt(2) */
+
+/** Circumradius by longest edge, R / h from N = (2 R D)^2; |D| and h > 0. */
+PL_INLINE double pl_circumradius_to_edge(int dim, const pl_shape *shape, double longest) {
+    double d = fabs(shape->determinant);
+    return PL_CIRCUMRADIUS_SCALE[dim] * (sqrt(shape->circumradius_square) / d / longest);
+}
+
+/** Longest edge by inradius: h / r, r = D / (2 S) or D / S. */
+PL_INLINE double pl_edge_to_inradius(int dim, const pl_shape *shape, double longest) {
+    return PL_INRADIUS_SCALE[dim] * (longest * (shape->surface / fabs(shape->determinant)));
+}
+
+/** Mean ratio from |D| and the sum of the edges' squares: 12 (3 V)^(2/3) or 4 sqrt(3) A by it. */
+PL_INLINE double pl_mean_ratio_of(int dim, double determinant, double sum) {
+    if (dim == 2)
+        return 3.4641016151377545871 * determinant / sum;
+    double root = pl_cube_root(determinant / 2);
+    return 12 * (root * root) / sum;
+}
+
+/** Mean ratio: 1 for the regular element, 0 for a flat one, negative where D is; NaN if all the
+ *  vertices are one. In range for sizes from 1e-100 to 1e100. */
+static inline double pl_mean_ratio(int dim, const double *const vertex[]) {
+    double edges[3][3];
+    pl_edges(dim, vertex, edges);
+    double determinant = pl_determinant_of_edges(dim, edges);
+    double sum = pl_edge_squares_at(dim, vertex).sum;
+    return copysign(pl_mean_ratio_of(dim, fabs(determinant), sum), determinant);
+}
+
+/** Scaled Jacobian from D: least of the D / (product of the edges) of the vertices. In range for
+ *  sizes from 1e-50 to 1e50. */
+PL_INLINE double pl_scaled_jacobian_of(int dim, double determinant, double corner) {
+    return PL_JACOBIAN_SCALE[dim] * (determinant / sqrt(corner));
 }
 
 #endif

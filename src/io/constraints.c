@@ -1,9 +1,12 @@
-/* constraints: which nodes a file holds: on its lower elements, marked, between regions, named. */
+/* constraints: which nodes a file holds: on its lower elements, marked, between regions, named; and
+ * the least volumes of the elements of named groups.
+ */
 #include "io/file.h"
 
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <float.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,8 +20,9 @@ typedef struct tag {
 
 /* ---- understanding tags ------------------------------------------------------------------- */
 
-static tag tag_parse(const char *text) {
-    tag t = {text, 0, -1, 0};
+/** dim: of the group if the text does not say. */
+static tag tag_parse(const char *text, int dim) {
+    tag t = {text, 0, dim, 0};
     char *end;
     const char *digits = text;
     if (text[0] >= '0' && text[0] <= '3' && text[1] == ':') {
@@ -56,11 +60,13 @@ static int choose_number(const io_model *model, int dim, int64_t number, uint8_t
            choose_entities(model, dim, number, 0, chosen);
 }
 
-/** A group by its name, or by a number that only a name knows. */
-static int choose_group(const io_model *model, const tag *t, uint8_t *chosen) {
+/** A group by its name (of dimension dim, -1: any), or by a number that only a name knows. */
+static int choose_group(const io_model *model, const tag *t, int dim, uint8_t *chosen) {
     int found = 0;
     for (int32_t i = 0; i < model->n_groups; i++) {
         const io_group *group = &model->group[i];
+        if (dim >= 0 && group->dim != dim)
+            continue;
         int same = strcmp(group->name, t->name) == 0 || (t->has_number && group->tag == t->number &&
                                                          (t->dim < 0 || t->dim == group->dim));
         if (same)
@@ -83,16 +89,19 @@ static int listed_before(const io_model *model, int32_t i, int dim, int32_t numb
     return 0;
 }
 
-/** "a, b, 3:1, ..." of what there is. */
-static void list_tags(const io_model *model, char *text, size_t size) {
+/** "a, b, 3:1, ..." of what there is of dimension dim (-1: any). */
+static void list_tags(const io_model *model, int dim, char *text, size_t size) {
     size_t used = 0;
     int listed = 0;
     text[0] = '\0';
-    for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++, listed++)
-        used += (size_t)snprintf(text + used, size - used, "%s%s", listed ? ", " : "",
-                                 model->group[i].name);
+    for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++)
+        if (dim < 0 || model->group[i].dim == dim)
+            used += (size_t)snprintf(text + used, size - used, "%s%s", listed++ ? ", " : "",
+                                     model->group[i].name);
     for (int32_t i = 0; i < model->n_entities && i < LOOKED_AT; i++) {
         const io_entity *entity = &model->entity[i];
+        if (dim >= 0 && entity->dim != dim)
+            continue;
         for (int j = 0; j < (entity->n_physical ? entity->n_physical : 1); j++) {
             int32_t number = entity->n_physical ? entity->physical[j] : entity->tag;
             if (listed < LISTED && used < size && !listed_before(model, i, entity->dim, number))
@@ -106,19 +115,20 @@ static void list_tags(const io_model *model, char *text, size_t size) {
         snprintf(text + used, size - used, ", ...");
 }
 
-static int choose_tag(const io_model *model, const char *text, uint8_t *chosen,
+/** Choose the entities of the group that text names, among those of dimension dim (-1: any). */
+static int choose_tag(const io_model *model, const char *text, int dim, uint8_t *chosen,
                       planish_error *error) {
-    tag t = tag_parse(text);
-    int found = choose_group(model, &t, chosen);
-    if (t.has_number)
+    static const char *const kind[] = {"of triangles", "of tetrahedra"};
+    tag t = tag_parse(text, dim);
+    int found = choose_group(model, &t, dim, chosen);
+    if (t.has_number && (dim < 0 || t.dim == dim))
         found |= choose_number(model, t.dim, t.number, chosen);
     if (found)
         return PLANISH_OK;
     char list[256];
-    list_tags(model, list, sizeof list);
-    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                   "%s: there is no group '%s' to hold; the file has: %s", model->input.path, text,
-                   list);
+    list_tags(model, dim, list, sizeof list);
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT, "%s: there is no group '%s' %s; the file has: %s",
+                   model->input.path, text, dim < 0 ? "to hold" : kind[dim - 2], list);
 }
 
 /* ---- holding ------------------------------------------------------------------------------ */
@@ -135,7 +145,7 @@ static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t *c
     uint8_t *chosen = pl_alloc_zero(model->n_entities, 1);
     int status = chosen ? PLANISH_OK : pl_fail_memory(error, "groups to hold");
     for (int i = 0; i < hold->n_tags && !status; i++)
-        status = choose_tag(model, hold->tags[i], chosen, error);
+        status = choose_tag(model, hold->tags[i], -1, chosen, error);
     if (!status) {
         hold_cells(&model->tetrahedron, 4, chosen, constraint);
         hold_cells(&model->triangle, 3, chosen, constraint);
@@ -187,5 +197,41 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
         status = hold_interfaces(file, constraint, error);
     if (!status && hold && hold->n_tags > 0)
         status = hold_tags(&file->model, hold, constraint, error);
+    return status;
+}
+
+/* ---- least volumes ------------------------------------------------------------------------ */
+
+/** Raise least [n_entities] of the entities of a group to value; chosen [n_entities] is scratch. */
+static int raise_group(const io_model *model, const char *text, double value, uint8_t *chosen,
+                       double *least, planish_error *error) {
+    if (!(value > 0 && value <= DBL_MAX))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "the least volume of group '%s' must be positive and finite", text);
+    memset(chosen, 0, (size_t)model->n_entities);
+    const int status = choose_tag(model, text, model->dim, chosen, error);
+    for (int32_t i = 0; i < model->n_entities && !status; i++)
+        if (chosen[i] && value > least[i])
+            least[i] = value;
+    return status;
+}
+
+int planish_file_min_volumes(const planish_file *file, const char *const *tags,
+                             const double *values, int n_tags, double *min_volume,
+                             planish_error *error) {
+    if (!file || !min_volume || (n_tags > 0 && (!tags || !values)))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "file, tags, values and min_volume must not be NULL");
+    const io_cells *cells = io_file_elements(file);
+    const int32_t n_entities = file->model.n_entities;
+    uint8_t *chosen = pl_alloc(n_entities, 1);
+    double *least = pl_alloc_zero(n_entities, sizeof *least);
+    int status = chosen && least ? PLANISH_OK : pl_fail_memory(error, "least volumes of groups");
+    for (int i = 0; i < n_tags && !status; i++)
+        status = raise_group(&file->model, tags[i], values[i], chosen, least, error);
+    for (int64_t i = 0; i < cells->n && !status; i++)
+        min_volume[i] = cells->entity ? least[cells->entity[i]] : 0;
+    pl_free(least);
+    pl_free(chosen);
     return status;
 }

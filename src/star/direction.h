@@ -16,35 +16,47 @@ static inline int packed(int i, int j, int dim) {
     return i * dim - i * (i - 1) / 2 + (j - i);
 }
 
-/** direction = -(hessian + shift I)^-1 gradient by LDL^T; 0 if a pivot is not above floor. */
-static inline int solve_shifted(const double *hessian, double shift, double floor,
-                                const double *gradient, double *direction, const int dim) {
-    double l[3][3] = {{0}}, pivot[3], y[3];
+/** L D L^T of a matrix: l unit lower triangular, pivot the diagonal of D. */
+typedef struct factors {
+    double l[3][3], pivot[3];
+} factors;
+
+/** Factorise hessian + shift I; 0 if a pivot is not above floor. */
+static inline int factorise(const double *hessian, double shift, double floor, factors *f,
+                            const int dim) {
     for (int i = 0; i < dim; i++) {
         double d = hessian[packed(i, i, dim)] + shift;
         for (int k = 0; k < i; k++)
-            d -= l[i][k] * l[i][k] * pivot[k];
+            d -= f->l[i][k] * f->l[i][k] * f->pivot[k];
         if (!(d > floor))
             return 0;
-        pivot[i] = d;
+        f->pivot[i] = d;
         for (int j = i + 1; j < dim; j++) {
             double e = hessian[packed(i, j, dim)];
             for (int k = 0; k < i; k++)
-                e -= l[i][k] * l[j][k] * pivot[k];
-            l[j][i] = e / d;
+                e -= f->l[i][k] * f->l[j][k] * f->pivot[k];
+            f->l[j][i] = e / d;
         }
     }
-    for (int i = 0; i < dim; i++) {
-        y[i] = -gradient[i];
-        for (int k = 0; k < i; k++)
-            y[i] -= l[i][k] * y[k];
-    }
-    for (int i = dim - 1; i >= 0; i--) {
-        direction[i] = y[i] / pivot[i];
-        for (int k = i + 1; k < dim; k++)
-            direction[i] -= l[k][i] * direction[k];
-    }
     return 1;
+}
+
+/** y = L^-1 b. */
+static inline void substitute_forward(const factors *f, const double *b, double *y, const int dim) {
+    for (int i = 0; i < dim; i++) {
+        y[i] = b[i];
+        for (int k = 0; k < i; k++)
+            y[i] -= f->l[i][k] * y[k];
+    }
+}
+
+/** x = L^-T D^-1 y. */
+static inline void substitute_back(const factors *f, const double *y, double *x, const int dim) {
+    for (int i = dim - 1; i >= 0; i--) {
+        x[i] = y[i] / f->pivot[i];
+        for (int k = i + 1; k < dim; k++)
+            x[i] -= f->l[k][i] * x[k];
+    }
 }
 
 static inline double dot(const double *a, const double *b, const int dim) {
@@ -63,23 +75,36 @@ static inline double curvature(const double *hessian, const double *v, const int
     return sum;
 }
 
-/** Newton direction, the Hessian shifted by multiples of the identity until it is positive
- *  definite; 0 if even that fails (entries not finite, or all zero). */
-static inline int newton_direction(const double *gradient, const double *hessian, double *direction,
-                                   const int dim) {
+/** Factorise the Hessian, shifted by multiples of the identity until it is positive definite; 0 if
+ *  even that fails (entries not finite, or all zero). */
+static inline int factorise_shifted(const double *hessian, factors *f, const int dim) {
     double largest = 0;
     for (int i = 0; i < dim; i++) {
         double entry = fabs(hessian[packed(i, i, dim)]);
         largest = entry > largest ? entry : largest;
     }
     double floor = largest * PIVOT_FLOOR;
-    if (solve_shifted(hessian, 0, floor, gradient, direction, dim))
+    if (factorise(hessian, 0, floor, f, dim))
         return 1;
     double shift = largest * SHIFT_FIRST;
     for (int trial = 0; trial < SHIFT_TRIALS; trial++, shift *= SHIFT_FACTOR)
-        if (solve_shifted(hessian, shift, floor, gradient, direction, dim))
+        if (factorise(hessian, shift, floor, f, dim))
             return 1;
     return 0;
+}
+
+/** Newton direction -hessian^-1 gradient, the Hessian shifted if need be; 0 if that fails. */
+static inline int newton_direction(const double *gradient, const double *hessian, double *direction,
+                                   const int dim) {
+    factors f = {{{0}}, {0}};
+    double b[3], y[3];
+    if (!factorise_shifted(hessian, &f, dim))
+        return 0;
+    for (int d = 0; d < dim; d++)
+        b[d] = -gradient[d];
+    substitute_forward(&f, b, y, dim);
+    substitute_back(&f, y, direction, dim);
+    return 1;
 }
 
 /** What conjugate directions remember from one iteration of a star to the next. */

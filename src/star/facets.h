@@ -19,7 +19,10 @@ enum {
     LENGTH,   /* 3-D: twice the facet's area |n|; 2-D: its length L */
     ROUNDING, /* D is certain to be positive where D^2 > ROUNDING * |x - p0|^2 */
     WEIGHT,   /* 1, or 0 for padding */
-    RATE,     /* n / D along the direction, see step.h; and 1 / D before */
+    RATE,     /* 1 / D, see blocking_rate in step.h */
+    /* The next two are for the guarded kernel alone. */
+    INVERSE_FLOOR, /* 1 / floor, the least D that is asked for; 0: only positive */
+    GVALUE,        /* g = 1 - D / floor */
     COLUMNS_2D,
     P0Z = COLUMNS_2D,
     P1Z,
@@ -45,7 +48,11 @@ typedef struct star {
     const int32_t *ring; /* [n_ring] */
     int64_t n_ring;
     double scale, unscale; /* coordinates here / in the mesh, and the inverse */
+    double *spare;         /* [SPARE_ROWS + padded][4] for the rows of constraints */
 } star;
+
+/* Rows of constraints besides the facets': two bounds per coordinate, and the distance moved. */
+enum { SPARE_ROWS = 7, ROW_LENGTH = 4 };
 
 static inline lanes load(const star *s, int column, int64_t i) {
     return lanes_load(s->column + column * s->padded + i);
@@ -182,9 +189,26 @@ static inline void gather_ring(const pl_star_problem *problem, star *s, const do
         ring_xyz[i] *= s->scale;
 }
 
+/** Copy the least D of the facets into their column; times scale dim times, one by one, as the
+ * volume is of the size of the star. */
+static inline void gather_floors(const pl_star_problem *problem, const star *s, int64_t first,
+                                 const int dim) {
+    const pl_star_guard *guard = problem->guard;
+    double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        double own = guard->link_min_volume ? guard->link_min_volume[first + i] : 0;
+        double least = (own > 0 ? own : guard->min_volume) * (dim == 3 ? 6 : 2);
+        for (int d = 0; d < dim; d++)
+            least *= s->scale;
+        inverse_floor[i] = least > 0 ? 1 / least : 0;
+    }
+    for (int64_t i = s->n_facets; i < s->padded; i++)
+        inverse_floor[i] = inverse_floor[0];
+}
+
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch. */
 static inline star gather(const pl_star_problem *problem, int64_t index, const double *x,
-                          double *scratch, const int dim) {
+                          double *scratch, const int guarded, const int dim) {
     star s;
     int64_t first = problem->link_offset[index];
     s.n_facets = problem->link_offset[index + 1] - first;
@@ -192,13 +216,16 @@ static inline star gather(const pl_star_problem *problem, int64_t index, const d
     s.ring = problem->ring + problem->ring_offset[index];
     s.n_ring = problem->ring_offset[index + 1] - problem->ring_offset[index];
     s.column = scratch;
-    double *ring_xyz = scratch + s.padded * (dim == 3 ? COLUMNS_3D : COLUMNS_2D);
+    s.spare = scratch + s.padded * (dim == 3 ? COLUMNS_3D : COLUMNS_2D);
+    double *ring_xyz = s.spare; /* no longer needed once the columns are filled */
     gather_ring(problem, &s, x, ring_xyz, dim);
     facet_nodes(&s, problem->link + first * dim, ring_xyz, dim);
     if (dim == 3)
         facet_constants_3d(&s);
     else
         facet_constants_2d(&s);
+    if (guarded)
+        gather_floors(problem, &s, first, dim);
     return s;
 }
 

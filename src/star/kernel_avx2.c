@@ -6,4 +6,5 @@ const pl_star_kernel pl_star_kernel_avx2 = {
     .name = "avx2",
     .visit = {visit_triangles, visit_tetrahedra},
     .evaluate = {evaluate_triangles, evaluate_tetrahedra},
+    .guarded = &pl_star_guarded_avx2,
 };

@@ -7,4 +7,5 @@ const pl_star_kernel pl_star_kernel_avx512 = {
     .name = "avx512",
     .visit = {visit_triangles, visit_tetrahedra},
     .evaluate = {evaluate_triangles, evaluate_tetrahedra},
+    .guarded = &pl_star_guarded_avx512,
 };

@@ -7,4 +7,5 @@ const pl_star_kernel pl_star_kernel_vector = {
     .name = "vector",
     .visit = {visit_triangles, visit_tetrahedra},
     .evaluate = {evaluate_triangles, evaluate_tetrahedra},
+    .guarded = &pl_star_guarded_vector,
 };

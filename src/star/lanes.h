@@ -10,6 +10,7 @@
 #include "star/star.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { PL_PACKS = PL_LANES / PL_PACK };
 
@@ -32,6 +33,19 @@ static inline lanes lanes_abs(lanes a) {
 }
 static inline lanes_mask lanes_greater(lanes a, lanes b) {
     return a > b;
+}
+static inline lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
+    return mask ? a : b;
+}
+static inline lanes_mask lanes_bits(lanes a) {
+    lanes_mask bits;
+    memcpy(&bits, &a, sizeof bits);
+    return bits;
+}
+static inline lanes lanes_of_bits(lanes_mask bits) {
+    lanes a;
+    memcpy(&a, &bits, sizeof a);
+    return a;
 }
 static inline double lanes_get(lanes a, int lane) {
     (void)lane;
@@ -59,9 +73,18 @@ static inline lanes lanes_sqrt(lanes a) {
     return (lanes){sqrt(a[0]), sqrt(a[1])};
 #endif
 }
+/** a where mask is set, else b. */
+static inline lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
+    return (lanes)(((lanes_mask)a & mask) | ((lanes_mask)b & ~mask));
+}
+static inline lanes_mask lanes_bits(lanes a) {
+    return (lanes_mask)a;
+}
+static inline lanes lanes_of_bits(lanes_mask bits) {
+    return (lanes)bits;
+}
 static inline lanes lanes_max(lanes a, lanes b) {
-    lanes_mask greater = a > b;
-    return (lanes)(((lanes_mask)a & greater) | ((lanes_mask)b & ~greater));
+    return lanes_select(a > b, a, b);
 }
 static inline lanes lanes_abs(lanes a) {
     return (lanes)((lanes_mask)a & INT64_MAX);
@@ -87,6 +110,22 @@ static inline lanes lanes_load(const double *array) {
 }
 static inline void lanes_store(double *array, lanes a) {
     *(lanes *)(void *)array = a;
+}
+
+static inline lanes lanes_min(lanes a, lanes b) {
+    return lanes_select(lanes_greater(a, b), b, a);
+}
+
+/** a^(-1/3) of a > 0, finite and normal, to some units in the last place: a guess from the exponent
+ *  (3 % off), then Newton's iteration, which squares the error; + - * only, so that the bits are
+ * the same everywhere. */
+static inline lanes lanes_inverse_cube_root(lanes a) {
+    enum { GUESS = 0x553ef0ff, THIRD = 0x55555556, NEWTON_STEPS = 4 };
+    lanes_mask high = lanes_bits(a) >> 32;
+    lanes y = lanes_of_bits((GUESS - (high * THIRD >> 32)) << 32);
+    for (int i = 0; i < NEWTON_STEPS; i++)
+        y += y * (lanes_of(1) - a * y * y * y) * lanes_of(1.0 / 3);
+    return y;
 }
 
 /** Value of one of all PL_LANES lanes. */

@@ -14,10 +14,11 @@
 
 /** The objective at a position. */
 typedef struct objective {
-    double sum, max; /* of RR^2 */
-    double error;    /* relative, of sum and max: a bound of what rounding can have done */
-    int positive;    /* all D > 0 */
-    int certain;     /* all D > 0 beyond doubt of rounding */
+    double sum, max;         /* of RR^2 */
+    double error;            /* relative, of sum and max: a bound of what rounding can have done */
+    int positive;            /* all D > 0 */
+    int certain;             /* all D > 0 beyond doubt of rounding */
+    double shortfall, worst; /* sum of max(0, g)^2 and largest g; guarded only */
 } objective;
 
 /* The relative error of RR^2 ~ N / D^4 is at most that of D, sqrt(ROUNDING) |x - p0| / D, times
@@ -57,8 +58,13 @@ static inline void accumulate(accumulator *t, int k, lanes rr2, lanes weight, la
 }
 
 static inline objective accumulator_result(const accumulator *t, double factor) {
-    objective f = {lanes_sum(t->sum) * factor, lanes_largest(t->max) * factor,
-                   ERROR_FACTOR * sqrt(lanes_largest(t->error2)), 1, 1};
+    objective f = {lanes_sum(t->sum) * factor,
+                   lanes_largest(t->max) * factor,
+                   ERROR_FACTOR * sqrt(lanes_largest(t->error2)),
+                   1,
+                   1,
+                   0,
+                   0};
     for (int k = 0; k < PL_PACKS; k++) {
         f.positive &= lanes_all_set(t->positive[k]);
         f.certain &= lanes_all_set(t->certain[k]);

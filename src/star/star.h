@@ -15,6 +15,18 @@
 /** Lanes of every sum over link facets: facet i goes to lane i % 4, whatever the CPU has. */
 enum { PL_LANES = 4 };
 
+/** What the guarded kernel looks at besides: it serves every objective, least volumes and bounds.
+ * The arrays over nodes are by inner numbers; any array may be NULL: nothing asked. */
+typedef struct pl_star_guard {
+    planish_objective objective;
+    double ratio_weight, volume_weight; /* of sum AR^2 and sum g^2 in a star's function */
+    double min_volume;                  /* of elements without their own; 0: none */
+    const double *link_min_volume; /* [link_offset[n_stars]] of the facets' elements, 0: none */
+    const double *lower, *upper;   /* [n_nodes][dim] */
+    const double *start;           /* [n_nodes][dim] where the nodes were, */
+    const double *radius;          /* [n_nodes] and how far they may go */
+} pl_star_guard;
+
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
@@ -25,28 +37,51 @@ typedef struct pl_star_problem {
     const uint16_t *link;       /* [.][dim] positions in the ring, see pl_stars */
     uint8_t *changed;           /* [n_nodes] 1: the star of the node changed since its visit */
     planish_direction direction;
-    double rr2_limit; /* a move that makes an element's RR^2 larger is refused */
-    double rr2_skip;  /* stars whose largest RR^2 is not above it are left alone */
-    int to_float;     /* positions are rounded to float before they are judged */
+    double rr2_limit;           /* a move that makes an element's RR^2 larger is refused */
+    double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */
+    int to_float;               /* positions are rounded to float before they are judged */
+    const pl_star_guard *guard; /* NULL: the sum of RR^2, volumes positive, no bounds */
 } pl_star_problem;
 
 /** What a range of visits did. */
 typedef struct pl_star_tally {
-    double decrease; /* of the sum of RR^2 over all elements, at least 0 */
-    int64_t visits;  /* stars looked at */
+    double decrease;     /* of the sum of RR^2 over all elements, at least 0; unguarded only */
+    int64_t visits;      /* stars looked at */
+    int64_t evaluations; /* of their function */
+    int64_t restored;    /* stars in which elements were brought nearer to their least volume */
 } pl_star_tally;
+
+/** First-order optimality of a range of stars. */
+typedef struct pl_star_optimality {
+    double residual;   /* largest |P| h / f: P the projection of -grad f, h the star's size */
+    double residual2;  /* sum of the squares of these */
+    double multiplier; /* largest of a g_k, for the star's function f */
+    int64_t n_active;  /* constraints with a multiplier */
+    int64_t n_stars;   /* feasible stars looked at */
+} pl_star_optimality;
 
 /** Bytes of scratch (64-byte aligned, one per thread) for stars of at most max_ring neighbours and
  *  max_link facets. */
 int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link);
 
+/** Move the nodes of the changed ones of stars begin .. end-1 by a method of averages
+ * (laplacian.c): to the mean that it says, whatever becomes of the elements. */
+pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,
+                              int64_t begin, int64_t end);
+
+/** Whether elements of the star's fixed link facets cannot all have their least volume, wherever
+ * the node is (feasibility.c). is_fixed [n_nodes] by inner numbers; taking_part [link facets of the
+ *  star] is set to 1 for the elements of the proof, else 0. scratch as for visits. */
+int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
+                       const uint8_t *is_fixed, double *scratch, uint8_t *taking_part);
+
 /** Visit the changed ones of stars begin .. end-1, which must be independent. */
 typedef pl_star_tally pl_star_visit_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
                                        double *scratch);
 
-/** Sum and largest of RR^2 over one star at its present position, and their derivatives: for tests
- *  and benchmarks of a variant. Returns 0 if an element is not positive. hessian: xx, xy, xz, yy,
- *  yz, zz (2-D: xx, xy, yy). */
+/** Sum (with a guard, the star's function) and largest of RR^2 (AR^2) over one star at its present
+ *  position, and the sum's derivatives: for tests and benchmarks of a variant. Returns 0 if an
+ * element is not positive. hessian: xx, xy, xz, yy, yz, zz (2-D: xx, xy, yy). */
 typedef struct pl_star_value {
     double sum, max;
     double gradient[3], hessian[6];
@@ -54,10 +89,23 @@ typedef struct pl_star_value {
 typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, double *scratch,
                                 int with_derivatives, pl_star_value *value);
 
+/** Add the optimality of stars begin .. end-1 to *optimality; the problem has a guard. */
+typedef void pl_star_optimality_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                   double *scratch, pl_star_optimality *optimality);
+
+/** For problems with a guard. */
+typedef struct pl_star_guarded {
+    pl_star_visit_fn *visit[2];           /* [dim - 2] */
+    pl_star_evaluate_fn *evaluate[2];     /* [dim - 2] */
+    pl_star_optimality_fn *optimality[2]; /* [dim - 2] */
+} pl_star_guarded;
+
+/** For problems without, and the other. */
 typedef struct pl_star_kernel {
     const char *name;
     pl_star_visit_fn *visit[2];       /* [dim - 2] */
     pl_star_evaluate_fn *evaluate[2]; /* [dim - 2] */
+    const pl_star_guarded *guarded;
 } pl_star_kernel;
 
 /** The variant asked for (AUTO: the fastest that this CPU has), or NULL if the CPU lacks it. */
@@ -65,5 +113,7 @@ const pl_star_kernel *pl_star_kernel_select(planish_isa isa);
 
 extern const pl_star_kernel pl_star_kernel_plain, pl_star_kernel_vector, pl_star_kernel_avx2,
     pl_star_kernel_avx512;
+extern const pl_star_guarded pl_star_guarded_plain, pl_star_guarded_vector, pl_star_guarded_avx2,
+    pl_star_guarded_avx512;
 
 #endif

@@ -3,9 +3,8 @@
 #ifndef PL_STAR_STEP_H
 #define PL_STAR_STEP_H
 
-#include "base/round.h"
 #include "star/direction.h"
-#include "star/objective.h"
+#include "star/local.h"
 
 /* Fraction of the largest feasible step that is tried at most: the objective is a barrier there. */
 #define STEP_FRACTION_FIRST 0.9
@@ -17,15 +16,53 @@
 /* Stars whose mean RR^2 is above this stand near the barrier, where a Newton step is too short. */
 #define STEP_EXPAND_ABOVE 4.0
 enum { STEP_BACKTRACKS = 10, STEP_EXPANSIONS = 60 };
+/* How far below its floor an element may come by rounding, as g. */
+#define GRAZE 1e-6
+
+/* ---- the direction without constraints ------------------------------------------------------ */
+
+/** Steps of one visit: one Newton step (more sweeps beat more steps), but as many conjugate
+ *  directions as there are coordinates, or they would never be conjugate. */
+static inline int steps_of_visit(planish_direction direction, const int dim) {
+    return direction == PLANISH_NEWTON ? 1 : dim;
+}
+
+/* No direction is longer than this many sizes (root mean square distance of the link) of a star. */
+#define STEP_LIMIT 2.0
+
+static inline void limit_length(double *direction, double size2, const int dim) {
+    double length2 = dot(direction, direction, dim);
+    double limit2 = STEP_LIMIT * STEP_LIMIT * size2;
+    if (length2 > limit2) {
+        double factor = sqrt(limit2 / length2);
+        for (int d = 0; d < dim; d++)
+            direction[d] *= factor;
+    }
+}
+
+static inline int find_direction(const pl_star_problem *problem, const derivatives *derivative,
+                                 conjugate *memory, double *direction, const int dim) {
+    int found = problem->direction == PLANISH_NEWTON
+                    ? newton_direction(derivative->gradient, derivative->hessian, direction, dim)
+                    : fletcher_reeves_direction(derivative->gradient, derivative->hessian,
+                                                derivative->size2, memory, direction, dim);
+    if (found)
+        limit_length(direction, derivative->size2, dim);
+    return found;
+}
+
+/* ---- how far --------------------------------------------------------------------------------- */
 
 /** 1 / (largest feasible step) along direction, 0 if nothing is in the way: the largest of
- *  -(n . S) / D over the facets; RATE holds 1 / D. */
-static inline double blocking_rate(const star *s, const double *direction, const int dim) {
+ *  -(n . S) / D over the facets; RATE holds 1 / D (see feasible_rate for the guarded kernel). */
+static inline double blocking_rate(const star *s, const double *direction, const int guarded,
+                                   const int dim) {
     lanes most[PL_PACKS];
     for (int k = 0; k < PL_PACKS; k++)
         most[k] = lanes_of(0);
     lanes sx = lanes_of(-direction[0]), sy = lanes_of(-direction[1]);
     lanes sz = lanes_of(dim == 3 ? -direction[2] : 0);
+    lanes parallel = lanes_of(guarded ? PARALLEL * sqrt(dot(direction, direction, dim)) : 0);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
@@ -35,9 +72,21 @@ static inline double blocking_rate(const star *s, const double *direction, const
             else
                 slope = (load(s, P0Y, j) - load(s, P1Y, j)) * sx +
                         (load(s, P1X, j) - load(s, P0X, j)) * sy;
+            if (guarded)
+                slope -= parallel * load(s, LENGTH, j);
             most[k] = lanes_max(slope * load(s, RATE, j), most[k]);
         }
     return lanes_largest(most);
+}
+
+/** The same with the bounds of the node. */
+static inline double limiting_rate(const local *here, const double *x, const double *direction,
+                                   const int guarded, const int dim) {
+    double rate = blocking_rate(&here->s, direction, guarded, dim);
+    if (!guarded)
+        return rate;
+    double of_bounds = FLOOR_FRACTION * bounds_rate(&here->b, x, direction, dim);
+    return of_bounds > rate ? of_bounds : rate;
 }
 
 /** What a trial position is worth. */
@@ -55,13 +104,25 @@ static inline double as_stored(const pl_star_problem *problem, const star *s, do
     return stored * s->scale;
 }
 
-/** The position step along direction from x0, as it will be stored, and its value. */
-static inline trial try_step(const pl_star_problem *problem, const star *s, const double *x0,
-                             const double *direction, double step, const int dim) {
-    trial t;
+/** The position step along direction from x0, as it will be stored. */
+static inline void place_along(const local *here, const double *x0, const double *direction,
+                               double step, double *position, const int guarded, const int dim) {
     for (int d = 0; d < dim; d++)
-        t.position[d] = as_stored(problem, s, x0[d] + step * direction[d]);
-    t.value = value_at(s, t.position, dim);
+        position[d] = x0[d] + step * direction[d];
+    if (guarded)
+        clamp(&here->b, position, dim);
+    for (int d = 0; d < dim; d++)
+        position[d] = as_stored(here->problem, &here->s, position[d]);
+}
+
+/** That position and its value. */
+static inline trial try_step(const local *here, const double *x0, const double *direction,
+                             double step, const int guarded, const int dim) {
+    trial t = {.position = {0}};
+    place_along(here, x0, direction, step, t.position, guarded, dim);
+    t.value = guarded ? guarded_at(&here->s, &here->q, t.position, NULL, 0, dim)
+                      : value_at(&here->s, t.position, dim);
+    ++*here->evaluations;
     return t;
 }
 
@@ -79,23 +140,43 @@ static inline double surely_below(const objective *now, const objective *next) {
     return now->sum - (STEP_NOISE + now->error) * now->sum - next->error * next->sum;
 }
 
+/** Whether no element of a trial has a worse RR than the limit. The guarded kernel's objective may
+ *  be another one. */
+static inline int ratios_within_limit(const local *here, const trial *t, const int guarded,
+                                      const int dim) {
+    double max = t->value.max, error = t->value.error;
+    if (guarded && here->q.objective != PLANISH_RADIUS_RATIO) {
+        if (!(here->problem->rr2_limit < INFINITY))
+            return 1;
+        objective rr = value_at(&here->s, t->position, dim);
+        max = rr.max;
+        error = rr.error;
+    }
+    return max * (1 + error) <= here->problem->rr2_limit;
+}
+
 /** Whether a trial may be taken: valid beyond doubt, no element worse than the limit, and the sum
- *  below bound and surely below that of now. Not so for values that are not numbers. */
-static inline int acceptable(const pl_star_problem *problem, const trial *t, const objective *now,
-                             double bound) {
+ *  below bound and surely below that of now; guarded: no element below its floor, and the node
+ *  within its bounds. Not so for values that are not numbers. */
+static inline int acceptable(const local *here, const trial *t, const objective *now, double bound,
+                             const int guarded, const int dim) {
     const objective *value = &t->value;
-    return value->certain && value->max * (1 + value->error) <= problem->rr2_limit &&
-           value->sum < bound && value->sum < surely_below(now, value);
+    if (!(value->certain && value->sum < bound && value->sum < surely_below(now, value)))
+        return 0;
+    if (guarded && !(value->worst <= (now->worst > GRAZE ? now->worst : GRAZE) &&
+                     within_bounds(&here->b, t->position, dim)))
+        return 0;
+    return ratios_within_limit(here, t, guarded, dim);
 }
 
 /** Double the step while that pays, from a first trial that was acceptable. */
-static inline void expand(const pl_star_problem *problem, const star *s, const double *x0,
-                          const objective *now, const double *direction, double step,
-                          double largest, trial *best, const int dim) {
+static inline void expand(const local *here, const double *x0, const objective *now,
+                          const double *direction, double step, double largest, trial *best,
+                          const int guarded, const int dim) {
     for (int i = 0; i < STEP_EXPANSIONS && step < largest; i++) {
         step = 2 * step < largest ? 2 * step : largest;
-        trial t = try_step(problem, s, x0, direction, step, dim);
-        if (!acceptable(problem, &t, now, best->value.sum))
+        trial t = try_step(here, x0, direction, step, guarded, dim);
+        if (!acceptable(here, &t, now, best->value.sum, guarded, dim))
             return;
         *best = t;
     }
@@ -113,18 +194,19 @@ static inline double shorter_step(double step, double sum0, double slope, const 
 
 /** Search along direction from x0, where the objective is now, with slope grad F . direction < 0.
  *  Returns whether an acceptable position was found. */
-static inline int search(const pl_star_problem *problem, const star *s, const double *x0,
-                         const objective *now, const double *direction, double slope, trial *best,
+static inline int search(const local *here, const double *x0, const objective *now,
+                         const double *direction, double slope, trial *best, const int guarded,
                          const int dim) {
-    double rate = blocking_rate(s, direction, dim);
+    double rate = limiting_rate(here, x0, direction, guarded, dim);
     double step = rate > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : 1;
-    double largest = rate > 0 ? STEP_FRACTION_LAST / rate : INFINITY;
+    double last = guarded ? STEP_FRACTION_FIRST : STEP_FRACTION_LAST;
+    double largest = rate > 0 ? last / rate : INFINITY;
     double noise = (STEP_NOISE + now->error) * now->sum;
     for (int i = 0; i < STEP_BACKTRACKS; i++) {
-        *best = try_step(problem, s, x0, direction, step, dim);
-        if (acceptable(problem, best, now, now->sum + STEP_ARMIJO * slope * step)) {
-            if (i == 0 && now->sum > STEP_EXPAND_ABOVE * (double)s->n_facets)
-                expand(problem, s, x0, now, direction, step, largest, best, dim);
+        *best = try_step(here, x0, direction, step, guarded, dim);
+        if (acceptable(here, best, now, now->sum + STEP_ARMIJO * slope * step, guarded, dim)) {
+            if (i == 0 && now->sum > STEP_EXPAND_ABOVE * (double)here->s.n_facets)
+                expand(here, x0, now, direction, step, largest, best, guarded, dim);
             return 1;
         }
         if (-slope * step < noise || stands_still(best, x0, dim))

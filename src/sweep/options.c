@@ -19,6 +19,64 @@ void planish_options_init(planish_options *options) {
     options->struct_size = sizeof *options;
     options->max_sweeps = DEFAULT_MAX_SWEEPS;
     options->tolerance = DEFAULT_TOLERANCE;
+    for (int d = 0; d < 3; d++) {
+        options->box_lower[d] = -INFINITY;
+        options->box_upper[d] = INFINITY;
+    }
+}
+
+static int check_choices(const planish_options *options, planish_error *error) {
+    if (options->method < PLANISH_METHOD_PLANISH ||
+        options->method > PLANISH_METHOD_LENGTH_LAPLACIAN)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.method %d is unknown",
+                       (int)options->method);
+    if (options->objective < PLANISH_RADIUS_RATIO || options->objective > PLANISH_EDGE_RATIO)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.objective %d is unknown",
+                       (int)options->objective);
+    if (options->direction != PLANISH_NEWTON && options->direction != PLANISH_FLETCHER_REEVES)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.direction %d is unknown",
+                       (int)options->direction);
+    if (options->precision != PLANISH_DOUBLE && options->precision != PLANISH_FLOAT)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.precision %d is unknown",
+                       (int)options->precision);
+    if (options->displacement_unit != PLANISH_UNIT_MESH &&
+        options->displacement_unit != PLANISH_UNIT_EDGE)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.displacement_unit %d is unknown",
+                       (int)options->displacement_unit);
+    return PLANISH_OK;
+}
+
+static int check_volumes(const planish_options *options, planish_error *error) {
+    if (!(options->min_volume >= 0) || !isfinite(options->min_volume))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.min_volume is %g; give a finite volume, or 0 for none",
+                       options->min_volume);
+    if (!(options->min_volume_fraction >= 0) || !(options->min_volume_fraction < 1))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.min_volume_fraction is %g; give 0 (none) or more, below 1",
+                       options->min_volume_fraction);
+    if (options->min_volume > 0 && options->min_volume_fraction > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.min_volume and min_volume_fraction are both set; give one of them");
+    if (!(options->area_weight >= 0) || !(options->area_weight <= 1))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.area_weight is %g; give 0 to 1",
+                       options->area_weight);
+    return PLANISH_OK;
+}
+
+static int check_bounds(const planish_options *options, planish_error *error) {
+    for (int d = 0; d < 3; d++)
+        if (!(options->box_lower[d] <= options->box_upper[d]))
+            return pl_fail(
+                error, PLANISH_ERROR_ARGUMENT,
+                "options.box_lower[%d] is %g and box_upper[%d] is %g; give a lower bound "
+                "that is not above the upper one",
+                d, options->box_lower[d], d, options->box_upper[d]);
+    if (!(options->max_displacement >= 0) || !isfinite(options->max_displacement))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.max_displacement is %g; give a finite length, or 0 for none",
+                       options->max_displacement);
+    return PLANISH_OK;
 }
 
 int pl_options_check(const planish_options *options, planish_error *error) {
@@ -31,12 +89,13 @@ int pl_options_check(const planish_options *options, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.threads is %d; give 0 (automatic) to %d", options->threads,
                        PL_MAX_THREADS);
-    if (options->direction != PLANISH_NEWTON && options->direction != PLANISH_FLETCHER_REEVES)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.direction %d is unknown",
-                       (int)options->direction);
-    if (options->precision != PLANISH_DOUBLE && options->precision != PLANISH_FLOAT)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.precision %d is unknown",
-                       (int)options->precision);
+    int status = check_choices(options, error);
+    if (!status)
+        status = check_volumes(options, error);
+    if (!status)
+        status = check_bounds(options, error);
+    if (status)
+        return status;
     if (options->max_sweeps < 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.max_sweeps is %d; give 0 or more",
                        options->max_sweeps);

@@ -7,10 +7,11 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
-enum { CHUNK_ELEMENTS = 4096 };
+enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096 };
 
 /** What plan creation needs only while it runs. */
 typedef struct draft {
@@ -175,15 +176,39 @@ static void fill_info(planish_plan *plan, const draft *d) {
     info->bytes =
         plan->n_nodes * (int64_t)(2 * (size_t)plan->dim * sizeof(double) + sizeof(int32_t) + 2) +
         (plan->sign ? plan->n_elements : 0) +
+        (plan->min_volume ? (plan->n_elements + plan->stars.link_offset[plan->stars.n_stars]) *
+                                (int64_t)sizeof(double)
+                          : 0) +
         plan->stars.n_stars * (int64_t)(2 * sizeof(int64_t) + sizeof(int32_t)) +
         plan->stars.ring_offset[plan->stars.n_stars] * (int64_t)sizeof(int32_t) +
         plan->stars.link_offset[plan->stars.n_stars] * plan->dim * (int64_t)sizeof(uint16_t) +
         plan->scratch_stride * plan->threads * (int64_t)sizeof(double);
 }
 
+/** A copy of the elements' least volumes. */
+static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planish_error *error) {
+    if (!mesh->min_volume)
+        return PLANISH_OK;
+    plan->min_volume = pl_alloc(plan->n_elements, sizeof *plan->min_volume);
+    if (!plan->min_volume)
+        return pl_fail_memory(error, "the least volumes of the elements");
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        double least = mesh->min_volume[i];
+        if (!(least >= 0) || !isfinite(least))
+            return pl_fail_at(error, PLANISH_ERROR_MESH, i, -1,
+                              "element %" PRId64 " has the least volume %g; give a finite number, "
+                              "0 for none",
+                              i, least);
+        plan->min_volume[i] = least;
+    }
+    return PLANISH_OK;
+}
+
 static int build(planish_plan *plan, const planish_mesh *mesh, planish_error *error) {
     draft d = {.mesh = mesh};
     int status = pl_validate_mesh(mesh, plan->threads, error);
+    if (!status)
+        status = copy_min_volumes(plan, mesh, error);
     if (!status)
         status = prepare_topology(plan, &d, error);
     if (!status)
@@ -248,6 +273,7 @@ void planish_plan_destroy(planish_plan *plan) {
         return;
     pl_stars_destroy(&plan->stars);
     pl_placement_destroy(plan->placement);
+    pl_free(plan->min_volume);
     pl_free(plan->sign);
     pl_free(plan->is_free);
     pl_free(plan->inner);
@@ -270,6 +296,27 @@ pl_star_problem pl_plan_problem(const planish_plan *plan) {
                              .link = plan->stars.link,
                              .changed = plan->changed,
                              .rr2_limit = INFINITY};
+}
+
+/** The work of pl_plan_load. */
+typedef struct load {
+    const planish_plan *plan;
+    const double *coordinates;
+} load;
+
+static void load_nodes(void *context, int64_t begin, int64_t end, int thread) {
+    const load *w = context;
+    const int dim = w->plan->dim;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        for (int d = 0; d < dim; d++)
+            w->plan->coordinates[(int64_t)w->plan->inner[i] * dim + d] =
+                w->coordinates[i * dim + d];
+}
+
+void pl_plan_load(const planish_plan *plan, const double *coordinates) {
+    load w = {plan, coordinates};
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, load_nodes, &w);
 }
 
 void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info) {

@@ -12,6 +12,7 @@ struct planish_plan {
     int dim;
     int64_t n_nodes, n_elements;
     const int32_t *elements; /* [m][dim + 1] the caller's */
+    double *min_volume;      /* [m] mesh->min_volume, or NULL */
     int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
     uint8_t *is_free;        /* [n] by the caller's numbers */
     int32_t *inner;          /* [n] inner number of each of the caller's nodes */
@@ -34,6 +35,9 @@ struct planish_plan {
 
 /** The local problem of the plan's stars in its arrays, with the first direction and no limits. */
 pl_star_problem pl_plan_problem(const planish_plan *plan);
+
+/** Copy the caller's coordinates [n][dim] into the plan's. */
+void pl_plan_load(const planish_plan *plan, const double *coordinates);
 
 enum { PL_CHUNK_STARS = 32 }; /* stars that one thread takes at a time */
 

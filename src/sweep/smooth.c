@@ -2,9 +2,11 @@
 #include "sweep/sweep.h"
 
 #include "base/clock.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "quality/measure.h"
+#include "sweep/guard.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,9 +26,14 @@ typedef struct run {
     const planish_options *options;
     double *outside; /* [n][dim] the caller's coordinates */
     pl_star_problem problem;
-    pl_ratio_sums sums; /* as measured last, movable then tracked */
-    double measured;    /* sums.movable as measured last */
-    double start;       /* clock */
+    pl_guard guard;
+    int tracked;              /* the plain problem: the sum of RR^2 is tracked, not measured */
+    pl_ratio_sums sums;       /* if tracked: as measured last, movable then tracked */
+    double measured;          /* sums.movable as measured last */
+    pl_objective_sums totals; /* if not tracked: as of the last sweep */
+    double factor;            /* from a star's function to F, of the last sweep's weights */
+    int restoring;            /* the last sweep brought elements above their least volume */
+    double start;             /* clock */
     double sweep_start;
     int sweep;
     planish_stop stop;
@@ -34,15 +41,6 @@ typedef struct run {
 } run;
 
 /* ---- coordinates in and out --------------------------------------------------------------- */
-
-static void transfer_in(void *context, int64_t begin, int64_t end, int thread) {
-    const run *r = context;
-    const int dim = r->plan->dim;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        for (int d = 0; d < dim; d++)
-            r->plan->coordinates[(int64_t)r->plan->inner[i] * dim + d] = r->outside[i * dim + d];
-}
 
 /** The present coordinates by the caller's numbers, for measuring. */
 static void transfer_measured(void *context, int64_t begin, int64_t end, int thread) {
@@ -80,30 +78,70 @@ static void transfer_out(run *r) {
     }
 }
 
-/* ---- the RMS ------------------------------------------------------------------------------ */
+/* ---- what the mesh is worth --------------------------------------------------------------- */
 
-static double rms(double sum, int64_t n) {
-    return n > 0 ? sqrt(sum / (double)n) : 0;
+static double rms(double sum, double n) {
+    return n > 0 ? sqrt(sum / n) : 0;
 }
 
 static double rms_of_all(const run *r) {
-    return rms(r->sums.movable + r->sums.fixed, r->sums.n_movable + r->sums.n_fixed);
+    const pl_objective_sums *t = &r->totals;
+    return r->tracked
+               ? rms(r->sums.movable + r->sums.fixed, (double)(r->sums.n_movable + r->sums.n_fixed))
+               : rms(t->radius[0] + t->radius[1], t->n[0] + t->n[1]);
 }
 
 static double rms_of_movable(const run *r) {
-    return rms(r->sums.movable, r->sums.n_movable);
+    return r->tracked ? rms(r->sums.movable, (double)r->sums.n_movable)
+                      : rms(r->totals.radius[1], r->totals.n[1]);
 }
 
-static void measure(run *r) {
+static double objective_of_all(const run *r) {
+    return r->tracked ? rms_of_all(r) : pl_objective_of_all(r->options, &r->totals);
+}
+
+static double objective_of_movable(const run *r) {
+    return r->tracked ? rms_of_movable(r) : pl_objective_of_movable(r->options, &r->totals);
+}
+
+static int64_t inverted(const run *r) {
+    return r->tracked ? r->sums.inverted : (int64_t)r->totals.inverted;
+}
+
+static int64_t below_min_volume(const run *r) {
+    return r->tracked ? 0 : (int64_t)r->totals.below;
+}
+
+static void measure_ratios(run *r) {
     const planish_plan *plan = r->plan;
     pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
                         plan->measured, plan->threads, &r->sums);
     r->measured = r->sums.movable;
 }
 
+static pl_objective_problem objective_problem(const run *r) {
+    const planish_plan *plan = r->plan;
+    return (pl_objective_problem){.dim = plan->dim,
+                                  .n_elements = plan->n_elements,
+                                  .elements = plan->elements,
+                                  .sign = plan->sign,
+                                  .is_free = r->guard.is_free ? r->guard.is_free : plan->is_free,
+                                  .coordinates = plan->measured,
+                                  .objective = r->options->objective,
+                                  .min_volume = r->guard.min_volume,
+                                  .own_min_volume = plan->min_volume,
+                                  .threads = plan->threads};
+}
+
 static void measure_again(run *r) {
-    pl_parallel_for(r->plan->threads, r->plan->n_nodes, CHUNK_NODES, transfer_measured, r);
-    measure(r);
+    const planish_plan *plan = r->plan;
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, transfer_measured, r);
+    if (r->tracked) {
+        measure_ratios(r);
+        return;
+    }
+    const pl_objective_problem problem = objective_problem(r);
+    pl_sum_objective(&problem, &r->totals);
 }
 
 /* ---- sweeps ------------------------------------------------------------------------------- */
@@ -115,6 +153,10 @@ static planish_progress progress_of(const run *r, int colour, int64_t visits) {
                               .n_colours = r->plan->n_colours,
                               .rms = rms_of_all(r),
                               .rms_movable = rms_of_movable(r),
+                              .objective = objective_of_all(r),
+                              .inverted = inverted(r),
+                              .below_min_volume = below_min_volume(r),
+                              .restoring = r->restoring,
                               .visits = visits,
                               .seconds = now - r->sweep_start,
                               .elapsed = now - r->start};
@@ -143,10 +185,14 @@ static int after_colour(void *context, int colours_done) {
 static int one_sweep(run *r) {
     r->sweep++;
     r->sweep_start = pl_seconds();
-    pl_sweep_tally tally = pl_sweep(r->plan, &r->problem, after_colour, r);
+    if (!r->tracked)
+        r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
+    pl_sweep_tally tally = pl_sweep(r->plan, &r->problem, r->options->method, after_colour, r);
     r->sums.movable -= tally.decrease;
+    r->restoring = tally.restored > 0;
     r->result->visits += tally.visits;
-    if (!(r->sums.movable > MEASURE_AGAIN * r->measured))
+    r->result->evaluations += tally.evaluations;
+    if (!r->tracked || !(r->sums.movable > MEASURE_AGAIN * r->measured))
         measure_again(r);
     planish_progress progress = progress_of(r, tally.colours, tally.visits);
     progress.sweep_done = 1;
@@ -157,18 +203,42 @@ static int one_sweep(run *r) {
     return 1;
 }
 
+/** Take note of a sweep; not 0 if another one is not worth its time. The averages may raise F: for
+ *  them it must stay as it is. */
+static int has_converged(const run *r, pl_convergence *convergence, double before, int64_t visits) {
+    double after = objective_of_movable(r);
+    if (visits == 0)
+        return 1;
+    if (r->restoring) {
+        convergence->n_falls = 0;
+        return 0;
+    }
+    if (r->options->method != PLANISH_METHOD_PLANISH)
+        return pl_converged(convergence, fmax(before, after), fmin(before, after),
+                            r->options->tolerance);
+    return pl_converged(convergence, before, after, r->options->tolerance);
+}
+
 static void run_sweeps(run *r) {
     pl_convergence convergence = {{0}, 0};
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (r->sweep < r->options->max_sweeps) {
-        double before = rms_of_movable(r);
+        double before = objective_of_movable(r);
+        int64_t visits = r->result->visits;
         if (one_sweep(r))
             return;
-        if (pl_converged(&convergence, before, rms_of_movable(r), r->options->tolerance)) {
+        if (has_converged(r, &convergence, before, r->result->visits - visits)) {
             r->stop = PLANISH_STOP_CONVERGED;
             return;
         }
     }
+}
+
+/** The largest RR^2 that a move may make. An inverted element is worse than any. */
+static double largest_allowed(const run *r) {
+    if (inverted(r) > 0 && !r->tracked)
+        return INFINITY;
+    return (r->tracked ? r->sums.max : r->totals.radius_max) * LIMIT_MARGIN;
 }
 
 static void prepare_problem(run *r) {
@@ -176,23 +246,84 @@ static void prepare_problem(run *r) {
     double worse = r->options->only_worse_than;
     r->problem = pl_plan_problem(plan);
     r->problem.direction = r->options->direction;
-    r->problem.rr2_limit = r->sums.max * LIMIT_MARGIN;
+    r->problem.rr2_limit = largest_allowed(r);
     r->problem.rr2_skip = worse * worse;
     r->problem.to_float = r->options->precision == PLANISH_FLOAT;
+    r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
     memset(plan->changed, 1, (size_t)plan->n_nodes);
 }
 
-static void smooth(run *r) {
+/** How near the nodes are to a constrained optimum. */
+static int judge(run *r, planish_error *error) {
+    pl_star_optimality optimality;
+    planish_result *result = r->result;
+    if (!r->guard.wanted || r->options->method != PLANISH_METHOD_PLANISH)
+        return PLANISH_OK;
+    r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
+    int status = pl_optimality(r->plan, &r->problem, &optimality, error);
+    if (status)
+        return status;
+    result->kkt_residual = optimality.residual;
+    result->kkt_rms = rms(optimality.residual2, (double)optimality.n_stars);
+    result->max_multiplier = optimality.multiplier * r->factor;
+    result->n_active = optimality.n_active;
+    return PLANISH_OK;
+}
+
+/** Say so if it has converged with elements that cannot reach their least volume. */
+static int look_for_infeasible(run *r, planish_error *error) {
+    const planish_plan *plan = r->plan;
+    if (r->stop != PLANISH_STOP_CONVERGED || below_min_volume(r) == 0)
+        return PLANISH_OK;
+    int64_t n_infeasible = 0;
+    const pl_objective_problem problem = objective_problem(r);
+    uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
+    int status = state ? PLANISH_OK : pl_fail_memory(error, "the states of the elements");
+    if (state) {
+        pl_find_below(&problem, state);
+        status = pl_mark_infeasible(plan, &r->guard.star, state, &n_infeasible, error);
+    }
+    pl_free(state);
+    if (n_infeasible > 0)
+        r->stop = PLANISH_STOP_INFEASIBLE;
+    return status;
+}
+
+static int smooth(run *r, planish_error *error) {
     planish_plan *plan = r->plan;
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, transfer_in, r);
+    pl_plan_load(plan, r->outside);
+    int status = pl_guard_create(plan, r->options, r->outside, &r->guard, error);
+    if (status)
+        return status;
+    r->tracked = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
     measure_again(r);
+    r->result->objective_before = objective_of_all(r);
     prepare_problem(r);
     if (plan->stars.n_stars > 0)
         run_sweeps(r);
     else
         r->stop = PLANISH_STOP_CONVERGED;
     measure_again(r);
-    transfer_out(r);
+    status = judge(r, error);
+    if (!status)
+        status = look_for_infeasible(r, error);
+    if (!status)
+        transfer_out(r);
+    return status;
+}
+
+static void fill_result(const run *r) {
+    planish_result *result = r->result;
+    result->stop = r->stop;
+    result->sweeps = r->sweep;
+    result->inverted = inverted(r);
+    result->rms = rms_of_all(r);
+    result->rms_movable = rms_of_movable(r);
+    result->min_volume = r->guard.min_volume;
+    result->below_min_volume = below_min_volume(r);
+    result->held_outside = r->guard.held_outside;
+    result->objective = objective_of_all(r);
+    result->seconds = pl_seconds() - r->start;
 }
 
 int planish_smooth(planish_plan *plan, double *coordinates, const planish_options *options,
@@ -219,15 +350,12 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
              .result = result ? result : &unwanted};
     memset(r.result, 0, sizeof *r.result);
     pl_placement_enter(plan->placement);
-    smooth(&r);
+    status = smooth(&r, error);
     pl_placement_leave(plan->placement);
-    r.result->stop = r.stop;
-    r.result->sweeps = r.sweep;
-    r.result->inverted = r.sums.inverted;
-    r.result->rms = rms_of_all(&r);
-    r.result->rms_movable = rms_of_movable(&r);
-    r.result->seconds = pl_seconds() - r.start;
-    return PLANISH_OK;
+    if (!status)
+        fill_result(&r);
+    pl_guard_destroy(&r.guard);
+    return status;
 }
 
 int planish_measure(const planish_plan *plan, const double *coordinates, planish_quality *quality,

@@ -8,29 +8,42 @@
 typedef struct colour_pass {
     const planish_plan *plan;
     const pl_star_problem *problem;
-    int64_t first; /* star */
-    int64_t visits;
+    planish_method method;
+    int64_t first;                         /* star */
+    int64_t visits, evaluations, restored; /* shared */
 } colour_pass;
+
+static pl_star_tally visit(const colour_pass *pass, int64_t begin, int64_t end, double *scratch) {
+    const planish_plan *plan = pass->plan;
+    if (pass->method != PLANISH_METHOD_PLANISH)
+        return pl_star_average(pass->problem, pass->method, plan->dim, begin, end);
+    if (pass->problem->guard)
+        return plan->kernel->guarded->visit[plan->dim - 2](pass->problem, begin, end, scratch);
+    return plan->kernel->visit[plan->dim - 2](pass->problem, begin, end, scratch);
+}
 
 static double visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     colour_pass *pass = context;
     const planish_plan *plan = pass->plan;
-    pl_star_tally tally =
-        plan->kernel->visit[plan->dim - 2](pass->problem, pass->first + begin, pass->first + end,
-                                           plan->scratch + plan->scratch_stride * thread);
+    pl_star_tally tally = visit(pass, pass->first + begin, pass->first + end,
+                                plan->scratch + plan->scratch_stride * thread);
     __atomic_fetch_add(&pass->visits, tally.visits, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&pass->evaluations, tally.evaluations, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&pass->restored, tally.restored, __ATOMIC_RELAXED);
     return tally.decrease;
 }
 
 pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem,
-                        pl_after_colour_fn *after_colour, void *context) {
-    pl_sweep_tally tally = {0, 0, 0, 0};
+                        planish_method method, pl_after_colour_fn *after_colour, void *context) {
+    pl_sweep_tally tally = {0};
     for (int c = 0; c < plan->n_colours && !tally.stopped; c++) {
-        colour_pass pass = {plan, problem, plan->colour_begin[c], 0};
+        colour_pass pass = {plan, problem, method, plan->colour_begin[c], 0, 0, 0};
         int64_t n = plan->colour_begin[c + 1] - pass.first;
         tally.decrease +=
             pl_parallel_sum(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass, plan->partial);
         tally.visits += pass.visits;
+        tally.evaluations += pass.evaluations;
+        tally.restored += pass.restored;
         tally.colours = c + 1;
         tally.stopped = after_colour(context, tally.colours);
     }

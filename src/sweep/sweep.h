@@ -17,15 +17,30 @@ typedef int pl_after_colour_fn(void *context, int colours_done);
 
 /** What one sweep did. */
 typedef struct pl_sweep_tally {
-    double decrease; /* of the sum of RR^2 */
-    int64_t visits;
-    int colours; /* done */
-    int stopped; /* what pl_after_colour_fn said */
+    double decrease; /* of the sum of RR^2; of problems without a guard */
+    int64_t visits, evaluations;
+    int64_t restored; /* stars in which elements were brought nearer to their least volume */
+    int colours;      /* done */
+    int stopped;      /* what pl_after_colour_fn said */
 } pl_sweep_tally;
 
 /** Visit the changed stars of plan, colour by colour. */
 pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem,
-                        pl_after_colour_fn *after_colour, void *context);
+                        planish_method method, pl_after_colour_fn *after_colour, void *context);
+
+/* ---- volumes.c ---------------------------------------------------------------------------- */
+
+/** Turn _BELOW into _INFEASIBLE in state [m] where the element cannot reach its least volume: it
+ * has no free node, or it is part of a proof (pl_star_infeasible) at its only one. The coordinates
+ * are those in the plan. Errors: _MEMORY. */
+int pl_mark_infeasible(const planish_plan *plan, const pl_star_guard *guard, uint8_t *state,
+                       int64_t *n_infeasible, planish_error *error);
+
+/* ---- optimality.c ------------------------------------------------------------------------- */
+
+/** First-order optimality over all stars of plan; the problem has a guard. Errors: _MEMORY. */
+int pl_optimality(const planish_plan *plan, const pl_star_problem *problem,
+                  pl_star_optimality *optimality, planish_error *error);
 
 /* ---- convergence.c ------------------------------------------------------------------------- */
 

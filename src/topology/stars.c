@@ -88,6 +88,8 @@ static inline int make_star(const work *w, int dim, int64_t r, pl_local_map *thr
             position[j] = (uint16_t)pl_local_map_add(&map, (uint64_t)other);
         }
         write_facet(dim, position, place, w->sign && w->sign[index] < 0, facet);
+        if (stars->min_volume)
+            stars->min_volume[stars->link_offset[star] + i - begin] = w->mesh->min_volume[index];
     }
     return 0;
 }
@@ -128,6 +130,11 @@ static int fill(work *w, int threads) {
     stars->link = pl_alloc(n_link * w->mesh->dim, sizeof *stars->link);
     if (!stars->ring || !stars->link)
         return -1;
+    if (w->mesh->min_volume) {
+        stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
+        if (!stars->min_volume)
+            return -1;
+    }
     pl_parallel_for(threads, n, CHUNK, make_chunk, w);
     return pl_local_maps_failed(w->maps, threads) ? -1 : 0;
 }
@@ -164,5 +171,6 @@ void pl_stars_destroy(pl_stars *stars) {
     pl_free(stars->ring);
     pl_free(stars->link_offset);
     pl_free(stars->link);
+    pl_free(stars->min_volume);
     *stars = (pl_stars){0};
 }

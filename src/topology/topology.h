@@ -61,7 +61,8 @@ int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planis
 
 /* ---- rings.c: the neighbours of every free node ------------------------------------------- */
 
-/** Neighbours (nodes of a common element) of the nodes node [n_rings]; ring r is that of node[r]. */
+/** Neighbours (nodes of a common element) of the nodes node [n_rings]; ring r is that of node[r].
+ */
 typedef struct pl_rings {
     int64_t n_rings;
     int64_t *offset;    /* [n_rings + 1] into neighbour */
@@ -99,6 +100,8 @@ typedef struct pl_stars {
                              order of their elements, oriented so that the measure of (facet, node)
                              is positive in a valid mesh: with x the node, 3-D
                              (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D (p0 - x) x (p1 - x) > 0 */
+    double
+        *min_volume; /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or NULL */
     int64_t max_ring, max_link; /* of one star */
 } pl_stars;
 

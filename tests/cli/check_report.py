@@ -12,16 +12,19 @@ QUALITY = {
 }
 MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "fixed_elements": int,
         "colours": int}
+VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list}
 SMOOTH = {
-    "planish": str, "input": str, "output": str, "mesh": MESH, "before": QUALITY, "after": QUALITY,
-    "sweeps": list, "stop": str, "certified": bool, "max_displacement": NUMBER,
-    "moved_nodes": int, "node_visits": int, "threads": int, "binding": str, "isa": str,
+    "planish": str, "input": str, "output": str, "mesh": MESH, "method": str,
+    "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},
+    "before": QUALITY, "after": QUALITY, "sweeps": list, "stop": str, "certified": bool, "max_displacement": NUMBER,
+    "moved_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,
+    "kkt": type(None), "threads": int, "binding": str, "isa": str,
     "seconds": dict.fromkeys(("read", "setup", "smooth", "write", "total"), NUMBER),
     "fixed": {"count": int, "rms_radius_ratio": NUMBER, "max_radius_ratio": NUMBER},
-    "unfixable": list, "below_min": list, "reason": str, "peak_memory_bytes": int,
+    "reason": str, "peak_memory_bytes": int, **VOLUMES,
 }
-SWEEP = {"phase": str, "rms": NUMBER, "rms_movable": NUMBER, "inverted": int, "visits": int,
-         "seconds": NUMBER}
+SWEEP = {"phase": str, "rms": NUMBER, "rms_movable": NUMBER, "objective": NUMBER, "inverted": int,
+         "below_min_volume": int, "visits": int, "seconds": NUMBER}
 
 
 def check(value, shape, where):
@@ -42,13 +45,16 @@ def check_histogram(quality, elements):
 
 
 def same(a, b):
+    """Numbers alike but for rounding, or objects of such numbers."""
+    if isinstance(a, dict):
+        return set(a) == set(b) and all(same(a[key], b[key]) for key in a)
     return math.isclose(a, b, rel_tol=1e-12)
 
 
 smooth, quality, printed = (json.load(open(name)) for name in sys.argv[1:4])
 check(smooth, SMOOTH, "smooth")
-assert set(quality) == {"mesh", "quality"}
-check(quality, {"mesh": MESH, "quality": QUALITY}, "quality")
+assert set(quality) == {"mesh", "quality", *VOLUMES}
+check(quality, {"mesh": MESH, "quality": QUALITY, **VOLUMES}, "quality")
 
 before, after, mesh = smooth["before"], smooth["after"], smooth["mesh"]
 for state in (before, after, quality["quality"]):
@@ -61,6 +67,16 @@ for key in after:
     if key != "histogram":
         assert same(after[key], quality["quality"][key]), key
 
+# By default volumes only stay positive, and F is the RMS of the radius ratio.
+for report in (smooth, quality):
+    assert report["min_volume"] is None and report["below_min"] == report["unfixable"] == []
+assert smooth["method"] == "planish" and smooth["held_outside"] == 0
+objective = smooth["objective"]
+assert objective["name"] == "radius-ratio" and objective["area_weight"] == 0
+for when, state in (("before", before), ("after", after)):
+    assert same(objective[when], state["rms_radius_ratio"])
+assert smooth["evaluations"] >= smooth["node_visits"] > 0
+
 assert smooth["stop"] == "converged" and smooth["certified"] and smooth["reason"] == ""
 assert after["rms_radius_ratio"] < 0.9 * before["rms_radius_ratio"]
 assert after["max_radius_ratio"] <= before["max_radius_ratio"]
@@ -72,7 +88,8 @@ assert 0 < smooth["moved_nodes"] <= mesh["free_nodes"] and smooth["max_displacem
 sweeps = smooth["sweeps"]
 for sweep in sweeps:
     check(sweep, SWEEP, "sweep")
-    assert sweep["phase"] == "smooth"
+    assert sweep["phase"] == "smooth" and sweep["objective"] == sweep["rms"]
+    assert sweep["inverted"] == sweep["below_min_volume"] == 0
 rms = [before["rms_radius_ratio"]] + [sweep["rms"] for sweep in sweeps]
 assert all(b <= a * (1 + 1e-12) for a, b in zip(rms, rms[1:])), "F rises: %s" % rms
 assert same(rms[-1], after["rms_radius_ratio"])

@@ -9,6 +9,7 @@ source_folder=${PLANISH_SOURCE:?the source folder}
 sample=$source_folder/docs/examples/bracket.msh
 cli=$source_folder/tests/cli
 failures=0
+export PYTHONPATH=$cli PYTHONDONTWRITEBYTECODE=1 # scripts of the tests import mesh_file
 
 work=$(mktemp -d) || exit 1
 trap 'chmod -R u+w "$work"; rm -rf "$work"' EXIT
@@ -52,6 +53,12 @@ expect_no_file() {
     for name; do
         [ ! -e "$name" ] || fail "$name should not be there"
     done
+}
+
+# expect_json EXPRESSION: report.json, as r, is such that it holds.
+expect_json() {
+    python3 -c "import json; r = json.load(open('report.json')); assert $1" 2>/dev/null ||
+        fail "report.json: $1"
 }
 
 # wait_for TEXT FILE: until TEXT is in FILE; gives up after half a minute.

@@ -12,6 +12,13 @@ for mesh in bracket.msh smooth.msh pushed.mesh smooth.mesh tangled.mesh; do
     python3 "$cli/measure.py" $mesh quality.json || fail "$mesh: figures differ"
 done
 
+# Over no valid element there is no ratio and no angle.
+printf '%s\n' "MeshVersionFormatted 2 Dimension 3 Vertices 4" "0 0 0 0" "1 0 0 0" "0 1 0 0" "1 1 0 0" \
+    "Tetrahedra 1" "1 2 3 4 0" "End" >flat.mesh
+expect_status 0 "$program" quality flat.mesh --json report.json -q
+expect_json "r['quality']['inverted'] == 1 and r['quality']['max_radius_ratio'] is None"
+expect_json "set(r['quality']['scaled_jacobian'].values()) == {None}"
+
 # Fixing things holds them.
 expect_status 0 "$program" smooth pushed.mesh -o held.mesh --fix 1 -q
 cmp pushed.mesh held.mesh || fail "--fix 1 should hold the whole mesh"

@@ -47,8 +47,65 @@ bad smooth in.msh -o out.msh --format stl
 bad smooth in.msh -o out.msh --fix ""
 bad smooth in.msh -o out.msh --fix "no such group"
 
+for value in "" x nan inf 1e999 0x1p3 " 1" "1 " 1,5 0 -1 1x; do
+    bad smooth in.msh -o out.msh --min-volume "$value"
+    bad smooth in.msh -o out.msh --min-volume "bracket=$value"
+    bad smooth in.msh -o out.msh --min-volume-fraction "$value"
+    bad smooth in.msh -o out.msh --max-displacement "$value"
+    bad smooth in.msh -o out.msh --max-displacement "${value}h"
+    [ "$value" = 0 ] || bad smooth in.msh -o out.msh --area-weight "$value" --min-volume 1
+    bad smooth in.msh -o out.msh --box "$value"
+    [ "${value#[0-]}" != "$value" ] || bad smooth in.msh -o out.msh --box "0,0,0,1,1,$value"
+    bad quality in.msh --min-volume "$value"
+done
+bad smooth in.msh -o out.msh --min-volume
+bad smooth in.msh -o out.msh --min-volume =1
+bad smooth in.msh -o out.msh --min-volume 1=
+bad smooth in.msh -o out.msh --min-volume 1 --min-volume 2
+bad smooth in.msh -o out.msh --min-volume 1 --min-volume-fraction 0.1
+bad smooth in.msh -o out.msh --min-volume-fraction 1
+bad smooth in.msh -o out.msh --min-volume "no such group=1"
+expect_text "bracket"
+bad quality in.msh --min-volume 2:1=1
+expect_text "tetrahedra"
+bad smooth in.msh -o out.msh --area-weight 0.5
+bad smooth in.msh -o out.msh --area-weight 1.5 --min-volume 1
+bad smooth in.msh -o out.msh --max-displacement 1hh
+bad smooth in.msh -o out.msh --max-displacement 1m
+bad smooth in.msh -o out.msh --max-displacement h
+bad smooth in.msh -o out.msh --box 0,0,1,1
+expect_text "needs 6"
+bad smooth in.msh -o out.msh --box 0,0,0,1,1
+bad smooth in.msh -o out.msh --box 0,0,0,1,1,1,1
+bad smooth in.msh -o out.msh --box 0,0,0,1,1,1,
+bad smooth in.msh -o out.msh --box 0,0,0,1,-1,1
+bad smooth in.msh -o out.msh --objective best
+bad smooth in.msh -o out.msh --method smart-laplacian
+for option in --objective --method --box --max-displacement --area-weight; do
+    bad quality in.msh $option 1
+done
+
+# Options without any effect.
+for method in laplacian area-laplacian length-laplacian; do
+    bad smooth in.msh -o out.msh --method $method --objective radius-ratio
+    bad smooth in.msh -o out.msh --direction newton --method $method
+    bad smooth in.msh -o out.msh --method $method --only-worse-than 2
+    bad smooth in.msh -o out.msh --method $method --min-volume 1 --area-weight 0.5
+    expect_text "no effect"
+done
+
+# Where a region has a volume and another has none, there is nothing to weigh.
+cp "$source_folder/tests/data/ascii22.msh" parts.msh
+bad smooth parts.msh -o out.msh --min-volume "upper part=1e-3" --area-weight 0.5
+expect_text "element "
+cp "$source_folder/tests/data/square.msh" square.msh
+bad smooth square.msh -o out.msh --box 0,0,0,1,1,1
+expect_text "needs 4"
+bad smooth square.msh -o out.msh --min-volume edge=1
+expect_text "plate"
+
 # Options of later versions are not accepted.
-for option in --objective --min-volume --area-weight --method --no-untangle --report; do
+for option in --no-untangle --report; do
     bad smooth in.msh -o out.msh $option 1
 done
 

@@ -1,0 +1,212 @@
+/* measure_block: gathering, and elements that the plain formulas are not certain of, one by one.
+ *
+ * Of these the sign of D is exact (certificate.h); each is looked at in its own scale, and what can
+ * still be out of a double's range, D and short edges, carries its exponent along.
+ */
+#include "quality/measure_block.h"
+#include "quality/certificate.h"
+
+#include <float.h>
+
+/* ---- Gathering ---------------------------------------------------------------------------- */
+
+PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b,
+                      const int dim) {
+    for (int l = 0; l < PL_LANES; l++) {
+        int64_t element = first + (l < count ? l : 0);
+        const int32_t *node = mesh->elements + element * (dim + 1);
+        int is_free = 0;
+        for (int j = 0; j <= dim; j++) {
+            const double *vertex = mesh->coordinates + (int64_t)node[j] * dim;
+            is_free |= mesh->is_free[node[j]];
+            for (int d = 0; d < dim; d++)
+                b->x[j][d][l] = vertex[d];
+        }
+        b->is_free[l] = is_free != 0;
+        b->sign[l] = mesh->sign ? mesh->sign[element] : 1;
+        b->present[l] = l < count;
+    }
+}
+
+void pl_block_gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b) {
+    if (mesh->dim == 3)
+        gather(mesh, first, count, b, 3);
+    else
+        gather(mesh, first, count, b, 2);
+}
+
+/* ---- Elements one by one ------------------------------------------------------------------- */
+
+/** mantissa 2^exponent; the mantissa is 0 or from 1/2 to 1. */
+typedef struct scaled {
+    double mantissa;
+    int exponent;
+} scaled;
+
+/** An element whose longest component of an edge is from 1/2 to 1 once edges are multiplied by
+ *  factor and then by 2^-exponent. */
+typedef struct element {
+    const double *vertex[4];
+    double factor; /* 1, or 1/2 where differences of coordinates overflow */
+    int exponent;
+    scaled length[4][4]; /* of the edge between two vertices, in that scale */
+    double longest;
+} element;
+
+static scaled scaled_of(double value, int exponent) {
+    scaled s;
+    s.mantissa = frexp(value, &s.exponent);
+    s.exponent += exponent;
+    return s;
+}
+
+/** b - a times factor and 2^-exponent; returns the largest absolute component. */
+static double difference(int dim, const element *e, const double a[], const double b[],
+                         double edge[3]) {
+    double largest = 0;
+    for (int d = 0; d < dim; d++) {
+        edge[d] = ldexp(b[d] * e->factor - a[d] * e->factor, -e->exponent);
+        largest = pl_larger(largest, fabs(edge[d]));
+    }
+    return largest;
+}
+
+/** Edges from vertex 0 in e's scale; returns the largest absolute component. */
+static double differences(int dim, const element *e, double edges[3][3]) {
+    double largest = 0;
+    for (int j = 0; j < dim; j++)
+        largest = pl_larger(largest, difference(dim, e, e->vertex[0], e->vertex[j + 1], edges[j]));
+    return largest;
+}
+
+/** Find e's scale, and its edges from vertex 0 in it. Coordinates are finite. */
+static void find_scale(int dim, element *e, double edges[3][3]) {
+    e->factor = 1;
+    e->exponent = 0;
+    double largest = differences(dim, e, edges);
+    if (largest > DBL_MAX) {
+        e->factor = 0.5;
+        largest = differences(dim, e, edges);
+    }
+    frexp(largest, &e->exponent);
+    differences(dim, e, edges);
+}
+
+/** Length of the edge from a to b, precise however short it is. */
+static scaled edge_length(int dim, const element *e, const double a[], const double b[]) {
+    double edge[3];
+    int exponent;
+    frexp(difference(dim, e, a, b, edge), &exponent);
+    for (int d = 0; d < dim; d++)
+        edge[d] = ldexp(edge[d], -exponent);
+    return scaled_of(sqrt(pl_dot(dim, edge, edge)), exponent);
+}
+
+static double value_of(scaled s) {
+    return ldexp(s.mantissa, s.exponent);
+}
+
+static void find_lengths(int dim, element *e) {
+    e->longest = 0;
+    for (int i = 0; i < dim; i++)
+        for (int j = i + 1; j <= dim; j++) {
+            scaled length = edge_length(dim, e, e->vertex[i], e->vertex[j]);
+            e->length[i][j] = e->length[j][i] = length;
+            e->longest = pl_larger(e->longest, value_of(length));
+        }
+}
+
+/** Edge ratio and the sum of the edges' squares. */
+static double edge_ratio(int dim, const element *e, double *sum) {
+    double ratio = 1;
+    *sum = 0;
+    for (int i = 0; i < dim; i++)
+        for (int j = i + 1; j <= dim; j++) {
+            double length = value_of(e->length[i][j]);
+            ratio = pl_larger(ratio, e->longest / length);
+            *sum += length * length;
+        }
+    return ratio;
+}
+
+/** |D| in e's scale. */
+static double mean_ratio(int dim, scaled determinant, double sum) {
+    if (dim == 2)
+        return pl_mean_ratio_of(2, value_of(determinant), sum);
+    int rest = (determinant.exponent % 3 + 3) % 3;
+    double root = pl_cube_root(ldexp(determinant.mantissa, rest) / 2);
+    root = ldexp(root, (determinant.exponent - rest) / 3);
+    return 12 * (root * root) / sum;
+}
+
+static double scaled_jacobian(int dim, const element *e, scaled determinant) {
+    double least = INFINITY;
+    for (int i = 0; i <= dim; i++) {
+        scaled quotient = determinant;
+        for (int j = 0; j <= dim; j++) {
+            if (j == i)
+                continue;
+            quotient.mantissa /= e->length[i][j].mantissa;
+            quotient.exponent -= e->length[i][j].exponent;
+        }
+        least = pl_smaller(least, value_of(quotient));
+    }
+    return PL_JACOBIAN_SCALE[dim] * least;
+}
+
+/** A ratio of at least about 1, infinite where factors of it have underflowed. */
+static double not_lost(double ratio) {
+    return ratio > 0.5 ? ratio : INFINITY;
+}
+
+/** The shape of e with the certified |D|. Faces that are thinner than 2^-500 times the element have
+ *  no direction left: angles are then 0 and 180 degrees. */
+static pl_shape certified_shape(int dim, const element *e, const double edges[3][3],
+                                scaled determinant) {
+    pl_shape shape = pl_shape_of_edges(dim, edges);
+    shape.determinant = value_of(determinant);
+    /* R is at least half the longest edge, whatever cancelled in N. */
+    double d2 = shape.determinant * shape.determinant;
+    shape.circumradius_square =
+        pl_larger(shape.circumradius_square, d2 * (e->longest * e->longest));
+    if (shape.smallest_cosine > shape.largest_cosine) { /* none of them was a number */
+        shape.smallest_cosine = -1;
+        shape.largest_cosine = 1;
+    }
+    return shape;
+}
+
+/** Evaluate lane l anew: in the element's own scale, with the exact sign. */
+static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *b) {
+    const int dim = mesh->dim;
+    element e;
+    for (int j = 0; j <= dim; j++)
+        e.vertex[j] = mesh->coordinates + (int64_t)mesh->elements[number * (dim + 1) + j] * dim;
+    int exponent;
+    double m = b->sign[l] * pl_certified_determinant(dim, e.vertex, &exponent);
+    b->volume[l] = ldexp(m / (dim == 3 ? 6 : 2), exponent);
+    b->valid[l] = m > 0;
+    if (!(m > 0))
+        return;
+    double edges[3][3] = {{0}}, sum;
+    find_scale(dim, &e, edges);
+    find_lengths(dim, &e);
+    scaled determinant = scaled_of(m, exponent - dim * (e.exponent + (e.factor < 1)));
+    pl_shape shape = certified_shape(dim, &e, edges, determinant);
+    pl_block_put_shape(b, l, &shape, dim);
+    double ratio = not_lost(b->measure[PL_RADIUS_RATIO][l]);
+    double circumradius = pl_circumradius_to_edge(dim, &shape, e.longest);
+    b->square[l] = ratio * ratio;
+    b->measure[PL_RADIUS_RATIO][l] = ratio;
+    b->measure[PL_CIRCUMRADIUS_TO_EDGE][l] = pl_larger(circumradius, PL_CIRCUMRADIUS_SCALE[dim]);
+    b->measure[PL_EDGE_TO_INRADIUS][l] = not_lost(pl_edge_to_inradius(dim, &shape, e.longest));
+    b->measure[PL_EDGE_RATIO][l] = edge_ratio(dim, &e, &sum);
+    b->measure[PL_MEAN_RATIO][l] = mean_ratio(dim, determinant, sum);
+    b->measure[PL_SCALED_JACOBIAN][l] = scaled_jacobian(dim, &e, determinant);
+}
+
+void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b) {
+    for (int l = 0; l < count; l++)
+        if (b->certain[l] == 0)
+            resolve(mesh, first + l, l, b);
+}

@@ -1,0 +1,144 @@
+/* measure_block: the measures of a few elements at once.
+ *
+ * Elements are taken in blocks of PL_LANES: gather the vertices, evaluate all lanes at once by the
+ * plain formulas of geometry/simplex.h, which the compiler turns into vectors. Elements whose
+ * orientation rounding could hide, or whose size could over- or underflow, are not certain and are
+ * looked at again one by one (measure_block.c), scaled and with the exact sign.
+ */
+#ifndef PL_QUALITY_MEASURE_BLOCK_H
+#define PL_QUALITY_MEASURE_BLOCK_H
+
+#include "geometry/arc_cosine.h"
+#include "geometry/simplex.h"
+
+#include <stdint.h>
+
+enum { PL_LANES = 8 }; /* accumulators of a chunk: part of what fixes the bits of a sum */
+
+/* |D| above this multiple of |e_1|_1 |e_2|_1 .. is certain to have the right sign: Shewchuk's bound
+ * (certificate.c) with 8 for 7 and 4 for 3, which pays for the rounding of the product itself. */
+static const double PL_ERROR_2D = 4 * 0x1p-53;
+static const double PL_ERROR_3D = 8 * 0x1p-53;
+
+/* Range where no intermediate result over- or underflows: with the norms below LARGEST_NORM, N S^2
+ * is below 2^980 and a product of three squared edges below 2^490; with the norms' product above
+ * SMALLEST_PRODUCT and |D| above 2^-51 of it, D^4 is above 2^-930, and so is N S^2 because RR >= 1;
+ * squared edges are above 2^-790, as D is at most the product of an edge and the norms of two. */
+static const double PL_LARGEST_NORM = 0x1p80;
+static const double PL_SMALLEST_PRODUCT = 0x1p-180;
+
+/** The measures of an element besides its volume, in the order of planish_quality's spreads. */
+enum {
+    PL_RADIUS_RATIO,
+    PL_CIRCUMRADIUS_TO_EDGE,
+    PL_EDGE_TO_INRADIUS,
+    PL_EDGE_RATIO,
+    PL_MEAN_RATIO,
+    PL_SCALED_JACOBIAN,
+    PL_N_RATIOS,
+    PL_SMALLEST_ANGLE = PL_N_RATIOS,
+    PL_LARGEST_ANGLE,
+    PL_N_MEASURES
+};
+
+/** A mesh as measure.h describes it. */
+typedef struct pl_mesh_state {
+    int dim;
+    int64_t n_elements;
+    const int32_t *elements;
+    const int8_t *sign;
+    const uint8_t *is_free;
+    const double *coordinates;
+} pl_mesh_state;
+
+/** PL_LANES elements, one per lane; lanes past the last element are not present. */
+typedef struct pl_block {
+    double x[4][3][PL_LANES];                /* [dim + 1][dim] the vertices' coordinates */
+    double sign[PL_LANES];                   /* of the elements' orientation */
+    double is_free[PL_LANES];                /* 1: has a free node */
+    double present[PL_LANES];                /* 1, or 0 past the last element */
+    double certain[PL_LANES];                /* 1: what follows is right as it is */
+    double valid[PL_LANES];                  /* 1: positive measure */
+    double square[PL_LANES];                 /* RR^2; the rest is for pl_measure only */
+    double volume[PL_LANES];                 /* signed measure in the mesh's orientation */
+    double measure[PL_N_MEASURES][PL_LANES]; /* those of angles: their cosines */
+    double angle[PL_N_MEASURES - PL_N_RATIOS][PL_LANES]; /* the angles in radians */
+} pl_block;
+
+static inline double pl_larger(double a, double b) {
+    return a > b ? a : b;
+}
+static inline double pl_smaller(double a, double b) {
+    return a < b ? a : b;
+}
+
+/** Gather elements first .. first + count - 1; the other lanes repeat the first. Not inlined: with
+ *  it in one function, clang makes no vectors of the rest. */
+void pl_block_gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b);
+
+/** Product of the edges' sums of absolute components, an upper bound of D's permanent; infinite
+ *  where the plain formulas could over- or underflow. */
+PL_INLINE double pl_permanent_bound(const int dim, const double edges[3][3]) {
+    double product = 1, longest = 0;
+    for (int j = 0; j < dim; j++) {
+        double norm = fabs(edges[j][0]) + fabs(edges[j][1]);
+        norm = dim == 3 ? norm + fabs(edges[j][2]) : norm;
+        product *= norm;
+        longest = pl_larger(longest, norm);
+    }
+    product = longest < PL_LARGEST_NORM ? product : INFINITY;
+    return product > PL_SMALLEST_PRODUCT ? product : INFINITY;
+}
+
+/** Radius ratio and angles of lane l. */
+PL_INLINE void pl_block_put_shape(pl_block *b, int l, const pl_shape *shape, const int dim) {
+    b->measure[PL_RADIUS_RATIO][l] = pl_radius_ratio_of_shape(dim, shape);
+    b->measure[PL_SMALLEST_ANGLE][l] = shape->largest_cosine;
+    b->measure[PL_LARGEST_ANGLE][l] = shape->smallest_cosine;
+    b->angle[0][l] = pl_arc_cosine(shape->largest_cosine);
+    b->angle[1][l] = pl_arc_cosine(shape->smallest_cosine);
+}
+
+/** Evaluate all lanes; full: what pl_measure wants as well. */
+PL_INLINE void pl_block_evaluate(pl_block *b, const int dim, const int full) {
+    for (int l = 0; l < PL_LANES; l++) {
+        double edges[3][3];
+        for (int j = 0; j < dim; j++)
+            for (int d = 0; d < dim; d++)
+                edges[j][d] = b->x[j + 1][d][l] - b->x[0][d][l];
+        pl_shape shape = pl_shape_of_edges(dim, edges);
+        double error = (dim == 3 ? PL_ERROR_3D : PL_ERROR_2D) * pl_permanent_bound(dim, edges);
+        double oriented = b->sign[l] * shape.determinant;
+        b->certain[l] = fabs(oriented) > error ? 1 : 0;
+        b->valid[l] = oriented > 0 ? b->present[l] : 0;
+        b->square[l] = pl_radius_ratio_square_of_shape(dim, &shape);
+        if (full) {
+            double x[4][3];
+            for (int j = 0; j <= dim; j++)
+                for (int d = 0; d < dim; d++)
+                    x[j][d] = b->x[j][d][l];
+            pl_edge_squares squares = pl_edge_squares_of(dim, x);
+            double determinant = fabs(shape.determinant), longest = sqrt(squares.longest);
+            b->volume[l] = oriented / (dim == 3 ? 6 : 2);
+            pl_block_put_shape(b, l, &shape, dim);
+            b->measure[PL_CIRCUMRADIUS_TO_EDGE][l] = pl_circumradius_to_edge(dim, &shape, longest);
+            b->measure[PL_EDGE_TO_INRADIUS][l] = pl_edge_to_inradius(dim, &shape, longest);
+            b->measure[PL_EDGE_RATIO][l] = sqrt(squares.longest / squares.shortest);
+            b->measure[PL_MEAN_RATIO][l] = pl_mean_ratio_of(dim, determinant, squares.sum);
+            b->measure[PL_SCALED_JACOBIAN][l] =
+                pl_scaled_jacobian_of(dim, determinant, squares.corner);
+        }
+    }
+}
+
+/** Evaluate the uncertain ones of elements first .. first + count - 1 anew. */
+void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b);
+
+static inline int pl_block_is_certain(const pl_block *b) {
+    double n_certain = 0;
+    for (int l = 0; l < PL_LANES; l++)
+        n_certain += b->certain[l];
+    return n_certain == PL_LANES;
+}
+
+#endif

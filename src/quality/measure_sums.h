@@ -1,0 +1,106 @@
+/* measure_sums: what the elements of a chunk, and of the mesh, come to.
+ *
+ * One accumulator per lane while a chunk is gone through; then the lanes are added in their order,
+ * and the chunks in theirs.
+ */
+#ifndef PL_QUALITY_MEASURE_SUMS_H
+#define PL_QUALITY_MEASURE_SUMS_H
+
+#include "quality/measure.h"
+#include "quality/measure_block.h"
+
+static const double PL_HISTOGRAM_EDGES[PLANISH_HISTOGRAM_BINS + 1] = {
+    1, 1.25, 1.5, 2, 2.5, 3, 4, 6, 10, 30, 100, 1000, INFINITY};
+
+/** What both passes accumulate, one column per lane. */
+typedef struct pl_basic_lanes {
+    double movable[PL_LANES], fixed[PL_LANES], max[PL_LANES]; /* sums of RR^2, largest RR^2 */
+    double n_movable[PL_LANES], n_fixed[PL_LANES], inverted[PL_LANES];
+} pl_basic_lanes;
+
+/** What pl_measure accumulates besides. */
+typedef struct pl_full_lanes {
+    double n_unmovable[PL_LANES]; /* elements without a free node, valid or not */
+    double volume_sum[PL_LANES], smallest_volume[PL_LANES], largest_volume[PL_LANES];
+    double sum[PL_N_MEASURES][PL_LANES]; /* of angles in radians */
+    double min[PL_N_MEASURES][PL_LANES]; /* of cosines where the measure is an angle */
+    double max[PL_N_MEASURES][PL_LANES];
+    double worst_ratio[PL_LANES], worst_fixed_ratio[PL_LANES];
+    double worst_element[PL_LANES];                    /* exact: element numbers are below 2^53 */
+    double at_least[PLANISH_HISTOGRAM_BINS][PL_LANES]; /* elements of RR >= each edge */
+} pl_full_lanes;
+
+/** Sums of a chunk, or of the mesh, besides pl_ratio_sums. */
+typedef struct pl_full_sums {
+    int64_t n_unmovable;
+    double volume_sum, smallest_volume, largest_volume;
+    double sum[PL_N_MEASURES], min[PL_N_MEASURES], max[PL_N_MEASURES]; /* as those of the lanes */
+    double worst_ratio, worst_fixed_ratio;
+    int64_t worst_element; /* -1: none */
+    int64_t at_least[PLANISH_HISTOGRAM_BINS];
+} pl_full_sums;
+
+PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
+    for (int l = 0; l < PL_LANES; l++) {
+        double square = b->valid[l] != 0 ? b->square[l] : 0;
+        sums->movable[l] += b->is_free[l] != 0 ? square : 0;
+        sums->fixed[l] += b->is_free[l] != 0 ? 0 : square;
+        sums->max[l] = pl_larger(square, sums->max[l]);
+        sums->n_movable[l] += b->is_free[l] != 0 ? b->valid[l] : 0;
+        sums->n_fixed[l] += b->is_free[l] != 0 ? 0 : b->valid[l];
+        sums->inverted[l] += b->present[l] - b->valid[l];
+    }
+}
+
+/** The volumes, of elements that are valid or not. */
+PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
+    for (int l = 0; l < PL_LANES; l++) {
+        double present = b->present[l];
+        double low = present != 0 ? b->volume[l] : INFINITY;
+        double high = present != 0 ? b->volume[l] : -INFINITY;
+        sums->n_unmovable[l] += b->is_free[l] != 0 ? 0 : present;
+        sums->volume_sum[l] += present != 0 ? b->volume[l] : 0;
+        sums->smallest_volume[l] = pl_smaller(low, sums->smallest_volume[l]);
+        sums->largest_volume[l] = pl_larger(high, sums->largest_volume[l]);
+    }
+}
+
+PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
+    for (int m = 0; m < PL_N_MEASURES; m++) {
+        const double *summand = m < PL_N_RATIOS ? b->measure[m] : b->angle[m - PL_N_RATIOS];
+        for (int l = 0; l < PL_LANES; l++) {
+            double low = b->valid[l] != 0 ? b->measure[m][l] : INFINITY;
+            double high = b->valid[l] != 0 ? b->measure[m][l] : -INFINITY;
+            sums->sum[m][l] += b->valid[l] != 0 ? summand[l] : 0;
+            sums->min[m][l] = pl_smaller(low, sums->min[m][l]);
+            sums->max[m][l] = pl_larger(high, sums->max[m][l]);
+        }
+    }
+}
+
+/** Where the largest RR is, and the histogram. */
+PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *sums) {
+    const double *ratios = b->measure[PL_RADIUS_RATIO];
+    for (int l = 0; l < PL_LANES; l++) {
+        double ratio = b->valid[l] != 0 ? ratios[l] : 0;
+        double fixed_ratio = b->is_free[l] != 0 ? 0 : ratio;
+        double element = (double)(first + l);
+        int is_worst = ratio > sums->worst_ratio[l];
+        sums->worst_element[l] = is_worst ? element : sums->worst_element[l];
+        sums->worst_ratio[l] = is_worst ? ratio : sums->worst_ratio[l];
+        sums->worst_fixed_ratio[l] = pl_larger(fixed_ratio, sums->worst_fixed_ratio[l]);
+    }
+    for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
+        for (int l = 0; l < PL_LANES; l++)
+            sums->at_least[i][l] += ratios[l] >= PL_HISTOGRAM_EDGES[i] ? b->valid[l] : 0;
+}
+
+void pl_clear_full(pl_full_lanes *lanes);
+void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums);
+void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums);
+
+/** Sums of the chunks part [n_chunks]. */
+pl_ratio_sums pl_total_basic(int64_t n_chunks, const pl_ratio_sums *part);
+pl_full_sums pl_total_full(int64_t n_chunks, const pl_full_sums *part);
+
+#endif

@@ -1,0 +1,189 @@
+/* objective: the paper's F of a mesh and what it is made of. One element after another, each in its
+ * own scale, by the plain formulas of geometry/simplex.h. */
+#include "quality/objective.h"
+
+#include "base/parallel.h"
+#include "geometry/simplex.h"
+#include "quality/certificate.h"
+
+#include <string.h>
+
+enum {
+    MIN_CHUNK = 512, /* elements that pay for being handed to a thread */
+    MAX_CHUNKS = 512 /* more than threads need, few enough for their sums to live on the stack */
+};
+
+/* |D| above this multiple of the product of the edges' sums of absolute components is certain to
+ * have the right sign: Shewchuk's bound (certificate.c), larger for the product's own rounding. */
+static const double CERTAIN = 8 * 0x1p-53;
+
+/* Exponents of scales, and of what ldexp is asked for, stay within this. */
+enum { SCALE_LIMIT = 1000 };
+
+/** The work on all chunks. */
+typedef struct work {
+    const pl_objective_problem *problem;
+    pl_objective_sums *partial; /* [chunks] */
+    int64_t chunk;
+    uint8_t *state;   /* [m] or NULL */
+    int64_t *n_below; /* for state; shared */
+} work;
+
+/** One element: its vertices relative to the first, times 2^-exponent, and its measure. */
+typedef struct element {
+    double x[4][3];
+    int exponent;
+    double determinant; /* D, scaled, positive in the mesh's orientation */
+    double measure;     /* as in the mesh */
+} element;
+
+static void scale_element(const double *const vertex[], element *e, const int dim) {
+    double extent = 0;
+    for (int j = 1; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            extent = fmax(extent, fabs(0.5 * vertex[j][d] - 0.5 * vertex[0][d]));
+    frexp(extent, &e->exponent);
+    e->exponent = e->exponent > SCALE_LIMIT ? SCALE_LIMIT : e->exponent;
+    e->exponent = e->exponent < -SCALE_LIMIT ? -SCALE_LIMIT : e->exponent;
+    double scale = ldexp(1, -e->exponent);
+    for (int j = 0; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            e->x[j][d] = vertex[j][d] * scale - vertex[0][d] * scale;
+}
+
+/** Edges' sums of absolute components, multiplied: at least D's permanent. */
+static double permanent_bound(const element *e, const int dim) {
+    double product = 1;
+    for (int j = 1; j <= dim; j++) {
+        double norm = 0;
+        for (int d = 0; d < dim; d++)
+            norm += fabs(e->x[j][d]);
+        product *= norm;
+    }
+    return product;
+}
+
+static element element_at(const pl_objective_problem *problem, int64_t index, const int dim) {
+    element e;
+    const double *vertex[4], *scaled[4];
+    for (int j = 0; j <= dim; j++) {
+        vertex[j] = problem->coordinates + (int64_t)problem->elements[index * (dim + 1) + j] * dim;
+        scaled[j] = e.x[j];
+    }
+    scale_element(vertex, &e, dim);
+    double edges[3][3] = {{0}}, sign = problem->sign ? problem->sign[index] : 1;
+    pl_edges(dim, scaled, edges);
+    e.determinant = sign * pl_determinant_of_edges(dim, edges);
+    if (!(fabs(e.determinant) > CERTAIN * permanent_bound(&e, dim))) {
+        int exponent;
+        double exact = sign * pl_certified_determinant(dim, vertex, &exponent);
+        e.determinant = ldexp(exact, exponent - dim * e.exponent);
+        if (exact > 0 && !(e.determinant > 0))
+            e.determinant = 0x1p-1022; /* as flat as can be said */
+    }
+    e.measure = ldexp(e.determinant / (dim == 3 ? 6 : 2), dim * e.exponent);
+    return e;
+}
+
+/** g = 1 - V / delta, or -infinity for elements without a least volume. */
+static double volume_constraint(const pl_objective_problem *problem, int64_t index,
+                                const element *e) {
+    double own = problem->own_min_volume ? problem->own_min_volume[index] : 0;
+    double least = own > 0 ? own : problem->min_volume;
+    return least > 0 ? 1 - e->measure / least : -INFINITY;
+}
+
+static double aspect_square(const pl_objective_problem *problem, const double *const x[],
+                            double radius_square, const int dim) {
+    if (problem->objective == PLANISH_RADIUS_RATIO)
+        return radius_square;
+    double ratio = problem->objective == PLANISH_MEAN_RATIO ? 1 / fabs(pl_mean_ratio(dim, x))
+                                                            : pl_edge_ratio(dim, x);
+    return ratio * ratio;
+}
+
+static int has_free_node(const pl_objective_problem *problem, int64_t index, const int dim) {
+    int is_free = 0;
+    for (int j = 0; j <= dim; j++)
+        is_free |= problem->is_free[problem->elements[index * (dim + 1) + j]];
+    return is_free != 0;
+}
+
+static inline void add_element(const pl_objective_problem *problem, int64_t index,
+                               pl_objective_sums *sums, const int dim) {
+    element e = element_at(problem, index, dim);
+    double g = volume_constraint(problem, index, &e);
+    sums->domain += e.measure;
+    sums->below += g > PL_BELOW_ABOVE;
+    sums->shortfall += g > 0 ? g * g : 0;
+    if (!(e.determinant > 0)) {
+        sums->inverted++;
+        return;
+    }
+    const double *x[4] = {e.x[0], e.x[1], e.x[2], e.x[3]};
+    double radius = pl_radius_ratio_square(dim, x);
+    int movable = has_free_node(problem, index, dim);
+    sums->n[movable]++;
+    sums->radius[movable] += radius;
+    sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
+    sums->ratio[movable] += aspect_square(problem, x, radius, dim);
+    sums->volume[movable] += g > -INFINITY ? g * g : 0;
+}
+
+static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const work *w = context;
+    pl_objective_sums *sums = &w->partial[begin / w->chunk];
+    (void)thread;
+    memset(sums, 0, sizeof *sums);
+    for (int64_t i = begin; i < end; i++) {
+        if (w->problem->dim == 3)
+            add_element(w->problem, i, sums, 3);
+        else
+            add_element(w->problem, i, sums, 2);
+    }
+}
+
+static void add_sums(const pl_objective_sums *part, pl_objective_sums *sums) {
+    for (int movable = 0; movable < 2; movable++) {
+        sums->ratio[movable] += part->ratio[movable];
+        sums->radius[movable] += part->radius[movable];
+        sums->volume[movable] += part->volume[movable];
+        sums->n[movable] += part->n[movable];
+    }
+    sums->radius_max = fmax(part->radius_max, sums->radius_max);
+    sums->inverted += part->inverted;
+    sums->below += part->below;
+    sums->shortfall += part->shortfall;
+    sums->domain += part->domain;
+}
+
+void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
+    pl_objective_sums partial[MAX_CHUNKS];
+    int64_t n = problem->n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
+    chunk = chunk < MIN_CHUNK ? MIN_CHUNK : chunk;
+    work w = {.problem = problem, .partial = partial, .chunk = chunk};
+    pl_parallel_for(problem->threads, n, chunk, add_chunk, &w);
+    memset(sums, 0, sizeof *sums);
+    for (int64_t i = 0; i < (n + chunk - 1) / chunk; i++)
+        add_sums(&partial[i], sums);
+}
+
+static void classify_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const work *w = context;
+    int64_t n_below = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        element e = element_at(w->problem, i, w->problem->dim);
+        int below = volume_constraint(w->problem, i, &e) > PL_BELOW_ABOVE;
+        w->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
+        n_below += below;
+    }
+    __atomic_fetch_add(w->n_below, n_below, __ATOMIC_RELAXED);
+}
+
+int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state) {
+    int64_t n_below = 0;
+    work w = {.problem = problem, .state = state, .n_below = &n_below};
+    pl_parallel_for(problem->threads, problem->n_elements, 8 * MIN_CHUNK, classify_chunk, &w);
+    return n_below;
+}

@@ -1,0 +1,46 @@
+/* objective: the paper's F of a mesh and what it is made of: aspect ratios of the kind asked for,
+ * and volumes against their least values. The guarded sweeps are judged by it; measure.h has the
+ * radius ratio alone, faster. Sums run in fixed order: the same bits for any number of threads.
+ */
+#ifndef PL_QUALITY_OBJECTIVE_H
+#define PL_QUALITY_OBJECTIVE_H
+
+#include <planish/planish.h>
+
+/* Elements with g = 1 - V / delta above it are below their least volume: the paper's threshold. */
+#define PL_BELOW_ABOVE 0.003
+
+/** A mesh of m elements and n nodes, and what is asked of it. */
+typedef struct pl_objective_problem {
+    int dim;
+    int64_t n_elements;
+    const int32_t *elements;   /* [m][dim + 1] */
+    const int8_t *sign;        /* [m] +1 or -1, or NULL: all +1 */
+    const uint8_t *is_free;    /* [n] */
+    const double *coordinates; /* [n][dim] */
+    planish_objective objective;
+    double min_volume;            /* of elements without their own; 0: none */
+    const double *own_min_volume; /* [m] 0: none, or NULL */
+    int threads;
+} pl_objective_problem;
+
+/** Sums over the valid elements (positive measure, decided exactly), by [movable]: 1 for those with
+ * a free node, 0 for the others. */
+typedef struct pl_objective_sums {
+    double ratio[2];  /* of AR^2 */
+    double radius[2]; /* of RR^2 */
+    double volume[2]; /* of g^2, of elements with a least volume */
+    double n[2];      /* how many there are */
+    double radius_max;
+    double inverted;  /* elements that are not valid */
+    double below;     /* elements with a least volume and g above PL_BELOW_ABOVE, valid or not */
+    double shortfall; /* sum of max(0, g)^2, valid or not */
+    double domain;    /* sum of the signed measures of all */
+} pl_objective_sums;
+
+void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums);
+
+/** Fill state [m] with PLANISH_VOLUME_MET or _BELOW; returns how many are below. */
+int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state);
+
+#endif

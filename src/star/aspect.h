@@ -1,0 +1,333 @@
+/* aspect: the objective of every kind, with least volumes: what the guarded kernel minimises.
+ *
+ * Over a star: f = ratio_weight sum AR^2 + volume_weight sum g^2, g = 1 - D / floor, its
+ * derivatives, and how far elements are below their floor. One body for both dimensions and all
+ * aspect ratios; objective.h has the radius ratio alone, faster. Formulas: docs/algorithm.md.
+ */
+#ifndef PL_STAR_ASPECT_H
+#define PL_STAR_ASPECT_H
+
+#include "star/objective.h"
+
+/* AR^2 of the mean ratio is E^2 D^(-4/3) times this, or E^2 D^-2; E the sum of the squared edges.
+ */
+#define MEAN_FACTOR_3D (2.5198420997897464 / 144) /* 2^(4/3) / 144 */
+#define MEAN_FACTOR_2D (1.0 / 12)
+
+/* The largest and smallest of the squared edges are smoothed, for directions only, to means of
+ * powers 2^4, 2^6, 2^8: the first that leads to a better place is taken. */
+enum { SHARPNESS_FIRST = 4, SHARPNESS_STEP = 2, SHARPNESS_LAST = 8 };
+
+/* Facets without a floor: their g is never active. */
+#define NEVER_ACTIVE (-1e30)
+
+/** One pack of elements at x. */
+typedef struct aspect {
+    lanes D, inverse_d, aa; /* aa = |x - p0|^2 */
+    lanes square;           /* AR^2 */
+    lanes n[3];             /* grad D */
+    lanes l[3], h[6];       /* grad AR^2 and hess AR^2, divided by AR^2 */
+} aspect;
+
+/** What is asked of a star besides its position. */
+typedef struct question {
+    planish_objective objective;
+    int sharpness; /* log2 of the power */
+    double ratio_weight, volume_weight;
+} question;
+
+/* ---- edges -------------------------------------------------------------------------------- */
+
+/** The vectors and squared lengths of an element's edges: first those at x, dim of them. */
+typedef struct edges {
+    lanes at[3][3];  /* x - p_i */
+    lanes square[6]; /* of these, then of the link's own */
+} edges;
+
+static inline edges edges_at(const star *s, int64_t i, const lanes *x, const int dim) {
+    static const uint8_t columns[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
+    edges e;
+    for (int j = 0; j < dim; j++) {
+        e.square[j] = lanes_of(0);
+        for (int d = 0; d < dim; d++) {
+            e.at[j][d] = x[d] - load(s, columns[j][d], i);
+            e.square[j] += e.at[j][d] * e.at[j][d];
+        }
+    }
+    for (int j = 0, k = dim; j < dim; j++)
+        for (int other = j + 1; other < dim; other++, k++) {
+            e.square[k] = lanes_of(0);
+            for (int d = 0; d < dim; d++) {
+                lanes difference = e.at[other][d] - e.at[j][d];
+                e.square[k] += difference * difference;
+            }
+        }
+    return e;
+}
+
+static inline int n_edges(const int dim) {
+    return dim == 3 ? 6 : 3;
+}
+
+/* ---- mean ratio ---------------------------------------------------------------------------- */
+
+/** AR^2 = c E^2 D^-k, k = 4/3 or 2: l = 2 grad E / E - k n / D,
+ *  hess AR^2 / AR^2 = l l^T + 2 (hess E / E - grad E grad E^T / E^2) + k n n^T / D^2. */
+static inline void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
+                              const int dim) {
+    edges e = edges_at(s, i, x, dim);
+    lanes sum = e.square[0];
+    for (int k = 1; k < n_edges(dim); k++)
+        sum += e.square[k];
+    if (dim == 3) {
+        lanes root = lanes_inverse_cube_root(a->D), root2 = root * root;
+        a->square = sum * sum * (root2 * root2) * lanes_of(MEAN_FACTOR_3D);
+    } else {
+        a->square = sum * sum * (a->inverse_d * a->inverse_d) * lanes_of(MEAN_FACTOR_2D);
+    }
+    if (!derive)
+        return;
+    const lanes power = lanes_of(dim == 3 ? 4.0 / 3 : 2), inverse = lanes_of(1) / sum;
+    lanes gs[3], gd[3];
+    for (int d = 0; d < dim; d++) {
+        gs[d] = e.at[0][d];
+        for (int j = 1; j < dim; j++)
+            gs[d] += e.at[j][d];
+        gs[d] = lanes_of(2) * gs[d] * inverse;
+        gd[d] = a->n[d] * a->inverse_d;
+        a->l[d] = lanes_of(2) * gs[d] - power * gd[d];
+    }
+    for (int r = 0, k = 0; r < dim; r++)
+        for (int c = r; c < dim; c++, k++) {
+            a->h[k] = a->l[r] * a->l[c] - lanes_of(2) * (gs[r] * gs[c]) + power * (gd[r] * gd[c]);
+            if (r == c)
+                a->h[k] += lanes_of(4 * dim) * inverse;
+        }
+}
+
+/* ---- edge ratio ---------------------------------------------------------------------------- */
+
+static inline lanes power_of(lanes a, int log2_power) {
+    for (int i = 0; i < log2_power; i++)
+        a *= a;
+    return a;
+}
+
+/** Add sign times the derivatives of (1/q) log sum (square_k)^(sign q) to l and h: with the shares
+ *  w_k = share_k / sum of the shares and c_k = sign grad square_k / square_k, l = sum w_k c_k and
+ *  hess = sum w_k (hess square_k / square_k sign + (q - sign) c_k c_k^T) - q l l^T. */
+static inline void smoothed_extreme(const edges *e, const lanes *share, double sign, double q,
+                                    aspect *a, const int dim) {
+    lanes total = share[0], own[3] = {lanes_of(0), lanes_of(0), lanes_of(0)};
+    for (int k = 1; k < n_edges(dim); k++)
+        total += share[k];
+    for (int j = 0; j < dim; j++) {
+        lanes w = share[j] / total, inverse = lanes_of(1) / e->square[j];
+        lanes c[3];
+        for (int d = 0; d < dim; d++) {
+            c[d] = lanes_of(2 * sign) * e->at[j][d] * inverse;
+            own[d] += w * c[d];
+        }
+        for (int r = 0, k = 0; r < dim; r++)
+            for (int t = r; t < dim; t++, k++) {
+                a->h[k] += w * lanes_of(q - sign) * (c[r] * c[t]);
+                if (r == t)
+                    a->h[k] += w * lanes_of(2 * sign) * inverse;
+            }
+    }
+    for (int r = 0, k = 0; r < dim; r++) {
+        a->l[r] += own[r];
+        for (int t = r; t < dim; t++, k++)
+            a->h[k] -= lanes_of(q) * (own[r] * own[t]);
+    }
+}
+
+/** AR^2 = longest^2 / shortest^2. Its derivatives are those of the smoothed extremes. */
+static inline void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, int sharpness,
+                              const int derive, const int dim) {
+    edges e = edges_at(s, i, x, dim);
+    lanes longest = e.square[0], shortest = e.square[0];
+    for (int k = 1; k < n_edges(dim); k++) {
+        longest = lanes_max(e.square[k], longest);
+        shortest = lanes_min(e.square[k], shortest);
+    }
+    a->square = longest / shortest;
+    if (!derive)
+        return;
+    lanes large[6], small[6], to_longest = lanes_of(1) / longest;
+    for (int k = 0; k < n_edges(dim); k++) {
+        large[k] = power_of(e.square[k] * to_longest, sharpness);
+        small[k] = power_of(shortest / e.square[k], sharpness);
+    }
+    for (int k = 0; k < 3; k++)
+        a->l[k] = lanes_of(0);
+    for (int k = 0; k < 6; k++)
+        a->h[k] = lanes_of(0);
+    double q = (double)(1 << sharpness);
+    smoothed_extreme(&e, large, 1, q, a, dim);
+    smoothed_extreme(&e, small, -1, q, a, dim);
+    for (int r = 0, k = 0; r < dim; r++)
+        for (int t = r; t < dim; t++, k++)
+            a->h[k] += a->l[r] * a->l[t];
+}
+
+/* ---- radius ratio -------------------------------------------------------------------------- */
+
+static inline void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
+                                const int derive, const int dim) {
+    lanes inverse_d2 = a->inverse_d * a->inverse_d;
+    if (dim == 3) {
+        tetrahedra t = tetrahedra_at(s, i, (vec3){x[0], x[1], x[2]});
+        lanes q = t.s * inverse_d2;
+        a->square = t.N * (q * q) * lanes_of(RR2_FACTOR_3D);
+        if (derive) {
+            vec3 l = log_derivatives_3d(&t, a->inverse_d, a->h);
+            a->l[0] = l.x;
+            a->l[1] = l.y;
+            a->l[2] = l.z;
+        }
+    } else {
+        triangles t = triangles_at(s, i, x[0], x[1]);
+        lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * inverse_d2;
+        a->square = rr * rr * lanes_of(RR2_FACTOR_2D);
+        if (derive)
+            log_derivatives_2d(s, i, &t, a->inverse_d, a->l, a->h);
+    }
+}
+
+/* ---- one pack ------------------------------------------------------------------------------ */
+
+static inline void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, const int dim) {
+    static const uint8_t first[3] = {P0X, P0Y, P0Z};
+    if (dim == 3) {
+        vec3 n = vec3_load(s, NX, NY, NZ, i);
+        a->n[0] = n.x;
+        a->n[1] = n.y;
+        a->n[2] = n.z;
+    } else {
+        a->n[0] = load(s, P0Y, i) - load(s, P1Y, i);
+        a->n[1] = load(s, P1X, i) - load(s, P0X, i);
+    }
+    a->D = a->aa = lanes_of(0);
+    for (int d = 0; d < dim; d++) {
+        lanes from = x[d] - load(s, first[d], i);
+        a->D += from * a->n[d];
+        a->aa += from * from;
+    }
+    a->inverse_d = lanes_of(1) / a->D;
+}
+
+static inline void aspect_at(const star *s, int64_t i, const lanes *x, const question *q, aspect *a,
+                             const int derive, const int dim) {
+    measure_at(s, i, x, a, dim);
+    if (q->objective == PLANISH_RADIUS_RATIO)
+        radius_ratio(s, i, x, a, derive, dim);
+    else if (q->objective == PLANISH_MEAN_RATIO)
+        mean_ratio(s, i, x, a, derive, dim);
+    else
+        edge_ratio(s, i, x, a, q->sharpness, derive, dim);
+}
+
+/** g = 1 - D / floor of a pack. */
+static inline lanes volume_constraint(const star *s, int64_t i, lanes D) {
+    lanes inverse = load(s, INVERSE_FLOOR, i);
+    return lanes_select(lanes_greater(inverse, lanes_of(0)), lanes_of(1) - D * inverse,
+                        lanes_of(NEVER_ACTIVE));
+}
+
+/* Least slack, relative to the floor: an element on its floor blocks what goes below it. */
+#define SLACK_LEAST 1e-12
+/* The fraction of the way to a barrier that is gone at most; a floor may be reached. */
+#define FLOOR_FRACTION 0.9
+
+/** What RATE holds: 1 / D, or FLOOR_FRACTION / (D - floor). */
+static inline lanes feasible_rate(lanes D, lanes inverse_d, lanes inverse_floor) {
+    lanes_mask has_floor = lanes_greater(inverse_floor, lanes_of(0));
+    lanes floor = lanes_of(1) / lanes_select(has_floor, inverse_floor, lanes_of(1));
+    lanes slack = lanes_max(D - floor, lanes_of(SLACK_LEAST) * floor);
+    return lanes_select(has_floor, lanes_of(FLOOR_FRACTION) / slack, inverse_d);
+}
+
+/* ---- a star -------------------------------------------------------------------------------- */
+
+/** Accumulators besides those of accumulator. */
+typedef struct guarded_accumulator {
+    accumulator ratios;
+    lanes volumes[PL_PACKS];   /* sum of g^2 */
+    lanes shortfall[PL_PACKS]; /* sum of max(0, g)^2 */
+    lanes worst[PL_PACKS];     /* largest g */
+    lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
+} guarded_accumulator;
+
+static inline void guarded_init(guarded_accumulator *t) {
+    memset(t, 0, sizeof *t);
+    accumulator_init(&t->ratios);
+    for (int k = 0; k < PL_PACKS; k++)
+        t->worst[k] = lanes_of(NEVER_ACTIVE);
+}
+
+/** Add the derivatives of a pack; elements that are not positive have no part in them. */
+static inline void guarded_derivatives(guarded_accumulator *t, int k, const question *q,
+                                       const aspect *a, lanes weight, lanes constraint,
+                                       lanes inverse_floor, const int dim) {
+    lanes_mask positive = lanes_greater(a->D, lanes_of(0));
+    lanes ratio = a->square * weight * lanes_of(q->ratio_weight);
+    lanes volume = lanes_of(2 * q->volume_weight) * weight * inverse_floor;
+    lanes slope = volume * constraint, bend = volume * inverse_floor;
+    for (int r = 0, c = 0; r < dim; r++) {
+        t->g[r][k] += lanes_select(positive, ratio * a->l[r], lanes_of(0));
+        t->g[r][k] -= slope * a->n[r];
+        for (int e = r; e < dim; e++, c++) {
+            t->h[c][k] += lanes_select(positive, ratio * a->h[c], lanes_of(0));
+            t->h[c][k] += bend * (a->n[r] * a->n[e]);
+        }
+    }
+    t->size2[k] += a->aa * weight;
+}
+
+static inline objective guarded_result(const guarded_accumulator *t, const question *q) {
+    objective f = accumulator_result(&t->ratios, 1);
+    f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t->volumes);
+    f.shortfall = lanes_sum(t->shortfall);
+    f.worst = lanes_largest(t->worst);
+    return f;
+}
+
+/** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
+ *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see blocking_rate. */
+static inline objective guarded_at(const star *s, const question *q, const double *position,
+                                   derivatives *out, const int derive, const int dim) {
+    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
+                        lanes_of(dim == 3 ? position[2] : 0)};
+    guarded_accumulator t;
+    guarded_init(&t);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            aspect a;
+            aspect_at(s, j, x, q, &a, derive, dim);
+            lanes weight = load(s, WEIGHT, j), inverse_floor = load(s, INVERSE_FLOOR, j);
+            lanes g = volume_constraint(s, j, a.D);
+            lanes above = lanes_max(g, lanes_of(0));
+            accumulate(&t.ratios, k, a.square, weight, a.D, a.inverse_d * a.inverse_d,
+                       load(s, ROUNDING, j) * a.aa);
+            t.volumes[k] += g * g * (weight * lanes_of(q->volume_weight > 0));
+            t.shortfall[k] += above * above * weight;
+            t.worst[k] = lanes_max(g, t.worst[k]);
+            if (!derive)
+                continue;
+            store(s, GVALUE, j, g);
+            store(s, RATE, j, feasible_rate(a.D, a.inverse_d, inverse_floor));
+            guarded_derivatives(&t, k, q, &a, weight, g, inverse_floor, dim);
+        }
+    if (derive) {
+        for (int c = 0; c < dim; c++)
+            out->gradient[c] = lanes_sum(t.g[c]);
+        for (int c = 0; c < dim * (dim + 1) / 2; c++)
+            out->hessian[c] = lanes_sum(t.h[c]);
+        out->size2 = lanes_sum(t.size2) / (double)s->n_facets;
+    }
+    return guarded_result(&t, q);
+}
+
+#endif

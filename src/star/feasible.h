@@ -1,0 +1,416 @@
+/* feasible: directions of a star with active or violated constraints, the paper's cases 2 and 3.
+ *
+ * Both are one projection on a cone (cone.h, docs/algorithm.md). Constraints: g_k = 1 - D_k /
+ * floor_k of the elements, the bounds of the coordinates, and the distance moved.
+ */
+#ifndef PL_STAR_FEASIBLE_H
+#define PL_STAR_FEASIBLE_H
+
+#include "star/cone.h"
+#include "star/step.h"
+
+/* Elements with g above it are violated: V >= 0.997 delta counts as met, as in the paper. */
+#define VIOLATED_ABOVE 0.003
+/* Constraints count as active within bands of g that become thinner, so that an optimum with
+ * constraints in force is found and not just its surroundings. */
+#define BAND_FACTOR 0.1
+enum { BANDS = 5 };
+/* Push-off factors theta = min(50, (1 + g / |ct|)^2), ct = ACTIVE_ABOVE, and phi: 5, 50, 500, 1000;
+ * the values of CONMIN (Vanderplaats 1973), with gradients normalised. */
+#define PUSH_OFF_LARGEST 50.0
+#define PHI_FIRST        5.0
+#define PHI_FACTOR       10.0
+#define PHI_LAST         1000.0
+
+/* A star is brought above its floors by this fraction of them, if it can be, else by next to none.
+ */
+#define RESTORE_MARGIN      0.05
+#define RESTORE_MARGIN_LAST 1e-6
+/* Sufficient decrease of sum max(0, g)^2, relative: what falls by less is stuck. */
+#define RESTORE_FALL 1e-3
+enum { RESTORE_TRIALS = 10 };
+/* A homogeneous solution with less weight than this has none: the star is infeasible. */
+#define WEIGHT_LEAST 1e-9
+
+/* ---- rows ---------------------------------------------------------------------------------- */
+
+/** Gradients of constraints, of unit length, in the star's spare columns. */
+typedef struct active {
+    double (*rows)[ROW_LENGTH];
+    int64_t m;
+} active;
+
+static inline active active_none(const star *s) {
+    return (active){(double(*)[ROW_LENGTH])(void *)s->spare, 0};
+}
+
+static inline double *add_row(active *a, const double *gradient, const int dim) {
+    double *row = a->rows[a->m++];
+    for (int d = 0; d < ROW_LENGTH; d++)
+        row[d] = d < dim ? gradient[d] : 0;
+    return row;
+}
+
+/** grad D of facet i, divided by its length; 0 if it has none. */
+static inline int facet_normal(const star *s, int64_t i, double *n, const int dim) {
+    double length = s->column[LENGTH * s->padded + i];
+    if (dim == 3) {
+        for (int d = 0; d < 3; d++)
+            n[d] = s->column[(NX + d) * s->padded + i];
+    } else {
+        n[0] = s->column[P0Y * s->padded + i] - s->column[P1Y * s->padded + i];
+        n[1] = s->column[P1X * s->padded + i] - s->column[P0X * s->padded + i];
+    }
+    for (int d = 0; d < dim; d++)
+        n[d] /= length;
+    return length > 0;
+}
+
+/** Add grad g of facet i; NULL if it has no direction. */
+static inline double *add_facet_row(const star *s, int64_t i, active *a, const int dim) {
+    double n[3];
+    if (!facet_normal(s, i, n, dim))
+        return NULL;
+    for (int d = 0; d < dim; d++)
+        n[d] = -n[d];
+    return add_row(a, n, dim);
+}
+
+/** Add the bounds that x is nearer to than band times the star's size, or the radius. */
+static inline void add_bound_rows(const local *here, const double *x, double band, double size,
+                                  active *a, const int dim) {
+    const bounds *b = &here->b;
+    for (int d = 0; d < dim; d++) {
+        double unit[3] = {0, 0, 0};
+        unit[d] = -1;
+        if (x[d] - b->lower[d] < band * size)
+            add_row(a, unit, dim);
+        unit[d] = 1;
+        if (b->upper[d] - x[d] < band * size)
+            add_row(a, unit, dim);
+    }
+    double far = b->radius < INFINITY ? distance_from_start(b, x, dim) : 0;
+    if (far > 0 && far > (1 - band) * b->radius) {
+        double outwards[3] = {0, 0, 0};
+        for (int d = 0; d < dim; d++)
+            outwards[d] = (x[d] - b->start[d]) / far;
+        add_row(a, outwards, dim);
+    }
+}
+
+/* In case 2 rows have at most three numbers; the last entry is the facet, or this. */
+enum { OF_BOUND = -1 };
+
+/** The constraints with g above -band, for case 2. */
+static inline active active_within(const local *here, const double *x, double band, double size,
+                                   const int dim) {
+    const star *s = &here->s;
+    active a = active_none(s);
+    const double *g = s->column + GVALUE * s->padded;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        double *row = g[i] > -band ? add_facet_row(s, i, &a, dim) : NULL;
+        if (row)
+            row[ROW_LENGTH - 1] = (double)i;
+    }
+    int64_t n_facets = a.m;
+    add_bound_rows(here, x, band, size, &a, dim);
+    for (int64_t i = n_facets; i < a.m; i++)
+        a.rows[i][ROW_LENGTH - 1] = OF_BOUND;
+    return a;
+}
+
+/* ---- case 2: constraints active ------------------------------------------------------------ */
+
+/** b in the metric in which the model's Hessian is the identity: D^-1/2 L^-1 b. */
+static inline void to_metric(const factors *f, const double *b, double *y, const int dim) {
+    double z[3];
+    substitute_forward(f, b, z, dim);
+    for (int d = 0; d < dim; d++)
+        y[d] = z[d] / sqrt(f->pivot[d]);
+}
+
+static inline void from_metric(const factors *f, const double *y, double *x, const int dim) {
+    double z[3];
+    for (int d = 0; d < dim; d++)
+        z[d] = y[d] * sqrt(f->pivot[d]);
+    substitute_back(f, z, x, dim);
+}
+
+/** The metric of the direction: that of the shifted Hessian, in which the projected gradient is the
+ *  Newton step within the cone; or that of the space, as in equation 4 of the paper. */
+static inline int metric_of(const pl_star_problem *problem, const derivatives *derivative,
+                            factors *f, const int dim) {
+    if (problem->direction == PLANISH_NEWTON)
+        return factorise_shifted(derivative->hessian, f, dim);
+    for (int d = 0; d < dim; d++)
+        f->pivot[d] = 1;
+    return 1;
+}
+
+/** -grad f projected on the cone that the rows leave: direction [dim]. The rows are changed. */
+static inline int project_direction(const derivatives *derivative, const factors *f,
+                                    const active *a, double *direction, cone_point *point,
+                                    const int dim) {
+    double p[3];
+    to_metric(f, derivative->gradient, p, dim);
+    for (int d = 0; d < dim; d++)
+        p[d] = -p[d];
+    for (int64_t i = 0; i < a->m; i++)
+        to_metric(f, a->rows[i], a->rows[i], dim);
+    if (!cone_project((const double(*)[CONE_DIM])a->rows, a->m, p, dim, point))
+        return 0;
+    from_metric(f, point->point, direction, dim);
+    return 1;
+}
+
+/** Bring a direction of the metric of the space to the length of a Newton step along it. */
+static inline void newton_length(const derivatives *derivative, double *direction, const int dim) {
+    double bend = curvature(derivative->hessian, direction, dim);
+    double square = dot(direction, direction, dim);
+    double slope = dot(derivative->gradient, direction, dim);
+    double length = bend > 0 ? -slope / bend : square > 0 ? sqrt(derivative->size2 / square) : 0;
+    for (int d = 0; d < dim; d++)
+        direction[d] *= length;
+}
+
+/** By how much the quadratic model falls on the way that is free along direction. */
+static inline double promised_fall(const local *here, const double *x,
+                                   const derivatives *derivative, const double *direction,
+                                   const int dim) {
+    double rate = limiting_rate(here, x, direction, 1, dim);
+    double step = rate > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : 1;
+    return -dot(derivative->gradient, direction, dim) * step * (1 - 0.5 * step);
+}
+
+/** Equation 4 of the paper, for bands of active constraints: the direction that promises most. */
+static inline int constrained_direction(const local *here, const double *x,
+                                        const derivatives *derivative, double *direction,
+                                        const int dim) {
+    factors f = {{{0}}, {0}};
+    if (!metric_of(here->problem, derivative, &f, dim))
+        return 0;
+    double best = 0, band = -ACTIVE_ABOVE, size = sqrt(derivative->size2);
+    int64_t rows = -1;
+    for (int i = 0; i < BANDS; i++, band *= BAND_FACTOR) {
+        active a = active_within(here, x, band, size, dim);
+        cone_point point;
+        double candidate[3];
+        int same = a.m == rows; /* bands are nested */
+        rows = a.m;
+        if (same || !project_direction(derivative, &f, &a, candidate, &point, dim))
+            continue;
+        if (here->problem->direction != PLANISH_NEWTON)
+            newton_length(derivative, candidate, dim);
+        limit_length(candidate, derivative->size2, dim);
+        double fall = promised_fall(here, x, derivative, candidate, dim);
+        if (fall > best) {
+            best = fall;
+            memcpy(direction, candidate, (size_t)dim * sizeof *direction);
+        }
+    }
+    return best > 0;
+}
+
+/** The direction of cases 1 and 2; memory is that of conjugate directions. */
+static inline int guarded_direction(local *here, const double *x, const derivatives *derivative,
+                                    conjugate *memory, double *direction, const int dim) {
+    active a = active_within(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), dim);
+    here->constrained = a.m > 0;
+    if (!here->constrained)
+        return find_direction(here->problem, derivative, memory, direction, dim);
+    memory->gradient2 = 0;
+    return constrained_direction(here, x, derivative, direction, dim);
+}
+
+/* ---- case 3: constraints violated ---------------------------------------------------------- */
+
+/** Whether no element that was positive has become less at position; GVALUE holds g as it was. */
+static inline int keeps_positive(const star *s, const double *position, const int dim) {
+    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
+                        lanes_of(dim == 3 ? position[2] : 0)};
+    int kept = 1;
+    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
+        aspect a;
+        measure_at(s, i, x, &a, dim);
+        lanes_mask certain =
+            lanes_greater(a.D, lanes_of(0)) & lanes_greater(a.D * a.D, load(s, ROUNDING, i) * a.aa);
+        lanes_mask was_not = ~lanes_greater(lanes_of(1), load(s, GVALUE, i));
+        kept &= lanes_all_set(certain | was_not);
+    }
+    return kept;
+}
+
+/** Whether a trial brings the star nearer to its least volumes and breaks nothing. */
+static inline int restores(const local *here, const trial *t, const objective *now, const int dim) {
+    if (!(t->value.shortfall < (1 - RESTORE_FALL) * now->shortfall) ||
+        !within_bounds(&here->b, t->position, dim) || !keeps_positive(&here->s, t->position, dim))
+        return 0;
+    if (!(here->problem->rr2_limit < INFINITY))
+        return 1;
+    objective rr = value_at(&here->s, t->position, dim);
+    return rr.max * (1 + rr.error) <= here->problem->rr2_limit;
+}
+
+static inline int restoring_search(const local *here, const double *x, const objective *now,
+                                   const double *direction, double step, trial *best,
+                                   const int dim) {
+    for (int i = 0; i < RESTORE_TRIALS; i++, step *= 0.5) {
+        *best = try_step(here, x, direction, step, 1, dim);
+        if (restores(here, best, now, dim))
+            return 1;
+    }
+    return 0;
+}
+
+static inline double push_off_factor(double g) {
+    double root = 1 - g / ACTIVE_ABOVE;
+    double factor = root * root;
+    return factor < PUSH_OFF_LARGEST ? factor : PUSH_OFF_LARGEST;
+}
+
+/** The violated and active elements and bounds, with the push-off factors of the violated ones as
+ *  the entry after the gradient. */
+static inline active critical(const local *here, const double *x, double size, const int dim) {
+    const star *s = &here->s;
+    active a = active_none(s);
+    const double *g = s->column + GVALUE * s->padded;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        double *row = g[i] > ACTIVE_ABOVE ? add_facet_row(s, i, &a, dim) : NULL;
+        if (row)
+            row[dim] = g[i] > VIOLATED_ABOVE ? push_off_factor(g[i]) : 0;
+    }
+    add_bound_rows(here, x, -ACTIVE_ABOVE, size, &a, dim);
+    return a;
+}
+
+/** Equation 5 of the paper: the direction for phi, or 0 if it brings no violated element up. */
+static inline int push_off_direction(const local *here, const double *x,
+                                     const derivatives *derivative, double phi, double *direction,
+                                     const int dim) {
+    active a = critical(here, x, sqrt(derivative->size2), dim);
+    cone_point point;
+    double p[4], norm = sqrt(dot(derivative->gradient, derivative->gradient, dim));
+    for (int d = 0; d < dim; d++)
+        p[d] = norm > 0 && norm < INFINITY ? -derivative->gradient[d] / norm : 0;
+    p[dim] = phi;
+    if (!cone_project((const double(*)[CONE_DIM])a.rows, a.m, p, dim + 1, &point))
+        return 0;
+    memcpy(direction, point.point, (size_t)dim * sizeof *direction);
+    return point.point[dim] > WEIGHT_LEAST * phi;
+}
+
+/** The step along direction that brings the last violated element to its floor, but none below. */
+static inline double restoring_step(const local *here, const double *x, const double *direction,
+                                    double size, const int dim) {
+    const star *s = &here->s;
+    const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
+    const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
+    double far = sqrt(dot(direction, direction, dim)), goal = 0, n[3];
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        if (!(g[i] > VIOLATED_ABOVE) || !facet_normal(s, i, n, dim))
+            continue;
+        double rise = dot(n, direction, dim) * length[i] * inverse_floor[i];
+        double step = rise > 0 ? (g[i] + RESTORE_MARGIN) / rise : 0;
+        goal = step > goal ? step : goal;
+    }
+    double rate = limiting_rate(here, x, direction, 1, dim), limit = STEP_LIMIT * size / far;
+    goal = goal < limit ? goal : limit;
+    return goal * rate > FLOOR_FRACTION ? FLOOR_FRACTION / rate : goal;
+}
+
+/** The paper's way: push-off with growing phi. */
+static inline int push_off(const local *here, const double *x, const objective *now,
+                           const derivatives *derivative, trial *best, const int dim) {
+    double size = sqrt(derivative->size2);
+    for (double phi = PHI_FIRST; phi <= PHI_LAST; phi *= PHI_FACTOR) {
+        double direction[3];
+        if (!push_off_direction(here, x, derivative, phi, direction, dim))
+            continue;
+        double step = restoring_step(here, x, direction, size, dim);
+        if (restoring_search(here, x, now, direction, step, best, dim))
+            return 1;
+    }
+    return 0;
+}
+
+/** Rows of {(d, t): n . d + (D - floor) t >= 0}, all of unit gradient: a feasible displacement d at
+ *  t = 1, if there is any. Floors are taken margin higher. */
+static inline active homogeneous(const local *here, const double *x, double margin, const int dim) {
+    const star *s = &here->s;
+    active a = active_none(s);
+    const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
+    const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        double *row = inverse_floor[i] > 0 ? add_facet_row(s, i, &a, dim) : NULL;
+        if (row)
+            row[dim] = (g[i] + margin) / (length[i] * inverse_floor[i]);
+    }
+    for (int d = 0; d < dim; d++) {
+        double unit[3] = {0, 0, 0};
+        unit[d] = -1;
+        if (here->b.lower[d] > -INFINITY)
+            add_row(&a, unit, dim)[dim] = here->b.lower[d] - x[d];
+        unit[d] = 1;
+        if (here->b.upper[d] < INFINITY)
+            add_row(&a, unit, dim)[dim] = x[d] - here->b.upper[d];
+    }
+    return a;
+}
+
+/** The shortest displacement to where all elements have their least volume; 0 if there is none:
+ * then point holds the proof, rows with positive weights whose sum is (0, 1). */
+static inline int shortest_displacement(const active *a, double *displacement, cone_point *point,
+                                        const int dim) {
+    const double p[4] = {0, 0, dim == 2, dim == 3};
+    if (!cone_project((const double(*)[CONE_DIM])a->rows, a->m, p, dim + 1, point))
+        return 0;
+    double weight = point->point[dim];
+    for (int d = 0; d < dim; d++)
+        displacement[d] = point->point[d] / weight;
+    return weight > WEIGHT_LEAST;
+}
+
+/** Straight to the nearest feasible place: sum max(0, g)^2 is convex and 0 there, so it falls on
+ * the way. */
+static inline int go_to_feasible(const local *here, const double *x, const objective *now,
+                                 trial *best, const int dim) {
+    static const double margins[] = {RESTORE_MARGIN, RESTORE_MARGIN_LAST};
+    for (int i = 0; i < 2; i++) {
+        double displacement[3];
+        cone_point point;
+        active a = homogeneous(here, x, margins[i], dim);
+        if (shortest_displacement(&a, displacement, &point, dim) &&
+            restoring_search(here, x, now, displacement, 1, best, dim))
+            return 1;
+    }
+    return 0;
+}
+
+/** Where nothing is feasible: a Newton step of 1/2 sum max(0, g)^2. */
+static inline int lessen_shortfall(const local *here, const double *x, const objective *now,
+                                   trial *best, const int dim) {
+    const star *s = &here->s;
+    const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
+    const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
+    double gradient[3] = {0, 0, 0}, hessian[6] = {0, 0, 0, 0, 0, 0}, direction[3], n[3];
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        if (!(g[i] > 0) || !facet_normal(s, i, n, dim))
+            continue;
+        double steepness = length[i] * inverse_floor[i];
+        for (int r = 0, k = 0; r < dim; r++) {
+            gradient[r] -= g[i] * steepness * n[r];
+            for (int c = r; c < dim; c++, k++)
+                hessian[k] += steepness * steepness * n[r] * n[c];
+        }
+    }
+    return newton_direction(gradient, hessian, direction, dim) &&
+           restoring_search(here, x, now, direction, 1, best, dim);
+}
+
+static inline int restore(const local *here, const double *x, const objective *now,
+                          const derivatives *derivative, trial *best, const int dim) {
+    return push_off(here, x, now, derivative, best, dim) ||
+           go_to_feasible(here, x, now, best, dim) || lessen_shortfall(here, x, now, best, dim);
+}
+
+#endif

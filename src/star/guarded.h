@@ -1,0 +1,221 @@
+/* guarded: visits of stars with other objectives, least volumes and bounds.
+ *
+ * Included by every guarded_*.c after it has defined PL_PACK; see kernel.c. visit.h has the plain
+ * problem alone, faster.
+ */
+#ifndef PL_STAR_GUARDED_H
+#define PL_STAR_GUARDED_H
+
+#include "star/feasible.h"
+
+/* An optimum's constraints are in force within this of g = 0: as far as the violated ones. */
+#define FORCE_BAND VIOLATED_ABOVE
+/* Steps of a visit that brings elements up, and of one along constraints: each may meet another. */
+enum { RESTORING_STEPS = 4, CONSTRAINED_STEPS = 4 };
+/* A visit along constraints that brought more than this, relative, is worth another one. */
+#define CONSTRAINED_FALL 1e-8
+
+/** The function and derivatives at x, with the columns that directions and steps need. */
+static inline objective look(const local *here, const double *x, derivatives *derivative,
+                             const int dim) {
+    ++*here->evaluations;
+    return guarded_at(&here->s, &here->q, x, derivative, 1, dim);
+}
+
+/** Whether the star is to be improved: valid, and bad enough. */
+static inline int worth_a_step(const local *here, const double *x, const objective *now,
+                               const int dim) {
+    const double skip = here->problem->rr2_skip;
+    if (!now->positive || !(now->sum < INFINITY))
+        return 0;
+    if (here->q.objective == PLANISH_RADIUS_RATIO || !(skip > 0))
+        return now->max > skip;
+    return value_at(&here->s, x, dim).max > skip;
+}
+
+static inline void take(const trial *t, double *x, const int dim) {
+    for (int d = 0; d < dim; d++)
+        x[d] = t->position[d];
+}
+
+/** Bring violated elements up; returns how often the node moved. now is what holds at x. */
+static inline int restoring_steps(const local *here, double *x, objective *now,
+                                  derivatives *derivative, const int dim) {
+    int moves = 0;
+    while (moves < RESTORING_STEPS && now->worst > VIOLATED_ABOVE) {
+        trial best;
+        if (!restore(here, x, now, derivative, &best, dim))
+            break;
+        take(&best, x, dim);
+        *now = look(here, x, derivative, dim);
+        moves++;
+    }
+    return moves;
+}
+
+/** One step of cases 1 and 2; for an objective that is not smooth along the first direction that
+ *  leads down. */
+static inline int guarded_step(local *here, conjugate *memory, double *x, objective *now,
+                               derivatives *derivative, const int dim) {
+    int smooth = here->q.objective != PLANISH_EDGE_RATIO;
+    for (;;) {
+        double direction[3];
+        trial best;
+        if (guarded_direction(here, x, derivative, memory, direction, dim)) {
+            double slope = dot(derivative->gradient, direction, dim);
+            if (slope < 0 && search(here, x, now, direction, slope, &best, 1, dim)) {
+                take(&best, x, dim);
+                return 1;
+            }
+        }
+        if (smooth || here->q.sharpness >= SHARPNESS_LAST)
+            return 0;
+        here->q.sharpness += SHARPNESS_STEP;
+        *now = look(here, x, derivative, dim);
+    }
+}
+
+static inline int guarded_steps(local *here, double *x, objective *now, derivatives *derivative,
+                                const int dim) {
+    conjugate memory = {{0, 0, 0}, 0};
+    int moves = 0, wanted;
+    do {
+        if (!worth_a_step(here, x, now, dim) ||
+            !guarded_step(here, &memory, x, now, derivative, dim))
+            break;
+        wanted =
+            here->constrained ? CONSTRAINED_STEPS : steps_of_visit(here->problem->direction, dim);
+        if (++moves < wanted)
+            *now = look(here, x, derivative, dim);
+    } while (moves < wanted);
+    return moves;
+}
+
+/** Whether the bounds leave the node no room: it is held. */
+static inline int is_held(const pl_star_guard *guard, int32_t node, const int dim) {
+    int held = guard->lower && guard->upper;
+    for (int d = 0; held && d < dim; d++)
+        held = guard->lower[(int64_t)node * dim + d] == guard->upper[(int64_t)node * dim + d];
+    return held;
+}
+
+static inline void visit_star_guarded(const pl_star_problem *problem, int64_t index,
+                                      double *scratch, pl_star_tally *tally, const int dim) {
+    int32_t node = problem->node[index];
+    double *place = problem->coordinates + (int64_t)node * dim, x[3];
+    local here = local_of(problem, index, place, scratch, &tally->evaluations, 1, dim);
+    derivatives derivative;
+    to_star(&here, place, x, dim);
+    objective now = look(&here, x, &derivative, dim);
+    double size2 = derivative.size2;
+    int restored = restoring_steps(&here, x, &now, &derivative, dim), moved = restored;
+    double before = now.sum;
+    if (!(now.worst > VIOLATED_ABOVE))
+        moved += guarded_steps(&here, x, &now, &derivative, dim);
+    if (moved)
+        settle(&here, node, x, size2, place, dim);
+    if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
+        __atomic_store_n(&problem->changed[node], 1, __ATOMIC_RELAXED);
+    tally->restored += restored > 0;
+}
+
+/* ---- ranges of stars ----------------------------------------------------------------------- */
+
+static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                        double *scratch, const int dim) {
+    pl_star_tally tally = {0, 0, 0, 0};
+    for (int64_t i = begin; i < end; i++) {
+        if (!claim(problem, i) || is_held(problem->guard, problem->node[i], dim))
+            continue;
+        visit_star_guarded(problem, i, scratch, &tally, dim);
+        tally.visits++;
+    }
+    return tally;
+}
+
+/** Add what the star's projected gradient and multipliers say. */
+static inline void add_optimality(const pl_star_problem *problem, int64_t index, double *scratch,
+                                  pl_star_optimality *sum, const int dim) {
+    const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
+    int64_t evaluations = 0;
+    double x[3], direction[3];
+    const local here = local_of(problem, index, place, scratch, &evaluations, 1, dim);
+    const star *s = &here.s;
+    derivatives derivative;
+    cone_point point;
+    to_star(&here, place, x, dim);
+    objective now = look(&here, x, &derivative, dim);
+    if (!now.positive || now.worst > VIOLATED_ABOVE || !(now.sum < INFINITY))
+        return;
+    const double size = sqrt(derivative.size2);
+    const factors identity = {{{0}}, {1, 1, 1}};
+    active a = active_within(&here, x, FORCE_BAND, size, dim);
+    if (!project_direction(&derivative, &identity, &a, direction, &point, dim))
+        return;
+    double residual = sqrt(dot(direction, direction, dim)) * size / now.sum;
+    sum->residual = residual > sum->residual ? residual : sum->residual;
+    sum->residual2 += residual * residual;
+    sum->n_stars++;
+    for (int i = 0; i < point.n_active; i++) {
+        int64_t facet = (int64_t)a.rows[point.active[i]][ROW_LENGTH - 1];
+        sum->n_active++;
+        if (facet == OF_BOUND)
+            continue;
+        double steepness =
+            s->column[LENGTH * s->padded + facet] * s->column[INVERSE_FLOOR * s->padded + facet];
+        double multiplier = point.multiplier[i] / steepness;
+        sum->multiplier = multiplier > sum->multiplier ? multiplier : sum->multiplier;
+    }
+}
+
+static inline int evaluate(const pl_star_problem *problem, int64_t index, double *scratch,
+                           int with_derivatives, pl_star_value *value, const int dim) {
+    const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
+    int64_t evaluations = 0;
+    const local here = local_of(problem, index, place, scratch, &evaluations, 1, dim);
+    double x[3];
+    to_star(&here, place, x, dim);
+    derivatives derivative = {{0}, {0}, 0};
+    objective f = with_derivatives ? look(&here, x, &derivative, dim)
+                                   : guarded_at(&here.s, &here.q, x, NULL, 0, dim);
+    give_value(&here, &f, &derivative, value);
+    return f.positive;
+}
+
+/* ---- the functions of a variant ------------------------------------------------------------ */
+
+static pl_star_tally visit_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                     double *scratch) {
+    return visit_range(problem, begin, end, scratch, 2);
+}
+
+static pl_star_tally visit_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                      double *scratch) {
+    return visit_range(problem, begin, end, scratch, 3);
+}
+
+static int evaluate_triangles(const pl_star_problem *problem, int64_t star_index, double *scratch,
+                              int with_derivatives, pl_star_value *value) {
+    return evaluate(problem, star_index, scratch, with_derivatives, value, 2);
+}
+
+static int evaluate_tetrahedra(const pl_star_problem *problem, int64_t star_index, double *scratch,
+                               int with_derivatives, pl_star_value *value) {
+    return evaluate(problem, star_index, scratch, with_derivatives, value, 3);
+}
+
+static void optimality_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                 double *scratch, pl_star_optimality *optimality) {
+    for (int64_t i = begin; i < end; i++)
+        if (!is_held(problem->guard, problem->node[i], 2))
+            add_optimality(problem, i, scratch, optimality, 2);
+}
+
+static void optimality_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                  double *scratch, pl_star_optimality *optimality) {
+    for (int64_t i = begin; i < end; i++)
+        if (!is_held(problem->guard, problem->node[i], 3))
+            add_optimality(problem, i, scratch, optimality, 3);
+}
+
+#endif

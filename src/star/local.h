@@ -1,0 +1,173 @@
+/* local: everything about the star under visit, and the bounds of its node. */
+#ifndef PL_STAR_LOCAL_H
+#define PL_STAR_LOCAL_H
+
+#include "base/round.h"
+#include "star/aspect.h"
+#include "star/direction.h"
+
+/** Where the node may be, in the star's scale. */
+typedef struct bounds {
+    double lower[3], upper[3];
+    double start[3], radius; /* radius infinite: any distance from start */
+} bounds;
+
+/** A star under visit. q, b and constrained are for the guarded kernel. */
+typedef struct local {
+    const pl_star_problem *problem;
+    star s;
+    question q;
+    bounds b;
+    int constrained; /* constraints were active in the last step */
+    int64_t *evaluations;
+} local;
+
+/* A direction that approaches a constraint by less than this, relative to the lengths of both, is
+ * parallel to it. */
+#define PARALLEL 1e-9
+/* Constraints with g above it are active, as in the paper; for the distance moved g is
+ * distance / radius - 1. */
+#define ACTIVE_ABOVE (-0.05)
+/* A position pulled back to the distance allowed ends this fraction inside, for rounding. */
+#define RADIUS_MARGIN 0x1p-40
+
+static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, double scale,
+                               const int dim) {
+    const pl_star_guard *guard = problem->guard;
+    bounds b = {{0}, {0}, {0}, INFINITY};
+    for (int d = 0; d < dim; d++) {
+        int64_t i = (int64_t)node * dim + d;
+        b.lower[d] = guard->lower ? guard->lower[i] * scale : -INFINITY;
+        b.upper[d] = guard->upper ? guard->upper[i] * scale : INFINITY;
+        b.start[d] = guard->radius ? guard->start[i] * scale : 0;
+    }
+    if (guard->radius)
+        b.radius = guard->radius[node] * scale;
+    return b;
+}
+
+static inline local local_of(const pl_star_problem *problem, int64_t index, const double *place,
+                             double *scratch, int64_t *evaluations, const int guarded,
+                             const int dim) {
+    local here = {.problem = problem, .evaluations = evaluations};
+    here.s = gather(problem, index, place, scratch, guarded, dim);
+    if (guarded) {
+        const pl_star_guard *guard = problem->guard;
+        here.q = (question){guard->objective, SHARPNESS_FIRST, guard->ratio_weight,
+                            guard->volume_weight};
+        here.b = bounds_of(problem, problem->node[index], here.s.scale, dim);
+    }
+    return here;
+}
+
+/* ---- the node ------------------------------------------------------------------------------ */
+
+/* A move shorter than this fraction of the star's size changes nothing for the stars around. */
+#define STILL 1e-4
+/** Whether the star has changed since its last visit; it then counts as visited. */
+static inline int claim(const pl_star_problem *problem, int64_t index) {
+    uint8_t *changed = &problem->changed[problem->node[index]];
+    if (!__atomic_load_n(changed, __ATOMIC_RELAXED))
+        return 0;
+    __atomic_store_n(changed, 0, __ATOMIC_RELAXED);
+    return 1;
+}
+
+/** Tell the nodes of the star, and its own, that their stars have changed. Several threads may tell
+ *  one node at the same time, the same. */
+static inline void tell_neighbours(const pl_star_problem *problem, int32_t node, const star *s) {
+    __atomic_store_n(&problem->changed[node], 1, __ATOMIC_RELAXED);
+    for (int64_t i = 0; i < s->n_ring; i++)
+        __atomic_store_n(&problem->changed[s->ring[i]], 1, __ATOMIC_RELAXED);
+}
+
+/** Move the node from place (as in the mesh) to x (scaled). */
+static inline void settle(const local *here, int32_t node, const double *x, double size2,
+                          double *place, const int dim) {
+    double moved2 = 0;
+    for (int d = 0; d < dim; d++) {
+        double move = x[d] - place[d] * here->s.scale;
+        moved2 += move * move;
+        place[d] = x[d] * here->s.unscale;
+    }
+    if (moved2 > STILL * STILL * size2)
+        tell_neighbours(here->problem, node, &here->s);
+}
+
+static inline void to_star(const local *here, const double *place, double *x, const int dim) {
+    for (int d = 0; d < dim; d++)
+        x[d] = place[d] * here->s.scale;
+}
+
+/** What the star is worth, in the mesh's scale. */
+static inline void give_value(const local *here, const objective *f, const derivatives *derivative,
+                              pl_star_value *value) {
+    value->sum = f->sum;
+    value->max = f->max;
+    for (int d = 0; d < 3; d++)
+        value->gradient[d] = derivative->gradient[d] * here->s.scale;
+    for (int d = 0; d < 6; d++)
+        value->hessian[d] = derivative->hessian[d] * here->s.scale * here->s.scale;
+}
+
+/* ---- bounds -------------------------------------------------------------------------------- */
+
+static inline double distance_from_start(const bounds *b, const double *x, const int dim) {
+    double square = 0;
+    for (int d = 0; d < dim; d++)
+        square += (x[d] - b->start[d]) * (x[d] - b->start[d]);
+    return sqrt(square);
+}
+
+static inline int within_bounds(const bounds *b, const double *x, const int dim) {
+    int inside = 1;
+    for (int d = 0; d < dim; d++)
+        inside &= x[d] >= b->lower[d] && x[d] <= b->upper[d];
+    return inside && (!(b->radius < INFINITY) || distance_from_start(b, x, dim) <= b->radius);
+}
+
+/** Bring x within bounds. */
+static inline void clamp(const bounds *b, double *x, const int dim) {
+    if (b->radius < INFINITY) {
+        double far = distance_from_start(b, x, dim);
+        if (far > b->radius)
+            for (int d = 0; d < dim; d++)
+                x[d] = b->start[d] + (x[d] - b->start[d]) * (b->radius * (1 - RADIUS_MARGIN) / far);
+    }
+    for (int d = 0; d < dim; d++) {
+        x[d] = x[d] < b->lower[d] ? b->lower[d] : x[d];
+        x[d] = x[d] > b->upper[d] ? b->upper[d] : x[d];
+    }
+}
+
+/** Largest t with |v + t direction| <= radius, v = x - start; none for directions that do not lead
+ *  outwards from next to the sphere: the little that they leave it by is clamped. */
+static inline double step_to_radius(const bounds *b, const double *x, const double *direction,
+                                    const int dim) {
+    double dd = 0, vd = 0, vv = 0;
+    for (int d = 0; d < dim; d++) {
+        double v = x[d] - b->start[d];
+        dd += direction[d] * direction[d];
+        vd += v * direction[d];
+        vv += v * v;
+    }
+    double room = b->radius * b->radius - vv;
+    if (vd <= PARALLEL * sqrt(vv * dd) && sqrt(vv) > (1 + ACTIVE_ABOVE) * b->radius)
+        return INFINITY;
+    return dd > 0 ? (sqrt(vd * vd + dd * (room > 0 ? room : 0)) - vd) / dd : INFINITY;
+}
+
+/** 1 / (largest step within bounds), 0 if there is no bound ahead. */
+static inline double bounds_rate(const bounds *b, const double *x, const double *direction,
+                                 const int dim) {
+    double least = b->radius < INFINITY ? step_to_radius(b, x, direction, dim) : INFINITY;
+    double parallel = PARALLEL * sqrt(dot(direction, direction, dim));
+    for (int d = 0; d < dim; d++) {
+        double room = direction[d] > 0 ? b->upper[d] - x[d] : b->lower[d] - x[d];
+        double step = fabs(direction[d]) > parallel ? room / direction[d] : INFINITY;
+        least = step < least ? step : least;
+    }
+    return least < INFINITY ? 1 / least : 0;
+}
+
+#endif

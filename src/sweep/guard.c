@@ -1,0 +1,237 @@
+/* guard: what options and plan ask of the guarded kernel: objective, least volumes, bounds. */
+#include "sweep/guard.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/round.h"
+#include "base/status.h"
+
+#include <inttypes.h>
+#include <math.h>
+
+enum { CHUNK_NODES = 4096 };
+
+/* f1 and f2 count as at least this where one divides by them. */
+#define LEAST_RMS 1e-100
+
+/* ---- objective ----------------------------------------------------------------------------- */
+
+pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
+                                             const planish_options *options,
+                                             const double *coordinates) {
+    pl_objective_problem problem = {.dim = plan->dim,
+                                    .n_elements = plan->n_elements,
+                                    .elements = plan->elements,
+                                    .sign = plan->sign,
+                                    .is_free = plan->is_free,
+                                    .coordinates = coordinates,
+                                    .objective = options->objective,
+                                    .min_volume = options->min_volume,
+                                    .own_min_volume = plan->min_volume,
+                                    .threads = plan->threads};
+    if (options->min_volume_fraction > 0) {
+        pl_objective_sums sums;
+        pl_sum_objective(&problem, &sums);
+        problem.min_volume = options->min_volume_fraction * fabs(sums.domain);
+    }
+    return problem;
+}
+
+static double rms(double sum, double n) {
+    return n > 0 ? sqrt(sum / n) : 0;
+}
+
+double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums) {
+    double n = sums->n[0] + sums->n[1], mu2 = options->area_weight;
+    return (1 - mu2) * rms(sums->ratio[0] + sums->ratio[1], n) +
+           mu2 * rms(sums->volume[0] + sums->volume[1], n);
+}
+
+double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums) {
+    double mu2 = options->area_weight;
+    return (1 - mu2) * rms(sums->ratio[1], sums->n[1]) + mu2 * rms(sums->volume[1], sums->n[1]);
+}
+
+double pl_guard_weigh(pl_guard *guard, const planish_options *options,
+                      const pl_objective_sums *sums) {
+    double n = sums->n[0] + sums->n[1], mu2 = options->area_weight, mu1 = 1 - mu2;
+    double of_ratio = mu1 / fmax(rms(sums->ratio[0] + sums->ratio[1], n), LEAST_RMS);
+    double of_volume = mu2 / fmax(rms(sums->volume[0] + sums->volume[1], n), LEAST_RMS);
+    double unit = mu1 > 0 ? of_ratio : of_volume;
+    guard->star.ratio_weight = of_ratio / unit;
+    guard->star.volume_weight = of_volume / unit;
+    return n > 0 ? unit / (2 * n) : 0;
+}
+
+/* ---- bounds -------------------------------------------------------------------------------- */
+
+/** The work on all nodes. */
+typedef struct work {
+    const planish_plan *plan;
+    const planish_options *options;
+    const double *coordinates;
+    double *lower, *upper, *start, *radius; /* by inner numbers */
+    uint8_t *is_free;
+    int64_t held; /* shared */
+} work;
+
+/** x, or where only floats can be stored the next one that is not below (above) it. */
+static double storable(const planish_options *options, double x, double towards) {
+    if (options->precision != PLANISH_FLOAT || !isfinite(x))
+        return x;
+    float rounded = (float)pl_round_to_float(x);
+    int inside = towards > 0 ? (double)rounded >= x : (double)rounded <= x;
+    return inside ? (double)rounded
+                  : (double)nextafterf(rounded, towards > 0 ? INFINITY : -INFINITY);
+}
+
+/** The bounds of coordinate d of the caller's node i. */
+static void bound(const work *w, int64_t i, int d, double *lower, double *upper) {
+    const planish_options *options = w->options;
+    double low = options->box_lower[d], high = options->box_upper[d];
+    int64_t k = i * w->plan->dim + d;
+    if (options->lower && options->lower[k] > low)
+        low = options->lower[k];
+    if (options->upper && options->upper[k] < high)
+        high = options->upper[k];
+    *lower = storable(options, low, 1);
+    *upper = storable(options, high, -1);
+}
+
+static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
+    work *w = context;
+    const int dim = w->plan->dim;
+    int64_t held = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const double *x = w->coordinates + i * dim;
+        double *lower = w->lower + (int64_t)w->plan->inner[i] * dim;
+        double *upper = w->upper + (int64_t)w->plan->inner[i] * dim;
+        int outside = 0;
+        for (int d = 0; d < dim; d++) {
+            bound(w, i, d, &lower[d], &upper[d]);
+            outside |= !(lower[d] <= x[d] && x[d] <= upper[d]);
+        }
+        for (int d = 0; outside && d < dim; d++)
+            lower[d] = upper[d] = x[d];
+        w->is_free[i] = w->plan->is_free[i] && !outside;
+        held += outside && w->plan->is_free[i];
+    }
+    __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
+}
+
+/** Distance without overflow, and with the same bits everywhere, which hypot does not promise. */
+static double distance(const double *x, const double *y, int dim) {
+    double largest = 0, square = 0;
+    for (int d = 0; d < dim; d++)
+        largest = fmax(largest, fabs(y[d] - x[d]));
+    for (int d = 0; largest > 0 && d < dim; d++)
+        square += (y[d] - x[d]) / largest * ((y[d] - x[d]) / largest);
+    return largest * sqrt(square);
+}
+
+/** Mean distance of the star's ring from its node. */
+static double mean_edge(const planish_plan *plan, int64_t star) {
+    const int dim = plan->dim;
+    const double *x = plan->coordinates + (int64_t)plan->centre[star] * dim;
+    int64_t begin = plan->stars.ring_offset[star], end = plan->stars.ring_offset[star + 1];
+    double sum = 0;
+    for (int64_t i = begin; i < end; i++) {
+        const double *y = plan->coordinates + (int64_t)plan->stars.ring[i] * dim;
+        sum += distance(x, y, dim) / (double)(end - begin);
+    }
+    return sum;
+}
+
+static void limit_stars(void *context, int64_t begin, int64_t end, int thread) {
+    const work *w = context;
+    const planish_plan *plan = w->plan;
+    const int dim = plan->dim;
+    (void)thread;
+    for (int64_t s = begin; s < end; s++) {
+        int64_t node = plan->centre[s];
+        double unit = w->options->displacement_unit == PLANISH_UNIT_EDGE ? mean_edge(plan, s) : 1;
+        w->radius[node] = w->options->max_displacement * unit;
+        for (int d = 0; d < dim; d++)
+            w->start[node * dim + d] = plan->coordinates[node * dim + d];
+    }
+}
+
+static int has_box(const planish_plan *plan, const planish_options *options) {
+    int any = options->lower || options->upper;
+    for (int d = 0; d < plan->dim; d++)
+        any |= options->box_lower[d] > -INFINITY || options->box_upper[d] < INFINITY;
+    return any;
+}
+
+static int make_bounds(const planish_plan *plan, const planish_options *options,
+                       const double *coordinates, pl_guard *guard, planish_error *error) {
+    const int64_t values = plan->n_nodes * plan->dim;
+    work w = {.plan = plan, .options = options, .coordinates = coordinates};
+    int memory = 1;
+    if (has_box(plan, options)) {
+        guard->star.lower = w.lower = pl_alloc(values, sizeof *w.lower);
+        guard->star.upper = w.upper = pl_alloc(values, sizeof *w.upper);
+        guard->is_free = w.is_free = pl_alloc(plan->n_nodes, sizeof *w.is_free);
+        memory = w.lower && w.upper && w.is_free;
+    }
+    if (options->max_displacement > 0) {
+        guard->star.start = w.start = pl_alloc(values, sizeof *w.start);
+        guard->star.radius = w.radius = pl_alloc(plan->n_nodes, sizeof *w.radius);
+        memory = memory && w.start && w.radius;
+    }
+    if (!memory)
+        return pl_fail_memory(error, "the bounds of the nodes");
+    if (w.lower)
+        pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, bound_nodes, &w);
+    if (w.radius)
+        pl_parallel_for(plan->threads, plan->stars.n_stars, CHUNK_NODES, limit_stars, &w);
+    guard->held_outside = w.held;
+    return PLANISH_OK;
+}
+
+/* ---- the guard ----------------------------------------------------------------------------- */
+
+/** The first element without a least volume, or -1. */
+static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
+    if (min_volume > 0)
+        return -1;
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        if (!plan->min_volume || !(plan->min_volume[i] > 0))
+            return i;
+    return -1;
+}
+
+int pl_guard_create(const planish_plan *plan, const planish_options *options,
+                    const double *coordinates, pl_guard *guard, planish_error *error) {
+    pl_objective_problem problem = pl_objective_problem_of(plan, options, coordinates);
+    *guard = (pl_guard){.min_volume = problem.min_volume,
+                        .star = {.objective = options->objective,
+                                 .ratio_weight = 1,
+                                 .min_volume = problem.min_volume,
+                                 .link_min_volume = plan->stars.min_volume}};
+    int64_t element = options->area_weight > 0 ? without_min_volume(plan, problem.min_volume) : -1;
+    if (element >= 0)
+        return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
+                          "options.area_weight is %g, but element %" PRId64
+                          " has no least volume; give "
+                          "min_volume or min_volume_fraction",
+                          options->area_weight, element);
+    int status = make_bounds(plan, options, coordinates, guard, error);
+    if (status)
+        pl_guard_destroy(guard);
+    guard->wanted = options->objective != PLANISH_RADIUS_RATIO || options->area_weight > 0 ||
+                    problem.min_volume > 0 || plan->min_volume || guard->star.lower ||
+                    guard->star.radius;
+    return status;
+}
+
+void pl_guard_destroy(pl_guard *guard) {
+    pl_free((void *)guard->star.lower);
+    pl_free((void *)guard->star.upper);
+    pl_free((void *)guard->star.start);
+    pl_free((void *)guard->star.radius);
+    pl_free(guard->is_free);
+    guard->is_free = NULL;
+    guard->star.lower = guard->star.upper = guard->star.start = guard->star.radius = NULL;
+}

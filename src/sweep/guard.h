@@ -1,0 +1,40 @@
+/* guard: what options and plan ask of the guarded kernel: objective, least volumes, bounds. */
+#ifndef PL_SWEEP_GUARD_H
+#define PL_SWEEP_GUARD_H
+
+#include "quality/objective.h"
+#include "sweep/plan.h"
+
+/** Ready for the sweeps of one call. Its arrays are owned. */
+typedef struct pl_guard {
+    int wanted; /* 0: the plain problem will do */
+    pl_star_guard star;
+    double min_volume; /* delta */
+    uint8_t *
+        is_free; /* [n] by the caller's numbers: the plan's, but for held ones; or NULL: the same */
+    int64_t held_outside;
+} pl_guard;
+
+/** What to sum over the mesh for options; coordinates [n][dim] and is_free by the caller's numbers.
+ *  min_volume is that of the options, a fraction being of the domain's volume. */
+pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
+                                             const planish_options *options,
+                                             const double *coordinates);
+
+/** Make the guard for coordinates [n][dim] (the caller's numbers); the plan's own coordinates are
+ *  already there. Errors: _ARGUMENT (an area weight without a least volume for every element),
+ *  _MEMORY. */
+int pl_guard_create(const planish_plan *plan, const planish_options *options,
+                    const double *coordinates, pl_guard *guard, planish_error *error);
+void pl_guard_destroy(pl_guard *guard);
+
+/** F = mu1 f1 + mu2 f2 of sums: over all valid elements, or over those with a free node. */
+double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums);
+double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums);
+
+/** Weigh sum AR^2 and sum g^2 of a star so that their sum, times the factor that is returned, is an
+ *  upper bound of F up to a constant, and touches it at the present f1 and f2. */
+double pl_guard_weigh(pl_guard *guard, const planish_options *options,
+                      const pl_objective_sums *sums);
+
+#endif

@@ -1,0 +1,158 @@
+/* volumes: which elements are below their least volume, and which of these for ever. */
+#include "sweep/guard.h"
+#include "sweep/sweep.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+/** The search for proofs. */
+typedef struct search {
+    const planish_plan *plan;
+    uint8_t *state;
+    int32_t *star_of;     /* [n] by inner numbers: the star of a free node */
+    int32_t *next_facet;  /* [n_stars] link facets of the star seen so far */
+    uint8_t *is_fixed;    /* [n] by inner numbers */
+    uint8_t *is_wanted;   /* [n_stars] a proof at the star would tell of an element */
+    uint8_t *taking_part; /* [link facets of all stars] */
+} search;
+
+static int search_create(const planish_plan *plan, uint8_t *state, search *s) {
+    const int64_t n = plan->n_nodes, n_stars = plan->stars.n_stars;
+    *s = (search){.plan = plan, .state = state};
+    s->star_of = pl_alloc(n, sizeof *s->star_of);
+    s->next_facet = pl_alloc_zero(n_stars, sizeof *s->next_facet);
+    s->is_fixed = pl_alloc(n, sizeof *s->is_fixed);
+    s->is_wanted = pl_alloc_zero(n_stars, sizeof *s->is_wanted);
+    s->taking_part = pl_alloc_zero(plan->stars.link_offset[n_stars], sizeof *s->taking_part);
+    return s->star_of && s->next_facet && s->is_fixed && s->is_wanted && s->taking_part;
+}
+
+static void search_destroy(search *s) {
+    pl_free(s->star_of);
+    pl_free(s->next_facet);
+    pl_free(s->is_fixed);
+    pl_free(s->is_wanted);
+    pl_free(s->taking_part);
+}
+
+static void number_stars(search *s) {
+    const planish_plan *plan = s->plan;
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        s->is_fixed[plan->inner[i]] = !plan->is_free[i];
+    for (int64_t i = 0; i < plan->stars.n_stars; i++)
+        s->star_of[plan->centre[i]] = (int32_t)i;
+}
+
+/** The only free node of an element; -1: it has none, -2: it has several. */
+static int64_t only_free_node(const planish_plan *plan, int64_t element) {
+    int64_t node = -1;
+    for (int j = 0; j <= plan->dim; j++) {
+        int32_t other = plan->elements[element * (plan->dim + 1) + j];
+        if (plan->is_free[other])
+            node = node == -1 ? other : -2;
+    }
+    return node;
+}
+
+static int32_t star_of_node(const search *s, int64_t node) {
+    return s->star_of[s->plan->inner[node]];
+}
+
+/** Elements without a free node are infeasible; stars that could prove others so are wanted. */
+static void look_at_elements(search *s) {
+    const planish_plan *plan = s->plan;
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        if (s->state[i] != PLANISH_VOLUME_BELOW)
+            continue;
+        int64_t node = only_free_node(plan, i);
+        if (node == -1)
+            s->state[i] = PLANISH_VOLUME_INFEASIBLE;
+        if (node >= 0)
+            s->is_wanted[star_of_node(s, node)] = 1;
+    }
+}
+
+static void look_for_proofs(search *s, const pl_star_guard *guard) {
+    const planish_plan *plan = s->plan;
+    pl_star_problem problem = pl_plan_problem(plan);
+    problem.guard = guard;
+    for (int64_t i = 0; i < plan->stars.n_stars; i++)
+        if (s->is_wanted[i])
+            pl_star_infeasible(&problem, i, plan->dim, s->is_fixed, plan->scratch,
+                               s->taking_part + plan->stars.link_offset[i]);
+}
+
+/** Tell the elements: the facets of a star are in the order of its elements. */
+static int64_t mark_elements(search *s) {
+    const planish_plan *plan = s->plan;
+    int64_t n_infeasible = 0;
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        for (int j = 0; j <= plan->dim; j++) {
+            int32_t node = plan->elements[i * (plan->dim + 1) + j];
+            if (!plan->is_free[node])
+                continue;
+            int32_t star = star_of_node(s, node);
+            int64_t facet = plan->stars.link_offset[star] + s->next_facet[star]++;
+            if (s->taking_part[facet] && s->state[i] == PLANISH_VOLUME_BELOW)
+                s->state[i] = PLANISH_VOLUME_INFEASIBLE;
+        }
+        n_infeasible += s->state[i] == PLANISH_VOLUME_INFEASIBLE;
+    }
+    return n_infeasible;
+}
+
+int pl_mark_infeasible(const planish_plan *plan, const pl_star_guard *guard, uint8_t *state,
+                       int64_t *n_infeasible, planish_error *error) {
+    search s;
+    int status = PLANISH_OK;
+    if (search_create(plan, state, &s)) {
+        number_stars(&s);
+        look_at_elements(&s);
+        look_for_proofs(&s, guard);
+        *n_infeasible = mark_elements(&s);
+    } else {
+        status = pl_fail_memory(error, "the search for infeasible elements");
+    }
+    search_destroy(&s);
+    return status;
+}
+
+static int check_volumes(const planish_plan *plan, const double *coordinates,
+                         const planish_options *options, uint8_t *state, int64_t *n_below,
+                         planish_error *error) {
+    int64_t n_infeasible;
+    pl_objective_problem problem = pl_objective_problem_of(plan, options, coordinates);
+    *n_below = pl_find_below(&problem, state);
+    if (*n_below == 0)
+        return PLANISH_OK;
+    const pl_star_guard guard = {.min_volume = problem.min_volume,
+                                 .ratio_weight = 1,
+                                 .link_min_volume = plan->stars.min_volume};
+    pl_plan_load(plan, coordinates);
+    return pl_mark_infeasible(plan, &guard, state, &n_infeasible, error);
+}
+
+int planish_check_volumes(const planish_plan *plan, const double *coordinates,
+                          const planish_options *options, uint8_t *state, int64_t *n_below,
+                          planish_error *error) {
+    planish_options defaults;
+    if (!plan || !coordinates || !n_below)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "plan, coordinates and n_below must not be NULL");
+    if (!options) {
+        planish_options_init(&defaults);
+        options = &defaults;
+    }
+    int status = pl_options_check(options, error);
+    if (!status)
+        status =
+            pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads, error);
+    if (status)
+        return status;
+    uint8_t *own = state ? NULL : pl_alloc(plan->n_elements, sizeof *own);
+    if (!state && !own)
+        return pl_fail_memory(error, "the states of the elements");
+    status = check_volumes(plan, coordinates, options, state ? state : own, n_below, error);
+    pl_free(own);
+    return status;
+}

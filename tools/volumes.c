@@ -1,0 +1,69 @@
+/* volumes: which elements are below the least volume that the command line asks for. */
+#include "volumes.h"
+
+#include "message.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+enum { MOST_NAMED = 10 };
+
+/** Below in state [mesh.n_elements] (may be NULL) and number; 0, or an exit status. */
+static int check(const pl_job *job, const planish_options *options, uint8_t *state,
+                 int64_t *n_below) {
+    planish_error error;
+    if (planish_check_volumes(job->plan, job->mesh.coordinates, options, state, n_below, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    return 0;
+}
+
+int pl_volumes_count(const pl_job *job, int64_t *n_below) {
+    *n_below = 0;
+    if (!pl_arguments_bound_volumes(job->arguments))
+        return 0;
+    return check(job, &job->options, NULL, n_below);
+}
+
+int pl_volumes_find(const pl_job *job, double least, pl_volumes *volumes) {
+    *volumes = (pl_volumes){.least = least};
+    if (!pl_arguments_bound_volumes(job->arguments))
+        return 0;
+    volumes->state = malloc((size_t)job->mesh.n_elements);
+    if (!volumes->state)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: out of memory for the volumes of %" PRId64 " elements",
+                           job->arguments->input, job->mesh.n_elements);
+    planish_options options = job->options; /* the fraction was of the volume before */
+    options.min_volume = least;
+    options.min_volume_fraction = 0;
+    const int status = check(job, &options, volumes->state, &volumes->n_below);
+    for (int64_t i = 0; i < job->mesh.n_elements && !status; i++)
+        volumes->n_infeasible += volumes->state[i] == PLANISH_VOLUME_INFEASIBLE;
+    return status;
+}
+
+void pl_volumes_free(pl_volumes *volumes) {
+    free(volumes->state);
+    volumes->state = NULL;
+}
+
+/** "TEXT: elements 1, 2, 3, ...": the first of the n whose state is at least least. */
+static void print_elements(FILE *stream, const pl_job *job, const uint8_t *state, int least,
+                           int64_t n, const char *text) {
+    int64_t named = 0;
+    fprintf(stream, "%s: element%s", text, n == 1 ? "" : "s");
+    for (int64_t i = 0; i < job->mesh.n_elements && named < n && named < MOST_NAMED; i++)
+        if (state[i] >= least)
+            fprintf(stream, "%s %" PRId64, named++ ? "," : "",
+                    planish_file_element_number(job->file, i));
+    fprintf(stream, "%s\n", named < n ? ", ..." : "");
+}
+
+void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes) {
+    if (volumes->n_below > 0)
+        print_elements(stream, job, volumes->state, PLANISH_VOLUME_BELOW, volumes->n_below,
+                       "below their least volume");
+    if (volumes->n_infeasible > 0)
+        print_elements(stream, job, volumes->state, PLANISH_VOLUME_INFEASIBLE,
+                       volumes->n_infeasible, "cannot reach it wherever the free nodes are");
+}

@@ -1,0 +1,28 @@
+/* volumes: which elements are below the least volume that the command line asks for. */
+#ifndef PL_TOOLS_VOLUMES_H
+#define PL_TOOLS_VOLUMES_H
+
+#include "job.h"
+
+#include <stdio.h>
+
+/** What there is to say of the volumes of a mesh; all zero where no least volume is asked for. */
+typedef struct pl_volumes {
+    double least;         /* the least volume of elements without one of their own; 0: none */
+    int64_t n_below;      /* elements below 0.997 of theirs */
+    int64_t n_infeasible; /* those of them that cannot reach it */
+    uint8_t *state;       /* [mesh.n_elements] of planish_volume_state, owned, or NULL: all met */
+} pl_volumes;
+
+/** Count the elements below in the mesh as it is now. */
+int pl_volumes_count(const pl_job *job, int64_t *n_below);
+
+/** Find them, and those that cannot be helped; least: as in pl_volumes. */
+int pl_volumes_find(const pl_job *job, double least, pl_volumes *volumes);
+
+void pl_volumes_free(pl_volumes *volumes);
+
+/** Name the first of them, a line for those below and one for those that cannot be helped. */
+void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes);
+
+#endif
