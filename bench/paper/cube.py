@@ -12,6 +12,7 @@ from spoil import spoil
 
 LEAST_FRACTION = 1e-3  # of the domain's volume: delta of the paper
 ROOM = 1.02            # kept above it while the mesh is made
+ATTEMPTS = 400
 CELLS, HOLE_FROM, HOLE_TO = 5, 2, 4  # a cube of 5^3 cells without the 2^3 from (2,2,2) to (4,4,4)
 
 
@@ -145,14 +146,16 @@ def changed(random, points, elements, free, change):
 
 
 def make_irregular(random, points, elements, free, count, flips):
-    """Flips of faces, then merged nodes until the count is right."""
-    while flips > 0 or len(elements) > count:
+    """Flips of faces, then merged nodes until the count is right; RuntimeError where that fails."""
+    for _ in range(ATTEMPTS):
+        if flips == 0 and len(elements) == count:
+            return points, elements
         change = flip_somewhere if flips > 0 else collapse_somewhere
         result = changed(random, points, elements, free, change)
         if result is not None and len(result[1]) >= count:
             points, elements = result
-            flips -= 1
-    return points, elements
+            flips = max(flips - 1, 0)
+    raise RuntimeError("this seed does not lead to the count")
 
 
 def shrunken(points, elements, free, fraction):

@@ -131,7 +131,7 @@ static void set_options(IpoptProblem ipopt, const options *o) {
     if (o->derivative_test) {
         AddIpoptStrOption(ipopt, "derivative_test",
                           o->area_weight > 0 ? "first-order" : "second-order");
-        AddIpoptNumOption(ipopt, "derivative_test_tol", 1e-5);
+        AddIpoptNumOption(ipopt, "derivative_test_tol", 1e-4);
         AddIpoptNumOption(ipopt, "point_perturbation_radius", 0);
     }
 }

@@ -13,6 +13,7 @@
 #define PL_GEOMETRY_SIMPLEX_H
 
 #include "geometry/cube_root.h"
+#include "geometry/sharpness.h"
 #include "geometry/inline.h"
 
 #include <math.h>
@@ -378,6 +379,30 @@ static inline pl_edge_squares pl_edge_squares_at(int dim, const double *const ve
 static inline double pl_edge_ratio(int dim, const double *const vertex[]) {
     pl_edge_squares squares = pl_edge_squares_at(dim, vertex);
     return sqrt(squares.longest / squares.shortest);
+}
+
+/** Longest edge by shortest with the extremes smoothed: means of the power 2^PL_EDGE_SHARPNESS of
+ * the squares, and of their inverses. */
+static inline double pl_smoothed_edge_ratio(int dim, const double *const vertex[]) {
+    pl_edge_squares squares = pl_edge_squares_at(dim, vertex);
+    double large = 0, small = 0, n = dim == 3 ? 6 : 3;
+    for (int i = 0; i < dim; i++)
+        for (int j = i + 1; j <= dim; j++) {
+            double edge[3];
+            pl_subtract(dim, vertex[j], vertex[i], edge);
+            double square = pl_dot(dim, edge, edge);
+            double up = square / squares.longest, down = squares.shortest / square;
+            for (int k = 0; k < PL_EDGE_SHARPNESS; k++) {
+                up *= up;
+                down *= down;
+            }
+            large += up;
+            small += down;
+        }
+    double means = large / n * (small / n);
+    for (int k = 0; k < PL_EDGE_SHARPNESS; k++)
+        means = sqrt(means);
+    return sqrt(squares.longest / squares.shortest * means);
 }
 
 /* What makes the measures 1 for the regular element, of dimension 2 and 3. */

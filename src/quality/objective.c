@@ -98,7 +98,7 @@ static double aspect_square(const pl_objective_problem *problem, const double *c
     if (problem->objective == PLANISH_RADIUS_RATIO)
         return radius_square;
     double ratio = problem->objective == PLANISH_MEAN_RATIO ? 1 / fabs(pl_mean_ratio(dim, x))
-                                                            : pl_edge_ratio(dim, x);
+                                                            : pl_smoothed_edge_ratio(dim, x);
     return ratio * ratio;
 }
 

@@ -7,6 +7,7 @@
 #ifndef PL_STAR_ASPECT_H
 #define PL_STAR_ASPECT_H
 
+#include "geometry/sharpness.h"
 #include "star/objective.h"
 
 /* AR^2 of the mean ratio is E^2 D^(-4/3) times this, or E^2 D^-2; E the sum of the squared edges.
@@ -14,9 +15,9 @@
 #define MEAN_FACTOR_3D (2.5198420997897464 / 144) /* 2^(4/3) / 144 */
 #define MEAN_FACTOR_2D (1.0 / 12)
 
-/* The largest and smallest of the squared edges are smoothed, for directions only, to means of
- * powers 2^4, 2^6, 2^8: the first that leads to a better place is taken. */
-enum { SHARPNESS_FIRST = 4, SHARPNESS_STEP = 2, SHARPNESS_LAST = 8 };
+/* The largest and smallest of the squared edges are smoothed to means of this power's power of 2.
+ */
+enum { SHARPNESS = PL_EDGE_SHARPNESS };
 
 /* Facets without a floor: their g is never active. */
 #define NEVER_ACTIVE (-1e30)
@@ -32,7 +33,6 @@ typedef struct aspect {
 /** What is asked of a star besides its position. */
 typedef struct question {
     planish_objective objective;
-    int sharpness; /* log2 of the power */
     double ratio_weight, volume_weight;
 } question;
 
@@ -107,23 +107,36 @@ static inline void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *
 
 /* ---- edge ratio ---------------------------------------------------------------------------- */
 
-static inline lanes power_of(lanes a, int log2_power) {
-    for (int i = 0; i < log2_power; i++)
+/** a^(2^SHARPNESS) and its inverse function. */
+static inline lanes sharpened(lanes a) {
+    for (int i = 0; i < SHARPNESS; i++)
         a *= a;
     return a;
 }
+static inline lanes unsharpened(lanes a) {
+    for (int i = 0; i < SHARPNESS; i++)
+        a = lanes_sqrt(a);
+    return a;
+}
 
-/** Add sign times the derivatives of (1/q) log sum (square_k)^(sign q) to l and h: with the shares
- *  w_k = share_k / sum of the shares and c_k = sign grad square_k / square_k, l = sum w_k c_k and
- *  hess = sum w_k (hess square_k / square_k sign + (q - sign) c_k c_k^T) - q l l^T. */
-static inline void smoothed_extreme(const edges *e, const lanes *share, double sign, double q,
+static inline lanes sum_of(const lanes *a, int n) {
+    lanes sum = a[0];
+    for (int k = 1; k < n; k++)
+        sum += a[k];
+    return sum;
+}
+
+/** Add the derivatives of (1/q) log sum (square_k)^(sign q) to l and h, q = 2^SHARPNESS: with the
+ *  shares w_k = share_k / total of the edges at x and c_k = sign grad square_k / square_k,
+ *  l = sum w_k c_k, hess = sum w_k (sign hess square_k / square_k + (q - sign) c_k c_k^T) - q l
+ * l^T.
+ */
+static inline void smoothed_extreme(const edges *e, const lanes *share, lanes total, double sign,
                                     aspect *a, const int dim) {
-    lanes total = share[0], own[3] = {lanes_of(0), lanes_of(0), lanes_of(0)};
-    for (int k = 1; k < n_edges(dim); k++)
-        total += share[k];
+    const double q = (double)(1 << SHARPNESS);
+    lanes own[3] = {lanes_of(0), lanes_of(0), lanes_of(0)};
     for (int j = 0; j < dim; j++) {
-        lanes w = share[j] / total, inverse = lanes_of(1) / e->square[j];
-        lanes c[3];
+        lanes w = share[j] / total, inverse = lanes_of(1) / e->square[j], c[3];
         for (int d = 0; d < dim; d++) {
             c[d] = lanes_of(2 * sign) * e->at[j][d] * inverse;
             own[d] += w * c[d];
@@ -142,30 +155,31 @@ static inline void smoothed_extreme(const edges *e, const lanes *share, double s
     }
 }
 
-/** AR^2 = longest^2 / shortest^2. Its derivatives are those of the smoothed extremes. */
-static inline void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, int sharpness,
-                              const int derive, const int dim) {
+/** AR^2 = (mean of square^q)^(1/q) (mean of square^-q)^(1/q): longest^2 / shortest^2, smoothed. */
+static inline void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
+                              const int dim) {
+    const int n = n_edges(dim);
     edges e = edges_at(s, i, x, dim);
-    lanes longest = e.square[0], shortest = e.square[0];
-    for (int k = 1; k < n_edges(dim); k++) {
+    lanes longest = e.square[0], shortest = e.square[0], large[6], small[6];
+    for (int k = 1; k < n; k++) {
         longest = lanes_max(e.square[k], longest);
         shortest = lanes_min(e.square[k], shortest);
     }
-    a->square = longest / shortest;
+    lanes to_longest = lanes_of(1) / longest;
+    for (int k = 0; k < n; k++) {
+        large[k] = sharpened(e.square[k] * to_longest);
+        small[k] = sharpened(shortest / e.square[k]);
+    }
+    lanes of_large = sum_of(large, n), of_small = sum_of(small, n), share = lanes_of(1.0 / n);
+    a->square = longest / shortest * unsharpened(of_large * share) * unsharpened(of_small * share);
     if (!derive)
         return;
-    lanes large[6], small[6], to_longest = lanes_of(1) / longest;
-    for (int k = 0; k < n_edges(dim); k++) {
-        large[k] = power_of(e.square[k] * to_longest, sharpness);
-        small[k] = power_of(shortest / e.square[k], sharpness);
-    }
     for (int k = 0; k < 3; k++)
         a->l[k] = lanes_of(0);
     for (int k = 0; k < 6; k++)
         a->h[k] = lanes_of(0);
-    double q = (double)(1 << sharpness);
-    smoothed_extreme(&e, large, 1, q, a, dim);
-    smoothed_extreme(&e, small, -1, q, a, dim);
+    smoothed_extreme(&e, large, of_large, 1, a, dim);
+    smoothed_extreme(&e, small, of_small, -1, a, dim);
     for (int r = 0, k = 0; r < dim; r++)
         for (int t = r; t < dim; t++, k++)
             a->h[k] += a->l[r] * a->l[t];
@@ -225,7 +239,7 @@ static inline void aspect_at(const star *s, int64_t i, const lanes *x, const que
     else if (q->objective == PLANISH_MEAN_RATIO)
         mean_ratio(s, i, x, a, derive, dim);
     else
-        edge_ratio(s, i, x, a, q->sharpness, derive, dim);
+        edge_ratio(s, i, x, a, derive, dim);
 }
 
 /** g = 1 - D / floor of a pack. */

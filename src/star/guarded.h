@@ -53,26 +53,18 @@ static inline int restoring_steps(const local *here, double *x, objective *now,
     return moves;
 }
 
-/** One step of cases 1 and 2; for an objective that is not smooth along the first direction that
- *  leads down. */
-static inline int guarded_step(local *here, conjugate *memory, double *x, objective *now,
-                               derivatives *derivative, const int dim) {
-    int smooth = here->q.objective != PLANISH_EDGE_RATIO;
-    for (;;) {
-        double direction[3];
-        trial best;
-        if (guarded_direction(here, x, derivative, memory, direction, dim)) {
-            double slope = dot(derivative->gradient, direction, dim);
-            if (slope < 0 && search(here, x, now, direction, slope, &best, 1, dim)) {
-                take(&best, x, dim);
-                return 1;
-            }
-        }
-        if (smooth || here->q.sharpness >= SHARPNESS_LAST)
-            return 0;
-        here->q.sharpness += SHARPNESS_STEP;
-        *now = look(here, x, derivative, dim);
-    }
+/** One step of cases 1 and 2. */
+static inline int guarded_step(local *here, conjugate *memory, double *x, const objective *now,
+                               const derivatives *derivative, const int dim) {
+    double direction[3];
+    trial best;
+    if (!guarded_direction(here, x, derivative, memory, direction, dim))
+        return 0;
+    double slope = dot(derivative->gradient, direction, dim);
+    if (!(slope < 0) || !search(here, x, now, direction, slope, &best, 1, dim))
+        return 0;
+    take(&best, x, dim);
+    return 1;
 }
 
 static inline int guarded_steps(local *here, double *x, objective *now, derivatives *derivative,

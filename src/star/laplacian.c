@@ -73,19 +73,29 @@ static average of_centroids(const pl_star_problem *problem, int64_t star, const 
     return a;
 }
 
-static int within(const pl_star_guard *guard, int32_t node, const double *x, int dim) {
+/* A position pulled back to the distance allowed ends this fraction inside, for rounding. */
+#define RADIUS_MARGIN 0x1p-40
+
+/** Bring x within the bounds of the node. */
+static void clamp(const pl_star_guard *guard, int32_t node, double *x, int dim) {
+    const int64_t first = (int64_t)node * dim;
     double square = 0;
+    for (int d = 0; guard->radius && d < dim; d++)
+        square += (x[d] - guard->start[first + d]) * (x[d] - guard->start[first + d]);
+    double far = sqrt(square);
     for (int d = 0; d < dim; d++) {
-        int64_t i = (int64_t)node * dim + d;
-        if ((guard->lower && x[d] < guard->lower[i]) || (guard->upper && x[d] > guard->upper[i]))
-            return 0;
-        if (guard->radius)
-            square += (x[d] - guard->start[i]) * (x[d] - guard->start[i]);
+        const int64_t i = first + d;
+        if (guard->radius && far > guard->radius[node])
+            x[d] = guard->start[i] +
+                   (x[d] - guard->start[i]) * (guard->radius[node] * (1 - RADIUS_MARGIN) / far);
+        if (guard->lower && x[d] < guard->lower[i])
+            x[d] = guard->lower[i];
+        if (guard->upper && x[d] > guard->upper[i])
+            x[d] = guard->upper[i];
     }
-    return !guard->radius || sqrt(square) <= guard->radius[node];
 }
 
-/** Move one node; the bounds, if any, refuse the move as a whole. */
+/** Move one node, but no farther than its bounds. */
 static void visit(const pl_star_problem *problem, planish_method method, int dim, int64_t star) {
     int32_t node = problem->node[star];
     double *x = problem->coordinates + (int64_t)node * dim, to[3], size2, moved2 = 0;
@@ -95,14 +105,16 @@ static void visit(const pl_star_problem *problem, planish_method method, int dim
         a = of_centroids(problem, star, x, dim);
     if (!(a.weight > 0) || !(a.weight < INFINITY))
         return;
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; d < dim; d++)
         to[d] = x[d] + a.sum[d] / a.weight;
+    if (problem->guard)
+        clamp(problem->guard, node, to, dim);
+    for (int d = 0; d < dim; d++) {
         if (problem->to_float)
             to[d] = pl_round_to_float(to[d]);
         moved2 += (to[d] - x[d]) * (to[d] - x[d]);
     }
-    if (!(moved2 > 0) || !(moved2 < INFINITY) ||
-        (problem->guard && !within(problem->guard, node, to, dim)))
+    if (!(moved2 > 0) || !(moved2 < INFINITY))
         return;
     for (int d = 0; d < dim; d++)
         x[d] = to[d];

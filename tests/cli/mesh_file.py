@@ -122,7 +122,12 @@ def mean_ratio(t):
 
 
 def edge_ratio(t):
-    return max(edges(t)) / min(edges(t))
+    """Longest edge by shortest with the extremes smoothed: means of the 32nd powers of the squares."""
+    squares = [e * e for e in edges(t)]
+    longest, shortest = max(squares), min(squares)
+    means = (sum((s / longest) ** 32 for s in squares) / len(squares)
+             * sum((shortest / s) ** 32 for s in squares) / len(squares))
+    return math.sqrt(longest / shortest * means ** (1 / 32))
 
 
 RATIOS = {"radius-ratio": radius_ratio, "mean-ratio": mean_ratio, "edge-ratio": edge_ratio}

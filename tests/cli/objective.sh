@@ -37,7 +37,7 @@ assert report["stop"] == "converged" and report["certified"] and report["evaluat
 if objective["name"] == "radius-ratio" and mu == 0:
     assert math.isclose(way[0], report["before"]["rms_radius_ratio"], rel_tol=1e-12)
     assert report["kkt"] is None
-elif objective["name"] != "edge-ratio": # whose gradient jumps at the optimum
+elif objective["name"] != "edge-ratio": # which the limit on the worst radius ratio may stop
     assert 0 <= report["kkt"]["rms"] <= report["kkt"]["residual"] < 0.2, report["kkt"]
 END
 }
@@ -50,11 +50,13 @@ for mesh in square cube; do
         expect_json "r['min_volume'] is None and r['method'] == 'planish'"
         check $mesh.mesh "$objective.mesh"
     done
-    python3 - "${objectives[@]}" <<'END' || fail "$mesh: an objective is not the best for itself"
+    python3 - $mesh "${objectives[@]}" <<'END' || fail "$mesh: an objective is not the best for itself"
 import sys
 import mesh_file
-meshes = {name: mesh_file.corners(mesh_file.read(name + ".mesh")) for name in sys.argv[1:]}
-for name in "radius-ratio", "mean-ratio": # node by node, the edge ratio comes to rest where it kinks
+meshes = {name: mesh_file.corners(mesh_file.read(name + ".mesh")) for name in sys.argv[2:]}
+for name in meshes:
+    if name == "edge-ratio" and sys.argv[1] == "square":
+        continue # there it runs into the limit on the worst radius ratio
     values = {other: mesh_file.rms(map(mesh_file.RATIOS[name], meshes[other])) for other in meshes}
     assert all(values[name] < values[other] for other in meshes if other != name), (name, values)
 END
