@@ -1,10 +1,13 @@
 /* spoil: make a mesh bad but keep it valid, for benchmarks.
  *
  *   spoil IN OUT AMOUNT [SEED]
+ *   spoil IN OUT push LEFT [SEED]
  *
  * Every interior node moves in a random direction by up to AMOUNT times the mean length of its
  * edges (0.3, say); where an element would lose 98 % of its measure the moves of its nodes are
- * halved, and given up after some rounds. IN and OUT: any format that planish writes back.
+ * halved, and given up after some rounds. Or (push), one node after the other moves in a random
+ * direction towards the facet that stops it, until LEFT (0.01, say) of the way is left: no star
+ * stays good. IN and OUT: any format that planish writes back.
  */
 #include <planish/planish_io.h>
 
@@ -19,9 +22,13 @@ enum { ROUNDS = 60, HALVINGS = 12 };
 typedef struct spoiler {
     planish_mesh mesh;
     double *move;         /* [n_nodes][dim] */
+    double *directions;   /* [n_nodes][dim] */
+    uint8_t *bad;         /* [n_nodes] of an element that would lose too much */
     double *length;       /* [n_nodes] sum of the lengths of the node's edges, once per element */
     int32_t *edges;       /* [n_nodes] how many */
     uint8_t *on_boundary; /* [n_nodes] */
+    int64_t *first;       /* [n_nodes + 1] of each node's elements in star */
+    int64_t *star;        /* [n_elements (dim + 1)] */
 } spoiler;
 
 static int fail(const char *what) {
@@ -143,60 +150,127 @@ static void draw_moves(spoiler *s, double amount, uint64_t seed) {
 }
 
 /** Shorten the moves of the elements that would lose too much; returns how many there were. */
-static int64_t shorten_moves(spoiler *s, uint8_t *bad, double factor) {
+static int64_t shorten_moves(spoiler *s, double factor) {
     int dim = s->mesh.dim;
     int64_t count = 0;
-    memset(bad, 0, (size_t)s->mesh.n_nodes);
+    memset(s->bad, 0, (size_t)s->mesh.n_nodes);
     for (int64_t k = 0; k < s->mesh.n_elements; k++) {
         double before = measure(s, k, 0), after = measure(s, k, 1);
         int lost = before > 0 ? after <= KEEP * before : after >= KEEP * before;
         count += lost;
         for (int j = 0; lost && j <= dim; j++)
-            bad[s->mesh.elements[k * (dim + 1) + j]] = 1;
+            s->bad[s->mesh.elements[k * (dim + 1) + j]] = 1;
     }
     for (int64_t i = 0; i < s->mesh.n_nodes; i++)
-        for (int d = 0; bad[i] && d < dim; d++)
+        for (int d = 0; s->bad[i] && d < dim; d++)
             s->move[i * dim + d] *= factor;
     return count;
 }
 
-static int spoil(planish_file *file, double amount, uint64_t seed) {
+static void list_stars(spoiler *s) {
+    int64_t corners = s->mesh.n_elements * (s->mesh.dim + 1);
+    for (int64_t c = 0; c < corners; c++)
+        s->first[s->mesh.elements[c]]++;
+    for (int64_t i = 1; i <= s->mesh.n_nodes; i++)
+        s->first[i] += s->first[i - 1];
+    for (int64_t c = corners; c-- > 0;) /* from the ends of the stars to their beginnings */
+        s->star[--s->first[s->mesh.elements[c]]] = c / (s->mesh.dim + 1);
+}
+
+/** How many times its move the node can go until an element of its star is flat; 0: any number. */
+static double way_to_facet(const spoiler *s, int64_t node) {
+    double way = 0;
+    for (int64_t i = s->first[node]; i < s->first[node + 1]; i++) {
+        double here = measure(s, s->star[i], 0), there = measure(s, s->star[i], 1);
+        double flat = here / (here - there);
+        if (flat > 0 && (way == 0 || flat < way))
+            way = flat;
+    }
+    return way;
+}
+
+/** Move the nodes one by one, so that each sees where those before it went. */
+static void push_nodes(spoiler *s, double *coordinates, double left) {
+    size_t dim = (size_t)s->mesh.dim, n = (size_t)s->mesh.n_nodes;
+    memcpy(s->directions, s->move, n * dim * sizeof(double));
+    memset(s->move, 0, n * dim * sizeof(double));
+    list_stars(s);
+    for (int64_t i = 0; i < s->mesh.n_nodes; i++) {
+        size_t at = (size_t)i * dim;
+        if (s->on_boundary[i])
+            continue;
+        memcpy(s->move + at, s->directions + at, dim * sizeof(double));
+        double way = (1 - left) * way_to_facet(s, i);
+        for (size_t d = 0; d < dim; d++)
+            coordinates[at + d] += way * s->directions[at + d];
+        memset(s->move + at, 0, dim * sizeof(double));
+    }
+}
+
+/** Move all nodes at once, no farther than elements allow. */
+static void move_nodes(spoiler *s, double *coordinates) {
+    int64_t n = s->mesh.n_nodes * s->mesh.dim;
+    for (int round = 0; round < ROUNDS; round++)
+        if (!shorten_moves(s, round < HALVINGS ? 0.5 : 0))
+            break;
+    for (int64_t i = 0; i < n; i++)
+        coordinates[i] += s->move[i];
+}
+
+static int allocate(spoiler *s) {
+    size_t n = (size_t)s->mesh.n_nodes, dim = (size_t)s->mesh.dim;
+    s->move = calloc(n * dim, sizeof(double));
+    s->directions = calloc(n * dim, sizeof(double));
+    s->length = calloc(n, sizeof(double));
+    s->edges = calloc(n, sizeof *s->edges);
+    s->on_boundary = calloc(n, 1);
+    s->bad = malloc(n);
+    s->first = calloc(n + 1, sizeof *s->first);
+    s->star = malloc((size_t)s->mesh.n_elements * (dim + 1) * sizeof *s->star);
+    return s->move && s->directions && s->length && s->edges && s->on_boundary && s->bad &&
+           s->first && s->star;
+}
+
+static void release(spoiler *s) {
+    free(s->move);
+    free(s->directions);
+    free(s->length);
+    free(s->edges);
+    free(s->on_boundary);
+    free(s->bad);
+    free(s->first);
+    free(s->star);
+}
+
+/** left: of the way to the facet; negative: move by amount instead. */
+static int spoil(planish_file *file, double amount, double left, uint64_t seed) {
     spoiler s = {.mesh = planish_file_mesh(file)};
-    size_t n = (size_t)s.mesh.n_nodes, dim = (size_t)s.mesh.dim;
-    uint8_t *bad = malloc(n);
-    s.move = calloc(n * dim, sizeof(double));
-    s.length = calloc(n, sizeof(double));
-    s.edges = calloc(n, sizeof *s.edges);
-    s.on_boundary = calloc(n, 1);
-    int ok = bad && s.move && s.length && s.edges && s.on_boundary && find_boundary(&s);
+    double *coordinates = planish_file_coordinates(file);
+    int ok = allocate(&s) && find_boundary(&s);
     if (ok) {
         sum_edges(&s);
         draw_moves(&s, amount, seed);
-        for (int round = 0; round < ROUNDS; round++)
-            if (!shorten_moves(&s, bad, round < HALVINGS ? 0.5 : 0))
-                break;
-        double *coordinates = planish_file_coordinates(file);
-        for (size_t i = 0; i < n * dim; i++)
-            s.move[i] += coordinates[i];
-        memcpy(coordinates, s.move, n * dim * sizeof(double));
+        if (left < 0)
+            move_nodes(&s, coordinates);
+        else
+            push_nodes(&s, coordinates, left);
     }
-    free(bad);
-    free(s.move);
-    free(s.length);
-    free(s.edges);
-    free(s.on_boundary);
+    release(&s);
     return ok;
 }
 
 int main(int argc, char **argv) {
     planish_error error;
     planish_file *file = NULL;
-    if (argc < 4 || argc > 5)
-        return fail("usage: spoil IN OUT AMOUNT [SEED]"), 64;
+    int push = argc > 3 && !strcmp(argv[3], "push");
+    if (argc < 4 + push || argc > 5 + push)
+        return fail("usage: spoil IN OUT AMOUNT|push LEFT [SEED]"), 64;
     if (planish_file_open(argv[1], NULL, 0, &file, &error))
         return fail(error.text);
     int status = 0;
-    if (!spoil(file, atof(argv[3]), argc > 4 ? (uint64_t)atoll(argv[4]) : 1))
+    double number = atof(argv[3 + push]);
+    uint64_t seed = argc > 4 + push ? (uint64_t)atoll(argv[4 + push]) : 1;
+    if (!spoil(file, push ? 1 : number, push ? number : -1, seed))
         status = fail("out of memory");
     else if (planish_file_write(file, argv[2], planish_file_coordinates(file), 0, NULL, 0, &error))
         status = fail(error.text);

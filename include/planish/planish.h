@@ -121,8 +121,9 @@ typedef struct planish_progress {
     int colour;         /* colours done in this sweep, 1 .. n_colours */
     int n_colours;      /* colours of the plan */
     int sweep_done;     /* not 0: the last call of this sweep, which may have been cut short */
-    double rms;         /* RMS of RR over the valid elements after the last sweep: measured at first
-                           and when it has fallen much, else tracked by what the visits report */
+    double rms;         /* RMS of AR (RR by default) over the valid elements after the last sweep:
+                           measured at first and when it has fallen much, else tracked by what
+                           the visits report */
     double rms_movable; /* the same over the valid elements with a free node */
     double objective;   /* F over the valid elements after the last sweep; rms by default */
     int64_t inverted;   /* elements that are not positive, after the last sweep */
@@ -271,7 +272,7 @@ typedef struct planish_result {
     int64_t moved_nodes;     /* nodes that are not where they were */
     double max_displacement; /* the farthest of them, in units of the coordinates */
     int64_t inverted;        /* elements that are not positive: their stars are left alone */
-    double rms;              /* RMS of RR over the valid elements at the end */
+    double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
     int64_t below_min_volume; /* elements below 0.997 of their least volume at the end */

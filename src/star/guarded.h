@@ -33,9 +33,10 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
     return value_at(&here->s, x, dim).max > skip;
 }
 
-static inline void take(const trial *t, double *x, const int dim) {
+static inline void take(const trial *t, double *x, objective *now, const int dim) {
     for (int d = 0; d < dim; d++)
         x[d] = t->position[d];
+    *now = t->value;
 }
 
 /** Bring violated elements up; returns how often the node moved. now is what holds at x. */
@@ -46,7 +47,7 @@ static inline int restoring_steps(const local *here, double *x, objective *now,
         trial best;
         if (!restore(here, x, now, derivative, &best, dim))
             break;
-        take(&best, x, dim);
+        take(&best, x, now, dim);
         *now = look(here, x, derivative, dim);
         moves++;
     }
@@ -54,7 +55,7 @@ static inline int restoring_steps(const local *here, double *x, objective *now,
 }
 
 /** One step of cases 1 and 2. */
-static inline int guarded_step(local *here, conjugate *memory, double *x, const objective *now,
+static inline int guarded_step(local *here, conjugate *memory, double *x, objective *now,
                                const derivatives *derivative, const int dim) {
     double direction[3];
     trial best;
@@ -63,7 +64,7 @@ static inline int guarded_step(local *here, conjugate *memory, double *x, const 
     double slope = dot(derivative->gradient, direction, dim);
     if (!(slope < 0) || !search(here, x, now, direction, slope, &best, 1, dim))
         return 0;
-    take(&best, x, dim);
+    take(&best, x, now, dim);
     return 1;
 }
 
@@ -83,14 +84,6 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
     return moves;
 }
 
-/** Whether the bounds leave the node no room: it is held. */
-static inline int is_held(const pl_star_guard *guard, int32_t node, const int dim) {
-    int held = guard->lower && guard->upper;
-    for (int d = 0; held && d < dim; d++)
-        held = guard->lower[(int64_t)node * dim + d] == guard->upper[(int64_t)node * dim + d];
-    return held;
-}
-
 static inline void visit_star_guarded(const pl_star_problem *problem, int64_t index,
                                       double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
@@ -101,7 +94,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     objective now = look(&here, x, &derivative, dim);
     double size2 = derivative.size2;
     int restored = restoring_steps(&here, x, &now, &derivative, dim), moved = restored;
-    double before = now.sum;
+    const double before = now.sum;
     if (!(now.worst > VIOLATED_ABOVE))
         moved += guarded_steps(&here, x, &now, &derivative, dim);
     if (moved)
@@ -109,15 +102,17 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
         __atomic_store_n(&problem->changed[node], 1, __ATOMIC_RELAXED);
     tally->restored += restored > 0;
+    if (moved > restored)
+        tally->decrease += before - now.sum;
 }
 
 /* ---- ranges of stars ----------------------------------------------------------------------- */
 
 static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
                                         double *scratch, const int dim) {
-    pl_star_tally tally = {0, 0, 0, 0};
+    pl_star_tally tally = {0};
     for (int64_t i = begin; i < end; i++) {
-        if (!claim(problem, i) || is_held(problem->guard, problem->node[i], dim))
+        if (!claim(problem, i) || pl_star_is_held(problem->guard, problem->node[i], dim))
             continue;
         visit_star_guarded(problem, i, scratch, &tally, dim);
         tally.visits++;
@@ -199,14 +194,14 @@ static int evaluate_tetrahedra(const pl_star_problem *problem, int64_t star_inde
 static void optimality_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
                                  double *scratch, pl_star_optimality *optimality) {
     for (int64_t i = begin; i < end; i++)
-        if (!is_held(problem->guard, problem->node[i], 2))
+        if (!pl_star_is_held(problem->guard, problem->node[i], 2))
             add_optimality(problem, i, scratch, optimality, 2);
 }
 
 static void optimality_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
                                   double *scratch, pl_star_optimality *optimality) {
     for (int64_t i = begin; i < end; i++)
-        if (!is_held(problem->guard, problem->node[i], 3))
+        if (!pl_star_is_held(problem->guard, problem->node[i], 3))
             add_optimality(problem, i, scratch, optimality, 3);
 }
 

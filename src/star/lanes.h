@@ -32,7 +32,7 @@ static inline lanes lanes_abs(lanes a) {
     return fabs(a);
 }
 static inline lanes_mask lanes_greater(lanes a, lanes b) {
-    return a > b;
+    return -(lanes_mask)(a > b); /* all bits, as of vectors */
 }
 static inline lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
     return mask ? a : b;

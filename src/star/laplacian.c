@@ -76,13 +76,20 @@ static average of_centroids(const pl_star_problem *problem, int64_t star, const 
 /* A position pulled back to the distance allowed ends this fraction inside, for rounding. */
 #define RADIUS_MARGIN 0x1p-40
 
+static double distance_from_start(const pl_star_guard *guard, int32_t node, const double *x,
+                                  int dim) {
+    double square = 0;
+    for (int d = 0; d < dim; d++) {
+        double moved = x[d] - guard->start[(int64_t)node * dim + d];
+        square += moved * moved;
+    }
+    return sqrt(square);
+}
+
 /** Bring x within the bounds of the node. */
 static void clamp(const pl_star_guard *guard, int32_t node, double *x, int dim) {
     const int64_t first = (int64_t)node * dim;
-    double square = 0;
-    for (int d = 0; guard->radius && d < dim; d++)
-        square += (x[d] - guard->start[first + d]) * (x[d] - guard->start[first + d]);
-    double far = sqrt(square);
+    double far = guard->radius ? distance_from_start(guard, node, x, dim) : 0;
     for (int d = 0; d < dim; d++) {
         const int64_t i = first + d;
         if (guard->radius && far > guard->radius[node])
@@ -93,6 +100,11 @@ static void clamp(const pl_star_guard *guard, int32_t node, double *x, int dim) 
         if (guard->upper && x[d] > guard->upper[i])
             x[d] = guard->upper[i];
     }
+}
+
+/** Whether rounding to float has taken x past the distance allowed. */
+static int is_too_far(const pl_star_guard *guard, int32_t node, const double *x, int dim) {
+    return guard && guard->radius && distance_from_start(guard, node, x, dim) > guard->radius[node];
 }
 
 /** Move one node, but no farther than its bounds. */
@@ -114,7 +126,7 @@ static void visit(const pl_star_problem *problem, planish_method method, int dim
             to[d] = pl_round_to_float(to[d]);
         moved2 += (to[d] - x[d]) * (to[d] - x[d]);
     }
-    if (!(moved2 > 0) || !(moved2 < INFINITY))
+    if (!(moved2 > 0) || !(moved2 < INFINITY) || is_too_far(problem->guard, node, to, dim))
         return;
     for (int d = 0; d < dim; d++)
         x[d] = to[d];
@@ -127,12 +139,14 @@ static void visit(const pl_star_problem *problem, planish_method method, int dim
 
 pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,
                               int64_t begin, int64_t end) {
-    pl_star_tally tally = {0, 0, 0, 0};
+    pl_star_tally tally = {0};
     for (int64_t i = begin; i < end; i++) {
         uint8_t *changed = &problem->changed[problem->node[i]];
         if (!__atomic_load_n(changed, __ATOMIC_RELAXED))
             continue;
         __atomic_store_n(changed, 0, __ATOMIC_RELAXED);
+        if (problem->guard && pl_star_is_held(problem->guard, problem->node[i], dim))
+            continue;
         visit(problem, method, dim, i);
         tally.visits++;
         tally.evaluations++;

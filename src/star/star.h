@@ -27,6 +27,14 @@ typedef struct pl_star_guard {
     const double *radius;          /* [n_nodes] and how far they may go */
 } pl_star_guard;
 
+/** Whether the bounds leave the node no room: it is held. */
+static inline int pl_star_is_held(const pl_star_guard *guard, int32_t node, int dim) {
+    int held = guard->lower && guard->upper;
+    for (int d = 0; held && d < dim; d++)
+        held = guard->lower[(int64_t)node * dim + d] == guard->upper[(int64_t)node * dim + d];
+    return held;
+}
+
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
@@ -45,7 +53,7 @@ typedef struct pl_star_problem {
 
 /** What a range of visits did. */
 typedef struct pl_star_tally {
-    double decrease;     /* of the sum of RR^2 over all elements, at least 0; unguarded only */
+    double decrease;     /* of the stars' functions, at least 0; by what restored nothing */
     int64_t visits;      /* stars looked at */
     int64_t evaluations; /* of their function */
     int64_t restored;    /* stars in which elements were brought nearer to their least volume */

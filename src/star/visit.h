@@ -58,7 +58,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, dou
 
 static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
                                         double *scratch, const int dim) {
-    pl_star_tally tally = {0, 0, 0, 0};
+    pl_star_tally tally = {0};
     for (int64_t i = begin; i < end; i++) {
         if (!claim(problem, i))
             continue;

@@ -164,6 +164,21 @@ static int has_box(const planish_plan *plan, const planish_options *options) {
     return any;
 }
 
+/** Bounds that are numbers, or infinite. */
+static int check_bounds(const planish_plan *plan, const planish_options *options,
+                        planish_error *error) {
+    const double *bounds[] = {options->lower, options->upper};
+    for (int which = 0; which < 2; which++)
+        for (int64_t i = 0; bounds[which] && i < plan->n_nodes * plan->dim; i++)
+            if (isnan(bounds[which][i]))
+                return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / plan->dim,
+                                  "options.%s of node %" PRId64
+                                  " is not a number; give a bound, or "
+                                  "an infinite one for none",
+                                  which ? "upper" : "lower", i / plan->dim);
+    return PLANISH_OK;
+}
+
 static int make_bounds(const planish_plan *plan, const planish_options *options,
                        const double *coordinates, pl_guard *guard, planish_error *error) {
     const int64_t values = plan->n_nodes * plan->dim;
@@ -217,7 +232,9 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
                           " has no least volume; give "
                           "min_volume or min_volume_fraction",
                           options->area_weight, element);
-    int status = make_bounds(plan, options, coordinates, guard, error);
+    int status = check_bounds(plan, options, error);
+    if (!status)
+        status = make_bounds(plan, options, coordinates, guard, error);
     if (status)
         pl_guard_destroy(guard);
     guard->wanted = options->objective != PLANISH_RADIUS_RATIO || options->area_weight > 0 ||

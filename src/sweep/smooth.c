@@ -13,7 +13,7 @@
 
 enum { CHUNK_NODES = 4096 };
 
-/* Where the tracked sum of RR^2 has fallen below this fraction of the one measured last, rounding
+/* Where the tracked sum has fallen below this fraction of the one measured last, rounding
  * could show in it: measure again. */
 #define MEASURE_AGAIN 0.5
 /* The largest RR^2 that a move may make, relative to the worst of the input: the margin is for the
@@ -27,10 +27,10 @@ typedef struct run {
     double *outside; /* [n][dim] the caller's coordinates */
     pl_star_problem problem;
     pl_guard guard;
-    int tracked;              /* the plain problem: the sum of RR^2 is tracked, not measured */
-    pl_ratio_sums sums;       /* if tracked: as measured last, movable then tracked */
-    double measured;          /* sums.movable as measured last */
-    pl_objective_sums totals; /* if not tracked: as of the last sweep */
+    int plain;                /* the plain problem: sums are what counts, else totals */
+    pl_ratio_sums sums;       /* as measured last, movable then tracked */
+    pl_objective_sums totals; /* as measured last, ratio[1] then tracked if mu2 = 0 */
+    double measured;          /* the sum that is tracked, as measured last */
     double factor;            /* from a star's function to F, of the last sweep's weights */
     int restoring;            /* the last sweep brought elements above their least volume */
     double start;             /* clock */
@@ -86,30 +86,30 @@ static double rms(double sum, double n) {
 
 static double rms_of_all(const run *r) {
     const pl_objective_sums *t = &r->totals;
-    return r->tracked
+    return r->plain
                ? rms(r->sums.movable + r->sums.fixed, (double)(r->sums.n_movable + r->sums.n_fixed))
-               : rms(t->radius[0] + t->radius[1], t->n[0] + t->n[1]);
+               : rms(t->ratio[0] + t->ratio[1], t->n[0] + t->n[1]);
 }
 
 static double rms_of_movable(const run *r) {
-    return r->tracked ? rms(r->sums.movable, (double)r->sums.n_movable)
-                      : rms(r->totals.radius[1], r->totals.n[1]);
+    return r->plain ? rms(r->sums.movable, (double)r->sums.n_movable)
+                    : rms(r->totals.ratio[1], r->totals.n[1]);
 }
 
 static double objective_of_all(const run *r) {
-    return r->tracked ? rms_of_all(r) : pl_objective_of_all(r->options, &r->totals);
+    return r->plain ? rms_of_all(r) : pl_objective_of_all(r->options, &r->totals);
 }
 
 static double objective_of_movable(const run *r) {
-    return r->tracked ? rms_of_movable(r) : pl_objective_of_movable(r->options, &r->totals);
+    return r->plain ? rms_of_movable(r) : pl_objective_of_movable(r->options, &r->totals);
 }
 
 static int64_t inverted(const run *r) {
-    return r->tracked ? r->sums.inverted : (int64_t)r->totals.inverted;
+    return r->plain ? r->sums.inverted : (int64_t)r->totals.inverted;
 }
 
 static int64_t below_min_volume(const run *r) {
-    return r->tracked ? 0 : (int64_t)r->totals.below;
+    return r->plain ? 0 : (int64_t)r->totals.below;
 }
 
 static void measure_ratios(run *r) {
@@ -136,12 +136,23 @@ static pl_objective_problem objective_problem(const run *r) {
 static void measure_again(run *r) {
     const planish_plan *plan = r->plan;
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, transfer_measured, r);
-    if (r->tracked) {
+    if (r->plain) {
         measure_ratios(r);
         return;
     }
     const pl_objective_problem problem = objective_problem(r);
     pl_sum_objective(&problem, &r->totals);
+    r->measured = r->totals.ratio[1];
+}
+
+/** The sum of RR^2, or AR^2, over the movable elements falls by what the visits say, unless other
+ *  things happened: then, and where rounding could show, it is measured. */
+static void keep_track(run *r, const pl_sweep_tally *tally) {
+    double *sum = r->plain ? &r->sums.movable : &r->totals.ratio[1];
+    *sum -= tally->decrease;
+    if (r->restoring || r->options->area_weight > 0 ||
+        r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
+        measure_again(r);
 }
 
 /* ---- sweeps ------------------------------------------------------------------------------- */
@@ -185,15 +196,13 @@ static int after_colour(void *context, int colours_done) {
 static int one_sweep(run *r) {
     r->sweep++;
     r->sweep_start = pl_seconds();
-    if (!r->tracked)
+    if (!r->plain)
         r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
     pl_sweep_tally tally = pl_sweep(r->plan, &r->problem, r->options->method, after_colour, r);
-    r->sums.movable -= tally.decrease;
     r->restoring = tally.restored > 0;
     r->result->visits += tally.visits;
     r->result->evaluations += tally.evaluations;
-    if (!r->tracked || !(r->sums.movable > MEASURE_AGAIN * r->measured))
-        measure_again(r);
+    keep_track(r, &tally);
     planish_progress progress = progress_of(r, tally.colours, tally.visits);
     progress.sweep_done = 1;
     if (!tally.stopped)
@@ -234,11 +243,12 @@ static void run_sweeps(run *r) {
     }
 }
 
-/** The largest RR^2 that a move may make. An inverted element is worse than any. */
+/** The largest RR^2 that a move may make. An inverted element that is brought up is worse than any.
+ */
 static double largest_allowed(const run *r) {
-    if (inverted(r) > 0 && !r->tracked)
+    if (inverted(r) > 0 && below_min_volume(r) > 0)
         return INFINITY;
-    return (r->tracked ? r->sums.max : r->totals.radius_max) * LIMIT_MARGIN;
+    return (r->plain ? r->sums.max : r->totals.radius_max) * LIMIT_MARGIN;
 }
 
 static void prepare_problem(run *r) {
@@ -295,7 +305,7 @@ static int smooth(run *r, planish_error *error) {
     int status = pl_guard_create(plan, r->options, r->outside, &r->guard, error);
     if (status)
         return status;
-    r->tracked = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
+    r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
     measure_again(r);
     r->result->objective_before = objective_of_all(r);
     prepare_problem(r);

@@ -17,7 +17,7 @@ typedef int pl_after_colour_fn(void *context, int colours_done);
 
 /** What one sweep did. */
 typedef struct pl_sweep_tally {
-    double decrease; /* of the sum of RR^2; of problems without a guard */
+    double decrease; /* of the stars' functions, see pl_star_tally */
     int64_t visits, evaluations;
     int64_t restored; /* stars in which elements were brought nearer to their least volume */
     int colours;      /* done */

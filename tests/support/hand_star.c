@@ -134,19 +134,84 @@ static long double tetrahedron_ratio(const long double *p[]) {
     return R * S / (9 * V);
 }
 
+/** The corners of an element: those of the facet, then x. */
+static void corners_of(const hand_star *s, int64_t facet, const long double *x,
+                       long double corner[4][3]) {
+    for (int j = 0; j <= s->dim; j++)
+        for (int d = 0; d < s->dim; d++)
+            corner[j][d] =
+                j == s->dim ? x[d] : s->coordinates[(1 + s->link[facet * s->dim + j]) * s->dim + d];
+}
+
 long double hand_star_sum(const hand_star *s, const long double *x) {
     long double sum = 0;
     for (int64_t f = 0; f < s->link_offset[1]; f++) {
-        long double corner[4][3];
-        const long double *p[4];
-        for (int j = 0; j <= s->dim; j++) {
-            for (int d = 0; d < s->dim; d++)
-                corner[j][d] =
-                    j == s->dim ? x[d] : s->coordinates[(1 + s->link[f * s->dim + j]) * s->dim + d];
-            p[j] = corner[j];
-        }
-        long double ratio = s->dim == 3 ? tetrahedron_ratio(p) : triangle_ratio(p);
+        long double ratio = hand_star_aspect(s, f, x, PLANISH_RADIUS_RATIO);
         sum += ratio * ratio;
     }
     return sum;
+}
+
+/* ---- the guarded function ----------------------------------------------------------------- */
+
+long double hand_star_measure(const hand_star *s, int64_t facet, const long double *x) {
+    long double p[4][3], v[3][3];
+    corners_of(s, facet, x, p);
+    for (int j = 0; j < s->dim; j++)
+        for (int d = 0; d < s->dim; d++)
+            v[j][d] = p[j][d] - x[d];
+    if (s->dim == 2)
+        return (v[0][0] * v[1][1] - v[0][1] * v[1][0]) / 2;
+    return -(v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
+             v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
+             v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0])) /
+           6;
+}
+
+long double hand_star_floor(const hand_star *s, int64_t facet) {
+    const pl_star_guard *guard = s->problem.guard;
+    long double own = guard->link_min_volume ? guard->link_min_volume[facet] : 0;
+    return own > 0 ? own : guard->min_volume;
+}
+
+/** Mean square edge to that of the regular element of the same measure. */
+static long double mean_ratio(const hand_star *s, long double measure, long double squares) {
+    if (s->dim == 2)
+        return squares / 3 / (4 * measure / sqrtl(3));
+    long double edge = cbrtl(6 * sqrtl(2) * measure);
+    return squares / 6 / (edge * edge);
+}
+
+long double hand_star_aspect(const hand_star *s, int64_t facet, const long double *x,
+                             planish_objective objective) {
+    const long double power = 32;
+    const int n = s->dim == 3 ? 6 : 3;
+    long double corner[4][3], squares = 0, large = 0, small = 0;
+    const long double *p[4] = {corner[0], corner[1], corner[2], corner[3]};
+    corners_of(s, facet, x, corner);
+    if (objective == PLANISH_RADIUS_RATIO)
+        return s->dim == 3 ? tetrahedron_ratio(p) : triangle_ratio(p);
+    for (int i = 0; i < s->dim; i++)
+        for (int j = i + 1; j <= s->dim; j++) {
+            long double edge = length(p[i], p[j], s->dim);
+            squares += edge * edge;
+            large += powl(edge, 2 * power) / n;
+            small += powl(edge, -2 * power) / n;
+        }
+    if (objective == PLANISH_MEAN_RATIO)
+        return mean_ratio(s, hand_star_measure(s, facet, x), squares);
+    return powl(large * small, 1 / (2 * power));
+}
+
+long double hand_star_function(const hand_star *s, const long double *x) {
+    const pl_star_guard *guard = s->problem.guard;
+    long double ratios = 0, volumes = 0;
+    for (int64_t f = 0; f < s->link_offset[1]; f++) {
+        long double ratio = hand_star_aspect(s, f, x, guard->objective);
+        long double least = hand_star_floor(s, f);
+        long double g = least > 0 ? 1 - hand_star_measure(s, f, x) / least : 0;
+        ratios += ratio * ratio;
+        volumes += g * g;
+    }
+    return guard->ratio_weight * ratios + guard->volume_weight * volumes;
 }
