@@ -1,13 +1,14 @@
 /* spoil: make a mesh bad but keep it valid, for benchmarks.
  *
  *   spoil IN OUT AMOUNT [SEED]
- *   spoil IN OUT push LEFT [SEED]
+ *   spoil IN OUT push LEFT [SEED [EVERY]]
  *
  * Every interior node moves in a random direction by up to AMOUNT times the mean length of its
  * edges (0.3, say); where an element would lose 98 % of its measure the moves of its nodes are
  * halved, and given up after some rounds. Or (push), one node after the other moves in a random
- * direction towards the facet that stops it, until LEFT (0.01, say) of the way is left: no star
- * stays good. IN and OUT: any format that planish writes back.
+ * direction towards the facet that stops it, until LEFT (0.01, say) of the way is left, so that no
+ * star stays good; or only those nodes whose number EVERY divides. IN and OUT: any format that
+ * planish writes back.
  */
 #include <planish/planish_io.h>
 
@@ -30,6 +31,14 @@ typedef struct spoiler {
     int64_t *first;       /* [n_nodes + 1] of each node's elements in star */
     int64_t *star;        /* [n_elements (dim + 1)] */
 } spoiler;
+
+/** What the command line says. */
+typedef struct request {
+    int push;
+    double amount; /* AMOUNT, or LEFT where push */
+    uint64_t seed;
+    int64_t every;
+} request;
 
 static int fail(const char *what) {
     fprintf(stderr, "spoil: %s\n", what);
@@ -189,13 +198,13 @@ static double way_to_facet(const spoiler *s, int64_t node) {
     return way;
 }
 
-/** Move the nodes one by one, so that each sees where those before it went. */
-static void push_nodes(spoiler *s, double *coordinates, double left) {
+/** Move every so many nodes one by one, so that each sees where those before it went. */
+static void push_nodes(spoiler *s, double *coordinates, double left, int64_t every) {
     size_t dim = (size_t)s->mesh.dim, n = (size_t)s->mesh.n_nodes;
     memcpy(s->directions, s->move, n * dim * sizeof(double));
     memset(s->move, 0, n * dim * sizeof(double));
     list_stars(s);
-    for (int64_t i = 0; i < s->mesh.n_nodes; i++) {
+    for (int64_t i = 0; i < s->mesh.n_nodes; i += every) {
         size_t at = (size_t)i * dim;
         if (s->on_boundary[i])
             continue;
@@ -242,35 +251,45 @@ static void release(spoiler *s) {
     free(s->star);
 }
 
-/** left: of the way to the facet; negative: move by amount instead. */
-static int spoil(planish_file *file, double amount, double left, uint64_t seed) {
+static int spoil(planish_file *file, const request *asked) {
     spoiler s = {.mesh = planish_file_mesh(file)};
     double *coordinates = planish_file_coordinates(file);
     int ok = allocate(&s) && find_boundary(&s);
     if (ok) {
         sum_edges(&s);
-        draw_moves(&s, amount, seed);
-        if (left < 0)
-            move_nodes(&s, coordinates);
+        draw_moves(&s, asked->push ? 1 : asked->amount, asked->seed);
+        if (asked->push)
+            push_nodes(&s, coordinates, asked->amount, asked->every);
         else
-            push_nodes(&s, coordinates, left);
+            move_nodes(&s, coordinates);
     }
     release(&s);
     return ok;
 }
 
+static int parse(request *asked, int argc, char **argv) {
+    int push = argc > 3 && !strcmp(argv[3], "push");
+    *asked = (request){.push = push, .seed = 1, .every = 1};
+    if (argc < 4 + push || argc > 5 + 2 * push)
+        return 0;
+    asked->amount = atof(argv[3 + push]);
+    if (argc > 4 + push)
+        asked->seed = (uint64_t)atoll(argv[4 + push]);
+    if (argc > 6)
+        asked->every = atoll(argv[6]);
+    return asked->every > 0;
+}
+
 int main(int argc, char **argv) {
+    request asked;
     planish_error error;
     planish_file *file = NULL;
-    int push = argc > 3 && !strcmp(argv[3], "push");
-    if (argc < 4 + push || argc > 5 + push)
-        return fail("usage: spoil IN OUT AMOUNT|push LEFT [SEED]"), 64;
+    if (!parse(&asked, argc, argv))
+        return fail("usage: spoil IN OUT AMOUNT [SEED], or IN OUT push LEFT [SEED [EVERY]]"), 64;
     if (planish_file_open(argv[1], NULL, 0, &file, &error))
         return fail(error.text);
     int status = 0;
-    double number = atof(argv[3 + push]);
-    uint64_t seed = argc > 4 + push ? (uint64_t)atoll(argv[4 + push]) : 1;
-    if (!spoil(file, push ? 1 : number, push ? number : -1, seed))
+    if (!spoil(file, &asked))
         status = fail("out of memory");
     else if (planish_file_write(file, argv[2], planish_file_coordinates(file), 0, NULL, 0, &error))
         status = fail(error.text);

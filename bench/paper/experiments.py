@@ -21,8 +21,10 @@ FRACTION = 1e-3  # delta in volumes of the domain, as in the paper
 REPEATS = 5
 MODES = ["--objective radius-ratio", "--objective mean-ratio", "--objective edge-ratio"]
 RIVALS = ["laplacian", "area-laplacian", "length-laplacian"]
-BOX = """SetFactory("OpenCASCADE"); Box(1) = {0, 0, 0, 1, 1, 1};
-Mesh.MeshSizeMin = 0.105; Mesh.MeshSizeMax = 0.105;"""
+BOX = """SetFactory("OpenCASCADE");
+Box(1) = {0, 0, 0, 1, 1, 1};
+MeshSize { PointsOf { Volume{1}; } } = 0.094;
+"""
 
 
 class Bench:
@@ -84,10 +86,10 @@ class Bench:
             json.dump(best, file, indent=1)
         return best
 
-    def check_derivatives(self, name):
+    def check_derivatives(self, name, *options):
+        """IPOPT's own check against differences; they take long where there are constraints."""
         out = self.call(f"{self.build}/bench/paper_global", self.mesh(name), self.mesh("scratch"),
-                        "--min-volume-fraction", str(FRACTION), "--derivative-test",
-                        "--max-iterations", "0")
+                        "--derivative-test", "--max-iterations", "0", *options)
         if "No errors detected by derivative checker" not in out:
             raise RuntimeError(f"IPOPT finds the derivatives wrong on {name}:\n{out}")
 
@@ -129,7 +131,7 @@ def starts(bench, name):
     valid = volumes(points, elements).min() > 0
     if not valid:
         points, elements = read_mesh(bench.mesh(name))
-    write_mesh(bench.mesh(f"{name}.outside"), *((with_node_outside(points, elements), elements)))
+    write_mesh(bench.mesh(f"{name}.outside"), with_node_outside(points, elements), elements)
     rows = []
     for start, label in ((name, "initial mesh"), (f"{name}.laplacian", "Laplacian's result"),
                          (f"{name}.outside", "node outside, " + ("Laplacian's" if valid
@@ -185,8 +187,8 @@ def make_box(bench):
 def run(bench):
     write_examples(bench.folder)
     examples = ("square", "holes", "cube")
-    for name in examples:
-        bench.check_derivatives(name)
+    bench.check_derivatives("square", *with_delta().split())
+    bench.check_derivatives("cube_feasible")
     fraction = make_box(bench)
     return {
         "examples": {name: measures(bench.quality(name)) for name in (*examples, "cube_feasible")},

@@ -54,10 +54,7 @@ static int infeasible(const pl_star_problem *problem, int64_t star_index, const 
     for (int d = 0; d < dim; d++)
         x[d] = place[d] * here.s.scale;
     guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
-    for (int d = 0; d < dim; d++) { /* bounds are no part of the proof */
-        here.b.lower[d] = -INFINITY;
-        here.b.upper[d] = INFINITY;
-    }
+    here.b.any = 0; /* bounds are no part of the proof */
     active a = fixed_rows(&here, problem, star_index, is_fixed, x, taking_part, dim);
     int proof =
         a.m > 0 && !shortest_displacement(&a, displacement, &point, dim) && proves(&a, &point, dim);

@@ -80,7 +80,7 @@ static inline double *add_facet_row(const star *s, int64_t i, active *a, const i
 static inline void add_bound_rows(const local *here, const double *x, double band, double size,
                                   active *a, const int dim) {
     const bounds *b = &here->b;
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; b->any && d < dim; d++) {
         double unit[3] = {0, 0, 0};
         unit[d] = -1;
         if (x[d] - b->lower[d] < band * size)
@@ -89,7 +89,7 @@ static inline void add_bound_rows(const local *here, const double *x, double ban
         if (b->upper[d] - x[d] < band * size)
             add_row(a, unit, dim);
     }
-    double far = b->radius < INFINITY ? distance_from_start(b, x, dim) : 0;
+    double far = b->any && b->radius < INFINITY ? distance_from_start(b, x, dim) : 0;
     if (far > 0 && far > (1 - band) * b->radius) {
         double outwards[3] = {0, 0, 0};
         for (int d = 0; d < dim; d++)
@@ -212,10 +212,13 @@ static inline int constrained_direction(const local *here, const double *x,
 }
 
 /** The direction of cases 1 and 2; memory is that of conjugate directions. */
-static inline int guarded_direction(local *here, const double *x, const derivatives *derivative,
-                                    conjugate *memory, double *direction, const int dim) {
-    active a = active_within(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), dim);
-    here->constrained = a.m > 0;
+static inline int guarded_direction(local *here, const double *x, const objective *now,
+                                    const derivatives *derivative, conjugate *memory,
+                                    double *direction, const int dim) {
+    here->constrained = 0;
+    if (now->worst > ACTIVE_ABOVE || here->b.any)
+        here->constrained =
+            active_within(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), dim).m > 0;
     if (!here->constrained)
         return find_direction(here->problem, derivative, memory, direction, dim);
     memory->gradient2 = 0;
@@ -345,7 +348,7 @@ static inline active homogeneous(const local *here, const double *x, double marg
         if (row)
             row[dim] = (g[i] + margin) / (length[i] * inverse_floor[i]);
     }
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; here->b.any && d < dim; d++) {
         double unit[3] = {0, 0, 0};
         unit[d] = -1;
         if (here->b.lower[d] > -INFINITY)

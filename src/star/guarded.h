@@ -59,7 +59,7 @@ static inline int guarded_step(local *here, conjugate *memory, double *x, object
                                const derivatives *derivative, const int dim) {
     double direction[3];
     trial best;
-    if (!guarded_direction(here, x, derivative, memory, direction, dim))
+    if (!guarded_direction(here, x, now, derivative, memory, direction, dim))
         return 0;
     double slope = dot(derivative->gradient, direction, dim);
     if (!(slope < 0) || !search(here, x, now, direction, slope, &best, 1, dim))

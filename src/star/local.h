@@ -8,6 +8,7 @@
 
 /** Where the node may be, in the star's scale. */
 typedef struct bounds {
+    int any; /* 0: nowhere in particular, and the rest is not set */
     double lower[3], upper[3];
     double start[3], radius; /* radius infinite: any distance from start */
 } bounds;
@@ -34,7 +35,9 @@ typedef struct local {
 static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, double scale,
                                const int dim) {
     const pl_star_guard *guard = problem->guard;
-    bounds b = {{0}, {0}, {0}, INFINITY};
+    bounds b = {.any = guard->lower || guard->upper || guard->radius, .radius = INFINITY};
+    if (!b.any)
+        return b;
     for (int d = 0; d < dim; d++) {
         int64_t i = (int64_t)node * dim + d;
         b.lower[d] = guard->lower ? guard->lower[i] * scale : -INFINITY;
@@ -120,6 +123,8 @@ static inline double distance_from_start(const bounds *b, const double *x, const
 
 static inline int within_bounds(const bounds *b, const double *x, const int dim) {
     int inside = 1;
+    if (!b->any)
+        return 1;
     for (int d = 0; d < dim; d++)
         inside &= x[d] >= b->lower[d] && x[d] <= b->upper[d];
     return inside && (!(b->radius < INFINITY) || distance_from_start(b, x, dim) <= b->radius);
@@ -127,6 +132,8 @@ static inline int within_bounds(const bounds *b, const double *x, const int dim)
 
 /** Bring x within bounds. */
 static inline void clamp(const bounds *b, double *x, const int dim) {
+    if (!b->any)
+        return;
     if (b->radius < INFINITY) {
         double far = distance_from_start(b, x, dim);
         if (far > b->radius)
@@ -159,6 +166,8 @@ static inline double step_to_radius(const bounds *b, const double *x, const doub
 /** 1 / (largest step within bounds), 0 if there is no bound ahead. */
 static inline double bounds_rate(const bounds *b, const double *x, const double *direction,
                                  const int dim) {
+    if (!b->any)
+        return 0;
     double least = b->radius < INFINITY ? step_to_radius(b, x, direction, dim) : INFINITY;
     double parallel = PARALLEL * sqrt(dot(direction, direction, dim));
     for (int d = 0; d < dim; d++) {

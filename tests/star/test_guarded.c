@@ -1,0 +1,699 @@
+/* The guarded kernel: its function against textbook formulas in long double, the variants against
+ * the plain one, its optima against searches, and what it says of feasibility against the vertices
+ * of the polytope. */
+#define PL_PACK 1
+#include "star/lanes.h"
+#include "support/halfspaces.h"
+#include "support/hand_star.h"
+#include "support/meshes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const planish_isa variants[] = {PLANISH_ISA_VECTOR, PLANISH_ISA_AVX2, PLANISH_ISA_AVX512};
+
+/* A volume counts as reached to this, as g. */
+#define MET 0.003
+
+/** A start of test_random that differs much from those of the seeds next to it. */
+static unsigned mixed(unsigned seed) {
+    return seed * 2654435761u + 12345;
+}
+
+/* ---- stars with a guard -------------------------------------------------------------------- */
+
+typedef struct guarded_star {
+    hand_star s;
+    pl_star_guard guard;
+    double floors[HAND_STAR_MAX_FACETS];
+    double lower[HAND_STAR_MAX_NODES * 3], upper[HAND_STAR_MAX_NODES * 3];
+    double start[HAND_STAR_MAX_NODES * 3], radius[HAND_STAR_MAX_NODES];
+} guarded_star;
+
+static void create(guarded_star *g, int dim, double unevenness, unsigned seed) {
+    hand_star_create(&g->s, dim, unevenness, seed);
+    g->guard = (pl_star_guard){.ratio_weight = 1};
+    g->s.problem.guard = &g->guard;
+    memset(g->floors, 0, sizeof g->floors);
+    for (int i = 0; i < HAND_STAR_MAX_NODES * 3; i++) {
+        g->lower[i] = -INFINITY;
+        g->upper[i] = INFINITY;
+    }
+}
+
+static void destroy(guarded_star *g) {
+    hand_star_destroy(&g->s);
+}
+
+static void position(const guarded_star *g, long double *x) {
+    for (int d = 0; d < g->s.dim; d++)
+        x[d] = g->s.coordinates[d];
+}
+
+static long double measure(const guarded_star *g, int64_t facet) {
+    long double x[3];
+    position(g, x);
+    return hand_star_measure(&g->s, facet, x);
+}
+
+static int64_t facets(const guarded_star *g) {
+    return g->s.link_offset[1];
+}
+
+/** Largest g = 1 - V / floor. */
+static long double worst(const guarded_star *g) {
+    long double most = -INFINITY;
+    for (int64_t f = 0; f < facets(g); f++)
+        if (hand_star_floor(&g->s, f) > 0)
+            most = fmaxl(most, 1 - measure(g, f) / hand_star_floor(&g->s, f));
+    return most;
+}
+
+static long double mean_measure(const guarded_star *g) {
+    long double sum = 0;
+    for (int64_t f = 0; f < facets(g); f++)
+        sum += measure(g, f);
+    return sum / facets(g);
+}
+
+static pl_star_tally visit(guarded_star *g, planish_isa isa) {
+    g->s.changed[0] = 1;
+    return pl_star_kernel_select(isa)->guarded->visit[g->s.dim - 2](&g->s.problem, 0, 1,
+                                                                    g->s.scratch);
+}
+
+static void visits(guarded_star *g, int n) {
+    for (int i = 0; i < n; i++)
+        visit(g, PLANISH_ISA_AUTO);
+}
+
+static int evaluate(guarded_star *g, planish_isa isa, int derive, pl_star_value *value) {
+    return pl_star_kernel_select(isa)->guarded->evaluate[g->s.dim - 2](&g->s.problem, 0,
+                                                                       g->s.scratch, derive, value);
+}
+
+static pl_star_optimality optimality(guarded_star *g, planish_isa isa) {
+    pl_star_optimality o = {0};
+    pl_star_kernel_select(isa)->guarded->optimality[g->s.dim - 2](&g->s.problem, 0, 1, g->s.scratch,
+                                                                  &o);
+    return o;
+}
+
+/** Floors of every kind: for all, for some, larger or smaller than the volumes. */
+static void random_floors(guarded_star *g, unsigned *state) {
+    g->guard.min_volume = (double)mean_measure(g) * 0.5 * test_random(state);
+    g->guard.link_min_volume = g->floors;
+    for (int64_t f = 0; f < facets(g); f++)
+        g->floors[f] =
+            test_random(state) < 0.5 ? 0 : (double)measure(g, f) * 1.2 * test_random(state);
+}
+
+/* ---- the function -------------------------------------------------------------------------- */
+
+static void inverse_cube_roots_are_accurate(void **state) {
+    (void)state;
+    unsigned seed = 1;
+    for (int exponent = -1022; exponent <= 1023; exponent++)
+        for (int i = 0; i < 20; i++) {
+            double a = ldexp(1 + test_random(&seed), exponent);
+            long double wanted = 1 / cbrtl((long double)a);
+            assert_true(fabsl(lanes_inverse_cube_root(a) / wanted - 1) < 4 * 0x1p-53L);
+        }
+}
+
+/** Central differences in long double, extrapolated once, along direction e_i (+ e_j). */
+static long double difference(const guarded_star *g, int i, int j, int second) {
+    long double result[2];
+    for (int level = 0; level < 2; level++) {
+        long double h = level ? 1e-5L : 2e-5L, f[3];
+        for (int k = 0; k < 3; k++) {
+            long double x[3];
+            position(g, x);
+            for (int d = 0; d < g->s.dim; d++)
+                x[d] += (k - 1) * h * ((d == i) + (d == j));
+            f[k] = hand_star_function(&g->s, x);
+        }
+        result[level] = second ? (f[0] - 2 * f[1] + f[2]) / (h * h) : (f[2] - f[0]) / (2 * h);
+    }
+    return (4 * result[1] - result[0]) / 3;
+}
+
+static void check_derivatives(guarded_star *g) {
+    pl_star_value value, alone;
+    const int dim = g->s.dim;
+    long double x[3], second[3][3], size = 0;
+    position(g, x);
+    long double f = hand_star_function(&g->s, x);
+    assert_true(evaluate(g, PLANISH_ISA_PLAIN, 1, &value));
+    assert_true(evaluate(g, PLANISH_ISA_PLAIN, 0, &alone));
+    assert_true(value.sum == alone.sum && value.max == alone.max);
+    assert_true(fabsl(value.sum - f) < 1e-12L * f);
+    for (int i = 0; i < dim; i++)
+        size += fabsl(second[i][i] = difference(g, i, -1, 1));
+    for (int i = 0, k = 0; i < dim; i++)
+        for (int j = i; j < dim; j++, k++) {
+            /* along e_i + e_j the second difference is H_ii + 2 H_ij + H_jj */
+            long double wanted =
+                i == j ? second[i][i] : (difference(g, i, j, 1) - second[i][i] - second[j][j]) / 2;
+            assert_true(fabsl(value.hessian[k] - wanted) < 1e-7L * size);
+        }
+    for (int i = 0; i < dim; i++)
+        assert_true(fabsl(value.gradient[i] - difference(g, i, -1, 0)) < 1e-9L * size);
+}
+
+static void derivatives_match_differences(void **state) {
+    enum { STARS = 40 };
+    int dim = *(int *)*state;
+    for (int objective = 0; objective < 3; objective++)
+        for (unsigned seed = 0; seed < STARS; seed++) {
+            guarded_star g;
+            unsigned random = mixed(seed);
+            create(&g, dim, 0.4 * seed / STARS, seed);
+            g.guard.objective = (planish_objective)objective;
+            g.guard.ratio_weight = 0.3 + test_random(&random);
+            check_derivatives(&g);
+            random_floors(&g, &random);
+            check_derivatives(&g);
+            g.guard.volume_weight = 2 * test_random(&random);
+            check_derivatives(&g);
+            destroy(&g);
+        }
+}
+
+static void radius_ratio_is_that_of_the_plain_kernel(void **state) {
+    int dim = *(int *)*state;
+    for (unsigned seed = 0; seed < 200; seed++) {
+        guarded_star g;
+        pl_star_value a, b;
+        create(&g, dim, 0.5 * seed / 200, seed);
+        pl_star_kernel_select(PLANISH_ISA_PLAIN)
+            ->evaluate[dim - 2](&g.s.problem, 0, g.s.scratch, 1, &a);
+        evaluate(&g, PLANISH_ISA_PLAIN, 1, &b);
+        double trace = 0;
+        for (int k = 0; k < 6; k++)
+            trace += fabs(a.hessian[k]);
+        assert_true(fabs(a.sum - b.sum) < 1e-12 * a.sum && fabs(a.max - b.max) < 1e-12 * a.max);
+        for (int k = 0; k < 6; k++)
+            assert_true(fabs(a.hessian[k] - b.hessian[k]) < 1e-12 * trace);
+        for (int k = 0; k < 3; k++)
+            assert_true(fabs(a.gradient[k] - b.gradient[k]) < 1e-12 * trace);
+        destroy(&g);
+    }
+}
+
+/* ---- the variants -------------------------------------------------------------------------- */
+
+enum { FREE, ACTIVE, VIOLATED, INVERTED, BOXED, WITHIN_RADIUS, TO_FLOAT, SCENES };
+
+/** Set a star up in the way that scene says. */
+static void set_scene(guarded_star *g, int scene, unsigned seed) {
+    const int dim = g->s.dim;
+    g->guard.objective = (planish_objective)(seed % 3);
+    g->guard.volume_weight = seed % 2 ? 0.1 : 0;
+    g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+    g->guard.min_volume = (double)mean_measure(g) * (scene == ACTIVE ? 0.7 : 0.3);
+    if (scene == VIOLATED || scene == INVERTED)
+        g->s.coordinates[0] += scene == INVERTED ? 1.2 : 0.6;
+    if (scene == BOXED) {
+        g->guard.lower = g->lower;
+        g->guard.upper = g->upper;
+        for (int d = 0; d < dim; d++) {
+            g->lower[d] = g->s.coordinates[d] - 0.02;
+            g->upper[d] = g->s.coordinates[d] + 0.01;
+        }
+    }
+    if (scene == WITHIN_RADIUS) {
+        g->guard.start = g->start;
+        g->guard.radius = g->radius;
+        memcpy(g->start, g->s.coordinates, sizeof g->start);
+        g->radius[0] = 0.02;
+    }
+    g->s.problem.to_float = scene == TO_FLOAT;
+}
+
+static void compare_variant(planish_isa isa, int dim, int scene, unsigned seed) {
+    guarded_star plain, other;
+    pl_star_value a, b;
+    create(&plain, dim, 0.4, seed);
+    create(&other, dim, 0.4, seed);
+    set_scene(&plain, scene, seed);
+    set_scene(&other, scene, seed);
+    for (int i = 0; i < 5; i++) {
+        assert_int_equal(evaluate(&plain, PLANISH_ISA_PLAIN, 1, &a), evaluate(&other, isa, 1, &b));
+        assert_memory_equal(&a, &b, sizeof a);
+        pl_star_tally p = visit(&plain, PLANISH_ISA_PLAIN), q = visit(&other, isa);
+        assert_memory_equal(&p, &q, sizeof p);
+        assert_memory_equal(plain.s.coordinates, other.s.coordinates, sizeof plain.s.coordinates);
+        assert_memory_equal(plain.s.changed, other.s.changed, sizeof plain.s.changed);
+        pl_star_optimality o = optimality(&plain, PLANISH_ISA_PLAIN);
+        pl_star_optimality r = optimality(&other, isa);
+        assert_memory_equal(&o, &r, sizeof o);
+    }
+    destroy(&plain);
+    destroy(&other);
+}
+
+static void variants_give_the_same_bits(void **state) {
+    int dim = *(int *)*state;
+    for (size_t v = 0; v < sizeof variants / sizeof *variants; v++)
+        for (int scene = 0; scene < SCENES && pl_star_kernel_select(variants[v]); scene++)
+            for (unsigned seed = 0; seed < 60; seed++)
+                compare_variant(variants[v], dim, scene, seed);
+}
+
+/* ---- optima -------------------------------------------------------------------------------- */
+
+/** Whether x keeps all floors, exactly, and is inside the star. */
+static int is_feasible(const guarded_star *g, const long double *x) {
+    int feasible = 1;
+    for (int64_t f = 0; feasible && f < facets(g); f++) {
+        long double v = hand_star_measure(&g->s, f, x);
+        feasible = v > 0 && v >= hand_star_floor(&g->s, f);
+    }
+    return feasible;
+}
+
+/** The best feasible point of a grid around centre; its value. */
+static long double search_grid(const guarded_star *g, long double *centre, long double size) {
+    enum { HALF = 4, SIDE = 2 * HALF + 1 };
+    const int dim = g->s.dim;
+    long double best = INFINITY, at[3] = {0, 0, 0};
+    for (int i = 0; i < (dim == 3 ? SIDE * SIDE * SIDE : SIDE * SIDE); i++) {
+        const int step[3] = {i % SIDE - HALF, i / SIDE % SIDE - HALF, i / SIDE / SIDE - HALF};
+        long double x[3];
+        for (int d = 0; d < dim; d++)
+            x[d] = centre[d] + size / HALF * step[d];
+        long double f = is_feasible(g, x) ? hand_star_function(&g->s, x) : INFINITY;
+        if (f < best) {
+            best = f;
+            memcpy(at, x, sizeof at);
+        }
+    }
+    memcpy(centre, at, sizeof at);
+    return best;
+}
+
+/** Least value of the star's function over its feasible positions, by grids that become finer: the
+ *  first reaches as far as size. */
+static long double search_all(const guarded_star *g, long double *x, long double size) {
+    long double best = INFINITY;
+    for (; size > 1e-8L; size *= 0.6L)
+        best = fminl(best, search_grid(g, x, size));
+    return best;
+}
+
+/** Give the facets whose elements lose volume on the way from where the star is to its optimum
+ * floors half way; returns how many. The star stays where it is. */
+static int forbid_the_optimum(guarded_star *g) {
+    double from[3];
+    long double before[HAND_STAR_MAX_FACETS];
+    int n = 0;
+    memcpy(from, g->s.coordinates, sizeof from);
+    for (int64_t f = 0; f < facets(g); f++)
+        before[f] = measure(g, f);
+    visits(g, 60);
+    for (int64_t f = 0; f < facets(g) && n < g->s.dim; f++) {
+        long double after = measure(g, f);
+        g->floors[f] = after < 0.9L * before[f] ? (double)(0.5L * (before[f] + after)) : 0;
+        n += g->floors[f] > 0;
+    }
+    g->guard.link_min_volume = g->floors;
+    memcpy(g->s.coordinates, from, (size_t)g->s.dim * sizeof *from);
+    return n;
+}
+
+/** A star away from its optimum, which floors forbid. */
+static void create_forbidden(guarded_star *g, int dim, int objective, unsigned seed) {
+    create(g, dim, 0.25, seed);
+    unsigned random = mixed(seed);
+    for (int d = 0; d < dim; d++)
+        g->s.coordinates[d] += 0.5 * (test_random(&random) - 0.5);
+    g->guard.objective = (planish_objective)objective;
+    assert_true(forbid_the_optimum(g) > 0);
+}
+
+static void check_optimum(guarded_star *g, planish_direction direction, long double best,
+                          double volume_weight) {
+    double from[3];
+    long double x[3];
+    memcpy(from, g->s.coordinates, sizeof from);
+    g->s.problem.direction = direction;
+    visits(g, 300);
+    position(g, x);
+    pl_star_optimality o = optimality(g, PLANISH_ISA_AUTO);
+    assert_true(worst(g) <= 1e-6L);
+    assert_int_equal(o.n_stars, 1);
+    assert_true(o.residual < 1e-4);
+    if (!(volume_weight > 0)) {
+        assert_true(o.n_active > 0);
+        assert_true(o.multiplier > 0);
+    }
+    assert_true(fabsl(hand_star_function(&g->s, x) / best - 1) < 1e-4L);
+    memcpy(g->s.coordinates, from, (size_t)g->s.dim * sizeof *from);
+}
+
+static void visits_reach_the_constrained_optimum(void **state) {
+    int dim = *(int *)*state;
+    for (int objective = 0; objective < 3; objective++)
+        for (unsigned seed = 0; seed < 4; seed++) {
+            guarded_star g;
+            long double x[3] = {0, 0, 0};
+            create_forbidden(&g, dim, objective, seed);
+            g.guard.volume_weight = seed == 3 ? 0.01 : 0;
+            long double best = search_all(&g, x, 1);
+            check_optimum(&g, PLANISH_NEWTON, best, g.guard.volume_weight);
+            check_optimum(&g, PLANISH_FLETCHER_REEVES, best, g.guard.volume_weight);
+            destroy(&g);
+        }
+}
+
+/** The multipliers at the optimum balance the gradient: checked with one constraint, by the
+ *  textbook. */
+static void the_multiplier_balances_the_gradient(void **state) {
+    int dim = *(int *)*state, checked = 0;
+    for (unsigned seed = 0; seed < 20; seed++) {
+        guarded_star g;
+        long double gradient = 0, constraint = 0;
+        create_forbidden(&g, dim, PLANISH_RADIUS_RATIO, seed);
+        visits(&g, 300);
+        pl_star_optimality o = optimality(&g, PLANISH_ISA_AUTO);
+        int64_t active = -1;
+        for (int64_t f = 0; f < facets(&g); f++)
+            if (g.floors[f] > 0 && fabsl(1 - measure(&g, f) / g.floors[f]) < 1e-5L)
+                active = f;
+        for (int d = 0; d < dim && o.n_active == 1; d++) {
+            const long double h = 1e-6L;
+            long double x[3], f = difference(&g, d, -1, 0);
+            position(&g, x);
+            long double v = hand_star_measure(&g.s, active, x);
+            x[d] += h;
+            long double slope = (hand_star_measure(&g.s, active, x) - v) / h / g.floors[active];
+            gradient += f * f;
+            constraint += slope * slope;
+        }
+        if (o.n_active == 1) {
+            assert_true(fabsl(o.multiplier * sqrtl(constraint / gradient) - 1) < 1e-3L);
+            checked++;
+        }
+        destroy(&g);
+    }
+    assert_true(checked > 5);
+}
+
+/* ---- feasibility --------------------------------------------------------------------------- */
+
+/** The half-spaces of the star's floors, of those facets that wanted (NULL: all) has. Box: the
+ * bounds of the node, too. */
+static void polytope(const guarded_star *g, const uint8_t *wanted, int box, halfspaces *h) {
+    const int dim = g->s.dim;
+    halfspaces_start(h, dim, 100);
+    for (int64_t f = 0; f < facets(g); f++) {
+        long double at[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
+        if ((wanted && !wanted[f]) || !(hand_star_floor(&g->s, f) > 0))
+            continue;
+        long double constant = hand_star_measure(&g->s, f, at);
+        for (int d = 0; d < dim; d++) {
+            at[d] = 1;
+            normal[d] = hand_star_measure(&g->s, f, at) - constant;
+            at[d] = 0;
+        }
+        halfspaces_add(h, normal, hand_star_floor(&g->s, f) - constant);
+    }
+    for (int d = 0; box && d < dim; d++) {
+        long double unit[3] = {0, 0, 0};
+        unit[d] = 1;
+        halfspaces_add(h, unit, g->lower[d]);
+        unit[d] = -1;
+        halfspaces_add(h, unit, -g->upper[d]);
+    }
+}
+
+/* A point this deep inside of all half-spaces makes a star clearly feasible; none that is less than
+ * this outside of some, clearly infeasible. */
+#define CLEAR 1e-3L
+
+/** A star with a floor for every element, of a random part of the largest that could be, its node
+ * somewhere: perhaps inside, perhaps outside. */
+static void create_lost(guarded_star *g, int dim, unsigned seed, double part) {
+    unsigned random = mixed(seed);
+    create(g, dim, 0.4, seed);
+    g->guard.objective = (planish_objective)(seed % 3);
+    g->s.problem.direction = seed / 3 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+    g->guard.link_min_volume = g->floors;
+    for (int64_t f = 0; f < facets(g); f++)
+        g->floors[f] = (double)mean_measure(g) * part * (0.5 + test_random(&random));
+    for (int d = 0; d < dim; d++)
+        g->s.coordinates[d] += 3 * (test_random(&random) - 0.5);
+}
+
+/** Visit; no element that was positive may become less. */
+static void visit_and_watch(guarded_star *g, planish_isa isa) {
+    long double before[HAND_STAR_MAX_FACETS];
+    for (int64_t f = 0; f < facets(g); f++)
+        before[f] = measure(g, f);
+    visit(g, isa);
+    for (int64_t f = 0; f < facets(g); f++)
+        assert_true(!(before[f] > 0) || measure(g, f) > 0);
+}
+
+static void feasible_stars_are_restored(void **state) {
+    int dim = *(int *)*state, feasible = 0, outside = 0;
+    for (unsigned seed = 0; seed < 300; seed++) {
+        guarded_star g;
+        halfspaces h;
+        create_lost(&g, dim, seed, 0.1 + 0.9 * seed / 300);
+        polytope(&g, NULL, 0, &h);
+        int can_be = halfspaces_meet(&h, CLEAR, NULL);
+        outside += worst(&g) > 1;
+        for (int i = 0; i < 20; i++)
+            visit_and_watch(&g, i % 2 ? PLANISH_ISA_AUTO : PLANISH_ISA_PLAIN);
+        assert_true(!can_be || worst(&g) <= MET);
+        feasible += can_be;
+        destroy(&g);
+    }
+    assert_true(feasible > 100 && feasible < 300 && outside > 100);
+}
+
+/** The same in a box that the feasible places must share. */
+static void feasible_stars_are_restored_within_bounds(void **state) {
+    int dim = *(int *)*state, feasible = 0;
+    for (unsigned seed = 0; seed < 300; seed++) {
+        guarded_star g;
+        halfspaces h;
+        unsigned random = mixed(seed);
+        create_lost(&g, dim, seed, 0.05 + 0.4 * seed / 300);
+        g.guard.lower = g.lower;
+        g.guard.upper = g.upper;
+        for (int d = 0; d < dim; d++) {
+            g.lower[d] = g.s.coordinates[d] - 1.5 * test_random(&random);
+            g.upper[d] = g.s.coordinates[d] + 1.5 * test_random(&random);
+        }
+        polytope(&g, NULL, 1, &h);
+        int can_be = halfspaces_meet(&h, CLEAR, NULL);
+        for (int i = 0; i < 20; i++) {
+            visit_and_watch(&g, PLANISH_ISA_AUTO);
+            for (int d = 0; d < dim; d++)
+                assert_true(g.s.coordinates[d] >= g.lower[d] && g.s.coordinates[d] <= g.upper[d]);
+        }
+        assert_true(!can_be || worst(&g) <= MET);
+        feasible += can_be;
+        destroy(&g);
+    }
+    assert_true(feasible > 30 && feasible < 270);
+}
+
+/** What the library says of the star with these fixed nodes must be what the vertices say of the
+ *  facets that have no free node, and its proof must be one. */
+static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
+    uint8_t of_fixed[HAND_STAR_MAX_FACETS], taking_part[HAND_STAR_MAX_FACETS];
+    halfspaces h;
+    const int dim = g->s.dim;
+    for (int64_t f = 0; f < facets(g); f++) {
+        of_fixed[f] = 1;
+        for (int j = 0; j < dim; j++)
+            of_fixed[f] &= is_fixed[g->s.ring[g->s.link[f * dim + j]]];
+    }
+    polytope(g, of_fixed, 0, &h);
+    int feasible = halfspaces_meet(&h, CLEAR, NULL);
+    int infeasible = !halfspaces_meet(&h, -CLEAR, NULL);
+    int proof = pl_star_infeasible(&g->s.problem, 0, dim, is_fixed, g->s.scratch, taking_part);
+    assert_true(!(proof && feasible) && !(!proof && infeasible));
+    int n = 0;
+    for (int64_t f = 0; f < facets(g); f++) {
+        assert_true(taking_part[f] <= of_fixed[f]);
+        n += taking_part[f];
+    }
+    assert_true(proof ? n >= 2 && n <= dim + 1 : n == 0);
+    polytope(g, taking_part, 0, &h);
+    assert_true(!proof || !halfspaces_meet(&h, 0, NULL));
+    return proof;
+}
+
+static void infeasible_stars_are_proven(void **state) {
+    int dim = *(int *)*state, proven = 0, without = 0;
+    for (unsigned seed = 0; seed < 300; seed++) {
+        guarded_star g;
+        uint8_t is_fixed[HAND_STAR_MAX_NODES];
+        unsigned random = mixed(seed);
+        create_lost(&g, dim, seed, 0.3 + 1.2 * seed / 300);
+        for (int64_t f = 0; f < facets(&g); f++)
+            if (test_random(&random) < 0.2)
+                g.floors[f] = 0;
+        memset(is_fixed, 1, sizeof is_fixed);
+        is_fixed[0] = 0;
+        int all_fixed = check_proof(&g, is_fixed);
+        is_fixed[1 + seed % 5] = 0;
+        without += all_fixed > check_proof(&g, is_fixed);
+        memset(is_fixed, 0, sizeof is_fixed);
+        assert_false(check_proof(&g, is_fixed));
+        proven += all_fixed;
+        destroy(&g);
+    }
+    assert_true(proven > 50 && proven < 250 && without > 5);
+}
+
+/* ---- bounds -------------------------------------------------------------------------------- */
+
+/** A star away from its optimum, which goes to optimum. */
+static void create_away(guarded_star *g, int dim, unsigned seed, double *optimum) {
+    double from[3];
+    unsigned random = mixed(seed);
+    create(g, dim, 0.2, seed);
+    g->guard.objective = seed % 2 ? PLANISH_MEAN_RATIO : PLANISH_RADIUS_RATIO;
+    g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
+    for (int d = 0; d < dim; d++)
+        from[d] = g->s.coordinates[d] += 0.6 * (test_random(&random) - 0.5);
+    visits(g, 100);
+    memcpy(optimum, g->s.coordinates, (size_t)dim * sizeof *optimum);
+    memcpy(g->s.coordinates, from, (size_t)dim * sizeof *from);
+}
+
+static void bounds_are_kept_and_reached(void **state) {
+    int dim = *(int *)*state;
+    for (unsigned seed = 0; seed < 100; seed++) {
+        guarded_star g;
+        double optimum[3];
+        const int d = (int)seed % dim;
+        create_away(&g, dim, seed, optimum);
+        double bound = 0.5 * (g.s.coordinates[d] + optimum[d]);
+        int is_upper = optimum[d] > g.s.coordinates[d];
+        (is_upper ? g.upper : g.lower)[d] = bound;
+        g.guard.lower = g.lower;
+        g.guard.upper = g.upper;
+        for (int i = 0; i < 100; i++) {
+            visit_and_watch(&g, PLANISH_ISA_AUTO);
+            assert_true(is_upper ? g.s.coordinates[d] <= bound : g.s.coordinates[d] >= bound);
+        }
+        assert_true(fabs(g.s.coordinates[d] - bound) < 1e-6);
+        pl_star_optimality o = optimality(&g, PLANISH_ISA_AUTO);
+        assert_true(o.residual < 1e-4 && o.n_active == 1);
+        assert_true(o.multiplier == 0); /* of volumes: there are none */
+        destroy(&g);
+    }
+}
+
+static void a_node_without_room_is_held(void **state) {
+    int dim = *(int *)*state;
+    guarded_star g;
+    double optimum[3], from[3];
+    create_away(&g, dim, 5, optimum);
+    memcpy(from, g.s.coordinates, sizeof from);
+    for (int d = 0; d < dim; d++)
+        g.lower[d] = g.upper[d] = from[d];
+    g.guard.lower = g.lower;
+    g.guard.upper = g.upper;
+    pl_star_tally tally = visit(&g, PLANISH_ISA_AUTO);
+    assert_int_equal(tally.visits, 0);
+    assert_int_equal(optimality(&g, PLANISH_ISA_AUTO).n_stars, 0);
+    assert_memory_equal(g.s.coordinates, from, (size_t)dim * sizeof *from);
+    destroy(&g);
+}
+
+static long double distance(const double *x, const double *y, int dim) {
+    long double square = 0;
+    for (int d = 0; d < dim; d++)
+        square += ((long double)x[d] - y[d]) * ((long double)x[d] - y[d]);
+    return sqrtl(square);
+}
+
+/** Put the node on the sphere, aside of where the way to the optimum crosses it. */
+static void put_aside(guarded_star *g, const double *optimum, unsigned seed) {
+    const int dim = g->s.dim;
+    unsigned random = mixed(seed);
+    double aside[3], length = 0;
+    memcpy(g->start, g->s.coordinates, sizeof g->start);
+    g->radius[0] = 0.5 * (double)distance(g->start, optimum, dim);
+    g->guard.start = g->start;
+    g->guard.radius = g->radius;
+    for (int d = 0; d < dim; d++) {
+        aside[d] = optimum[d] - g->start[d] + 2 * g->radius[0] * (2 * test_random(&random) - 1);
+        length += aside[d] * aside[d];
+    }
+    for (int d = 0; d < dim; d++)
+        g->s.coordinates[d] =
+            g->start[d] + aside[d] / sqrt(length) * g->radius[0] * (1 - 0x1p-30);
+}
+
+/** No point of the ball next to the node is better. */
+static void check_ball(const guarded_star *g, unsigned seed) {
+    unsigned random = mixed(seed);
+    long double x[3];
+    position(g, x);
+    long double here = hand_star_function(&g->s, x);
+    for (int i = 0; i < 200; i++) {
+        double y[3];
+        long double there[3];
+        for (int d = 0; d < g->s.dim; d++)
+            there[d] = y[d] =
+                g->s.coordinates[d] + 0.2 * g->radius[0] * (2 * test_random(&random) - 1);
+        if (distance(y, g->start, g->s.dim) <= g->radius[0])
+            assert_true(hand_star_function(&g->s, there) > here * (1 - 1e-6L));
+    }
+}
+
+static void nodes_move_along_the_sphere(void **state) {
+    int dim = *(int *)*state;
+    for (unsigned seed = 0; seed < 60; seed++) {
+        guarded_star g;
+        double optimum[3];
+        create_away(&g, dim, seed, optimum);
+        put_aside(&g, optimum, seed);
+        for (int i = 0; i < 200; i++) {
+            visit_and_watch(&g, PLANISH_ISA_AUTO);
+            assert_true(distance(g.s.coordinates, g.start, dim) <= g.radius[0]);
+        }
+        assert_true(distance(g.s.coordinates, g.start, dim) > (1 - 1e-4L) * g.radius[0]);
+        assert_true(optimality(&g, PLANISH_ISA_AUTO).residual < 1e-3);
+        check_ball(&g, seed);
+        destroy(&g);
+    }
+}
+
+int main(void) {
+    static int dims[] = {2, 3};
+#define BOTH(test)                                                                                 \
+    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
+#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(inverse_cube_roots_are_accurate),
+        BOTH(derivatives_match_differences),
+        BOTH(radius_ratio_is_that_of_the_plain_kernel),
+        BOTH(variants_give_the_same_bits),
+        BOTH(visits_reach_the_constrained_optimum),
+        BOTH(the_multiplier_balances_the_gradient),
+        BOTH(feasible_stars_are_restored),
+        BOTH(feasible_stars_are_restored_within_bounds),
+        BOTH(infeasible_stars_are_proven),
+        BOTH(bounds_are_kept_and_reached),
+        BOTH(a_node_without_room_is_held),
+        BOTH(nodes_move_along_the_sphere),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
