@@ -4,8 +4,9 @@
  *
  * value: gather a star and evaluate its sum of RR^2; derivatives: the same with gradient and
  * Hessian; visit: one whole visit (a Newton step with its search) of every star, on the mesh as it
- * is. One thread; each figure is the best of the repeats. "check" must be the same for all
- * variants.
+ * is. First the plain problem, then the guarded kernel with each objective and a least volume that
+ * is far away. One thread; each figure is the best of the repeats. "check" must be the same for all
+ * variants of a problem.
  */
 #include "sweep/plan.h"
 
@@ -44,11 +45,14 @@ static double least(double a, double b) {
 static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
                     pl_star_problem *problem, const double *start, figures *best) {
     int which = plan->dim - 2;
+    pl_star_evaluate_fn *evaluate =
+        problem->guard ? kernel->guarded->evaluate[which] : kernel->evaluate[which];
+    pl_star_visit_fn *visit = problem->guard ? kernel->guarded->visit[which] : kernel->visit[which];
     for (int derivatives = 0; derivatives < 2; derivatives++) {
         pl_star_value value;
         double begin = seconds_now();
         for (int64_t i = 0; i < plan->stars.n_stars; i++)
-            kernel->evaluate[which](problem, i, plan->scratch, derivatives, &value);
+            evaluate(problem, i, plan->scratch, derivatives, &value);
         double *figure = derivatives ? &best->derivatives : &best->value;
         *figure = least(seconds_now() - begin, *figure);
     }
@@ -56,11 +60,38 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
     memset(problem->changed, 1, (size_t)plan->n_nodes);
     double begin = seconds_now();
     for (int c = 0; c < plan->n_colours; c++)
-        kernel->visit[which](problem, plan->colour_begin[c], plan->colour_begin[c + 1],
-                             plan->scratch);
+        visit(problem, plan->colour_begin[c], plan->colour_begin[c + 1], plan->scratch);
     best->visit = least(seconds_now() - begin, best->visit);
     best->check = checksum(problem->coordinates, plan->n_nodes * plan->dim);
     memcpy(problem->coordinates, start, (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double));
+}
+
+/** All variants of the kernel for one problem. */
+static void measure_variants(const planish_plan *plan, pl_star_problem *problem, const char *name,
+                             const double *start, int repeat, const char **separator) {
+    double per_star = plan->stars.n_stars ? 1e9 / (double)plan->stars.n_stars : 0;
+    for (int isa = PLANISH_ISA_PLAIN; isa <= PLANISH_ISA_AVX512; isa++) {
+        const pl_star_kernel *kernel = pl_star_kernel_select((planish_isa)isa);
+        figures best = {0, 0, 0, 0};
+        if (!kernel)
+            continue;
+        for (int i = 0; i < repeat; i++)
+            measure(plan, kernel, problem, start, &best);
+        printf("%s\n    { \"problem\": \"%s\", \"isa\": \"%s\", \"value\": %.1f, "
+               "\"derivatives\": %.1f, \"visit\": %.1f, \"check\": \"%016llx\" }",
+               *separator, name, kernel->name, best.value * per_star, best.derivatives * per_star,
+               best.visit * per_star, (unsigned long long)best.check);
+        *separator = ",";
+    }
+}
+
+/** A least volume that no element comes near to. */
+static double far_volume(const planish_plan *plan, const planish_mesh *mesh) {
+    planish_quality quality;
+    planish_error error;
+    if (planish_measure(plan, mesh->coordinates, &quality, &error))
+        return 0;
+    return quality.min_volume > 0 ? 1e-3 * quality.min_volume : 0;
 }
 
 static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
@@ -72,21 +103,17 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
         for (int d = 0; d < plan->dim; d++)
             start[(int64_t)plan->inner[i] * plan->dim + d] = mesh->coordinates[i * plan->dim + d];
     memcpy(plan->coordinates, start, (size_t)values * sizeof *start);
+    static const char *const names[] = {"guarded, radius ratio", "guarded, mean ratio",
+                                        "guarded, edge ratio"};
     pl_star_problem problem = pl_plan_problem(plan);
-    double per_star = plan->stars.n_stars ? 1e9 / (double)plan->stars.n_stars : 0;
+    pl_star_guard guard = {.ratio_weight = 1, .min_volume = far_volume(plan, mesh)};
     const char *separator = "";
     printf("  \"ns_per_star\": [");
-    for (int isa = PLANISH_ISA_PLAIN; isa <= PLANISH_ISA_AVX512; isa++) {
-        const pl_star_kernel *kernel = pl_star_kernel_select((planish_isa)isa);
-        figures best = {0, 0, 0, 0};
-        for (int i = 0; kernel && i < repeat; i++)
-            measure(plan, kernel, &problem, start, &best);
-        if (kernel)
-            printf("%s\n    { \"isa\": \"%s\", \"value\": %.1f, \"derivatives\": %.1f, "
-                   "\"visit\": %.1f, \"check\": \"%016llx\" }",
-                   separator, kernel->name, best.value * per_star, best.derivatives * per_star,
-                   best.visit * per_star, (unsigned long long)best.check);
-        separator = ",";
+    measure_variants(plan, &problem, "plain", start, repeat, &separator);
+    problem.guard = &guard;
+    for (int i = PLANISH_RADIUS_RATIO; i <= PLANISH_EDGE_RATIO; i++) {
+        guard.objective = (planish_objective)i;
+        measure_variants(plan, &problem, names[i], start, repeat, &separator);
     }
     printf(" ]\n}\n");
     free(start);

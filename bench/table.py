@@ -34,11 +34,11 @@ def sweeps(folder, names):
 
 
 def kernels(folder, names):
-    print("| mesh | kernel | value ns | derivatives ns | visit ns |")
-    print("| --- | --- | --: | --: | --: |")
+    print("| mesh | problem | kernel | value ns | derivatives ns | visit ns |")
+    print("| --- | --- | --- | --: | --: | --: |")
     for name in names:
         for run in load(f"{folder}/{name}.kernel.json")["ns_per_star"]:
-            print(f"| {name} | {run['isa']} | {run['value']:.0f} | {run['derivatives']:.0f} "
+            print(f"| {name} | {run['problem']} | {run['isa']} | {run['value']:.0f} | {run['derivatives']:.0f} "
                   f"| {run['visit']:.0f} |")
 
 

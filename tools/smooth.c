@@ -91,12 +91,11 @@ static int check_promises(const pl_job *job, const pl_result *result) {
     if (after->inverted > before->inverted)
         return complain_promise(job, "the number of inverted elements", (double)before->inverted,
                                 (double)after->inverted);
-    if ((result->below_before == 0 || before->inverted == 0) &&
-        after->max_radius_ratio > before->max_radius_ratio)
-        return complain_promise(job, "the worst radius ratio", before->max_radius_ratio,
-                                after->max_radius_ratio);
     if (result->below_before > 0)
         return 0;
+    if (after->max_radius_ratio > before->max_radius_ratio)
+        return complain_promise(job, "the worst radius ratio", before->max_radius_ratio,
+                                after->max_radius_ratio);
     if (smooth->objective > smooth->objective_before * (1 + F_ROUNDING))
         return complain_promise(job, "F", smooth->objective_before, smooth->objective);
     if (!pl_arguments_change_objective(job->arguments) &&

@@ -13,7 +13,7 @@ import sys
 
 from program import best_of, smooth, sweep_seconds
 
-REPEATS = 3
+REPEATS = 5
 NEAR = 1.004  # times the RMS where it converges: where the curve bends
 MOVES = (0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 1)
 FEW_LEFT = (0.3, 0.1, 0.03, 0.01, 0.001, 0.0001)

@@ -49,11 +49,11 @@ def draw(axis, rows, suffix, title):
 
 
 def plot(rows, path):
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 3.8))
+    figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 4.4))
     draw(left, rows, lambda row, key: int(row["visits" + key]) / 1e3, "thousand node visits")
     draw(right, rows, lambda row, key: float(row["seconds" + key]), "seconds of the sweeps, one thread")
-    left.legend(fontsize=8)
-    figure.tight_layout()
+    figure.legend(*left.get_legend_handles_labels(), loc="lower center", ncol=3, fontsize=8)
+    figure.tight_layout(rect=(0, 0.13, 1, 1))
     figure.savefig(path, metadata={"Date": None})
 
 

@@ -1,8 +1,8 @@
 """cube: example 3 of the paper, a cube with a smaller cube cut out of it.
 
 A grid of 5^3 cells without 2^3, cut into five tetrahedra each, made irregular: one more free node,
-random flips of faces, nodes of the outer surface merged until the count is right. A change is kept if
-the free nodes can still give every element its least volume. Needs numpy and scipy.
+random flips of faces, nodes of the outer surface merged until the count is right. A change is kept
+if the free nodes can still give every element its least volume. Needs numpy and scipy.
 """
 import numpy as np
 from scipy.optimize import minimize
@@ -169,7 +169,8 @@ def shrunken(points, elements, free, fraction):
         moved = points.copy()
         moved[face] = middle + np.sqrt(fraction * v.sum() / v[k]) * (points[face] - middle)
         if volumes(moved, elements).min() > 0:
-            best = min(best, (radius_ratios(moved, elements).max(), moved, face), key=lambda b: b[0])
+            worst = radius_ratios(moved, elements).max()
+            best = min(best, (worst, moved, face), key=lambda b: b[0])
     return best[1:]
 
 

@@ -1,7 +1,7 @@
 """outside: put one free node of a mesh outside of the domain, as the paper's Fig. 8(a) does.
 
-The node goes through the nearest facet of the boundary, from which it ends half as far as it was; of
-all such moves the one that inverts two elements, or else the fewest more than that. Needs numpy.
+The node goes through the nearest facet of the boundary, from which it ends half as far as it was;
+of all such moves the one that inverts two elements, or else the fewest more than that. Needs numpy.
 """
 import numpy as np
 

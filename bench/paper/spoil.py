@@ -1,4 +1,4 @@
-"""spoil: push the free nodes of a good mesh about until its worst element is as bad as asked for."""
+"""spoil: push the free nodes of a good mesh about until its worst element is as bad as asked."""
 import numpy as np
 from scipy.optimize import brentq
 

@@ -293,13 +293,13 @@ typedef struct planish_result {
 
 /** Smooth coordinates [n_nodes][dim] in place.
  *  Promised: only free nodes move, and within their bounds; no positive element is inverted; no
- *  element gets a worse RR than the worst of the input, unless inverted ones were brought up; F
- *  never rises once no element is inverted or below its least volume; the same bits for any number
- *  of threads, any isa and compiler (gcc and clang are tested). Stars with an element that is not
- * positive are left alone if it has no least volume; those with an element below it are brought
- * above it first where that can be done. options (NULL: defaults); threads, bind and isa are those
- * of the plan. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then
- * untouched.
+ *  element gets a worse RR than the worst of the input, unless elements were brought above their
+ *  least volume; F never rises once no element is inverted or below its least volume; the same bits
+ * for any number of threads, any isa and compiler (gcc and clang are tested). Stars with an element
+ * that is not positive are left alone if it has no least volume; those with an element below it are
+ * brought above it first where that can be done. options (NULL: defaults); threads, bind and isa
+ * are those of the plan. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY;
+ * coordinates are then untouched.
  */
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,

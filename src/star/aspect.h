@@ -7,6 +7,7 @@
 #ifndef PL_STAR_ASPECT_H
 #define PL_STAR_ASPECT_H
 
+#include "geometry/inline.h"
 #include "geometry/sharpness.h"
 #include "star/objective.h"
 
@@ -44,7 +45,7 @@ typedef struct edges {
     lanes square[6]; /* of these, then of the link's own */
 } edges;
 
-static inline edges edges_at(const star *s, int64_t i, const lanes *x, const int dim) {
+PL_INLINE edges edges_at(const star *s, int64_t i, const lanes *x, const int dim) {
     static const uint8_t columns[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
     edges e;
     for (int j = 0; j < dim; j++) {
@@ -73,8 +74,8 @@ static inline int n_edges(const int dim) {
 
 /** AR^2 = c E^2 D^-k, k = 4/3 or 2: l = 2 grad E / E - k n / D,
  *  hess AR^2 / AR^2 = l l^T + 2 (hess E / E - grad E grad E^T / E^2) + k n n^T / D^2. */
-static inline void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
-                              const int dim) {
+PL_INLINE void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
+                          const int dim) {
     edges e = edges_at(s, i, x, dim);
     lanes sum = e.square[0];
     for (int k = 1; k < n_edges(dim); k++)
@@ -108,18 +109,18 @@ static inline void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *
 /* ---- edge ratio ---------------------------------------------------------------------------- */
 
 /** a^(2^SHARPNESS) and its inverse function. */
-static inline lanes sharpened(lanes a) {
+PL_INLINE lanes sharpened(lanes a) {
     for (int i = 0; i < SHARPNESS; i++)
         a *= a;
     return a;
 }
-static inline lanes unsharpened(lanes a) {
+PL_INLINE lanes unsharpened(lanes a) {
     for (int i = 0; i < SHARPNESS; i++)
         a = lanes_sqrt(a);
     return a;
 }
 
-static inline lanes sum_of(const lanes *a, int n) {
+PL_INLINE lanes sum_of(const lanes *a, int n) {
     lanes sum = a[0];
     for (int k = 1; k < n; k++)
         sum += a[k];
@@ -131,8 +132,8 @@ static inline lanes sum_of(const lanes *a, int n) {
  *  l = sum w_k c_k, hess = sum w_k (sign hess square_k / square_k + (q - sign) c_k c_k^T) - q l
  * l^T.
  */
-static inline void smoothed_extreme(const edges *e, const lanes *share, lanes total, double sign,
-                                    aspect *a, const int dim) {
+PL_INLINE void smoothed_extreme(const edges *e, const lanes *share, lanes total, double sign,
+                                aspect *a, const int dim) {
     const double q = (double)(1 << SHARPNESS);
     lanes own[3] = {lanes_of(0), lanes_of(0), lanes_of(0)};
     for (int j = 0; j < dim; j++) {
@@ -156,8 +157,8 @@ static inline void smoothed_extreme(const edges *e, const lanes *share, lanes to
 }
 
 /** AR^2 = (mean of square^q)^(1/q) (mean of square^-q)^(1/q): longest^2 / shortest^2, smoothed. */
-static inline void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
-                              const int dim) {
+PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
+                          const int dim) {
     const int n = n_edges(dim);
     edges e = edges_at(s, i, x, dim);
     lanes longest = e.square[0], shortest = e.square[0], large[6], small[6];
@@ -171,7 +172,7 @@ static inline void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *
         small[k] = sharpened(shortest / e.square[k]);
     }
     lanes of_large = sum_of(large, n), of_small = sum_of(small, n), share = lanes_of(1.0 / n);
-    a->square = longest / shortest * unsharpened(of_large * share) * unsharpened(of_small * share);
+    a->square = longest / shortest * unsharpened(of_large * share * (of_small * share));
     if (!derive)
         return;
     for (int k = 0; k < 3; k++)
@@ -187,8 +188,8 @@ static inline void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *
 
 /* ---- radius ratio -------------------------------------------------------------------------- */
 
-static inline void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
-                                const int derive, const int dim) {
+PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
+                            const int dim) {
     lanes inverse_d2 = a->inverse_d * a->inverse_d;
     if (dim == 3) {
         tetrahedra t = tetrahedra_at(s, i, (vec3){x[0], x[1], x[2]});
@@ -211,7 +212,7 @@ static inline void radius_ratio(const star *s, int64_t i, const lanes *x, aspect
 
 /* ---- one pack ------------------------------------------------------------------------------ */
 
-static inline void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, const int dim) {
+PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, const int dim) {
     static const uint8_t first[3] = {P0X, P0Y, P0Z};
     if (dim == 3) {
         vec3 n = vec3_load(s, NX, NY, NZ, i);
@@ -231,19 +232,19 @@ static inline void measure_at(const star *s, int64_t i, const lanes *x, aspect *
     a->inverse_d = lanes_of(1) / a->D;
 }
 
-static inline void aspect_at(const star *s, int64_t i, const lanes *x, const question *q, aspect *a,
-                             const int derive, const int dim) {
+PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a,
+                         const planish_objective kind, const int derive, const int dim) {
     measure_at(s, i, x, a, dim);
-    if (q->objective == PLANISH_RADIUS_RATIO)
+    if (kind == PLANISH_RADIUS_RATIO)
         radius_ratio(s, i, x, a, derive, dim);
-    else if (q->objective == PLANISH_MEAN_RATIO)
+    else if (kind == PLANISH_MEAN_RATIO)
         mean_ratio(s, i, x, a, derive, dim);
     else
         edge_ratio(s, i, x, a, derive, dim);
 }
 
 /** g = 1 - D / floor of a pack. */
-static inline lanes volume_constraint(const star *s, int64_t i, lanes D) {
+PL_INLINE lanes volume_constraint(const star *s, int64_t i, lanes D) {
     lanes inverse = load(s, INVERSE_FLOOR, i);
     return lanes_select(lanes_greater(inverse, lanes_of(0)), lanes_of(1) - D * inverse,
                         lanes_of(NEVER_ACTIVE));
@@ -255,11 +256,10 @@ static inline lanes volume_constraint(const star *s, int64_t i, lanes D) {
 #define FLOOR_FRACTION 0.9
 
 /** What RATE holds: 1 / D, or FLOOR_FRACTION / (D - floor). */
-static inline lanes feasible_rate(lanes D, lanes inverse_d, lanes inverse_floor) {
-    lanes_mask has_floor = lanes_greater(inverse_floor, lanes_of(0));
-    lanes floor = lanes_of(1) / lanes_select(has_floor, inverse_floor, lanes_of(1));
+PL_INLINE lanes feasible_rate(lanes D, lanes inverse_d, lanes floor) {
     lanes slack = lanes_max(D - floor, lanes_of(SLACK_LEAST) * floor);
-    return lanes_select(has_floor, lanes_of(FLOOR_FRACTION) / slack, inverse_d);
+    return lanes_select(lanes_greater(floor, lanes_of(0)), lanes_of(FLOOR_FRACTION) / slack,
+                        inverse_d);
 }
 
 /* ---- a star -------------------------------------------------------------------------------- */
@@ -273,7 +273,7 @@ typedef struct guarded_accumulator {
     lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
 } guarded_accumulator;
 
-static inline void guarded_init(guarded_accumulator *t) {
+PL_INLINE void guarded_init(guarded_accumulator *t) {
     memset(t, 0, sizeof *t);
     accumulator_init(&t->ratios);
     for (int k = 0; k < PL_PACKS; k++)
@@ -281,9 +281,9 @@ static inline void guarded_init(guarded_accumulator *t) {
 }
 
 /** Add the derivatives of a pack; elements that are not positive have no part in them. */
-static inline void guarded_derivatives(guarded_accumulator *t, int k, const question *q,
-                                       const aspect *a, lanes weight, lanes constraint,
-                                       lanes inverse_floor, const int dim) {
+PL_INLINE void guarded_derivatives(guarded_accumulator *t, int k, const question *q,
+                                   const aspect *a, lanes weight, lanes constraint,
+                                   lanes inverse_floor, const int dim) {
     lanes_mask positive = lanes_greater(a->D, lanes_of(0));
     lanes ratio = a->square * weight * lanes_of(q->ratio_weight);
     lanes volume = lanes_of(2 * q->volume_weight) * weight * inverse_floor;
@@ -299,7 +299,7 @@ static inline void guarded_derivatives(guarded_accumulator *t, int k, const ques
     t->size2[k] += a->aa * weight;
 }
 
-static inline objective guarded_result(const guarded_accumulator *t, const question *q) {
+PL_INLINE objective guarded_result(const guarded_accumulator *t, const question *q) {
     objective f = accumulator_result(&t->ratios, 1);
     f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t->volumes);
     f.shortfall = lanes_sum(t->shortfall);
@@ -307,10 +307,10 @@ static inline objective guarded_result(const guarded_accumulator *t, const quest
     return f;
 }
 
-/** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
- *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see blocking_rate. */
-static inline objective guarded_at(const star *s, const question *q, const double *position,
-                                   derivatives *out, const int derive, const int dim) {
+/** guarded_at for one objective, which is constant where this is inlined. */
+PL_INLINE objective guarded_sums(const star *s, const question *q, const double *position,
+                                 derivatives *out, const planish_objective kind, const int derive,
+                                 const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
     guarded_accumulator t;
@@ -319,7 +319,7 @@ static inline objective guarded_at(const star *s, const question *q, const doubl
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
             aspect a;
-            aspect_at(s, j, x, q, &a, derive, dim);
+            aspect_at(s, j, x, &a, kind, derive, dim);
             lanes weight = load(s, WEIGHT, j), inverse_floor = load(s, INVERSE_FLOOR, j);
             lanes g = volume_constraint(s, j, a.D);
             lanes above = lanes_max(g, lanes_of(0));
@@ -331,7 +331,7 @@ static inline objective guarded_at(const star *s, const question *q, const doubl
             if (!derive)
                 continue;
             store(s, GVALUE, j, g);
-            store(s, RATE, j, feasible_rate(a.D, a.inverse_d, inverse_floor));
+            store(s, RATE, j, feasible_rate(a.D, a.inverse_d, load(s, FLOOR, j)));
             guarded_derivatives(&t, k, q, &a, weight, g, inverse_floor, dim);
         }
     if (derive) {
@@ -342,6 +342,17 @@ static inline objective guarded_at(const star *s, const question *q, const doubl
         out->size2 = lanes_sum(t.size2) / (double)s->n_facets;
     }
     return guarded_result(&t, q);
+}
+
+/** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
+ *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see blocking_rate. */
+static inline objective guarded_at(const star *s, const question *q, const double *position,
+                                   derivatives *out, const int derive, const int dim) {
+    if (q->objective == PLANISH_RADIUS_RATIO)
+        return guarded_sums(s, q, position, out, PLANISH_RADIUS_RATIO, derive, dim);
+    if (q->objective == PLANISH_MEAN_RATIO)
+        return guarded_sums(s, q, position, out, PLANISH_MEAN_RATIO, derive, dim);
+    return guarded_sums(s, q, position, out, PLANISH_EDGE_RATIO, derive, dim);
 }
 
 #endif

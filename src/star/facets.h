@@ -20,8 +20,9 @@ enum {
     ROUNDING, /* D is certain to be positive where D^2 > ROUNDING * |x - p0|^2 */
     WEIGHT,   /* 1, or 0 for padding */
     RATE,     /* 1 / D, see blocking_rate in step.h */
-    /* The next two are for the guarded kernel alone. */
-    INVERSE_FLOOR, /* 1 / floor, the least D that is asked for; 0: only positive */
+    /* The next three are for the guarded kernel alone. */
+    FLOOR,         /* the least D that is asked for; 0: only positive */
+    INVERSE_FLOOR, /* 1 / floor, or 0 */
     GVALUE,        /* g = 1 - D / floor */
     COLUMNS_2D,
     P0Z = COLUMNS_2D,
@@ -189,21 +190,32 @@ static inline void gather_ring(const pl_star_problem *problem, star *s, const do
         ring_xyz[i] *= s->scale;
 }
 
-/** Copy the least D of the facets into their column; times scale dim times, one by one, as the
- * volume is of the size of the star. */
+/** The least D of an element with its own least volume, or else the general one. Times scale dim
+ *  times, one by one: the volume is of the size of the star. */
+static inline double floor_of(const pl_star_problem *problem, const star *s, double own,
+                              const int dim) {
+    double least = (own > 0 ? own : problem->guard->min_volume) * (dim == 3 ? 6 : 2);
+    for (int d = 0; d < dim; d++)
+        least *= s->scale;
+    return least;
+}
+
+/** Fill in the columns FLOOR and INVERSE_FLOOR; first: the star's first link facet of all. */
 static inline void gather_floors(const pl_star_problem *problem, const star *s, int64_t first,
                                  const int dim) {
-    const pl_star_guard *guard = problem->guard;
-    double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
-    for (int64_t i = 0; i < s->n_facets; i++) {
-        double own = guard->link_min_volume ? guard->link_min_volume[first + i] : 0;
-        double least = (own > 0 ? own : guard->min_volume) * (dim == 3 ? 6 : 2);
-        for (int d = 0; d < dim; d++)
-            least *= s->scale;
-        inverse_floor[i] = least > 0 ? 1 / least : 0;
+    const double *own = problem->guard->link_min_volume;
+    double *column = s->column + FLOOR * s->padded,
+           *inverse = s->column + INVERSE_FLOOR * s->padded;
+    double floor = floor_of(problem, s, own ? own[first] : 0, dim);
+    double inverse_floor = floor > 0 ? 1 / floor : 0;
+    for (int64_t i = 0; i < s->padded; i++) {
+        column[i] = floor; /* of all, or of facet 0 and the padding */
+        inverse[i] = inverse_floor;
     }
-    for (int64_t i = s->n_facets; i < s->padded; i++)
-        inverse_floor[i] = inverse_floor[0];
+    for (int64_t i = 1; own && i < s->n_facets; i++) {
+        column[i] = floor_of(problem, s, own[first + i], dim);
+        inverse[i] = column[i] > 0 ? 1 / column[i] : 0;
+    }
 }
 
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch. */

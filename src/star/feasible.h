@@ -243,15 +243,11 @@ static inline int keeps_positive(const star *s, const double *position, const in
     return kept;
 }
 
-/** Whether a trial brings the star nearer to its least volumes and breaks nothing. */
+/** Whether a trial brings the star nearer to its least volumes and breaks nothing. Volumes come
+ *  first: the limit on the radius ratio does not count here. */
 static inline int restores(const local *here, const trial *t, const objective *now, const int dim) {
-    if (!(t->value.shortfall < (1 - RESTORE_FALL) * now->shortfall) ||
-        !within_bounds(&here->b, t->position, dim) || !keeps_positive(&here->s, t->position, dim))
-        return 0;
-    if (!(here->problem->rr2_limit < INFINITY))
-        return 1;
-    objective rr = value_at(&here->s, t->position, dim);
-    return rr.max * (1 + rr.error) <= here->problem->rr2_limit;
+    return t->value.shortfall < (1 - RESTORE_FALL) * now->shortfall &&
+           within_bounds(&here->b, t->position, dim) && keeps_positive(&here->s, t->position, dim);
 }
 
 static inline int restoring_search(const local *here, const double *x, const objective *now,

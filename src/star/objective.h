@@ -7,6 +7,7 @@
 #ifndef PL_STAR_OBJECTIVE_H
 #define PL_STAR_OBJECTIVE_H
 
+#include "geometry/inline.h"
 #include "star/facets.h"
 
 #define RR2_FACTOR_3D (1.0 / 36.0)
@@ -39,7 +40,7 @@ typedef struct accumulator {
     lanes_mask positive[PL_PACKS], certain[PL_PACKS];
 } accumulator;
 
-static inline void accumulator_init(accumulator *t) {
+PL_INLINE void accumulator_init(accumulator *t) {
     for (int k = 0; k < PL_PACKS; k++) {
         t->sum[k] = t->max[k] = t->error2[k] = lanes_of(0);
         t->positive[k] = t->certain[k] = lanes_greater(lanes_of(1), lanes_of(0));
@@ -47,8 +48,8 @@ static inline void accumulator_init(accumulator *t) {
 }
 
 /** Take in one pack: inverse_d2 = 1 / D^2, rounding = ROUNDING |x - p0|^2. */
-static inline void accumulate(accumulator *t, int k, lanes rr2, lanes weight, lanes D,
-                              lanes inverse_d2, lanes rounding) {
+PL_INLINE void accumulate(accumulator *t, int k, lanes rr2, lanes weight, lanes D, lanes inverse_d2,
+                          lanes rounding) {
     lanes_mask positive = lanes_greater(D, lanes_of(0));
     t->sum[k] += rr2 * weight;
     t->max[k] = lanes_max(rr2, t->max[k]);
@@ -83,7 +84,7 @@ typedef struct tetrahedra {
     lanes aa, D, N, s; /* |a|^2, 6 V, |alpha|^2, twice the surface */
 } tetrahedra;
 
-static inline tetrahedra tetrahedra_at(const star *s, int64_t i, vec3 x) {
+PL_INLINE tetrahedra tetrahedra_at(const star *s, int64_t i, vec3 x) {
     tetrahedra t;
     t.a = vec3_minus(x, vec3_load(s, P0X, P0Y, P0Z, i));
     t.r1 = vec3_minus(x, vec3_load(s, P1X, P1Y, P1Z, i));
@@ -122,7 +123,7 @@ static inline objective value_3d(const star *s, const double *position) {
 
 /** Gradient g and Hessian h of the surface term: adds those of |m|, m = e x r with r = x - p, e the
  *  edge from p. inverse: 1 / |m|. */
-static inline void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) {
+PL_INLINE void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) {
     vec3 u = vec3_cross(vec3_scaled(m, inverse), e);
     lanes ee = vec3_dot(e, e);
     *g = vec3_plus(*g, u);
@@ -135,7 +136,7 @@ static inline void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) 
 }
 
 /** The log-derivatives of one pack: gradient l of log RR^2, Hessian h of RR^2 divided by RR^2. */
-static inline vec3 log_derivatives_3d(const tetrahedra *t, lanes inverse_d, lanes h[6]) {
+PL_INLINE vec3 log_derivatives_3d(const tetrahedra *t, lanes inverse_d, lanes h[6]) {
     const lanes one = lanes_of(1), two = lanes_of(2), four = lanes_of(4);
     vec3 b = vec3_minus(t->a, t->r1), c = vec3_minus(t->a, t->r2); /* p1 - p0, p2 - p0 */
     vec3 bc = vec3_minus(c, b);                                    /* p2 - p1 */
@@ -223,7 +224,7 @@ typedef struct triangles {
     lanes aa, bb, a, b, L, D; /* their squares and lengths, the facet's length, twice the area */
 } triangles;
 
-static inline triangles triangles_at(const star *s, int64_t i, lanes x, lanes y) {
+PL_INLINE triangles triangles_at(const star *s, int64_t i, lanes x, lanes y) {
     triangles t;
     t.ax = x - load(s, P0X, i);
     t.ay = y - load(s, P0Y, i);
@@ -260,8 +261,8 @@ static inline objective value_2d(const star *s, const double *position) {
  *  hess RR^2 / RR^2 = l l^T + 2 (hess log a + hess log b + hess log p + 2 n n^T / D^2), where
  *  A = (x - p0) / a^2, ua = (x - p0) / a, hess log a = I / a^2 - 2 A A^T, and
  *  hess log p = ((I - ua ua^T) / a + (I - ub ub^T) / b) / p - (ua + ub)(ua + ub)^T / p^2. */
-static inline void log_derivatives_2d(const star *s, int64_t i, const triangles *t, lanes inverse_d,
-                                      lanes l[2], lanes h[3]) {
+PL_INLINE void log_derivatives_2d(const star *s, int64_t i, const triangles *t, lanes inverse_d,
+                                  lanes l[2], lanes h[3]) {
     const lanes one = lanes_of(1), two = lanes_of(2);
     lanes ia = one / t->a, ib = one / t->b, ip = one / (t->L + (t->a + t->b));
     lanes uax = t->ax * ia, uay = t->ay * ia, ubx = t->bx * ib, uby = t->by * ib;

@@ -153,6 +153,8 @@ static void keep_track(run *r, const pl_sweep_tally *tally) {
     if (r->restoring || r->options->area_weight > 0 ||
         r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
         measure_again(r);
+    if (r->restoring && r->totals.radius_max > r->problem.rr2_limit)
+        r->problem.rr2_limit = r->totals.radius_max; /* of elements that were brought up */
 }
 
 /* ---- sweeps ------------------------------------------------------------------------------- */
@@ -243,20 +245,12 @@ static void run_sweeps(run *r) {
     }
 }
 
-/** The largest RR^2 that a move may make. An inverted element that is brought up is worse than any.
- */
-static double largest_allowed(const run *r) {
-    if (inverted(r) > 0 && below_min_volume(r) > 0)
-        return INFINITY;
-    return (r->plain ? r->sums.max : r->totals.radius_max) * LIMIT_MARGIN;
-}
-
 static void prepare_problem(run *r) {
     const planish_plan *plan = r->plan;
     double worse = r->options->only_worse_than;
     r->problem = pl_plan_problem(plan);
     r->problem.direction = r->options->direction;
-    r->problem.rr2_limit = largest_allowed(r);
+    r->problem.rr2_limit = (r->plain ? r->sums.max : r->totals.radius_max) * LIMIT_MARGIN;
     r->problem.rr2_skip = worse * worse;
     r->problem.to_float = r->options->precision == PLANISH_FLOAT;
     r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;

@@ -308,9 +308,9 @@ static long double search_all(const guarded_star *g, long double *x, long double
     return best;
 }
 
-/** Give the facets whose elements lose volume on the way from where the star is to its optimum
- * floors half way; returns how many. The star stays where it is. */
-static int forbid_the_optimum(guarded_star *g) {
+/** Give most of the facets whose elements lose volume on the way from where the star is to its
+ * optimum floors half way; returns how many. The star stays where it is. */
+static int forbid_the_optimum(guarded_star *g, int most) {
     double from[3];
     long double before[HAND_STAR_MAX_FACETS];
     int n = 0;
@@ -318,9 +318,9 @@ static int forbid_the_optimum(guarded_star *g) {
     for (int64_t f = 0; f < facets(g); f++)
         before[f] = measure(g, f);
     visits(g, 60);
-    for (int64_t f = 0; f < facets(g) && n < g->s.dim; f++) {
+    for (int64_t f = 0; f < facets(g) && n < most; f++) {
         long double after = measure(g, f);
-        g->floors[f] = after < 0.9L * before[f] ? (double)(0.5L * (before[f] + after)) : 0;
+        g->floors[f] = after < 0.95L * before[f] ? (double)(0.5L * (before[f] + after)) : 0;
         n += g->floors[f] > 0;
     }
     g->guard.link_min_volume = g->floors;
@@ -328,18 +328,21 @@ static int forbid_the_optimum(guarded_star *g) {
     return n;
 }
 
-/** A star away from its optimum, which floors forbid. */
-static void create_forbidden(guarded_star *g, int dim, int objective, unsigned seed) {
+/** A star away from its optimum, which floors of at most as many elements forbid; with a volume
+ * weight all have floors. Returns how many forbid. */
+static int create_forbidden(guarded_star *g, int dim, int objective, int most,
+                            double volume_weight, unsigned seed) {
     create(g, dim, 0.25, seed);
     unsigned random = mixed(seed);
     for (int d = 0; d < dim; d++)
         g->s.coordinates[d] += 0.5 * (test_random(&random) - 0.5);
     g->guard.objective = (planish_objective)objective;
-    assert_true(forbid_the_optimum(g) > 0);
+    g->guard.volume_weight = volume_weight;
+    g->guard.min_volume = volume_weight > 0 ? 0.3 * (double)mean_measure(g) : 0;
+    return forbid_the_optimum(g, most);
 }
 
-static void check_optimum(guarded_star *g, planish_direction direction, long double best,
-                          double volume_weight) {
+static void check_optimum(guarded_star *g, planish_direction direction, long double best) {
     double from[3];
     long double x[3];
     memcpy(from, g->s.coordinates, sizeof from);
@@ -350,10 +353,8 @@ static void check_optimum(guarded_star *g, planish_direction direction, long dou
     assert_true(worst(g) <= 1e-6L);
     assert_int_equal(o.n_stars, 1);
     assert_true(o.residual < 1e-4);
-    if (!(volume_weight > 0)) {
-        assert_true(o.n_active > 0);
-        assert_true(o.multiplier > 0);
-    }
+    assert_true(o.n_active > 0);
+    assert_true(o.multiplier > 0);
     assert_true(fabsl(hand_star_function(&g->s, x) / best - 1) < 1e-4L);
     memcpy(g->s.coordinates, from, (size_t)g->s.dim * sizeof *from);
 }
@@ -364,46 +365,51 @@ static void visits_reach_the_constrained_optimum(void **state) {
         for (unsigned seed = 0; seed < 4; seed++) {
             guarded_star g;
             long double x[3] = {0, 0, 0};
-            create_forbidden(&g, dim, objective, seed);
-            g.guard.volume_weight = seed == 3 ? 0.01 : 0;
+            double volume_weight = seed == 3 ? 0.01 : 0;
+            assert_true(create_forbidden(&g, dim, objective, dim, volume_weight, seed) > 0);
             long double best = search_all(&g, x, 1);
-            check_optimum(&g, PLANISH_NEWTON, best, g.guard.volume_weight);
-            check_optimum(&g, PLANISH_FLETCHER_REEVES, best, g.guard.volume_weight);
+            check_optimum(&g, PLANISH_NEWTON, best);
+            check_optimum(&g, PLANISH_FLETCHER_REEVES, best);
             destroy(&g);
         }
 }
 
-/** The multipliers at the optimum balance the gradient: checked with one constraint, by the
- *  textbook. */
+/** Norm of the gradient of g of one facet's element, which is affine. */
+static long double steepness(const guarded_star *g, int64_t facet) {
+    long double square = 0, x[3];
+    position(g, x);
+    long double here = hand_star_measure(&g->s, facet, x);
+    for (int d = 0; d < g->s.dim; d++) {
+        x[d] += 1;
+        long double slope = (hand_star_measure(&g->s, facet, x) - here) / g->floors[facet];
+        square += slope * slope;
+        x[d] -= 1;
+    }
+    return sqrtl(square);
+}
+
+/** With one constraint in force, multiplier * |grad g| = |grad f|. */
 static void the_multiplier_balances_the_gradient(void **state) {
     int dim = *(int *)*state, checked = 0;
-    for (unsigned seed = 0; seed < 20; seed++) {
+    for (unsigned seed = 0; seed < 30; seed++) {
         guarded_star g;
-        long double gradient = 0, constraint = 0;
-        create_forbidden(&g, dim, PLANISH_RADIUS_RATIO, seed);
-        visits(&g, 300);
+        int n = create_forbidden(&g, dim, (int)seed % 3, 1, 0, seed);
+        visits(&g, n ? 300 : 0);
         pl_star_optimality o = optimality(&g, PLANISH_ISA_AUTO);
-        int64_t active = -1;
-        for (int64_t f = 0; f < facets(&g); f++)
-            if (g.floors[f] > 0 && fabsl(1 - measure(&g, f) / g.floors[f]) < 1e-5L)
-                active = f;
-        for (int d = 0; d < dim && o.n_active == 1; d++) {
-            const long double h = 1e-6L;
-            long double x[3], f = difference(&g, d, -1, 0);
-            position(&g, x);
-            long double v = hand_star_measure(&g.s, active, x);
-            x[d] += h;
-            long double slope = (hand_star_measure(&g.s, active, x) - v) / h / g.floors[active];
-            gradient += f * f;
-            constraint += slope * slope;
-        }
-        if (o.n_active == 1) {
-            assert_true(fabsl(o.multiplier * sqrtl(constraint / gradient) - 1) < 1e-3L);
+        for (int64_t f = 0; f < facets(&g) && n; f++) {
+            long double square = 0;
+            for (int d = 0; g.floors[f] > 0 && d < dim; d++)
+                square += difference(&g, d, -1, 0) * difference(&g, d, -1, 0);
+            if (!(g.floors[f] > 0))
+                continue;
+            assert_int_equal(o.n_active, 1);
+            assert_true(fabsl(1 - measure(&g, f) / g.floors[f]) < 1e-6L);
+            assert_true(fabsl(o.multiplier * steepness(&g, f) / sqrtl(square) - 1) < 1e-3L);
             checked++;
         }
         destroy(&g);
     }
-    assert_true(checked > 5);
+    assert_true(checked > 20);
 }
 
 /* ---- feasibility --------------------------------------------------------------------------- */
@@ -412,7 +418,7 @@ static void the_multiplier_balances_the_gradient(void **state) {
  * bounds of the node, too. */
 static void polytope(const guarded_star *g, const uint8_t *wanted, int box, halfspaces *h) {
     const int dim = g->s.dim;
-    halfspaces_start(h, dim, 100);
+    halfspaces_start(h, dim, 1e6L);
     for (int64_t f = 0; f < facets(g); f++) {
         long double at[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
         if ((wanted && !wanted[f]) || !(hand_star_floor(&g->s, f) > 0))
@@ -575,12 +581,16 @@ static void create_away(guarded_star *g, int dim, unsigned seed, double *optimum
 }
 
 static void bounds_are_kept_and_reached(void **state) {
-    int dim = *(int *)*state;
+    int dim = *(int *)*state, checked = 0;
     for (unsigned seed = 0; seed < 100; seed++) {
         guarded_star g;
         double optimum[3];
         const int d = (int)seed % dim;
         create_away(&g, dim, seed, optimum);
+        if (fabs(g.s.coordinates[d] - optimum[d]) < 0.01) {
+            destroy(&g);
+            continue;
+        }
         double bound = 0.5 * (g.s.coordinates[d] + optimum[d]);
         int is_upper = optimum[d] > g.s.coordinates[d];
         (is_upper ? g.upper : g.lower)[d] = bound;
@@ -594,8 +604,10 @@ static void bounds_are_kept_and_reached(void **state) {
         pl_star_optimality o = optimality(&g, PLANISH_ISA_AUTO);
         assert_true(o.residual < 1e-4 && o.n_active == 1);
         assert_true(o.multiplier == 0); /* of volumes: there are none */
+        checked++;
         destroy(&g);
     }
+    assert_true(checked > 80);
 }
 
 static void a_node_without_room_is_held(void **state) {
@@ -666,10 +678,12 @@ static void nodes_move_along_the_sphere(void **state) {
         put_aside(&g, optimum, seed);
         for (int i = 0; i < 200; i++) {
             visit_and_watch(&g, PLANISH_ISA_AUTO);
-            assert_true(distance(g.s.coordinates, g.start, dim) <= g.radius[0]);
+            assert_true((double)distance(g.s.coordinates, g.start, dim) <= g.radius[0]);
         }
         assert_true(distance(g.s.coordinates, g.start, dim) > (1 - 1e-4L) * g.radius[0]);
-        assert_true(optimality(&g, PLANISH_ISA_AUTO).residual < 1e-3);
+        /* Fletcher-Reeves goes along constraints by steepest descent, which takes longer. */
+        assert_true(optimality(&g, PLANISH_ISA_AUTO).residual <
+                    (g.s.problem.direction == PLANISH_NEWTON ? 1e-3 : 1e-2));
         check_ball(&g, seed);
         destroy(&g);
     }
