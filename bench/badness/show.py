@@ -26,7 +26,8 @@ def print_table(rows):
     print("| --- |" + " --: |" * 12)
     for row in rows:
         visits = int(row["visits"])
-        print(f"| {(row['series'] + ' ' + row['amount']).strip()} | {number(row['rms'])} | {number(row['max_rr'])} "
+        start = f"{row['series']} {row['amount']}".strip()
+        print(f"| {start} | {number(row['rms'])} | {number(row['max_rr'])} "
               f"| {100 * int(row['bad']) / int(row['elements']):.2f} | {row['sweeps_near']} "
               f"| {row['visits_near']} | {float(row['seconds_near']):.3f} | {row['sweeps']} | {visits} "
               f"| {int(row['evaluations']) / visits:.2f} | {float(row['seconds']):.3f} "

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """tables: smooth each mesh by each method, solve on the results, print Markdown.
 
-   tables.py BUILD MESH.mesh...      results beside the meshes, and in BUILD/results/fem.json"""
+   tables.py BUILD OUT.json MESH.mesh...      smoothed meshes beside the meshes, figures in OUT.json"""
 import json
 import math
 import os
@@ -62,13 +62,13 @@ def print_table(name, results):
 
 
 def main():
-    build, *paths = sys.argv[1:]
+    build, report, *paths = sys.argv[1:]
     everything = {}
     for path in paths:
         name = os.path.splitext(os.path.basename(path))[0]
         everything[name] = compare(build, path)
         print_table(name, everything[name])
-    with open(f"{build}/results/fem.json", "w", encoding="utf-8") as file:
+    with open(report, "w", encoding="utf-8") as file:
         json.dump(everything, file, indent=1)
 
 

@@ -35,6 +35,7 @@ typedef struct aspect {
 typedef struct question {
     planish_objective objective;
     double ratio_weight, volume_weight;
+    double penalty; /* rho of the augmented Lagrangian, 0: none */
 } question;
 
 /* ---- edges -------------------------------------------------------------------------------- */
@@ -268,6 +269,7 @@ PL_INLINE lanes feasible_rate(lanes D, lanes inverse_d, lanes floor) {
 typedef struct guarded_accumulator {
     accumulator ratios;
     lanes volumes[PL_PACKS];   /* sum of g^2 */
+    lanes penalties[PL_PACKS]; /* sum of max(0, lambda / rho + g)^2 */
     lanes shortfall[PL_PACKS]; /* sum of max(0, g)^2 */
     lanes worst[PL_PACKS];     /* largest g */
     lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
@@ -280,14 +282,36 @@ PL_INLINE void guarded_init(guarded_accumulator *t) {
         t->worst[k] = lanes_of(NEVER_ACTIVE);
 }
 
+/** What the volumes of a pack add: to the function, and to its derivatives -slope n and bend n n^T.
+ *  With a penalty rho, rho / 2 max(0, lambda / rho + g)^2 stands for the constraint g <= 0: its
+ * value of g is then not looked at by anybody else. */
+PL_INLINE void add_volumes(guarded_accumulator *t, int k, const star *s, int64_t i,
+                           const question *q, lanes *g, lanes weight, lanes *slope, lanes *bend) {
+    const lanes inverse = load(s, INVERSE_FLOOR, i), zero = lanes_of(0);
+    lanes constraint = *g, above = lanes_max(*g, zero);
+    t->volumes[k] += constraint * constraint * (weight * lanes_of(q->volume_weight > 0));
+    *slope = lanes_of(2 * q->volume_weight) * constraint;
+    *bend = lanes_of(2 * q->volume_weight);
+    if (q->penalty > 0) {
+        lanes shifted = lanes_max(load(s, SHIFT, i) + constraint, zero), rho = lanes_of(q->penalty);
+        t->penalties[k] += shifted * shifted * weight;
+        *slope += rho * shifted;
+        *bend += lanes_select(lanes_greater(shifted, zero), rho, zero);
+        *g = lanes_of(NEVER_ACTIVE);
+        above = zero;
+    }
+    *slope *= weight * inverse;
+    *bend *= weight * inverse * inverse;
+    t->shortfall[k] += above * above * weight;
+    t->worst[k] = lanes_max(*g, t->worst[k]);
+}
+
 /** Add the derivatives of a pack; elements that are not positive have no part in them. */
 PL_INLINE void guarded_derivatives(guarded_accumulator *t, int k, const question *q,
-                                   const aspect *a, lanes weight, lanes constraint,
-                                   lanes inverse_floor, const int dim) {
+                                   const aspect *a, lanes weight, lanes slope, lanes bend,
+                                   const int dim) {
     lanes_mask positive = lanes_greater(a->D, lanes_of(0));
     lanes ratio = a->square * weight * lanes_of(q->ratio_weight);
-    lanes volume = lanes_of(2 * q->volume_weight) * weight * inverse_floor;
-    lanes slope = volume * constraint, bend = volume * inverse_floor;
     for (int r = 0, c = 0; r < dim; r++) {
         t->g[r][k] += lanes_select(positive, ratio * a->l[r], lanes_of(0));
         t->g[r][k] -= slope * a->n[r];
@@ -301,7 +325,8 @@ PL_INLINE void guarded_derivatives(guarded_accumulator *t, int k, const question
 
 PL_INLINE objective guarded_result(const guarded_accumulator *t, const question *q) {
     objective f = accumulator_result(&t->ratios, 1);
-    f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t->volumes);
+    f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t->volumes) +
+            0.5 * q->penalty * lanes_sum(t->penalties);
     f.shortfall = lanes_sum(t->shortfall);
     f.worst = lanes_largest(t->worst);
     return f;
@@ -320,19 +345,17 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
             int64_t j = i + k * PL_PACK;
             aspect a;
             aspect_at(s, j, x, &a, kind, derive, dim);
-            lanes weight = load(s, WEIGHT, j), inverse_floor = load(s, INVERSE_FLOOR, j);
-            lanes g = volume_constraint(s, j, a.D);
-            lanes above = lanes_max(g, lanes_of(0));
+            lanes weight = load(s, WEIGHT, j), g = volume_constraint(s, j, a.D), slope, bend;
             accumulate(&t.ratios, k, a.square, weight, a.D, a.inverse_d * a.inverse_d,
                        load(s, ROUNDING, j) * a.aa);
-            t.volumes[k] += g * g * (weight * lanes_of(q->volume_weight > 0));
-            t.shortfall[k] += above * above * weight;
-            t.worst[k] = lanes_max(g, t.worst[k]);
+            add_volumes(&t, k, s, j, q, &g, weight, &slope, &bend);
             if (!derive)
                 continue;
             store(s, GVALUE, j, g);
-            store(s, RATE, j, feasible_rate(a.D, a.inverse_d, load(s, FLOOR, j)));
-            guarded_derivatives(&t, k, q, &a, weight, g, inverse_floor, dim);
+            store(
+                s, RATE, j,
+                feasible_rate(a.D, a.inverse_d, q->penalty > 0 ? lanes_of(0) : load(s, FLOOR, j)));
+            guarded_derivatives(&t, k, q, &a, weight, slope, bend, dim);
         }
     if (derive) {
         for (int c = 0; c < dim; c++)

@@ -20,10 +20,11 @@ enum {
     ROUNDING, /* D is certain to be positive where D^2 > ROUNDING * |x - p0|^2 */
     WEIGHT,   /* 1, or 0 for padding */
     RATE,     /* 1 / D, see blocking_rate in step.h */
-    /* The next three are for the guarded kernel alone. */
+    /* The next four are for the guarded kernel alone. */
     FLOOR,         /* the least D that is asked for; 0: only positive */
     INVERSE_FLOOR, /* 1 / floor, or 0 */
     GVALUE,        /* g = 1 - D / floor */
+    SHIFT,         /* lambda / penalty, see pl_star_guard */
     COLUMNS_2D,
     P0Z = COLUMNS_2D,
     P1Z,
@@ -215,6 +216,11 @@ static inline void gather_floors(const pl_star_problem *problem, const star *s, 
     for (int64_t i = 1; own && i < s->n_facets; i++) {
         column[i] = floor_of(problem, s, own[first + i], dim);
         inverse[i] = column[i] > 0 ? 1 / column[i] : 0;
+    }
+    if (problem->guard->penalty > 0) {
+        double *shift = s->column + SHIFT * s->padded;
+        for (int64_t i = 0; i < s->padded; i++)
+            shift[i] = problem->guard->link_shift[first + (i < s->n_facets ? i : 0)];
     }
 }
 

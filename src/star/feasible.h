@@ -32,6 +32,15 @@ enum { RESTORE_TRIALS = 10 };
 /* A homogeneous solution with less weight than this has none: the star is infeasible. */
 #define WEIGHT_LEAST 1e-9
 
+/** g above which an element is violated. */
+static inline double violated_above(const local *here) {
+    return here->problem->guard->strict ? GRAZE : VIOLATED_ABOVE;
+}
+
+static inline double restore_margin(const local *here) {
+    return here->problem->guard->strict ? RESTORE_MARGIN_LAST : RESTORE_MARGIN;
+}
+
 /* ---- rows ---------------------------------------------------------------------------------- */
 
 /** Gradients of constraints, of unit length, in the star's spare columns. */
@@ -276,7 +285,7 @@ static inline active critical(const local *here, const double *x, double size, c
     for (int64_t i = 0; i < s->n_facets; i++) {
         double *row = g[i] > ACTIVE_ABOVE ? add_facet_row(s, i, &a, dim) : NULL;
         if (row)
-            row[dim] = g[i] > VIOLATED_ABOVE ? push_off_factor(g[i]) : 0;
+            row[dim] = g[i] > violated_above(here) ? push_off_factor(g[i]) : 0;
     }
     add_bound_rows(here, x, -ACTIVE_ABOVE, size, &a, dim);
     return a;
@@ -306,10 +315,10 @@ static inline double restoring_step(const local *here, const double *x, const do
     const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
     double far = sqrt(dot(direction, direction, dim)), goal = 0, n[3];
     for (int64_t i = 0; i < s->n_facets; i++) {
-        if (!(g[i] > VIOLATED_ABOVE) || !facet_normal(s, i, n, dim))
+        if (!(g[i] > violated_above(here)) || !facet_normal(s, i, n, dim))
             continue;
         double rise = dot(n, direction, dim) * length[i] * inverse_floor[i];
-        double step = rise > 0 ? (g[i] + RESTORE_MARGIN) / rise : 0;
+        double step = rise > 0 ? (g[i] + restore_margin(here)) / rise : 0;
         goal = step > goal ? step : goal;
     }
     double rate = limiting_rate(here, x, direction, 1, dim), limit = STEP_LIMIT * size / far;
@@ -373,7 +382,7 @@ static inline int shortest_displacement(const active *a, double *displacement, c
  * the way. */
 static inline int go_to_feasible(const local *here, const double *x, const objective *now,
                                  trial *best, const int dim) {
-    static const double margins[] = {RESTORE_MARGIN, RESTORE_MARGIN_LAST};
+    const double margins[] = {restore_margin(here), RESTORE_MARGIN_LAST};
     for (int i = 0; i < 2; i++) {
         double displacement[3];
         cone_point point;

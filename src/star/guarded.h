@@ -43,7 +43,7 @@ static inline void take(const trial *t, double *x, objective *now, const int dim
 static inline int restoring_steps(const local *here, double *x, objective *now,
                                   derivatives *derivative, const int dim) {
     int moves = 0;
-    while (moves < RESTORING_STEPS && now->worst > VIOLATED_ABOVE) {
+    while (moves < RESTORING_STEPS && now->worst > violated_above(here)) {
         trial best;
         if (!restore(here, x, now, derivative, &best, dim))
             break;
@@ -95,7 +95,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     double size2 = derivative.size2;
     int restored = restoring_steps(&here, x, &now, &derivative, dim), moved = restored;
     const double before = now.sum;
-    if (!(now.worst > VIOLATED_ABOVE))
+    if (!(now.worst > violated_above(&here)))
         moved += guarded_steps(&here, x, &now, &derivative, dim);
     if (moved)
         settle(&here, node, x, size2, place, dim);
@@ -132,7 +132,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     cone_point point;
     to_star(&here, place, x, dim);
     objective now = look(&here, x, &derivative, dim);
-    if (!now.positive || now.worst > VIOLATED_ABOVE || !(now.sum < INFINITY))
+    if (!now.positive || now.worst > violated_above(&here) || !(now.sum < INFINITY))
         return;
     const double size = sqrt(derivative.size2);
     const factors identity = {{{0}}, {1, 1, 1}};

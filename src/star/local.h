@@ -56,7 +56,8 @@ static inline local local_of(const pl_star_problem *problem, int64_t index, cons
     here.s = gather(problem, index, place, scratch, guarded, dim);
     if (guarded) {
         const pl_star_guard *guard = problem->guard;
-        here.q = (question){guard->objective, guard->ratio_weight, guard->volume_weight};
+        here.q =
+            (question){guard->objective, guard->ratio_weight, guard->volume_weight, guard->penalty};
         here.b = bounds_of(problem, problem->node[index], here.s.scale, dim);
     }
     return here;

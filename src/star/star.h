@@ -21,7 +21,10 @@ typedef struct pl_star_guard {
     planish_objective objective;
     double ratio_weight, volume_weight; /* of sum AR^2 and sum g^2 in a star's function */
     double min_volume;                  /* of elements without their own; 0: none */
+    int strict;                         /* 1: elements are violated as soon as they are below */
     const double *link_min_volume; /* [link_offset[n_stars]] of the facets' elements, 0: none */
+    double penalty;                /* rho, above 0: least volumes by augmented Lagrangian */
+    double *link_shift;            /* [link_offset[n_stars]] lambda / rho of the elements then */
     const double *lower, *upper;   /* [n_nodes][dim] */
     const double *start;           /* [n_nodes][dim] where the nodes were, */
     const double *radius;          /* [n_nodes] and how far they may go */
@@ -82,6 +85,12 @@ pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method met
  *  star] is set to 1 for the elements of the proof, else 0. scratch as for visits. */
 int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
                        const uint8_t *is_fixed, double *scratch, uint8_t *taking_part);
+
+/** Raise the multipliers of the elements of stars begin .. end-1 to max(0, lambda + rho g), and
+ * count the stars as changed where they change, or (if wake) where a least volume is in force
+ *  (multipliers.c). Returns the largest change of a shift. scratch as for visits. */
+double pl_star_update_shifts(const pl_star_problem *problem, int dim, int wake, int64_t begin,
+                             int64_t end, double *scratch);
 
 /** Visit the changed ones of stars begin .. end-1, which must be independent. */
 typedef pl_star_tally pl_star_visit_fn(const pl_star_problem *problem, int64_t begin, int64_t end,

@@ -168,7 +168,7 @@ static void check_derivatives(guarded_star *g) {
 }
 
 static void derivatives_match_differences(void **state) {
-    enum { STARS = 40 };
+    enum { STARS = 25 };
     int dim = *(int *)*state;
     for (int objective = 0; objective < 3; objective++)
         for (unsigned seed = 0; seed < STARS; seed++) {
@@ -303,7 +303,7 @@ static long double search_grid(const guarded_star *g, long double *centre, long 
  *  first reaches as far as size. */
 static long double search_all(const guarded_star *g, long double *x, long double size) {
     long double best = INFINITY;
-    for (; size > 1e-8L; size *= 0.6L)
+    for (; size > 1e-7L; size *= 0.65L)
         best = fminl(best, search_grid(g, x, size));
     return best;
 }
@@ -355,7 +355,9 @@ static void check_optimum(guarded_star *g, planish_direction direction, long dou
     assert_true(o.residual < 1e-4);
     assert_true(o.n_active > 0);
     assert_true(o.multiplier > 0);
-    assert_true(fabsl(hand_star_function(&g->s, x) / best - 1) < 1e-4L);
+    /* No worse than the grids' best, and no better than grids can miss along an edge. */
+    assert_true(hand_star_function(&g->s, x) < (1 + 1e-7L) * best);
+    assert_true(hand_star_function(&g->s, x) > (1 - 1e-3L) * best);
     memcpy(g->s.coordinates, from, (size_t)g->s.dim * sizeof *from);
 }
 

@@ -184,7 +184,6 @@ static long double mean_ratio(const hand_star *s, long double measure, long doub
 
 long double hand_star_aspect(const hand_star *s, int64_t facet, const long double *x,
                              planish_objective objective) {
-    const long double power = 32;
     const int n = s->dim == 3 ? 6 : 3;
     long double corner[4][3], squares = 0, large = 0, small = 0;
     const long double *p[4] = {corner[0], corner[1], corner[2], corner[3]};
@@ -193,14 +192,16 @@ long double hand_star_aspect(const hand_star *s, int64_t facet, const long doubl
         return s->dim == 3 ? tetrahedron_ratio(p) : triangle_ratio(p);
     for (int i = 0; i < s->dim; i++)
         for (int j = i + 1; j <= s->dim; j++) {
-            long double edge = length(p[i], p[j], s->dim);
+            long double edge = length(p[i], p[j], s->dim), power = edge * edge;
             squares += edge * edge;
-            large += powl(edge, 2 * power) / n;
-            small += powl(edge, -2 * power) / n;
+            for (int k = 0; k < 5; k++) /* to 32 */
+                power *= power;
+            large += power / n;
+            small += 1 / power / n;
         }
     if (objective == PLANISH_MEAN_RATIO)
         return mean_ratio(s, hand_star_measure(s, facet, x), squares);
-    return powl(large * small, 1 / (2 * power));
+    return powl(large * small, 1.0L / 64);
 }
 
 long double hand_star_function(const hand_star *s, const long double *x) {

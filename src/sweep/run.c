@@ -1,0 +1,198 @@
+/* run: the sweeps of one call of planish_smooth, and what the mesh is worth meanwhile. */
+#include "sweep/run.h"
+
+#include "base/clock.h"
+#include "base/parallel.h"
+
+#include <math.h>
+
+enum { CHUNK_NODES = 4096 };
+
+/* Where the tracked sum has fallen below this fraction of the one measured last, rounding could
+ * show in it: measure again. */
+#define MEASURE_AGAIN 0.5
+
+/** The present coordinates by the caller's numbers, for measuring. */
+static void transfer_measured(void *context, int64_t begin, int64_t end, int thread) {
+    const pl_run *r = context;
+    const planish_plan *plan = r->plan;
+    const int dim = plan->dim;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        for (int d = 0; d < dim; d++)
+            plan->measured[i * dim + d] = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
+}
+
+/* ---- what the mesh is worth --------------------------------------------------------------- */
+
+static double rms(double sum, double n) {
+    return n > 0 ? sqrt(sum / n) : 0;
+}
+
+double pl_run_rms(const pl_run *r) {
+    const pl_objective_sums *t = &r->totals;
+    return r->plain
+               ? rms(r->sums.movable + r->sums.fixed, (double)(r->sums.n_movable + r->sums.n_fixed))
+               : rms(t->ratio[0] + t->ratio[1], t->n[0] + t->n[1]);
+}
+
+double pl_run_rms_of_movable(const pl_run *r) {
+    return r->plain ? rms(r->sums.movable, (double)r->sums.n_movable)
+                    : rms(r->totals.ratio[1], r->totals.n[1]);
+}
+
+double pl_run_objective(const pl_run *r) {
+    return r->plain ? pl_run_rms(r) : pl_objective_of_all(r->options, &r->totals);
+}
+
+static double objective_of_movable(const pl_run *r) {
+    return r->plain ? pl_run_rms_of_movable(r) : pl_objective_of_movable(r->options, &r->totals);
+}
+
+int64_t pl_run_inverted(const pl_run *r) {
+    return r->plain ? r->sums.inverted : (int64_t)r->totals.inverted;
+}
+
+int64_t pl_run_below(const pl_run *r) {
+    return r->plain ? 0 : (int64_t)r->totals.below;
+}
+
+static void measure_ratios(pl_run *r) {
+    const planish_plan *plan = r->plan;
+    pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
+                        plan->measured, plan->threads, &r->sums);
+    r->measured = r->sums.movable;
+}
+
+pl_objective_problem pl_run_objective_problem(const pl_run *r) {
+    const planish_plan *plan = r->plan;
+    return (pl_objective_problem){.dim = plan->dim,
+                                  .n_elements = plan->n_elements,
+                                  .elements = plan->elements,
+                                  .sign = plan->sign,
+                                  .is_free = r->guard.is_free ? r->guard.is_free : plan->is_free,
+                                  .coordinates = plan->measured,
+                                  .objective = r->options->objective,
+                                  .min_volume = r->guard.min_volume,
+                                  .own_min_volume = plan->min_volume,
+                                  .threads = plan->threads};
+}
+
+void pl_run_measure(pl_run *r) {
+    const planish_plan *plan = r->plan;
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, transfer_measured, r);
+    if (r->plain) {
+        measure_ratios(r);
+        return;
+    }
+    const pl_objective_problem problem = pl_run_objective_problem(r);
+    pl_sum_objective(&problem, &r->totals);
+    r->measured = r->totals.ratio[1];
+}
+
+/** The sum of RR^2, or AR^2, over the movable elements falls by what the visits say, unless other
+ *  things happened: then, and where rounding could show, it is measured. */
+static void keep_track(pl_run *r, const pl_sweep_tally *tally) {
+    if (r->guard.star.penalty > 0)
+        return; /* what falls is another function; it is measured in the end */
+    double *sum = r->plain ? &r->sums.movable : &r->totals.ratio[1];
+    *sum -= tally->decrease;
+    if (r->restoring || r->options->area_weight > 0 ||
+        r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
+        pl_run_measure(r);
+    if (r->restoring && r->totals.radius_max > r->problem.rr2_limit)
+        r->problem.rr2_limit = r->totals.radius_max; /* of elements that were brought up */
+}
+
+/* ---- sweeps ------------------------------------------------------------------------------- */
+
+/** Of a trial nobody sees what it does: the mesh that stands is the one that would be returned. */
+static planish_progress progress_of(const pl_run *r, int colour, int64_t visits) {
+    double now = pl_seconds();
+    pl_run seen = *r;
+    if (r->shown)
+        seen.totals = *r->shown;
+    return (planish_progress){.sweep = r->sweep,
+                              .colour = colour,
+                              .n_colours = r->plan->n_colours,
+                              .rms = pl_run_rms(&seen),
+                              .rms_movable = pl_run_rms_of_movable(&seen),
+                              .objective = pl_run_objective(&seen),
+                              .inverted = pl_run_inverted(&seen),
+                              .below_min_volume = pl_run_below(&seen),
+                              .restoring = r->restoring && !r->shown,
+                              .visits = visits,
+                              .seconds = now - r->sweep_start,
+                              .elapsed = now - r->start};
+}
+
+static int call_progress(pl_run *r, const planish_progress *progress) {
+    if (!r->options->progress || !r->options->progress(progress, r->options->progress_user))
+        return 0;
+    r->stop = PLANISH_STOP_INTERRUPTED;
+    return 1;
+}
+
+static int after_colour(void *context, int colours_done) {
+    pl_run *r = context;
+    planish_progress progress = progress_of(r, colours_done, 0);
+    if (call_progress(r, &progress))
+        return 1;
+    if (r->options->time_limit > 0 && progress.elapsed >= r->options->time_limit) {
+        r->stop = PLANISH_STOP_TIME_LIMIT;
+        return 1;
+    }
+    return 0;
+}
+
+int pl_run_sweep(pl_run *r, int64_t *visits) {
+    r->sweep++;
+    r->sweep_start = pl_seconds();
+    if (!r->plain)
+        r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
+    pl_sweep_tally tally = pl_sweep(r->plan, &r->problem, r->options->method, after_colour, r);
+    r->restoring = tally.restored > 0;
+    *visits = tally.visits;
+    r->result->visits += tally.visits;
+    r->result->evaluations += tally.evaluations;
+    keep_track(r, &tally);
+    planish_progress progress = progress_of(r, tally.colours, tally.visits);
+    progress.sweep_done = 1;
+    if (!tally.stopped)
+        return call_progress(r, &progress);
+    if (r->options->progress) /* the reason to stop stands: no answer is wanted */
+        r->options->progress(&progress, r->options->progress_user);
+    return 1;
+}
+
+/** Take note of a sweep; not 0 if another one is not worth its time. The averages may raise F: for
+ *  them it must stay as it is. */
+static int has_converged(const pl_run *r, pl_convergence *convergence, double before,
+                         int64_t visits) {
+    double after = objective_of_movable(r);
+    if (visits == 0)
+        return 1;
+    if (r->restoring) {
+        convergence->n_falls = 0;
+        return 0;
+    }
+    if (r->options->method != PLANISH_METHOD_PLANISH)
+        return pl_converged(convergence, fmax(before, after), fmin(before, after),
+                            r->options->tolerance);
+    return pl_converged(convergence, before, after, r->options->tolerance);
+}
+
+void pl_run_sweeps(pl_run *r) {
+    pl_convergence convergence = {{0}, 0};
+    r->stop = PLANISH_STOP_MAX_SWEEPS;
+    while (r->sweep < r->options->max_sweeps) {
+        double before = objective_of_movable(r);
+        int64_t visits;
+        if (pl_run_sweep(r, &visits))
+            return;
+        if (has_converged(r, &convergence, before, visits)) {
+            r->stop = PLANISH_STOP_CONVERGED;
+            return;
+        }
+    }
+}

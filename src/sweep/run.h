@@ -1,0 +1,55 @@
+/* run: one call of planish_smooth: what it works on, what the mesh is worth, its sweeps. */
+#ifndef PL_SWEEP_RUN_H
+#define PL_SWEEP_RUN_H
+
+#include "quality/measure.h"
+#include "sweep/guard.h"
+#include "sweep/sweep.h"
+
+/** One call of planish_smooth. */
+typedef struct pl_run {
+    planish_plan *plan;
+    const planish_options *options;
+    double *outside; /* [n][dim] the caller's coordinates */
+    pl_star_problem problem;
+    pl_guard guard;
+    int plain;                      /* the plain problem: sums are what counts, else totals */
+    pl_ratio_sums sums;             /* as measured last, movable then tracked */
+    pl_objective_sums totals;       /* as measured last, ratio[1] then tracked if mu2 = 0 */
+    double measured;                /* the sum that is tracked, as measured last */
+    double factor;                  /* from a star's function to F, of the last sweep's weights */
+    const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and this is what stands */
+    int restoring;                  /* the last sweep brought elements above their least volume */
+    double start;                   /* clock */
+    double sweep_start;
+    int sweep;
+    planish_stop stop;
+    planish_result *result;
+} pl_run;
+
+/** Measure the plan's coordinates. */
+void pl_run_measure(pl_run *r);
+
+/** F of all elements as measured or tracked last; how many are inverted or below. */
+double pl_run_objective(const pl_run *r);
+int64_t pl_run_inverted(const pl_run *r);
+int64_t pl_run_below(const pl_run *r);
+double pl_run_rms(const pl_run *r);
+double pl_run_rms_of_movable(const pl_run *r);
+
+/** What to sum over the mesh in plan->measured. */
+pl_objective_problem pl_run_objective_problem(const pl_run *r);
+
+/** One sweep and what is to be said of it; not 0 if it was cut short. *visits are then its own. */
+int pl_run_sweep(pl_run *r, int64_t *visits);
+
+/** Sweeps until they converge or must end: r->stop says why. */
+void pl_run_sweeps(pl_run *r);
+
+/* ---- augmented.c ---------------------------------------------------------------------------- */
+
+/** After the sweeps have converged with least volumes in force: look for a better mesh by augmented
+ *  Lagrangian, and take it if it is one. */
+void pl_run_augmented(pl_run *r);
+
+#endif
