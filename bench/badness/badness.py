@@ -45,7 +45,8 @@ def starts(build, mesh):
 
 def bad_elements(quality):
     histogram = quality["histogram"]
-    return sum(count for edge, count in zip(histogram["edges"], histogram["counts"]) if edge >= BAD)
+    bins = zip(histogram["edges"], histogram["counts"])
+    return sum(count for edge, count in bins if edge >= BAD)
 
 
 def work(build, mesh):

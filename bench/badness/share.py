@@ -46,8 +46,8 @@ def main():
         all_of_it = best(build, mesh, out)
         five = best(build, mesh, out, "--max-sweeps", str(FIVE_SWEEPS))
         size = all_of_it["mesh"]
-        print(f"| {os.path.basename(stem)} | {size['elements']} | {size['free_nodes']} | {gmsh:.2f} "
-              f"| {all_of_it['seconds']['setup']:.3f} | {sweep_seconds(five):.3f} "
+        print(f"| {os.path.basename(stem)} | {size['elements']} | {size['free_nodes']} "
+              f"| {gmsh:.2f} | {all_of_it['seconds']['setup']:.3f} | {sweep_seconds(five):.3f} "
               f"| {percent(smoothing_seconds(five), gmsh)} | {sweep_seconds(all_of_it):.3f} "
               f"| {percent(smoothing_seconds(all_of_it), gmsh)} |")
         os.remove(out)

@@ -21,16 +21,16 @@ def number(value):
 
 
 def print_table(rows):
-    print("| start | RMS at the start | worst RR | bad elements % | sweeps to 0.4 % | visits to 0.4 % "
-          "| s | all sweeps | visits | evaluations per visit | s | final RMS | final worst RR |")
+    print("| start | RMS at the start | worst RR | bad elements % | sweeps to 0.4 % "
+          "| visits to 0.4 % | s | all sweeps | visits | evaluations per visit | s | final RMS | final worst RR |")
     print("| --- |" + " --: |" * 12)
     for row in rows:
         visits = int(row["visits"])
         start = f"{row['series']} {row['amount']}".strip()
         print(f"| {start} | {number(row['rms'])} | {number(row['max_rr'])} "
               f"| {100 * int(row['bad']) / int(row['elements']):.2f} | {row['sweeps_near']} "
-              f"| {row['visits_near']} | {float(row['seconds_near']):.3f} | {row['sweeps']} | {visits} "
-              f"| {int(row['evaluations']) / visits:.2f} | {float(row['seconds']):.3f} "
+              f"| {row['visits_near']} | {float(row['seconds_near']):.3f} "
+              f"| {row['sweeps']} | {visits} | {int(row['evaluations']) / visits:.2f} | {float(row['seconds']):.3f} "
               f"| {float(row['final_rms']):.5f} | {float(row['final_max_rr']):.2f} |")
 
 
@@ -52,7 +52,7 @@ def draw(axis, rows, suffix, title):
 def plot(rows, path):
     figure, (left, right) = pyplot.subplots(1, 2, figsize=(10, 4.4))
     draw(left, rows, lambda row, key: int(row["visits" + key]) / 1e3, "thousand node visits")
-    draw(right, rows, lambda row, key: float(row["seconds" + key]), "seconds of the sweeps, one thread")
+    draw(right, rows, lambda row, key: float(row["seconds" + key]), "seconds of the sweeps")
     figure.legend(*left.get_legend_handles_labels(), loc="lower center", ncol=3, fontsize=8)
     figure.tight_layout(rect=(0, 0.13, 1, 1))
     figure.savefig(path, metadata={"Date": None})

@@ -8,8 +8,8 @@ GMSH_TIMES = 5  # relocations in a row: more than enough for Gmsh to arrive
 
 def planish(*options):
     def smooth(build, mesh, out):
-        done = subprocess.run([f"{build}/planish", "smooth", mesh, "-o", out, "-j", "1", "-q", *options],
-                              stderr=subprocess.DEVNULL, check=False)
+        command = [f"{build}/planish", "smooth", mesh, "-o", out, "-j", "1", "-q", *options]
+        done = subprocess.run(command, stderr=subprocess.DEVNULL, check=False)
         if done.returncode not in (0, 1):  # 1: elements are inverted, the mesh is written
             raise subprocess.CalledProcessError(done.returncode, done.args)
     return smooth

@@ -65,7 +65,7 @@ class Problem:
                             options={"SymmetricMode": True})
 
     def measure_elements(self):
-        """Signed volumes [m], positive for most, and the gradients [m][4][3] of the shape functions."""
+        """Signed volumes [m], positive for most; gradients [m][4][3] of the shape functions."""
         corner = self.points[self.elements]
         edges = corner[:, 1:] - corner[:, :1]
         self.volumes = np.linalg.det(edges) / 6

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """tables: smooth each mesh by each method, solve on the results, print Markdown.
 
-   tables.py BUILD OUT.json MESH.mesh...      smoothed meshes beside the meshes, figures in OUT.json"""
+   tables.py BUILD OUT.json MESH.mesh...    smoothed meshes beside MESH, figures in OUT.json"""
 import json
 import math
 import os

@@ -209,7 +209,16 @@ static void radius_ratio_is_that_of_the_plain_kernel(void **state) {
 
 /* ---- the variants -------------------------------------------------------------------------- */
 
-enum { FREE, ACTIVE, VIOLATED, INVERTED, BOXED, WITHIN_RADIUS, TO_FLOAT, SCENES };
+enum { FREE, ACTIVE, VIOLATED, INVERTED, SOME_VIOLATED, BOXED, WITHIN_RADIUS, TO_FLOAT, SCENES };
+
+/** Half of the elements want more than they have, the others nothing. */
+static void ask_of_some(guarded_star *g, unsigned seed) {
+    unsigned random = mixed(seed);
+    g->guard.min_volume = 0;
+    g->guard.link_min_volume = g->floors;
+    for (int64_t f = 0; f < facets(g); f++)
+        g->floors[f] = test_random(&random) < 0.5 ? 3 * (double)measure(g, f) : 0;
+}
 
 /** Set a star up in the way that scene says. */
 static void set_scene(guarded_star *g, int scene, unsigned seed) {
@@ -220,6 +229,8 @@ static void set_scene(guarded_star *g, int scene, unsigned seed) {
     g->guard.min_volume = (double)mean_measure(g) * (scene == ACTIVE ? 0.7 : 0.3);
     if (scene == VIOLATED || scene == INVERTED)
         g->s.coordinates[0] += scene == INVERTED ? 1.2 : 0.6;
+    if (scene == SOME_VIOLATED)
+        ask_of_some(g, seed);
     if (scene == BOXED) {
         g->guard.lower = g->lower;
         g->guard.upper = g->upper;
@@ -460,14 +471,15 @@ static void create_lost(guarded_star *g, int dim, unsigned seed, double part) {
         g->s.coordinates[d] += 3 * (test_random(&random) - 0.5);
 }
 
-/** Visit; no element that was positive may become less. */
-static void visit_and_watch(guarded_star *g, planish_isa isa) {
+/** Visit; no element that was positive may become less. Returns whether elements were restored. */
+static int64_t visit_and_watch(guarded_star *g, planish_isa isa) {
     long double before[HAND_STAR_MAX_FACETS];
     for (int64_t f = 0; f < facets(g); f++)
         before[f] = measure(g, f);
-    visit(g, isa);
+    pl_star_tally tally = visit(g, isa);
     for (int64_t f = 0; f < facets(g); f++)
         assert_true(!(before[f] > 0) || measure(g, f) > 0);
+    return tally.restored;
 }
 
 static void feasible_stars_are_restored(void **state) {
@@ -488,7 +500,21 @@ static void feasible_stars_are_restored(void **state) {
     assert_true(feasible > 100 && feasible < 300 && outside > 100);
 }
 
-/** The same in a box that the feasible places must share. */
+/** Elements without a floor of their own must not pay for those with one. */
+static void elements_without_floors_stay_positive(void **state) {
+    int dim = *(int *)*state, restored = 0;
+    for (unsigned seed = 0; seed < 100; seed++) {
+        guarded_star g;
+        create(&g, dim, 0.3, seed);
+        ask_of_some(&g, seed);
+        for (int i = 0; i < 10; i++)
+            restored += visit_and_watch(&g, i % 2 ? PLANISH_ISA_AUTO : PLANISH_ISA_PLAIN) > 0;
+        destroy(&g);
+    }
+    assert_true(restored > 100);
+}
+
+/** As for feasible_stars_are_restored, in a box that the feasible places must share. */
 static void feasible_stars_are_restored_within_bounds(void **state) {
     int dim = *(int *)*state, feasible = 0;
     for (unsigned seed = 0; seed < 300; seed++) {
@@ -705,6 +731,7 @@ int main(void) {
         BOTH(visits_reach_the_constrained_optimum),
         BOTH(the_multiplier_balances_the_gradient),
         BOTH(feasible_stars_are_restored),
+        BOTH(elements_without_floors_stay_positive),
         BOTH(feasible_stars_are_restored_within_bounds),
         BOTH(infeasible_stars_are_proven),
         BOTH(bounds_are_kept_and_reached),
