@@ -19,6 +19,7 @@ packages_check=(
 packages_full=(
     python3-numpy python3-meshio # independent figures on large meshes
     python3-vtk9                 # another program's quality measures
+    coinor-libipopt-dev          # all nodes at once, to compare with
     gmsh tetgen                  # meshes as their generators write them
     clang libomp-dev             # the other compiler, its OpenMP
     libclang-rt-dev              # its sanitizers and the fuzzer

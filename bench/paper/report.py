@@ -186,7 +186,7 @@ def write_histories(results, folder):
 
 
 def save(figure, path):
-    figure.savefig(path, format="svg", metadata={"Date": None})
+    figure.savefig(path, format="svg", metadata={"Date": None}, bbox_inches="tight")
     plt.close(figure)
 
 

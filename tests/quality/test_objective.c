@@ -70,9 +70,9 @@ static long double radius_ratio(const element *e) {
         return a * b * c / (4 * e->measure) * (a + b + c) / (4 * e->measure);
     }
     long double surface = area(e, 0, 1, 2) + area(e, 0, 1, 3) + area(e, 0, 2, 3) + area(e, 1, 2, 3);
-    long double products = heron(distance(e, 0, 1) * distance(e, 2, 3),
-                                 distance(e, 0, 2) * distance(e, 1, 3),
-                                 distance(e, 0, 3) * distance(e, 1, 2));
+    long double products =
+        heron(distance(e, 0, 1) * distance(e, 2, 3), distance(e, 0, 2) * distance(e, 1, 3),
+              distance(e, 0, 3) * distance(e, 1, 2));
     return products / (6 * e->measure) * surface / (9 * e->measure);
 }
 
@@ -295,8 +295,8 @@ static void elements_below_are_found(void **state) {
             element e = element_of(&s.problem, i);
             long double g = constraint(&s.problem, i, &e);
             assert_true(fabsl(g - PL_BELOW_ABOVE) > 1e-12L); /* clear */
-            assert_int_equal(found[i], g > PL_BELOW_ABOVE ? PLANISH_VOLUME_BELOW
-                                                          : PLANISH_VOLUME_MET);
+            assert_int_equal(found[i],
+                             g > PL_BELOW_ABOVE ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET);
             n += g > PL_BELOW_ABOVE;
         }
         assert_int_equal(n, n_found);
@@ -307,38 +307,61 @@ static void elements_below_are_found(void **state) {
     }
 }
 
-/** Triangles whose first corner is some units in the last place from the line of the other two
- *  (Kettner et al. 2008): which are positive is decided as by integers. */
-static void nearly_flat_triangles_are_decided_exactly(void **state) {
-    (void)state;
-    enum { SIDE = 32 };
+/** A coordinate in units of 2^-53. */
+static __int128 integer(double x) {
+    return (__int128)ldexp(x, 53);
+}
+
+enum { SIDE = 64 };
+
+/** Check triangles whose first corner is some units in the last place from the line of q and r:
+ *  which are positive is decided as by integers. */
+static void check_nearly_flat(const double *q, const double *r) {
     static double coordinates[2 * (SIDE * SIDE + 2)];
     static int32_t elements[3 * SIDE * SIDE];
     static const uint8_t is_free[SIDE * SIDE + 2];
-    int inverted = 0, n = SIDE * SIDE;
+    static uint8_t wanted[SIDE * SIDE], found[SIDE * SIDE];
+    const int n = SIDE * SIDE;
+    int inverted = 0;
     for (int i = 0; i < n; i++) {
-        __int128 x = ((__int128)1 << 52) + i % SIDE, y = ((__int128)1 << 52) + i / SIDE;
-        __int128 a = ((__int128)12 << 53), b = ((__int128)24 << 53);
+        const double *p = coordinates + 2 * i;
         coordinates[2 * i] = 0.5 + i % SIDE * 0x1p-53;
         coordinates[2 * i + 1] = 0.5 + i / SIDE * 0x1p-53;
         elements[3 * i] = i;
         elements[3 * i + 1] = n;
         elements[3 * i + 2] = n + 1;
-        inverted += !((a - x) * (b - y) - (a - y) * (b - x) > 0);
+        int positive = (integer(q[0]) - integer(p[0])) * (integer(r[1]) - integer(p[1])) >
+                       (integer(q[1]) - integer(p[1])) * (integer(r[0]) - integer(p[0]));
+        wanted[i] = positive ? PLANISH_VOLUME_MET : PLANISH_VOLUME_BELOW;
+        inverted += !positive;
     }
-    coordinates[2 * n] = coordinates[2 * n + 1] = 12;
-    coordinates[2 * n + 2] = coordinates[2 * n + 3] = 24;
+    memcpy(coordinates + 2 * n, q, 2 * sizeof *q);
+    memcpy(coordinates + 2 * n + 2, r, 2 * sizeof *r);
     const pl_objective_problem problem = {.dim = 2,
                                           .n_elements = n,
                                           .elements = elements,
                                           .is_free = is_free,
                                           .coordinates = coordinates,
+                                          .min_volume = 1e-300, /* positive is enough */
                                           .threads = 1};
     pl_objective_sums sums;
     pl_sum_objective(&problem, &sums);
-    assert_true(inverted > n / 4 && inverted < n);
+    assert_int_equal(pl_find_below(&problem, found), inverted);
+    assert_memory_equal(found, wanted, sizeof found);
+    assert_true(inverted > n / 8 && inverted < n - n / 8);
     assert_true(sums.inverted == inverted);
     assert_true(sums.n[0] == n - inverted && sums.n[1] == 0);
+}
+
+/** The examples of Kettner et al. (2008), where rounded determinants have wrong signs. */
+static void nearly_flat_triangles_are_decided_exactly(void **state) {
+    (void)state;
+    static const double q[][2] = {{12, 12}, {17.300000000000001, 17.300000000000001}};
+    static const double r[][2] = {{24, 24}, {24.00000000000005, 24.00000000000005}};
+    for (int i = 0; i < 2; i++) {
+        check_nearly_flat(q[i], r[i]);
+        check_nearly_flat(r[i], q[i]);
+    }
 }
 
 /** All in one plane, or on one point: nothing is valid, nothing is counted as it were. */

@@ -341,8 +341,8 @@ static int forbid_the_optimum(guarded_star *g, int most) {
 
 /** A star away from its optimum, which floors of at most as many elements forbid; with a volume
  * weight all have floors. Returns how many forbid. */
-static int create_forbidden(guarded_star *g, int dim, int objective, int most,
-                            double volume_weight, unsigned seed) {
+static int create_forbidden(guarded_star *g, int dim, int objective, int most, double volume_weight,
+                            unsigned seed) {
     create(g, dim, 0.25, seed);
     unsigned random = mixed(seed);
     for (int d = 0; d < dim; d++)
@@ -676,8 +676,7 @@ static void put_aside(guarded_star *g, const double *optimum, unsigned seed) {
         length += aside[d] * aside[d];
     }
     for (int d = 0; d < dim; d++)
-        g->s.coordinates[d] =
-            g->start[d] + aside[d] / sqrt(length) * g->radius[0] * (1 - 0x1p-30);
+        g->s.coordinates[d] = g->start[d] + aside[d] / sqrt(length) * g->radius[0] * (1 - 0x1p-30);
 }
 
 /** No point of the ball next to the node is better. */
