@@ -104,6 +104,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     tally->restored += restored > 0;
     if (moved > restored)
         tally->decrease += before - now.sum;
+    tally->improved += before - now.sum > IMPROVED * before;
 }
 
 /* ---- ranges of stars ----------------------------------------------------------------------- */

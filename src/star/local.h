@@ -67,6 +67,9 @@ static inline local local_of(const pl_star_problem *problem, int64_t index, cons
 
 /* A move shorter than this fraction of the star's size changes nothing for the stars around. */
 #define STILL 1e-4
+/* A star counts as improved where a visit made its function fall by more than this, relative. */
+#define IMPROVED 0.01
+
 /** Whether the star has changed since its last visit; it then counts as visited. */
 static inline int claim(const pl_star_problem *problem, int64_t index) {
     uint8_t *changed = &problem->changed[problem->node[index]];

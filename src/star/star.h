@@ -59,6 +59,7 @@ typedef struct pl_star_tally {
     double decrease;     /* of the stars' functions, at least 0; by what restored nothing */
     int64_t visits;      /* stars looked at */
     int64_t evaluations; /* of their function */
+    int64_t improved;    /* stars whose function fell by more than a hundredth of itself */
     int64_t restored;    /* stars in which elements were brought nearer to their least volume */
 } pl_star_tally;
 

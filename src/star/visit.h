@@ -10,10 +10,10 @@
 
 /* ---- the plain problem --------------------------------------------------------------------- */
 
-/** One step from x (scaled, changed if a better place is found); returns by how much the sum of
- * RR^2 fell, 0 for no step. */
+/** One step from x (scaled, changed if a better place is found), where the star's size and sum of
+ *  RR^2 are set; returns by how much the sum fell, 0 for no step. */
 static inline double one_step(const local *here, conjugate *memory, double *x, double *size2,
-                              const int dim) {
+                              double *sum, const int dim) {
     const pl_star_problem *problem = here->problem;
     derivatives derivative;
     double direction[3];
@@ -21,6 +21,7 @@ static inline double one_step(const local *here, conjugate *memory, double *x, d
     objective now = derivatives_at(&here->s, x, &derivative, dim);
     ++*here->evaluations;
     *size2 = derivative.size2;
+    *sum = now.sum;
     if (!now.positive || !(now.sum < INFINITY) || !(now.max > problem->rr2_skip))
         return 0;
     if (!find_direction(problem, &derivative, memory, direction, dim))
@@ -40,10 +41,10 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, dou
     double *place = problem->coordinates + (int64_t)node * dim;
     const local here = local_of(problem, index, place, scratch, &tally->evaluations, 0, dim);
     conjugate memory = {{0, 0, 0}, 0};
-    double x[3], decrease = 0, size2 = 0;
+    double x[3], decrease = 0, size2 = 0, sum = 0;
     to_star(&here, place, x, dim);
     for (int step = 0; step < steps_of_visit(problem->direction, dim); step++) {
-        double fall = one_step(&here, &memory, x, &size2, dim);
+        double fall = one_step(&here, &memory, x, &size2, &sum, dim);
         if (!(fall > 0))
             break;
         decrease += fall;
@@ -52,6 +53,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, dou
         return;
     settle(&here, node, x, size2, place, dim);
     tally->decrease += decrease;
+    tally->improved += decrease > IMPROVED * sum;
 }
 
 /* ---- ranges of stars ----------------------------------------------------------------------- */

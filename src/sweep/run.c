@@ -152,6 +152,7 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
         r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
     pl_sweep_tally tally = pl_sweep(r->plan, &r->problem, r->options->method, after_colour, r);
     r->restoring = tally.restored > 0;
+    r->improved = tally.improved;
     *visits = tally.visits;
     r->result->visits += tally.visits;
     r->result->evaluations += tally.evaluations;
@@ -165,6 +166,10 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
     return 1;
 }
 
+/* A sweep that improved more than this part of the stars is not calm, whatever F says: a few
+ * elements that cannot be mended may be all that F shows. */
+#define MANY_STARS 1e-3
+
 /** Take note of a sweep; not 0 if another one is not worth its time. The averages may raise F: for
  *  them it must stay as it is. */
 static int has_converged(const pl_run *r, pl_convergence *convergence, double before,
@@ -172,7 +177,7 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
     double after = objective_of_movable(r);
     if (visits == 0)
         return 1;
-    if (r->restoring) {
+    if (r->restoring || (double)r->improved > MANY_STARS * (double)r->plan->stars.n_stars) {
         convergence->n_falls = 0;
         return 0;
     }

@@ -19,8 +19,9 @@ typedef struct pl_run {
     double measured;                /* the sum that is tracked, as measured last */
     double factor;                  /* from a star's function to F, of the last sweep's weights */
     const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and this is what stands */
-    int restoring;                  /* the last sweep brought elements above their least volume */
-    double start;                   /* clock */
+    int64_t improved; /* stars that the last sweep improved by more than a hundredth */
+    int restoring;    /* the last sweep brought elements above their least volume */
+    double start;     /* clock */
     double sweep_start;
     int sweep;
     planish_stop stop;

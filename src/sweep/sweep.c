@@ -9,8 +9,8 @@ typedef struct colour_pass {
     const planish_plan *plan;
     const pl_star_problem *problem;
     planish_method method;
-    int64_t first;                         /* star */
-    int64_t visits, evaluations, restored; /* shared */
+    int64_t first;                                   /* star */
+    int64_t visits, evaluations, improved, restored; /* shared */
 } colour_pass;
 
 static pl_star_tally visit(const colour_pass *pass, int64_t begin, int64_t end, double *scratch) {
@@ -29,6 +29,7 @@ static double visit_chunk(void *context, int64_t begin, int64_t end, int thread)
                                 plan->scratch + plan->scratch_stride * thread);
     __atomic_fetch_add(&pass->visits, tally.visits, __ATOMIC_RELAXED);
     __atomic_fetch_add(&pass->evaluations, tally.evaluations, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&pass->improved, tally.improved, __ATOMIC_RELAXED);
     __atomic_fetch_add(&pass->restored, tally.restored, __ATOMIC_RELAXED);
     return tally.decrease;
 }
@@ -37,12 +38,13 @@ pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem
                         planish_method method, pl_after_colour_fn *after_colour, void *context) {
     pl_sweep_tally tally = {0};
     for (int c = 0; c < plan->n_colours && !tally.stopped; c++) {
-        colour_pass pass = {plan, problem, method, plan->colour_begin[c], 0, 0, 0};
+        colour_pass pass = {plan, problem, method, plan->colour_begin[c], 0, 0, 0, 0};
         int64_t n = plan->colour_begin[c + 1] - pass.first;
         tally.decrease +=
             pl_parallel_sum(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass, plan->partial);
         tally.visits += pass.visits;
         tally.evaluations += pass.evaluations;
+        tally.improved += pass.improved;
         tally.restored += pass.restored;
         tally.colours = c + 1;
         tally.stopped = after_colour(context, tally.colours);

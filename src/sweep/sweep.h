@@ -19,6 +19,7 @@ typedef int pl_after_colour_fn(void *context, int colours_done);
 typedef struct pl_sweep_tally {
     double decrease; /* of the stars' functions, see pl_star_tally */
     int64_t visits, evaluations;
+    int64_t improved; /* stars whose function fell by more than a hundredth of itself */
     int64_t restored; /* stars in which elements were brought nearer to their least volume */
     int colours;      /* done */
     int stopped;      /* what pl_after_colour_fn said */
