@@ -19,6 +19,8 @@ enum { MOST_SWEEPS = 40 };
 #define PENALTY 100.0
 /* Multipliers have settled where no lambda / rho changes by more. */
 #define SETTLED 1e-3
+/* Elements on their least volume are below it by rounding: their sum of g^2 is less than this. */
+#define SHORTFALL_NOISE 1e-9
 
 /** One update of the multipliers. */
 typedef struct update {
@@ -64,8 +66,10 @@ static int augmented_sweeps(pl_run *r) {
     return whole;
 }
 
+/** Better in every respect; what is left below cannot be helped, but must not be lower either. */
 static int is_better(const pl_run *r, const pl_objective_sums *standing) {
     return r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
+           r->totals.shortfall <= standing->shortfall + SHORTFALL_NOISE &&
            r->totals.radius_max <= standing->radius_max &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
