@@ -102,6 +102,10 @@ typedef enum planish_direction {
     PLANISH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's choice (its equation 3) */
 } planish_direction;
 
+/** Volumes are met from 1 minus this of the least volume on, the paper's threshold: g = 1 - V/delta
+ *  above it is violated. */
+#define PLANISH_VOLUME_TOLERANCE 0.003
+
 /** What a coordinate is stored as in the end: positions of nodes that move are rounded to it before
  *  they are judged. With PLANISH_FLOAT the coordinates given should be floats, too: those of nodes
  *  that do not move are taken as they are. */
@@ -139,7 +143,8 @@ typedef struct planish_progress {
  * result other than 0 ends the smoothing there: the mesh that planish_smooth returns is then valid
  * and no worse than before. A sweep that is cut short (by this or the time limit) still gets its
  * last call, whose result does not matter. The caller's coordinates change only when planish_smooth
- * returns. With bind, the calling thread is bound meanwhile, and threads made in here inherit that.
+ * returns. The plan must not be used in here, but for planish_measure and planish_check_volumes.
+ * With bind, the calling thread is bound meanwhile, and threads made in here inherit that.
  */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
@@ -168,7 +173,8 @@ typedef struct planish_options {
     int max_sweeps;                        /* at least 0 */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
     double time_limit;             /* seconds, 0: none */
-    double only_worse_than;        /* visit only stars with an element of RR above it; 0: all */
+    double only_worse_than;        /* visit only stars with an element of RR above it, or below its
+                                      least volume; 0: all */
     planish_progress_fn *progress; /* or NULL */
     void *progress_user;           /* handed to progress */
 } planish_options;
@@ -201,8 +207,8 @@ typedef struct planish_plan_info {
 
 /** Make a plan for mesh: validate it, find its boundary and orientation, order and colour its free
  *  nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
- *  mesh->elements, which must stay as they are until planish_plan_destroy; coordinates and
- *  constraint are not read after the return. Which order of an element is the positive one is
+ *  mesh->elements, which must stay as they are until planish_plan_destroy; coordinates, constraint
+ *  and min_volume are not read after the return. Which order of an element is the positive one is
  * decided here, from these coordinates: for a mirrored copy of them make another plan. Nodes with
  * more than 65535 neighbours are held. A mesh without elements is an error. Errors: _ARGUMENT,
  * _MESH (element or node is set), _MEMORY. */
@@ -275,7 +281,8 @@ typedef struct planish_result {
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
-    int64_t below_min_volume; /* elements below 0.997 of their least volume at the end */
+    int64_t below_min_volume; /* elements below 0.997 of their least volume at the end; more than at
+                                 the start, if it takes that to bring others nearer to theirs */
     int64_t held_outside;     /* free nodes that started outside of their bounds and were held */
     double objective_before;  /* F over the valid elements at the start */
     double objective;         /* and at the end */

@@ -85,12 +85,17 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
     return e;
 }
 
-/** g = 1 - V / delta, or -infinity for elements without a least volume. */
-static double volume_constraint(const pl_objective_problem *problem, int64_t index,
-                                const element *e) {
+static double least_volume(const pl_objective_problem *problem, int64_t index) {
     double own = problem->own_min_volume ? problem->own_min_volume[index] : 0;
-    double least = own > 0 ? own : problem->min_volume;
-    return least > 0 ? 1 - e->measure / least : -INFINITY;
+    return own > 0 ? own : problem->min_volume;
+}
+
+/* g of volumes that are huge multiples of delta: so that its square is finite. */
+static const double LOWEST_G = -1e100;
+
+/** g = 1 - V / delta, or -infinity for elements without a least volume. */
+static double volume_constraint(double least, const element *e) {
+    return least > 0 ? fmax(1 - e->measure / least, LOWEST_G) : -INFINITY;
 }
 
 static double aspect_square(const pl_objective_problem *problem, const double *const x[],
@@ -112,9 +117,9 @@ static int has_free_node(const pl_objective_problem *problem, int64_t index, con
 static inline void add_element(const pl_objective_problem *problem, int64_t index,
                                pl_objective_sums *sums, const int dim) {
     element e = element_at(problem, index, dim);
-    double g = volume_constraint(problem, index, &e);
+    double g = volume_constraint(least_volume(problem, index), &e);
     sums->domain += e.measure;
-    sums->below += g > PL_BELOW_ABOVE;
+    sums->below += g > PLANISH_VOLUME_TOLERANCE;
     sums->shortfall += g > 0 ? g * g : 0;
     if (!(e.determinant > 0)) {
         sums->inverted++;
@@ -174,7 +179,7 @@ static void classify_chunk(void *context, int64_t begin, int64_t end, int thread
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         element e = element_at(w->problem, i, w->problem->dim);
-        int below = volume_constraint(w->problem, i, &e) > PL_BELOW_ABOVE;
+        int below = volume_constraint(least_volume(w->problem, i), &e) > PLANISH_VOLUME_TOLERANCE;
         w->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
         n_below += below;
     }

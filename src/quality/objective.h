@@ -7,9 +7,6 @@
 
 #include <planish/planish.h>
 
-/* Elements with g = 1 - V / delta above it are below their least volume: the paper's threshold. */
-#define PL_BELOW_ABOVE 0.003
-
 /** A mesh of m elements and n nodes, and what is asked of it. */
 typedef struct pl_objective_problem {
     int dim;
@@ -32,8 +29,9 @@ typedef struct pl_objective_sums {
     double volume[2]; /* of g^2, of elements with a least volume */
     double n[2];      /* how many there are */
     double radius_max;
-    double inverted;  /* elements that are not valid */
-    double below;     /* elements with a least volume and g above PL_BELOW_ABOVE, valid or not */
+    double inverted; /* elements that are not valid */
+    double
+        below; /* elements with a least volume and g above PLANISH_VOLUME_TOLERANCE, valid or not */
     double shortfall; /* sum of max(0, g)^2, valid or not */
     double domain;    /* sum of the signed measures of all */
 } pl_objective_sums;

@@ -191,14 +191,22 @@ static inline void gather_ring(const pl_star_problem *problem, star *s, const do
         ring_xyz[i] *= s->scale;
 }
 
+/* Floors are kept within this and its inverse, of stars of a size of about 1: nothing over- or
+ * underflows, and which elements are above and below is the same. */
+#define FLOOR_LEAST 1e-100
+
 /** The least D of an element with its own least volume, or else the general one. Times scale dim
  *  times, one by one: the volume is of the size of the star. */
 static inline double floor_of(const pl_star_problem *problem, const star *s, double own,
                               const int dim) {
-    double least = (own > 0 ? own : problem->guard->min_volume) * (dim == 3 ? 6 : 2);
+    double volume = own > 0 ? own : problem->guard->min_volume, least = volume;
     for (int d = 0; d < dim; d++)
         least *= s->scale;
-    return least;
+    least *= dim == 3 ? 6 : 2;
+    if (!(volume > 0))
+        return 0;
+    least = least > FLOOR_LEAST ? least : FLOOR_LEAST;
+    return least < 1 / FLOOR_LEAST ? least : 1 / FLOOR_LEAST;
 }
 
 /** Fill in the columns FLOOR and INVERSE_FLOOR; first: the star's first link facet of all. */

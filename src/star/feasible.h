@@ -10,7 +10,7 @@
 #include "star/step.h"
 
 /* Elements with g above it are violated: V >= 0.997 delta counts as met, as in the paper. */
-#define VIOLATED_ABOVE 0.003
+#define VIOLATED_ABOVE PLANISH_VOLUME_TOLERANCE
 /* Constraints count as active within bands of g that become thinner, so that an optimum with
  * constraints in force is found and not just its surroundings. */
 #define BAND_FACTOR 0.1
@@ -236,35 +236,51 @@ static inline int guarded_direction(local *here, const double *x, const objectiv
 
 /* ---- case 3: constraints violated ---------------------------------------------------------- */
 
-/** Whether no element that was positive has become less at position; GVALUE holds g as it was. */
-static inline int keeps_positive(const star *s, const double *position, const int dim) {
-    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
-                        lanes_of(dim == 3 ? position[2] : 0)};
+/* Bringing some elements up must not press others flat: none is made lower, over its link facet,
+ * than this fraction of the star's size. */
+#define LEAST_HEIGHT 0.02
+
+/** Whether no element that was positive at x, or may have been, has become less than positive at
+ *  position, or flat. */
+static inline int keeps_positive(const star *s, const double *x, const double *position,
+                                 double size, const int dim) {
+    lanes before[3], after[3];
+    for (int d = 0; d < 3; d++) {
+        before[d] = lanes_of(d < dim ? x[d] : 0);
+        after[d] = lanes_of(d < dim ? position[d] : 0);
+    }
     int kept = 1;
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
-        aspect a;
-        measure_at(s, i, x, &a, dim);
+        aspect was, is;
+        measure_at(s, i, before, &was, dim);
+        measure_at(s, i, after, &is, dim);
+        const lanes rounding = load(s, ROUNDING, i), zero = lanes_of(0);
+        lanes low = lanes_of(LEAST_HEIGHT * size) * load(s, LENGTH, i);
+        lanes_mask inverted =
+            lanes_greater(zero, was.D) & lanes_greater(was.D * was.D, rounding * was.aa);
         lanes_mask certain =
-            lanes_greater(a.D, lanes_of(0)) & lanes_greater(a.D * a.D, load(s, ROUNDING, i) * a.aa);
-        lanes_mask was_not = ~lanes_greater(lanes_of(1), load(s, GVALUE, i));
-        kept &= lanes_all_set(certain | was_not);
+            lanes_greater(is.D, zero) & lanes_greater(is.D * is.D, rounding * is.aa);
+        lanes_mask lower = lanes_greater(lanes_min(was.D, low), is.D);
+        kept &= lanes_all_set(inverted | (certain & ~lower));
     }
     return kept;
 }
 
 /** Whether a trial brings the star nearer to its least volumes and breaks nothing. Volumes come
  *  first: the limit on the radius ratio does not count here. */
-static inline int restores(const local *here, const trial *t, const objective *now, const int dim) {
+static inline int restores(const local *here, const trial *t, const objective *now, const double *x,
+                           double size, const int dim) {
     return t->value.shortfall < (1 - RESTORE_FALL) * now->shortfall &&
-           within_bounds(&here->b, t->position, dim) && keeps_positive(&here->s, t->position, dim);
+           within_bounds(&here->b, t->position, dim) &&
+           keeps_positive(&here->s, x, t->position, size, dim);
 }
 
 static inline int restoring_search(const local *here, const double *x, const objective *now,
-                                   const double *direction, double step, trial *best,
+                                   const double *direction, double step, double size, trial *best,
                                    const int dim) {
     for (int i = 0; i < RESTORE_TRIALS; i++, step *= 0.5) {
         *best = try_step(here, x, direction, step, 1, dim);
-        if (restores(here, best, now, dim))
+        if (restores(here, best, now, x, size, dim))
             return 1;
     }
     return 0;
@@ -335,7 +351,7 @@ static inline int push_off(const local *here, const double *x, const objective *
         if (!push_off_direction(here, x, derivative, phi, direction, dim))
             continue;
         double step = restoring_step(here, x, direction, size, dim);
-        if (restoring_search(here, x, now, direction, step, best, dim))
+        if (restoring_search(here, x, now, direction, step, size, best, dim))
             return 1;
     }
     return 0;
@@ -381,14 +397,14 @@ static inline int shortest_displacement(const active *a, double *displacement, c
 /** Straight to the nearest feasible place: sum max(0, g)^2 is convex and 0 there, so it falls on
  * the way. */
 static inline int go_to_feasible(const local *here, const double *x, const objective *now,
-                                 trial *best, const int dim) {
+                                 double size, trial *best, const int dim) {
     const double margins[] = {restore_margin(here), RESTORE_MARGIN_LAST};
     for (int i = 0; i < 2; i++) {
         double displacement[3];
         cone_point point;
         active a = homogeneous(here, x, margins[i], dim);
         if (shortest_displacement(&a, displacement, &point, dim) &&
-            restoring_search(here, x, now, displacement, 1, best, dim))
+            restoring_search(here, x, now, displacement, 1, size, best, dim))
             return 1;
     }
     return 0;
@@ -396,7 +412,7 @@ static inline int go_to_feasible(const local *here, const double *x, const objec
 
 /** Where nothing is feasible: a Newton step of 1/2 sum max(0, g)^2. */
 static inline int lessen_shortfall(const local *here, const double *x, const objective *now,
-                                   trial *best, const int dim) {
+                                   double size, trial *best, const int dim) {
     const star *s = &here->s;
     const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
     const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
@@ -412,13 +428,15 @@ static inline int lessen_shortfall(const local *here, const double *x, const obj
         }
     }
     return newton_direction(gradient, hessian, direction, dim) &&
-           restoring_search(here, x, now, direction, 1, best, dim);
+           restoring_search(here, x, now, direction, 1, size, best, dim);
 }
 
 static inline int restore(const local *here, const double *x, const objective *now,
                           const derivatives *derivative, trial *best, const int dim) {
+    const double size = sqrt(derivative->size2);
     return push_off(here, x, now, derivative, best, dim) ||
-           go_to_feasible(here, x, now, best, dim) || lessen_shortfall(here, x, now, best, dim);
+           go_to_feasible(here, x, now, size, best, dim) ||
+           lessen_shortfall(here, x, now, size, best, dim);
 }
 
 #endif

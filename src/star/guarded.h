@@ -140,7 +140,8 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     active a = active_within(&here, x, FORCE_BAND, size, dim);
     if (!project_direction(&derivative, &identity, &a, direction, &point, dim))
         return;
-    double residual = sqrt(dot(direction, direction, dim)) * size / now.sum;
+    double rest = sqrt(dot(direction, direction, dim)) * size;
+    double residual = now.sum > 0 ? rest / now.sum : 0; /* f is 0 at its very best */
     sum->residual = residual > sum->residual ? residual : sum->residual;
     sum->residual2 += residual * residual;
     sum->n_stars++;

@@ -5,8 +5,11 @@
 
 /* A change of lambda / rho below this changes nothing for the star. */
 #define SHIFT_STILL 1e-4
-/* A least volume is in force with g above minus this. */
-#define IN_FORCE 0.003
+/* The shift of an element that was below its least volume to begin with: it keeps the penalty, or
+ * it would sink, but the multiplier of what cannot be met would grow for ever. */
+#define GIVEN_UP (-0x1p-1000)
+/* Below by as much as this after everything else was tried: it cannot be met. */
+#define HOPELESS (4 * PLANISH_VOLUME_TOLERANCE)
 
 static double update_star(const pl_star_problem *problem, int64_t index, int wake, double *scratch,
                           const int dim) {
@@ -21,12 +24,16 @@ static double update_star(const pl_star_problem *problem, int64_t index, int wak
         aspect a;
         measure_at(&s, i, x, &a, dim);
         double g = volume_constraint(&s, i, a.D);
+        closest = g > closest ? g : closest;
+        if (wake && g > HOPELESS)
+            shift[i] = GIVEN_UP;
+        if (shift[i] < 0)
+            continue;
         double next = shift[i] + g > 0 ? shift[i] + g : 0, change = fabs(next - shift[i]);
         shift[i] = next;
         largest = change > largest ? change : largest;
-        closest = g > closest ? g : closest;
     }
-    if (largest > SHIFT_STILL || (wake && closest > -IN_FORCE))
+    if (largest > SHIFT_STILL || (wake && closest > -PLANISH_VOLUME_TOLERANCE))
         problem->changed[problem->node[index]] = 1;
     return largest;
 }

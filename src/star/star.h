@@ -1,8 +1,9 @@
 /* star: the local problem of one node.
  *
  * A star is a free node x with the elements around it. Each element is seen as its facet opposite
- * x (a link facet) and x itself. A visit minimises the sum of RR^2 over the star, one step at a
- * time, and never leaves the polytope in which every element is positive (docs/algorithm.md).
+ * x (a link facet) and x itself. A visit minimises the sum of RR^2 over the star, or with a guard
+ * what is asked for, one step at a time, and never leaves the polytope in which every element is
+ * positive (docs/algorithm.md).
  *
  * Pure: no threads, no allocation, no files. The same source is compiled for several instruction
  * sets (kernel_*.c); all of them, and the plain one, give the same bits.
@@ -79,7 +80,7 @@ int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link);
 /** Move the nodes of the changed ones of stars begin .. end-1 by a method of averages
  * (laplacian.c): to the mean that it says, whatever becomes of the elements. */
 pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,
-                              int64_t begin, int64_t end);
+                              int64_t begin, int64_t end, double *scratch);
 
 /** Whether elements of the star's fixed link facets cannot all have their least volume, wherever
  * the node is (feasibility.c). is_fixed [n_nodes] by inner numbers; taking_part [link facets of the

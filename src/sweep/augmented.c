@@ -19,8 +19,8 @@ enum { MOST_SWEEPS = 40 };
 #define PENALTY 100.0
 /* Multipliers have settled where no lambda / rho changes by more. */
 #define SETTLED 1e-3
-/* Elements on their least volume are below it by rounding: their sum of g^2 is less than this. */
-#define SHORTFALL_NOISE 1e-9
+/* By how much the elements that are left below may be lower than before, relative. */
+#define LOWER 1e-3
 
 /** One update of the multipliers. */
 typedef struct update {
@@ -66,10 +66,23 @@ static int augmented_sweeps(pl_run *r) {
     return whole;
 }
 
+/** Wake the stars of nodes that the trial has moved, and those around them. */
+static void wake_moved(const planish_plan *plan, const double *before) {
+    const int dim = plan->dim;
+    for (int64_t s = 0; s < plan->stars.n_stars; s++) {
+        const int64_t at = (int64_t)plan->centre[s] * dim;
+        if (memcmp(plan->coordinates + at, before + at, (size_t)dim * sizeof *before) == 0)
+            continue;
+        plan->changed[plan->centre[s]] = 1;
+        for (int64_t i = plan->stars.ring_offset[s]; i < plan->stars.ring_offset[s + 1]; i++)
+            plan->changed[plan->stars.ring[i]] = 1;
+    }
+}
+
 /** Better in every respect; what is left below cannot be helped, but must not be lower either. */
 static int is_better(const pl_run *r, const pl_objective_sums *standing) {
     return r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
-           r->totals.shortfall <= standing->shortfall + SHORTFALL_NOISE &&
+           (r->totals.below == 0 || r->totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
            r->totals.radius_max <= standing->radius_max &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
@@ -78,12 +91,13 @@ static int is_better(const pl_run *r, const pl_objective_sums *standing) {
 static int try_augmented(pl_run *r, double *before) {
     const planish_plan *plan = r->plan;
     const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *before;
+    pl_run_measure(r); /* what was tracked will not do to compare with */
     const pl_objective_sums standing = r->totals;
     const double limit = r->problem.rr2_limit;
     memcpy(before, plan->coordinates, size);
     r->shown = &standing;
     if (augmented_sweeps(r)) {
-        memset(plan->changed, 1, (size_t)plan->n_nodes);
+        wake_moved(plan, before);
         pl_run_measure(r);
         r->guard.star.strict = 1; /* or F would fall at the cost of the volumes' tolerance */
         pl_run_sweeps(r);

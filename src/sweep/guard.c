@@ -37,26 +37,24 @@ pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
     return problem;
 }
 
-static double rms(double sum, double n) {
-    return n > 0 ? sqrt(sum / n) : 0;
-}
-
 double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums) {
     double n = sums->n[0] + sums->n[1], mu2 = options->area_weight;
-    return (1 - mu2) * rms(sums->ratio[0] + sums->ratio[1], n) +
-           mu2 * rms(sums->volume[0] + sums->volume[1], n);
+    double f1 = pl_rms(sums->ratio[0] + sums->ratio[1], n);
+    return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[0] + sums->volume[1], n) : f1;
 }
 
 double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums) {
     double mu2 = options->area_weight;
-    return (1 - mu2) * rms(sums->ratio[1], sums->n[1]) + mu2 * rms(sums->volume[1], sums->n[1]);
+    double f1 = pl_rms(sums->ratio[1], sums->n[1]);
+    return mu2 > 0 ? (1 - mu2) * f1 + mu2 * pl_rms(sums->volume[1], sums->n[1]) : f1;
 }
 
 double pl_guard_weigh(pl_guard *guard, const planish_options *options,
                       const pl_objective_sums *sums) {
     double n = sums->n[0] + sums->n[1], mu2 = options->area_weight, mu1 = 1 - mu2;
-    double of_ratio = mu1 / fmax(rms(sums->ratio[0] + sums->ratio[1], n), LEAST_RMS);
-    double of_volume = mu2 / fmax(rms(sums->volume[0] + sums->volume[1], n), LEAST_RMS);
+    double of_ratio = mu1 / fmax(pl_rms(sums->ratio[0] + sums->ratio[1], n), LEAST_RMS);
+    double of_volume =
+        mu2 > 0 ? mu2 / fmax(pl_rms(sums->volume[0] + sums->volume[1], n), LEAST_RMS) : 0;
     double unit = mu1 > 0 ? of_ratio : of_volume;
     guard->star.ratio_weight = of_ratio / unit;
     guard->star.volume_weight = of_volume / unit;

@@ -5,6 +5,13 @@
 #include "quality/objective.h"
 #include "sweep/plan.h"
 
+#include <math.h>
+
+/** Root mean square of n numbers from the sum of their squares; 0 without any. */
+static inline double pl_rms(double sum, double n) {
+    return n > 0 ? sqrt(sum / n) : 0;
+}
+
 /** Ready for the sweeps of one call. Its arrays are owned. */
 typedef struct pl_guard {
     int wanted; /* 0: the plain problem will do */

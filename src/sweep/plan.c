@@ -298,10 +298,11 @@ pl_star_problem pl_plan_problem(const planish_plan *plan) {
                              .rr2_limit = INFINITY};
 }
 
-/** The work of pl_plan_load. */
+/** The work of pl_plan_order. */
 typedef struct load {
     const planish_plan *plan;
     const double *coordinates;
+    double *inside;
 } load;
 
 static void load_nodes(void *context, int64_t begin, int64_t end, int thread) {
@@ -310,12 +311,11 @@ static void load_nodes(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < dim; d++)
-            w->plan->coordinates[(int64_t)w->plan->inner[i] * dim + d] =
-                w->coordinates[i * dim + d];
+            w->inside[(int64_t)w->plan->inner[i] * dim + d] = w->coordinates[i * dim + d];
 }
 
-void pl_plan_load(const planish_plan *plan, const double *coordinates) {
-    load w = {plan, coordinates};
+void pl_plan_order(const planish_plan *plan, const double *coordinates, double *inside) {
+    load w = {plan, coordinates, inside};
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, load_nodes, &w);
 }
 

@@ -36,8 +36,8 @@ struct planish_plan {
 /** The local problem of the plan's stars in its arrays, with the first direction and no limits. */
 pl_star_problem pl_plan_problem(const planish_plan *plan);
 
-/** Copy the caller's coordinates [n][dim] into the plan's. */
-void pl_plan_load(const planish_plan *plan, const double *coordinates);
+/** Copy the caller's coordinates [n][dim] to inside [n][dim], by inner numbers. */
+void pl_plan_order(const planish_plan *plan, const double *coordinates, double *inside);
 
 enum { PL_CHUNK_STARS = 32 }; /* stars that one thread takes at a time */
 

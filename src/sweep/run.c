@@ -25,20 +25,16 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
 
 /* ---- what the mesh is worth --------------------------------------------------------------- */
 
-static double rms(double sum, double n) {
-    return n > 0 ? sqrt(sum / n) : 0;
-}
-
 double pl_run_rms(const pl_run *r) {
     const pl_objective_sums *t = &r->totals;
-    return r->plain
-               ? rms(r->sums.movable + r->sums.fixed, (double)(r->sums.n_movable + r->sums.n_fixed))
-               : rms(t->ratio[0] + t->ratio[1], t->n[0] + t->n[1]);
+    return r->plain ? pl_rms(r->sums.movable + r->sums.fixed,
+                             (double)(r->sums.n_movable + r->sums.n_fixed))
+                    : pl_rms(t->ratio[0] + t->ratio[1], t->n[0] + t->n[1]);
 }
 
 double pl_run_rms_of_movable(const pl_run *r) {
-    return r->plain ? rms(r->sums.movable, (double)r->sums.n_movable)
-                    : rms(r->totals.ratio[1], r->totals.n[1]);
+    return r->plain ? pl_rms(r->sums.movable, (double)r->sums.n_movable)
+                    : pl_rms(r->totals.ratio[1], r->totals.n[1]);
 }
 
 double pl_run_objective(const pl_run *r) {

@@ -42,10 +42,6 @@ static void transfer_out(pl_run *r) {
 
 /* ---- a call --------------------------------------------------------------------------------- */
 
-static double rms(double sum, double n) {
-    return n > 0 ? sqrt(sum / n) : 0;
-}
-
 static void prepare_problem(pl_run *r) {
     const planish_plan *plan = r->plan;
     double worse = r->options->only_worse_than;
@@ -69,7 +65,7 @@ static int judge(pl_run *r, planish_error *error) {
     if (status)
         return status;
     result->kkt_residual = optimality.residual;
-    result->kkt_rms = rms(optimality.residual2, (double)optimality.n_stars);
+    result->kkt_rms = pl_rms(optimality.residual2, (double)optimality.n_stars);
     result->max_multiplier = optimality.multiplier * r->factor;
     result->n_active = optimality.n_active;
     return PLANISH_OK;
@@ -86,7 +82,7 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
     int status = state ? PLANISH_OK : pl_fail_memory(error, "the states of the elements");
     if (state) {
         pl_find_below(&problem, state);
-        status = pl_mark_infeasible(plan, &r->guard.star, state, &n_infeasible, error);
+        status = pl_mark_infeasible(plan, &r->problem, state, &n_infeasible, error);
     }
     pl_free(state);
     if (n_infeasible > 0)
@@ -96,7 +92,7 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
 
 static int smooth(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
-    pl_plan_load(plan, r->outside);
+    pl_plan_order(plan, r->outside, plan->coordinates);
     int status = pl_guard_create(plan, r->options, r->outside, &r->guard, error);
     if (status)
         return status;
@@ -135,7 +131,7 @@ static void fill_result(const pl_run *r) {
 int planish_smooth(planish_plan *plan, double *coordinates, const planish_options *options,
                    planish_result *result, planish_error *error) {
     planish_options defaults;
-    planish_result unwanted;
+    planish_result found = {0};
     if (!plan || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and coordinates must not be NULL");
     if (!options) {
@@ -153,13 +149,15 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
                 .outside = coordinates,
                 .options = options,
                 .start = pl_seconds(),
-                .result = result ? result : &unwanted};
-    memset(r.result, 0, sizeof *r.result);
+                .result = &found};
     pl_placement_enter(plan->placement);
     status = smooth(&r, error);
     pl_placement_leave(plan->placement);
-    if (!status)
+    if (!status) {
         fill_result(&r);
+        if (result)
+            *result = found;
+    }
     pl_guard_destroy(&r.guard);
     return status;
 }

@@ -16,7 +16,7 @@ typedef struct colour_pass {
 static pl_star_tally visit(const colour_pass *pass, int64_t begin, int64_t end, double *scratch) {
     const planish_plan *plan = pass->plan;
     if (pass->method != PLANISH_METHOD_PLANISH)
-        return pl_star_average(pass->problem, pass->method, plan->dim, begin, end);
+        return pl_star_average(pass->problem, pass->method, plan->dim, begin, end, scratch);
     if (pass->problem->guard)
         return plan->kernel->guarded->visit[plan->dim - 2](pass->problem, begin, end, scratch);
     return plan->kernel->visit[plan->dim - 2](pass->problem, begin, end, scratch);

@@ -5,10 +5,14 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <string.h>
+
 /** The search for proofs. */
 typedef struct search {
     const planish_plan *plan;
+    pl_star_problem problem;
     uint8_t *state;
+    double *scratch;      /* of the kernels */
     int32_t *star_of;     /* [n] by inner numbers: the star of a free node */
     int32_t *next_facet;  /* [n_stars] link facets of the star seen so far */
     uint8_t *is_fixed;    /* [n] by inner numbers */
@@ -16,18 +20,22 @@ typedef struct search {
     uint8_t *taking_part; /* [link facets of all stars] */
 } search;
 
-static int search_create(const planish_plan *plan, uint8_t *state, search *s) {
+static int search_create(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
+                         search *s) {
     const int64_t n = plan->n_nodes, n_stars = plan->stars.n_stars;
-    *s = (search){.plan = plan, .state = state};
+    *s = (search){.plan = plan, .problem = *problem, .state = state};
+    s->scratch = pl_alloc(plan->scratch_stride, sizeof *s->scratch);
     s->star_of = pl_alloc(n, sizeof *s->star_of);
     s->next_facet = pl_alloc_zero(n_stars, sizeof *s->next_facet);
     s->is_fixed = pl_alloc(n, sizeof *s->is_fixed);
     s->is_wanted = pl_alloc_zero(n_stars, sizeof *s->is_wanted);
     s->taking_part = pl_alloc_zero(plan->stars.link_offset[n_stars], sizeof *s->taking_part);
-    return s->star_of && s->next_facet && s->is_fixed && s->is_wanted && s->taking_part;
+    return s->scratch && s->star_of && s->next_facet && s->is_fixed && s->is_wanted &&
+           s->taking_part;
 }
 
 static void search_destroy(search *s) {
+    pl_free(s->scratch);
     pl_free(s->star_of);
     pl_free(s->next_facet);
     pl_free(s->is_fixed);
@@ -72,13 +80,11 @@ static void look_at_elements(search *s) {
     }
 }
 
-static void look_for_proofs(search *s, const pl_star_guard *guard) {
+static void look_for_proofs(search *s) {
     const planish_plan *plan = s->plan;
-    pl_star_problem problem = pl_plan_problem(plan);
-    problem.guard = guard;
     for (int64_t i = 0; i < plan->stars.n_stars; i++)
         if (s->is_wanted[i])
-            pl_star_infeasible(&problem, i, plan->dim, s->is_fixed, plan->scratch,
+            pl_star_infeasible(&s->problem, i, plan->dim, s->is_fixed, s->scratch,
                                s->taking_part + plan->stars.link_offset[i]);
 }
 
@@ -101,14 +107,14 @@ static int64_t mark_elements(search *s) {
     return n_infeasible;
 }
 
-int pl_mark_infeasible(const planish_plan *plan, const pl_star_guard *guard, uint8_t *state,
+int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
                        int64_t *n_infeasible, planish_error *error) {
     search s;
     int status = PLANISH_OK;
-    if (search_create(plan, state, &s)) {
+    if (search_create(plan, problem, state, &s)) {
         number_stars(&s);
         look_at_elements(&s);
-        look_for_proofs(&s, guard);
+        look_for_proofs(&s);
         *n_infeasible = mark_elements(&s);
     } else {
         status = pl_fail_memory(error, "the search for infeasible elements");
@@ -117,25 +123,31 @@ int pl_mark_infeasible(const planish_plan *plan, const pl_star_guard *guard, uin
     return status;
 }
 
-static int check_volumes(const planish_plan *plan, const double *coordinates,
-                         const planish_options *options, uint8_t *state, int64_t *n_below,
+/** planish_check_volumes with room for the states and the coordinates: the plan's own may be in
+ * use.
+ */
+static int check_volumes(const planish_plan *plan, const pl_objective_problem *volumes,
+                         uint8_t *state, double *coordinates, int64_t *n_below,
                          planish_error *error) {
     int64_t n_infeasible;
-    pl_objective_problem problem = pl_objective_problem_of(plan, options, coordinates);
-    *n_below = pl_find_below(&problem, state);
+    *n_below = pl_find_below(volumes, state);
     if (*n_below == 0)
         return PLANISH_OK;
-    const pl_star_guard guard = {.min_volume = problem.min_volume,
+    const pl_star_guard guard = {.min_volume = volumes->min_volume,
                                  .ratio_weight = 1,
                                  .link_min_volume = plan->stars.min_volume};
-    pl_plan_load(plan, coordinates);
-    return pl_mark_infeasible(plan, &guard, state, &n_infeasible, error);
+    pl_star_problem problem = pl_plan_problem(plan);
+    problem.coordinates = coordinates;
+    problem.guard = &guard;
+    pl_plan_order(plan, volumes->coordinates, coordinates);
+    return pl_mark_infeasible(plan, &problem, state, &n_infeasible, error);
 }
 
 int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                           const planish_options *options, uint8_t *state, int64_t *n_below,
                           planish_error *error) {
     planish_options defaults;
+    int64_t n = 0;
     if (!plan || !coordinates || !n_below)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and n_below must not be NULL");
@@ -149,10 +161,19 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
             pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads, error);
     if (status)
         return status;
-    uint8_t *own = state ? NULL : pl_alloc(plan->n_elements, sizeof *own);
-    if (!state && !own)
-        return pl_fail_memory(error, "the states of the elements");
-    status = check_volumes(plan, coordinates, options, state ? state : own, n_below, error);
-    pl_free(own);
+    const pl_objective_problem volumes = pl_objective_problem_of(plan, options, coordinates);
+    uint8_t *found = pl_alloc(plan->n_elements, sizeof *found);
+    double *ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *ordered);
+    if (found && ordered)
+        status = check_volumes(plan, &volumes, found, ordered, &n, error);
+    else
+        status = pl_fail_memory(error, "the states of the elements");
+    if (!status) {
+        *n_below = n;
+        if (state)
+            memcpy(state, found, (size_t)plan->n_elements);
+    }
+    pl_free(found);
+    pl_free(ordered);
     return status;
 }

@@ -167,7 +167,7 @@ static void add_element(const pl_objective_problem *p, int64_t index, reference 
     for (int j = 0; j <= p->dim; j++)
         movable |= p->is_free[p->elements[index * (p->dim + 1) + j]];
     sums->domain += e.measure;
-    sums->below += g > PL_BELOW_ABOVE;
+    sums->below += g > PLANISH_VOLUME_TOLERANCE;
     sums->shortfall += g > 0 ? g * g : 0;
     if (!(e.measure > 0)) {
         sums->inverted++;
@@ -294,10 +294,10 @@ static void elements_below_are_found(void **state) {
         for (int64_t i = 0; i < ELEMENTS; i++) {
             element e = element_of(&s.problem, i);
             long double g = constraint(&s.problem, i, &e);
-            assert_true(fabsl(g - PL_BELOW_ABOVE) > 1e-12L); /* clear */
+            assert_true(fabsl(g - PLANISH_VOLUME_TOLERANCE) > 1e-12L); /* clear */
             assert_int_equal(found[i],
-                             g > PL_BELOW_ABOVE ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET);
-            n += g > PL_BELOW_ABOVE;
+                             g > PLANISH_VOLUME_TOLERANCE ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET);
+            n += g > PLANISH_VOLUME_TOLERANCE;
         }
         assert_int_equal(n, n_found);
         s.problem.own_min_volume = NULL;

@@ -429,7 +429,8 @@ static void the_multiplier_balances_the_gradient(void **state) {
 
 /** The half-spaces of the star's floors, of those facets that wanted (NULL: all) has. Box: the
  * bounds of the node, too. */
-static void polytope(const guarded_star *g, const uint8_t *wanted, int box, halfspaces *h) {
+static void polytope(const guarded_star *g, const uint8_t *wanted, int box, long double part,
+                     halfspaces *h) {
     const int dim = g->s.dim;
     halfspaces_start(h, dim, 1e6L);
     for (int64_t f = 0; f < facets(g); f++) {
@@ -442,7 +443,7 @@ static void polytope(const guarded_star *g, const uint8_t *wanted, int box, half
             normal[d] = hand_star_measure(&g->s, f, at) - constant;
             at[d] = 0;
         }
-        halfspaces_add(h, normal, hand_star_floor(&g->s, f) - constant);
+        halfspaces_add(h, normal, part * hand_star_floor(&g->s, f) - constant);
     }
     for (int d = 0; box && d < dim; d++) {
         long double unit[3] = {0, 0, 0};
@@ -488,7 +489,7 @@ static void feasible_stars_are_restored(void **state) {
         guarded_star g;
         halfspaces h;
         create_lost(&g, dim, seed, 0.1 + 0.9 * seed / 300);
-        polytope(&g, NULL, 0, &h);
+        polytope(&g, NULL, 0, 1, &h);
         int can_be = halfspaces_meet(&h, CLEAR, NULL);
         outside += worst(&g) > 1;
         for (int i = 0; i < 20; i++)
@@ -528,7 +529,7 @@ static void feasible_stars_are_restored_within_bounds(void **state) {
             g.lower[d] = g.s.coordinates[d] - 1.5 * test_random(&random);
             g.upper[d] = g.s.coordinates[d] + 1.5 * test_random(&random);
         }
-        polytope(&g, NULL, 1, &h);
+        polytope(&g, NULL, 1, 1, &h);
         int can_be = halfspaces_meet(&h, CLEAR, NULL);
         for (int i = 0; i < 20; i++) {
             visit_and_watch(&g, PLANISH_ISA_AUTO);
@@ -553,7 +554,7 @@ static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
         for (int j = 0; j < dim; j++)
             of_fixed[f] &= is_fixed[g->s.ring[g->s.link[f * dim + j]]];
     }
-    polytope(g, of_fixed, 0, &h);
+    polytope(g, of_fixed, 0, 1 - PLANISH_VOLUME_TOLERANCE, &h);
     int feasible = halfspaces_meet(&h, CLEAR, NULL);
     int infeasible = !halfspaces_meet(&h, -CLEAR, NULL);
     int proof = pl_star_infeasible(&g->s.problem, 0, dim, is_fixed, g->s.scratch, taking_part);
@@ -564,7 +565,7 @@ static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
         n += taking_part[f];
     }
     assert_true(proof ? n >= 2 && n <= dim + 1 : n == 0);
-    polytope(g, taking_part, 0, &h);
+    polytope(g, taking_part, 0, 1 - PLANISH_VOLUME_TOLERANCE, &h);
     assert_true(!proof || !halfspaces_meet(&h, 0, NULL));
     return proof;
 }
