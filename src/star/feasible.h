@@ -238,7 +238,7 @@ static inline int guarded_direction(local *here, const double *x, const objectiv
 
 /* Bringing some elements up must not press others flat: none is made lower, over its link facet,
  * than this fraction of the star's size. */
-#define LEAST_HEIGHT 0.02
+#define LEAST_HEIGHT 0.05
 
 /** Whether no element that was positive at x, or may have been, has become less than positive at
  *  position, or flat. */

@@ -1,0 +1,199 @@
+/* Least volumes that are absurd, and meshes that are nearly flat or of extreme size: nothing is
+ * broken for their sake. */
+#include "support/meshes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { CELLS = 6 };
+
+/** A plan and a copy of the coordinates to smooth. */
+typedef struct work {
+    planish_plan *plan;
+    planish_options options;
+    double *coordinates;
+    size_t size;
+} work;
+
+static void start(work *w, const planish_mesh *mesh) {
+    planish_options_init(&w->options);
+    w->options.threads = 1;
+    w->size = (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double);
+    w->coordinates = malloc(w->size);
+    memcpy(w->coordinates, mesh->coordinates, w->size);
+    assert_int_equal(planish_plan_create(mesh, &w->options, &w->plan, NULL), 0);
+}
+
+static void smooth(work *w, planish_result *result, planish_quality *quality) {
+    assert_int_equal(planish_smooth(w->plan, w->coordinates, &w->options, result, NULL), 0);
+    assert_int_equal(planish_measure(w->plan, w->coordinates, quality, NULL), 0);
+}
+
+static void finish(work *w) {
+    planish_plan_destroy(w->plan);
+    free(w->coordinates);
+}
+
+static void bad_box(test_mesh *mesh, int dim) {
+    test_mesh_box(mesh, dim, CELLS);
+    test_mesh_perturb(mesh, 0.14, 3);
+}
+
+/** Three elements in ten are to be larger than the mean: the others must not be pressed flat. */
+static void what_cannot_be_met_destroys_nothing(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    work w;
+    planish_result result;
+    planish_quality quality;
+    unsigned random = 11;
+    bad_box(&mesh, dim);
+    double *least = calloc((size_t)mesh.mesh.n_elements, sizeof *least);
+    for (int64_t i = 0; i < mesh.mesh.n_elements; i++)
+        if (test_random(&random) < 0.3)
+            least[i] = 1.3 / (dim == 3 ? 6 : 2);
+    mesh.mesh.min_volume = least;
+    start(&w, &mesh.mesh);
+    smooth(&w, &result, &quality);
+    assert_int_equal(quality.inverted, 0);
+    assert_true(dim == 2 || result.below_min_volume > 0);
+    assert_true(quality.max_radius_ratio < 5000 && result.objective < 200);
+    finish(&w);
+    free(least);
+    test_mesh_destroy(&mesh);
+}
+
+/** A node within rounding of its link, and a delta beside which its elements are as nothing. */
+static void elements_next_to_nothing_stay_positive(void **state) {
+    int dim = *(int *)*state;
+    for (int step = 1; step < 40; step++) {
+        test_mesh mesh;
+        work w;
+        planish_result result;
+        planish_quality quality;
+        test_mesh_box(&mesh, dim, 2);
+        int64_t centre = dim == 3 ? 13 : 4;
+        mesh.coordinates[centre * dim] = ldexp(1, -step - 12);
+        double *least = calloc((size_t)mesh.mesh.n_elements, sizeof *least);
+        for (int64_t i = 0; i < mesh.mesh.n_elements; i++)
+            least[i] = 1e3 * (double)(i % 3);
+        mesh.mesh.min_volume = least;
+        start(&w, &mesh.mesh);
+        assert_int_equal(planish_measure(w.plan, w.coordinates, &quality, NULL), 0);
+        assert_int_equal(quality.inverted, 0);
+        smooth(&w, &result, &quality);
+        assert_int_equal(quality.inverted, 0);
+        finish(&w);
+        free(least);
+        test_mesh_destroy(&mesh);
+    }
+}
+
+/** Deltas that over- or underflow in the star's scale are small or large, and no more. */
+static void any_delta_has_a_meaning(void **state) {
+    int dim = *(int *)*state;
+    static const double deltas[] = {1e-308, 1e-200, 1e-160, 1e-30, 1e30, 1e160, 1e300};
+    for (size_t i = 0; i < sizeof deltas / sizeof *deltas; i++)
+        for (int weight = 0; weight < 2; weight++) {
+            test_mesh mesh;
+            work w;
+            planish_result result;
+            planish_quality quality;
+            bad_box(&mesh, dim);
+            start(&w, &mesh.mesh);
+            w.options.min_volume = deltas[i];
+            w.options.area_weight = 0.5 * weight;
+            smooth(&w, &result, &quality);
+            assert_int_equal(quality.inverted, 0);
+            assert_true(isfinite(result.objective) && isfinite(result.kkt_rms));
+            assert_int_equal(result.below_min_volume, deltas[i] > 1 ? mesh.mesh.n_elements : 0);
+            if (deltas[i] < 1 && !weight)
+                assert_true(quality.rms_radius_ratio < (dim == 3 ? 1.4 : 1.21));
+            finish(&w);
+            test_mesh_destroy(&mesh);
+        }
+}
+
+static int check_meanwhile(const planish_progress *progress, void *user) {
+    const work *w = user;
+    int64_t n_below;
+    planish_quality quality;
+    (void)progress;
+    assert_int_equal(
+        planish_check_volumes(w->plan, w->coordinates, &w->options, NULL, &n_below, NULL), 0);
+    assert_true(n_below > 0);
+    assert_int_equal(planish_measure(w->plan, w->coordinates, &quality, NULL), 0);
+    return 0;
+}
+
+/** What may be called while smoothing is under way does not disturb it. */
+static void looking_changes_nothing(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    work w, watched;
+    planish_result result;
+    planish_quality quality;
+    bad_box(&mesh, dim);
+    start(&w, &mesh.mesh);
+    start(&watched, &mesh.mesh);
+    w.options.min_volume = watched.options.min_volume = 0.9 / (dim == 3 ? 6 : 2);
+    smooth(&w, &result, &quality);
+    watched.options.progress = check_meanwhile;
+    watched.options.progress_user = &watched;
+    smooth(&watched, &result, &quality);
+    assert_memory_equal(w.coordinates, watched.coordinates, w.size);
+    finish(&w);
+    finish(&watched);
+    test_mesh_destroy(&mesh);
+}
+
+/** The averages, too, move nodes of meshes of any size, and to the same places. */
+static void averages_have_no_size(void **state) {
+    int dim = *(int *)*state;
+    for (int method = PLANISH_METHOD_LAPLACIAN; method <= PLANISH_METHOD_LENGTH_LAPLACIAN; method++)
+        for (int exponent = -900; exponent <= 900; exponent += 300) {
+            test_mesh mesh, scaled;
+            work w, other;
+            planish_result result;
+            planish_quality quality;
+            bad_box(&mesh, dim);
+            bad_box(&scaled, dim);
+            test_mesh_transform(&scaled, ldexp(1, exponent), 0);
+            start(&w, &mesh.mesh);
+            start(&other, &scaled.mesh);
+            w.options.method = other.options.method = (planish_method)method;
+            w.options.max_sweeps = other.options.max_sweeps = 3;
+            smooth(&w, &result, &quality);
+            smooth(&other, &result, &quality);
+            assert_true(result.moved_nodes > 0);
+            for (size_t i = 0; i < w.size / sizeof(double); i++)
+                assert_true(other.coordinates[i] == ldexp(w.coordinates[i], exponent));
+            finish(&w);
+            finish(&other);
+            test_mesh_destroy(&mesh);
+            test_mesh_destroy(&scaled);
+        }
+}
+
+int main(void) {
+    static int two = 2, three = 3;
+    const struct CMUnitTest tests[] = {
+        {"what cannot be met 2-D", what_cannot_be_met_destroys_nothing, NULL, NULL, &two},
+        {"what cannot be met 3-D", what_cannot_be_met_destroys_nothing, NULL, NULL, &three},
+        {"next to nothing 2-D", elements_next_to_nothing_stay_positive, NULL, NULL, &two},
+        {"next to nothing 3-D", elements_next_to_nothing_stay_positive, NULL, NULL, &three},
+        {"any delta 2-D", any_delta_has_a_meaning, NULL, NULL, &two},
+        {"any delta 3-D", any_delta_has_a_meaning, NULL, NULL, &three},
+        {"looking 2-D", looking_changes_nothing, NULL, NULL, &two},
+        {"looking 3-D", looking_changes_nothing, NULL, NULL, &three},
+        {"averages 2-D", averages_have_no_size, NULL, NULL, &two},
+        {"averages 3-D", averages_have_no_size, NULL, NULL, &three},
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
