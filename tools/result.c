@@ -195,13 +195,18 @@ static void add_fixed(document *json, cJSON *root, const planish_quality *qualit
     add_real(json, fixed, "max_radius_ratio", quality->fixed_max_radius_ratio);
 }
 
+/** F over no valid element is 0, and has no value. */
+static double exists(double objective) {
+    return objective > 0 ? objective : NAN;
+}
+
 static void add_objective(document *json, cJSON *root, const pl_job *job,
                           const planish_result *smooth) {
     cJSON *objective = new_object(json, root, "objective");
     add_text(json, objective, "name", pl_objective_name(job->options.objective));
     add_real(json, objective, "area_weight", job->options.area_weight);
-    add_real(json, objective, "before", smooth->objective_before);
-    add_real(json, objective, "after", smooth->objective);
+    add_real(json, objective, "before", exists(smooth->objective_before));
+    add_real(json, objective, "after", exists(smooth->objective));
 }
 
 int pl_result_has_optimality(const pl_job *job) {

@@ -281,8 +281,7 @@ typedef struct planish_result {
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
-    int64_t below_min_volume; /* elements below 0.997 of their least volume at the end; more than at
-                                 the start, if it takes that to bring others nearer to theirs */
+    int64_t below_min_volume; /* elements below 0.997 of their least volume at the end */
     int64_t held_outside;     /* free nodes that started outside of their bounds and were held */
     double objective_before;  /* F over the valid elements at the start */
     double objective;         /* and at the end */
@@ -291,7 +290,7 @@ typedef struct planish_result {
        the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f on
        the directions that no active constraint forbids, f the function of the node's star, h the
        star's size: |P| h / f is about the relative fall of f that a move by h still promises. */
-    double kkt_residual;   /* largest |P| h / f of a node */
+    double kkt_residual;   /* largest |P| h / f of a node; not a number if no star is feasible */
     double kkt_rms;        /* root mean square of these */
     double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
     int64_t n_active;      /* constraints with a multiplier, counted at each node */

@@ -16,7 +16,7 @@ static active fixed_rows(const local *here, const pl_star_problem *problem, int6
                          const uint8_t *is_fixed, const double *x, uint8_t *of_fixed, int dim) {
     const star *s = &here->s;
     const uint16_t *link = problem->link + problem->link_offset[star_index] * dim;
-    active all = homogeneous(here, x, -VIOLATED_ABOVE, dim); /* to be met, as it is counted */
+    active all = homogeneous(here, x, -VIOLATED_ABOVE, 0, dim); /* to be met, as it is counted */
     active kept = {all.rows, 0};
     for (int64_t i = 0, row = 0; i < s->n_facets; i++) {
         int exists =

@@ -41,6 +41,25 @@ static inline double restore_margin(const local *here) {
     return here->problem->guard->strict ? RESTORE_MARGIN_LAST : RESTORE_MARGIN;
 }
 
+/* Where elements are brought up they shall be sound, too: this high over their link facet, relative
+ * to the star's size. A least volume may be next to nothing. */
+#define SOUND_HEIGHT 0.02
+
+/** The D that element i is to have in the end, if it can be: above its floor by margin, and sound
+ * if it has to be brought up. */
+static inline double wanted_measure(const local *here, int64_t i, double margin, double size) {
+    const star *s = &here->s;
+    double floor = s->column[FLOOR * s->padded + i] * (1 + margin);
+    double sound = SOUND_HEIGHT * size * s->column[LENGTH * s->padded + i];
+    int is_violated = s->column[GVALUE * s->padded + i] > violated_above(here);
+    return is_violated && !here->problem->guard->strict && sound > floor ? sound : floor;
+}
+
+/** D of element i at the position that GVALUE is of. */
+static inline double present_measure(const star *s, int64_t i) {
+    return (1 - s->column[GVALUE * s->padded + i]) * s->column[FLOOR * s->padded + i];
+}
+
 /* ---- rows ---------------------------------------------------------------------------------- */
 
 /** Gradients of constraints, of unit length, in the star's spare columns. */
@@ -147,9 +166,9 @@ static inline void from_metric(const factors *f, const double *y, double *x, con
 
 /** The metric of the direction: that of the shifted Hessian, in which the projected gradient is the
  *  Newton step within the cone; or that of the space, as in equation 4 of the paper. */
-static inline int metric_of(const pl_star_problem *problem, const derivatives *derivative,
-                            factors *f, const int dim) {
-    if (problem->direction == PLANISH_NEWTON)
+static inline int metric_of(planish_direction kind, const derivatives *derivative, factors *f,
+                            const int dim) {
+    if (kind == PLANISH_NEWTON)
         return factorise_shifted(derivative->hessian, f, dim);
     for (int d = 0; d < dim; d++)
         f->pivot[d] = 1;
@@ -196,7 +215,7 @@ static inline int constrained_direction(const local *here, const double *x,
                                         const derivatives *derivative, double *direction,
                                         const int dim) {
     factors f = {{{0}}, {0}};
-    if (!metric_of(here->problem, derivative, &f, dim))
+    if (!metric_of(here->kind, derivative, &f, dim))
         return 0;
     double best = 0, band = -ACTIVE_ABOVE, size = sqrt(derivative->size2);
     int64_t rows = -1;
@@ -208,7 +227,7 @@ static inline int constrained_direction(const local *here, const double *x,
         rows = a.m;
         if (same || !project_direction(derivative, &f, &a, candidate, &point, dim))
             continue;
-        if (here->problem->direction != PLANISH_NEWTON)
+        if (here->kind != PLANISH_NEWTON)
             newton_length(derivative, candidate, dim);
         limit_length(candidate, derivative->size2, dim);
         double fall = promised_fall(here, x, derivative, candidate, dim);
@@ -229,7 +248,7 @@ static inline int guarded_direction(local *here, const double *x, const objectiv
         here->constrained =
             active_within(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), dim).m > 0;
     if (!here->constrained)
-        return find_direction(here->problem, derivative, memory, direction, dim);
+        return find_direction(here->kind, derivative, memory, direction, dim);
     memory->gradient2 = 0;
     return constrained_direction(here, x, derivative, direction, dim);
 }
@@ -328,13 +347,14 @@ static inline double restoring_step(const local *here, const double *x, const do
                                     double size, const int dim) {
     const star *s = &here->s;
     const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
-    const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
     double far = sqrt(dot(direction, direction, dim)), goal = 0, n[3];
     for (int64_t i = 0; i < s->n_facets; i++) {
         if (!(g[i] > violated_above(here)) || !facet_normal(s, i, n, dim))
             continue;
-        double rise = dot(n, direction, dim) * length[i] * inverse_floor[i];
-        double step = rise > 0 ? (g[i] + restore_margin(here)) / rise : 0;
+        double rise = dot(n, direction, dim) * length[i];
+        double missing =
+            wanted_measure(here, i, restore_margin(here), size) - present_measure(s, i);
+        double step = rise > 0 ? missing / rise : 0;
         goal = step > goal ? step : goal;
     }
     double rate = limiting_rate(here, x, direction, 1, dim), limit = STEP_LIMIT * size / far;
@@ -358,16 +378,17 @@ static inline int push_off(const local *here, const double *x, const objective *
 }
 
 /** Rows of {(d, t): n . d + (D - floor) t >= 0}, all of unit gradient: a feasible displacement d at
- *  t = 1, if there is any. Floors are taken margin higher. */
-static inline active homogeneous(const local *here, const double *x, double margin, const int dim) {
+ *  t = 1, if there is any. Floors are taken margin higher, and of
+ *  violated elements as high as is sound (size 0: no higher). */
+static inline active homogeneous(const local *here, const double *x, double margin, double size,
+                                 const int dim) {
     const star *s = &here->s;
     active a = active_none(s);
-    const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
-    const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
+    const double *floor = s->column + FLOOR * s->padded, *length = s->column + LENGTH * s->padded;
     for (int64_t i = 0; i < s->n_facets; i++) {
-        double *row = inverse_floor[i] > 0 ? add_facet_row(s, i, &a, dim) : NULL;
+        double *row = floor[i] > 0 ? add_facet_row(s, i, &a, dim) : NULL;
         if (row)
-            row[dim] = (g[i] + margin) / (length[i] * inverse_floor[i]);
+            row[dim] = (wanted_measure(here, i, margin, size) - present_measure(s, i)) / length[i];
     }
     for (int d = 0; here->b.any && d < dim; d++) {
         double unit[3] = {0, 0, 0};
@@ -398,11 +419,11 @@ static inline int shortest_displacement(const active *a, double *displacement, c
  * the way. */
 static inline int go_to_feasible(const local *here, const double *x, const objective *now,
                                  double size, trial *best, const int dim) {
-    const double margins[] = {restore_margin(here), RESTORE_MARGIN_LAST};
+    const double margins[] = {restore_margin(here), RESTORE_MARGIN_LAST}, sizes[] = {size, 0};
     for (int i = 0; i < 2; i++) {
         double displacement[3];
         cone_point point;
-        active a = homogeneous(here, x, margins[i], dim);
+        active a = homogeneous(here, x, margins[i], sizes[i], dim);
         if (shortest_displacement(&a, displacement, &point, dim) &&
             restoring_search(here, x, now, displacement, 1, size, best, dim))
             return 1;

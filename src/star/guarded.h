@@ -43,7 +43,8 @@ static inline void take(const trial *t, double *x, objective *now, const int dim
 static inline int restoring_steps(const local *here, double *x, objective *now,
                                   derivatives *derivative, const int dim) {
     int moves = 0;
-    while (moves < RESTORING_STEPS && now->worst > violated_above(here)) {
+    while (!here->problem->guard->keep_below && moves < RESTORING_STEPS &&
+           now->worst > violated_above(here)) {
         trial best;
         if (!restore(here, x, now, derivative, &best, dim))
             break;
@@ -54,11 +55,12 @@ static inline int restoring_steps(const local *here, double *x, objective *now,
     return moves;
 }
 
-/** One step of cases 1 and 2. */
-static inline int guarded_step(local *here, conjugate *memory, double *x, objective *now,
-                               const derivatives *derivative, const int dim) {
+/** One step of cases 1 and 2 in a direction of this kind. */
+static inline int step_by(local *here, planish_direction kind, conjugate *memory, double *x,
+                          objective *now, const derivatives *derivative, const int dim) {
     double direction[3];
     trial best;
+    here->kind = kind;
     if (!guarded_direction(here, x, now, derivative, memory, direction, dim))
         return 0;
     double slope = dot(derivative->gradient, direction, dim);
@@ -66,6 +68,17 @@ static inline int guarded_step(local *here, conjugate *memory, double *x, object
         return 0;
     take(&best, x, now, dim);
     return 1;
+}
+
+/** One step. The limit on the radius ratio is no part of other objectives, and Newton's direction
+ * may run into it: then that of steepest descent is tried. */
+static inline int guarded_step(local *here, conjugate *memory, double *x, objective *now,
+                               const derivatives *derivative, const int dim) {
+    const planish_direction kind = here->problem->direction;
+    conjugate none = {{0, 0, 0}, 0};
+    return step_by(here, kind, memory, x, now, derivative, dim) ||
+           (kind == PLANISH_NEWTON && here->q.objective != PLANISH_RADIUS_RATIO &&
+            step_by(here, PLANISH_FLETCHER_REEVES, &none, x, now, derivative, dim));
 }
 
 static inline int guarded_steps(local *here, double *x, objective *now, derivatives *derivative,
@@ -95,7 +108,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     double size2 = derivative.size2;
     int restored = restoring_steps(&here, x, &now, &derivative, dim), moved = restored;
     const double before = now.sum;
-    if (!(now.worst > violated_above(&here)))
+    if (problem->guard->keep_below || !(now.worst > violated_above(&here)))
         moved += guarded_steps(&here, x, &now, &derivative, dim);
     if (moved)
         settle(&here, node, x, size2, place, dim);

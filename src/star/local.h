@@ -13,13 +13,14 @@ typedef struct bounds {
     double start[3], radius; /* radius infinite: any distance from start */
 } bounds;
 
-/** A star under visit. q, b and constrained are for the guarded kernel. */
+/** A star under visit. q, b, kind and constrained are for the guarded kernel. */
 typedef struct local {
     const pl_star_problem *problem;
     star s;
     question q;
     bounds b;
-    int constrained; /* constraints were active in the last step */
+    planish_direction kind; /* of the direction under way */
+    int constrained;        /* constraints were active in the last step */
     int64_t *evaluations;
 } local;
 
@@ -52,7 +53,7 @@ static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, dou
 static inline local local_of(const pl_star_problem *problem, int64_t index, const double *place,
                              double *scratch, int64_t *evaluations, const int guarded,
                              const int dim) {
-    local here = {.problem = problem, .evaluations = evaluations};
+    local here = {.problem = problem, .kind = problem->direction, .evaluations = evaluations};
     here.s = gather(problem, index, place, scratch, guarded, dim);
     if (guarded) {
         const pl_star_guard *guard = problem->guard;

@@ -22,7 +22,8 @@ typedef struct pl_star_guard {
     planish_objective objective;
     double ratio_weight, volume_weight; /* of sum AR^2 and sum g^2 in a star's function */
     double min_volume;                  /* of elements without their own; 0: none */
-    int strict;                         /* 1: elements are violated as soon as they are below */
+    int keep_below;                /* 1: violated elements are not brought up, but not lowered */
+    int strict;                    /* 1: elements are violated as soon as they are below */
     const double *link_min_volume; /* [link_offset[n_stars]] of the facets' elements, 0: none */
     double penalty;                /* rho, above 0: least volumes by augmented Lagrangian */
     double *link_shift;            /* [link_offset[n_stars]] lambda / rho of the elements then */

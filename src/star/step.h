@@ -40,9 +40,9 @@ static inline void limit_length(double *direction, double size2, const int dim) 
     }
 }
 
-static inline int find_direction(const pl_star_problem *problem, const derivatives *derivative,
+static inline int find_direction(planish_direction kind, const derivatives *derivative,
                                  conjugate *memory, double *direction, const int dim) {
-    int found = problem->direction == PLANISH_NEWTON
+    int found = kind == PLANISH_NEWTON
                     ? newton_direction(derivative->gradient, derivative->hessian, direction, dim)
                     : fletcher_reeves_direction(derivative->gradient, derivative->hessian,
                                                 derivative->size2, memory, direction, dim);

@@ -24,7 +24,7 @@ static inline double one_step(const local *here, conjugate *memory, double *x, d
     *sum = now.sum;
     if (!now.positive || !(now.sum < INFINITY) || !(now.max > problem->rr2_skip))
         return 0;
-    if (!find_direction(problem, &derivative, memory, direction, dim))
+    if (!find_direction(problem->direction, &derivative, memory, direction, dim))
         return 0;
     double slope = dot(derivative.gradient, direction, dim);
     if (!(slope < 0) || !search(here, x, &now, direction, slope, &best, 0, dim))

@@ -79,9 +79,12 @@ static void wake_moved(const planish_plan *plan, const double *before) {
     }
 }
 
-/** Better in every respect; what is left below cannot be helped, but must not be lower either. */
+/** Better in every respect; what is left below cannot be helped, but must not be lower either. A
+ * trial that was cut off does not count, whatever it has reached: more sweeps must not give less.
+ */
 static int is_better(const pl_run *r, const pl_objective_sums *standing) {
-    return r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
+    return r->stop == PLANISH_STOP_CONVERGED && r->sweep < r->options->max_sweeps &&
+           r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
            (r->totals.below == 0 || r->totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
            r->totals.radius_max <= standing->radius_max &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
@@ -96,6 +99,7 @@ static int try_augmented(pl_run *r, double *before) {
     const double limit = r->problem.rr2_limit;
     memcpy(before, plan->coordinates, size);
     r->shown = &standing;
+    r->stop = PLANISH_STOP_MAX_SWEEPS;
     if (augmented_sweeps(r)) {
         wake_moved(plan, before);
         pl_run_measure(r);
@@ -132,8 +136,7 @@ void pl_run_augmented(pl_run *r) {
     const int64_t n_links = plan->stars.link_offset[plan->stars.n_stars];
     double *before = pl_alloc(plan->n_nodes * plan->dim, sizeof *before);
     r->guard.star.link_shift = pl_alloc_zero(n_links, sizeof *r->guard.star.link_shift);
-    if (before && r->guard.star.link_shift && try_augmented(r, before) &&
-        r->stop == PLANISH_STOP_CONVERGED)
+    if (before && r->guard.star.link_shift && try_augmented(r, before))
         pl_run_sweeps(r); /* to show what was won */
     pl_free(before);
     pl_free(r->guard.star.link_shift);

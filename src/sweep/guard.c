@@ -6,6 +6,7 @@
 #include "base/round.h"
 #include "base/status.h"
 
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 
@@ -215,6 +216,43 @@ static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
     return -1;
 }
 
+int pl_check_delta(const planish_options *options, const pl_objective_problem *problem,
+                   planish_error *error) {
+    double delta = problem->min_volume;
+    if (options->min_volume_fraction > 0 && (!(delta >= DBL_MIN) || !isfinite(delta)))
+        return pl_fail(
+            error, PLANISH_ERROR_ARGUMENT,
+            "options.min_volume_fraction is %g, but the domain's volume times that is %g; "
+            "scale the mesh to a size whose volumes are numbers",
+            options->min_volume_fraction, delta);
+    return PLANISH_OK;
+}
+
+/** With an area weight g must be a number that elements can differ by: V / delta below this. */
+#define LARGEST_MULTIPLE 1e12
+
+static int check_area_weight(const planish_plan *plan, const planish_options *options,
+                             const pl_objective_problem *problem, planish_error *error) {
+    if (!(options->area_weight > 0))
+        return PLANISH_OK;
+    int64_t element = without_min_volume(plan, problem->min_volume);
+    if (element >= 0)
+        return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
+                          "options.area_weight is %g, but element %" PRId64
+                          " has no least volume; give min_volume or min_volume_fraction",
+                          options->area_weight, element);
+    pl_objective_sums sums;
+    pl_sum_objective(problem, &sums);
+    double g2 = (sums.volume[0] + sums.volume[1]) / fmax(sums.n[0] + sums.n[1], 1);
+    if (!(g2 < LARGEST_MULTIPLE * LARGEST_MULTIPLE))
+        return pl_fail(
+            error, PLANISH_ERROR_ARGUMENT,
+            "options.area_weight is %g, but volumes are %g times their least volume; give "
+            "one that is nearer to them",
+            options->area_weight, sqrt(g2));
+    return PLANISH_OK;
+}
+
 int pl_guard_create(const planish_plan *plan, const planish_options *options,
                     const double *coordinates, pl_guard *guard, planish_error *error) {
     pl_objective_problem problem = pl_objective_problem_of(plan, options, coordinates);
@@ -223,14 +261,11 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
                                  .ratio_weight = 1,
                                  .min_volume = problem.min_volume,
                                  .link_min_volume = plan->stars.min_volume}};
-    int64_t element = options->area_weight > 0 ? without_min_volume(plan, problem.min_volume) : -1;
-    if (element >= 0)
-        return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
-                          "options.area_weight is %g, but element %" PRId64
-                          " has no least volume; give "
-                          "min_volume or min_volume_fraction",
-                          options->area_weight, element);
-    int status = check_bounds(plan, options, error);
+    int status = pl_check_delta(options, &problem, error);
+    if (!status)
+        status = check_area_weight(plan, options, &problem, error);
+    if (!status)
+        status = check_bounds(plan, options, error);
     if (!status)
         status = make_bounds(plan, options, coordinates, guard, error);
     if (status)

@@ -28,8 +28,13 @@ pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                              const planish_options *options,
                                              const double *coordinates);
 
+/** Whether the fraction of the domain's volume, if one was asked for, is a volume. */
+int pl_check_delta(const planish_options *options, const pl_objective_problem *problem,
+                   planish_error *error);
+
 /** Make the guard for coordinates [n][dim] (the caller's numbers); the plan's own coordinates are
- *  already there. Errors: _ARGUMENT (an area weight without a least volume for every element),
+ *  already there. Errors: _ARGUMENT (an area weight without a
+ *  fitting least volume for every element, a fraction of nothing),
  *  _MEMORY. */
 int pl_guard_create(const planish_plan *plan, const planish_options *options,
                     const double *coordinates, pl_guard *guard, planish_error *error);

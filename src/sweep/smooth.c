@@ -64,8 +64,9 @@ static int judge(pl_run *r, planish_error *error) {
     int status = pl_optimality(r->plan, &r->problem, &optimality, error);
     if (status)
         return status;
-    result->kkt_residual = optimality.residual;
-    result->kkt_rms = pl_rms(optimality.residual2, (double)optimality.n_stars);
+    result->kkt_residual = optimality.n_stars > 0 ? optimality.residual : NAN;
+    result->kkt_rms =
+        optimality.n_stars > 0 ? pl_rms(optimality.residual2, (double)optimality.n_stars) : NAN;
     result->max_multiplier = optimality.multiplier * r->factor;
     result->n_active = optimality.n_active;
     return PLANISH_OK;
@@ -90,6 +91,22 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
     return status;
 }
 
+/** If bringing elements up has left no fewer of them below, it has only made the mesh worse: once
+ *  more from the start, without. */
+static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
+    planish_plan *plan = r->plan;
+    if (r->plain || r->stop == PLANISH_STOP_INTERRUPTED || r->stop == PLANISH_STOP_TIME_LIMIT)
+        return;
+    pl_run_measure(r);
+    if (start->below == 0 || r->totals.below < start->below || r->totals.inverted < start->inverted)
+        return;
+    pl_plan_order(plan, r->outside, plan->coordinates);
+    pl_run_measure(r);
+    prepare_problem(r);
+    r->guard.star.keep_below = 1;
+    pl_run_sweeps(r);
+}
+
 static int smooth(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
     pl_plan_order(plan, r->outside, plan->coordinates);
@@ -102,7 +119,9 @@ static int smooth(pl_run *r, planish_error *error) {
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
     if (plan->stars.n_stars > 0) {
+        const pl_objective_sums start = r->totals;
         pl_run_sweeps(r);
+        give_up_in_vain(r, &start);
         pl_run_augmented(r);
     }
     pl_run_measure(r);

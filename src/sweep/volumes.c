@@ -162,6 +162,9 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
     if (status)
         return status;
     const pl_objective_problem volumes = pl_objective_problem_of(plan, options, coordinates);
+    status = pl_check_delta(options, &volumes, error);
+    if (status)
+        return status;
     uint8_t *found = pl_alloc(plan->n_elements, sizeof *found);
     double *ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *ordered);
     if (found && ordered)
