@@ -19,6 +19,8 @@ enum { MOST_SWEEPS = 40 };
 #define PENALTY 100.0
 /* Multipliers have settled where no lambda / rho changes by more. */
 #define SETTLED 1e-3
+/* RR^2 of an element depends a little on the node that it is seen from. */
+#define LIMIT_NOISE 1e-9
 /* By how much the elements that are left below may be lower than before, relative. */
 #define LOWER 1e-3
 
@@ -79,14 +81,15 @@ static void wake_moved(const planish_plan *plan, const double *before) {
     }
 }
 
-/** Better in every respect; what is left below cannot be helped, but must not be lower either. A
- * trial that was cut off does not count, whatever it has reached: more sweeps must not give less.
+/** Better in every respect that is promised; what is left below cannot be helped, but must not be
+ * lower either. A trial that was cut off does not count, whatever it has reached: more sweeps must
+ * not give less.
  */
-static int is_better(const pl_run *r, const pl_objective_sums *standing) {
+static int is_better(const pl_run *r, const pl_objective_sums *standing, double rr2_limit) {
     return r->stop == PLANISH_STOP_CONVERGED && r->sweep < r->options->max_sweeps &&
            r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
            (r->totals.below == 0 || r->totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
-           r->totals.radius_max <= standing->radius_max &&
+           r->totals.radius_max <= rr2_limit * (1 + LIMIT_NOISE) &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
 
@@ -111,7 +114,7 @@ static int try_augmented(pl_run *r, double *before) {
     r->shown = NULL;
     r->problem.rr2_limit = limit;
     r->restoring = 0;
-    if (is_better(r, &standing))
+    if (is_better(r, &standing, limit))
         return 1;
     memcpy(plan->coordinates, before, size);
     pl_run_measure(r);
