@@ -106,7 +106,7 @@ static inline real reference_scaled_jacobian(int dim, const double *const v[]) {
 
 /** At the edge (in the plane: the vertex) i j, between what points from it to k and to l. */
 static inline real reference_angle(int dim, const double *const v[], int i, int j, int k, int l) {
-    real e[3], p[3], q[3], ee = 0, ep = 0, eq = 0, pp = 0, qq = 0, pq = 0;
+    real e[3], p[3], q[3], ee = 0, ep = 0, eq = 0, pp = 0, qq = 0;
     for (int d = 0; d < dim; d++) {
         e[d] = (real)v[j][d] - (real)v[i][d];
         p[d] = (real)v[k][d] - (real)v[i][d];
@@ -122,7 +122,6 @@ static inline real reference_angle(int dim, const double *const v[], int i, int 
     for (int d = 0; d < dim; d++) {
         pp += p[d] * p[d];
         qq += q[d] * q[d];
-        pq += p[d] * q[d];
     }
     real sum = 0, difference = 0; /* Kahan: no loss near 0 and 180 degrees */
     for (int d = 0; d < dim; d++) {
