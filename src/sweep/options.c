@@ -112,3 +112,11 @@ int pl_options_check(const planish_options *options, planish_error *error) {
                        options->only_worse_than);
     return PLANISH_OK;
 }
+
+int pl_call_check(const planish_plan *plan, const double *coordinates,
+                  const planish_options *options, planish_error *error) {
+    int status = pl_options_check(options, error);
+    return status ? status
+                  : pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads,
+                                            error);
+}

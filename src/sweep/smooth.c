@@ -95,7 +95,8 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
  *  more from the start, without. */
 static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
     planish_plan *plan = r->plan;
-    if (r->plain || r->stop == PLANISH_STOP_INTERRUPTED || r->stop == PLANISH_STOP_TIME_LIMIT)
+    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH ||
+        r->stop == PLANISH_STOP_INTERRUPTED || r->stop == PLANISH_STOP_TIME_LIMIT)
         return;
     pl_run_measure(r);
     if (start->below == 0 || r->totals.below < start->below || r->totals.inverted < start->inverted)
@@ -157,10 +158,7 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
         planish_options_init(&defaults);
         options = &defaults;
     }
-    int status = pl_options_check(options, error);
-    if (!status)
-        status =
-            pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads, error);
+    int status = pl_call_check(plan, coordinates, options, error);
     if (status)
         return status;
 

@@ -10,6 +10,11 @@
 /** Check struct_size and the ranges of all fields. */
 int pl_options_check(const planish_options *options, planish_error *error);
 
+/** The same, and that coordinates [n][dim] are finite: what every call on coordinates begins with.
+ */
+int pl_call_check(const planish_plan *plan, const double *coordinates,
+                  const planish_options *options, planish_error *error);
+
 /* ---- sweep.c: one pass over the colours ---------------------------------------------------- */
 
 /** Asked after every colour (colours done so far): a result other than 0 ends the sweep there. */

@@ -155,10 +155,7 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
         planish_options_init(&defaults);
         options = &defaults;
     }
-    int status = pl_options_check(options, error);
-    if (!status)
-        status =
-            pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads, error);
+    int status = pl_call_check(plan, coordinates, options, error);
     if (status)
         return status;
     const pl_objective_problem volumes = pl_objective_problem_of(plan, options, coordinates);

@@ -187,6 +187,31 @@ static void averages_have_no_size(void **state) {
         }
 }
 
+/** A least volume decides only what of an average's result is reported as below. */
+static void averages_do_not_care_for_volumes(void **state) {
+    int dim = *(int *)*state;
+    for (int max_sweeps = 1; max_sweeps < 200; max_sweeps *= 4) {
+        test_mesh mesh;
+        work w, with;
+        planish_result result;
+        planish_quality quality;
+        bad_box(&mesh, dim);
+        start(&w, &mesh.mesh);
+        start(&with, &mesh.mesh);
+        w.options.method = with.options.method = PLANISH_METHOD_LAPLACIAN;
+        w.options.max_sweeps = with.options.max_sweeps = max_sweeps;
+        with.options.min_volume = 1; /* more than any has */
+        smooth(&w, &result, &quality);
+        smooth(&with, &result, &quality);
+        assert_true(result.moved_nodes > 0);
+        assert_int_equal(result.below_min_volume, mesh.mesh.n_elements);
+        assert_memory_equal(w.coordinates, with.coordinates, w.size);
+        finish(&w);
+        finish(&with);
+        test_mesh_destroy(&mesh);
+    }
+}
+
 int main(void) {
     static int two = 2, three = 3;
     const struct CMUnitTest tests[] = {
@@ -200,6 +225,8 @@ int main(void) {
         {"looking 3-D", looking_changes_nothing, NULL, NULL, &three},
         {"averages 2-D", averages_have_no_size, NULL, NULL, &two},
         {"averages 3-D", averages_have_no_size, NULL, NULL, &three},
+        {"averages, volumes 2-D", averages_do_not_care_for_volumes, NULL, NULL, &two},
+        {"averages, volumes 3-D", averages_do_not_care_for_volumes, NULL, NULL, &three},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
