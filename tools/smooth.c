@@ -91,7 +91,7 @@ static int check_promises(const pl_job *job, const pl_result *result) {
     if (after->inverted > before->inverted)
         return complain_promise(job, "the number of inverted elements", (double)before->inverted,
                                 (double)after->inverted);
-    if (result->below_before > 0)
+    if (result->below_before > 0 || before->inverted > 0)
         return 0;
     if (after->max_radius_ratio > before->max_radius_ratio)
         return complain_promise(job, "the worst radius ratio", before->max_radius_ratio,

@@ -132,8 +132,8 @@ typedef struct planish_progress {
     double objective;   /* F over the valid elements after the last sweep; rms by default */
     int64_t inverted;   /* elements that are not positive, after the last sweep */
     int64_t below_min_volume; /* elements below 0.997 of their least volume, likewise */
-    int restoring;  /* not 0: in the last sweep, moves brought elements above their least volume,
-                       and F may have risen */
+    int restoring;  /* not 0: this sweep, or the last one, untangled elements or brought them above
+                       their least volume; F may have risen */
     int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
     double seconds; /* time of this sweep so far */
     double elapsed; /* time of planish_smooth so far, seconds */
@@ -170,7 +170,10 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* what coordinates are stored as in the end */
-    int max_sweeps;                        /* at least 0 */
+    int untangle;                  /* not 0 (the default): elements that are not positive, or below
+                                      their least volume, are mended first where that can be done;
+                                      0: they are left alone */
+    int max_sweeps;                /* of smoothing, at least 0; untangling has its own bound */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
     double time_limit;             /* seconds, 0: none */
     double only_worse_than;        /* visit only stars with an element of RR above it, or below its
@@ -180,8 +183,8 @@ typedef struct planish_options {
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel; radius
- * ratio by constrained optimisation, Newton, volumes only positive, no bounds; doubles; 200 sweeps,
- * tolerance 1e-5, no time limit; all nodes; no callback. */
+ * ratio by constrained optimisation, Newton, volumes only positive, no bounds; doubles; untangling;
+ * 200 sweeps, tolerance 1e-5, no time limit; all nodes; no callback. */
 PLANISH_API void planish_options_init(planish_options *options);
 
 /* ---- Plan --------------------------------------------------------------------------------- */
@@ -273,11 +276,12 @@ typedef enum planish_stop {
 
 typedef struct planish_result {
     planish_stop stop;
-    int sweeps;              /* sweeps begun */
+    int sweeps;              /* sweeps begun, */
+    int untangling_sweeps;   /* those of them that untangled */
     int64_t visits;          /* local problems looked at */
     int64_t moved_nodes;     /* nodes that are not where they were */
     double max_displacement; /* the farthest of them, in units of the coordinates */
-    int64_t inverted;        /* elements that are not positive: their stars are left alone */
+    int64_t inverted;        /* elements that are not positive at the end */
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
@@ -326,6 +330,14 @@ typedef enum planish_volume_state {
 PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                                       const planish_options *options, uint8_t *state,
                                       int64_t *n_below, planish_error *error);
+
+/** Find the elements of coordinates [n_nodes][dim] that are not positive and cannot all be made so,
+ * wherever the free nodes are: those without a free node, and those that contradict each other
+ * around one free node whose link there is fixed (docs/algorithm.md). unfixable [n_elements] (may
+ * be NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of elements that are merely
+ * hard. Errors: _ARGUMENT, _MESH, _MEMORY. */
+PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *coordinates,
+                                       uint8_t *unfixable, int64_t *n, planish_error *error);
 
 #ifdef __cplusplus
 }

@@ -17,6 +17,10 @@ enum {
  * have the right sign: Shewchuk's bound (certificate.c), larger for the product's own rounding. */
 static const double CERTAIN = 8 * 0x1p-53;
 
+/* |D| below this multiple of the same product: so flat that the kernels, to which D from another of
+ * its nodes may be nothing but rounding, leave its stars alone. */
+static const double FLAT = 0x1p-44;
+
 /* Exponents of scales, and of what ldexp is asked for, stay within this. */
 enum { SCALE_LIMIT = 1000 };
 
@@ -26,6 +30,7 @@ typedef struct work {
     pl_objective_sums *partial; /* [chunks] */
     int64_t chunk;
     uint8_t *state;   /* [m] or NULL */
+    double flat;      /* for state: D not above this times the permanent is below, too; -1: no */
     int64_t *n_below; /* for state; shared */
 } work;
 
@@ -180,15 +185,29 @@ static void classify_chunk(void *context, int64_t begin, int64_t end, int thread
     for (int64_t i = begin; i < end; i++) {
         element e = element_at(w->problem, i, w->problem->dim);
         int below = volume_constraint(least_volume(w->problem, i), &e) > PLANISH_VOLUME_TOLERANCE;
+        if (w->flat >= 0)
+            below |= !(e.determinant > w->flat * permanent_bound(&e, w->problem->dim));
         w->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
         n_below += below;
     }
     __atomic_fetch_add(w->n_below, n_below, __ATOMIC_RELAXED);
 }
 
-int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state) {
+static int64_t classify(const pl_objective_problem *problem, double flat, uint8_t *state) {
     int64_t n_below = 0;
-    work w = {.problem = problem, .state = state, .n_below = &n_below};
+    work w = {.problem = problem, .state = state, .flat = flat, .n_below = &n_below};
     pl_parallel_for(problem->threads, problem->n_elements, 8 * MIN_CHUNK, classify_chunk, &w);
     return n_below;
+}
+
+int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state) {
+    return classify(problem, -1, state);
+}
+
+int64_t pl_find_inverted(const pl_objective_problem *problem, uint8_t *state) {
+    return classify(problem, 0, state);
+}
+
+int64_t pl_find_tangled(const pl_objective_problem *problem, uint8_t *state) {
+    return classify(problem, FLAT, state);
 }

@@ -25,6 +25,10 @@ enum {
     INVERSE_FLOOR, /* 1 / floor, or 0 */
     GVALUE,        /* g = 1 - D / floor */
     SHIFT,         /* lambda / penalty, see pl_star_guard */
+    /* The next three are for untangling alone. */
+    INVERSE_TARGET, /* 1 / the D that is wanted */
+    INVERSE_EDGE2,  /* 1 / the square of its edges */
+    SHARE,          /* PL_SHARES / nodes of the element that are in the patch */
     COLUMNS_2D,
     P0Z = COLUMNS_2D,
     P1Z,

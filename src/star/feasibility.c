@@ -1,31 +1,60 @@
-/* feasibility: a proof that elements of a star cannot all have their least volume.
+/* feasibility: a proof that elements of a star cannot all have their least volume, or be positive.
  *
  * By Farkas' lemma the elements of link facets whose nodes are fixed cannot have it, wherever their
  * free node x is, if there are weights lambda_j >= 0 with sum lambda_j n_j = 0 and
  * sum lambda_j (D_j - floor_j) < 0. The projection that looks for a feasible displacement finds
  * them (docs/algorithm.md). With free nodes in the link there is no such proof: they could move.
+ * Of the elements of a proof one is given up, and the search goes on without it until the others
+ * have a common place.
  */
 #define PL_PACK 1
 #include "star/feasible.h"
 
 /* The proof must hold within this many sizes of the star, whatever rounding did to it. */
 #define PROOF_REACH 1e6
+/* An element without a least volume needs this height over its link facet, by the facet's size. */
+#define HEIGHT_LEAST 1e-9
 
-/** Rows of the facets whose nodes are fixed; these get a 1 in of_fixed, the others a 0. */
-static active fixed_rows(const local *here, const pl_star_problem *problem, int64_t star_index,
-                         const uint8_t *is_fixed, const double *x, uint8_t *of_fixed, int dim) {
+/** What is known of a link facet while the search goes on. */
+enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
+
+/** Floors of elements without a least volume. */
+static void set_floors(const star *s, const int dim) {
+    double *floor = s->column + FLOOR * s->padded, *inverse = s->column + INVERSE_FLOOR * s->padded;
+    const double *length = s->column + LENGTH * s->padded;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        if (floor[i] > 0 || !(length[i] > 0))
+            continue;
+        floor[i] = HEIGHT_LEAST * length[i] * (dim == 3 ? sqrt(length[i]) : length[i]);
+        inverse[i] = 1 / floor[i];
+    }
+}
+
+/** The facets that have a row, and whose nodes are fixed, become candidates. */
+static void find_candidates(const local *here, const uint16_t *link, const uint8_t *is_fixed,
+                            uint8_t *state, const int dim) {
     const star *s = &here->s;
-    const uint16_t *link = problem->link + problem->link_offset[star_index] * dim;
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        int fixed =
+            s->column[INVERSE_FLOOR * s->padded + i] > 0 && s->column[LENGTH * s->padded + i] > 0;
+        for (int j = 0; j < dim; j++)
+            fixed &= is_fixed[s->ring[link[i * dim + j]]];
+        state[i] = fixed ? CANDIDATE : NOT_FIXED;
+    }
+}
+
+static int is_wanted(uint8_t state) {
+    return state == CANDIDATE || state == MEMBER;
+}
+
+/** Rows of the facets that are still in question, in their order. */
+static active rows_in_question(const local *here, const double *x, const uint8_t *state, int dim) {
+    const star *s = &here->s;
     active all = homogeneous(here, x, -VIOLATED_ABOVE, 0, dim); /* to be met, as it is counted */
     active kept = {all.rows, 0};
     for (int64_t i = 0, row = 0; i < s->n_facets; i++) {
-        int exists =
-            s->column[INVERSE_FLOOR * s->padded + i] > 0 && s->column[LENGTH * s->padded + i] > 0;
-        int fixed = 1;
-        for (int j = 0; j < dim; j++)
-            fixed &= is_fixed[s->ring[link[i * dim + j]]];
-        of_fixed[i] = exists && fixed;
-        if (of_fixed[i])
+        int exists = s->column[FLOOR * s->padded + i] > 0 && s->column[LENGTH * s->padded + i] > 0;
+        if (exists && is_wanted(state[i]))
             memmove(kept.rows[kept.m++], all.rows[row], sizeof all.rows[row]);
         row += exists;
     }
@@ -43,33 +72,80 @@ static int proves(const active *a, const cone_point *point, int dim) {
     return point->n_active > 0 && sum[dim] > PROOF_REACH * residual;
 }
 
+/** The middle of the ring: a proof holds wherever the node is, and is clearest from there. */
+static void middle_of_ring(const local *here, double *x, const int dim) {
+    const star *s = &here->s;
+    for (int d = 0; d < dim; d++) {
+        x[d] = 0;
+        for (int64_t i = 0; i < s->n_ring; i++)
+            x[d] += here->problem->coordinates[(int64_t)s->ring[i] * dim + d] * s->scale /
+                    (double)s->n_ring;
+    }
+}
+
+/** Mark the members of the proof, and give up the one that is lowest at its place. */
+static void mark_members(const cone_point *point, const double *height, int64_t n_facets,
+                         uint8_t *state) {
+    int64_t lowest = -1;
+    for (int64_t i = 0, row = 0; i < n_facets; i++) {
+        if (!is_wanted(state[i]))
+            continue;
+        for (int j = 0; j < point->n_active; j++)
+            if (point->active[j] == row) {
+                state[i] = MEMBER;
+                lowest = lowest < 0 || height[i] < height[lowest] ? i : lowest;
+            }
+        row++;
+    }
+    state[lowest] = GIVEN_UP;
+}
+
+/** D of the elements with the node at x, over their link facets: in the column RATE. */
+static double *heights(const local *here, const double *x, const int dim) {
+    const star *s = &here->s;
+    double *height = s->column + RATE * s->padded;
+    lanes place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        aspect a;
+        measure_at(s, i, place, &a, dim);
+        height[i] = a.D / s->column[LENGTH * s->padded + i];
+    }
+    return height;
+}
+
 static int infeasible(const pl_star_problem *problem, int64_t star_index, const uint8_t *is_fixed,
-                      double *scratch, uint8_t *taking_part, const int dim) {
+                      double *scratch, uint8_t *part, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[star_index] * dim;
     int64_t evaluations = 0;
-    double x[3], displacement[3];
+    double at[3], x[3], displacement[3];
     derivatives derivative;
     cone_point point;
+    int n_given_up = 0;
     local here = local_of(problem, star_index, place, scratch, &evaluations, 1, dim);
-    for (int d = 0; d < dim; d++)
-        x[d] = place[d] * here.s.scale;
-    guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
+    const uint16_t *link = problem->link + problem->link_offset[star_index] * dim;
+    to_star(&here, place, at, dim);
+    middle_of_ring(&here, x, dim);
+    set_floors(&here.s, dim);
     here.b.any = 0; /* bounds are no part of the proof */
-    active a = fixed_rows(&here, problem, star_index, is_fixed, x, taking_part, dim);
-    int proof =
-        a.m > 0 && !shortest_displacement(&a, displacement, &point, dim) && proves(&a, &point, dim);
-    for (int64_t i = 0, row = 0; i < here.s.n_facets; i++) {
-        int has_row = taking_part[i], weighs = 0;
-        for (int j = 0; proof && has_row && j < point.n_active; j++)
-            weighs |= point.active[j] == row;
-        taking_part[i] = (uint8_t)weighs;
-        row += has_row;
+    guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
+    const double *height = heights(&here, at, dim);
+    find_candidates(&here, link, is_fixed, part, dim);
+    for (;; n_given_up++) {
+        active a = rows_in_question(&here, x, part, dim);
+        if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim) ||
+            !proves(&a, &point, dim))
+            break;
+        mark_members(&point, height, here.s.n_facets, part);
     }
-    return proof;
+    for (int64_t i = 0; i < here.s.n_facets; i++)
+        part[i] = part[i] == MEMBER     ? PL_PART_OF_PROOF
+                  : part[i] == GIVEN_UP ? PL_PART_GIVEN_UP
+                                        : PL_PART_NONE;
+    return n_given_up;
 }
 
 int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
-                       const uint8_t *is_fixed, double *scratch, uint8_t *taking_part) {
-    return dim == 3 ? infeasible(problem, star_index, is_fixed, scratch, taking_part, 3)
-                    : infeasible(problem, star_index, is_fixed, scratch, taking_part, 2);
+                       const uint8_t *is_fixed, double *scratch, uint8_t *part) {
+    return dim == 3 ? infeasible(problem, star_index, is_fixed, scratch, part, 3)
+                    : infeasible(problem, star_index, is_fixed, scratch, part, 2);
 }

@@ -40,6 +40,17 @@ static inline int pl_star_is_held(const pl_star_guard *guard, int32_t node, int 
     return held;
 }
 
+/** What untangling asks (untangle.h): the regularised energy of the elements around the nodes of a
+ * patch. Arrays over nodes are by inner numbers. */
+typedef struct pl_star_untangling {
+    const uint8_t *in_patch;  /* [n_nodes] 1: the node may move */
+    const double *size;       /* [n_nodes] length of edges that is wanted there */
+    const uint8_t *link_skip; /* [link_offset[n_stars]] 1: the facet's element cannot be helped and
+                                 does not count; NULL: all count */
+    double epsilon;           /* of the regularisation */
+    int to_centre;            /* 1: nodes go to the mean of their neighbours instead */
+} pl_star_untangling;
+
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
@@ -54,6 +65,7 @@ typedef struct pl_star_problem {
     double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */
     int to_float;               /* positions are rounded to float before they are judged */
     const pl_star_guard *guard; /* NULL: the sum of RR^2, volumes positive, no bounds */
+    const pl_star_untangling *untangling; /* NULL but for visits that untangle */
 } pl_star_problem;
 
 /** What a range of visits did. */
@@ -83,11 +95,23 @@ int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link);
 pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,
                               int64_t begin, int64_t end, double *scratch);
 
-/** Whether elements of the star's fixed link facets cannot all have their least volume, wherever
- * the node is (feasibility.c). is_fixed [n_nodes] by inner numbers; taking_part [link facets of the
- *  star] is set to 1 for the elements of the proof, else 0. scratch as for visits. */
+/** Move the nodes of stars begin .. end-1 that are in the patch to the mean of their neighbours,
+ * but not out of their bounds (laplacian.c). */
+pl_star_tally pl_star_centre(const pl_star_problem *problem, int dim, int64_t begin, int64_t end);
+
+/** What an element has to do with the proof that not all of a star can have what they need. */
+typedef enum pl_star_part {
+    PL_PART_NONE = 0,
+    PL_PART_OF_PROOF = 1, /* it contradicts others */
+    PL_PART_GIVEN_UP = 2  /* likewise, and the others can have it without this one */
+} pl_star_part;
+
+/** How many elements of the star's fixed link facets must be given up, so that the others can have
+ * their least volume (or be positive, without one) for some place of the node; 0 if there is no
+ * proof that it is any (feasibility.c). is_fixed [n_nodes] by inner numbers; part [link facets of
+ * the star] is set to pl_star_part. scratch as for visits. */
 int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
-                       const uint8_t *is_fixed, double *scratch, uint8_t *taking_part);
+                       const uint8_t *is_fixed, double *scratch, uint8_t *part);
 
 /** Raise the multipliers of the elements of stars begin .. end-1 to max(0, lambda + rho g), and
  * count the stars as changed where they change, or (if wake) where a least volume is in force
@@ -113,11 +137,34 @@ typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, do
 typedef void pl_star_optimality_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
                                    double *scratch, pl_star_optimality *optimality);
 
+/** The regularised energy of elements around a range of stars. Those of several free nodes of the
+ * patch are shared by these, so that sums over the patch's stars count each element once. */
+typedef struct pl_star_energy {
+    double sum;      /* of the elements' energies */
+    double least;    /* smallest measure, less its floor, relative to the one that is wanted */
+    int64_t tangled; /* elements that are not positive beyond doubt, or below their floor, times
+                        PL_SHARES */
+} pl_star_energy;
+
+enum { PL_SHARES = 12 }; /* divided by 1, 2, 3 and 4 nodes of a patch */
+
+/** Gradient and Hessian of the patch's energy by one node; see pl_star_value for the order. */
+typedef struct pl_star_slope {
+    double gradient[3], hessian[6];
+} pl_star_slope;
+
+/** The energy of stars begin .. end-1, without those whose nodes are not in the patch. slope
+ * [end - begin] may be NULL; those of nodes that are not in the patch are not written. */
+typedef pl_star_energy pl_star_energy_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                         double *scratch, pl_star_slope *slope);
+
 /** For problems with a guard. */
 typedef struct pl_star_guarded {
     pl_star_visit_fn *visit[2];           /* [dim - 2] */
     pl_star_evaluate_fn *evaluate[2];     /* [dim - 2] */
     pl_star_optimality_fn *optimality[2]; /* [dim - 2] */
+    pl_star_visit_fn *untangle[2];        /* [dim - 2] lower the patch's energy */
+    pl_star_energy_fn *energy[2];         /* [dim - 2] */
 } pl_star_guarded;
 
 /** For problems without, and the other. */

@@ -19,6 +19,7 @@ void planish_options_init(planish_options *options) {
     options->struct_size = sizeof *options;
     options->max_sweeps = DEFAULT_MAX_SWEEPS;
     options->tolerance = DEFAULT_TOLERANCE;
+    options->untangle = 1;
     for (int d = 0; d < 3; d++) {
         options->box_lower[d] = -INFINITY;
         options->box_upper[d] = INFINITY;

@@ -129,8 +129,8 @@ static int call_progress(pl_run *r, const planish_progress *progress) {
     return 1;
 }
 
-static int after_colour(void *context, int colours_done) {
-    pl_run *r = context;
+int pl_run_after_colour(void *run, int colours_done) {
+    pl_run *r = run;
     planish_progress progress = progress_of(r, colours_done, 0);
     if (call_progress(r, &progress))
         return 1;
@@ -141,25 +141,34 @@ static int after_colour(void *context, int colours_done) {
     return 0;
 }
 
-int pl_run_sweep(pl_run *r, int64_t *visits) {
+void pl_run_begin_sweep(pl_run *r) {
     r->sweep++;
     r->sweep_start = pl_seconds();
-    if (!r->plain)
-        r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
-    pl_sweep_tally tally = pl_sweep(r->plan, &r->problem, r->options->method, after_colour, r);
-    r->restoring = tally.restored > 0;
-    r->improved = tally.improved;
-    *visits = tally.visits;
-    r->result->visits += tally.visits;
-    r->result->evaluations += tally.evaluations;
-    keep_track(r, &tally);
-    planish_progress progress = progress_of(r, tally.colours, tally.visits);
+}
+
+int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
+    r->result->visits += tally->visits;
+    r->result->evaluations += tally->evaluations;
+    planish_progress progress = progress_of(r, tally->colours, tally->visits);
     progress.sweep_done = 1;
-    if (!tally.stopped)
+    if (!tally->stopped)
         return call_progress(r, &progress);
     if (r->options->progress) /* the reason to stop stands: no answer is wanted */
         r->options->progress(&progress, r->options->progress_user);
     return 1;
+}
+
+int pl_run_sweep(pl_run *r, int64_t *visits) {
+    pl_run_begin_sweep(r);
+    if (!r->plain)
+        r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
+    pl_sweep_tally tally =
+        pl_sweep(r->plan, &r->problem, r->options->method, pl_run_after_colour, r);
+    r->restoring = tally.restored > 0;
+    r->improved = tally.improved;
+    *visits = tally.visits;
+    keep_track(r, &tally);
+    return pl_run_end_sweep(r, &tally);
 }
 
 /* A sweep that improved more than this part of the stars is not calm, whatever F says: a few

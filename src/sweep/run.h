@@ -44,8 +44,19 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r);
 /** One sweep and what is to be said of it; not 0 if it was cut short. *visits are then its own. */
 int pl_run_sweep(pl_run *r, int64_t *visits);
 
+/** What every sweep begins and ends with, and is asked after each colour. The last two are not 0 if
+ *  the run is to end here; r->stop then says why. */
+void pl_run_begin_sweep(pl_run *r);
+int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
+int pl_run_after_colour(void *run, int colours_done);
+
 /** Sweeps until they converge or must end: r->stop says why. */
 void pl_run_sweeps(pl_run *r);
+
+/* ---- untangle.c ---------------------------------------------------------------------------- */
+
+/** Untangle the mesh if anything in it is tangled. Errors: _MEMORY. */
+int pl_run_untangle(pl_run *r, planish_error *error);
 
 /* ---- augmented.c ---------------------------------------------------------------------------- */
 

@@ -83,7 +83,7 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
     int status = state ? PLANISH_OK : pl_fail_memory(error, "the states of the elements");
     if (state) {
         pl_find_below(&problem, state);
-        status = pl_mark_infeasible(plan, &r->problem, state, &n_infeasible, error);
+        status = pl_mark_infeasible(plan, &r->problem, state, &n_infeasible, NULL, error);
     }
     pl_free(state);
     if (n_infeasible > 0)
@@ -119,6 +119,14 @@ static int smooth(pl_run *r, planish_error *error) {
     r->result->objective_before = pl_run_objective(r);
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
+    if (pl_run_inverted(r) > 0 && r->options->untangle && plan->stars.n_stars > 0) {
+        status = pl_run_untangle(r, error);
+        if (status)
+            return status;
+        r->restoring = 0;
+        pl_run_measure(r);
+        prepare_problem(r);
+    }
     if (plan->stars.n_stars > 0) {
         const pl_objective_sums start = r->totals;
         pl_run_sweeps(r);

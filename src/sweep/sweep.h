@@ -37,11 +37,12 @@ pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem
 /* ---- volumes.c ---------------------------------------------------------------------------- */
 
 /** Turn _BELOW into _INFEASIBLE in state [m] where the element cannot reach its least volume: it
- * has no free node, or it is part of a proof (pl_star_infeasible) at its only one, or the domain is
- * too small for all. The coordinates, and the guard, are the problem's; sums are of the same
- * coordinates. Errors: _MEMORY. */
+ * has no free node, or it is part of a proof (pl_star_infeasible) at its only one. The coordinates,
+ * and the guard, are the problem's. If part is not NULL only elements that have no free node or are
+ * given up are marked, the latter whatever their state was, and *part becomes [link facets of all
+ * stars] of pl_star_part, to be released by pl_free. Errors: _MEMORY. */
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
-                       int64_t *n_infeasible, planish_error *error);
+                       int64_t *n_infeasible, uint8_t **part, planish_error *error);
 
 /* ---- optimality.c ------------------------------------------------------------------------- */
 

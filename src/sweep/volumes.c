@@ -12,12 +12,12 @@ typedef struct search {
     const planish_plan *plan;
     pl_star_problem problem;
     uint8_t *state;
-    double *scratch;      /* of the kernels */
-    int32_t *star_of;     /* [n] by inner numbers: the star of a free node */
-    int32_t *next_facet;  /* [n_stars] link facets of the star seen so far */
-    uint8_t *is_fixed;    /* [n] by inner numbers */
-    uint8_t *is_wanted;   /* [n_stars] a proof at the star would tell of an element */
-    uint8_t *taking_part; /* [link facets of all stars] */
+    double *scratch;     /* of the kernels */
+    int32_t *star_of;    /* [n] by inner numbers: the star of a free node */
+    int32_t *next_facet; /* [n_stars] link facets of the star seen so far */
+    uint8_t *is_fixed;   /* [n] by inner numbers */
+    uint8_t *is_wanted;  /* [n_stars] a proof at the star would tell of an element */
+    uint8_t *part;       /* [link facets of all stars] pl_star_part */
 } search;
 
 static int search_create(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
@@ -29,9 +29,8 @@ static int search_create(const planish_plan *plan, const pl_star_problem *proble
     s->next_facet = pl_alloc_zero(n_stars, sizeof *s->next_facet);
     s->is_fixed = pl_alloc(n, sizeof *s->is_fixed);
     s->is_wanted = pl_alloc_zero(n_stars, sizeof *s->is_wanted);
-    s->taking_part = pl_alloc_zero(plan->stars.link_offset[n_stars], sizeof *s->taking_part);
-    return s->scratch && s->star_of && s->next_facet && s->is_fixed && s->is_wanted &&
-           s->taking_part;
+    s->part = pl_alloc_zero(plan->stars.link_offset[n_stars], sizeof *s->part);
+    return s->scratch && s->star_of && s->next_facet && s->is_fixed && s->is_wanted && s->part;
 }
 
 static void search_destroy(search *s) {
@@ -40,7 +39,7 @@ static void search_destroy(search *s) {
     pl_free(s->next_facet);
     pl_free(s->is_fixed);
     pl_free(s->is_wanted);
-    pl_free(s->taking_part);
+    pl_free(s->part);
 }
 
 static void number_stars(search *s) {
@@ -85,11 +84,12 @@ static void look_for_proofs(search *s) {
     for (int64_t i = 0; i < plan->stars.n_stars; i++)
         if (s->is_wanted[i])
             pl_star_infeasible(&s->problem, i, plan->dim, s->is_fixed, s->scratch,
-                               s->taking_part + plan->stars.link_offset[i]);
+                               s->part + plan->stars.link_offset[i]);
 }
 
-/** Tell the elements: the facets of a star are in the order of its elements. */
-static int64_t mark_elements(search *s) {
+/** Tell the elements: the facets of a star are in the order of its elements. If given_up only those
+ * that are, else all that are below and part of a proof. */
+static int64_t mark_elements(search *s, int given_up) {
     const planish_plan *plan = s->plan;
     int64_t n_infeasible = 0;
     for (int64_t i = 0; i < plan->n_elements; i++) {
@@ -99,7 +99,10 @@ static int64_t mark_elements(search *s) {
                 continue;
             int32_t star = star_of_node(s, node);
             int64_t facet = plan->stars.link_offset[star] + s->next_facet[star]++;
-            if (s->taking_part[facet] && s->state[i] == PLANISH_VOLUME_BELOW)
+            int wanted =
+                given_up ? s->part[facet] == PL_PART_GIVEN_UP
+                         : s->part[facet] != PL_PART_NONE && s->state[i] == PLANISH_VOLUME_BELOW;
+            if (wanted)
                 s->state[i] = PLANISH_VOLUME_INFEASIBLE;
         }
         n_infeasible += s->state[i] == PLANISH_VOLUME_INFEASIBLE;
@@ -108,14 +111,18 @@ static int64_t mark_elements(search *s) {
 }
 
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
-                       int64_t *n_infeasible, planish_error *error) {
+                       int64_t *n_infeasible, uint8_t **part, planish_error *error) {
     search s;
     int status = PLANISH_OK;
     if (search_create(plan, problem, state, &s)) {
         number_stars(&s);
         look_at_elements(&s);
         look_for_proofs(&s);
-        *n_infeasible = mark_elements(&s);
+        *n_infeasible = mark_elements(&s, part != NULL);
+        if (part) {
+            *part = s.part;
+            s.part = NULL;
+        }
     } else {
         status = pl_fail_memory(error, "the search for infeasible elements");
     }
@@ -140,7 +147,7 @@ static int check_volumes(const planish_plan *plan, const pl_objective_problem *v
     problem.coordinates = coordinates;
     problem.guard = &guard;
     pl_plan_order(plan, volumes->coordinates, coordinates);
-    return pl_mark_infeasible(plan, &problem, state, &n_infeasible, error);
+    return pl_mark_infeasible(plan, &problem, state, &n_infeasible, NULL, error);
 }
 
 int planish_check_volumes(const planish_plan *plan, const double *coordinates,
@@ -174,6 +181,52 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
             memcpy(state, found, (size_t)plan->n_elements);
     }
     pl_free(found);
+    pl_free(ordered);
+    return status;
+}
+
+/* ---- elements that cannot be positive ------------------------------------------------------- */
+
+static int find_unfixable(const planish_plan *plan, const double *coordinates, uint8_t *state,
+                          double *ordered, int64_t *n, planish_error *error) {
+    const pl_objective_problem positive = {.dim = plan->dim,
+                                           .n_elements = plan->n_elements,
+                                           .elements = plan->elements,
+                                           .sign = plan->sign,
+                                           .is_free = plan->is_free,
+                                           .coordinates = coordinates,
+                                           .threads = plan->threads};
+    const pl_star_guard guard = {.ratio_weight = 1};
+    pl_star_problem problem = pl_plan_problem(plan);
+    problem.coordinates = ordered;
+    problem.guard = &guard;
+    if (pl_find_inverted(&positive, state) == 0)
+        return PLANISH_OK;
+    pl_plan_order(plan, coordinates, ordered);
+    return pl_mark_infeasible(plan, &problem, state, n, NULL, error);
+}
+
+int planish_find_unfixable(const planish_plan *plan, const double *coordinates, uint8_t *unfixable,
+                           int64_t *n, planish_error *error) {
+    int64_t found = 0;
+    if (!plan || !coordinates || !n)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan, coordinates and n must not be NULL");
+    int status =
+        pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads, error);
+    if (status)
+        return status;
+    uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
+    double *ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *ordered);
+    if (state && ordered)
+        status = find_unfixable(plan, coordinates, state, ordered, &found, error);
+    else
+        status = pl_fail_memory(error, "the states of the elements");
+    if (!status) {
+        *n = found;
+        for (int64_t i = 0; unfixable && i < plan->n_elements; i++)
+            unfixable[i] = state[i] == PLANISH_VOLUME_INFEASIBLE;
+    }
+    pl_free(state);
     pl_free(ordered);
     return status;
 }

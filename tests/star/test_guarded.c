@@ -430,12 +430,12 @@ static void the_multiplier_balances_the_gradient(void **state) {
 /** The half-spaces of the star's floors, of those facets that wanted (NULL: all) has. Box: the
  * bounds of the node, too. */
 static void polytope(const guarded_star *g, const uint8_t *wanted, int box, long double part,
-                     halfspaces *h) {
+                     int positive, halfspaces *h) {
     const int dim = g->s.dim;
     halfspaces_start(h, dim, 1e6L);
     for (int64_t f = 0; f < facets(g); f++) {
         long double at[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
-        if ((wanted && !wanted[f]) || !(hand_star_floor(&g->s, f) > 0))
+        if ((wanted && !wanted[f]) || !(positive || hand_star_floor(&g->s, f) > 0))
             continue;
         long double constant = hand_star_measure(&g->s, f, at);
         for (int d = 0; d < dim; d++) {
@@ -489,7 +489,7 @@ static void feasible_stars_are_restored(void **state) {
         guarded_star g;
         halfspaces h;
         create_lost(&g, dim, seed, 0.1 + 0.9 * seed / 300);
-        polytope(&g, NULL, 0, 1, &h);
+        polytope(&g, NULL, 0, 1, 0, &h);
         int can_be = halfspaces_meet(&h, CLEAR, NULL);
         outside += worst(&g) > 1;
         for (int i = 0; i < 20; i++)
@@ -529,7 +529,7 @@ static void feasible_stars_are_restored_within_bounds(void **state) {
             g.lower[d] = g.s.coordinates[d] - 1.5 * test_random(&random);
             g.upper[d] = g.s.coordinates[d] + 1.5 * test_random(&random);
         }
-        polytope(&g, NULL, 1, 1, &h);
+        polytope(&g, NULL, 1, 1, 0, &h);
         int can_be = halfspaces_meet(&h, CLEAR, NULL);
         for (int i = 0; i < 20; i++) {
             visit_and_watch(&g, PLANISH_ISA_AUTO);
@@ -546,7 +546,8 @@ static void feasible_stars_are_restored_within_bounds(void **state) {
 /** What the library says of the star with these fixed nodes must be what the vertices say of the
  *  facets that have no free node, and its proof must be one. */
 static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
-    uint8_t of_fixed[HAND_STAR_MAX_FACETS], taking_part[HAND_STAR_MAX_FACETS];
+    uint8_t of_fixed[HAND_STAR_MAX_FACETS], part[HAND_STAR_MAX_FACETS];
+    uint8_t rest[HAND_STAR_MAX_FACETS];
     halfspaces h;
     const int dim = g->s.dim;
     for (int64_t f = 0; f < facets(g); f++) {
@@ -554,19 +555,25 @@ static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
         for (int j = 0; j < dim; j++)
             of_fixed[f] &= is_fixed[g->s.ring[g->s.link[f * dim + j]]];
     }
-    polytope(g, of_fixed, 0, 1 - PLANISH_VOLUME_TOLERANCE, &h);
+    polytope(g, of_fixed, 0, 1 - PLANISH_VOLUME_TOLERANCE, 1, &h);
     int feasible = halfspaces_meet(&h, CLEAR, NULL);
     int infeasible = !halfspaces_meet(&h, -CLEAR, NULL);
-    int proof = pl_star_infeasible(&g->s.problem, 0, dim, is_fixed, g->s.scratch, taking_part);
+    int given_up = pl_star_infeasible(&g->s.problem, 0, dim, is_fixed, g->s.scratch, part);
+    int proof = given_up > 0;
     assert_true(!(proof && feasible) && !(!proof && infeasible));
     int n = 0;
     for (int64_t f = 0; f < facets(g); f++) {
-        assert_true(taking_part[f] <= of_fixed[f]);
-        n += taking_part[f];
+        assert_true(part[f] == PL_PART_NONE || of_fixed[f]);
+        rest[f] = of_fixed[f] && part[f] != PL_PART_GIVEN_UP;
+        n += part[f] != PL_PART_NONE;
+        given_up -= part[f] == PL_PART_GIVEN_UP;
     }
-    assert_true(proof ? n >= 2 && n <= dim + 1 : n == 0);
-    polytope(g, taking_part, 0, 1 - PLANISH_VOLUME_TOLERANCE, &h);
+    assert_true(proof ? n >= 2 : n == 0);
+    assert_int_equal(given_up, 0);
+    polytope(g, part, 0, 1 - PLANISH_VOLUME_TOLERANCE, 1, &h);
     assert_true(!proof || !halfspaces_meet(&h, 0, NULL));
+    polytope(g, rest, 0, 1 - PLANISH_VOLUME_TOLERANCE, 1, &h);
+    assert_true(!proof || halfspaces_meet(&h, -CLEAR, NULL));
     return proof;
 }
 

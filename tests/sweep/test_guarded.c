@@ -288,7 +288,7 @@ static void crowded_stars_are_infeasible(void **state) {
             assert_int_equal(found[i], PLANISH_VOLUME_INFEASIBLE);
         n_proof += inner && found[i] == PLANISH_VOLUME_INFEASIBLE;
     }
-    assert_in_range(n_proof, 1, dim + 1);
+    assert_true(n_proof > 1);
     assert_true(n >= n_proof);
     smooth(&mesh.mesh, &options, &s);
     assert_int_equal(s.result.stop, PLANISH_STOP_INFEASIBLE);
@@ -378,7 +378,7 @@ static void nothing_becomes_worse(void **state) {
     assert_true(limited > 12);
 }
 
-/** An inverted star without a least volume is left alone, and is no licence for the others. */
+/** An inverted star that is left alone is no licence for the others. */
 static void an_inverted_star_excuses_nobody(void **state) {
     int dim = *(int *)*state;
     for (int objective = 0; objective < 3; objective++) {
@@ -393,6 +393,7 @@ static void an_inverted_star_excuses_nobody(void **state) {
         }
         planish_options options = defaults();
         options.objective = (planish_objective)objective;
+        options.untangle = 0;
         smooth(&mesh.mesh, &options, &s);
         assert_true(s.before.inverted > 0);
         assert_int_equal(s.after.inverted, s.before.inverted);
