@@ -199,6 +199,12 @@ static const char *set_max_displacement(pl_arguments *arguments, const char *val
     return NULL;
 }
 
+static const char *set_no_untangle(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->library.untangle = 0;
+    return NULL;
+}
+
 static const char *set_max_sweeps(pl_arguments *arguments, const char *value) {
     return parse_integer(value, 0, INT_MAX, &arguments->library.max_sweeps)
                ? "must be a whole number, 0 or more"
@@ -308,11 +314,14 @@ static const option_row option_table[] = {
     {0, "max-displacement", "D", SMOOTH, set_max_displacement,
      "move no node farther than D from where it was; Dh:\nthan D times the mean length of its "
      "edges"},
-    {0, "max-sweeps", "N", SMOOTH, set_max_sweeps, "at most N sweeps over the mesh (default 200)"},
+    {0, "no-untangle", NULL, SMOOTH, set_no_untangle,
+     "leave inverted elements alone (default: make them\nvalid first where that can be done)"},
+    {0, "max-sweeps", "N", SMOOTH, set_max_sweeps,
+     "at most N sweeps over the mesh once it is untangled\n(default 200)"},
     {0, "tolerance", "T", SMOOTH, set_tolerance,
      "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)"},
     {0, "time-limit", "S", SMOOTH, set_time_limit,
-     "stop smoothing after S seconds; the mesh is written\nand the exit status is 1"},
+     "stop after S seconds; the mesh is written and the\nexit status is 1"},
     {0, "fix", "TAG", BOTH, set_fix,
      "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once"},
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,

@@ -64,14 +64,16 @@ static void show_bar(pl_progress *progress, const planish_progress *step) {
         return;
     progress->last_shown = step->elapsed;
     progress->bar_is_shown = 1;
-    char bar[BAR_WIDTH + 1], rms[32] = "", line[LINE_WIDTH + 1];
+    char bar[BAR_WIDTH + 1], state[32] = "", line[LINE_WIDTH + 1];
     const int filled = step->n_colours > 0 ? BAR_WIDTH * step->colour / step->n_colours : BAR_WIDTH;
     for (int i = 0; i < BAR_WIDTH; i++)
         bar[i] = i < filled ? '#' : '.';
     bar[BAR_WIDTH] = '\0';
-    if (progress->n_sweeps > 0)
-        snprintf(rms, sizeof rms, "RMS %.6g, ", progress->sweep[progress->n_sweeps - 1].rms);
-    snprintf(line, sizeof line, "sweep %d [%s] %s%.1f s", step->sweep, bar, rms, step->elapsed);
+    if (step->restoring && step->inverted > 0) /* the RMS would be that of the others */
+        snprintf(state, sizeof state, "%" PRId64 " inverted, ", step->inverted);
+    else if (progress->n_sweeps > 0)
+        snprintf(state, sizeof state, "RMS %.6g, ", progress->sweep[progress->n_sweeps - 1].rms);
+    snprintf(line, sizeof line, "sweep %d [%s] %s%.1f s", step->sweep, bar, state, step->elapsed);
     fprintf(stderr, "\r%-*s", LINE_WIDTH, line);
     fflush(stderr);
 }

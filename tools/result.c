@@ -229,19 +229,23 @@ static void add_optimality(document *json, cJSON *root, const pl_job *job,
     add_integer(json, kkt, "active", smooth->n_active);
 }
 
-/** The file's numbers of the elements whose state is at least least. */
+/** The file's numbers of the elements whose state is at least least, or whose second state is not
+ *  0; either may be NULL. */
 static void add_elements(document *json, cJSON *root, const char *name, const pl_job *job,
-                         const uint8_t *state, planish_volume_state least) {
+                         const uint8_t *state, planish_volume_state least, const uint8_t *second) {
     cJSON *list = new_array(json, root, name);
-    for (int64_t i = 0; state && i < job->mesh.n_elements && !json->failed; i++)
-        if (state[i] >= least)
+    for (int64_t i = 0; i < job->mesh.n_elements && !json->failed; i++)
+        if ((state && state[i] >= least) || (second && second[i]))
             add_integer(json, list, NULL, planish_file_element_number(job->file, i));
 }
 
-static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl_volumes *volumes) {
+/** unfixable [n_elements]: inverted elements that cannot be mended, or NULL. */
+static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl_volumes *volumes,
+                        const uint8_t *unfixable) {
+    const uint8_t *state = volumes->state;
     add_real(json, root, "min_volume", volumes->least > 0 ? volumes->least : NAN);
-    add_elements(json, root, "unfixable", job, volumes->state, PLANISH_VOLUME_INFEASIBLE);
-    add_elements(json, root, "below_min", job, volumes->state, PLANISH_VOLUME_BELOW);
+    add_elements(json, root, "unfixable", job, state, PLANISH_VOLUME_INFEASIBLE, unfixable);
+    add_elements(json, root, "below_min", job, state, PLANISH_VOLUME_BELOW, NULL);
 }
 
 static int64_t peak_memory_bytes(void) {
@@ -278,6 +282,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_quality(&json, root, "before", &result->before, result->below_before);
     add_quality(&json, root, "after", &result->after, result->volumes.n_below);
     add_sweeps(&json, root, progress);
+    add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
@@ -291,7 +296,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "isa", job->plan_info.isa);
     add_seconds(&json, root, job, result);
     add_fixed(&json, root, &result->after);
-    add_volumes(&json, root, job, &result->volumes);
+    add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
     add_text(&json, root, "reason", result->reason);
     add_integer(&json, root, "peak_memory_bytes", peak_memory_bytes());
     return finish(&json, root);
@@ -303,6 +308,6 @@ char *pl_result_quality_json(const pl_job *job, const planish_quality *quality,
     cJSON *root = cJSON_CreateObject();
     add_mesh(&json, root, job);
     add_quality(&json, root, "quality", quality, volumes->n_below);
-    add_volumes(&json, root, job, volumes);
+    add_volumes(&json, root, job, volumes, NULL);
     return finish(&json, root);
 }

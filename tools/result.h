@@ -11,6 +11,7 @@ typedef struct pl_result {
     planish_quality before, after;
     int64_t below_before; /* elements below their least volume in the input */
     pl_volumes volumes;   /* those of the result */
+    pl_unfixable unfixable;
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
     char reason[512]; /* why the end is not the plain one, or "" */

@@ -82,7 +82,8 @@ static int complain_promise(const pl_job *job, const char *value, double before,
 }
 
 /** The library promises not to make anything worse; a mesh that says otherwise is not written.
- *  Laplacian methods promise nothing, and elements brought above their least volume cost F. */
+ *  Laplacian methods promise nothing; F and the ratios are over the valid elements, and to untangle
+ *  others, or bring them above their least volume, may cost both. */
 static int check_promises(const pl_job *job, const pl_result *result) {
     const planish_quality *before = &result->before, *after = &result->after;
     const planish_result *smooth = &result->smooth;
@@ -91,7 +92,7 @@ static int check_promises(const pl_job *job, const pl_result *result) {
     if (after->inverted > before->inverted)
         return complain_promise(job, "the number of inverted elements", (double)before->inverted,
                                 (double)after->inverted);
-    if (result->below_before > 0 || before->inverted > 0)
+    if (before->inverted > 0 || result->below_before > 0)
         return 0;
     if (after->max_radius_ratio > before->max_radius_ratio)
         return complain_promise(job, "the worst radius ratio", before->max_radius_ratio,
@@ -137,14 +138,20 @@ static const char *is_or_are(int64_t n) {
 static void judge_inverted(const pl_job *job, pl_result *result) {
     const int64_t inverted = result->after.inverted;
     const planish_method method = job->options.method;
-    if (inverted > 0 && method != PLANISH_METHOD_PLANISH)
+    if (inverted == 0)
+        return;
+    if (method != PLANISH_METHOD_PLANISH)
         add_reason(result,
                    "%" PRId64 " element%s inverted, %" PRId64
                    " before: the method %s does not guard against that",
                    inverted, is_or_are(inverted), result->before.inverted, pl_method_name(method));
-    else if (inverted > 0)
-        add_reason(result, "%" PRId64 " inverted element%s left%s", inverted, is_or_are(inverted),
-                   result->volumes.n_below > 0 ? "" : "; nodes beside them stayed");
+    else
+        add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
+    if (result->unfixable.n > 0)
+        add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
+                   result->unfixable.n);
+    if (!job->options.untangle)
+        add_reason(result, "untangling was switched off by --no-untangle");
 }
 
 static void judge_volumes(pl_result *result) {
@@ -190,6 +197,12 @@ static int write_report(const pl_job *job, const pl_result *result, const pl_pro
     return 0;
 }
 
+/** The elements that fall short of what was asked for. */
+static void print_lists(const pl_job *job, const pl_result *result) {
+    pl_volumes_print(stderr, job, &result->volumes);
+    pl_unfixable_print(stderr, job, &result->unfixable);
+}
+
 /** Table and reason; the table gives way to standard error if standard output carries data. */
 static void print_table(const pl_job *job, const pl_result *result, int status) {
     const pl_arguments *arguments = job->arguments;
@@ -199,7 +212,7 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
     if (arguments->verbosity != PL_QUIET)
         pl_table_smooth(stdout_is_taken ? stderr : stdout, job, result);
     if (arguments->verbosity != PL_QUIET)
-        pl_volumes_print(stderr, job, &result->volumes);
+        print_lists(job, result);
     if (result->reason[0] && (status || arguments->verbosity != PL_QUIET))
         pl_complain(status, "%s: %s", arguments->output, result->reason);
 }
@@ -239,6 +252,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_volumes_find(job, result->smooth.min_volume, &result->volumes)))
         return status;
+    if ((status = pl_unfixable_find(job, result->after.inverted, &result->unfixable)))
+        return status;
     if ((status = check_promises(job, result)))
         return status;
     if ((status = write_mesh(job, result)))
@@ -265,6 +280,7 @@ int pl_smooth_command(const pl_arguments *arguments) {
         status = smooth_job(&job, &result, &progress);
     pl_progress_free(&progress);
     pl_volumes_free(&result.volumes);
+    pl_unfixable_free(&result.unfixable);
     pl_job_close(&job);
     return status;
 }

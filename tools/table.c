@@ -116,8 +116,11 @@ static void put_end(FILE *stream, const planish_result *smooth) {
         fprintf(stream, "converged, but for volumes that cannot be reached,");
         break;
     }
-    fprintf(stream, " after %d sweep%s, %" PRId64 " nodes moved by up to %.3g\n", smooth->sweeps,
-            smooth->sweeps == 1 ? "" : "s", smooth->moved_nodes, smooth->max_displacement);
+    fprintf(stream, " after %d sweep%s", smooth->sweeps, smooth->sweeps == 1 ? "" : "s");
+    if (smooth->untangling_sweeps > 0)
+        fprintf(stream, " (%d of them untangling)", smooth->untangling_sweeps);
+    fprintf(stream, ", %" PRId64 " nodes moved by up to %.3g\n", smooth->moved_nodes,
+            smooth->max_displacement);
 }
 
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {

@@ -1,4 +1,5 @@
-/* volumes: which elements are below the least volume that the command line asks for. */
+/* volumes: which elements are below the least volume that the command line asks for, and which are
+ * inverted for good. */
 #include "volumes.h"
 
 #include "message.h"
@@ -17,6 +18,15 @@ static int check(const pl_job *job, const planish_options *options, uint8_t *sta
     return 0;
 }
 
+/** Room for a state of each element; NULL after a message. */
+static uint8_t *make_states(const pl_job *job) {
+    uint8_t *state = malloc((size_t)job->mesh.n_elements);
+    if (!state)
+        pl_complain(PL_EXIT_FAILED, "%s: out of memory for the states of %" PRId64 " elements",
+                    job->arguments->input, job->mesh.n_elements);
+    return state;
+}
+
 int pl_volumes_count(const pl_job *job, int64_t *n_below) {
     *n_below = 0;
     if (!pl_arguments_bound_volumes(job->arguments))
@@ -28,11 +38,9 @@ int pl_volumes_find(const pl_job *job, double least, pl_volumes *volumes) {
     *volumes = (pl_volumes){.least = least};
     if (!pl_arguments_bound_volumes(job->arguments))
         return 0;
-    volumes->state = malloc((size_t)job->mesh.n_elements);
+    volumes->state = make_states(job);
     if (!volumes->state)
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: out of memory for the volumes of %" PRId64 " elements",
-                           job->arguments->input, job->mesh.n_elements);
+        return PL_EXIT_FAILED;
     planish_options options = job->options; /* the fraction was of the volume before */
     options.min_volume = least;
     options.min_volume_fraction = 0;
@@ -66,4 +74,29 @@ void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes
     if (volumes->n_infeasible > 0)
         print_elements(stream, job, volumes->state, PLANISH_VOLUME_INFEASIBLE,
                        volumes->n_infeasible, "cannot reach it wherever the free nodes are");
+}
+
+int pl_unfixable_find(const pl_job *job, int64_t n_inverted, pl_unfixable *unfixable) {
+    planish_error error;
+    *unfixable = (pl_unfixable){0};
+    if (n_inverted == 0)
+        return 0;
+    unfixable->state = make_states(job);
+    if (!unfixable->state)
+        return PL_EXIT_FAILED;
+    if (planish_find_unfixable(job->plan, job->mesh.coordinates, unfixable->state, &unfixable->n,
+                               &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    return 0;
+}
+
+void pl_unfixable_free(pl_unfixable *unfixable) {
+    free(unfixable->state);
+    unfixable->state = NULL;
+}
+
+void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unfixable) {
+    if (unfixable->n > 0)
+        print_elements(stream, job, unfixable->state, 1, unfixable->n,
+                       "cannot be made valid wherever the free nodes are");
 }

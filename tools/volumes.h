@@ -1,4 +1,5 @@
-/* volumes: which elements are below the least volume that the command line asks for. */
+/* volumes: which elements are below the least volume that the command line asks for, and which are
+ * inverted for good. */
 #ifndef PL_TOOLS_VOLUMES_H
 #define PL_TOOLS_VOLUMES_H
 
@@ -24,5 +25,19 @@ void pl_volumes_free(pl_volumes *volumes);
 
 /** Name the first of them, a line for those below and one for those that cannot be helped. */
 void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes);
+
+/** The inverted elements that cannot be made valid by moving the free nodes. */
+typedef struct pl_unfixable {
+    int64_t n;
+    uint8_t *state; /* [mesh.n_elements] 1 for them, else 0; owned, or NULL: there are none */
+} pl_unfixable;
+
+/** Find them in the mesh as it is now, of whose elements n_inverted are inverted. */
+int pl_unfixable_find(const pl_job *job, int64_t n_inverted, pl_unfixable *unfixable);
+
+void pl_unfixable_free(pl_unfixable *unfixable);
+
+/** Name the first of them. */
+void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unfixable);
 
 #endif

@@ -111,6 +111,14 @@ pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method met
     return tally;
 }
 
+int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x) {
+    const bounds b = bounds_of(problem, node, 1, dim);
+    clamp(&b, x, dim);
+    for (int d = 0; problem->to_float && d < dim; d++)
+        x[d] = pl_round_to_float(x[d]);
+    return within_bounds(&b, x, dim); /* rounding to float may have left them */
+}
+
 /** Move one node to the mean of its neighbours. */
 static void centre(const pl_star_problem *problem, int64_t index, const int dim) {
     const int32_t node = problem->node[index];
@@ -121,12 +129,8 @@ static void centre(const pl_star_problem *problem, int64_t index, const int dim)
         for (int64_t i = begin; i < begin + n; i++)
             sum += problem->coordinates[(int64_t)problem->ring[i] * dim + d] - place[d];
         to[d] = place[d] + sum / (double)n;
-        if (problem->to_float)
-            to[d] = pl_round_to_float(to[d]);
     }
-    const bounds b = bounds_of(problem, node, 1, dim);
-    clamp(&b, to, dim);
-    if (within_bounds(&b, to, dim)) /* rounding to float may have left them */
+    if (pl_star_admit(problem, node, dim, to))
         memcpy(place, to, (size_t)dim * sizeof *place);
 }
 

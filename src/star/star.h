@@ -95,6 +95,10 @@ int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link);
 pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,
                               int64_t begin, int64_t end, double *scratch);
 
+/** Bring x [dim], where the node shall go, to what can be stored and is within its bounds; 0 if the
+ *  node has to stay. */
+int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x);
+
 /** Move the nodes of stars begin .. end-1 that are in the patch to the mean of their neighbours,
  * but not out of their bounds (laplacian.c). */
 pl_star_tally pl_star_centre(const pl_star_problem *problem, int dim, int64_t begin, int64_t end);

@@ -60,7 +60,7 @@ static int augmented_sweeps(pl_run *r) {
     r->guard.star.penalty = PENALTY;
     update_shifts(r, 1);
     while (whole && visits > 0 && change > SETTLED && r->sweep - first < MOST_SWEEPS &&
-           r->sweep < r->options->max_sweeps) {
+           pl_run_sweeps_left(r) > 0) {
         whole = !pl_run_sweep(r, &visits);
         change = update_shifts(r, 0);
     }
@@ -86,7 +86,7 @@ static void wake_moved(const planish_plan *plan, const double *before) {
  * not give less.
  */
 static int is_better(const pl_run *r, const pl_objective_sums *standing, double rr2_limit) {
-    return r->stop == PLANISH_STOP_CONVERGED && r->sweep < r->options->max_sweeps &&
+    return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
            r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
            (r->totals.below == 0 || r->totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
            r->totals.radius_max <= rr2_limit * (1 + LIMIT_NOISE) &&
@@ -127,7 +127,7 @@ static int try_augmented(pl_run *r, double *before) {
 static int is_wanted(const pl_run *r) {
     pl_star_optimality optimality;
     return r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH &&
-           r->stop == PLANISH_STOP_CONVERGED && r->sweep < r->options->max_sweeps &&
+           r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
            pl_optimality(r->plan, &r->problem, &optimality, NULL) == PLANISH_OK &&
            optimality.multiplier > 0;
 }

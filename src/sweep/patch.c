@@ -12,8 +12,6 @@
 #include "star/direction.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
@@ -206,7 +204,7 @@ int pl_patch_centre(pl_tangle *t) {
     int stopped = 0;
     if (patch_create(t, 5, &p)) {
         pl_sweep_tally tally = {.colours = r->plan->n_colours};
-        pl_run_begin_sweep(r);
+        pl_begin_untangling_sweep(r);
         centre(&p, &tally);
         if (!tally.stopped) { /* once more node by node, which keeps the bounds */
             t->asked.to_centre = 1;
@@ -225,10 +223,29 @@ int pl_patch_centre(pl_tangle *t) {
 
 /* ---- L-BFGS -------------------------------------------------------------------------------- */
 
-enum { MOST_ITERATIONS = 100, MOST_EPSILONS = 60, BACKTRACKS = 20 };
-/* Sufficient decrease; the relative fall that is not worth another iteration. */
-#define ARMIJO    1e-4
-#define CALM_FALL 1e-4
+/** How long to try. */
+typedef struct patience {
+    double first_epsilon; /* at least, relative to what is inverted most */
+    int epsilons;         /* at most */
+    int iterations;       /* for each, at most; or until */
+    double calm_fall;     /* some in a row have brought no more than this, relative */
+} patience;
+
+static const patience PATIENCE[] = {
+    [PL_QUICK] = {0, 100, 100, 1e-4},
+    [PL_PATIENT] = {1, 200, 1000, 1e-6}, /* meets shears of ten times the width of the domain */
+};
+enum { CALM_ITERATIONS = 3, BACKTRACKS = 20 };
+/* In all, nodes times iterations are at most the first, but iterations at least the second. */
+enum { MOST_VISITS = 300000000, LEAST_ITERATIONS = 1000 };
+/* Sufficient decrease. */
+#define ARMIJO 1e-4
+/* An epsilon this far below what is still inverted helps no more. */
+#define EPSILON_IN_VAIN 1e-3
+/* Mending ends when an iteration brings less than this. */
+enum { MENDING_ITERATIONS = 500 };
+#define MENDING_FALL    1e-4
+#define MENDING_EPSILON 1e-6
 /* A pair whose curvature is below this, relative, is forgotten. */
 #define CURVATURE_LEAST 1e-10
 
@@ -241,14 +258,13 @@ typedef struct pair {
 /** The minimisation (Nocedal 1980), with the nodes' own Hessians as the first guess. */
 typedef struct descent {
     patch p;
-    double *start, *gradient, *direction, *last_gradient;
+    double *start, *position, *gradient, *direction, *last_gradient;
     pl_star_slope *slope; /* [n_stars] */
     pair pairs[HISTORY];
     int n_pairs, newest;
-    int keep; /* nothing may become tangled again */
+    int keep;     /* nothing may become tangled again */
+    int64_t left; /* iterations */
 } descent;
-
-enum { DESCENT_VECTORS = 4 + 2 * HISTORY };
 
 static void energy_chunk(void *context, int64_t begin, int64_t end, int thread) {
     descent *m = context;
@@ -312,11 +328,11 @@ static void find_direction(descent *m) {
     }
 }
 
-static void remember(descent *m, double step) {
+static void remember(descent *m) {
     const patch *p = &m->p;
     const int at = m->n_pairs > 0 ? (m->newest + 1) % HISTORY : 0;
     pair *q = &m->pairs[at];
-    combine(p, q->s, m->direction, step - 1, m->direction);
+    combine(p, q->s, m->position, -1, m->start);
     combine(p, q->y, m->gradient, -1, m->last_gradient);
     q->sy = product(p, q->s, q->y);
     if (!(q->sy > CURVATURE_LEAST * sqrt(product(p, q->s, q->s) * product(p, q->y, q->y))))
@@ -325,12 +341,24 @@ static void remember(descent *m, double step) {
     m->n_pairs += m->n_pairs < HISTORY;
 }
 
-/** Put the nodes step along the direction from start. */
+static void place_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const descent *m = context;
+    const pl_tangle *t = m->p.t;
+    const int dim = m->p.dim;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t node = node_of(&m->p, i);
+        double *x = m->position + i * dim;
+        if (!pl_star_admit(&t->problem, (int32_t)node, dim, x))
+            memcpy(x, m->start + i * dim, (size_t)dim * sizeof *x);
+        memcpy(t->run->plan->coordinates + node * dim, x, (size_t)dim * sizeof *x);
+    }
+}
+
+/** Put the nodes step along the direction from start, but not out of their bounds. */
 static void place(descent *m, double step) {
-    const patch *p = &m->p;
-    double *coordinates = p->t->run->plan->coordinates, *x = m->gradient;
-    combine(p, x, m->start, step, m->direction);
-    put(p, coordinates, x);
+    combine(&m->p, m->position, m->start, step, m->direction);
+    pl_parallel_for(m->p.t->run->plan->threads, m->p.n, CHUNK, place_chunk, m);
 }
 
 /** One iteration; 0 if the energy could not be lowered. */
@@ -348,7 +376,7 @@ static int iterate(descent *m, pl_sweep_tally *tally) {
         tally->visits += m->p.n;
         const double after = m->keep && t->energy.tangled > 0 ? INFINITY : t->energy.sum;
         if (after < before + ARMIJO * slope * step) {
-            remember(m, step);
+            remember(m);
             return 1;
         }
         const double rise = after - before - slope * step;
@@ -361,18 +389,19 @@ static int iterate(descent *m, pl_sweep_tally *tally) {
 }
 
 /** Iterations with one epsilon, as one sweep; not 0 if cut short. */
-static int descend(descent *m, int most, double calm) {
+static int descend(descent *m, int most, double calm_fall) {
     pl_tangle *t = m->p.t;
     pl_run *r = t->run;
     pl_sweep_tally tally = {.colours = r->plan->n_colours};
-    int calm_steps = 0;
+    int calm = 0;
     m->n_pairs = 0;
-    pl_run_begin_sweep(r);
-    for (int i = 0; i < most && calm_steps < 3 && !tally.stopped; i++) {
+    pl_begin_untangling_sweep(r);
+    for (int i = 0; i < most && m->left > 0 && calm < CALM_ITERATIONS && !tally.stopped; i++) {
         const double before = t->energy.sum;
         if ((!m->keep && t->energy.tangled == 0) || !iterate(m, &tally))
             break;
-        calm_steps = t->energy.sum > (1 - calm) * before ? calm_steps + 1 : 0;
+        calm = t->energy.sum > (1 - calm_fall) * before ? calm + 1 : 0;
+        m->left--;
         tally.stopped = pl_run_after_colour(r, tally.colours);
     }
     tally.evaluations = tally.visits;
@@ -380,49 +409,64 @@ static int descend(descent *m, int most, double calm) {
     return pl_run_end_sweep(r, &tally);
 }
 
-static int solve(descent *m) {
+static int solve(descent *m, const patience *how) {
     pl_tangle *t = m->p.t;
     int stopped = 0;
     t->asked.epsilon = 1;
     evaluate(m);
-    for (int k = 0; k < MOST_EPSILONS && t->energy.tangled > 0 && !stopped; k++) {
+    t->asked.epsilon =
+        fmax(pl_first_epsilon(t->energy.least), -how->first_epsilon * t->energy.least);
+    evaluate(m);
+    for (int i = 0; i < how->epsilons && t->energy.tangled > 0 && m->left > 0; i++) {
         const double before = t->energy.sum;
-        stopped = descend(m, MOST_ITERATIONS, CALM_FALL);
-        if (getenv("PL_DEBUG"))
-            fprintf(stderr, "    solve %d: eps %g E %g -> %g least %g tangled %g\n", k,
-                    t->asked.epsilon, before, t->energy.sum, t->energy.least,
-                    (double)t->energy.tangled / PL_SHARES);
+        stopped = descend(m, how->iterations, how->calm_fall);
+        if (stopped || t->asked.epsilon < -EPSILON_IN_VAIN * t->energy.least)
+            return stopped;
         t->asked.epsilon =
             pl_next_epsilon(t->asked.epsilon, before, t->energy.sum, t->energy.least);
         evaluate(m);
     }
-    if (t->energy.tangled == 0 && !stopped) {
-        m->keep = 1;
-        t->asked.epsilon = fmax(t->energy.least, 1e-6);
-        evaluate(m);
-        double before = t->energy.sum;
-        stopped = descend(m, 200, 1e-3);
-        if (getenv("PL_DEBUG"))
-            fprintf(stderr, "    mend: eps %g E %g -> %g least %g tangled %g\n", t->asked.epsilon,
-                    before, t->energy.sum, t->energy.least, (double)t->energy.tangled / PL_SHARES);
-    }
+    return 0;
+}
+
+static int descent_create(pl_tangle *t, descent *m) {
+    double **vectors[] = {&m->start, &m->position, &m->gradient, &m->direction, &m->last_gradient};
+    enum { N = sizeof vectors / sizeof *vectors };
+    *m = (descent){.slope = pl_alloc(t->run->plan->stars.n_stars, sizeof *m->slope)};
+    if (!patch_create(t, N + 2 * HISTORY, &m->p) || !m->slope)
+        return 0;
+    for (int i = 0; i < N; i++)
+        *vectors[i] = vector(&m->p, i);
+    for (int i = 0; i < HISTORY; i++)
+        m->pairs[i] = (pair){vector(&m->p, N + 2 * i), vector(&m->p, N + 2 * i + 1), 0};
+    m->left = MOST_VISITS / m->p.n;
+    m->left = m->left > LEAST_ITERATIONS ? m->left : LEAST_ITERATIONS;
+    return 1;
+}
+
+static void descent_destroy(descent *m) {
+    patch_destroy(&m->p);
+    pl_free(m->slope);
+}
+
+int pl_patch_solve(pl_tangle *t, pl_patience wanted) {
+    descent m;
+    int stopped = 0;
+    if (descent_create(t, &m))
+        stopped = solve(&m, &PATIENCE[wanted]);
+    descent_destroy(&m);
     return stopped;
 }
 
-int pl_patch_solve(pl_tangle *t) {
-    const int64_t n_stars = t->run->plan->stars.n_stars;
-    descent m = {.slope = pl_alloc(n_stars, sizeof *m.slope)};
+int pl_patch_mend(pl_tangle *t) {
+    descent m;
     int stopped = 0;
-    if (patch_create(t, DESCENT_VECTORS, &m.p) && m.slope) {
-        m.start = vector(&m.p, 0);
-        m.gradient = vector(&m.p, 1);
-        m.direction = vector(&m.p, 2);
-        m.last_gradient = vector(&m.p, 3);
-        for (int i = 0; i < HISTORY; i++)
-            m.pairs[i] = (pair){vector(&m.p, 4 + 2 * i), vector(&m.p, 5 + 2 * i), 0};
-        stopped = solve(&m);
+    if (descent_create(t, &m)) {
+        m.keep = 1;
+        t->asked.epsilon = fmax(t->energy.least, MENDING_EPSILON);
+        evaluate(&m);
+        stopped = descend(&m, MENDING_ITERATIONS, MENDING_FALL);
     }
-    patch_destroy(&m.p);
-    pl_free(m.slope);
+    descent_destroy(&m);
     return stopped;
 }

@@ -192,10 +192,14 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
     return pl_converged(convergence, before, after, r->options->tolerance);
 }
 
+int pl_run_sweeps_left(const pl_run *r) {
+    return r->options->max_sweeps - (r->sweep - r->result->untangling_sweeps);
+}
+
 void pl_run_sweeps(pl_run *r) {
     pl_convergence convergence = {{0}, 0};
     r->stop = PLANISH_STOP_MAX_SWEEPS;
-    while (r->sweep < r->options->max_sweeps) {
+    while (pl_run_sweeps_left(r) > 0) {
         double before = objective_of_movable(r);
         int64_t visits;
         if (pl_run_sweep(r, &visits))

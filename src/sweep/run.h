@@ -50,12 +50,16 @@ void pl_run_begin_sweep(pl_run *r);
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
 int pl_run_after_colour(void *run, int colours_done);
 
+/** Sweeps that smooth may still be begun. */
+int pl_run_sweeps_left(const pl_run *r);
+
 /** Sweeps until they converge or must end: r->stop says why. */
 void pl_run_sweeps(pl_run *r);
 
 /* ---- untangle.c ---------------------------------------------------------------------------- */
 
-/** Untangle the mesh if anything in it is tangled. Errors: _MEMORY. */
+/** Untangle the mesh as far as anything in it is inverted, flat, or below its least volume. r->stop
+ *  is _CONVERGED then, unless it was cut short. Errors: _MEMORY. */
 int pl_run_untangle(pl_run *r, planish_error *error);
 
 /* ---- augmented.c ---------------------------------------------------------------------------- */

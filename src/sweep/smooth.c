@@ -91,12 +91,15 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
     return status;
 }
 
+static int was_cut_short(const pl_run *r) {
+    return r->stop == PLANISH_STOP_INTERRUPTED || r->stop == PLANISH_STOP_TIME_LIMIT;
+}
+
 /** If bringing elements up has left no fewer of them below, it has only made the mesh worse: once
  *  more from the start, without. */
 static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
     planish_plan *plan = r->plan;
-    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH ||
-        r->stop == PLANISH_STOP_INTERRUPTED || r->stop == PLANISH_STOP_TIME_LIMIT)
+    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH || was_cut_short(r))
         return;
     pl_run_measure(r);
     if (start->below == 0 || r->totals.below < start->below || r->totals.inverted < start->inverted)
@@ -106,6 +109,20 @@ static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
     prepare_problem(r);
     r->guard.star.keep_below = 1;
     pl_run_sweeps(r);
+}
+
+/** Untangle first, or else leave what is tangled alone. */
+static int untangle(pl_run *r, planish_error *error) {
+    if (!r->options->untangle || r->options->method != PLANISH_METHOD_PLANISH) {
+        r->guard.star.keep_below = !r->options->untangle;
+        return PLANISH_OK;
+    }
+    int status = pl_run_untangle(r, error);
+    if (!status && r->result->untangling_sweeps > 0) {
+        pl_run_measure(r);
+        prepare_problem(r);
+    }
+    return status;
 }
 
 static int smooth(pl_run *r, planish_error *error) {
@@ -119,19 +136,16 @@ static int smooth(pl_run *r, planish_error *error) {
     r->result->objective_before = pl_run_objective(r);
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
-    if (pl_run_inverted(r) > 0 && r->options->untangle && plan->stars.n_stars > 0) {
-        status = pl_run_untangle(r, error);
-        if (status)
-            return status;
-        r->restoring = 0;
-        pl_run_measure(r);
-        prepare_problem(r);
-    }
     if (plan->stars.n_stars > 0) {
         const pl_objective_sums start = r->totals;
-        pl_run_sweeps(r);
-        give_up_in_vain(r, &start);
-        pl_run_augmented(r);
+        status = untangle(r, error);
+        if (status)
+            return status;
+        if (!was_cut_short(r)) {
+            pl_run_sweeps(r);
+            give_up_in_vain(r, &start);
+            pl_run_augmented(r);
+        }
     }
     pl_run_measure(r);
     status = judge(r, error);

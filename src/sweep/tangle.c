@@ -1,5 +1,5 @@
-/* tangle: find what is tangled, what of that cannot be helped, how large elements should be there,
- * and the patch of nodes around it. */
+/* tangle: find what is tangled, what of that cannot be helped, how large elements should be, and
+ * the patch of nodes around what is tangled. */
 #include "sweep/tangle.h"
 
 #include "base/memory.h"
@@ -16,23 +16,24 @@ enum { CHUNK_STARS = 256 };
 
 void pl_tangle_find(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
-    const pl_objective_problem problem = pl_run_objective_problem(t->run);
-    pl_run_measure(t->run); /* brings the coordinates up to date */
+    pl_objective_problem problem = pl_run_objective_problem(t->run);
+    problem.min_volume = t->guard.min_volume;
+    problem.own_min_volume = t->guard.link_min_volume ? problem.own_min_volume : NULL;
     t->n_tangled = pl_find_tangled(&problem, t->state);
-    for (int64_t i = 0; t->hopeless && i < plan->n_elements; i++)
-        if (t->hopeless[i] && t->state[i] == PL_TANGLED) {
+    for (int64_t i = 0; t->is_hopeless && i < plan->n_elements; i++)
+        if (t->is_hopeless[i] && t->state[i] == PL_TANGLED) {
             t->state[i] = PL_HOPELESS;
             t->n_tangled--;
         }
 }
 
+/** Elements that cannot be helped are given up: those without a free node, and as many of those
+ * that contradict each other as must be. */
 static int find_hopeless(pl_tangle *t, planish_error *error) {
     const planish_plan *plan = t->run->plan;
     int64_t n = 0;
     uint8_t *part = NULL;
-    pl_star_problem problem = t->run->problem;
-    problem.guard = &t->run->guard.star;
-    int status = pl_mark_infeasible(plan, &problem, t->state, &n, &part, error);
+    int status = pl_mark_infeasible(plan, &t->problem, t->state, &n, &part, error);
     if (status || n == 0) {
         pl_free(part);
         return status;
@@ -40,11 +41,11 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
     t->link_skip = part;
     for (int64_t i = 0; i < plan->stars.link_offset[plan->stars.n_stars]; i++)
         part[i] = part[i] == PL_PART_GIVEN_UP;
-    t->hopeless = pl_alloc(plan->n_elements, sizeof *t->hopeless);
-    if (!t->hopeless)
-        return pl_fail_memory(error, "the elements that cannot be mended");
+    t->is_hopeless = pl_alloc(plan->n_elements, sizeof *t->is_hopeless);
+    if (!t->is_hopeless)
+        return pl_fail_memory(error, "the elements that cannot be helped");
     for (int64_t i = 0; i < plan->n_elements; i++)
-        t->hopeless[i] = t->state[i] == PLANISH_VOLUME_INFEASIBLE;
+        t->is_hopeless[i] = t->state[i] == PLANISH_VOLUME_INFEASIBLE;
     pl_tangle_find(t);
     return PLANISH_OK;
 }
@@ -64,15 +65,21 @@ static double from_level(double level) {
     return ldexp(0.5 * (level - whole) + 0.5, (int)whole + 1);
 }
 
-/** Measures (times dim!) of the elements around each node, by inner numbers. */
+/** The work on sizes; arrays over nodes, by inner numbers. */
 typedef struct sizing {
-    double *sum;      /* [n] of the measures; then the level of the size */
-    double *absolute; /* [n] of their absolute values; then a sum of levels */
-    int32_t *count;   /* [n] elements; then 0: nothing is known of the node, or 1 */
-    int32_t *around;  /* [n] how many levels were added */
+    const planish_plan *plan;
+    double *sum;      /* of the measures (times dim!) of the node's elements; then its level */
+    double *absolute; /* of their absolute values; then of levels around */
+    int32_t *count;   /* elements of the node; then 1, or 0: nothing is known of it */
+    int32_t *around;  /* levels in absolute */
 } sizing;
 
-/** D of an element, positive in the mesh's orientation; node: inner numbers of its nodes. */
+static void inner_nodes(const planish_plan *plan, int64_t element, int32_t *node) {
+    for (int j = 0; j <= plan->dim; j++)
+        node[j] = plan->inner[plan->elements[element * (plan->dim + 1) + j]];
+}
+
+/** D of an element, positive in the mesh's orientation. */
 static double measure_of(const planish_plan *plan, int64_t element, const int32_t *node) {
     const int dim = plan->dim;
     const double *x0 = plan->coordinates + (int64_t)node[0] * dim;
@@ -87,12 +94,8 @@ static double measure_of(const planish_plan *plan, int64_t element, const int32_
     return plan->sign ? D * plan->sign[element] : D;
 }
 
-static void inner_nodes(const planish_plan *plan, int64_t element, int32_t *node) {
-    for (int j = 0; j <= plan->dim; j++)
-        node[j] = plan->inner[plan->elements[element * (plan->dim + 1) + j]];
-}
-
-static void add_measures(const planish_plan *plan, sizing *s) {
+static void add_measures(const sizing *s) {
+    const planish_plan *plan = s->plan;
     for (int64_t i = 0; i < plan->n_elements; i++) {
         int32_t node[4];
         inner_nodes(plan, i, node);
@@ -105,97 +108,117 @@ static void add_measures(const planish_plan *plan, sizing *s) {
     }
 }
 
-/** One layer more of nodes is known, from the elements they share with known ones; 0 if none. */
-static int spread(const planish_plan *plan, sizing *s) {
-    int grown = 0;
+/* The measures around a node tell its size where their sum is more than this part of the sum of
+ * their absolute values, and not next to nothing. */
+#define TELLING       0.1
+#define LEAST_MEASURE 0x1p-1000
+
+/** Levels of the nodes whose elements tell them; returns how many are left. */
+static int64_t find_levels(const sizing *s) {
+    const int dim = s->plan->dim;
+    const double of_regular = dim == 3 ? 1.4142135623730951 : 1.1547005383792515; /* edge 1 */
+    int64_t unknown = 0;
+    for (int64_t i = 0; i < s->plan->n_nodes; i++) {
+        const int32_t n = s->count[i];
+        const double measure = n > 0 ? s->sum[i] / n * of_regular : 0;
+        s->count[i] = measure > LEAST_MEASURE && s->sum[i] > TELLING * s->absolute[i];
+        const double size = s->count[i] == 0 ? 1 : dim == 3 ? pl_cube_root(measure) : sqrt(measure);
+        s->sum[i] = to_level(size);
+        unknown += n > 0 && s->count[i] == 0;
+    }
+    return unknown;
+}
+
+/** Nodes of which nothing is known take the mean level of those of their elements that are known,
+ *  one layer of them at a time; returns how many this one had. */
+static int64_t spread_levels(const sizing *s) {
+    const planish_plan *plan = s->plan;
+    int64_t grown = 0;
+    memset(s->absolute, 0, (size_t)plan->n_nodes * sizeof *s->absolute);
     memset(s->around, 0, (size_t)plan->n_nodes * sizeof *s->around);
     for (int64_t i = 0; i < plan->n_elements; i++) {
         int32_t node[4];
         inner_nodes(plan, i, node);
         for (int j = 0; j <= plan->dim; j++)
-            for (int k = 0; s->count[node[j]] == 0 && k <= plan->dim; k++)
-                if (s->count[node[k]] > 0) {
-                    s->absolute[node[j]] = s->around[node[j]] > 0 ? s->absolute[node[j]] : 0;
-                    s->absolute[node[j]] += s->sum[node[k]];
-                    s->around[node[j]]++;
-                }
+            for (int k = 0; s->count[node[j]] == 0 && k <= plan->dim; k++) {
+                s->absolute[node[j]] += s->count[node[k]] > 0 ? s->sum[node[k]] : 0;
+                s->around[node[j]] += s->count[node[k]] > 0;
+            }
     }
     for (int64_t i = 0; i < plan->n_nodes; i++)
         if (s->around[i] > 0) {
             s->sum[i] = s->absolute[i] / s->around[i];
-            s->count[i] = grown = 1;
+            s->count[i] = 1;
+            grown++;
         }
     return grown;
 }
 
-/* The measures around a node say something of the size there where their sum is more than this
- * part of the sum of their absolute values. */
-#define TELLING 0.1
-
-static void find_sizes(pl_tangle *t, sizing *s) {
-    const planish_plan *plan = t->run->plan;
-    const double regular = plan->dim == 3 ? 1.4142135623730951 : 1.1547005383792515;
-    int64_t unknown = 0;
-    add_measures(plan, s);
-    for (int64_t i = 0; i < plan->n_nodes; i++) {
-        const double mean = s->count[i] > 0 ? s->sum[i] / s->count[i] * regular : 0;
-        const int tells = mean > 0x1p-1000 && s->sum[i] > TELLING * s->absolute[i];
-        const double size = !tells ? 1 : plan->dim == 3 ? pl_cube_root(mean) : sqrt(mean);
-        unknown += s->count[i] > 0 && !tells;
-        s->count[i] = tells;
-        s->sum[i] = to_level(size);
-    }
-    while (unknown > 0 && spread(plan, s))
-        ;
-    for (int64_t i = 0; i < plan->n_nodes; i++)
-        t->size[i] = from_level(s->sum[i]);
-}
-
-int pl_tangle_find_sizes(pl_tangle *t) {
+void pl_tangle_find_sizes(pl_tangle *t) {
     const int64_t n = t->run->plan->n_nodes;
-    sizing s = {.sum = pl_alloc_zero(n, sizeof *s.sum),
+    sizing s = {.plan = t->run->plan,
+                .sum = pl_alloc_zero(n, sizeof *s.sum),
                 .absolute = pl_alloc_zero(n, sizeof *s.absolute),
                 .count = pl_alloc_zero(n, sizeof *s.count),
-                .around = pl_alloc_zero(n, sizeof *s.around)};
-    const int memory = s.sum && s.absolute && s.count && s.around;
-    if (memory)
-        find_sizes(t, &s);
+                .around = pl_alloc(n, sizeof *s.around)};
+    if (s.sum && s.absolute && s.count && s.around) {
+        add_measures(&s);
+        for (int64_t left = find_levels(&s), grown = 1; left > 0 && grown > 0; left -= grown)
+            grown = spread_levels(&s);
+        for (int64_t i = 0; i < n; i++)
+            t->size[i] = from_level(s.sum[i]);
+    }
     pl_free(s.sum);
     pl_free(s.absolute);
     pl_free(s.count);
     pl_free(s.around);
-    return memory;
 }
 
 /* ---- the patch ----------------------------------------------------------------------------- */
 
-static int is_held(const pl_tangle *t, int64_t node) {
-    return pl_star_is_held(&t->run->guard.star, (int32_t)node, t->run->plan->dim);
+static void mark_tangled(pl_tangle *t) {
+    const planish_plan *plan = t->run->plan;
+    memset(t->in_patch, 0, (size_t)plan->n_nodes);
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        if (t->state[i] != PL_TANGLED)
+            continue;
+        int32_t node[4];
+        inner_nodes(plan, i, node);
+        for (int j = 0; j <= plan->dim; j++)
+            t->in_patch[node[j]] = 1;
+    }
+}
+
+/** Mark the free neighbours of what is marked; returns how many that are. */
+static int64_t mark_layer(pl_tangle *t) {
+    const pl_stars *stars = &t->run->plan->stars;
+    const int32_t *centre = t->run->plan->centre;
+    int64_t grown = 0;
+    for (int64_t s = 0; s < stars->n_stars; s++) {
+        uint8_t *mine = &t->in_patch[centre[s]];
+        for (int64_t i = stars->ring_offset[s]; !*mine && i < stars->ring_offset[s + 1]; i++)
+            if (t->in_patch[stars->ring[i]] == 1)
+                *mine = 2; /* not to count for this layer */
+    }
+    for (int64_t s = 0; s < stars->n_stars; s++)
+        if (t->in_patch[centre[s]] == 2) {
+            t->in_patch[centre[s]] = 1;
+            grown++;
+        }
+    return grown;
 }
 
 void pl_tangle_mark(pl_tangle *t, int layers) {
     const planish_plan *plan = t->run->plan;
-    memset(t->in_patch, 0, (size_t)plan->n_nodes);
-    for (int64_t i = 0; i < plan->n_elements; i++)
-        for (int j = 0; t->state[i] == PL_TANGLED && j <= plan->dim; j++)
-            t->in_patch[plan->inner[plan->elements[i * (plan->dim + 1) + j]]] = 1;
-    for (int layer = 0, grown = 1; layer < layers && grown; layer++) {
-        grown = 0;
-        for (int64_t s = 0; s < plan->stars.n_stars; s++) {
-            uint8_t *mine = &t->in_patch[plan->centre[s]];
-            for (int64_t i = plan->stars.ring_offset[s];
-                 !*mine && i < plan->stars.ring_offset[s + 1]; i++)
-                if (t->in_patch[plan->stars.ring[i]] == 1)
-                    *mine = 2, grown = 1;
-        }
-        for (int64_t i = 0; i < plan->n_nodes; i++)
-            t->in_patch[i] = t->in_patch[i] != 0;
-    }
+    mark_tangled(t);
+    for (int i = 0; i < layers && mark_layer(t) > 0; i++)
+        ;
     t->n_patch = 0;
     for (int64_t i = 0; i < plan->n_nodes; i++) {
-        uint8_t *mine = &t->in_patch[plan->inner[i]];
-        *mine = *mine && plan->is_free[i] && !is_held(t, plan->inner[i]);
-        t->n_patch += *mine;
+        const int32_t node = plan->inner[i];
+        t->in_patch[node] =
+            t->in_patch[node] && plan->is_free[i] && !pl_star_is_held(&t->guard, node, plan->dim);
+        t->n_patch += t->in_patch[node];
     }
 }
 
@@ -226,9 +249,16 @@ void pl_tangle_measure(pl_tangle *t) {
 
 /* ---- all of it ----------------------------------------------------------------------------- */
 
-int pl_tangle_create(pl_run *r, pl_tangle *t, planish_error *error) {
+int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) {
     const planish_plan *plan = r->plan;
-    *t = (pl_tangle){.run = r};
+    *t = (pl_tangle){.run = r, .problem = r->problem, .guard = r->guard.star};
+    t->guard.ratio_weight = 1;
+    if (!floors) {
+        t->guard.min_volume = 0;
+        t->guard.link_min_volume = NULL;
+    }
+    t->problem.guard = &t->guard;
+    t->problem.rr2_limit = INFINITY;
     t->state = pl_alloc(plan->n_elements, sizeof *t->state);
     if (!t->state)
         return pl_fail_memory(error, "the tangled elements");
@@ -237,21 +267,22 @@ int pl_tangle_create(pl_run *r, pl_tangle *t, planish_error *error) {
     if (status || t->n_tangled == 0)
         return status;
     t->in_patch = pl_alloc_zero(plan->n_nodes, sizeof *t->in_patch);
-    t->size = pl_alloc(plan->n_nodes, sizeof *t->size);
+    t->size = pl_alloc_zero(plan->n_nodes, sizeof *t->size);
+    t->best = pl_alloc(plan->n_nodes * plan->dim, sizeof *t->best);
     t->partial = pl_alloc(plan->stars.n_stars / CHUNK_STARS + 1, sizeof *t->partial);
-    if (!t->in_patch || !t->size || !t->partial)
+    if (!t->in_patch || !t->size || !t->best || !t->partial)
         return pl_fail_memory(error, "untangling");
-    t->problem = r->problem;
-    t->problem.guard = &r->guard.star;
+    t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1, 0};
     return PLANISH_OK;
 }
 
 void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->state);
-    pl_free(t->hopeless);
+    pl_free(t->is_hopeless);
+    pl_free(t->link_skip);
     pl_free(t->in_patch);
     pl_free(t->size);
-    pl_free(t->link_skip);
+    pl_free(t->best);
     pl_free(t->partial);
     *t = (pl_tangle){0};
 }

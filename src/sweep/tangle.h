@@ -4,40 +4,50 @@
 
 #include "sweep/run.h"
 
-/** What untangling works on; arrays are owned. Inner numbers but for state. */
+/** What is known of an element; the first two are those of planish_volume_state. */
+typedef enum pl_tangle_state {
+    PL_SOUND = PLANISH_VOLUME_MET,
+    PL_TANGLED = PLANISH_VOLUME_BELOW,
+    PL_HOPELESS = 2 /* tangled, and given up */
+} pl_tangle_state;
+
+/** What untangling works on. Arrays are owned, and by inner numbers but for state. */
 typedef struct pl_tangle {
     pl_run *run;
-    pl_star_problem problem;
+    pl_star_problem problem;  /* of visits that untangle */
+    pl_star_guard guard;      /* bounds, and floors if elements are to be brought above them */
     pl_star_untangling asked; /* in_patch, size and link_skip point to what follows */
     uint8_t *in_patch;        /* [n_nodes] */
     double *size;             /* [n_nodes] */
     uint8_t *link_skip;       /* [link facets of all stars], or NULL: none is skipped */
+    uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
     uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
-    uint8_t *hopeless;       /* [n_elements] 1: it cannot be mended, or not all of its kind; NULL */
-    int64_t n_tangled;       /* elements whose state is PL_TANGLED */
-    int64_t n_patch;         /* nodes of the patch */
-    pl_star_energy energy;   /* of the patch, as computed last */
-    pl_star_energy *partial; /* of chunks of stars */
+    double *best;             /* [n_nodes][dim] the best coordinates so far */
+    pl_star_energy *partial;  /* of chunks of stars */
+    int64_t n_tangled;        /* elements whose state is PL_TANGLED */
+    int64_t n_patch;          /* nodes of the patch */
+    pl_star_energy energy;    /* of the patch, as computed last */
 } pl_tangle;
-
-typedef enum pl_tangle_state { PL_SOUND = 0, PL_TANGLED = 1, PL_HOPELESS = 2 } pl_tangle_state;
 
 /* ---- tangle.c ------------------------------------------------------------------------------ */
 
-/** Look at the mesh as the run has it. n_tangled 0: there is nothing to be done, and nothing else
- *  is set. Errors: _MEMORY. To be destroyed in any case. */
-int pl_tangle_create(pl_run *r, pl_tangle *t, planish_error *error);
+/** Look at the mesh as the run has measured it: what is tangled, and what of that cannot be helped?
+ *  floors: elements are to be above their least volumes, else just positive. n_tangled 0: there is
+ *  nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
+int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error);
 void pl_tangle_destroy(pl_tangle *t);
 
-/** Find the tangled elements of the mesh as it is now. */
+/** Find the tangled elements of the mesh as measured last. */
 void pl_tangle_find(pl_tangle *t);
 
-/** Find how large the elements should be around each node: as they are now on average, inverted
- * ones counting negative. 0 without memory: then the sizes are as they were. */
-int pl_tangle_find_sizes(pl_tangle *t);
+enum { PL_ALL_LAYERS = INT32_MAX };
 
-/** Make the patch: the free nodes of tangled elements, and of layers elements around them. */
+/** Make the patch: the free nodes of tangled elements, and of so many layers of elements around. */
 void pl_tangle_mark(pl_tangle *t, int layers);
+
+/** Find how large the elements should be around each node: as they are now on average, inverted
+ * ones counting negative. Without memory they are what they were. */
+void pl_tangle_find_sizes(pl_tangle *t);
 
 /** The patch's energy with the present epsilon. */
 void pl_tangle_measure(pl_tangle *t);
@@ -51,13 +61,22 @@ void pl_tangle_total(pl_tangle *t, int64_t n_chunks);
  *  Like the next, not 0 if it was cut short; without memory it does nothing. */
 int pl_patch_centre(pl_tangle *t);
 
+typedef enum pl_patience { PL_NOT_AT_ALL = 0, PL_QUICK, PL_PATIENT } pl_patience;
+
 /** Lower the energy of the patch by L-BFGS for falling epsilons until nothing is tangled. */
-int pl_patch_solve(pl_tangle *t);
+int pl_patch_solve(pl_tangle *t, pl_patience patience);
+
+/** Lower the energy of the patch further, but let nothing become tangled again: the sweeps that
+ *  follow are slow to even out what the barriers of a solve have left over many elements. */
+int pl_patch_mend(pl_tangle *t);
 
 /* ---- untangle.c ---------------------------------------------------------------------------- */
 
-/** The epsilon to begin with, and the next one, from the energy that the last one has reached. */
+/** The epsilon to begin with, and the next one, from what the last one has reached. */
 double pl_first_epsilon(double least);
 double pl_next_epsilon(double epsilon, double before, double after, double least);
+
+/** Begin a sweep that untangles. */
+void pl_begin_untangling_sweep(pl_run *r);
 
 #endif

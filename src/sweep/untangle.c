@@ -1,123 +1,233 @@
-/* untangle: the ladder from gentle to strong that makes tangled meshes valid (docs/algorithm.md).
+/* untangle: the ladder that makes a tangled mesh valid, from gentle to strong (docs/algorithm.md).
+ *
+ * Every rung works on a patch around what is still tangled, beginning with the best mesh so far,
+ * and what it reaches counts only if fewer elements are tangled then and no more are inverted.
  */
 #include "sweep/tangle.h"
 
 #include "base/memory.h"
+#include "base/parallel.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /** One rung: what is done about the elements that are still tangled. */
 typedef struct measures {
-    int layers; /* of elements around the tangled ones, whose nodes may move too */
-    int centre; /* first to the mean of the neighbours */
-    int sweeps; /* of the regularised energy, at most */
-    int solve;  /* the patch as one problem */
+    int layers;        /* of elements around the tangled ones, whose nodes may move too */
+    int push_offs;     /* sweeps of the paper's push-off, at most */
+    int centre;        /* 1: the patch's nodes go to the mean of their neighbours first */
+    int sweeps;        /* of the regularised energy, at most */
+    pl_patience solve; /* then the patch as one problem */
 } measures;
 
+/* Elements that are inverted, or flat. The first rung does it in most cases. */
 static const measures LADDER[] = {
-    {1, 1, 2, 0}, {2, 0, 20, 0}, {4, 1, 10, 1}, {16, 1, 10, 1}, {100000, 1, 10, 1}};
+    {.layers = 1, .centre = 1, .sweeps = 2},
+    {.layers = 2, .sweeps = 10},
+    {.layers = 0, .push_offs = 10},
+    {.layers = 4, .centre = 1, .sweeps = 4},
+    {.layers = 16, .centre = 1, .sweeps = 4},
+    {.layers = PL_ALL_LAYERS, .centre = 1, .sweeps = 4},
+    {.layers = 8, .solve = PL_QUICK},
+    {.layers = PL_ALL_LAYERS, .centre = 1, .solve = PL_QUICK},
+    {.layers = PL_ALL_LAYERS, .solve = PL_QUICK},
+    {.layers = PL_ALL_LAYERS, .centre = 1, .solve = PL_PATIENT},
+    {.layers = PL_ALL_LAYERS, .solve = PL_PATIENT},
+};
 enum { N_RUNGS = sizeof LADDER / sizeof *LADDER };
 
-#define EPSILON_LEAST 1e-9
+/* Elements that are positive, but below their least volume: it may be too much to ask for. */
+static const measures LADDER_OF_VOLUMES[] = {
+    {.layers = 0, .push_offs = 20},
+    {.layers = 2, .sweeps = 10},
+    {.layers = 8, .solve = PL_QUICK},
+};
+enum { N_RUNGS_OF_VOLUMES = sizeof LADDER_OF_VOLUMES / sizeof *LADDER_OF_VOLUMES };
+
+/* Layers of elements around tangled ones that are mended after these were solved. */
+enum { MENDED_LAYERS = 40 };
+/* Push-offs end when so many sweeps in a row have left no fewer elements tangled. */
+enum { VAIN_PUSH_OFFS = 3 };
+/* What push-offs bring elements without a least volume to, relative to the volume wanted. */
+#define PUSH_OFF_VOLUME 1e-6
+
+/* RR^2 above it: an element may be so flat that its sign is nothing but rounding. */
+#define FLAT_RR2 1e20
+
+/* ---- epsilon ------------------------------------------------------------------------------- */
+
+/* The first epsilon, by the least measure; the least, at first and at last; by how much the energy
+ * counts as having fallen at least. The last is the value of the article. */
+#define EPSILON_BY_LEAST 0.4
+#define EPSILON_AT_FIRST 0.02
+#define EPSILON_AT_LAST  1e-9
+#define LEAST_FALL       0.1
 
 double pl_first_epsilon(double least) {
-    return fmax(0.02, fmin(1, -0.4 * least));
+    return fmax(EPSILON_AT_FIRST, -EPSILON_BY_LEAST * least);
 }
 
+/** The schedule of Garanzha et al. (2021, section 3.2), which reaches validity in finitely many
+ *  steps if each lowers the energy by a fixed part. */
 double pl_next_epsilon(double epsilon, double before, double after, double least) {
-    double fall = fmax(1 - after / before, 0.1);
-    if (least >= 0)
-        epsilon *= 1 - fall;
-    else {
-        double s = sqrt(least * least + epsilon * epsilon);
-        epsilon *= 1 - fall * s / (fabs(least) + s);
-    }
-    return fmax(epsilon, EPSILON_LEAST);
+    const double fall = fmax(1 - after / before, LEAST_FALL);
+    const double s = sqrt(least * least + epsilon * epsilon);
+    const double part = least >= 0 ? fall : fall * s / (s - least);
+    return fmax(epsilon * (1 - part), EPSILON_AT_LAST);
 }
 
-static int sweep(pl_tangle *t) {
-    pl_run *r = t->run;
+/* ---- sweeps -------------------------------------------------------------------------------- */
+
+void pl_begin_untangling_sweep(pl_run *r) {
     pl_run_begin_sweep(r);
+    r->result->untangling_sweeps++;
+}
+
+/** One sweep of the problem over its stars; not 0 if cut short. */
+static int sweep(pl_run *r, const pl_star_problem *problem) {
+    pl_begin_untangling_sweep(r);
     const pl_sweep_tally tally =
-        pl_sweep(r->plan, &t->problem, PLANISH_METHOD_PLANISH, pl_run_after_colour, r);
+        pl_sweep(r->plan, problem, PLANISH_METHOD_PLANISH, pl_run_after_colour, r);
     pl_run_measure(r);
     return pl_run_end_sweep(r, &tally);
 }
 
-static int sweeps(pl_tangle *t, int most) {
+/** Sweeps of the regularised energy. */
+static int regularised_sweeps(pl_tangle *t, int most) {
+    int stopped = 0;
+    if (most == 0)
+        return 0;
     t->asked.epsilon = 1;
     pl_tangle_measure(t);
     t->asked.epsilon = pl_first_epsilon(t->energy.least);
     pl_tangle_measure(t);
-    for (int i = 0; i < most && t->energy.tangled > 0; i++) {
-        double before = t->energy.sum;
-        if (sweep(t))
-            return 1;
+    for (int i = 0; i < most && t->energy.tangled > 0 && !stopped; i++) {
+        const double before = t->energy.sum;
+        stopped = sweep(t->run, &t->problem);
         pl_tangle_measure(t);
-        if (getenv("PL_DEBUG"))
-            fprintf(stderr, "  sweep %d eps %g E %g -> %g least %g tangled %g\n", i,
-                    t->asked.epsilon, before, t->energy.sum, t->energy.least,
-                    (double)t->energy.tangled / PL_SHARES);
         t->asked.epsilon =
             pl_next_epsilon(t->asked.epsilon, before, t->energy.sum, t->energy.least);
         pl_tangle_measure(t);
     }
-    return 0;
+    return stopped;
 }
 
-static int climb(pl_tangle *t, const measures *rung) {
-    t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1, 0};
-    t->problem.untangling = &t->asked;
-    t->run->restoring = 1;
-    pl_tangle_mark(t, rung->layers);
-    if (rung->centre && pl_patch_centre(t))
-        return 0;
-    if (rung->centre)
-        pl_tangle_find_sizes(t);
-    if (sweeps(t, rung->sweeps))
-        return 0;
-    if (t->energy.tangled > 0 && rung->solve)
-        return !pl_patch_solve(t);
-    return 1;
+/* ---- push-off ------------------------------------------------------------------------------ */
+
+/** The floors of elements without a least volume: next to nothing, by the sizes wanted. */
+typedef struct flooring {
+    const pl_tangle *t;
+    double *floor; /* [link facets of all stars] */
+} flooring;
+
+static void floor_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const flooring *f = context;
+    const planish_plan *plan = f->t->run->plan;
+    const int dim = plan->dim;
+    (void)thread;
+    for (int64_t s = begin; s < end; s++) {
+        const double h = f->t->size[plan->centre[s]];
+        for (int64_t i = plan->stars.link_offset[s]; i < plan->stars.link_offset[s + 1]; i++)
+            f->floor[i] = PUSH_OFF_VOLUME * h * h * (dim == 3 ? h : 1) / (dim == 3 ? 6 : 2);
+    }
 }
 
-static int ladder(pl_tangle *t, double *best) {
+/** The paper's case 3 at the nodes of tangled elements, as often as it helps. */
+static int push_offs(pl_tangle *t, int most) {
     const planish_plan *plan = t->run->plan;
-    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *best;
-    int64_t n_best = t->n_tangled, inverted = pl_run_inverted(t->run);
-    int whole = 1;
-    memcpy(best, plan->coordinates, size);
-    for (int i = 0; i < N_RUNGS && t->n_tangled > 0 && whole; i++) {
-        whole = climb(t, &LADDER[i]);
+    int stopped = 0, vain = 0;
+    pl_star_guard guard = t->guard;
+    pl_star_problem problem = t->problem;
+    flooring f = {t, NULL};
+    if (most > 0 && !(guard.min_volume > 0) && !guard.link_min_volume) {
+        f.floor = pl_alloc(plan->stars.link_offset[plan->stars.n_stars], sizeof *f.floor);
+        if (!f.floor)
+            return 0;
+        pl_parallel_for(plan->threads, plan->stars.n_stars, PL_CHUNK_STARS, floor_chunk, &f);
+        guard.link_min_volume = f.floor;
+    }
+    problem.guard = &guard;
+    problem.untangling = NULL;
+    for (int i = 0; i < most && t->n_tangled > 0 && vain < VAIN_PUSH_OFFS && !stopped; i++) {
+        const int64_t before = t->n_tangled;
+        pl_tangle_mark(t, 0);
+        memcpy(plan->changed, t->in_patch, (size_t)plan->n_nodes);
+        stopped = sweep(t->run, &problem);
         pl_tangle_find(t);
-        if (getenv("PL_DEBUG"))
-            fprintf(stderr, "rung %d: patch %g tangled %g (best %g) inverted %g\n", i,
-                    (double)t->n_patch, (double)t->n_tangled, (double)n_best,
-                    (double)pl_run_inverted(t->run));
-        if (t->n_tangled < n_best && pl_run_inverted(t->run) <= inverted) {
-            n_best = t->n_tangled;
-            inverted = pl_run_inverted(t->run);
-            memcpy(best, plan->coordinates, size);
+        vain = t->n_tangled < before ? 0 : vain + 1;
+    }
+    pl_free(f.floor);
+    return stopped;
+}
+
+/* ---- the ladder ---------------------------------------------------------------------------- */
+
+/** The patch as one problem, and what is around it after that. */
+static int solve(pl_tangle *t, const measures *rung) {
+    if (pl_patch_solve(t, rung->solve))
+        return 1;
+    if (t->energy.tangled > 0)
+        return 0;
+    pl_tangle_mark(t, rung->layers > MENDED_LAYERS ? rung->layers : MENDED_LAYERS);
+    return pl_patch_mend(t);
+}
+
+/** Not 0 if cut short. */
+static int climb(pl_tangle *t, const measures *rung) {
+    pl_tangle_mark(t, rung->layers);
+    if (t->n_patch == 0)
+        return 0;
+    if (rung->centre && pl_patch_centre(t))
+        return 1;
+    pl_tangle_find_sizes(t);
+    if (push_offs(t, rung->push_offs) || regularised_sweeps(t, rung->sweeps))
+        return 1;
+    return rung->solve == PL_NOT_AT_ALL ? 0 : solve(t, rung);
+}
+
+static int climb_all(pl_tangle *t, const measures *ladder, int n) {
+    const planish_plan *plan = t->run->plan;
+    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *t->best;
+    int stopped = 0;
+    t->problem.untangling = &t->asked;
+    memcpy(t->best, plan->coordinates, size);
+    for (int i = 0; i < n && t->n_tangled > 0 && !stopped; i++) {
+        const int64_t tangled = t->n_tangled, inverted = pl_run_inverted(t->run);
+        stopped = climb(t, &ladder[i]);
+        pl_tangle_find(t);
+        if (t->n_tangled < tangled && pl_run_inverted(t->run) <= inverted) {
+            memcpy(t->best, plan->coordinates, size);
         } else {
-            memcpy(plan->coordinates, best, size);
+            memcpy(plan->coordinates, t->best, size);
+            pl_run_measure(t->run);
             pl_tangle_find(t);
         }
     }
-    return whole;
+    return stopped;
+}
+
+/** Untangle what is inverted, or (floors) below its least volume. */
+static int untangle(pl_run *r, int floors, planish_error *error) {
+    pl_tangle t;
+    int status = pl_tangle_create(r, floors, &t, error);
+    if (!status && t.n_tangled > 0)
+        climb_all(&t, floors ? LADDER_OF_VOLUMES : LADDER, floors ? N_RUNGS_OF_VOLUMES : N_RUNGS);
+    pl_tangle_destroy(&t);
+    return status;
+}
+
+static double worst_rr2(const pl_run *r) {
+    return r->plain ? r->sums.max : r->totals.radius_max;
 }
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
-    pl_tangle t;
-    int status = pl_tangle_create(r, &t, error);
-    if (!status && t.n_tangled > 0) {
-        double *best = pl_alloc(r->plan->n_nodes * r->plan->dim, sizeof *best);
-        if (best)
-            ladder(&t, best);
-        pl_free(best);
-    }
-    pl_tangle_destroy(&t);
+    int status = PLANISH_OK;
+    r->restoring = 1;
+    r->stop = PLANISH_STOP_CONVERGED;
+    if (pl_run_inverted(r) > 0 || worst_rr2(r) > FLAT_RR2)
+        status = untangle(r, 0, error);
+    if (!status && r->stop == PLANISH_STOP_CONVERGED && pl_run_below(r) > 0)
+        status = untangle(r, 1, error);
+    r->restoring = 0;
     return status;
 }

@@ -16,7 +16,8 @@ VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min
 SMOOTH = {
     "planish": str, "input": str, "output": str, "mesh": MESH, "method": str,
     "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},
-    "before": QUALITY, "after": QUALITY, "sweeps": list, "stop": str, "certified": bool, "max_displacement": NUMBER,
+    "before": QUALITY, "after": QUALITY, "sweeps": list, "untangling_sweeps": int, "stop": str,
+    "certified": bool, "max_displacement": NUMBER,
     "moved_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,
     "kkt": type(None), "threads": int, "binding": str, "isa": str,
     "seconds": dict.fromkeys(("read", "setup", "smooth", "write", "total"), NUMBER),
@@ -77,6 +78,7 @@ for when, state in (("before", before), ("after", after)):
     assert same(objective[when], state["rms_radius_ratio"])
 assert smooth["evaluations"] >= smooth["node_visits"] > 0
 
+assert smooth["untangling_sweeps"] == 0
 assert smooth["stop"] == "converged" and smooth["certified"] and smooth["reason"] == ""
 assert after["rms_radius_ratio"] < 0.9 * before["rms_radius_ratio"]
 assert after["max_radius_ratio"] <= before["max_radius_ratio"]

@@ -104,10 +104,10 @@ expect_text "needs 4"
 bad smooth square.msh -o out.msh --min-volume edge=1
 expect_text "plate"
 
-# Options of later versions are not accepted.
-for option in --no-untangle --report; do
-    bad smooth in.msh -o out.msh $option 1
-done
+# Options of later versions, values for options without one, options of another command.
+bad smooth in.msh -o out.msh --report 1
+bad smooth in.msh -o out.msh --no-untangle=1
+bad quality in.msh --no-untangle
 
 # Outputs that make no sense.
 bad smooth in.msh -o out.vtk

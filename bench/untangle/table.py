@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+"""table: the results of run.py as Markdown.   table.py RESULTS.jsonl"""
+import json
+import statistics
+import sys
+from itertools import groupby
+
+
+def median_and_most(values, form):
+    return f"{statistics.median(values):{form}} / {max(values):{form}}" if values else "- / -"
+
+
+def row(name, lines):
+    good = [line for line in lines if line["passed"]]
+    ran = [line for line in lines if "inverted" in line]
+    share = 100 * len(good) / len(lines)
+    ratios = [line["rms"] / line["reference_rms"] for line in good
+              if line["rms"] and line["reference_rms"]]
+    return (f"| {name} | {len(lines)} | {len(good)} | {share:.1f} | "
+            f"{sum(line['inverted_elsewhere'] for line in ran)} | "
+            f"{sum(1 for line in lines if line.get('false_reports'))} | "
+            f"{median_and_most([line['untangle_sweeps'] for line in ran], '.0f')} | "
+            f"{median_and_most([line['seconds'] for line in ran], '.3f')} | "
+            f"{median_and_most(ratios, '.4f')} |")
+
+
+def print_table(title, lines):
+    if not lines:
+        return
+    print(f"| {title} | cases | passed | % | inverted left | with false reports "
+          "| untangle sweeps (median / max) | seconds (median / max) "
+          "| RMS / RMS of the smoothed original (median / max) |")
+    print("| --- |" + " --: |" * 8)
+    families = sorted(lines, key=lambda line: line["family"])
+    for family, members in groupby(families, key=lambda line: line["family"]):
+        print(row(family, list(members)))
+    print(row("**all**", lines) + "\n")
+
+
+def deformed_by(line):
+    """The share of the largest strength, and what happened to the inside."""
+    _, shape, spoiler = line["name"].split("_")
+    return f"{shape.split('-')[1]} %, {spoiler.split('-')[0]}"
+
+
+def print_names(title, lines, show):
+    if lines:
+        print(f"{title}: {len(lines)}\n")
+        print("\n".join(f"- {line['name']}: {show(line)}" for line in lines) + "\n")
+
+
+def show_failed(line):
+    if "inverted" not in line:
+        return "timed out" if line["timed_out"] else f"status {line['status']}"
+    return (f"{line['inverted_elsewhere']} of {line['inverted_before']} inverted left, "
+            f"false reports {line['false_reports']}, "
+            f"flaws found {line['flaws_found']} of {line['flaws']}"
+            + (", planish fails on the known solution" if line["reference_failed"] else "")
+            + (f", held nodes moved: {line['held_moved']}" if line["held_moved"] else "")
+            + (", timed out" if line["timed_out"] else ""))
+
+
+def show(lines):
+    real = [line for line in lines if "no_case" not in line]
+    feasible = [line for line in real if " unfixable: " not in line["family"]]
+    deformed = [line for line in feasible if " deformed: " in line["family"]]
+    print_table("family", feasible)
+    print_table("share of the largest strength, inside",
+                [{**line, "family": deformed_by(line)} for line in deformed])
+    print_table("cannot be mended", [line for line in real if " unfixable: " in line["family"]])
+    print_names("Failed", [line for line in real if not line["passed"]], show_failed)
+    print_names("No case", [line for line in lines if "no_case" in line],
+                lambda line: line["no_case"])
+    disputed = [line for line in real if line.get("inverted") != line.get("inverted_by_numpy")]
+    print_names("planish and numpy disagree on the inverted elements", disputed,
+                lambda line: f"{line['inverted']} and {line['inverted_by_numpy']}")
+
+
+def main():
+    with open(sys.argv[1], encoding="ascii") as file:
+        show([json.loads(line) for line in file])
+
+
+if __name__ == "__main__":
+    main()

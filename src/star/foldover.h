@@ -1,0 +1,172 @@
+/* foldover: the regularised energy of a star with inverted elements.
+ *
+ * The energy of foldover-free maps (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021):
+ * of an element with the measure D and the sum E of its squared edges, seen from the regular one of
+ * measure D* and edge h,
+ *
+ *     u = (D - floor) / D*     chi = (u + sqrt(u^2 + epsilon^2)) / 2     T = E / (sum h^2)
+ *     f = T chi^(-2/dim) + (1 + (D / D*)^2) / (2 chi)
+ *
+ * It is finite and smooth for inverted elements, too, and becomes a barrier as epsilon falls to 0.
+ * Symbols as in docs/algorithm.md.
+ */
+#ifndef PL_STAR_FOLDOVER_H
+#define PL_STAR_FOLDOVER_H
+
+#include "star/local.h"
+
+/* D of the regular element with edges of 1: sqrt(2)/2 of six volumes, sqrt(3)/2 of two areas. */
+#define REGULAR_MEASURE_3D 0.70710678118654752
+#define REGULAR_MEASURE_2D 0.86602540378443865
+
+/* ---- gather -------------------------------------------------------------------------------- */
+
+/** Fill in what the wanted sizes and the patch say of each facet; first: the star's first link
+ *  facet of all. Elements that cannot be helped get no weight. */
+static inline void gather_targets(const pl_star_problem *problem, int64_t index, const star *s,
+                                  const int dim) {
+    const pl_star_untangling *u = problem->untangling;
+    const int64_t first = problem->link_offset[index];
+    const int32_t node = problem->node[index];
+    double *target = s->column + INVERSE_TARGET * s->padded;
+    double *edge2 = s->column + INVERSE_EDGE2 * s->padded, *share = s->column + SHARE * s->padded;
+    double *weight = s->column + WEIGHT * s->padded;
+    for (int64_t i = 0; i < s->padded; i++) {
+        const int64_t facet = i < s->n_facets ? first + i : first;
+        double size = u->size[node];
+        int movers = u->in_patch[node];
+        for (int j = 0; j < dim; j++) {
+            const int32_t other = s->ring[problem->link[facet * dim + j]];
+            size += u->size[other];
+            movers += u->in_patch[other];
+        }
+        double h = size / (dim + 1) * s->scale;
+        target[i] = 1 / ((dim == 3 ? REGULAR_MEASURE_3D * h : REGULAR_MEASURE_2D) * h * h);
+        edge2[i] = 1 / (h * h);
+        share[i] = movers > 0 ? (double)PL_SHARES / movers : 0;
+        if (u->link_skip && u->link_skip[facet])
+            weight[i] = 0;
+    }
+}
+
+static inline local untangling_of(const pl_star_problem *problem, int64_t index,
+                                  const double *place, double *scratch, int64_t *evaluations,
+                                  const int dim) {
+    local here = local_of(problem, index, place, scratch, evaluations, 1, dim);
+    gather_targets(problem, index, &here.s, dim);
+    return here;
+}
+
+/* ---- the energy ---------------------------------------------------------------------------- */
+
+/** The energy of a star. */
+typedef struct regularised {
+    double sum;    /* over the star's elements */
+    double shared; /* the same with each element's share of the node */
+    double least;  /* smallest u */
+    double tangled;
+} regularised;
+
+/** One pack: f and its derivatives by u and by T. */
+typedef struct barrier {
+    lanes value, of_t, of_u, of_uu, of_tu;
+} barrier;
+
+/** With s = sqrt(u^2 + epsilon^2), chi' = chi / s, so that (chi^-p)' = -p chi^-p / s and
+ *  (chi^-p)'' = p chi^-p (p + u / s) / s^2. measure = D / D*. Curvature along u that is negative is
+ *  left out. */
+PL_INLINE barrier barrier_of(lanes u, lanes measure, lanes T, double epsilon, const int dim) {
+    const lanes zero = lanes_of(0), half = lanes_of(0.5), one = lanes_of(1), two = lanes_of(2);
+    const lanes p = lanes_of(2.0 / dim), e2 = lanes_of(epsilon * epsilon);
+    lanes s = lanes_sqrt(u * u + e2);
+    lanes_mask positive = lanes_greater(u, zero);
+    lanes chi = half * lanes_select(positive, u + s, e2 / lanes_select(positive, one, s - u));
+    lanes inverse_s = one / s, slant = u * inverse_s, inverse, power;
+    if (dim == 3) {
+        lanes root = lanes_inverse_cube_root(chi);
+        power = root * root;
+        inverse = power * root;
+    } else {
+        power = inverse = one / chi;
+    }
+    lanes q = one + measure * measure;
+    lanes bend =
+        T * power * p * (p + slant) * (inverse_s * inverse_s) +
+        half * inverse *
+            (two - lanes_of(4) * measure * inverse_s + q * (one + slant) * (inverse_s * inverse_s));
+    return (barrier){.value = T * power + half * q * inverse,
+                     .of_t = power,
+                     .of_u = half * inverse * (two * measure - q * inverse_s) -
+                             T * power * p * inverse_s,
+                     .of_uu = lanes_max(bend, zero),
+                     .of_tu = zero - power * p * inverse_s};
+}
+
+/** The star's energy at position, and its derivatives if derive. */
+static inline regularised energy_at(const star *s, double epsilon, const double *position,
+                                    derivatives *out, const int derive, const int dim) {
+    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
+                        lanes_of(dim == 3 ? position[2] : 0)};
+    const lanes zero = lanes_of(0), per_edge = lanes_of(dim == 3 ? 1.0 / 6 : 1.0 / 3);
+    lanes sum[PL_PACKS], shared[PL_PACKS], least[PL_PACKS], tangled[PL_PACKS], size2[PL_PACKS];
+    lanes g[3][PL_PACKS], h[6][PL_PACKS];
+    for (int k = 0; k < PL_PACKS; k++) {
+        sum[k] = shared[k] = tangled[k] = size2[k] = zero;
+        least[k] = lanes_of(-INFINITY);
+        for (int c = 0; c < 3; c++)
+            g[c][k] = zero;
+        for (int c = 0; c < 6; c++)
+            h[c][k] = zero;
+    }
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            const int64_t j = i + k * PL_PACK;
+            const lanes weight = load(s, WEIGHT, j), share = load(s, SHARE, j);
+            const lanes target = load(s, INVERSE_TARGET, j);
+            const lanes_mask counts = lanes_greater(weight, zero);
+            const edges e = edges_at(s, j, x, dim);
+            const lanes edge2 = load(s, INVERSE_EDGE2, j) * per_edge, floor = load(s, FLOOR, j);
+            aspect a;
+            measure_at(s, j, x, &a, dim);
+            const lanes u = (a.D - floor) * target;
+            const lanes T = sum_of(e.square, n_edges(dim)) * edge2;
+            const barrier b = barrier_of(u, a.D * target, T, epsilon, dim);
+            const lanes_mask sound =
+                lanes_greater(a.D, floor) & lanes_greater(a.D * a.D, load(s, ROUNDING, j) * a.aa);
+            sum[k] += lanes_select(counts, b.value, zero);
+            shared[k] += lanes_select(counts, b.value * share, zero);
+            least[k] = lanes_max(lanes_select(counts, zero - u, lanes_of(-INFINITY)), least[k]);
+            tangled[k] += lanes_select(counts & ~sound, share, zero);
+            size2[k] += a.aa * weight;
+            if (!derive)
+                continue;
+            lanes gt[3], gu[3];
+            for (int d = 0; d < dim; d++) {
+                gt[d] = e.at[0][d];
+                for (int c = 1; c < dim; c++)
+                    gt[d] += e.at[c][d];
+                gt[d] *= lanes_of(2) * edge2;
+                gu[d] = a.n[d] * target;
+                g[d][k] += lanes_select(counts, b.of_t * gt[d] + b.of_u * gu[d], zero);
+            }
+            for (int r = 0, c = 0; r < dim; r++)
+                for (int t = r; t < dim; t++, c++) {
+                    lanes entry =
+                        b.of_uu * (gu[r] * gu[t]) + b.of_tu * (gt[r] * gu[t] + gu[r] * gt[t]);
+                    if (r == t)
+                        entry += lanes_of(2 * dim) * edge2 * b.of_t;
+                    h[c][k] += lanes_select(counts, entry, zero);
+                }
+        }
+    if (derive) {
+        for (int c = 0; c < dim; c++)
+            out->gradient[c] = lanes_sum(g[c]);
+        for (int c = 0; c < dim * (dim + 1) / 2; c++)
+            out->hessian[c] = lanes_sum(h[c]);
+        out->size2 = lanes_sum(size2) / (double)s->n_facets;
+    }
+    return (regularised){lanes_sum(sum), lanes_sum(shared) / PL_SHARES, -lanes_largest(least),
+                         lanes_sum(tangled)};
+}
+
+#endif
