@@ -58,9 +58,12 @@ void pl_run_sweeps(pl_run *r);
 
 /* ---- untangle.c ---------------------------------------------------------------------------- */
 
-/** Untangle the mesh as far as anything in it is inverted, flat, or below its least volume. r->stop
- *  is _CONVERGED then, unless it was cut short. Errors: _MEMORY. */
+/** Untangle the mesh as measured last: what is inverted or flat; or bring up what is below its
+ * least volume. If anything was done r->stop is _CONVERGED then, unless it was cut short. Errors:
+ * _MEMORY.
+ */
 int pl_run_untangle(pl_run *r, planish_error *error);
+int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
 /* ---- augmented.c ---------------------------------------------------------------------------- */
 

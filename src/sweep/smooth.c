@@ -111,18 +111,46 @@ static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
     pl_run_sweeps(r);
 }
 
-/** Untangle first, or else leave what is tangled alone. */
-static int untangle(pl_run *r, planish_error *error) {
-    if (!r->options->untangle || r->options->method != PLANISH_METHOD_PLANISH) {
-        r->guard.star.keep_below = !r->options->untangle;
-        return PLANISH_OK;
-    }
-    int status = pl_run_untangle(r, error);
-    if (!status && r->result->untangling_sweeps > 0) {
+/** Do what of pl_run_untangle and the like; the mesh is then ready for sweeps. *done: there was
+ *  something to do. */
+static int untangle(pl_run *r, int (*what)(pl_run *, planish_error *), int *done,
+                    planish_error *error) {
+    const int before = r->result->untangling_sweeps;
+    int status = what(r, error);
+    *done = r->result->untangling_sweeps > before;
+    if (!status && *done) {
         pl_run_measure(r);
         prepare_problem(r);
     }
     return status;
+}
+
+/** Sweeps; and if they leave elements below their least volume, stronger means and sweeps again. */
+static int sweeps(pl_run *r, planish_error *error) {
+    int done;
+    pl_run_sweeps(r);
+    if (r->options->method != PLANISH_METHOD_PLANISH || r->guard.star.keep_below ||
+        r->stop != PLANISH_STOP_CONVERGED)
+        return PLANISH_OK;
+    int status = untangle(r, pl_run_raise_volumes, &done, error);
+    if (!status && done && !was_cut_short(r))
+        pl_run_sweeps(r);
+    return status;
+}
+
+static int work(pl_run *r, planish_error *error) {
+    const pl_objective_sums start = r->totals;
+    int status = PLANISH_OK, done;
+    r->guard.star.keep_below = !r->options->untangle;
+    if (r->options->untangle && r->options->method == PLANISH_METHOD_PLANISH)
+        status = untangle(r, pl_run_untangle, &done, error);
+    if (!status && !was_cut_short(r))
+        status = sweeps(r, error);
+    if (status || was_cut_short(r))
+        return status;
+    give_up_in_vain(r, &start);
+    pl_run_augmented(r);
+    return PLANISH_OK;
 }
 
 static int smooth(pl_run *r, planish_error *error) {
@@ -136,17 +164,10 @@ static int smooth(pl_run *r, planish_error *error) {
     r->result->objective_before = pl_run_objective(r);
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
-    if (plan->stars.n_stars > 0) {
-        const pl_objective_sums start = r->totals;
-        status = untangle(r, error);
-        if (status)
-            return status;
-        if (!was_cut_short(r)) {
-            pl_run_sweeps(r);
-            give_up_in_vain(r, &start);
-            pl_run_augmented(r);
-        }
-    }
+    if (plan->stars.n_stars > 0)
+        status = work(r, error);
+    if (status)
+        return status;
     pl_run_measure(r);
     status = judge(r, error);
     if (!status)

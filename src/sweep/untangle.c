@@ -36,9 +36,9 @@ static const measures LADDER[] = {
 };
 enum { N_RUNGS = sizeof LADDER / sizeof *LADDER };
 
-/* Elements that are positive, but below their least volume: it may be too much to ask for. */
+/* Elements that the sweeps' push-offs have left below their least volume: it may be too much to ask
+ * for. */
 static const measures LADDER_OF_VOLUMES[] = {
-    {.layers = 0, .push_offs = 20},
     {.layers = 2, .sweeps = 10},
     {.layers = 8, .solve = PL_QUICK},
 };
@@ -206,28 +206,24 @@ static int climb_all(pl_tangle *t, const measures *ladder, int n) {
     return stopped;
 }
 
-/** Untangle what is inverted, or (floors) below its least volume. */
+/** Untangle what is inverted or flat, or (floors) below its least volume. */
 static int untangle(pl_run *r, int floors, planish_error *error) {
     pl_tangle t;
     int status = pl_tangle_create(r, floors, &t, error);
+    r->restoring = 1;
+    r->stop = PLANISH_STOP_CONVERGED;
     if (!status && t.n_tangled > 0)
         climb_all(&t, floors ? LADDER_OF_VOLUMES : LADDER, floors ? N_RUNGS_OF_VOLUMES : N_RUNGS);
+    r->restoring = 0;
     pl_tangle_destroy(&t);
     return status;
 }
 
-static double worst_rr2(const pl_run *r) {
-    return r->plain ? r->sums.max : r->totals.radius_max;
+int pl_run_untangle(pl_run *r, planish_error *error) {
+    const double worst_rr2 = r->plain ? r->sums.max : r->totals.radius_max;
+    return pl_run_inverted(r) > 0 || worst_rr2 > FLAT_RR2 ? untangle(r, 0, error) : PLANISH_OK;
 }
 
-int pl_run_untangle(pl_run *r, planish_error *error) {
-    int status = PLANISH_OK;
-    r->restoring = 1;
-    r->stop = PLANISH_STOP_CONVERGED;
-    if (pl_run_inverted(r) > 0 || worst_rr2(r) > FLAT_RR2)
-        status = untangle(r, 0, error);
-    if (!status && r->stop == PLANISH_STOP_CONVERGED && pl_run_below(r) > 0)
-        status = untangle(r, 1, error);
-    r->restoring = 0;
-    return status;
+int pl_run_raise_volumes(pl_run *r, planish_error *error) {
+    return pl_run_below(r) > 0 ? untangle(r, 1, error) : PLANISH_OK;
 }
