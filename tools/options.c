@@ -314,7 +314,7 @@ static const option_row option_table[] = {
     {0, "max-displacement", "D", SMOOTH, set_max_displacement,
      "move no node farther than D from where it was; Dh:\nthan D times the mean length of its "
      "edges"},
-    {0, "no-untangle", NULL, SMOOTH, set_no_untangle,
+    {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_no_untangle,
      "leave inverted elements alone (default: make them\nvalid first where that can be done)"},
     {0, "max-sweeps", "N", SMOOTH, set_max_sweeps,
      "at most N sweeps over the mesh once it is untangled\n(default 200)"},

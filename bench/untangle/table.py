@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""table: the results of run.py as Markdown.   table.py RESULTS.jsonl"""
+"""table: the results of run.py as Markdown.
+
+   table.py RESULTS.jsonl [PART]    families, deformed, unfixable or lists; without PART all of them"""
 import json
 import statistics
 import sys
@@ -60,25 +62,52 @@ def show_failed(line):
             + (", timed out" if line["timed_out"] else ""))
 
 
-def show(lines):
-    real = [line for line in lines if "no_case" not in line]
-    feasible = [line for line in real if " unfixable: " not in line["family"]]
-    deformed = [line for line in feasible if " deformed: " in line["family"]]
-    print_table("family", feasible)
+def is_unfixable(line):
+    return " unfixable: " in line["family"]
+
+
+def show_families(real):
+    print_table("family", [line for line in real if not is_unfixable(line)])
+
+
+def show_deformed(real):
+    deformed = [line for line in real if " deformed: " in line["family"]]
     print_table("share of the largest strength, inside",
                 [{**line, "family": deformed_by(line)} for line in deformed])
-    print_table("cannot be mended", [line for line in real if " unfixable: " in line["family"]])
-    print_names("Failed", [line for line in real if not line["passed"]], show_failed)
-    print_names("No case", [line for line in lines if "no_case" in line],
-                lambda line: line["no_case"])
+
+
+def show_unfixable(real):
+    print_table("cannot be mended", [line for line in real if is_unfixable(line)])
+
+
+def show_lists(real, none):
+    failed = [line for line in real if not line["passed"]]
+    print(f"{len(real) - len(failed)} of {len(real)} cases passed.\n")
+    print_names("Failed", failed, show_failed)
+    print_names("No case", none, lambda line: line["no_case"])
     disputed = [line for line in real if line.get("inverted") != line.get("inverted_by_numpy")]
     print_names("planish and numpy disagree on the inverted elements", disputed,
                 lambda line: f"{line['inverted']} and {line['inverted_by_numpy']}")
 
 
+PARTS = {"families": show_families, "deformed": show_deformed, "unfixable": show_unfixable}
+
+
+def show(lines, part=None):
+    real = [line for line in lines if "no_case" not in line]
+    for name, show_part in PARTS.items():
+        if part in (None, name):
+            show_part(real)
+    if part in (None, "lists"):
+        show_lists(real, [line for line in lines if "no_case" in line])
+
+
 def main():
-    with open(sys.argv[1], encoding="ascii") as file:
-        show([json.loads(line) for line in file])
+    path, *part = sys.argv[1:]
+    if part not in ([], ["lists"], *([name] for name in PARTS)):
+        sys.exit(__doc__)
+    with open(path, encoding="ascii") as file:
+        show([json.loads(line) for line in file], *part)
 
 
 if __name__ == "__main__":

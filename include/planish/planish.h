@@ -140,11 +140,12 @@ typedef struct planish_progress {
 } planish_progress;
 
 /** Called on the calling thread after every colour and once more at the end of every sweep; a
- * result other than 0 ends the smoothing there: the mesh that planish_smooth returns is then valid
- * and no worse than before. A sweep that is cut short (by this or the time limit) still gets its
- * last call, whose result does not matter. The caller's coordinates change only when planish_smooth
- * returns. The plan must not be used in here, but for planish_measure and planish_check_volumes.
- * With bind, the calling thread is bound meanwhile, and threads made in here inherit that.
+ * result other than 0 ends the smoothing there: the mesh that planish_smooth returns is then no
+ * worse than before, and valid if it was. A sweep that is cut short (by this or the time limit)
+ * still gets its last call, whose result does not matter. The caller's coordinates change only when
+ * planish_smooth returns. The plan must not be used in here, but for planish_measure and
+ * planish_check_volumes. With bind, the calling thread is bound meanwhile, and threads made in here
+ * inherit that.
  */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
@@ -301,15 +302,17 @@ typedef struct planish_result {
     double seconds;        /* wall time of the call */
 } planish_result;
 
-/** Smooth coordinates [n_nodes][dim] in place.
- *  Promised: only free nodes move, and within their bounds; no positive element is inverted; no
- *  element gets a worse RR than the worst of the input, unless elements were brought above their
- *  least volume; F never rises once no element is inverted or below its least volume; the same bits
- * for any number of threads, any isa and compiler (gcc and clang are tested). Stars with an element
- * that is not positive are left alone if it has no least volume; those with an element below it are
- * brought above it first where that can be done. options (NULL: defaults); threads, bind and isa
- * are those of the plan. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY;
- * coordinates are then untouched.
+/** Smooth coordinates [n_nodes][dim] in place, after untangling them where need be.
+ *  Promised: only free nodes move, and within their bounds; no more elements are inverted than
+ *  were; in a mesh without inverted elements none is, and no element gets a worse RR than the worst
+ * of the input, unless elements were brought above their least volume; F never rises once no
+ * element is inverted or below its least volume; the same bits for any number of threads, any isa
+ * and compiler (gcc and clang are tested). Not promised: that every mesh that could be made valid
+ * is. Stars with an element that is left not positive stay as they are; those with an element below
+ * its least volume are brought above it first where that can be done. Untangling ends by a bound on
+ * its work, which takes minutes on large meshes that cannot be helped: set time_limit if that
+ * matters. options (NULL: defaults); threads, bind and isa are those of the plan. Errors:
+ * _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then untouched.
  */
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,

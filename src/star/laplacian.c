@@ -118,32 +118,3 @@ int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double 
         x[d] = pl_round_to_float(x[d]);
     return within_bounds(&b, x, dim); /* rounding to float may have left them */
 }
-
-/** Move one node to the mean of its neighbours. */
-static void centre(const pl_star_problem *problem, int64_t index, const int dim) {
-    const int32_t node = problem->node[index];
-    const int64_t begin = problem->ring_offset[index], n = problem->ring_offset[index + 1] - begin;
-    double *place = problem->coordinates + (int64_t)node * dim, to[3];
-    for (int d = 0; d < dim; d++) {
-        double sum = 0;
-        for (int64_t i = begin; i < begin + n; i++)
-            sum += problem->coordinates[(int64_t)problem->ring[i] * dim + d] - place[d];
-        to[d] = place[d] + sum / (double)n;
-    }
-    if (pl_star_admit(problem, node, dim, to))
-        memcpy(place, to, (size_t)dim * sizeof *place);
-}
-
-pl_star_tally pl_star_centre(const pl_star_problem *problem, int dim, int64_t begin, int64_t end) {
-    pl_star_tally tally = {0};
-    for (int64_t i = begin; i < end; i++) {
-        if (!problem->untangling->in_patch[problem->node[i]])
-            continue;
-        if (dim == 3)
-            centre(problem, i, 3);
-        else
-            centre(problem, i, 2);
-        tally.visits++;
-    }
-    return tally;
-}

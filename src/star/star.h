@@ -48,7 +48,6 @@ typedef struct pl_star_untangling {
     const uint8_t *link_skip; /* [link_offset[n_stars]] 1: the facet's element cannot be helped and
                                  does not count; NULL: all count */
     double epsilon;           /* of the regularisation */
-    int to_centre;            /* 1: nodes go to the mean of their neighbours instead */
 } pl_star_untangling;
 
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
@@ -99,10 +98,6 @@ pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method met
  *  node has to stay. */
 int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x);
 
-/** Move the nodes of stars begin .. end-1 that are in the patch to the mean of their neighbours,
- * but not out of their bounds (laplacian.c). */
-pl_star_tally pl_star_centre(const pl_star_problem *problem, int dim, int64_t begin, int64_t end);
-
 /** What an element has to do with the proof that not all of a star can have what they need. */
 typedef enum pl_star_part {
     PL_PART_NONE = 0,
@@ -110,10 +105,10 @@ typedef enum pl_star_part {
     PL_PART_GIVEN_UP = 2  /* likewise, and the others can have it without this one */
 } pl_star_part;
 
-/** How many elements of the star's fixed link facets must be given up, so that the others can have
- * their least volume (or be positive, without one) for some place of the node; 0 if there is no
- * proof that it is any (feasibility.c). is_fixed [n_nodes] by inner numbers; part [link facets of
- * the star] is set to pl_star_part. scratch as for visits. */
+/** How many elements of the star's fixed link facets are given up, one of each contradiction found,
+ * so that the others can have their least volume (or be positive, without one) for some place of
+ * the node; 0 if there is no proof that any must be (feasibility.c). is_fixed [n_nodes] by inner
+ * numbers; part [link facets of the star] is set to pl_star_part. scratch as for visits. */
 int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
                        const uint8_t *is_fixed, double *scratch, uint8_t *part);
 

@@ -15,10 +15,7 @@ typedef struct colour_pass {
 
 static pl_star_tally visit(const colour_pass *pass, int64_t begin, int64_t end, double *scratch) {
     const planish_plan *plan = pass->plan;
-    const pl_star_untangling *untangling = pass->problem->untangling;
-    if (untangling && untangling->to_centre)
-        return pl_star_centre(pass->problem, plan->dim, begin, end);
-    if (untangling)
+    if (pass->problem->untangling)
         return plan->kernel->guarded->untangle[plan->dim - 2](pass->problem, begin, end, scratch);
     if (pass->method != PLANISH_METHOD_PLANISH)
         return pl_star_average(pass->problem, pass->method, plan->dim, begin, end, scratch);

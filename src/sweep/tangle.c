@@ -10,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { CHUNK_STARS = 256 };
-
 /* ---- elements ------------------------------------------------------------------------------ */
 
 void pl_tangle_find(pl_tangle *t) {
@@ -27,8 +25,8 @@ void pl_tangle_find(pl_tangle *t) {
         }
 }
 
-/** Elements that cannot be helped are given up: those without a free node, and as many of those
- * that contradict each other as must be. */
+/** Elements that cannot be helped are given up (INFEASIBLE is HOPELESS): those without a free node,
+ * and as many of those that contradict each other as must be. */
 static int find_hopeless(pl_tangle *t, planish_error *error) {
     const planish_plan *plan = t->run->plan;
     int64_t n = 0;
@@ -44,9 +42,11 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
     t->is_hopeless = pl_alloc(plan->n_elements, sizeof *t->is_hopeless);
     if (!t->is_hopeless)
         return pl_fail_memory(error, "the elements that cannot be helped");
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    t->n_tangled = 0;
+    for (int64_t i = 0; i < plan->n_elements; i++) {
         t->is_hopeless[i] = t->state[i] == PLANISH_VOLUME_INFEASIBLE;
-    pl_tangle_find(t);
+        t->n_tangled += t->state[i] == PL_TANGLED;
+    }
     return PLANISH_OK;
 }
 
@@ -227,7 +227,7 @@ void pl_tangle_mark(pl_tangle *t, int layers) {
 static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const pl_tangle *t = context;
     const planish_plan *plan = t->run->plan;
-    t->partial[begin / CHUNK_STARS] = plan->kernel->guarded->energy[plan->dim - 2](
+    t->partial[begin / PL_TANGLE_CHUNK] = plan->kernel->guarded->energy[plan->dim - 2](
         &t->problem, begin, end, plan->scratch + plan->scratch_stride * thread, NULL);
 }
 
@@ -243,8 +243,8 @@ void pl_tangle_total(pl_tangle *t, int64_t n_chunks) {
 void pl_tangle_measure(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
     const int64_t n = plan->stars.n_stars;
-    pl_parallel_for(plan->threads, n, CHUNK_STARS, measure_chunk, t);
-    pl_tangle_total(t, (n + CHUNK_STARS - 1) / CHUNK_STARS);
+    pl_parallel_for(plan->threads, n, PL_TANGLE_CHUNK, measure_chunk, t);
+    pl_tangle_total(t, (n + PL_TANGLE_CHUNK - 1) / PL_TANGLE_CHUNK);
 }
 
 /* ---- all of it ----------------------------------------------------------------------------- */
@@ -269,10 +269,10 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     t->in_patch = pl_alloc_zero(plan->n_nodes, sizeof *t->in_patch);
     t->size = pl_alloc_zero(plan->n_nodes, sizeof *t->size);
     t->best = pl_alloc(plan->n_nodes * plan->dim, sizeof *t->best);
-    t->partial = pl_alloc(plan->stars.n_stars / CHUNK_STARS + 1, sizeof *t->partial);
+    t->partial = pl_alloc(plan->stars.n_stars / PL_TANGLE_CHUNK + 1, sizeof *t->partial);
     if (!t->in_patch || !t->size || !t->best || !t->partial)
         return pl_fail_memory(error, "untangling");
-    t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1, 0};
+    t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1};
     return PLANISH_OK;
 }
 

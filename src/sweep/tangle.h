@@ -4,6 +4,8 @@
 
 #include "sweep/run.h"
 
+enum { PL_TANGLE_CHUNK = 256 }; /* stars that one thread takes at a time */
+
 /** What is known of an element; the first two are those of planish_volume_state. */
 typedef enum pl_tangle_state {
     PL_SOUND = PLANISH_VOLUME_MET,
@@ -55,7 +57,8 @@ void pl_tangle_measure(pl_tangle *t);
 /** The same from t->partial [n_chunks]. */
 void pl_tangle_total(pl_tangle *t, int64_t n_chunks);
 
-/* ---- patch.c ------------------------------------------------------------------------------- */
+/* ---- centre.c, descent.c: all nodes of the patch at once ---------------------------------------
+ */
 
 /** Move the patch's nodes to where each is at the mean of its neighbours, by conjugate gradients.
  *  Like the next, not 0 if it was cut short; without memory it does nothing. */

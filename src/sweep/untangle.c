@@ -20,9 +20,10 @@ typedef struct measures {
     pl_patience solve; /* then the patch as one problem */
 } measures;
 
-/* Elements that are inverted, or flat. The first rung does it in most cases. */
+/* Elements that are inverted, or flat. The first rung does it in most cases. A mesh that is valid
+ * but for rounding gets the first ones only. */
 static const measures LADDER[] = {
-    {.layers = 1, .centre = 1, .sweeps = 2},
+    {.layers = 0, .centre = 1, .sweeps = 1},
     {.layers = 2, .sweeps = 10},
     {.layers = 0, .push_offs = 10},
     {.layers = 4, .centre = 1, .sweeps = 4},
@@ -34,7 +35,7 @@ static const measures LADDER[] = {
     {.layers = PL_ALL_LAYERS, .centre = 1, .solve = PL_PATIENT},
     {.layers = PL_ALL_LAYERS, .solve = PL_PATIENT},
 };
-enum { N_RUNGS = sizeof LADDER / sizeof *LADDER };
+enum { N_RUNGS = sizeof LADDER / sizeof *LADDER, N_RUNGS_IF_VALID = 3 };
 
 /* Elements that the sweeps' push-offs have left below their least volume: it may be too much to ask
  * for. */
@@ -105,6 +106,8 @@ static int regularised_sweeps(pl_tangle *t, int most) {
         const double before = t->energy.sum;
         stopped = sweep(t->run, &t->problem);
         pl_tangle_measure(t);
+        if (t->energy.tangled == 0)
+            break;
         t->asked.epsilon =
             pl_next_epsilon(t->asked.epsilon, before, t->energy.sum, t->energy.least);
         pl_tangle_measure(t);
@@ -185,7 +188,7 @@ static int climb(pl_tangle *t, const measures *rung) {
     return rung->solve == PL_NOT_AT_ALL ? 0 : solve(t, rung);
 }
 
-static int climb_all(pl_tangle *t, const measures *ladder, int n) {
+static void climb_all(pl_tangle *t, const measures *ladder, int n) {
     const planish_plan *plan = t->run->plan;
     const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *t->best;
     int stopped = 0;
@@ -203,17 +206,16 @@ static int climb_all(pl_tangle *t, const measures *ladder, int n) {
             pl_tangle_find(t);
         }
     }
-    return stopped;
 }
 
-/** Untangle what is inverted or flat, or (floors) below its least volume. */
-static int untangle(pl_run *r, int floors, planish_error *error) {
+/** Climb the n rungs of ladder. */
+static int untangle(pl_run *r, int floors, const measures *ladder, int n, planish_error *error) {
     pl_tangle t;
     int status = pl_tangle_create(r, floors, &t, error);
     r->restoring = 1;
     r->stop = PLANISH_STOP_CONVERGED;
     if (!status && t.n_tangled > 0)
-        climb_all(&t, floors ? LADDER_OF_VOLUMES : LADDER, floors ? N_RUNGS_OF_VOLUMES : N_RUNGS);
+        climb_all(&t, ladder, n);
     r->restoring = 0;
     pl_tangle_destroy(&t);
     return status;
@@ -221,9 +223,13 @@ static int untangle(pl_run *r, int floors, planish_error *error) {
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
     const double worst_rr2 = r->plain ? r->sums.max : r->totals.radius_max;
-    return pl_run_inverted(r) > 0 || worst_rr2 > FLAT_RR2 ? untangle(r, 0, error) : PLANISH_OK;
+    if (pl_run_inverted(r) == 0 && !(worst_rr2 > FLAT_RR2))
+        return PLANISH_OK;
+    return untangle(r, 0, LADDER, pl_run_inverted(r) > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }
 
 int pl_run_raise_volumes(pl_run *r, planish_error *error) {
-    return pl_run_below(r) > 0 ? untangle(r, 1, error) : PLANISH_OK;
+    if (pl_run_below(r) == 0)
+        return PLANISH_OK;
+    return untangle(r, 1, LADDER_OF_VOLUMES, N_RUNGS_OF_VOLUMES, error);
 }

@@ -1,0 +1,100 @@
+/* centre: the nodes of a patch to where each is at the mean of its neighbours, by conjugate
+ * gradients. */
+#include "sweep/patch.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Conjugate gradients end when the residual has fallen to this fraction, or after so many steps. */
+#define CENTRED 1e-4
+enum { CENTRE_STEPS = 1000 };
+
+/** An operation on vectors under way. */
+typedef struct operation {
+    const pl_patch *p;
+    double *a;
+    const double *b;
+} operation;
+
+/** a = sum over the neighbours of (b of the node - b of the neighbour), b an array over nodes. */
+static void difference_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const operation *o = context;
+    const pl_stars *stars = &o->p->t->run->plan->stars;
+    const int dim = o->p->dim;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t star = o->p->star[i];
+        const double *mine = o->b + pl_patch_node(o->p, i) * dim;
+        double sum[3] = {0, 0, 0};
+        for (int64_t k = stars->ring_offset[star]; k < stars->ring_offset[star + 1]; k++)
+            for (int d = 0; d < dim; d++)
+                sum[d] += mine[d] - o->b[(int64_t)stars->ring[k] * dim + d];
+        memcpy(o->a + i * dim, sum, (size_t)dim * sizeof *o->a);
+    }
+}
+
+static void difference(const pl_patch *p, double *a, const double *field) {
+    operation o = {p, a, field};
+    pl_patch_for(p, difference_chunk, &o);
+}
+
+/** a = b / number of neighbours. */
+static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const operation *o = context;
+    const int64_t *offset = o->p->t->run->plan->stars.ring_offset;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        for (int d = 0; d < o->p->dim; d++)
+            o->a[i * o->p->dim + d] = o->b[i * o->p->dim + d] /
+                                      (double)(offset[o->p->star[i] + 1] - offset[o->p->star[i]]);
+}
+
+static void share(const pl_patch *p, double *a, const double *b) {
+    operation o = {p, a, b};
+    pl_patch_for(p, share_chunk, &o);
+}
+
+/** Solve sum over the neighbours of (x_i - x_j) = 0, preconditioned by the diagonal. */
+static void centre(const pl_patch *p, pl_sweep_tally *tally) {
+    pl_run *r = p->t->run;
+    double *x = pl_patch_vector(p, 0), *residual = pl_patch_vector(p, 1),
+           *z = pl_patch_vector(p, 2), *way = pl_patch_vector(p, 3);
+    double *image = pl_patch_vector(p, 4), *start = pl_patch_vector(p, 5);
+    pl_patch_take(p, start, r->plan->coordinates);
+    pl_patch_take(p, x, r->plan->coordinates);
+    difference(p, residual, r->plan->coordinates);
+    pl_patch_combine(p, residual, image, -1, residual); /* image is still 0 */
+    share(p, z, residual);
+    pl_patch_combine(p, way, z, 0, z);
+    double square = pl_patch_product(p, residual, z), goal = CENTRED * CENTRED * square;
+    for (int i = 0; i < CENTRE_STEPS && square > goal && !tally->stopped; i++) {
+        pl_patch_put(p, p->field, way);
+        difference(p, image, p->field);
+        const double step = square / pl_patch_product(p, way, image), last = square;
+        if (!(step > 0) || !(step < INFINITY))
+            break;
+        pl_patch_combine(p, x, x, step, way);
+        pl_patch_combine(p, residual, residual, -step, image);
+        share(p, z, residual);
+        square = pl_patch_product(p, residual, z);
+        pl_patch_combine(p, way, z, square / last, way);
+        tally->visits += p->n;
+        tally->stopped = pl_run_after_colour(r, r->plan->n_colours);
+    }
+    pl_patch_admit(p, x, start);
+}
+
+int pl_patch_centre(pl_tangle *t) {
+    pl_run *r = t->run;
+    pl_patch p;
+    int stopped = 0;
+    if (pl_patch_create(t, 6, &p)) {
+        pl_sweep_tally tally = {.colours = r->plan->n_colours};
+        pl_begin_untangling_sweep(r);
+        centre(&p, &tally);
+        pl_run_measure(r);
+        stopped = pl_run_end_sweep(r, &tally);
+    }
+    pl_patch_destroy(&p);
+    return stopped;
+}

@@ -1,0 +1,58 @@
+/* patch: the nodes of a tangle's patch as one vector.
+ *
+ * Sweeps move one node at a time and even out what is wrong within a few elements; where much is
+ * tangled, or a boundary has moved far, all nodes have to give way together. Vectors are over the
+ * patch's nodes in visiting order, [n][dim]; sums are of fixed chunks, so that the bits do not
+ * depend on the threads.
+ */
+#ifndef PL_SWEEP_PATCH_H
+#define PL_SWEEP_PATCH_H
+
+#include "base/parallel.h"
+#include "sweep/tangle.h"
+
+/** A patch; arrays are owned. */
+typedef struct pl_patch {
+    pl_tangle *t;
+    int dim;
+    int64_t n;
+    int32_t *star;   /* [n] */
+    double *vectors; /* those that pl_patch_create was asked for, zero at first */
+    double *field;   /* [n_nodes][dim] by inner numbers, 0 outside of the patch */
+    double *partial; /* [chunks] */
+} pl_patch;
+
+enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */
+
+/** 0 without memory; to be destroyed in any case. */
+int pl_patch_create(pl_tangle *t, int n_vectors, pl_patch *p);
+void pl_patch_destroy(pl_patch *p);
+
+static inline double *pl_patch_vector(const pl_patch *p, int i) {
+    return p->vectors + p->n * p->dim * i;
+}
+
+/** Inner number of the patch's node i. */
+static inline int64_t pl_patch_node(const pl_patch *p, int64_t i) {
+    return p->t->run->plan->centre[p->star[i]];
+}
+
+/** Call body for chunks of the patch's nodes. */
+void pl_patch_for(const pl_patch *p, pl_chunk_fn *body, void *context);
+
+/** b . c */
+double pl_patch_product(const pl_patch *p, const double *b, const double *c);
+
+/** a = b + factor c */
+void pl_patch_combine(const pl_patch *p, double *a, const double *b, double factor,
+                      const double *c);
+
+/** a from an array [n_nodes][dim], and back. */
+void pl_patch_take(const pl_patch *p, double *a, const double *field);
+void pl_patch_put(const pl_patch *p, double *field, const double *a);
+
+/** Put the nodes to x, or as near as their bounds let them, or where that is not to be stored to
+ *  start. x becomes where they are. */
+void pl_patch_admit(const pl_patch *p, double *x, const double *start);
+
+#endif
