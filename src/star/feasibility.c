@@ -12,20 +12,26 @@
 
 /* The proof must hold within this many sizes of the star, whatever rounding did to it. */
 #define PROOF_REACH 1e6
-/* An element without a least volume needs this height over its link facet, by the facet's size. */
-#define HEIGHT_LEAST 1e-9
+/* What an element without a least volume needs, by the mean measure of the star's elements. */
+#define PART_LEAST 1e-9
 
 /** What is known of a link facet while the search goes on. */
 enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
 
-/** Floors of elements without a least volume. */
-static void set_floors(const star *s, const int dim) {
+/** Floors of elements without a least volume, with the node at x. */
+static void set_floors(const star *s, const double *x, const int dim) {
     double *floor = s->column + FLOOR * s->padded, *inverse = s->column + INVERSE_FLOOR * s->padded;
-    const double *length = s->column + LENGTH * s->padded;
+    const double place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
+    double mean = 0;
     for (int64_t i = 0; i < s->n_facets; i++) {
-        if (floor[i] > 0 || !(length[i] > 0))
+        aspect a;
+        measure_at(s, i, place, &a, dim);
+        mean += fabs(a.D) / (double)s->n_facets;
+    }
+    for (int64_t i = 0; mean > FLOOR_LEAST && i < s->n_facets; i++) {
+        if (floor[i] > 0)
             continue;
-        floor[i] = HEIGHT_LEAST * length[i] * (dim == 3 ? sqrt(length[i]) : length[i]);
+        floor[i] = PART_LEAST * mean;
         inverse[i] = 1 / floor[i];
     }
 }
@@ -125,7 +131,7 @@ static int infeasible(const pl_star_problem *problem, int64_t star_index, const 
     const uint16_t *link = problem->link + problem->link_offset[star_index] * dim;
     to_star(&here, place, at, dim);
     middle_of_ring(&here, x, dim);
-    set_floors(&here.s, dim);
+    set_floors(&here.s, x, dim);
     here.b.any = 0; /* bounds are no part of the proof */
     guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
     const double *height = heights(&here, at, dim);

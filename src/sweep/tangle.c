@@ -53,16 +53,27 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
 /* ---- sizes --------------------------------------------------------------------------------- */
 
 /* Sizes are averaged as numbers that grow nearly like their logarithms, made without libm: exponent
- * and mantissa side by side. Meshes may be graded by orders of magnitude. */
-static double to_level(double size) {
+ * and mantissa side by side. Meshes may be graded by orders of magnitude. The exponents are counted
+ * from that of the largest size, so that the scale of a mesh changes no bit. */
+static double to_level(double size, int of_largest) {
     int exponent;
     double mantissa = frexp(size, &exponent);
-    return exponent + 2 * mantissa - 2;
+    return exponent - of_largest + 2 * mantissa - 2;
 }
 
-static double from_level(double level) {
+static double from_level(double level, int of_largest) {
     double whole = floor(level);
-    return ldexp(0.5 * (level - whole) + 0.5, (int)whole + 1);
+    return ldexp(0.5 * (level - whole) + 0.5, (int)whole + 1 + of_largest);
+}
+
+/** measure^(1/dim), with the same bits at every scale. */
+static double size_of(double measure, int dim) {
+    int exponent, third;
+    if (dim == 2)
+        return sqrt(measure);
+    double mantissa = frexp(measure, &exponent);
+    third = (exponent - ((exponent % 3 + 3) % 3)) / 3;
+    return ldexp(pl_cube_root(ldexp(mantissa, exponent - 3 * third)), third);
 }
 
 /** The work on sizes; arrays over nodes, by inner numbers. */
@@ -72,6 +83,7 @@ typedef struct sizing {
     double *absolute; /* of their absolute values; then of levels around */
     int32_t *count;   /* elements of the node; then 1, or 0: nothing is known of it */
     int32_t *around;  /* levels in absolute */
+    int of_largest;   /* exponent of the largest size */
 } sizing;
 
 static void inner_nodes(const planish_plan *plan, int64_t element, int32_t *node) {
@@ -113,18 +125,28 @@ static void add_measures(const sizing *s) {
 #define TELLING       0.1
 #define LEAST_MEASURE 0x1p-1000
 
-/** Levels of the nodes whose elements tell them; returns how many are left. */
-static int64_t find_levels(const sizing *s) {
+/** Sizes at the nodes whose elements tell them. */
+static void find_sizes(const sizing *s) {
     const int dim = s->plan->dim;
     const double of_regular = dim == 3 ? 1.4142135623730951 : 1.1547005383792515; /* edge 1 */
-    int64_t unknown = 0;
     for (int64_t i = 0; i < s->plan->n_nodes; i++) {
-        const int32_t n = s->count[i];
-        const double measure = n > 0 ? s->sum[i] / n * of_regular : 0;
-        s->count[i] = measure > LEAST_MEASURE && s->sum[i] > TELLING * s->absolute[i];
-        const double size = s->count[i] == 0 ? 1 : dim == 3 ? pl_cube_root(measure) : sqrt(measure);
-        s->sum[i] = to_level(size);
-        unknown += n > 0 && s->count[i] == 0;
+        const double measure = s->count[i] > 0 ? s->sum[i] / s->count[i] * of_regular : 0;
+        const int tells = measure > LEAST_MEASURE && s->sum[i] > TELLING * s->absolute[i];
+        s->sum[i] = tells ? size_of(measure, dim) : 0;
+    }
+}
+
+/** Sizes become levels; returns of how many nodes nothing is known. */
+static int64_t find_levels(sizing *s) {
+    double largest = 0;
+    int64_t unknown = 0;
+    for (int64_t i = 0; i < s->plan->n_nodes; i++)
+        largest = fmax(largest, s->sum[i]);
+    frexp(largest, &s->of_largest);
+    for (int64_t i = 0; i < s->plan->n_nodes; i++) {
+        unknown += s->count[i] > 0 && !(s->sum[i] > 0);
+        s->count[i] = s->sum[i] > 0;
+        s->sum[i] = s->sum[i] > 0 ? to_level(s->sum[i], s->of_largest) : 0;
     }
     return unknown;
 }
@@ -163,10 +185,11 @@ void pl_tangle_find_sizes(pl_tangle *t) {
                 .around = pl_alloc(n, sizeof *s.around)};
     if (s.sum && s.absolute && s.count && s.around) {
         add_measures(&s);
+        find_sizes(&s);
         for (int64_t left = find_levels(&s), grown = 1; left > 0 && grown > 0; left -= grown)
             grown = spread_levels(&s);
         for (int64_t i = 0; i < n; i++)
-            t->size[i] = from_level(s.sum[i]);
+            t->size[i] = from_level(s.sum[i], s.of_largest);
     }
     pl_free(s.sum);
     pl_free(s.absolute);

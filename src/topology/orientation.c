@@ -30,22 +30,39 @@ typedef struct work {
     uint32_t *link; /* [m] parent << 1 | parity: 1 if the order is opposite to the parent's; parents
                        have smaller numbers, and a root is its own parent */
     double *measure; /* [m] of the elements in their component's order; of a root, the sum */
+    int64_t anchor;  /* a node on the boundary, or -1 */
     int n_conflicts; /* facets at which the parities contradict one another: some, or 0 */
 } work;
 
 /** In boundary->sign until the signs are known: what is known of an element's component. */
 enum { ORIENTABLE = 0, CONFLICT = 1 };
 
+static inline double measure_at(int dim, const work *w, const double *const x[]) {
+    double edges[3][3];
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edges[j][d] = pl_frame_difference(&w->frame, x[j + 1][d], x[0][d]);
+    return pl_determinant_of_edges(dim, (const double(*)[3])edges);
+}
+
 static inline double measure_of(int dim, const work *w, int64_t element) {
     const int32_t *node = w->mesh->elements + element * (dim + 1);
-    const double *x0 = w->mesh->coordinates + (int64_t)node[0] * dim;
-    double edges[3][3];
-    for (int j = 0; j < dim; j++) {
-        const double *x = w->mesh->coordinates + (int64_t)node[j + 1] * dim;
-        for (int d = 0; d < dim; d++)
-            edges[j][d] = pl_frame_difference(&w->frame, x[d], x0[d]);
+    const double *x[4];
+    for (int j = 0; j <= dim; j++)
+        x[j] = w->mesh->coordinates + (int64_t)node[j] * dim;
+    return measure_at(dim, w, x);
+}
+
+/** The same with the interior nodes at the anchor. The sum over a component does not depend on
+ * where they are, but its rounding does: they may have been thrown far out of the domain. */
+static inline double anchored_measure_of(int dim, const work *w, int64_t element) {
+    const int32_t *node = w->mesh->elements + element * (dim + 1);
+    const double *x[4];
+    for (int j = 0; j <= dim; j++) {
+        int64_t at = w->boundary->on_boundary[node[j]] || w->anchor < 0 ? node[j] : w->anchor;
+        x[j] = w->mesh->coordinates + at * dim;
     }
-    return pl_determinant_of_edges(dim, (const double(*)[3])edges);
+    return measure_at(dim, w, x);
 }
 
 /* ---- the usual case: everybody agrees ----------------------------------------------------- */
@@ -173,16 +190,24 @@ static void hold_conflicts(void *context, int32_t node, const pl_facet *facets, 
 
 /* ---- signs of components ------------------------------------------------------------------ */
 
+static int64_t find_anchor(const work *w) {
+    int64_t i = 0;
+    while (i < w->mesh->n_nodes && !w->boundary->on_boundary[i])
+        i++;
+    return i < w->mesh->n_nodes ? i : -1;
+}
+
 /** Link every element to its root, and measure it in the order of its component. */
 static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         uint32_t parity = 0, root = find_root(w, (uint32_t)i, &parity);
-        if (w->boundary->sign[root] == CONFLICT)
+        const int conflict = w->boundary->sign[root] == CONFLICT, dim = w->mesh->dim;
+        if (conflict)
             parity = 0;
         __atomic_store_n(w->link + i, root << 1 | parity, __ATOMIC_RELAXED);
-        double measure = w->mesh->dim == 3 ? measure_of(3, w, i) : measure_of(2, w, i);
+        double measure = conflict ? measure_of(dim, w, i) : anchored_measure_of(dim, w, i);
         w->measure[i] = parity ? -measure : measure;
     }
 }
@@ -229,6 +254,7 @@ static int orient_components(work *w, const pl_incidence *incidence, int threads
     w->measure = pl_alloc(m, sizeof *w->measure);
     if (!w->measure)
         return pl_fail_memory(error, "the components of the mesh");
+    w->anchor = find_anchor(w);
     pl_parallel_for(threads, m, CHUNK, measure_chunk, w);
     sum_measures(w);
     pl_parallel_for(threads, m, CHUNK, sign_chunk, w);
