@@ -10,4 +10,10 @@
 /** Let the next permitted allocations succeed and all others fail; negative: let all succeed. */
 void allocations_permit(int64_t permitted);
 
+/** Let the next permitted allocations succeed, the one after them fail, and all others succeed. */
+void allocations_fail_one(int64_t permitted);
+
+/** Whether that one has failed; ends the wait for it. */
+int allocations_failed(void);
+
 #endif
