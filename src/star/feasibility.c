@@ -12,7 +12,8 @@
 
 /* The proof must hold within this many sizes of the star, whatever rounding did to it. */
 #define PROOF_REACH 1e6
-/* What an element without a least volume needs, by the mean measure of the star's elements. */
+/* What an element without a least volume needs, by the mean measure of the star's elements; or,
+ * with a small link facet, by that times the star's size. */
 #define PART_LEAST 1e-9
 
 /** What is known of a link facet while the search goes on. */
@@ -22,16 +23,19 @@ enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
 static void set_floors(const star *s, const double *x, const int dim) {
     double *floor = s->column + FLOOR * s->padded, *inverse = s->column + INVERSE_FLOOR * s->padded;
     const double place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
-    double mean = 0;
+    const double *length = s->column + LENGTH * s->padded;
+    double mean = 0, size2 = 0;
     for (int64_t i = 0; i < s->n_facets; i++) {
         aspect a;
         measure_at(s, i, place, &a, dim);
         mean += fabs(a.D) / (double)s->n_facets;
+        size2 += a.aa / (double)s->n_facets;
     }
     for (int64_t i = 0; mean > FLOOR_LEAST && i < s->n_facets; i++) {
-        if (floor[i] > 0)
+        const double own = length[i] * sqrt(size2);
+        if (floor[i] > 0 || !(own > FLOOR_LEAST))
             continue;
-        floor[i] = PART_LEAST * mean;
+        floor[i] = PART_LEAST * (own < mean ? own : mean);
         inverse[i] = 1 / floor[i];
     }
 }

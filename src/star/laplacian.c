@@ -110,11 +110,3 @@ pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method met
     }
     return tally;
 }
-
-int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x) {
-    const bounds b = bounds_of(problem, node, 1, dim);
-    clamp(&b, x, dim);
-    for (int d = 0; problem->to_float && d < dim; d++)
-        x[d] = pl_round_to_float(x[d]);
-    return within_bounds(&b, x, dim); /* rounding to float may have left them */
-}

@@ -54,16 +54,39 @@ static void share(const pl_patch *p, double *a, const double *b) {
     pl_patch_for(p, share_chunk, &o);
 }
 
-/** Solve sum over the neighbours of (x_i - x_j) = 0, preconditioned by the diagonal. */
+/** a = b, but within the box of the fixed nodes: from far away the way back would be lost in
+ * rounding.
+ */
+static void clamp_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const operation *o = context;
+    const pl_tangle *t = o->p->t;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        for (int d = 0; d < o->p->dim; d++) {
+            const int64_t k = i * o->p->dim + d;
+            o->a[k] = fmin(fmax(o->b[k], t->box_lower[d]), t->box_upper[d]);
+        }
+}
+
+static void clamp(const pl_patch *p, double *a, const double *b) {
+    operation o = {p, a, b};
+    pl_patch_for(p, clamp_chunk, &o);
+}
+
+/** Solve sum over the neighbours of (x_i - x_j) = 0, preconditioned by the diagonal. All but start
+ * is in the scale of the domain. */
 static void centre(const pl_patch *p, pl_sweep_tally *tally) {
     pl_run *r = p->t->run;
     double *x = pl_patch_vector(p, 0), *residual = pl_patch_vector(p, 1),
            *z = pl_patch_vector(p, 2), *way = pl_patch_vector(p, 3);
     double *image = pl_patch_vector(p, 4), *start = pl_patch_vector(p, 5);
+    const double *zero = pl_patch_vector(p, 6);
     pl_patch_take(p, start, r->plan->coordinates);
-    pl_patch_take(p, x, r->plan->coordinates);
+    clamp(p, x, start);
+    pl_patch_put(p, r->plan->coordinates, x);
     difference(p, residual, r->plan->coordinates);
-    pl_patch_combine(p, residual, image, -1, residual); /* image is still 0 */
+    pl_patch_combine(p, x, zero, p->t->scale, x);
+    pl_patch_combine(p, residual, zero, -p->t->scale, residual);
     share(p, z, residual);
     pl_patch_combine(p, way, z, 0, z);
     double square = pl_patch_product(p, residual, z), goal = CENTRED * CENTRED * square;
@@ -81,6 +104,7 @@ static void centre(const pl_patch *p, pl_sweep_tally *tally) {
         tally->visits += p->n;
         tally->stopped = pl_run_after_colour(r, r->plan->n_colours);
     }
+    pl_patch_combine(p, x, zero, 1 / p->t->scale, x);
     pl_patch_admit(p, x, start);
 }
 
@@ -88,7 +112,7 @@ int pl_patch_centre(pl_tangle *t) {
     pl_run *r = t->run;
     pl_patch p;
     int stopped = 0;
-    if (pl_patch_create(t, 6, &p)) {
+    if (pl_patch_create(t, 7, &p)) {
         pl_sweep_tally tally = {.colours = r->plan->n_colours};
         pl_begin_untangling_sweep(r);
         centre(&p, &tally);

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { HISTORY = 12 }; /* pairs */
+enum { HISTORY = 12, SLOTS = HISTORY + 1 }; /* pairs; one slot more is for one that is on trial */
 
 /** How long to try. */
 typedef struct patience {
@@ -24,8 +24,8 @@ static const patience PATIENCE[] = {
     [PL_PATIENT] = {1, 200, 1000, 1e-6, 5e8}, /* meets shears of ten times a domain's width */
 };
 enum { CALM_ITERATIONS = 3, BACKTRACKS = 20 };
-/* However large the patch, it gets so many iterations. */
-enum { LEAST_ITERATIONS = 100 };
+/* However large the patch, it gets so many evaluations. */
+enum { LEAST_EVALUATIONS = 100 };
 /* Sufficient decrease. */
 #define ARMIJO 1e-4
 /* An epsilon this far below what is still inverted helps no more. */
@@ -48,10 +48,10 @@ typedef struct descent {
     pl_patch p;
     double *start, *position, *gradient, *direction, *last_gradient;
     pl_star_slope *slope; /* [n_stars] */
-    pair pairs[HISTORY];
+    pair pairs[SLOTS];
     int n_pairs, newest;
     int keep;     /* nothing may become tangled again */
-    int64_t left; /* iterations */
+    int64_t left; /* evaluations */
 } descent;
 
 static void energy_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -98,7 +98,7 @@ static void precondition_chunk(void *context, int64_t begin, int64_t end, int th
 }
 
 static const pair *pair_of(const descent *m, int age) {
-    return &m->pairs[(m->newest + HISTORY - age) % HISTORY];
+    return &m->pairs[(m->newest + SLOTS - age) % SLOTS];
 }
 
 static void find_direction(descent *m) {
@@ -118,7 +118,7 @@ static void find_direction(descent *m) {
 
 static void remember(descent *m) {
     const pl_patch *p = &m->p;
-    const int at = m->n_pairs > 0 ? (m->newest + 1) % HISTORY : 0;
+    const int at = (m->newest + 1) % SLOTS;
     pair *q = &m->pairs[at];
     pl_patch_combine(p, q->s, m->position, -1, m->start);
     pl_patch_combine(p, q->y, m->gradient, -1, m->last_gradient);
@@ -145,10 +145,12 @@ static int iterate(descent *m, pl_sweep_tally *tally) {
     const double slope = pl_patch_product(&m->p, m->gradient, m->direction);
     pl_patch_take(&m->p, m->start, t->run->plan->coordinates);
     pl_patch_combine(&m->p, m->last_gradient, m->gradient, 0, m->gradient);
-    for (int i = 0; slope < 0 && i < BACKTRACKS; i++) {
+    for (int i = 0; slope < 0 && i < BACKTRACKS && !tally->stopped; i++) {
         place(m, step);
         evaluate(m);
+        m->left--;
         tally->visits += m->p.n;
+        tally->stopped = pl_run_after_colour(t->run, tally->colours);
         const double after = m->keep && t->energy.tangled > 0 ? INFINITY : t->energy.sum;
         if (after < before + ARMIJO * slope * step) {
             remember(m);
@@ -158,7 +160,8 @@ static int iterate(descent *m, pl_sweep_tally *tally) {
         const double next = rise < INFINITY ? -0.5 * slope * step * step / rise : 0;
         step = fmin(fmax(next, 0.1 * step), 0.5 * step);
     }
-    place(m, 0);
+    pl_patch_combine(&m->p, m->position, m->start, 0, m->start);
+    pl_patch_admit(&m->p, m->position, m->start);
     evaluate(m);
     return 0;
 }
@@ -176,8 +179,6 @@ static int descend(descent *m, int most, double calm_fall) {
         if ((!m->keep && t->energy.tangled == 0) || !iterate(m, &tally))
             break;
         calm = t->energy.sum > (1 - calm_fall) * before ? calm + 1 : 0;
-        m->left--;
-        tally.stopped = pl_run_after_colour(r, tally.colours);
     }
     tally.evaluations = tally.visits;
     pl_run_measure(r);
@@ -208,23 +209,23 @@ static int descent_create(pl_tangle *t, descent *m) {
     double **vectors[] = {&m->start, &m->position, &m->gradient, &m->direction, &m->last_gradient};
     enum { N = sizeof vectors / sizeof *vectors };
     *m = (descent){.slope = pl_alloc(t->run->plan->stars.n_stars, sizeof *m->slope)};
-    if (!pl_patch_create(t, N + 2 * HISTORY, &m->p) || !m->slope)
+    if (!pl_patch_create(t, N + 2 * SLOTS, &m->p) || !m->slope)
         return 0;
     for (int i = 0; i < N; i++)
         *vectors[i] = pl_patch_vector(&m->p, i);
-    for (int i = 0; i < HISTORY; i++)
+    for (int i = 0; i < SLOTS; i++)
         m->pairs[i] =
             (pair){pl_patch_vector(&m->p, N + 2 * i), pl_patch_vector(&m->p, N + 2 * i + 1), 0};
     return 1;
 }
 
-/** How many iterations of so many visits in all. */
-static int64_t iterations_of(const descent *m, double visits) {
+/** How many evaluations of so many visits in all. */
+static int64_t evaluations_of(const descent *m, double visits) {
     const pl_stars *stars = &m->p.t->run->plan->stars;
     double facets = 1;
     for (int64_t i = 0; i < m->p.n; i++)
         facets += (double)(stars->link_offset[m->p.star[i] + 1] - stars->link_offset[m->p.star[i]]);
-    return (int64_t)fmax(visits / facets, LEAST_ITERATIONS);
+    return (int64_t)fmax(visits / facets, LEAST_EVALUATIONS);
 }
 
 static void descent_destroy(descent *m) {
@@ -236,7 +237,7 @@ int pl_patch_solve(pl_tangle *t, pl_patience wanted) {
     descent m;
     int stopped = 0;
     if (descent_create(t, &m)) {
-        m.left = iterations_of(&m, PATIENCE[wanted].visits);
+        m.left = evaluations_of(&m, PATIENCE[wanted].visits);
         stopped = solve(&m, &PATIENCE[wanted]);
     }
     descent_destroy(&m);
@@ -248,7 +249,7 @@ int pl_patch_mend(pl_tangle *t) {
     int stopped = 0;
     if (descent_create(t, &m)) {
         m.keep = 1;
-        m.left = iterations_of(&m, PATIENCE[PL_QUICK].visits);
+        m.left = evaluations_of(&m, PATIENCE[PL_QUICK].visits);
         t->asked.epsilon = fmax(t->energy.least, MENDING_EPSILON);
         evaluate(&m);
         stopped = descend(&m, MENDING_ITERATIONS, MENDING_FALL);

@@ -99,7 +99,8 @@ static int was_cut_short(const pl_run *r) {
  *  more from the start, without. */
 static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
     planish_plan *plan = r->plan;
-    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH || was_cut_short(r))
+    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH || was_cut_short(r) ||
+        pl_run_sweeps_left(r) <= 0)
         return;
     pl_run_measure(r);
     if (start->below == 0 || r->totals.below < start->below || r->totals.inverted < start->inverted)

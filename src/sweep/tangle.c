@@ -84,6 +84,7 @@ typedef struct sizing {
     int32_t *count;   /* elements of the node; then 1, or 0: nothing is known of it */
     int32_t *around;  /* levels in absolute */
     int of_largest;   /* exponent of the largest size */
+    double scale;     /* of the lengths in here */
 } sizing;
 
 static void inner_nodes(const planish_plan *plan, int64_t element, int32_t *node) {
@@ -91,14 +92,15 @@ static void inner_nodes(const planish_plan *plan, int64_t element, int32_t *node
         node[j] = plan->inner[plan->elements[element * (plan->dim + 1) + j]];
 }
 
-/** D of an element, positive in the mesh's orientation. */
-static double measure_of(const planish_plan *plan, int64_t element, const int32_t *node) {
+/** D of an element in the scale of sizes, positive in the mesh's orientation. */
+static double measure_of(const sizing *s, int64_t element, const int32_t *node) {
+    const planish_plan *plan = s->plan;
     const int dim = plan->dim;
     const double *x0 = plan->coordinates + (int64_t)node[0] * dim;
     double e[3][3];
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
-            e[j][d] = plan->coordinates[(int64_t)node[j + 1] * dim + d] - x0[d];
+            e[j][d] = (plan->coordinates[(int64_t)node[j + 1] * dim + d] - x0[d]) * s->scale;
     const double D = dim == 2 ? e[0][0] * e[1][1] - e[0][1] * e[1][0]
                               : e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
                                     e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
@@ -111,7 +113,7 @@ static void add_measures(const sizing *s) {
     for (int64_t i = 0; i < plan->n_elements; i++) {
         int32_t node[4];
         inner_nodes(plan, i, node);
-        const double D = measure_of(plan, i, node);
+        const double D = measure_of(s, i, node);
         for (int j = 0; j <= plan->dim; j++) {
             s->sum[node[j]] += D;
             s->absolute[node[j]] += fabs(D);
@@ -176,9 +178,24 @@ static int64_t spread_levels(const sizing *s) {
     return grown;
 }
 
+/** The mean of all for those that are too far from known ones. */
+static void fill_levels(const sizing *s) {
+    double sum = 0, n = 0;
+    for (int64_t i = 0; i < s->plan->n_nodes; i++) {
+        sum += s->count[i] > 0 ? s->sum[i] : 0;
+        n += s->count[i] > 0;
+    }
+    for (int64_t i = 0; i < s->plan->n_nodes; i++)
+        s->sum[i] = s->count[i] > 0 || !(n > 0) ? s->sum[i] : sum / n;
+}
+
+/* Each layer costs a look at all elements. */
+enum { MOST_SPREADS = 64 };
+
 void pl_tangle_find_sizes(pl_tangle *t) {
     const int64_t n = t->run->plan->n_nodes;
     sizing s = {.plan = t->run->plan,
+                .scale = t->scale,
                 .sum = pl_alloc_zero(n, sizeof *s.sum),
                 .absolute = pl_alloc_zero(n, sizeof *s.absolute),
                 .count = pl_alloc_zero(n, sizeof *s.count),
@@ -186,10 +203,13 @@ void pl_tangle_find_sizes(pl_tangle *t) {
     if (s.sum && s.absolute && s.count && s.around) {
         add_measures(&s);
         find_sizes(&s);
-        for (int64_t left = find_levels(&s), grown = 1; left > 0 && grown > 0; left -= grown)
+        int64_t left = find_levels(&s), grown = 1;
+        for (int i = 0; i < MOST_SPREADS && left > 0 && grown > 0; i++, left -= grown)
             grown = spread_levels(&s);
+        if (left > 0)
+            fill_levels(&s);
         for (int64_t i = 0; i < n; i++)
-            t->size[i] = from_level(s.sum[i], s.of_largest);
+            t->size[i] = from_level(s.sum[i], s.of_largest) / t->scale;
     }
     pl_free(s.sum);
     pl_free(s.absolute);
@@ -212,30 +232,47 @@ static void mark_tangled(pl_tangle *t) {
     }
 }
 
-/** Mark the free neighbours of what is marked; returns how many that are. */
-static int64_t mark_layer(pl_tangle *t) {
+/** Mark the free neighbours of what is marked, and queue their stars. Returns how many they are. */
+static int64_t mark_first_layer(pl_tangle *t) {
     const pl_stars *stars = &t->run->plan->stars;
     const int32_t *centre = t->run->plan->centre;
-    int64_t grown = 0;
+    int64_t n = 0;
     for (int64_t s = 0; s < stars->n_stars; s++) {
-        uint8_t *mine = &t->in_patch[centre[s]];
-        for (int64_t i = stars->ring_offset[s]; !*mine && i < stars->ring_offset[s + 1]; i++)
-            if (t->in_patch[stars->ring[i]] == 1)
-                *mine = 2; /* not to count for this layer */
+        int beside = 0;
+        for (int64_t i = stars->ring_offset[s];
+             !t->in_patch[centre[s]] && !beside && i < stars->ring_offset[s + 1]; i++)
+            beside = t->in_patch[stars->ring[i]];
+        if (beside)
+            t->queue[n++] = (int32_t)s;
     }
-    for (int64_t s = 0; s < stars->n_stars; s++)
-        if (t->in_patch[centre[s]] == 2) {
-            t->in_patch[centre[s]] = 1;
-            grown++;
-        }
-    return grown;
+    for (int64_t i = 0; i < n; i++)
+        t->in_patch[centre[t->queue[i]]] = 1;
+    return n;
+}
+
+/** The layers after the first, breadth first: the stars queue[0 .. n-1] are the first layer. */
+static void mark_layers(pl_tangle *t, int64_t n, int layers) {
+    const pl_stars *stars = &t->run->plan->stars;
+    for (int64_t begin = 0, end = n; layers > 0 && begin < end; layers--) {
+        for (int64_t k = begin; k < end; k++)
+            for (int64_t i = stars->ring_offset[t->queue[k]];
+                 i < stars->ring_offset[t->queue[k] + 1]; i++) {
+                const int32_t node = stars->ring[i];
+                if (t->in_patch[node] || t->star_of[node] < 0)
+                    continue;
+                t->in_patch[node] = 1;
+                t->queue[n++] = t->star_of[node];
+            }
+        begin = end;
+        end = n;
+    }
 }
 
 void pl_tangle_mark(pl_tangle *t, int layers) {
     const planish_plan *plan = t->run->plan;
     mark_tangled(t);
-    for (int i = 0; i < layers && mark_layer(t) > 0; i++)
-        ;
+    if (layers > 0)
+        mark_layers(t, mark_first_layer(t), layers - 1);
     t->n_patch = 0;
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         const int32_t node = plan->inner[i];
@@ -272,6 +309,35 @@ void pl_tangle_measure(pl_tangle *t) {
 
 /* ---- all of it ----------------------------------------------------------------------------- */
 
+static void number_stars(pl_tangle *t) {
+    const planish_plan *plan = t->run->plan;
+    memset(t->star_of, -1, (size_t)plan->n_nodes * sizeof *t->star_of);
+    for (int64_t s = 0; s < plan->stars.n_stars; s++)
+        t->star_of[plan->centre[s]] = (int32_t)s;
+}
+
+/* Exponents of the scale stay within this, so that it and its inverse are doubles. */
+enum { SCALE_LIMIT = 1000 };
+
+static void find_box(pl_tangle *t) {
+    const planish_plan *plan = t->run->plan;
+    double width = 0;
+    int exponent;
+    for (int d = 0; d < plan->dim; d++) {
+        t->box_lower[d] = INFINITY;
+        t->box_upper[d] = -INFINITY;
+        for (int64_t i = 0; i < plan->n_nodes; i++) {
+            const double x = plan->coordinates[i * plan->dim + d];
+            t->box_lower[d] = t->star_of[i] < 0 ? fmin(t->box_lower[d], x) : t->box_lower[d];
+            t->box_upper[d] = t->star_of[i] < 0 ? fmax(t->box_upper[d], x) : t->box_upper[d];
+        }
+        width = fmax(width, 0.5 * t->box_upper[d] - 0.5 * t->box_lower[d]);
+    }
+    frexp(width, &exponent);
+    exponent = exponent > SCALE_LIMIT ? SCALE_LIMIT : exponent;
+    t->scale = ldexp(1, exponent < -SCALE_LIMIT ? SCALE_LIMIT : -exponent);
+}
+
 int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) {
     const planish_plan *plan = r->plan;
     *t = (pl_tangle){.run = r, .problem = r->problem, .guard = r->guard.star};
@@ -292,9 +358,13 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     t->in_patch = pl_alloc_zero(plan->n_nodes, sizeof *t->in_patch);
     t->size = pl_alloc_zero(plan->n_nodes, sizeof *t->size);
     t->best = pl_alloc(plan->n_nodes * plan->dim, sizeof *t->best);
+    t->star_of = pl_alloc(plan->n_nodes, sizeof *t->star_of);
+    t->queue = pl_alloc(plan->stars.n_stars, sizeof *t->queue);
     t->partial = pl_alloc(plan->stars.n_stars / PL_TANGLE_CHUNK + 1, sizeof *t->partial);
-    if (!t->in_patch || !t->size || !t->best || !t->partial)
+    if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->partial)
         return pl_fail_memory(error, "untangling");
+    number_stars(t);
+    find_box(t);
     t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1};
     return PLANISH_OK;
 }
@@ -306,6 +376,8 @@ void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->in_patch);
     pl_free(t->size);
     pl_free(t->best);
+    pl_free(t->star_of);
+    pl_free(t->queue);
     pl_free(t->partial);
     *t = (pl_tangle){0};
 }

@@ -25,10 +25,14 @@ typedef struct pl_tangle {
     uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
     uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
     double *best;             /* [n_nodes][dim] the best coordinates so far */
-    pl_star_energy *partial;  /* of chunks of stars */
-    int64_t n_tangled;        /* elements whose state is PL_TANGLED */
-    int64_t n_patch;          /* nodes of the patch */
-    pl_star_energy energy;    /* of the patch, as computed last */
+    int32_t *star_of;         /* [n_nodes] the star of each free node; else -1 */
+    int32_t *queue;           /* [n_stars] */
+    double box_lower[3], box_upper[3]; /* of the nodes that are not free */
+    double scale;                      /* a power of two: times it the box is about 1 wide */
+    pl_star_energy *partial;           /* of chunks of stars */
+    int64_t n_tangled;                 /* elements whose state is PL_TANGLED */
+    int64_t n_patch;                   /* nodes of the patch */
+    pl_star_energy energy;             /* of the patch, as computed last */
 } pl_tangle;
 
 /* ---- tangle.c ------------------------------------------------------------------------------ */

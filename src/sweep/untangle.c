@@ -130,8 +130,9 @@ static void floor_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t s = begin; s < end; s++) {
         const double h = f->t->size[plan->centre[s]];
+        const double volume = PUSH_OFF_VOLUME * h * h * (dim == 3 ? h : 1) / (dim == 3 ? 6 : 2);
         for (int64_t i = plan->stars.link_offset[s]; i < plan->stars.link_offset[s + 1]; i++)
-            f->floor[i] = PUSH_OFF_VOLUME * h * h * (dim == 3 ? h : 1) / (dim == 3 ? 6 : 2);
+            f->floor[i] = f->t->link_skip && f->t->link_skip[i] ? 0 : volume;
     }
 }
 
@@ -177,9 +178,10 @@ static int solve(pl_tangle *t, const measures *rung) {
 
 /** Not 0 if cut short. */
 static int climb(pl_tangle *t, const measures *rung) {
-    pl_tangle_mark(t, rung->layers);
-    if (t->n_patch == 0)
+    pl_tangle_mark(t, 0);
+    if (t->n_patch == 0) /* their nodes are all held */
         return 0;
+    pl_tangle_mark(t, rung->layers);
     if (rung->centre && pl_patch_centre(t))
         return 1;
     pl_tangle_find_sizes(t);

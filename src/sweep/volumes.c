@@ -65,16 +65,35 @@ static int32_t star_of_node(const search *s, int64_t node) {
     return s->star_of[s->plan->inner[node]];
 }
 
-/** Elements without a free node are infeasible; stars that could prove others so are wanted. */
+/** Whether two fixed nodes of an element are at the same place: it has no volume then. */
+static int has_coincident_nodes(const search *s, int64_t element) {
+    const planish_plan *plan = s->plan;
+    const int dim = plan->dim;
+    const int32_t *node = plan->elements + element * (dim + 1);
+    for (int j = 0; j <= dim; j++)
+        for (int k = 0; k < j; k++) {
+            const double *x = s->problem.coordinates + (int64_t)plan->inner[node[j]] * dim;
+            const double *y = s->problem.coordinates + (int64_t)plan->inner[node[k]] * dim;
+            int same = !plan->is_free[node[j]] && !plan->is_free[node[k]];
+            for (int d = 0; d < dim; d++)
+                same &= x[d] == y[d];
+            if (same)
+                return 1;
+        }
+    return 0;
+}
+
+/** Elements without a free node, or a volume, are infeasible; stars that could prove others so are
+ * wanted. */
 static void look_at_elements(search *s) {
     const planish_plan *plan = s->plan;
     for (int64_t i = 0; i < plan->n_elements; i++) {
         if (s->state[i] != PLANISH_VOLUME_BELOW)
             continue;
         int64_t node = only_free_node(plan, i);
-        if (node == -1)
+        if (node == -1 || has_coincident_nodes(s, i))
             s->state[i] = PLANISH_VOLUME_INFEASIBLE;
-        if (node >= 0)
+        else if (node >= 0)
             s->is_wanted[star_of_node(s, node)] = 1;
     }
 }

@@ -1,0 +1,11 @@
+/* admit: where bounds, and what can be stored, let a node be. */
+#define PL_PACK 1
+#include "star/local.h"
+
+int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x) {
+    const bounds b = bounds_of(problem, node, 1, dim);
+    clamp(&b, x, dim);
+    for (int d = 0; problem->to_float && d < dim; d++)
+        x[d] = pl_round_to_float(x[d]);
+    return within_bounds(&b, x, dim); /* rounding to float may have left them */
+}
