@@ -121,16 +121,17 @@ typedef enum planish_isa {
 } planish_isa;
 
 typedef struct planish_progress {
-    int sweep;          /* sweeps begun so far, from 1 */
-    int colour;         /* colours done in this sweep, 1 .. n_colours */
-    int n_colours;      /* colours of the plan */
-    int sweep_done;     /* not 0: the last call of this sweep, which may have been cut short */
-    double rms;         /* RMS of AR (RR by default) over the valid elements after the last sweep:
-                           measured at first and when it has fallen much, else tracked by what
-                           the visits report */
-    double rms_movable; /* the same over the valid elements with a free node */
-    double objective;   /* F over the valid elements after the last sweep; rms by default */
-    int64_t inverted;   /* elements that are not positive, after the last sweep */
+    int sweep;      /* sweeps begun so far, from 1 */
+    int colour;     /* colours done in this sweep, 1 .. n_colours; where untangling moves many nodes
+                       together it stays n_colours for many calls */
+    int n_colours;  /* colours of the plan */
+    int sweep_done; /* not 0: the last call of this sweep, which may have been cut short */
+    double rms;     /* RMS of AR (RR by default) over the valid elements after the last sweep:
+                       measured at first and when it has fallen much, else tracked by what
+                       the visits report */
+    double rms_movable;       /* the same over the valid elements with a free node */
+    double objective;         /* F over the valid elements after the last sweep; rms by default */
+    int64_t inverted;         /* elements that are not positive, after the last sweep */
     int64_t below_min_volume; /* elements below 0.997 of their least volume, likewise */
     int restoring;  /* not 0: this sweep, or the last one, untangled elements or brought them above
                        their least volume; F may have risen */
