@@ -21,7 +21,7 @@ typedef struct patience {
 
 static const patience PATIENCE[] = {
     [PL_QUICK] = {0, 100, 100, 1e-4, 1e8},
-    [PL_PATIENT] = {1, 200, 1000, 1e-6, 5e8}, /* meets shears of ten times a domain's width */
+    [PL_PATIENT] = {1, 200, 1000, 1e-6, 1.5e9}, /* meets shears of ten times a domain's width */
 };
 enum { CALM_ITERATIONS = 3, BACKTRACKS = 20 };
 /* However large the patch, it gets so many evaluations. */
