@@ -172,9 +172,9 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* what coordinates are stored as in the end */
-    int untangle;                  /* not 0 (the default): elements that are not positive, or below
-                                      their least volume, are mended first where that can be done;
-                                      0: they are left alone */
+    int untangle;                  /* not 0 (the default): elements that are not positive are mended
+                                      first where that can be done, and those below their least
+                                      volume while it is smoothed; 0: they are left alone */
     int max_sweeps;                /* of smoothing, at least 0; untangling has its own bound */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
     double time_limit;             /* seconds, 0: none */
@@ -279,7 +279,7 @@ typedef enum planish_stop {
 typedef struct planish_result {
     planish_stop stop;
     int sweeps;              /* sweeps begun, */
-    int untangling_sweeps;   /* those of them that untangled */
+    int untangling_sweeps;   /* those of them that did nothing but untangle */
     int64_t visits;          /* local problems looked at */
     int64_t moved_nodes;     /* nodes that are not where they were */
     double max_displacement; /* the farthest of them, in units of the coordinates */
@@ -336,8 +336,9 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
                                       int64_t *n_below, planish_error *error);
 
 /** Find the elements of coordinates [n_nodes][dim] that are not positive and cannot all be made so,
- * wherever the free nodes are: those without a free node, and those that contradict each other
- * around one free node whose link there is fixed (docs/algorithm.md). unfixable [n_elements] (may
+ * wherever the free nodes are: those without a free node or with two fixed nodes at one place, and
+ * those that contradict each other around one free node whose link there is fixed, by more than
+ * 1e-9 of their measures (docs/algorithm.md). unfixable [n_elements] (may
  * be NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of elements that are merely
  * hard. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *coordinates,

@@ -190,17 +190,41 @@ static int climb(pl_tangle *t, const measures *rung) {
     return rung->solve == PL_NOT_AT_ALL ? 0 : solve(t, rung);
 }
 
-static void climb_all(pl_tangle *t, const measures *ladder, int n) {
+static double worst_rr2(const pl_run *r) {
+    return r->plain ? r->sums.max : r->totals.radius_max;
+}
+
+/** What the mesh was worth when a rung began. */
+typedef struct standing {
+    int64_t tangled, inverted;
+    double rr2, objective;
+} standing;
+
+static standing standing_of(const pl_tangle *t) {
+    const pl_run *r = t->run;
+    return (standing){t->n_tangled, pl_run_inverted(r), worst_rr2(r), pl_run_objective(r)};
+}
+
+/** Whether a rung has won: fewer elements are tangled, and no more inverted. Of a mesh that was
+ *  valid F and the worst RR must not have risen either, unless it is volumes that count. */
+static int has_won(const standing *before, const standing *now, int volumes) {
+    const int better = now->rr2 <= before->rr2 && now->objective <= before->objective;
+    return now->tangled < before->tangled && now->inverted <= before->inverted &&
+           (before->inverted > 0 || volumes || better);
+}
+
+static void climb_all(pl_tangle *t, int volumes, const measures *ladder, int n) {
     const planish_plan *plan = t->run->plan;
     const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *t->best;
     int stopped = 0;
     t->problem.untangling = &t->asked;
     memcpy(t->best, plan->coordinates, size);
     for (int i = 0; i < n && t->n_tangled > 0 && !stopped; i++) {
-        const int64_t tangled = t->n_tangled, inverted = pl_run_inverted(t->run);
+        const standing before = standing_of(t);
         stopped = climb(t, &ladder[i]);
         pl_tangle_find(t);
-        if (t->n_tangled < tangled && pl_run_inverted(t->run) <= inverted) {
+        const standing now = standing_of(t);
+        if (has_won(&before, &now, volumes)) {
             memcpy(t->best, plan->coordinates, size);
         } else {
             memcpy(plan->coordinates, t->best, size);
@@ -217,15 +241,14 @@ static int untangle(pl_run *r, int floors, const measures *ladder, int n, planis
     r->restoring = 1;
     r->stop = PLANISH_STOP_CONVERGED;
     if (!status && t.n_tangled > 0)
-        climb_all(&t, ladder, n);
+        climb_all(&t, floors, ladder, n);
     r->restoring = 0;
     pl_tangle_destroy(&t);
     return status;
 }
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
-    const double worst_rr2 = r->plain ? r->sums.max : r->totals.radius_max;
-    if (pl_run_inverted(r) == 0 && !(worst_rr2 > FLAT_RR2))
+    if (pl_run_inverted(r) == 0 && !(worst_rr2(r) > FLAT_RR2))
         return PLANISH_OK;
     return untangle(r, 0, LADDER, pl_run_inverted(r) > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }
