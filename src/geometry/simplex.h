@@ -73,6 +73,16 @@ PL_INLINE void pl_base_normal(int dim, const double edges[3][3], double normal[3
     }
 }
 
+/** Distance without overflow, and with the same bits everywhere, which hypot does not promise. */
+PL_INLINE double pl_distance(int dim, const double *x, const double *y) {
+    double largest = 0, square = 0;
+    for (int d = 0; d < dim; d++)
+        largest = fmax(largest, fabs(y[d] - x[d]));
+    for (int d = 0; largest > 0 && d < dim; d++)
+        square += (y[d] - x[d]) / largest * ((y[d] - x[d]) / largest);
+    return largest * sqrt(square);
+}
+
 /** D from edges; the rounding error bounds of quality/certificate.c hold for this order. */
 PL_INLINE double pl_determinant_of_edges(int dim, const double edges[3][3]) {
     double normal[3];

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/round.h"
 #include "base/status.h"
+#include "geometry/simplex.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -119,16 +120,6 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
     __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
 }
 
-/** Distance without overflow, and with the same bits everywhere, which hypot does not promise. */
-static double distance(const double *x, const double *y, int dim) {
-    double largest = 0, square = 0;
-    for (int d = 0; d < dim; d++)
-        largest = fmax(largest, fabs(y[d] - x[d]));
-    for (int d = 0; largest > 0 && d < dim; d++)
-        square += (y[d] - x[d]) / largest * ((y[d] - x[d]) / largest);
-    return largest * sqrt(square);
-}
-
 /** Mean distance of the star's ring from its node. */
 static double mean_edge(const planish_plan *plan, int64_t star) {
     const int dim = plan->dim;
@@ -137,7 +128,7 @@ static double mean_edge(const planish_plan *plan, int64_t star) {
     double sum = 0;
     for (int64_t i = begin; i < end; i++) {
         const double *y = plan->coordinates + (int64_t)plan->stars.ring[i] * dim;
-        sum += distance(x, y, dim) / (double)(end - begin);
+        sum += pl_distance(dim, x, y) / (double)(end - begin);
     }
     return sum;
 }

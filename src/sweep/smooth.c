@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/simplex.h"
 
 #include <math.h>
 #include <string.h>
@@ -15,13 +16,6 @@
 
 /* ---- coordinates out ----------------------------------------------------------------------- */
 
-static double distance(const double *a, const double *b, int dim) {
-    double far = 0;
-    for (int d = 0; d < dim; d++)
-        far = hypot(far, a[d] - b[d]);
-    return far;
-}
-
 /** Write the nodes that moved to the caller's coordinates; how many and how far is the result's. */
 static void transfer_out(pl_run *r) {
     const planish_plan *plan = r->plan;
@@ -30,7 +24,7 @@ static void transfer_out(pl_run *r) {
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         double *outside = r->outside + i * dim;
         const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
-        double far = plan->is_free[i] ? distance(inside, outside, dim) : 0;
+        double far = plan->is_free[i] ? pl_distance(dim, inside, outside) : 0;
         if (!(far > 0))
             continue;
         result->moved_nodes++;

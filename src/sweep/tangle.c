@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/cube_root.h"
+#include "geometry/simplex.h"
 
 #include <math.h>
 #include <string.h>
@@ -101,10 +102,7 @@ static double measure_of(const sizing *s, int64_t element, const int32_t *node) 
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
             e[j][d] = (plan->coordinates[(int64_t)node[j + 1] * dim + d] - x0[d]) * s->scale;
-    const double D = dim == 2 ? e[0][0] * e[1][1] - e[0][1] * e[1][0]
-                              : e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
-                                    e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-                                    e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+    const double D = pl_determinant_of_edges(dim, (const double(*)[3])e);
     return plan->sign ? D * plan->sign[element] : D;
 }
 
