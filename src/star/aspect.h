@@ -189,22 +189,54 @@ PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
 
 /* ---- radius ratio -------------------------------------------------------------------------- */
 
+/** Gradient g and Hessian h of the surface term: adds those of |m|, m = e x r with r = x - p, e the
+ *  edge from p. inverse: 1 / |m|. */
+PL_INLINE void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) {
+    vec3 u = vec3_cross(vec3_scaled(m, inverse), e);
+    lanes ee = vec3_dot(e, e);
+    *g = vec3_plus(*g, u);
+    h[0] += (ee - e.x * e.x - u.x * u.x) * inverse;
+    h[1] -= (e.x * e.y + u.x * u.y) * inverse;
+    h[2] -= (e.x * e.z + u.x * u.z) * inverse;
+    h[3] += (ee - e.y * e.y - u.y * u.y) * inverse;
+    h[4] -= (e.y * e.z + u.y * u.z) * inverse;
+    h[5] += (ee - e.z * e.z - u.z * u.z) * inverse;
+}
+
+PL_INLINE void radius_ratio_3d(const star *s, int64_t i, vec3 x, aspect *a, const int derive) {
+    const lanes one = lanes_of(1);
+    vec3 r[3], m[3];
+    lanes area[3];
+    edges_from(s, i, x, r);
+    tetrahedra t = tetrahedra_at(s, i, x, areas_from(r, m, area));
+    lanes q = t.s * (a->inverse_d * a->inverse_d);
+    a->square = t.N * (q * q) * lanes_of(RR2_FACTOR_3D);
+    if (!derive)
+        return;
+    vec3 gs = {lanes_of(0), lanes_of(0), lanes_of(0)};
+    lanes h[6], inverse_s = one / t.s;
+    for (int k = 0; k < 6; k++)
+        h[k] = lanes_of(0);
+    for (int j = 0; j < 3; j++) /* the edge from p_j to the next is r_j less the next r */
+        add_area(m[j], vec3_minus(r[j], r[(j + 1) % 3]), one / area[j], &gs, h);
+    coefficients f = coefficients_of(&t, a->inverse_d, one / t.N, one);
+    vec3 l = log_derivatives_3d(&f, t.c, t.n, vec3_scaled(gs, inverse_s), one, a->h);
+    for (int k = 0; k < 6; k++)
+        a->h[k] += h[k] * (lanes_of(2) * inverse_s);
+    for (int d = 0; d < 3; d++)
+        a->h[packed(d, d, 3)] += f.trace;
+    a->l[0] = l.x;
+    a->l[1] = l.y;
+    a->l[2] = l.z;
+}
+
 PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
                             const int dim) {
-    lanes inverse_d2 = a->inverse_d * a->inverse_d;
     if (dim == 3) {
-        tetrahedra t = tetrahedra_at(s, i, (vec3){x[0], x[1], x[2]});
-        lanes q = t.s * inverse_d2;
-        a->square = t.N * (q * q) * lanes_of(RR2_FACTOR_3D);
-        if (derive) {
-            vec3 l = log_derivatives_3d(&t, a->inverse_d, a->h);
-            a->l[0] = l.x;
-            a->l[1] = l.y;
-            a->l[2] = l.z;
-        }
+        radius_ratio_3d(s, i, (vec3){x[0], x[1], x[2]}, a, derive);
     } else {
         triangles t = triangles_at(s, i, x[0], x[1]);
-        lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * inverse_d2;
+        lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * (a->inverse_d * a->inverse_d);
         a->square = rr * rr * lanes_of(RR2_FACTOR_2D);
         if (derive)
             log_derivatives_2d(s, i, &t, a->inverse_d, a->l, a->h);

@@ -16,9 +16,9 @@ static inline int packed(int i, int j, int dim) {
     return i * dim - i * (i - 1) / 2 + (j - i);
 }
 
-/** L D L^T of a matrix: l unit lower triangular, pivot the diagonal of D. */
+/** L D L^T of a matrix: l unit lower triangular, D by its diagonal and that of its inverse. */
 typedef struct factors {
-    double l[3][3], pivot[3];
+    double l[3][3], pivot[3], inverse[3];
 } factors;
 
 /** Factorise hessian + shift I; 0 if a pivot is not above floor. */
@@ -31,11 +31,12 @@ static inline int factorise(const double *hessian, double shift, double floor, f
         if (!(d > floor))
             return 0;
         f->pivot[i] = d;
+        f->inverse[i] = 1 / d;
         for (int j = i + 1; j < dim; j++) {
             double e = hessian[packed(i, j, dim)];
             for (int k = 0; k < i; k++)
                 e -= f->l[i][k] * f->l[j][k] * f->pivot[k];
-            f->l[j][i] = e / d;
+            f->l[j][i] = e * f->inverse[i];
         }
     }
     return 1;
@@ -53,7 +54,7 @@ static inline void substitute_forward(const factors *f, const double *b, double 
 /** x = L^-T D^-1 y. */
 static inline void substitute_back(const factors *f, const double *y, double *x, const int dim) {
     for (int i = dim - 1; i >= 0; i--) {
-        x[i] = y[i] / f->pivot[i];
+        x[i] = y[i] * f->inverse[i];
         for (int k = i + 1; k < dim; k++)
             x[i] -= f->l[k][i] * x[k];
     }
@@ -96,7 +97,7 @@ static inline int factorise_shifted(const double *hessian, factors *f, const int
 /** Newton direction -hessian^-1 gradient, the Hessian shifted if need be; 0 if that fails. */
 static inline int newton_direction(const double *gradient, const double *hessian, double *direction,
                                    const int dim) {
-    factors f = {{{0}}, {0}};
+    factors f = {.pivot = {0}};
     double b[3], y[3];
     if (!factorise_shifted(hessian, &f, dim))
         return 0;

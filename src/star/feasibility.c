@@ -41,14 +41,14 @@ static void set_floors(const star *s, const double *x, const int dim) {
 }
 
 /** The facets that have a row, and whose nodes are fixed, become candidates. */
-static void find_candidates(const local *here, const uint16_t *link, const uint8_t *is_fixed,
-                            uint8_t *state, const int dim) {
+static void find_candidates(const local *here, const uint8_t *is_fixed, uint8_t *state,
+                            const int dim) {
     const star *s = &here->s;
     for (int64_t i = 0; i < s->n_facets; i++) {
         int fixed =
             s->column[INVERSE_FLOOR * s->padded + i] > 0 && s->column[LENGTH * s->padded + i] > 0;
         for (int j = 0; j < dim; j++)
-            fixed &= is_fixed[s->ring[link[i * dim + j]]];
+            fixed &= is_fixed[node_of_facet(s, i, j, dim)];
         state[i] = fixed ? CANDIDATE : NOT_FIXED;
     }
 }
@@ -132,14 +132,13 @@ static int infeasible(const pl_star_problem *problem, int64_t star_index, const 
     cone_point point;
     int n_given_up = 0;
     local here = local_of(problem, star_index, place, scratch, &evaluations, 1, dim);
-    const uint16_t *link = problem->link + problem->link_offset[star_index] * dim;
     to_star(&here, place, at, dim);
     middle_of_ring(&here, x, dim);
     set_floors(&here.s, x, dim);
     here.b.any = 0; /* bounds are no part of the proof */
     guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
     const double *height = heights(&here, at, dim);
-    find_candidates(&here, link, is_fixed, part, dim);
+    find_candidates(&here, is_fixed, part, dim);
     for (;; n_given_up++) {
         active a = rows_in_question(&here, x, part, dim);
         if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim) ||

@@ -171,7 +171,7 @@ static inline int metric_of(planish_direction kind, const derivatives *derivativ
     if (kind == PLANISH_NEWTON)
         return factorise_shifted(derivative->hessian, f, dim);
     for (int d = 0; d < dim; d++)
-        f->pivot[d] = 1;
+        f->pivot[d] = f->inverse[d] = 1;
     return 1;
 }
 
@@ -214,7 +214,7 @@ static inline double promised_fall(const local *here, const double *x,
 static inline int constrained_direction(const local *here, const double *x,
                                         const derivatives *derivative, double *direction,
                                         const int dim) {
-    factors f = {{{0}}, {0}};
+    factors f = {.pivot = {0}};
     if (!metric_of(here->kind, derivative, &f, dim))
         return 0;
     double best = 0, band = -ACTIVE_ABOVE, size = sqrt(derivative->size2);

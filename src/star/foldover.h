@@ -36,7 +36,7 @@ static inline void gather_targets(const pl_star_problem *problem, int64_t index,
         double size = u->size[node];
         int movers = u->in_patch[node];
         for (int j = 0; j < dim; j++) {
-            const int32_t other = s->ring[problem->link[facet * dim + j]];
+            const int32_t other = node_of_facet(s, i, j, dim);
             size += u->size[other];
             movers += u->in_patch[other];
         }

@@ -30,7 +30,7 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
         return 0;
     if (here->q.objective == PLANISH_RADIUS_RATIO || !(skip > 0))
         return now->max > skip;
-    return value_at(&here->s, x, dim).max > skip;
+    return value_at(&here->s, x, 1, dim).max > skip;
 }
 
 static inline void take(const trial *t, double *x, objective *now, const int dim) {
@@ -149,7 +149,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     if (!now.positive || now.worst > violated_above(&here) || !(now.sum < INFINITY))
         return;
     const double size = sqrt(derivative.size2);
-    const factors identity = {{{0}}, {1, 1, 1}};
+    const factors identity = {.pivot = {1, 1, 1}, .inverse = {1, 1, 1}};
     active a = active_within(&here, x, FORCE_BAND, size, dim);
     if (!project_direction(&derivative, &identity, &a, direction, &point, dim))
         return;

@@ -1,12 +1,9 @@
 /* kernel: which variant of the star kernel runs on this CPU, and the scratch they need. */
 #define PL_PACK 1
-#include "star/facets.h"
+#include "star/gather.h"
 
 int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link) {
-    int64_t padded = (max_link + PL_LANES - 1) / PL_LANES * PL_LANES;
-    int64_t columns = dim == 3 ? COLUMNS_3D : COLUMNS_2D;
-    int64_t rows = (padded + SPARE_ROWS) * ROW_LENGTH, ring = max_ring * dim;
-    int64_t bytes = (padded * columns + (rows > ring ? rows : ring)) * (int64_t)sizeof(double);
+    int64_t bytes = scratch_doubles(dim, max_ring, max_link) * (int64_t)sizeof(double);
     return (bytes + 63) / 64 * 64;
 }
 

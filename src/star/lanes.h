@@ -11,6 +11,9 @@
 
 #include <math.h>
 #include <string.h>
+#if PL_PACK > 1 && defined(__SSE2__)
+#include <immintrin.h>
+#endif
 
 enum { PL_PACKS = PL_LANES / PL_PACK };
 
@@ -67,7 +70,11 @@ static inline lanes lanes_of(double x) {
     return a;
 }
 static inline lanes lanes_sqrt(lanes a) {
-#if PL_PACK == 4
+#if PL_PACK == 4 && defined(__AVX__)
+    return _mm256_sqrt_pd(a);
+#elif PL_PACK == 2 && defined(__SSE2__)
+    return _mm_sqrt_pd(a);
+#elif PL_PACK == 4
     return (lanes){sqrt(a[0]), sqrt(a[1]), sqrt(a[2]), sqrt(a[3])};
 #else
     return (lanes){sqrt(a[0]), sqrt(a[1])};
@@ -84,7 +91,13 @@ static inline lanes lanes_of_bits(lanes_mask bits) {
     return (lanes)bits;
 }
 static inline lanes lanes_max(lanes a, lanes b) {
+#if PL_PACK == 4 && defined(__AVX__)
+    return _mm256_max_pd(a, b); /* a > b ? a : b, which the compiler does not see */
+#elif PL_PACK == 2 && defined(__SSE2__)
+    return _mm_max_pd(a, b);
+#else
     return lanes_select(a > b, a, b);
+#endif
 }
 static inline lanes lanes_abs(lanes a) {
     return (lanes)((lanes_mask)a & INT64_MAX);

@@ -48,14 +48,13 @@ static double volume_of(double v[3][3], const int dim) {
                 v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]));
 }
 
-/** Mean of the elements' centroids, weighted by their volumes. link: the star's [n_facets][dim]. */
-static average of_centroids(const local *here, const uint16_t *link, const double *x,
-                            const int dim) {
+/** Mean of the elements' centroids, weighted by their volumes. */
+static average of_centroids(const local *here, const double *x, const int dim) {
     average a = {{0, 0, 0}, 0};
     for (int64_t i = 0; i < here->s.n_facets; i++) {
         double v[3][3] = {{0}}, centroid[3] = {0, 0, 0};
         for (int j = 0; j < dim; j++) {
-            offset_of(here, link[i * dim + j], x, v[j], dim);
+            offset_of(here, here->s.facet[i * dim + j] / PL_ROW, x, v[j], dim);
             for (int d = 0; d < dim; d++)
                 centroid[d] += v[j][d] / (dim + 1);
         }
@@ -69,7 +68,8 @@ static int is_wanted(const local *here, int32_t node, const double *x, const int
     const pl_star_problem *problem = here->problem;
     if (problem->guard && pl_star_is_held(problem->guard, node, dim))
         return 0;
-    return !(problem->rr2_skip > 0) || value_at(&here->s, x, dim).max > problem->rr2_skip;
+    return !(problem->rr2_skip > 0) ||
+           value_at(&here->s, x, problem->guard != NULL, dim).max > problem->rr2_skip;
 }
 
 /** Move one node, but no farther than its bounds. */
@@ -85,7 +85,7 @@ static void visit(const pl_star_problem *problem, planish_method method, int64_t
         return;
     average a = of_neighbours(&here, x, method == PLANISH_METHOD_LENGTH_LAPLACIAN, &size2, dim);
     if (method == PLANISH_METHOD_AREA_LAPLACIAN)
-        a = of_centroids(&here, problem->link + problem->link_offset[index] * dim, x, dim);
+        a = of_centroids(&here, x, dim);
     if (!(a.weight > 0) || !(a.weight < INFINITY))
         return;
     for (int d = 0; d < dim; d++)

@@ -5,6 +5,7 @@
 #include "base/round.h"
 #include "star/aspect.h"
 #include "star/direction.h"
+#include "star/gather.h"
 
 /** Where the node may be, in the star's scale. */
 typedef struct bounds {
@@ -32,6 +33,8 @@ typedef struct local {
 #define ACTIVE_ABOVE (-0.05)
 /* A position pulled back to the distance allowed ends this fraction inside, for rounding. */
 #define RADIUS_MARGIN 0x1p-40
+/* And is within it beyond doubt of rounding. */
+#define RADIUS_ROUNDING 0x1p-50
 
 static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, double scale,
                                const int dim) {
@@ -50,9 +53,8 @@ static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, dou
     return b;
 }
 
-static inline local local_of(const pl_star_problem *problem, int64_t index, const double *place,
-                             double *scratch, int64_t *evaluations, const int guarded,
-                             const int dim) {
+PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const double *place,
+                         double *scratch, int64_t *evaluations, const int guarded, const int dim) {
     local here = {.problem = problem, .kind = problem->direction, .evaluations = evaluations};
     here.s = gather(problem, index, place, scratch, guarded, dim);
     if (guarded) {
@@ -132,7 +134,8 @@ static inline int within_bounds(const bounds *b, const double *x, const int dim)
         return 1;
     for (int d = 0; d < dim; d++)
         inside &= x[d] >= b->lower[d] && x[d] <= b->upper[d];
-    return inside && (!(b->radius < INFINITY) || distance_from_start(b, x, dim) <= b->radius);
+    return inside && (!(b->radius < INFINITY) ||
+                      distance_from_start(b, x, dim) <= b->radius * (1 - RADIUS_ROUNDING));
 }
 
 /** Bring x within bounds. */

@@ -7,8 +7,9 @@
 #ifndef PL_STAR_OBJECTIVE_H
 #define PL_STAR_OBJECTIVE_H
 
-#include "geometry/inline.h"
-#include "star/facets.h"
+#include "star/direction.h"
+#include "star/link_edges.h"
+#include "star/tetrahedra.h"
 
 #define RR2_FACTOR_3D (1.0 / 36.0)
 #define RR2_FACTOR_2D (1.0 / 16.0)
@@ -37,82 +38,52 @@ typedef struct derivatives {
 /** Accumulators of PL_LANES lanes of the objective. */
 typedef struct accumulator {
     lanes sum[PL_PACKS], max[PL_PACKS], error2[PL_PACKS];
-    lanes_mask positive[PL_PACKS], certain[PL_PACKS];
+    lanes_mask positive[PL_PACKS];
 } accumulator;
 
 PL_INLINE void accumulator_init(accumulator *t) {
     for (int k = 0; k < PL_PACKS; k++) {
         t->sum[k] = t->max[k] = t->error2[k] = lanes_of(0);
-        t->positive[k] = t->certain[k] = lanes_greater(lanes_of(1), lanes_of(0));
+        t->positive[k] = lanes_greater(lanes_of(1), lanes_of(0));
     }
 }
 
 /** Take in one pack: inverse_d2 = 1 / D^2, rounding = ROUNDING |x - p0|^2. */
 PL_INLINE void accumulate(accumulator *t, int k, lanes rr2, lanes weight, lanes D, lanes inverse_d2,
                           lanes rounding) {
-    lanes_mask positive = lanes_greater(D, lanes_of(0));
     t->sum[k] += rr2 * weight;
     t->max[k] = lanes_max(rr2, t->max[k]);
     t->error2[k] = lanes_max(rounding * inverse_d2, t->error2[k]);
-    t->positive[k] &= positive;
-    t->certain[k] &= positive & lanes_greater(D * D, rounding);
+    t->positive[k] &= lanes_greater(D, lanes_of(0));
 }
 
 static inline objective accumulator_result(const accumulator *t, double factor) {
+    const double error2 = lanes_largest(t->error2);
     objective f = {lanes_sum(t->sum) * factor,
                    lanes_largest(t->max) * factor,
-                   ERROR_FACTOR * sqrt(lanes_largest(t->error2)),
+                   ERROR_FACTOR * sqrt(error2),
                    1,
                    1,
                    0,
                    0};
-    for (int k = 0; k < PL_PACKS; k++) {
+    for (int k = 0; k < PL_PACKS; k++)
         f.positive &= lanes_all_set(t->positive[k]);
-        f.certain &= lanes_all_set(t->certain[k]);
-    }
+    f.certain = f.positive && error2 < 1;
     return f;
 }
 
 /* ---- tetrahedra --------------------------------------------------------------------------- */
 
-/** One pack of tetrahedra at x. */
-typedef struct tetrahedra {
-    vec3 a, r1, r2;    /* x - p0, x - p1, x - p2 */
-    vec3 n, w, alpha;  /* alpha = |a|^2 n + w x a */
-    vec3 m0, m1, m2;   /* twice the vector areas of the facets at x */
-    lanes l0, l1, l2;  /* their norms */
-    lanes aa, D, N, s; /* |a|^2, 6 V, |alpha|^2, twice the surface */
-} tetrahedra;
-
-PL_INLINE tetrahedra tetrahedra_at(const star *s, int64_t i, vec3 x) {
-    tetrahedra t;
-    t.a = vec3_minus(x, vec3_load(s, P0X, P0Y, P0Z, i));
-    t.r1 = vec3_minus(x, vec3_load(s, P1X, P1Y, P1Z, i));
-    t.r2 = vec3_minus(x, vec3_load(s, P2X, P2Y, P2Z, i));
-    t.n = vec3_load(s, NX, NY, NZ, i);
-    t.w = vec3_load(s, WX, WY, WZ, i);
-    t.aa = vec3_dot(t.a, t.a);
-    t.D = vec3_dot(t.a, t.n);
-    t.alpha = vec3_plus(vec3_scaled(t.n, t.aa), vec3_cross(t.w, t.a));
-    t.N = vec3_dot(t.alpha, t.alpha);
-    t.m0 = vec3_cross(t.a, t.r1);
-    t.m1 = vec3_cross(t.r1, t.r2);
-    t.m2 = vec3_cross(t.r2, t.a);
-    t.l0 = lanes_sqrt(vec3_dot(t.m0, t.m0));
-    t.l1 = lanes_sqrt(vec3_dot(t.m1, t.m1));
-    t.l2 = lanes_sqrt(vec3_dot(t.m2, t.m2));
-    t.s = load(s, LENGTH, i) + (t.l0 + (t.l1 + t.l2));
-    return t;
-}
-
-static inline objective value_3d(const star *s, const double *position) {
+PL_INLINE objective value_3d(const star *s, const double *position, const int guarded) {
     vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
     accumulator total;
     accumulator_init(&total);
+    if (!guarded)
+        find_areas(s, x);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
-            tetrahedra t = tetrahedra_at(s, j, x);
+            tetrahedra t = tetrahedra_at(s, j, x, guarded ? areas_at(s, j, x) : sum_areas(s, j));
             lanes inverse_d2 = lanes_of(1) / (t.D * t.D);
             lanes q = t.s * inverse_d2;
             accumulate(&total, k, t.N * (q * q), load(s, WEIGHT, j), t.D, inverse_d2,
@@ -121,93 +92,66 @@ static inline objective value_3d(const star *s, const double *position) {
     return accumulator_result(&total, RR2_FACTOR_3D);
 }
 
-/** Gradient g and Hessian h of the surface term: adds those of |m|, m = e x r with r = x - p, e the
- *  edge from p. inverse: 1 / |m|. */
-PL_INLINE void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) {
-    vec3 u = vec3_cross(vec3_scaled(m, inverse), e);
-    lanes ee = vec3_dot(e, e);
-    *g = vec3_plus(*g, u);
-    h[0] += (ee - e.x * e.x - u.x * u.x) * inverse;
-    h[1] -= (e.x * e.y + u.x * u.y) * inverse;
-    h[2] -= (e.x * e.z + u.x * u.z) * inverse;
-    h[3] += (ee - e.y * e.y - u.y * u.y) * inverse;
-    h[4] -= (e.y * e.z + u.y * u.z) * inverse;
-    h[5] += (ee - e.z * e.z - u.z * u.z) * inverse;
-}
-
-/** The log-derivatives of one pack: gradient l of log RR^2, Hessian h of RR^2 divided by RR^2. */
-PL_INLINE vec3 log_derivatives_3d(const tetrahedra *t, lanes inverse_d, lanes h[6]) {
-    const lanes one = lanes_of(1), two = lanes_of(2), four = lanes_of(4);
-    vec3 b = vec3_minus(t->a, t->r1), c = vec3_minus(t->a, t->r2); /* p1 - p0, p2 - p0 */
-    vec3 bc = vec3_minus(c, b);                                    /* p2 - p1 */
-    vec3 cn = vec3_scaled(c, lanes_of(-1));                        /* p0 - p2 */
-
-    for (int k = 0; k < 6; k++)
-        h[k] = lanes_of(0);
-    vec3 gs = {lanes_of(0), lanes_of(0), lanes_of(0)};
-    add_area(t->m0, b, one / t->l0, &gs, h);
-    add_area(t->m1, bc, one / t->l1, &gs, h);
-    add_area(t->m2, cn, one / t->l2, &gs, h);
-    lanes inverse_s = one / t->s, f = two * inverse_s;
-    gs = vec3_scaled(gs, inverse_s);
-
-    lanes g2 = two / t->N;
-    lanes na = vec3_dot(t->n, t->alpha);
-    vec3 gn = vec3_scaled(vec3_plus(vec3_scaled(t->a, two * na), vec3_cross(t->alpha, t->w)), g2);
-    vec3 q = vec3_scaled(vec3_cross(t->n, t->w), two);
-    vec3 v = vec3_scaled(t->a, four * vec3_dot(t->n, t->n)); /* 4 |n|^2 a a^T + 2 (a q^T + q a^T) */
-    lanes d2 = vec3_dot(t->w, t->w) + two * na;
-
-    vec3 d = vec3_scaled(t->n, inverse_d);
-    vec3 l = {gn.x + two * gs.x - four * d.x, gn.y + two * gs.y - four * d.y,
-              gn.z + two * gs.z - four * d.z};
-    const vec3 *a = &t->a, *w = &t->w;
-#define LOG_HESSIAN(i, j)                                                                          \
-    (g2 * (a->i * v.j + (a->i * q.j + q.i * a->j) - w->i * w->j) +                                 \
-     ((l.i * l.j - gn.i * gn.j) + (four * (d.i * d.j) - two * (gs.i * gs.j))))
-    h[0] = h[0] * f + LOG_HESSIAN(x, x) + g2 * d2;
-    h[1] = h[1] * f + LOG_HESSIAN(x, y);
-    h[2] = h[2] * f + LOG_HESSIAN(x, z);
-    h[3] = h[3] * f + LOG_HESSIAN(y, y) + g2 * d2;
-    h[4] = h[4] * f + LOG_HESSIAN(y, z);
-    h[5] = h[5] * f + LOG_HESSIAN(z, z) + g2 * d2;
-#undef LOG_HESSIAN
-    return l;
-}
-
-static inline objective derivatives_3d(const star *s, const double *position, derivatives *out) {
+PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out) {
     vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
     accumulator total;
     accumulator_init(&total);
-    lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
+    lanes g[3][PL_PACKS], h[6][PL_PACKS], trace[PL_PACKS], size2[PL_PACKS];
     for (int k = 0; k < PL_PACKS; k++) {
         for (int c = 0; c < 3; c++)
             g[c][k] = lanes_of(0);
         for (int c = 0; c < 6; c++)
             h[c][k] = lanes_of(0);
-        size2[k] = lanes_of(0);
+        trace[k] = size2[k] = lanes_of(0);
     }
+    find_normals(s, x);
+    find_slopes(s);
+    sum_slopes(s);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
-            tetrahedra t = tetrahedra_at(s, j, x);
+            tetrahedra t = tetrahedra_at(s, j, x, load(s, OF_ALL, j));
             lanes weight = load(s, WEIGHT, j);
-            lanes inverse_d = lanes_of(1) / t.D;
-            lanes inverse_d2 = inverse_d * inverse_d;
+            lanes inverse_d2 = lanes_of(1) / (t.D * t.D), inverse_d = t.D * inverse_d2;
+            lanes inverse_sn = lanes_of(1) / (t.s * t.N), inverse_s = t.N * inverse_sn;
             lanes q = t.s * inverse_d2;
             lanes rr2 = t.N * (q * q);
             store(s, RATE, j, inverse_d);
             accumulate(&total, k, rr2, weight, t.D, inverse_d2, load(s, ROUNDING, j) * t.aa);
-            lanes hessian[6];
-            vec3 l = log_derivatives_3d(&t, inverse_d, hessian);
-            rr2 *= weight;
-            g[0][k] += rr2 * l.x;
-            g[1][k] += rr2 * l.y;
-            g[2][k] += rr2 * l.z;
-            for (int c = 0; c < 6; c++)
-                h[c][k] += rr2 * hessian[c];
             size2[k] += t.aa * weight;
+            rr2 *= weight;
+            store(s, OF_S, j, lanes_of(2) * (rr2 * inverse_s));
+            vec3_store(s, CX, j, t.c);
+            vec3_store(s, SX, j, vec3_scaled(vec3_load(s, SX, SY, SZ, j), inverse_s));
+            coefficients f = coefficients_of(&t, inverse_d, t.s * inverse_sn, rr2);
+            trace[k] += f.trace;
+            store(s, OF_C, j, f.of_c);
+            store(s, OF_N, j, f.of_n);
+            store(s, OF_CC, j, f.of_cc);
+            store(s, OF_CN, j, f.of_cn);
+            store(s, OF_NN, j, f.of_nn);
+            store(s, OF_ALL, j, rr2);
         }
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            coefficients f = {load(s, OF_C, j),  load(s, OF_N, j),  load(s, OF_CC, j),
+                              load(s, OF_CN, j), load(s, OF_NN, j), lanes_of(0)};
+            lanes hessian[6], weight = load(s, OF_ALL, j);
+            vec3 l =
+                log_derivatives_3d(&f, vec3_load(s, CX, CY, CZ, j), vec3_load(s, NX, NY, NZ, j),
+                                   vec3_load(s, SX, SY, SZ, j), weight, hessian);
+            g[0][k] += weight * l.x;
+            g[1][k] += weight * l.y;
+            g[2][k] += weight * l.z;
+            for (int c = 0; c < 6; c++)
+                h[c][k] += hessian[c];
+        }
+    for (int k = 0; k < PL_PACKS; k++)
+        for (int d = 0; d < 3; d++)
+            h[packed(d, d, 3)][k] += trace[k];
+    share_weights(s);
+    add_bends(s, h);
     for (int c = 0; c < 3; c++)
         out->gradient[c] = lanes_sum(g[c]) * RR2_FACTOR_3D;
     for (int c = 0; c < 6; c++)
@@ -320,12 +264,14 @@ static inline objective derivatives_2d(const star *s, const double *position, de
 
 /* ---- either ------------------------------------------------------------------------------- */
 
-static inline objective value_at(const star *s, const double *position, const int dim) {
-    return dim == 3 ? value_3d(s, position) : value_2d(s, position);
+/** guarded: the star was gathered for the guarded kernel. */
+PL_INLINE objective value_at(const star *s, const double *position, const int guarded,
+                             const int dim) {
+    return dim == 3 ? value_3d(s, position, guarded) : value_2d(s, position);
 }
 
-static inline objective derivatives_at(const star *s, const double *position, derivatives *out,
-                                       const int dim) {
+PL_INLINE objective derivatives_at(const star *s, const double *position, derivatives *out,
+                                   const int dim) {
     return dim == 3 ? derivatives_3d(s, position, out) : derivatives_2d(s, position, out);
 }
 

@@ -11,6 +11,8 @@
 #ifndef PL_STAR_H
 #define PL_STAR_H
 
+#include "base/link.h"
+
 #include <planish/planish.h>
 
 /** Lanes of every sum over link facets: facet i goes to lane i % 4, whatever the CPU has. */
@@ -57,7 +59,7 @@ typedef struct pl_star_problem {
     const int64_t *ring_offset; /* [n_stars + 1] */
     const int32_t *ring;        /* neighbours, see pl_stars */
     const int64_t *link_offset; /* [n_stars + 1] */
-    const uint16_t *link;       /* [.][dim] positions in the ring, see pl_stars */
+    pl_link link;               /* of all stars, see pl_stars */
     uint8_t *changed;           /* [n_nodes] 1: the star of the node changed since its visit */
     planish_direction direction;
     double rr2_limit;           /* a move that makes an element's RR^2 larger is refused */

@@ -9,6 +9,9 @@
 /* Fraction of the largest feasible step that is tried at most: the objective is a barrier there. */
 #define STEP_FRACTION_FIRST 0.9
 #define STEP_FRACTION_LAST  0.95
+/* A Newton step is gone this far: neighbours that move one after the other spread a change of the
+ * whole mesh sooner if each overshoots (successive over-relaxation). */
+#define STEP_OVER_RELAXATION 1.4
 /* Sufficient decrease: this fraction of what the slope promises (Armijo). */
 #define STEP_ARMIJO 1e-4
 /* A decrease below this fraction of the sum is noise of rounding, and no decrease. */
@@ -72,8 +75,9 @@ static inline double blocking_rate(const star *s, const double *direction, const
             else
                 slope = (load(s, P0Y, j) - load(s, P1Y, j)) * sx +
                         (load(s, P1X, j) - load(s, P0X, j)) * sy;
-            if (guarded)
-                slope -= parallel * load(s, LENGTH, j);
+            if (guarded) /* what is parallel does not block */
+                slope = lanes_select(lanes_greater(slope, parallel * load(s, LENGTH, j)), slope,
+                                     lanes_of(0));
             most[k] = lanes_max(slope * load(s, RATE, j), most[k]);
         }
     return lanes_largest(most);
@@ -116,12 +120,12 @@ static inline void place_along(const local *here, const double *x0, const double
 }
 
 /** That position and its value. */
-static inline trial try_step(const local *here, const double *x0, const double *direction,
-                             double step, const int guarded, const int dim) {
+PL_INLINE trial try_step(const local *here, const double *x0, const double *direction, double step,
+                         const int guarded, const int dim) {
     trial t = {.position = {0}};
     place_along(here, x0, direction, step, t.position, guarded, dim);
     t.value = guarded ? guarded_at(&here->s, &here->q, t.position, NULL, 0, dim)
-                      : value_at(&here->s, t.position, dim);
+                      : value_at(&here->s, t.position, 0, dim);
     ++*here->evaluations;
     return t;
 }
@@ -148,7 +152,7 @@ static inline int ratios_within_limit(const local *here, const trial *t, const i
     if (guarded && here->q.objective != PLANISH_RADIUS_RATIO) {
         if (!(here->problem->rr2_limit < INFINITY))
             return 1;
-        objective rr = value_at(&here->s, t->position, dim);
+        objective rr = value_at(&here->s, t->position, 1, dim);
         max = rr.max;
         error = rr.error;
     }
@@ -198,7 +202,8 @@ static inline int search(const local *here, const double *x0, const objective *n
                          const double *direction, double slope, trial *best, const int guarded,
                          const int dim) {
     double rate = limiting_rate(here, x0, direction, guarded, dim);
-    double step = rate > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : 1;
+    double wanted = here->kind == PLANISH_NEWTON && !here->constrained ? STEP_OVER_RELAXATION : 1;
+    double step = rate * wanted > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : wanted;
     double last = guarded ? STEP_FRACTION_FIRST : STEP_FRACTION_LAST;
     double largest = rate > 0 ? last / rate : INFINITY;
     double noise = (STEP_NOISE + now->error) * now->sum;

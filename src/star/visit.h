@@ -78,8 +78,8 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
     double x[3];
     to_star(&here, place, x, dim);
     derivatives derivative = {{0}, {0}, 0};
-    objective f =
-        with_derivatives ? derivatives_at(&here.s, x, &derivative, dim) : value_at(&here.s, x, dim);
+    objective f = with_derivatives ? derivatives_at(&here.s, x, &derivative, dim)
+                                   : value_at(&here.s, x, 0, dim);
     give_value(&here, &f, &derivative, value);
     return f.positive;
 }

@@ -87,7 +87,7 @@ static void precondition_chunk(void *context, int64_t begin, int64_t end, int th
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         double *v = m->direction + i * dim, y[3];
-        factors f = {{{0}}, {0}};
+        factors f = {.pivot = {0}};
         if (!factorise_shifted(m->slope[m->p.star[i]].hessian, &f, dim)) {
             memset(v, 0, (size_t)dim * sizeof *v);
             continue;

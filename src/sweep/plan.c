@@ -181,7 +181,8 @@ static void fill_info(planish_plan *plan, const draft *d) {
                           : 0) +
         plan->stars.n_stars * (int64_t)(2 * sizeof(int64_t) + sizeof(int32_t)) +
         plan->stars.ring_offset[plan->stars.n_stars] * (int64_t)sizeof(int32_t) +
-        plan->stars.link_offset[plan->stars.n_stars] * plan->dim * (int64_t)sizeof(uint16_t) +
+        plan->stars.link_offset[plan->stars.n_stars] * pl_link_positions(plan->dim) *
+            (plan->stars.link.high ? 2 : 1) +
         plan->scratch_stride * plan->threads * (int64_t)sizeof(double);
 }
 

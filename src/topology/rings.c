@@ -105,43 +105,28 @@ static int fill(work *w, int threads) {
     return pl_local_maps_failed(w->maps, threads) ? -1 : 0;
 }
 
-/** Take the nodes of rings that are too long out of node and is_free. */
-static void hold_long_rings(pl_rings *rings, int32_t *node, uint8_t *is_free) {
+/** Take the nodes of links that are too large out of node and is_free. */
+static void hold_large(const work *w, int32_t *node, uint8_t *is_free) {
     int64_t kept = 0;
-    for (int64_t r = 0; r < rings->n_rings; r++) {
-        if (rings->offset[r] > PL_MAX_RING) {
+    for (int64_t r = 0; r < w->rings->n_rings; r++)
+        if (degree(w->incidence, node[r]) > PL_MAX_LINK)
             is_free[node[r]] = 0;
-            continue;
-        }
-        node[kept] = node[r];
-        rings->offset[kept++] = rings->offset[r];
-    }
-    rings->n_rings = kept;
-}
-
-static int has_long_ring(const pl_rings *rings) {
-    for (int64_t r = 0; r < rings->n_rings; r++)
-        if (rings->offset[r] > PL_MAX_RING)
-            return 1;
-    return 0;
+        else
+            node[kept++] = node[r];
+    w->rings->n_rings = kept;
 }
 
 /** Foretell, fill, and where that does not hold: count, fill. */
-static int make_rings(work *w, int32_t *node, uint8_t *is_free, int threads) {
+static int make_rings(work *w, int threads) {
     pl_rings *rings = w->rings;
     pl_parallel_for(threads, rings->n_rings, CHUNK, foretell_lengths, w);
-    if (!has_long_ring(rings)) {
-        if (fill(w, threads) != 0)
-            return -1;
-        if (!w->foretold_wrong)
-            return 0;
-    }
+    if (fill(w, threads) != 0)
+        return -1;
+    if (!w->foretold_wrong)
+        return 0;
     w->counting = 1;
     pl_parallel_for(threads, rings->n_rings, CHUNK, find_chunk, w);
-    if (pl_local_maps_failed(w->maps, threads))
-        return -1;
-    hold_long_rings(rings, node, is_free);
-    return fill(w, threads);
+    return pl_local_maps_failed(w->maps, threads) ? -1 : fill(w, threads);
 }
 
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, uint8_t *is_free,
@@ -149,8 +134,9 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, uin
                     planish_error *error) {
     *rings = (pl_rings){.n_rings = *n_free};
     work w = {mesh, incidence, node, rings, pl_local_maps_create(threads), 0, 0};
-    rings->offset = pl_alloc(*n_free + 1, sizeof *rings->offset);
-    int done = w.maps && rings->offset && make_rings(&w, node, is_free, threads) == 0;
+    hold_large(&w, node, is_free);
+    rings->offset = pl_alloc(rings->n_rings + 1, sizeof *rings->offset);
+    int done = w.maps && rings->offset && make_rings(&w, threads) == 0;
     pl_local_maps_destroy(w.maps, threads);
     if (!done) {
         pl_rings_destroy(rings);

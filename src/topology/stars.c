@@ -60,37 +60,53 @@ static void measure_stars(void *context, int64_t begin, int64_t end, int thread)
 /** Write the link facet of an element of a star. In a positive tetrahedron the facets opposite
  *  nodes 1 and 3 are positive in the element's order, in a positive triangle those opposite nodes
  *  0 and 2; exchanging the last two nodes turns a facet round. */
-static inline void write_facet(int dim, const uint16_t *position, int place, int negative,
-                               uint16_t *facet) {
+static inline void write_facet(int dim, const int32_t *position, int place, int negative,
+                               const pl_link *link, int64_t facet) {
     int straight = (place + dim) % 2 == 0;
     int turn = straight == negative;
-    for (int d = 0; d < dim; d++)
-        facet[d] = position[d];
-    facet[dim - 2] = position[turn ? dim - 1 : dim - 2];
-    facet[dim - 1] = position[turn ? dim - 2 : dim - 1];
+    if (dim == 3)
+        pl_link_set(link, facet * dim, position[0]);
+    pl_link_set(link, facet * dim + dim - 2, position[turn ? dim - 1 : dim - 2]);
+    pl_link_set(link, facet * dim + dim - 1, position[turn ? dim - 2 : dim - 1]);
+}
+
+/** Number the edges of the n facets of a star's link. map holds its nodes. */
+static inline void write_edges(pl_local_map *map, const pl_link *link, int64_t n) {
+    const int32_t n_nodes = map->count;
+    for (int64_t i = 0; i < 3 * n; i++) {
+        const int32_t p = pl_link_get(link, i), q = pl_link_get(link, i % 3 < 2 ? i + 1 : i - 2);
+        const int32_t low = p < q ? p : q, high = p < q ? q : p;
+        const uint64_t key = (uint64_t)(high + 1) << 32 | (uint64_t)low; /* that of no node */
+        const int32_t edge = pl_local_map_add(map, key) - n_nodes;
+        pl_link_set(link, 3 * n + i, edge);
+        if (edge < pl_link_edges(3, n)) { /* they all are around a free node */
+            pl_link_set(link, 6 * n + 2 * edge, p);
+            pl_link_set(link, 6 * n + 2 * edge + 1, q);
+        }
+    }
 }
 
 static inline int make_star(const work *w, int dim, int64_t r, pl_local_map *thread_map) {
     const pl_stars *stars = w->stars;
     int32_t node = w->node[r], star = w->star_of[r];
-    int64_t begin = w->incidence->offset[node], end = w->incidence->offset[node + 1];
-    uint16_t *facet = stars->link + stars->link_offset[star] * dim;
-    if (pl_local_map_empty(thread_map, (end - begin) * dim) != 0)
+    int64_t begin = w->incidence->offset[node], n = w->incidence->offset[node + 1] - begin;
+    const pl_link link = pl_link_at(&stars->link, dim, stars->link_offset[star]);
+    if (pl_local_map_empty(thread_map, n * dim * (dim == 3 ? 2 : 1)) != 0)
         return -1;
     pl_local_map map = *thread_map; /* in registers */
-    for (int64_t i = begin; i < end; i++, facet += dim) {
-        int32_t index = w->incidence->element[i];
+    for (int64_t i = 0; i < n; i++) {
+        int32_t index = w->incidence->element[begin + i];
         const int32_t *element = w->mesh->elements + (int64_t)index * (dim + 1);
         int place = pl_place_in_element(dim, element, node);
-        uint16_t position[3]; /* as in the ring, which was numbered in the same way */
-        for (int j = 0; j < dim; j++) {
-            int32_t other = pl_other_node(element, place, j);
-            position[j] = (uint16_t)pl_local_map_add(&map, (uint64_t)other);
-        }
-        write_facet(dim, position, place, w->sign && w->sign[index] < 0, facet);
+        int32_t position[3]; /* as in the ring, which was numbered in the same way */
+        for (int j = 0; j < dim; j++)
+            position[j] = pl_local_map_add(&map, (uint64_t)pl_other_node(element, place, j));
+        write_facet(dim, position, place, w->sign && w->sign[index] < 0, &link, i);
         if (stars->min_volume)
-            stars->min_volume[stars->link_offset[star] + i - begin] = w->mesh->min_volume[index];
+            stars->min_volume[stars->link_offset[star] + i] = w->mesh->min_volume[index];
     }
+    if (dim == 3)
+        write_edges(&map, &link, n);
     return 0;
 }
 
@@ -127,8 +143,10 @@ static int fill(work *w, int threads) {
     int64_t n_ring = pl_prefix_sum(threads, n, stars->ring_offset);
     int64_t n_link = pl_prefix_sum(threads, n, stars->link_offset);
     stars->ring = pl_alloc(n_ring, sizeof *stars->ring);
-    stars->link = pl_alloc(n_link * w->mesh->dim, sizeof *stars->link);
-    if (!stars->ring || !stars->link)
+    stars->link.low = pl_alloc(n_link, (size_t)pl_link_positions(w->mesh->dim));
+    if (stars->max_link > PL_BYTE_LINK)
+        stars->link.high = pl_alloc(n_link, (size_t)pl_link_positions(w->mesh->dim));
+    if (!stars->ring || !stars->link.low || (stars->max_link > PL_BYTE_LINK && !stars->link.high))
         return -1;
     if (w->mesh->min_volume) {
         stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
@@ -170,7 +188,8 @@ void pl_stars_destroy(pl_stars *stars) {
     pl_free(stars->ring_offset);
     pl_free(stars->ring);
     pl_free(stars->link_offset);
-    pl_free(stars->link);
+    pl_free(stars->link.low);
+    pl_free(stars->link.high);
     pl_free(stars->min_volume);
     *stars = (pl_stars){0};
 }

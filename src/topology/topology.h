@@ -7,6 +7,8 @@
 #ifndef PL_TOPOLOGY_H
 #define PL_TOPOLOGY_H
 
+#include "base/link.h"
+
 #include <planish/planish.h>
 
 /* ---- validate.c: is this a mesh? ---------------------------------------------------------- */
@@ -69,11 +71,9 @@ typedef struct pl_rings {
     int32_t *neighbour; /* each once, in order of first appearance in the ascending elements */
 } pl_rings;
 
-enum { PL_MAX_RING = 65535 }; /* neighbours that fit the positions in pl_stars.link */
-
-/** is_free [n]: 1 for the nodes that may move. A node with more than PL_MAX_RING neighbours is made
- *  not free (is_free becomes 0). node [n]: the free nodes in the wanted order; on return without
- *  those held. */
+/** is_free [n]: 1 for the nodes that may move. A node with more than PL_MAX_LINK elements is made
+ * not free (is_free becomes 0). node [n]: the free nodes in the wanted order; on return without
+ * those held. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, uint8_t *is_free,
                     int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
                     planish_error *error);
@@ -96,10 +96,10 @@ typedef struct pl_stars {
     int64_t *ring_offset; /* [n_stars + 1] into ring */
     int32_t *ring;        /* the star's other nodes as in pl_rings, but numbered by number_of */
     int64_t *link_offset; /* [n_stars + 1] in link facets: one per element of the star */
-    uint16_t *link;       /* [link_offset[n_stars]][dim] positions in the star's ring; facets in the
-                             order of their elements, oriented so that the measure of (facet, node)
-                             is positive in a valid mesh: with x the node, 3-D
-                             (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D (p0 - x) x (p1 - x) > 0 */
+    pl_link link; /* of all stars; facets in the order of their elements, oriented so that the
+                     measure of (facet, node) is positive in a valid mesh: with x the node, 3-D
+                     (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D (p0 - x) x (p1 - x) > 0;
+                     their edges: p0 p1, p1 p2, p2 p0 */
     double
         *min_volume; /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or NULL */
     int64_t max_ring, max_link; /* of one star */

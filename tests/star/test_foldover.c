@@ -373,6 +373,7 @@ static void create_regular(tangled_star *t, int dim, double edge) {
         t->s.link[0] = 1;
         t->s.link[1] = 0;
     }
+    hand_star_pack_link(&t->s);
 }
 
 /** The regular element of the wanted size has u = 1, f = 2, and there is no better place. */

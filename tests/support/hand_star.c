@@ -60,6 +60,38 @@ static void polygon(hand_star *s, int corners) {
     s->ring_offset[1] = s->link_offset[1] = corners;
 }
 
+/** Number of the link's edge between two of the ring's nodes, counted in order of appearance. */
+static int edge_of(const hand_star *s, int p, int q) {
+    int seen = 0;
+    for (int i = 0; i < 3 * s->link_offset[1]; i++) {
+        const int a = s->link[i], b = s->link[i % 3 < 2 ? i + 1 : i - 2];
+        int first = 1;
+        for (int j = 0; j < i && first; j++) {
+            const int c = s->link[j], d = s->link[j % 3 < 2 ? j + 1 : j - 2];
+            first = !((a == c && b == d) || (a == d && b == c));
+        }
+        if ((a == p && b == q) || (a == q && b == p))
+            return seen;
+        seen += first;
+    }
+    return -1;
+}
+
+void hand_star_pack_link(hand_star *s) {
+    const int64_t n = s->link_offset[1];
+    const pl_link link = {s->positions, NULL};
+    for (int64_t i = 0; i < n * s->dim; i++)
+        pl_link_set(&link, i, s->link[i]);
+    for (int64_t i = 0; s->dim == 3 && i < 3 * n; i++) {
+        const int p = s->link[i], q = s->link[i % 3 < 2 ? i + 1 : i - 2], edge = edge_of(s, p, q);
+        pl_link_set(&link, 3 * n + i, edge);
+        if (edge < pl_link_edges(3, n)) { /* not so of links that are not closed */
+            pl_link_set(&link, 6 * n + 2 * edge, p);
+            pl_link_set(&link, 6 * n + 2 * edge + 1, q);
+        }
+    }
+}
+
 void hand_star_create(hand_star *s, int dim, double unevenness, unsigned seed) {
     memset(s, 0, sizeof *s);
     s->dim = dim;
@@ -76,6 +108,7 @@ void hand_star_create(hand_star *s, int dim, double unevenness, unsigned seed) {
     }
     for (int d = 0; d < dim; d++)
         s->coordinates[d] = 0.3 * unevenness * (2 * uniform(&state) - 1);
+    hand_star_pack_link(s);
     memset(s->changed, 1, sizeof s->changed);
     s->scratch = pl_alloc(pl_star_scratch_size(dim, s->ring_offset[1], s->link_offset[1]), 1);
     s->problem = (pl_star_problem){.coordinates = s->coordinates,
@@ -83,7 +116,7 @@ void hand_star_create(hand_star *s, int dim, double unevenness, unsigned seed) {
                                    .ring_offset = s->ring_offset,
                                    .ring = s->ring,
                                    .link_offset = s->link_offset,
-                                   .link = s->link,
+                                   .link = {s->positions, NULL},
                                    .changed = s->changed,
                                    .rr2_limit = INFINITY};
 }

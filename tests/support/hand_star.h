@@ -13,6 +13,7 @@ typedef struct hand_star {
     int32_t node, ring[HAND_STAR_MAX_NODES];
     int64_t ring_offset[2], link_offset[2];
     uint16_t link[HAND_STAR_MAX_FACETS * 3];
+    uint8_t positions[HAND_STAR_MAX_FACETS * 9]; /* link, as the problem has it */
     uint8_t changed[HAND_STAR_MAX_NODES];
     double *scratch; /* owned */
     pl_star_problem problem;
@@ -22,6 +23,9 @@ typedef struct hand_star {
  *  place. Release with hand_star_destroy. */
 void hand_star_create(hand_star *star, int dim, double unevenness, unsigned seed);
 void hand_star_destroy(hand_star *star);
+
+/** After a change of link: write positions. */
+void hand_star_pack_link(hand_star *star);
 
 /** Sum of RR^2 over the star with its centre at x, in long double, from the textbook formulas
  *  (circumradius and inradius), which share nothing with the kernels. */

@@ -77,7 +77,7 @@ static void the_trial_wins(void **state) {
     assert_int_equal(result.stop, PLANISH_STOP_CONVERGED);
     assert_int_equal(result.below_min_volume, 0);
     assert_true(result.n_active > 0 && result.max_multiplier > 0);
-    assert_true(result.objective < h.objective[trial - 1] * (1 - 1e-4));
+    assert_true(result.objective < h.objective[trial - 1] * (1 - 1e-5));
     assert_true(h.objective[h.n_sweeps - 1] == result.objective ||
                 fabs(h.objective[h.n_sweeps - 1] / result.objective - 1) < 1e-12);
     test_mesh_destroy(&mesh);

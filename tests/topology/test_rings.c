@@ -94,11 +94,11 @@ static void links_of_any_shape(void **state) {
         }
 }
 
-/** A fan of triangles around node 0: its ring is longer than positions can say. */
-static void holds_giant_rings(void **state) {
+/** A fan of triangles around node 0: its link is larger than positions can say. */
+static void holds_giant_links(void **state) {
     (void)state;
     for (int32_t extra = 0; extra < 2; extra++) {
-        int32_t n = PL_MAX_RING + extra;
+        int32_t n = PL_MAX_LINK + extra;
         int32_t *elements = malloc((size_t)n * 3 * sizeof *elements);
         assert_non_null(elements);
         for (int32_t i = 0; i < n; i++) {
@@ -158,7 +158,7 @@ static void survives_without_memory(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(interior_of_boxes),       cmocka_unit_test(links_of_any_shape),
-        cmocka_unit_test(holds_giant_rings),       cmocka_unit_test(no_free_node),
+        cmocka_unit_test(holds_giant_links),       cmocka_unit_test(no_free_node),
         cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,49 @@
+/* link: how the link of a star is stored.
+ *
+ * As positions: first the nodes of each facet, [n][dim] places in the star's ring; in 3-D then the
+ * edges of each facet, [n][3], and the nodes of each edge, [3 n / 2][2]: every facet at a free node
+ * belongs to two elements, so that every edge of its link belongs to two facets. They are bytes,
+ * and where the mesh has a star that is too large for bytes there is an array of high bytes, too.
+ */
+#ifndef PL_BASE_LINK_H
+#define PL_BASE_LINK_H
+
+#include <stdint.h>
+
+enum {
+    PL_MAX_LINK = 43690, /* facets of a link: their edges are numbered by two bytes */
+    PL_BYTE_LINK = 170   /* and up to so many by one */
+};
+
+/** Positions of the whole link per facet. */
+static inline int64_t pl_link_positions(int dim) {
+    return dim == 3 ? 9 : 2;
+}
+
+/** Edges of a link of n facets. */
+static inline int64_t pl_link_edges(int dim, int64_t n) {
+    return dim == 3 ? 3 * n / 2 : 0;
+}
+
+/** The low and the high bytes of the positions of one star or of all; high may be NULL. */
+typedef struct pl_link {
+    uint8_t *low, *high;
+} pl_link;
+
+static inline uint16_t pl_link_get(const pl_link *link, int64_t i) {
+    return (uint16_t)(link->low[i] | (link->high ? link->high[i] << 8 : 0));
+}
+
+static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position) {
+    link->low[i] = (uint8_t)position;
+    if (link->high)
+        link->high[i] = (uint8_t)(position >> 8);
+}
+
+/** The link of the star whose first facet is that number of all stars' facets. */
+static inline pl_link pl_link_at(const pl_link *link, int dim, int64_t facet) {
+    const int64_t first = facet * pl_link_positions(dim);
+    return (pl_link){link->low + first, link->high ? link->high + first : link->high};
+}
+
+#endif

@@ -1,0 +1,173 @@
+/* gather: a star from the mesh into scratch. */
+#ifndef PL_STAR_GATHER_H
+#define PL_STAR_GATHER_H
+
+#include "star/link_edges.h"
+
+#include <string.h>
+
+/* Exponents of the scale are kept within this, so that it and its inverse are doubles. */
+enum { SCALE_LIMIT = 1000 };
+
+/** 2^exponent, for exponents of normal doubles. */
+static inline double power_of_two(int exponent) {
+    uint64_t bits = (uint64_t)(exponent + 1023) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+
+/** Choose the scale from extent, half of the largest difference of a coordinate in the star. */
+static inline void choose_scale(star *s, double extent) {
+    uint64_t bits;
+    memcpy(&bits, &extent, sizeof bits);
+    int exponent = (int)(bits >> 52 & 0x7ff) - 1023;
+    if (exponent > SCALE_LIMIT)
+        exponent = SCALE_LIMIT;
+    if (exponent < -SCALE_LIMIT)
+        exponent = -SCALE_LIMIT;
+    s->scale = power_of_two(-exponent);
+    s->unscale = power_of_two(exponent);
+}
+
+/** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled. */
+static inline void gather_ring(const pl_star_problem *problem, star *s, const double *x,
+                               double *ring, const int dim) {
+    const point_row half_of_x = row_halved(row_of(x, dim));
+    point_row extent = row_minus(half_of_x, half_of_x);
+    for (int64_t i = 0; i < s->n_ring; i++) {
+        const point_row p = row_of(problem->coordinates + (int64_t)s->ring[i] * dim, dim);
+        row_store(ring + PL_ROW * i, p);
+        /* half, because the whole could overflow */
+        extent = row_max(row_abs(row_minus(row_halved(p), half_of_x)), extent);
+    }
+    choose_scale(s, row_largest(extent));
+    for (int64_t i = 0; i < s->n_ring; i++)
+        row_store(ring + PL_ROW * i, row_scaled(row_load(ring + PL_ROW * i), s->scale));
+}
+
+/* Floors are kept within this and its inverse, of stars of a size of about 1: nothing over- or
+ * underflows, and which elements are above and below is the same. */
+#define FLOOR_LEAST 1e-100
+
+/** The least D of an element with its own least volume, or else the general one. Times scale dim
+ *  times, one by one: the volume is of the size of the star. */
+static inline double floor_of(const pl_star_problem *problem, const star *s, double own,
+                              const int dim) {
+    double volume = own > 0 ? own : problem->guard->min_volume, least = volume;
+    for (int d = 0; d < dim; d++)
+        least *= s->scale;
+    least *= dim == 3 ? 6 : 2;
+    if (!(volume > 0))
+        return 0;
+    least = least > FLOOR_LEAST ? least : FLOOR_LEAST;
+    return least < 1 / FLOOR_LEAST ? least : 1 / FLOOR_LEAST;
+}
+
+/** Fill in the columns FLOOR and INVERSE_FLOOR; first: the star's first link facet of all. */
+static inline void gather_floors(const pl_star_problem *problem, const star *s, int64_t first,
+                                 const int dim) {
+    const double *own = problem->guard->link_min_volume;
+    double *column = s->column + FLOOR * s->padded,
+           *inverse = s->column + INVERSE_FLOOR * s->padded;
+    double floor = floor_of(problem, s, own ? own[first] : 0, dim);
+    double inverse_floor = floor > 0 ? 1 / floor : 0;
+    for (int64_t i = 0; i < s->padded; i++) {
+        column[i] = floor; /* of all, or of facet 0 and the padding */
+        inverse[i] = inverse_floor;
+    }
+    for (int64_t i = 1; own && i < s->n_facets; i++) {
+        column[i] = floor_of(problem, s, own[first + i], dim);
+        inverse[i] = column[i] > 0 ? 1 / column[i] : 0;
+    }
+    if (problem->guard->penalty > 0) {
+        double *shift = s->column + SHIFT * s->padded;
+        for (int64_t i = 0; i < s->padded; i++)
+            shift[i] = problem->guard->link_shift[first + (i < s->n_facets ? i : 0)];
+    }
+}
+
+/* ---- scratch ------------------------------------------------------------------------------- */
+
+static inline int64_t padded_to_lanes(int64_t n) {
+    return (n + PL_LANES - 1) / PL_LANES * PL_LANES;
+}
+
+static inline int64_t column_doubles(int64_t padded, int dim) {
+    return padded * (dim == 3 ? COLUMNS_3D : COLUMNS_2D);
+}
+
+/** Room for the positions of the facets' nodes, of their edges and of the edges' nodes, in doubles;
+ *  what follows is aligned to a row. */
+static inline int64_t position_doubles(int64_t padded, int64_t padded_edges, int dim) {
+    const int64_t positions = padded * (dim == 3 ? 6 : 2) + padded_edges * 2;
+    return padded_to_lanes(positions * (int64_t)sizeof(uint32_t) / (int64_t)sizeof(double) + 1);
+}
+
+/** What a star of so many neighbours and facets needs, in doubles. */
+static inline int64_t scratch_doubles(int dim, int64_t n_ring, int64_t n_facets) {
+    const int64_t padded = padded_to_lanes(n_facets);
+    const int64_t padded_edges = padded_to_lanes(pl_link_edges(dim, n_facets));
+    const int64_t rows = (padded + SPARE_ROWS) * ROW_LENGTH, ring = n_ring * PL_ROW;
+    return column_doubles(padded, dim) + padded_edges * (EDGE_COLUMNS + PL_ROW) +
+           position_doubles(padded, padded_edges, dim) + (rows > ring ? rows : ring);
+}
+
+/* ---- the whole ----------------------------------------------------------------------------- */
+
+/** Positions from .. from + n count of a link, as rows, padded with copies of the first count. */
+static inline void unpack(const pl_link *link, int64_t from, int64_t n, int64_t padded, int count,
+                          uint32_t *row) {
+    const uint8_t *low = link->low + from;
+    for (int64_t i = 0; i < n * count; i++)
+        row[i] = (uint32_t)low[i] * PL_ROW;
+    if (link->high)
+        for (int64_t i = 0; i < n * count; i++)
+            row[i] += ((uint32_t)link->high[from + i] << 8) * PL_ROW;
+    for (int64_t i = n * count; i < padded * count; i++)
+        row[i] = row[i % count];
+}
+
+/** Gather star index of problem, with its node at x (as in the mesh), into scratch. */
+PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const double *x,
+                      double *scratch, const int guarded, const int dim) {
+    star s;
+    const int64_t first = problem->link_offset[index];
+    const pl_link link = pl_link_at(&problem->link, dim, first);
+    s.n_facets = problem->link_offset[index + 1] - first;
+    s.padded = padded_to_lanes(s.n_facets);
+    s.ring = problem->ring + problem->ring_offset[index];
+    s.n_ring = problem->ring_offset[index + 1] - problem->ring_offset[index];
+    const int64_t n_edges = pl_link_edges(dim, s.n_facets);
+    s.padded_edges = padded_to_lanes(n_edges);
+    s.column = scratch;
+    s.edge = s.column + column_doubles(s.padded, dim);
+    s.edge_row = s.edge + s.padded_edges * EDGE_COLUMNS;
+    double *positions = s.edge_row + s.padded_edges * PL_ROW;
+    s.spare = positions + position_doubles(s.padded, s.padded_edges, dim);
+    uint32_t *rows = (uint32_t *)(void *)positions;
+    double *ring = s.spare; /* no longer needed once the columns are filled */
+    gather_ring(problem, &s, x, ring, dim);
+    unpack(&link, 0, s.n_facets, s.padded, dim, rows);
+    s.facet = rows;
+    if (dim == 3) {
+        uint32_t *of_facets = rows + 3 * s.padded, *of_edges = of_facets + 3 * s.padded;
+        s.facet_edge = of_facets;
+        facets_3d(&s, ring, guarded);
+        if (!guarded) {
+            unpack(&link, 3 * s.n_facets, s.n_facets, s.padded, 3, of_facets);
+            unpack(&link, 6 * s.n_facets, n_edges, s.padded_edges, 2, of_edges);
+            gather_edges(&s, of_edges, ring);
+        }
+    } else {
+        s.facet_edge = NULL;
+        facets_2d(&s, ring);
+    }
+    for (int64_t i = 0; i < s.padded; i++)
+        s.column[WEIGHT * s.padded + i] = i < s.n_facets;
+    if (guarded)
+        gather_floors(problem, &s, first, dim);
+    return s;
+}
+
+#endif

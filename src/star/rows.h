@@ -1,0 +1,165 @@
+/* rows: points as rows of four doubles in memory, and their exchange with columns of lanes.
+ *
+ * A facet or an edge names points, which lie anywhere; lanes want one coordinate of PL_PACK points.
+ * To load whole rows and to exchange rows and columns in registers costs a third of picking single
+ * numbers.
+ */
+#ifndef PL_STAR_ROWS_H
+#define PL_STAR_ROWS_H
+
+#include "geometry/inline.h"
+#include "star/lanes.h"
+
+enum { PL_ROW = 4 }; /* doubles of a row; row r is at PL_ROW r, and is named by that number */
+
+/** The number of an array that belongs to a row: number[row / PL_ROW], without the division. */
+PL_INLINE double *number_of_row(double *number, uint32_t row) {
+    return (double *)(void *)((char *)number + sizeof *number / PL_ROW * row);
+}
+
+/** Those of the rows row[0], row[stride], ... */
+PL_INLINE lanes numbers_of_rows(double *number, const uint32_t *row, int stride) {
+#if PL_PACK == 4
+    return (lanes){*number_of_row(number, row[0]), *number_of_row(number, row[stride]),
+                   *number_of_row(number, row[2 * stride]),
+                   *number_of_row(number, row[3 * stride])};
+#elif PL_PACK == 2
+    return (lanes){*number_of_row(number, row[0]), *number_of_row(number, row[stride])};
+#else
+    (void)stride;
+    return *number_of_row(number, row[0]);
+#endif
+}
+
+/** One row in PL_PACKS packs. */
+typedef struct point_row {
+    lanes pack[PL_PACKS];
+} point_row;
+
+/** p is aligned to its size. */
+PL_INLINE point_row row_load(const double *p) {
+    point_row r;
+    for (int k = 0; k < PL_PACKS; k++)
+        r.pack[k] = lanes_load(p + k * PL_PACK);
+    return r;
+}
+PL_INLINE void row_store(double *p, point_row r) {
+    for (int k = 0; k < PL_PACKS; k++)
+        lanes_store(p + k * PL_PACK, r.pack[k]);
+}
+PL_INLINE point_row row_plus(point_row a, point_row b) {
+    for (int k = 0; k < PL_PACKS; k++)
+        a.pack[k] += b.pack[k];
+    return a;
+}
+PL_INLINE point_row row_minus(point_row a, point_row b) {
+    for (int k = 0; k < PL_PACKS; k++)
+        a.pack[k] -= b.pack[k];
+    return a;
+}
+
+PL_INLINE point_row row_scaled(point_row a, double f) {
+    for (int k = 0; k < PL_PACKS; k++)
+        a.pack[k] *= lanes_of(f);
+    return a;
+}
+PL_INLINE point_row row_halved(point_row a) {
+    return row_scaled(a, 0.5);
+}
+PL_INLINE point_row row_abs(point_row a) {
+    for (int k = 0; k < PL_PACKS; k++)
+        a.pack[k] = lanes_abs(a.pack[k]);
+    return a;
+}
+PL_INLINE point_row row_max(point_row a, point_row b) {
+    for (int k = 0; k < PL_PACKS; k++)
+        a.pack[k] = lanes_max(a.pack[k], b.pack[k]);
+    return a;
+}
+PL_INLINE double row_largest(point_row a) {
+    return lanes_largest(a.pack);
+}
+
+#if PL_PACK == 4
+
+#if defined(__clang__) || __GNUC__ >= 12
+#define PL_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
+#else
+#define PL_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (lanes_mask){i, j, k, l})
+#endif
+
+/** p of dim numbers; what a row has more is 0. */
+PL_INLINE point_row row_of(const double *p, const int dim) {
+    return (point_row){{{p[0], p[1], dim == 3 ? p[2] : 0, 0}}};
+}
+
+/** The transpose of four rows, or of four columns. */
+PL_INLINE void exchange(const lanes in[4], lanes out[4]) {
+    lanes even01 = PL_SHUFFLE(in[0], in[1], 0, 4, 2, 6);
+    lanes odd01 = PL_SHUFFLE(in[0], in[1], 1, 5, 3, 7);
+    lanes even23 = PL_SHUFFLE(in[2], in[3], 0, 4, 2, 6);
+    lanes odd23 = PL_SHUFFLE(in[2], in[3], 1, 5, 3, 7);
+    out[0] = PL_SHUFFLE(even01, even23, 0, 1, 4, 5);
+    out[1] = PL_SHUFFLE(odd01, odd23, 0, 1, 4, 5);
+    out[2] = PL_SHUFFLE(even01, even23, 2, 3, 6, 7);
+    out[3] = PL_SHUFFLE(odd01, odd23, 2, 3, 6, 7);
+}
+
+/** Columns of PL_PACK rows. */
+PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
+    const lanes in[4] = {rows[0].pack[0], rows[1].pack[0], rows[2].pack[0], rows[3].pack[0]};
+    exchange(in, column);
+}
+PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
+    lanes out[4];
+    exchange(column, out);
+    for (int k = 0; k < PL_PACK; k++)
+        rows[k].pack[0] = out[k];
+}
+
+#elif PL_PACK == 2
+
+PL_INLINE point_row row_of(const double *p, const int dim) {
+    return (point_row){{{p[0], p[1]}, {dim == 3 ? p[2] : 0, 0}}};
+}
+PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
+    for (int k = 0; k < PL_PACKS; k++) {
+        lanes a = rows[0].pack[k], b = rows[1].pack[k];
+        column[2 * k] = (lanes){a[0], b[0]};
+        column[2 * k + 1] = (lanes){a[1], b[1]};
+    }
+}
+PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
+    for (int k = 0; k < PL_PACKS; k++) {
+        lanes a = column[2 * k], b = column[2 * k + 1];
+        rows[0].pack[k] = (lanes){a[0], b[0]};
+        rows[1].pack[k] = (lanes){a[1], b[1]};
+    }
+}
+
+#else
+
+PL_INLINE point_row row_of(const double *p, const int dim) {
+    return (point_row){{p[0], p[1], dim == 3 ? p[2] : 0, 0}};
+}
+PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
+    for (int k = 0; k < PL_ROW; k++)
+        column[k] = rows[0].pack[k];
+}
+PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
+    for (int k = 0; k < PL_ROW; k++)
+        rows[0].pack[k] = column[k];
+}
+
+#endif
+
+/** Columns x, y, z of the points in rows row[0], row[stride], ... of array. */
+PL_INLINE void points_to_columns(const double *array, const uint32_t *row, int stride,
+                                 lanes column[PL_ROW]) {
+    point_row rows[PL_PACK];
+    for (int k = 0; k < PL_PACK; k++)
+        rows[k] = row_load(array + row[k * stride]);
+    rows_to_columns(rows, column);
+}
+
+#endif
