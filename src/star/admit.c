@@ -3,7 +3,8 @@
 #include "star/local.h"
 
 int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x) {
-    const bounds b = bounds_of(problem, node, 1, dim);
+    const bounds none = {.any = 0};
+    const bounds b = problem->guard ? bounds_of(problem, node, 1, dim) : none;
     clamp(&b, x, dim);
     for (int d = 0; problem->to_float && d < dim; d++)
         x[d] = pl_round_to_float(x[d]);

@@ -113,6 +113,8 @@ static inline void give_value(const local *here, const objective *f, const deriv
                               pl_star_value *value) {
     value->sum = f->sum;
     value->max = f->max;
+    value->error = f->error;
+    value->certain = f->certain;
     for (int d = 0; d < 3; d++)
         value->gradient[d] = derivative->gradient[d] * here->s.scale;
     for (int d = 0; d < 6; d++)

@@ -129,6 +129,8 @@ typedef pl_star_tally pl_star_visit_fn(const pl_star_problem *problem, int64_t b
  * element is not positive. hessian: xx, xy, xz, yy, yz, zz (2-D: xx, xy, yy). */
 typedef struct pl_star_value {
     double sum, max;
+    double error; /* relative, of both: what rounding can have done */
+    int certain;  /* every element is positive beyond doubt of rounding */
     double gradient[3], hessian[6];
 } pl_star_value;
 typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, double *scratch,

@@ -9,17 +9,44 @@
 #define CENTRED 1e-4
 enum { CENTRE_STEPS = 1000 };
 
+/* Exponents of the scale stay within this, so that it and its inverse are doubles. */
+enum { SCALE_LIMIT = 1000 };
+
+pl_box pl_box_of_fixed(const planish_plan *plan) {
+    const int dim = plan->dim;
+    pl_box b;
+    double width = 0;
+    int exponent;
+    for (int d = 0; d < dim; d++) {
+        b.lower[d] = INFINITY;
+        b.upper[d] = -INFINITY;
+    }
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        for (int d = 0; d < dim && !plan->is_free[i]; d++) {
+            const double x = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
+            b.lower[d] = fmin(b.lower[d], x);
+            b.upper[d] = fmax(b.upper[d], x);
+        }
+    for (int d = 0; d < dim; d++)
+        width = fmax(width, 0.5 * b.upper[d] - 0.5 * b.lower[d]);
+    frexp(width, &exponent);
+    exponent = exponent > SCALE_LIMIT ? SCALE_LIMIT : exponent;
+    b.scale = ldexp(1, exponent < -SCALE_LIMIT ? SCALE_LIMIT : -exponent);
+    return b;
+}
+
 /** An operation on vectors under way. */
 typedef struct operation {
     const pl_patch *p;
     double *a;
     const double *b;
+    const pl_box *within;
 } operation;
 
 /** a = sum over the neighbours of (b of the node - b of the neighbour), b an array over nodes. */
 static void difference_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
-    const pl_stars *stars = &o->p->t->run->plan->stars;
+    const pl_stars *stars = &o->p->run->plan->stars;
     const int dim = o->p->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
@@ -34,14 +61,14 @@ static void difference_chunk(void *context, int64_t begin, int64_t end, int thre
 }
 
 static void difference(const pl_patch *p, double *a, const double *field) {
-    operation o = {p, a, field};
+    operation o = {p, a, field, NULL};
     pl_patch_for(p, difference_chunk, &o);
 }
 
 /** a = b / number of neighbours. */
 static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
-    const int64_t *offset = o->p->t->run->plan->stars.ring_offset;
+    const int64_t *offset = o->p->run->plan->stars.ring_offset;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < o->p->dim; d++)
@@ -50,7 +77,7 @@ static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 static void share(const pl_patch *p, double *a, const double *b) {
-    operation o = {p, a, b};
+    operation o = {p, a, b, NULL};
     pl_patch_for(p, share_chunk, &o);
 }
 
@@ -59,34 +86,34 @@ static void share(const pl_patch *p, double *a, const double *b) {
  */
 static void clamp_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
-    const pl_tangle *t = o->p->t;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < o->p->dim; d++) {
             const int64_t k = i * o->p->dim + d;
-            o->a[k] = fmin(fmax(o->b[k], t->box_lower[d]), t->box_upper[d]);
+            o->a[k] = fmin(fmax(o->b[k], o->within->lower[d]), o->within->upper[d]);
         }
 }
 
-static void clamp(const pl_patch *p, double *a, const double *b) {
-    operation o = {p, a, b};
+static void clamp(const pl_patch *p, const pl_box *within, double *a, const double *b) {
+    operation o = {p, a, b, within};
     pl_patch_for(p, clamp_chunk, &o);
 }
 
 /** Solve sum over the neighbours of (x_i - x_j) = 0, preconditioned by the diagonal. All but start
  * is in the scale of the domain. */
-static void centre(const pl_patch *p, pl_sweep_tally *tally) {
-    pl_run *r = p->t->run;
+void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
+    pl_run *r = p->run;
+    const pl_box fixed = pl_box_of_fixed(r->plan);
     double *x = pl_patch_vector(p, 0), *residual = pl_patch_vector(p, 1),
            *z = pl_patch_vector(p, 2), *way = pl_patch_vector(p, 3);
     double *image = pl_patch_vector(p, 4), *start = pl_patch_vector(p, 5);
     const double *zero = pl_patch_vector(p, 6);
     pl_patch_take(p, start, r->plan->coordinates);
-    clamp(p, x, start);
+    clamp(p, &fixed, x, start);
     pl_patch_put(p, r->plan->coordinates, x);
     difference(p, residual, r->plan->coordinates);
-    pl_patch_combine(p, x, zero, p->t->scale, x);
-    pl_patch_combine(p, residual, zero, -p->t->scale, residual);
+    pl_patch_combine(p, x, zero, fixed.scale, x);
+    pl_patch_combine(p, residual, zero, -fixed.scale, residual);
     share(p, z, residual);
     pl_patch_combine(p, way, z, 0, z);
     double square = pl_patch_product(p, residual, z), goal = CENTRED * CENTRED * square;
@@ -104,21 +131,6 @@ static void centre(const pl_patch *p, pl_sweep_tally *tally) {
         tally->visits += p->n;
         tally->stopped = pl_run_after_colour(r, r->plan->n_colours);
     }
-    pl_patch_combine(p, x, zero, 1 / p->t->scale, x);
+    pl_patch_combine(p, x, zero, 1 / fixed.scale, x);
     pl_patch_admit(p, x, start);
-}
-
-int pl_patch_centre(pl_tangle *t) {
-    pl_run *r = t->run;
-    pl_patch p;
-    int stopped = 0;
-    if (pl_patch_create(t, 7, &p)) {
-        pl_sweep_tally tally = {.colours = r->plan->n_colours};
-        pl_begin_untangling_sweep(r);
-        centre(&p, &tally);
-        pl_run_measure(r);
-        stopped = pl_run_end_sweep(r, &tally);
-    }
-    pl_patch_destroy(&p);
-    return stopped;
 }

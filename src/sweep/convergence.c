@@ -6,9 +6,7 @@
 /* What is still to come, by extrapolation, must be below this fraction of the RMS. */
 #define REMAINDER 0.01
 
-/** The fall that all further sweeps together would bring if each brought as much less than the one
- *  before as the last ones did. */
-static double remainder_of(const pl_convergence *convergence) {
+double pl_remainder(const pl_convergence *convergence) {
     double first = convergence->fall[0], last = convergence->fall[PL_CALM_SWEEPS - 1];
     if (!(last > 0))
         return 0;
@@ -27,5 +25,5 @@ int pl_converged(pl_convergence *convergence, double before, double after, doubl
     for (int i = 0; i < PL_CALM_SWEEPS; i++)
         if (convergence->fall[i] > tolerance)
             return 0;
-    return remainder_of(convergence) < REMAINDER;
+    return pl_remainder(convergence) < REMAINDER;
 }

@@ -5,17 +5,21 @@
 
 #include <string.h>
 
-int pl_patch_create(pl_tangle *t, int n_vectors, pl_patch *p) {
-    const planish_plan *plan = t->run->plan;
-    *p = (pl_patch){.t = t, .dim = plan->dim, .n = t->n_patch};
+int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
+                    int n_vectors, pl_patch *p) {
+    const planish_plan *plan = run->plan;
+    const int64_t n_stars = plan->stars.n_stars;
+    *p = (pl_patch){.run = run, .problem = problem, .dim = plan->dim};
+    for (int64_t s = 0; s < n_stars; s++)
+        p->n += !in_patch || in_patch[plan->centre[s]];
     p->star = pl_alloc(p->n, sizeof *p->star);
     p->vectors = pl_alloc_zero(p->n * p->dim * n_vectors, sizeof *p->vectors);
     p->field = pl_alloc_zero(plan->n_nodes * p->dim, sizeof *p->field);
     p->partial = pl_alloc(p->n / PL_PATCH_CHUNK + 1, sizeof *p->partial);
     if (!p->star || !p->vectors || !p->field || !p->partial)
         return 0;
-    for (int64_t s = 0, i = 0; s < plan->stars.n_stars; s++)
-        if (t->in_patch[plan->centre[s]])
+    for (int64_t s = 0, i = 0; s < n_stars; s++)
+        if (!in_patch || in_patch[plan->centre[s]])
             p->star[i++] = (int32_t)s;
     return 1;
 }
@@ -30,7 +34,7 @@ void pl_patch_destroy(pl_patch *p) {
 /* ---- vectors ------------------------------------------------------------------------------- */
 
 void pl_patch_for(const pl_patch *p, pl_chunk_fn *body, void *context) {
-    pl_parallel_for(p->t->run->plan->threads, p->n, PL_PATCH_CHUNK, body, context);
+    pl_parallel_for(p->run->plan->threads, p->n, PL_PATCH_CHUNK, body, context);
 }
 
 /** An operation on vectors under way. */
@@ -52,7 +56,7 @@ static double product_chunk(void *context, int64_t begin, int64_t end, int threa
 
 double pl_patch_product(const pl_patch *p, const double *b, const double *c) {
     operation o = {p, NULL, b, c, 0};
-    return pl_parallel_sum(p->t->run->plan->threads, p->n, PL_PATCH_CHUNK, product_chunk, &o,
+    return pl_parallel_sum(p->run->plan->threads, p->n, PL_PATCH_CHUNK, product_chunk, &o,
                            p->partial);
 }
 
@@ -97,15 +101,15 @@ void pl_patch_put(const pl_patch *p, double *field, const double *a) {
 
 static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
-    const pl_tangle *t = o->p->t;
+    double *coordinates = o->p->run->plan->coordinates;
     const int dim = o->p->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int64_t node = pl_patch_node(o->p, i);
         double *x = o->a + i * dim;
-        if (!pl_star_admit(&t->problem, (int32_t)node, dim, x))
+        if (!pl_star_admit(o->p->problem, (int32_t)node, dim, x))
             memcpy(x, o->b + i * dim, (size_t)dim * sizeof *x);
-        memcpy(t->run->plan->coordinates + node * dim, x, (size_t)dim * sizeof *x);
+        memcpy(coordinates + node * dim, x, (size_t)dim * sizeof *x);
     }
 }
 

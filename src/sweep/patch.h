@@ -1,4 +1,4 @@
-/* patch: the nodes of a tangle's patch as one vector.
+/* patch: some nodes as one vector.
  *
  * Sweeps move one node at a time and even out what is wrong within a few elements; where much is
  * tangled, or a boundary has moved far, all nodes have to give way together. Vectors are over the
@@ -9,11 +9,12 @@
 #define PL_SWEEP_PATCH_H
 
 #include "base/parallel.h"
-#include "sweep/tangle.h"
+#include "sweep/run.h"
 
 /** A patch; arrays are owned. */
 typedef struct pl_patch {
-    pl_tangle *t;
+    pl_run *run;
+    const pl_star_problem *problem; /* says where nodes can be */
     int dim;
     int64_t n;
     int32_t *star;   /* [n] */
@@ -24,8 +25,10 @@ typedef struct pl_patch {
 
 enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */
 
-/** 0 without memory; to be destroyed in any case. */
-int pl_patch_create(pl_tangle *t, int n_vectors, pl_patch *p);
+/** Of the nodes that in_patch [n_nodes] marks by inner numbers; NULL: of all free nodes. 0 without
+ *  memory; to be destroyed in any case. */
+int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
+                    int n_vectors, pl_patch *p);
 void pl_patch_destroy(pl_patch *p);
 
 static inline double *pl_patch_vector(const pl_patch *p, int i) {
@@ -34,7 +37,7 @@ static inline double *pl_patch_vector(const pl_patch *p, int i) {
 
 /** Inner number of the patch's node i. */
 static inline int64_t pl_patch_node(const pl_patch *p, int64_t i) {
-    return p->t->run->plan->centre[p->star[i]];
+    return p->run->plan->centre[p->star[i]];
 }
 
 /** Call body for chunks of the patch's nodes. */
@@ -54,5 +57,19 @@ void pl_patch_put(const pl_patch *p, double *field, const double *a);
 /** Put the nodes to x, or as near as their bounds let them, or where that is not to be stored to
  *  start. x becomes where they are. */
 void pl_patch_admit(const pl_patch *p, double *x, const double *start);
+
+/** Where the nodes are that are not free. */
+typedef struct pl_box {
+    double lower[3], upper[3];
+    double scale; /* a power of two: times it the box is about 1 wide */
+} pl_box;
+
+pl_box pl_box_of_fixed(const planish_plan *plan);
+
+/** Move the nodes to where each is at the mean of its neighbours, by conjugate gradients
+ * (centre.c); the patch has PL_CENTRE_VECTORS at least. Cut short where tally says so then. */
+void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally);
+
+enum { PL_CENTRE_VECTORS = 7 };
 
 #endif

@@ -20,7 +20,8 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < dim; d++)
-            plan->measured[i * dim + d] = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
+            plan->measured[i * dim + d] =
+                plan->coordinates[(int64_t)plan->inner[i] * dim + d] * r->unit;
 }
 
 /* ---- what the mesh is worth --------------------------------------------------------------- */
@@ -108,6 +109,8 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
     pl_run seen = *r;
     if (r->shown)
         seen.totals = *r->shown;
+    if (r->shown_sums)
+        seen.sums = *r->shown_sums;
     return (planish_progress){.sweep = r->sweep,
                               .colour = colour,
                               .n_colours = r->plan->n_colours,
@@ -196,17 +199,56 @@ int pl_run_sweeps_left(const pl_run *r) {
     return r->options->max_sweeps - (r->sweep - r->result->untangling_sweeps);
 }
 
+/* A mesh whose sweeps bring little by little after so many of them, and would bring more than this
+ * in the end, is slow. */
+enum { SWEEPS_UNTIL_SLOW = 20 };
+#define SLOW_REMAINDER 0.01
+
+/** Whether help is wanted: something is wrong that is much larger than the elements. */
+static int is_slow(const pl_run *r, const pl_convergence *trend, int patience) {
+    return r->plain && r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0) &&
+           trend->n_falls >= patience && pl_remainder(trend) > SLOW_REMAINDER;
+}
+
+/** What is known of how the sweeps go. */
+typedef struct course {
+    pl_convergence convergence; /* of sweeps that leave the stars calm */
+    pl_convergence trend;       /* of all */
+    pl_help help;               /* the one that comes next */
+    int patience;               /* sweeps until it comes */
+    int polished;               /* that was slow, and L-BFGS has had the last word */
+} course;
+
+/** Help if it is wanted; not 0 if it was cut short. */
+static int help_if_slow(pl_run *r, course *c, int converged) {
+    const int slow = is_slow(r, &c->trend, c->patience);
+    const int polish = converged && c->help == PL_DESCENT && !c->polished;
+    if (!slow && !polish)
+        return 0;
+    const double fall = c->trend.fall[PL_CALM_SWEEPS - 1];
+    int stopped = pl_run_help(r, c->help, polish ? r->options->tolerance : fall);
+    c->polished |= polish;
+    c->patience *= c->help == PL_DESCENT ? 2 : 1;
+    c->help = PL_DESCENT;
+    c->convergence = c->trend = (pl_convergence){{0}, 0};
+    return stopped;
+}
+
 void pl_run_sweeps(pl_run *r) {
-    pl_convergence convergence = {{0}, 0};
+    course c = {.help = PL_CENTRING, .patience = SWEEPS_UNTIL_SLOW};
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
         double before = objective_of_movable(r);
         int64_t visits;
         if (pl_run_sweep(r, &visits))
             return;
-        if (has_converged(r, &convergence, before, visits)) {
+        const int converged = has_converged(r, &c.convergence, before, visits);
+        pl_converged(&c.trend, before, objective_of_movable(r), 0);
+        if (converged && (c.help != PL_DESCENT || c.polished)) {
             r->stop = PLANISH_STOP_CONVERGED;
             return;
         }
+        if (help_if_slow(r, &c, converged))
+            return;
     }
 }

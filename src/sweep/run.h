@@ -13,12 +13,15 @@ typedef struct pl_run {
     double *outside; /* [n][dim] the caller's coordinates */
     pl_star_problem problem;
     pl_guard guard;
-    int plain;                      /* the plain problem: sums are what counts, else totals */
+    int plain;   /* the plain problem: sums are what counts, else totals */
+    double unit; /* a power of two, times which coordinates are measured: ratios are then the same
+                    bits at every scale; 1 where volumes count */
     pl_ratio_sums sums;             /* as measured last, movable then tracked */
     pl_objective_sums totals;       /* as measured last, ratio[1] then tracked if mu2 = 0 */
     double measured;                /* the sum that is tracked, as measured last */
     double factor;                  /* from a star's function to F, of the last sweep's weights */
-    const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and this is what stands */
+    const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and this is what stands, */
+    const pl_ratio_sums *shown_sums; /* or this */
     int64_t improved; /* stars that the last sweep improved by more than a hundredth */
     int restoring;    /* the last sweep brought elements above their least volume */
     double start;     /* clock */
@@ -55,6 +58,18 @@ int pl_run_sweeps_left(const pl_run *r);
 
 /** Sweeps until they converge or must end: r->stop says why. */
 void pl_run_sweeps(pl_run *r);
+
+/* ---- slow.c -----------------------------------------------------------------------------------
+ */
+
+/** What helps a mesh that sweeps would be slow with; all nodes move at once. */
+typedef enum pl_help { PL_CENTRING, PL_DESCENT } pl_help;
+
+/** Try it; it counts as one sweep or several. fall: what the last sweep has brought, relative. F
+ * does not rise. Not 0 if it was cut short; without memory it does nothing. For the plain problem
+ * only.
+ */
+int pl_run_help(pl_run *r, pl_help help, double fall);
 
 /* ---- untangle.c ---------------------------------------------------------------------------- */
 

@@ -1,5 +1,5 @@
 /* smooth: planish_smooth and planish_measure, the calls that work on coordinates. */
-#include "sweep/run.h"
+#include "sweep/patch.h"
 
 #include "base/clock.h"
 #include "base/memory.h"
@@ -155,6 +155,7 @@ static int smooth(pl_run *r, planish_error *error) {
     if (status)
         return status;
     r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
+    r->unit = r->plain ? pl_box_of_fixed(plan).scale : 1;
     pl_run_measure(r);
     r->result->objective_before = pl_run_objective(r);
     prepare_problem(r);

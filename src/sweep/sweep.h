@@ -60,6 +60,10 @@ typedef struct pl_convergence {
     int n_falls;
 } pl_convergence;
 
+/** The fall that all further sweeps together would bring if each brought as much less than the one
+ *  before as the last ones did. */
+double pl_remainder(const pl_convergence *convergence);
+
 /** Take note of one more sweep, from RMS before to after; not 0 if smoothing has converged. */
 int pl_converged(pl_convergence *convergence, double before, double after, double tolerance);
 

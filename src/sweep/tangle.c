@@ -7,6 +7,7 @@
 #include "base/status.h"
 #include "geometry/cube_root.h"
 #include "geometry/simplex.h"
+#include "sweep/patch.h"
 
 #include <math.h>
 #include <string.h>
@@ -314,28 +315,6 @@ static void number_stars(pl_tangle *t) {
         t->star_of[plan->centre[s]] = (int32_t)s;
 }
 
-/* Exponents of the scale stay within this, so that it and its inverse are doubles. */
-enum { SCALE_LIMIT = 1000 };
-
-static void find_box(pl_tangle *t) {
-    const planish_plan *plan = t->run->plan;
-    double width = 0;
-    int exponent;
-    for (int d = 0; d < plan->dim; d++) {
-        t->box_lower[d] = INFINITY;
-        t->box_upper[d] = -INFINITY;
-        for (int64_t i = 0; i < plan->n_nodes; i++) {
-            const double x = plan->coordinates[i * plan->dim + d];
-            t->box_lower[d] = t->star_of[i] < 0 ? fmin(t->box_lower[d], x) : t->box_lower[d];
-            t->box_upper[d] = t->star_of[i] < 0 ? fmax(t->box_upper[d], x) : t->box_upper[d];
-        }
-        width = fmax(width, 0.5 * t->box_upper[d] - 0.5 * t->box_lower[d]);
-    }
-    frexp(width, &exponent);
-    exponent = exponent > SCALE_LIMIT ? SCALE_LIMIT : exponent;
-    t->scale = ldexp(1, exponent < -SCALE_LIMIT ? SCALE_LIMIT : -exponent);
-}
-
 int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) {
     const planish_plan *plan = r->plan;
     *t = (pl_tangle){.run = r, .problem = r->problem, .guard = r->guard.star};
@@ -362,7 +341,7 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->partial)
         return pl_fail_memory(error, "untangling");
     number_stars(t);
-    find_box(t);
+    t->scale = pl_box_of_fixed(plan).scale;
     t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1};
     return PLANISH_OK;
 }

@@ -27,12 +27,11 @@ typedef struct pl_tangle {
     double *best;             /* [n_nodes][dim] the best coordinates so far */
     int32_t *star_of;         /* [n_nodes] the star of each free node; else -1 */
     int32_t *queue;           /* [n_stars] */
-    double box_lower[3], box_upper[3]; /* of the nodes that are not free */
-    double scale;                      /* a power of two: times it the box is about 1 wide */
-    pl_star_energy *partial;           /* of chunks of stars */
-    int64_t n_tangled;                 /* elements whose state is PL_TANGLED */
-    int64_t n_patch;                   /* nodes of the patch */
-    pl_star_energy energy;             /* of the patch, as computed last */
+    double scale;             /* a power of two: times it the domain is about 1 wide */
+    pl_star_energy *partial;  /* of chunks of stars */
+    int64_t n_tangled;        /* elements whose state is PL_TANGLED */
+    int64_t n_patch;          /* nodes of the patch */
+    pl_star_energy energy;    /* of the patch, as computed last */
 } pl_tangle;
 
 /* ---- tangle.c ------------------------------------------------------------------------------ */
@@ -61,21 +60,18 @@ void pl_tangle_measure(pl_tangle *t);
 /** The same from t->partial [n_chunks]. */
 void pl_tangle_total(pl_tangle *t, int64_t n_chunks);
 
-/* ---- centre.c, descent.c: all nodes of the patch at once ---------------------------------------
+/* ---- descent.c: all nodes of the patch at once ------------------------------------------------
  */
-
-/** Move the patch's nodes to where each is at the mean of its neighbours, by conjugate gradients.
- *  Like the next, not 0 if it was cut short; without memory it does nothing. */
-int pl_patch_centre(pl_tangle *t);
 
 typedef enum pl_patience { PL_NOT_AT_ALL = 0, PL_QUICK, PL_PATIENT } pl_patience;
 
-/** Lower the energy of the patch by L-BFGS for falling epsilons until nothing is tangled. */
-int pl_patch_solve(pl_tangle *t, pl_patience patience);
+/** Lower the energy of the patch by L-BFGS for falling epsilons until nothing is tangled. Like the
+ *  next, not 0 if it was cut short; without memory it does nothing. */
+int pl_tangle_solve(pl_tangle *t, pl_patience patience);
 
 /** Lower the energy of the patch further, but let nothing become tangled again: the sweeps that
  *  follow are slow to even out what the barriers of a solve have left over many elements. */
-int pl_patch_mend(pl_tangle *t);
+int pl_tangle_mend(pl_tangle *t);
 
 /* ---- untangle.c ---------------------------------------------------------------------------- */
 

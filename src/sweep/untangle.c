@@ -7,6 +7,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "sweep/patch.h"
 
 #include <math.h>
 #include <string.h>
@@ -115,6 +116,22 @@ static int regularised_sweeps(pl_tangle *t, int most) {
     return stopped;
 }
 
+/** Move the patch's nodes to the mean of their neighbours, as one sweep; not 0 if cut short. */
+static int centre(pl_tangle *t) {
+    pl_run *r = t->run;
+    pl_patch p;
+    int stopped = 0;
+    if (pl_patch_create(r, &t->problem, t->in_patch, PL_CENTRE_VECTORS, &p)) {
+        pl_sweep_tally tally = {.colours = r->plan->n_colours};
+        pl_begin_untangling_sweep(r);
+        pl_patch_centre(&p, &tally);
+        pl_run_measure(r);
+        stopped = pl_run_end_sweep(r, &tally);
+    }
+    pl_patch_destroy(&p);
+    return stopped;
+}
+
 /* ---- push-off ------------------------------------------------------------------------------ */
 
 /** The floors of elements without a least volume: next to nothing, by the sizes wanted. */
@@ -168,12 +185,12 @@ static int push_offs(pl_tangle *t, int most) {
 
 /** The patch as one problem, and what is around it after that. */
 static int solve(pl_tangle *t, const measures *rung) {
-    if (pl_patch_solve(t, rung->solve))
+    if (pl_tangle_solve(t, rung->solve))
         return 1;
     if (t->energy.tangled > 0)
         return 0;
     pl_tangle_mark(t, rung->layers > MENDED_LAYERS ? rung->layers : MENDED_LAYERS);
-    return pl_patch_mend(t);
+    return pl_tangle_mend(t);
 }
 
 /** Not 0 if cut short. */
@@ -182,7 +199,7 @@ static int climb(pl_tangle *t, const measures *rung) {
     if (t->n_patch == 0) /* their nodes are all held */
         return 0;
     pl_tangle_mark(t, rung->layers);
-    if (rung->centre && pl_patch_centre(t))
+    if (rung->centre && centre(t))
         return 1;
     pl_tangle_find_sizes(t);
     if (push_offs(t, rung->push_offs) || regularised_sweeps(t, rung->sweeps))

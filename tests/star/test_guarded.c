@@ -94,6 +94,7 @@ static void visits(guarded_star *g, int n) {
 }
 
 static int evaluate(guarded_star *g, planish_isa isa, int derive, pl_star_value *value) {
+    memset(value, 0, sizeof *value); /* padding, too, which is compared */
     return pl_star_kernel_select(isa)->guarded->evaluate[g->s.dim - 2](&g->s.problem, 0,
                                                                        g->s.scratch, derive, value);
 }

@@ -16,6 +16,7 @@ enum { STARS = 200 };
 static const planish_isa variants[] = {PLANISH_ISA_VECTOR, PLANISH_ISA_AVX2, PLANISH_ISA_AVX512};
 
 static void evaluate(hand_star *s, planish_isa isa, pl_star_value *value) {
+    memset(value, 0, sizeof *value); /* padding, too, which is compared */
     const pl_star_kernel *kernel = pl_star_kernel_select(isa);
     assert_true(kernel->evaluate[s->dim - 2](&s->problem, 0, s->scratch, 1, value));
 }

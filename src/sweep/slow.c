@@ -1,0 +1,186 @@
+/* slow: meshes that are far from their optimum on a large scale.
+ *
+ * Sweeps even out what is wrong within a few elements, and bring on by one element each what is
+ * wrong across the mesh. Two things that move all nodes at once help: to put every node at the mean
+ * of its neighbours, part of the way, and L-BFGS for the sum of RR^2.
+ */
+#include "sweep/lbfgs.h"
+
+#include "base/memory.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CHUNK = 256 }; /* stars that one thread takes at a time */
+/* Parts of the way to the centred mesh that are tried: 1, 1/2, ...; and the sweeps after which it
+ * must be better. */
+enum { PARTS = 8, SWEEPS_OF_TRIAL = 4 };
+/* Evaluations after which L-BFGS must have brought more than as many sweeps. */
+enum { EVALUATIONS_OF_TRIAL = 30 };
+
+/** The sum of RR^2 as a function of all free nodes. */
+typedef struct objective_of_all {
+    pl_run *run;
+    double rr2_limit;     /* no element may become worse */
+    pl_star_slope *slope; /* of the stars under way */
+    int refused;          /* by one of the stars */
+} objective_of_all;
+
+static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    objective_of_all *f = context;
+    const planish_plan *plan = f->run->plan;
+    double *scratch = plan->scratch + plan->scratch_stride * thread;
+    for (int64_t i = begin; i < end; i++) {
+        pl_star_value value;
+        plan->kernel->evaluate[plan->dim - 2](&f->run->problem, i, scratch, 1, &value);
+        memcpy(f->slope[i].gradient, value.gradient, sizeof value.gradient);
+        memcpy(f->slope[i].hessian, value.hessian, sizeof value.hessian);
+        if (!value.certain || !(value.max * (1 + value.error) <= f->rr2_limit))
+            __atomic_store_n(&f->refused, 1, __ATOMIC_RELAXED);
+    }
+}
+
+/** As measured where the nodes are, if every element is positive beyond doubt and good enough. What
+ *  the run says of the mesh changes with it only then. */
+static double evaluate(void *context, double enough, pl_star_slope *slope) {
+    objective_of_all *f = context;
+    pl_run *r = f->run;
+    const pl_ratio_sums before = r->sums;
+    const double measured = r->measured;
+    pl_run_measure(r);
+    double value = r->sums.inverted > before.inverted ? INFINITY : r->sums.movable;
+    if (value <= enough) {
+        f->slope = slope;
+        f->refused = 0;
+        pl_parallel_for(r->plan->threads, r->plan->stars.n_stars, CHUNK, slope_chunk, f);
+        value = f->refused ? INFINITY : value;
+    }
+    if (!(value <= enough)) {
+        r->sums = before;
+        r->measured = measured;
+    }
+    return value;
+}
+
+/** Put the nodes part of the way from start to centred. */
+static void go(const pl_lbfgs *m, double part, const double *start, const double *centred) {
+    double *way = m->direction, *x = m->position, *from = m->start;
+    pl_patch_take(&m->p, from, start);
+    pl_patch_take(&m->p, way, centred);
+    pl_patch_combine(&m->p, way, way, -1, from);
+    pl_patch_combine(&m->p, x, from, part, way);
+    pl_patch_admit(&m->p, x, from);
+    pl_run_measure(m->p.run);
+}
+
+/** Centre the mesh, as far as it stays valid, and sweep it some times. */
+static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
+    pl_run *r = m->p.run;
+    const size_t size =
+        (size_t)r->plan->n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
+    pl_sweep_tally tally = {.colours = r->plan->n_colours};
+    int stopped;
+    pl_run_begin_sweep(r);
+    memcpy(start, r->plan->coordinates, size);
+    pl_patch_centre(&m->p, &tally);
+    memcpy(centred, r->plan->coordinates, size);
+    for (int i = 0; i < PARTS && !tally.stopped; i++) {
+        go(m, ldexp(1, -i), start, centred);
+        if (r->sums.inverted <= r->shown_sums->inverted)
+            break;
+    }
+    tally.evaluations = tally.visits;
+    stopped = pl_run_end_sweep(r, &tally);
+    for (int i = 0; i < SWEEPS_OF_TRIAL && !stopped; i++) {
+        int64_t visits;
+        stopped = pl_run_sweep(r, &visits);
+    }
+    return stopped;
+}
+
+/** A trial: the mesh that stands stays the one that is seen, and comes back if it is better. */
+static int try_centring(pl_lbfgs *m) {
+    pl_run *r = m->p.run;
+    const int64_t n = r->plan->n_nodes * r->plan->dim;
+    const pl_ratio_sums before = r->sums;
+    const double limit = r->problem.rr2_limit;
+    double *start = pl_alloc(2 * n, sizeof *start);
+    if (!start)
+        return 0;
+    r->shown_sums = &before;
+    r->problem.rr2_limit = INFINITY;
+    memset(r->plan->changed, 1, (size_t)r->plan->n_nodes);
+    const int stopped = centre_and_sweep(m, start, start + n);
+    pl_run_measure(r);
+    if (stopped || r->sums.inverted > before.inverted || r->sums.max > before.max ||
+        !(r->sums.movable < before.movable)) {
+        memcpy(r->plan->coordinates, start, (size_t)n * sizeof *start);
+        pl_run_measure(r);
+    }
+    r->shown_sums = NULL;
+    r->problem.rr2_limit = limit;
+    pl_free(start);
+    return stopped;
+}
+
+/** So many evaluations as sweeps; not 0 if it was cut short. *moved: it can go on. */
+static int descend(pl_lbfgs *m, int most, int *moved) {
+    pl_run *r = m->p.run;
+    const int64_t end = m->evaluations + most;
+    int stopped = 0;
+    *moved = 1;
+    while (*moved && m->evaluations < end && !stopped && pl_run_sweeps_left(r) > 0) {
+        pl_sweep_tally tally = {.colours = r->plan->n_colours};
+        pl_run_begin_sweep(r);
+        *moved = pl_lbfgs_iterate(m, &tally);
+        tally.evaluations = tally.visits;
+        stopped = pl_run_end_sweep(r, &tally);
+    }
+    return stopped;
+}
+
+/** L-BFGS for as long as it brings more than sweeps, which bring the RMS down by that part of
+ * itself each. */
+static int try_descent(pl_lbfgs *m, double fall) {
+    int stopped = 0, moved = 1;
+    while (moved && !stopped && pl_run_sweeps_left(m->p.run) > 0) {
+        const double before = m->value;
+        const int64_t evaluations = m->evaluations;
+        stopped = descend(m, EVALUATIONS_OF_TRIAL, &moved);
+        const double n = (double)(m->evaluations - evaluations);
+        if (!(1 - sqrt(m->value / before) > n * fall))
+            break;
+    }
+    return stopped;
+}
+
+/** RR^2 of the worst element with a free node: a bound that is met where the nodes are. */
+static double worst_of_movable(pl_run *r) {
+    const planish_plan *plan = r->plan;
+    double worst = 0;
+    for (int64_t i = 0; i < plan->stars.n_stars; i++) {
+        pl_star_value value;
+        plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);
+        worst = fmax(worst, value.max * (1 + value.error));
+    }
+    return worst;
+}
+
+/* L-BFGS keeps 31 vectors over the free nodes: 2 GB for so many in space. */
+enum { LARGEST = 1 << 21 };
+
+int pl_run_help(pl_run *r, pl_help help, double fall) {
+    pl_lbfgs m;
+    int stopped = 0;
+    if (r->plan->stars.n_stars > LARGEST)
+        return 0;
+    objective_of_all f = {.run = r, .rr2_limit = fmax(worst_of_movable(r), r->problem.rr2_limit)};
+    if (pl_lbfgs_create(r, &r->problem, NULL, evaluate, &f, &m)) {
+        pl_lbfgs_begin(&m);
+        if (m.value < INFINITY)
+            stopped = help == PL_CENTRING ? try_centring(&m) : try_descent(&m, fall);
+        memset(r->plan->changed, 1, (size_t)r->plan->n_nodes);
+    }
+    pl_lbfgs_destroy(&m);
+    return stopped;
+}

@@ -1,0 +1,200 @@
+/* What planish_smooth does about meshes that are far from their optimum on a large scale: the box
+ * is drawn out smoothly, every star looks like its neighbours', and sweeps bring the news on by one
+ * element each. */
+#include "support/allocations.h"
+#include "support/meshes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* Sweeps until help comes; help then comes at once. */
+enum { PATIENCE = 20, CELLS_2D = 60, CELLS_3D = 14 };
+
+static planish_options defaults(void) {
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = 1;
+    return options;
+}
+
+/** The nodes of a box 0 .. cells, those on its surface where they are, the others drawn to corner
+ * 0: by a power that grows from 1 at the surface. */
+static void squeezed_box(test_mesh *mesh, int dim) {
+    const double cells = dim == 3 ? CELLS_3D : CELLS_2D, power = dim == 3 ? 1.3 : 1.6;
+    test_mesh_box(mesh, dim, (int)cells);
+    for (int64_t i = 0; i < mesh->mesh.n_nodes; i++) {
+        double *x = mesh->coordinates + i * dim, inside = 1;
+        for (int d = 0; d < dim; d++)
+            inside *= 4 * x[d] / cells * (1 - x[d] / cells);
+        for (int d = 0; d < dim; d++)
+            x[d] = cells * pow(x[d] / cells, 1 + power * inside);
+    }
+}
+
+typedef struct smoothed {
+    double *coordinates; /* owned */
+    planish_quality before, after;
+    planish_result result;
+} smoothed;
+
+static void smooth(const planish_mesh *mesh, const planish_options *options, smoothed *s) {
+    const size_t bytes = (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double);
+    planish_plan *plan;
+    assert_int_equal(planish_plan_create(mesh, options, &plan, NULL), 0);
+    s->coordinates = malloc(bytes);
+    memcpy(s->coordinates, mesh->coordinates, bytes);
+    assert_int_equal(planish_measure(plan, s->coordinates, &s->before, NULL), 0);
+    assert_int_equal(planish_smooth(plan, s->coordinates, options, &s->result, NULL), 0);
+    assert_int_equal(planish_measure(plan, s->coordinates, &s->after, NULL), 0);
+    planish_plan_destroy(plan);
+}
+
+/* ---- a history ----------------------------------------------------------------------------- */
+
+enum { MOST = 400 };
+
+typedef struct history {
+    int n, stop_at;
+    double rms[MOST];
+} history;
+
+static int record(const planish_progress *progress, void *user) {
+    history *h = user;
+    if (!progress->sweep_done)
+        return h->stop_at && progress->sweep >= h->stop_at && progress->colour > 0;
+    if (h->n < MOST)
+        h->rms[h->n++] = progress->rms;
+    return 0;
+}
+
+/** Sweeps until the RMS is at most wanted; MOST if never. */
+static int sweeps_to(const history *h, double wanted) {
+    for (int i = 0; i < h->n; i++)
+        if (h->rms[i] <= wanted)
+            return i + 1;
+    return MOST;
+}
+
+/* ---- tests --------------------------------------------------------------------------------- */
+
+/** The box as it was before it was squeezed, smoothed, is as good as it gets. */
+static double rms_of_box(int dim) {
+    test_mesh box;
+    smoothed s;
+    planish_options options = defaults();
+    test_mesh_box(&box, dim, dim == 3 ? CELLS_3D : CELLS_2D);
+    smooth(&box.mesh, &options, &s);
+    free(s.coordinates);
+    test_mesh_destroy(&box);
+    return s.after.rms_radius_ratio;
+}
+
+static void help_comes_and_brings_it_home(void **state) {
+    int dim = *(int *)*state;
+    const double wanted = 1.01 * rms_of_box(dim);
+    test_mesh mesh;
+    smoothed s;
+    history h = {0};
+    planish_options options = defaults();
+    options.progress = record;
+    options.progress_user = &h;
+    squeezed_box(&mesh, dim);
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.before.inverted, 0);
+    assert_int_equal(s.after.inverted, 0);
+    assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
+    assert_true(s.before.rms_radius_ratio > 1.5 * wanted);
+    for (int i = 1; i < h.n; i++)
+        assert_true(h.rms[i] <= h.rms[i - 1] * (1 + 1e-12));
+    assert_true(h.rms[PATIENCE - 1] > wanted); /* not before, but soon after that */
+    assert_true(sweeps_to(&h, wanted) <= 2 * PATIENCE);
+    assert_true(s.after.max_radius_ratio <= s.before.max_radius_ratio);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/** Whoever stops it in the middle of help gets what was reported last. */
+static void cut_short_it_leaves_what_stood(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    squeezed_box(&mesh, dim);
+    for (int stop_at = PATIENCE - 1; stop_at < PATIENCE + 12; stop_at++) {
+        smoothed s;
+        history h = {.stop_at = stop_at};
+        planish_options options = defaults();
+        options.progress = record;
+        options.progress_user = &h;
+        smooth(&mesh.mesh, &options, &s);
+        assert_int_equal(s.result.stop, PLANISH_STOP_INTERRUPTED);
+        assert_int_equal(s.after.inverted, 0);
+        assert_true(s.after.rms_radius_ratio <= h.rms[stop_at - 2] * (1 + 1e-12));
+        free(s.coordinates);
+    }
+    test_mesh_destroy(&mesh);
+}
+
+static void same_bits(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed one, other;
+    planish_options options = defaults();
+    squeezed_box(&mesh, dim);
+    options.isa = PLANISH_ISA_PLAIN;
+    options.max_sweeps = 3 * PATIENCE;
+    smooth(&mesh.mesh, &options, &one);
+    options.isa = PLANISH_ISA_AUTO;
+    options.threads = 3;
+    smooth(&mesh.mesh, &options, &other);
+    assert_memory_equal(one.coordinates, other.coordinates,
+                        (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double));
+    free(one.coordinates);
+    free(other.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/** Without memory for it there is no help, but sweeps go on. */
+static void without_memory_there_is_no_help(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    planish_options options = defaults();
+    planish_plan *plan;
+    planish_result result;
+    squeezed_box(&mesh, dim);
+    assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, NULL), 0);
+    const size_t bytes = (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double);
+    double *x = malloc(bytes);
+    for (int permitted = 0; permitted < 12; permitted++) {
+        memcpy(x, mesh.coordinates, bytes);
+        allocations_permit(permitted);
+        int status = planish_smooth(plan, x, &options, &result, NULL);
+        allocations_permit(-1);
+        if (status == PLANISH_ERROR_MEMORY)
+            assert_memory_equal(x, mesh.coordinates, bytes);
+        else
+            assert_true(status == PLANISH_OK && result.inverted == 0);
+    }
+    free(x);
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&mesh);
+}
+
+int main(void) {
+    static int dims[] = {2, 3};
+#define BOTH(test)                                                                                 \
+    {#test " 2-D", test, NULL, NULL, &dims[0]}, {                                                  \
+#test " 3-D", test, NULL, NULL, &dims[1]                                                   \
+    }
+    const struct CMUnitTest tests[] = {
+        BOTH(help_comes_and_brings_it_home),
+        BOTH(cut_short_it_leaves_what_stood),
+        BOTH(same_bits),
+        BOTH(without_memory_there_is_no_help),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
