@@ -8,6 +8,8 @@
 #ifndef PL_BASE_LINK_H
 #define PL_BASE_LINK_H
 
+#include "base/memory.h"
+
 #include <stdint.h>
 
 enum {
@@ -38,6 +40,21 @@ static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position)
     link->low[i] = (uint8_t)position;
     if (link->high)
         link->high[i] = (uint8_t)(position >> 8);
+}
+
+/** Room for the links of n facets in all, of stars with at most max_link; 0, or -1 without memory.
+ *  To be released in any case. */
+static inline int pl_link_alloc(pl_link *link, int dim, int64_t n, int64_t max_link) {
+    const int wide = max_link > PL_BYTE_LINK;
+    link->low = pl_alloc(n, (size_t)pl_link_positions(dim));
+    link->high = wide ? pl_alloc(n, (size_t)pl_link_positions(dim)) : NULL;
+    return link->low && (!wide || link->high) ? 0 : -1;
+}
+
+static inline void pl_link_free(pl_link *link) {
+    pl_free(link->low);
+    pl_free(link->high);
+    *link = (pl_link){NULL, NULL};
 }
 
 /** The link of the star whose first facet is that number of all stars' facets. */

@@ -129,13 +129,13 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
     mark_free(plan, d);
     status = order_nodes(plan, d, error);
     if (!status)
-        status = pl_rings_create(mesh, &d->incidence, plan->is_free, d->node, &d->n_free,
-                                 plan->threads, &d->rings, error);
+        status = pl_rings_create(mesh, &d->incidence, plan->sign, plan->is_free, d->node,
+                                 &d->n_free, plan->threads, &d->rings, error);
     if (!status)
         status = order_visits(plan, d, error);
     if (!status)
-        status = pl_stars_create(mesh, &d->incidence, plan->sign, &d->rings, d->node, d->visit,
-                                 plan->inner, plan->threads, &plan->stars, error);
+        status = pl_stars_create(mesh, &d->incidence, &d->rings, d->node, d->visit, plan->inner,
+                                 plan->threads, &plan->stars, error);
     return status;
 }
 

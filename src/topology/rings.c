@@ -1,8 +1,9 @@
-/* rings: the neighbours of every free node.
+/* rings: the neighbours and the link of every free node.
  *
- * The link of an interior node is a sphere (a circle in 2-D), so Euler's formula foretells its
- * number of vertices, and one pass fills all rings. Where a node disproves that, all rings are
- * counted and filled again.
+ * They are made in the order of the nodes along the space-filling curve: what is read, the
+ * elements, lies all over memory, what is written does not. The link of an interior node is a
+ * sphere (a circle in 2-D), so Euler's formula foretells its number of vertices, and one pass fills
+ * all rings. Where a node disproves that, all rings are counted and filled again.
  */
 #include "topology/topology.h"
 
@@ -13,14 +14,18 @@
 #include "topology/local_map.h"
 
 enum { CHUNK = 256 }; /* rings that one thread takes at a time */
+/* The edges of links on so many nodes are numbered by a table: less than a byte can say. */
+enum { SMALL_RING = 64, SMALL_TABLE = SMALL_RING * SMALL_RING };
 
 /** The work on all rings. */
 typedef struct work {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
+    const int8_t *sign;
     const int32_t *node; /* [n_rings] */
     pl_rings *rings;
     pl_local_map *maps; /* [threads] the ring of one node */
+    uint8_t *tables;    /* [threads][SMALL_RING][SMALL_RING] 0 between nodes */
     int counting;       /* lengths are wanted, not nodes */
     int foretold_wrong; /* a ring has another length than its room */
 } work;
@@ -31,26 +36,107 @@ static int64_t degree(const pl_incidence *incidence, int32_t node) {
 
 /* ---- one ring ----------------------------------------------------------------------------- */
 
-/** Put the ring of node, or its first room nodes, into ring. Returns its length, or -1 without
- *  memory. */
-static inline int64_t find_ring(const work *w, int dim, pl_local_map *thread_map, int32_t node,
-                                int32_t *ring, int64_t room) {
-    const pl_incidence *incidence = w->incidence;
-    int64_t begin = incidence->offset[node], end = incidence->offset[node + 1];
-    if (pl_local_map_empty(thread_map, (end - begin) * dim) != 0)
-        return -1;
-    pl_local_map map = *thread_map; /* in registers */
-    for (int64_t i = begin; i < end; i++) {
-        const int32_t *element = w->mesh->elements + (int64_t)incidence->element[i] * (dim + 1);
-        int place = pl_place_in_element(dim, element, node);
-        for (int j = 0; j < dim; j++) {
-            int32_t other = pl_other_node(element, place, j);
-            int32_t position = pl_local_map_add(&map, (uint64_t)other);
-            if (position < room) /* writes known nodes again: cheaper than to ask */
-                ring[position] = other;
+/** Write the link facet of an element of a star. In a positive tetrahedron the facets opposite
+ *  nodes 1 and 3 are positive in the element's order, in a positive triangle those opposite nodes
+ *  0 and 2; exchanging the last two nodes turns a facet round. */
+static inline void write_facet(int dim, const int32_t *position, int place, int negative,
+                               const pl_link *link, int64_t facet) {
+    int straight = (place + dim) % 2 == 0;
+    int turn = straight == negative;
+    if (dim == 3)
+        pl_link_set(link, facet * dim, position[0]);
+    pl_link_set(link, facet * dim + dim - 2, position[turn ? dim - 1 : dim - 2]);
+    pl_link_set(link, facet * dim + dim - 1, position[turn ? dim - 2 : dim - 1]);
+}
+
+/** Write that half-edge i of a link of n facets, from p to q, is of that edge. */
+static inline void write_edge(const pl_link *link, int64_t n, int64_t i, int32_t p, int32_t q,
+                              int32_t edge) {
+    pl_link_set(link, 3 * n + i, edge);
+    if (edge < pl_link_edges(3, n)) { /* they all are around a free node */
+        pl_link_set(link, 6 * n + 2 * edge, p);
+        pl_link_set(link, 6 * n + 2 * edge + 1, q);
+    }
+}
+
+/** The nodes of a facet, and the first again. */
+static inline void facet_nodes(const pl_link *link, int64_t facet, int32_t v[4]) {
+    for (int c = 0; c < 3; c++)
+        v[c] = pl_link_get(link, 3 * facet + c);
+    v[3] = v[0];
+}
+
+/** Number the edges of the n facets of a star's link in order of appearance. map holds its nodes.
+ */
+static inline void write_edges(pl_local_map *map, const pl_link *link, int64_t n) {
+    const int32_t n_nodes = map->count;
+    for (int64_t f = 0; f < n; f++) {
+        int32_t v[4];
+        facet_nodes(link, f, v);
+        for (int c = 0; c < 3; c++) {
+            const int32_t p = v[c], q = v[c + 1], low = p < q ? p : q, high = p < q ? q : p;
+            const uint64_t key = (uint64_t)(high + 1) << 32 | (uint64_t)low; /* that of no node */
+            write_edge(link, n, 3 * f + c, p, q, pl_local_map_add(map, key) - n_nodes);
         }
     }
-    return map.count;
+}
+
+/** Where a table says what is known of the edge from p to q. */
+static inline uint8_t *entry_of(uint8_t *table, int32_t p, int32_t q) {
+    return table + (p < q ? p * SMALL_RING + q : q * SMALL_RING + p);
+}
+
+/** The same with a table, where nodes and edges are few; which edge is new no branch asks. */
+static inline void write_few_edges(uint8_t *table, const pl_link *link, int64_t n) {
+    int32_t count = 0, v[4];
+    for (int64_t f = 0; f < n; f++) {
+        facet_nodes(link, f, v);
+        for (int c = 0; c < 3; c++) {
+            uint8_t *entry = entry_of(table, v[c], v[c + 1]);
+            const int32_t is_new = *entry == 0;
+            count += is_new;
+            const int32_t edge = (count & -is_new) | (*entry & (is_new - 1)); /* from 1 */
+            *entry = (uint8_t)edge;
+            write_edge(link, n, 3 * f + c, v[c], v[c + 1], edge - 1);
+        }
+    }
+    for (int64_t f = 0; f < n; f++) {
+        facet_nodes(link, f, v);
+        for (int c = 0; c < 3; c++)
+            *entry_of(table, v[c], v[c + 1]) = 0;
+    }
+}
+
+/** Put ring r, or its first room nodes, into ring, and write its link. Returns its length, or -1
+ *  without memory. */
+static inline int64_t find_ring(const work *w, int dim, int thread, int64_t r, int32_t *ring,
+                                int64_t room) {
+    pl_local_map *thread_map = w->maps + thread;
+    const int32_t node = w->node[r];
+    const int64_t begin = w->incidence->offset[node], n = degree(w->incidence, node);
+    const pl_link link = pl_link_at(&w->rings->link, dim, w->rings->link_offset[r]);
+    if (pl_local_map_empty(thread_map, n * dim * (dim == 3 ? 2 : 1)) != 0)
+        return -1;
+    pl_local_map map = *thread_map; /* in registers */
+    for (int64_t i = 0; i < n; i++) {
+        const int32_t index = w->incidence->element[begin + i];
+        const int32_t *element = w->mesh->elements + (int64_t)index * (dim + 1);
+        int place = pl_place_in_element(dim, element, node);
+        int32_t position[3];
+        for (int j = 0; j < dim; j++) {
+            int32_t other = pl_other_node(element, place, j);
+            position[j] = pl_local_map_add(&map, (uint64_t)other);
+            if (position[j] < room) /* writes known nodes again: cheaper than to ask */
+                ring[position[j]] = other;
+        }
+        write_facet(dim, position, place, w->sign && w->sign[index] < 0, &link, i);
+    }
+    const int64_t length = map.count;
+    if (dim == 3 && length <= SMALL_RING && pl_link_edges(3, n) < UINT8_MAX)
+        write_few_edges(w->tables + (int64_t)thread * SMALL_TABLE, &link, n);
+    else if (dim == 3)
+        write_edges(&map, &link, n);
+    return length;
 }
 
 /* ---- all rings ---------------------------------------------------------------------------- */
@@ -62,6 +148,7 @@ static void foretell_lengths(void *context, int64_t begin, int64_t end, int thre
     for (int64_t r = begin; r < end; r++) {
         int64_t facets = degree(w->incidence, w->node[r]);
         w->rings->offset[r] = w->mesh->dim == 3 ? facets / 2 + 2 : facets;
+        w->rings->link_offset[r] = facets;
     }
 }
 
@@ -71,14 +158,13 @@ static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int 
     pl_rings *rings = w->rings;
     for (int64_t r = begin; r < end; r++) {
         pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, end);
-        pl_local_map *map = w->maps + thread;
         if (w->counting) {
-            rings->offset[r] = find_ring(w, dim, map, w->node[r], NULL, 0);
+            rings->offset[r] = find_ring(w, dim, thread, r, NULL, 0);
             continue;
         }
         int64_t room = rings->offset[r + 1] - rings->offset[r];
         int32_t *ring = rings->neighbour + rings->offset[r];
-        if (find_ring(w, dim, map, w->node[r], ring, room) != room)
+        if (find_ring(w, dim, thread, r, ring, room) != room)
             __atomic_store_n(&w->foretold_wrong, 1, __ATOMIC_RELAXED);
     }
 }
@@ -106,21 +192,33 @@ static int fill(work *w, int threads) {
 }
 
 /** Take the nodes of links that are too large out of node and is_free. */
-static void hold_large(const work *w, int32_t *node, uint8_t *is_free) {
+static void hold_large(work *w, int32_t *node, uint8_t *is_free) {
+    pl_rings *rings = w->rings;
     int64_t kept = 0;
-    for (int64_t r = 0; r < w->rings->n_rings; r++)
-        if (degree(w->incidence, node[r]) > PL_MAX_LINK)
+    for (int64_t r = 0; r < rings->n_rings; r++) {
+        const int64_t n = degree(w->incidence, node[r]);
+        if (n > PL_MAX_LINK) {
             is_free[node[r]] = 0;
-        else
-            node[kept++] = node[r];
-    w->rings->n_rings = kept;
+            continue;
+        }
+        rings->max_link = n > rings->max_link ? n : rings->max_link;
+        node[kept++] = node[r];
+    }
+    rings->n_rings = kept;
+}
+
+/** Room for the links, by the lengths in rings->link_offset. */
+static int make_room_for_links(const work *w, int threads) {
+    pl_rings *rings = w->rings;
+    const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->link_offset);
+    return pl_link_alloc(&rings->link, w->mesh->dim, total, rings->max_link);
 }
 
 /** Foretell, fill, and where that does not hold: count, fill. */
 static int make_rings(work *w, int threads) {
     pl_rings *rings = w->rings;
     pl_parallel_for(threads, rings->n_rings, CHUNK, foretell_lengths, w);
-    if (fill(w, threads) != 0)
+    if (make_room_for_links(w, threads) != 0 || fill(w, threads) != 0)
         return -1;
     if (!w->foretold_wrong)
         return 0;
@@ -129,15 +227,24 @@ static int make_rings(work *w, int threads) {
     return pl_local_maps_failed(w->maps, threads) ? -1 : fill(w, threads);
 }
 
-int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, uint8_t *is_free,
-                    int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
+int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
+                    uint8_t *is_free, int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
                     planish_error *error) {
     *rings = (pl_rings){.n_rings = *n_free};
-    work w = {mesh, incidence, node, rings, pl_local_maps_create(threads), 0, 0};
+    work w = {.mesh = mesh,
+              .incidence = incidence,
+              .sign = sign,
+              .node = node,
+              .rings = rings,
+              .maps = pl_local_maps_create(threads),
+              .tables = pl_alloc_zero(threads, SMALL_TABLE)};
     hold_large(&w, node, is_free);
     rings->offset = pl_alloc(rings->n_rings + 1, sizeof *rings->offset);
-    int done = w.maps && rings->offset && make_rings(&w, threads) == 0;
+    rings->link_offset = pl_alloc(rings->n_rings + 1, sizeof *rings->link_offset);
+    int done =
+        w.maps && w.tables && rings->offset && rings->link_offset && make_rings(&w, threads) == 0;
     pl_local_maps_destroy(w.maps, threads);
+    pl_free(w.tables);
     if (!done) {
         pl_rings_destroy(rings);
         return pl_fail_memory(error, "the neighbours of the nodes");
@@ -149,5 +256,7 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, uin
 void pl_rings_destroy(pl_rings *rings) {
     pl_free(rings->offset);
     pl_free(rings->neighbour);
+    pl_free(rings->link_offset);
+    pl_link_free(&rings->link);
     *rings = (pl_rings){0};
 }

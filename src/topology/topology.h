@@ -61,21 +61,27 @@ void pl_boundary_destroy(pl_boundary *boundary);
 /** order [n]: the nodes along a Hilbert curve through their bounding box (ties: by number). */
 int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planish_error *error);
 
-/* ---- rings.c: the neighbours of every free node ------------------------------------------- */
+/* ---- rings.c: the neighbours and the link of every free node ------------------------------- */
 
-/** Neighbours (nodes of a common element) of the nodes node [n_rings]; ring r is that of node[r].
- */
+/** Neighbours (nodes of a common element) of the nodes node [n_rings], and their links; ring r is
+ *  that of node[r]. */
 typedef struct pl_rings {
     int64_t n_rings;
-    int64_t *offset;    /* [n_rings + 1] into neighbour */
-    int32_t *neighbour; /* each once, in order of first appearance in the ascending elements */
+    int64_t *offset;      /* [n_rings + 1] into neighbour */
+    int32_t *neighbour;   /* each once, in order of first appearance in the ascending elements */
+    int64_t *link_offset; /* [n_rings + 1] in link facets: one per element of the node */
+    int64_t max_link;     /* of one node */
+    pl_link link; /* of all nodes; facets in the order of their elements, oriented so that the
+                     measure of (facet, node) is positive in a valid mesh: with x the node, 3-D
+                     (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D (p0 - x) x (p1 - x) > 0; their
+                     edges: p0 p1, p1 p2, p2 p0 */
 } pl_rings;
 
 /** is_free [n]: 1 for the nodes that may move. A node with more than PL_MAX_LINK elements is made
  * not free (is_free becomes 0). node [n]: the free nodes in the wanted order; on return without
- * those held. */
-int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, uint8_t *is_free,
-                    int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
+ * those held. sign: as in pl_boundary. */
+int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
+                    uint8_t *is_free, int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
                     planish_error *error);
 void pl_rings_destroy(pl_rings *rings);
 
@@ -90,16 +96,13 @@ int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_no
 
 /* ---- stars.c: the star of every free node ------------------------------------------------- */
 
-/** The rings and link facets of nodes, compressed, in visiting order (the caller's choice). */
+/** The rings and links of nodes, compressed, in visiting order (the caller's choice). */
 typedef struct pl_stars {
     int64_t n_stars;
     int64_t *ring_offset; /* [n_stars + 1] into ring */
     int32_t *ring;        /* the star's other nodes as in pl_rings, but numbered by number_of */
-    int64_t *link_offset; /* [n_stars + 1] in link facets: one per element of the star */
-    pl_link link; /* of all stars; facets in the order of their elements, oriented so that the
-                     measure of (facet, node) is positive in a valid mesh: with x the node, 3-D
-                     (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D (p0 - x) x (p1 - x) > 0;
-                     their edges: p0 p1, p1 p2, p2 p0 */
+    int64_t *link_offset; /* [n_stars + 1] in link facets */
+    pl_link link;         /* as in pl_rings */
     double
         *min_volume; /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or NULL */
     int64_t max_ring, max_link; /* of one star */
@@ -107,9 +110,9 @@ typedef struct pl_stars {
 
 /** Star s is that of the node of ring visit[s], s < rings->n_rings; node [n_rings] as given to
  *  pl_rings_create; number_of [n] maps the mesh's node numbers to those written to stars->ring. */
-int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    const pl_rings *rings, const int32_t *node, const int32_t *visit,
-                    const int32_t *number_of, int threads, pl_stars *stars, planish_error *error);
+int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, const pl_rings *rings,
+                    const int32_t *node, const int32_t *visit, const int32_t *number_of,
+                    int threads, pl_stars *stars, planish_error *error);
 void pl_stars_destroy(pl_stars *stars);
 
 #endif

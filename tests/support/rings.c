@@ -21,10 +21,10 @@ void test_rings_create(test_rings *rings, const planish_mesh *mesh, int all, int
         if (rings->is_free[i])
             rings->node[rings->n_free++] = i;
     }
-    pl_boundary_destroy(&boundary);
-    assert_int_equal(pl_rings_create(mesh, &rings->incidence, rings->is_free, rings->node,
-                                     &rings->n_free, threads, &rings->rings, NULL),
+    assert_int_equal(pl_rings_create(mesh, &rings->incidence, boundary.sign, rings->is_free,
+                                     rings->node, &rings->n_free, threads, &rings->rings, NULL),
                      PLANISH_OK);
+    pl_boundary_destroy(&boundary);
 }
 
 void test_rings_destroy(test_rings *rings) {

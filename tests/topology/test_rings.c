@@ -144,8 +144,8 @@ static void survives_without_memory(void **state) {
     int status = PLANISH_ERROR_MEMORY, permitted = 0;
     for (; status; permitted++) {
         allocations_permit(permitted);
-        status = pl_rings_create(&mesh.mesh, &base.incidence, base.is_free, base.node, &base.n_free,
-                                 1, &rings, NULL);
+        status = pl_rings_create(&mesh.mesh, &base.incidence, NULL, base.is_free, base.node,
+                                 &base.n_free, 1, &rings, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
     }
