@@ -3,6 +3,10 @@
 
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
 
 enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector */
 
@@ -39,4 +43,17 @@ void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, siz
 
 void pl_free(void *array) {
     free(array);
+}
+
+void pl_discard(void *begin, int64_t bytes) {
+#ifdef __linux__
+    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), from = (uintptr_t)begin;
+    const uintptr_t first = (from + page - 1) / page * page;
+    const uintptr_t end = (from + (uintptr_t)bytes) / page * page;
+    if (end > first)
+        madvise((void *)first, end - first, MADV_DONTNEED); /* a refusal does no harm */
+#else
+    (void)begin;
+    (void)bytes;
+#endif
 }

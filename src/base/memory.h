@@ -19,4 +19,8 @@ void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, siz
 
 void pl_free(void *array);
 
+/** What is in these bytes of an array is no longer wanted, and will not be read again: whole pages
+ *  among them go back to the system, if it takes them. */
+void pl_discard(void *begin, int64_t bytes);
+
 #endif

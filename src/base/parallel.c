@@ -122,3 +122,10 @@ int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values) {
     values[n] = total;
     return total;
 }
+
+void pl_raise_to(int64_t *largest, int64_t value) {
+    int64_t seen = __atomic_load_n(largest, __ATOMIC_RELAXED);
+    while (value > seen && !__atomic_compare_exchange_n(largest, &seen, value, 1, __ATOMIC_RELAXED,
+                                                        __ATOMIC_RELAXED)) {
+    }
+}

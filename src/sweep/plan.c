@@ -133,6 +133,8 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
                                  &d->n_free, plan->threads, &d->rings, error);
     if (!status)
         status = order_visits(plan, d, error);
+    if (!mesh->min_volume)
+        pl_incidence_destroy(&d->incidence);
     if (!status)
         status = pl_stars_create(mesh, &d->incidence, &d->rings, d->node, d->visit, plan->inner,
                                  plan->threads, &plan->stars, error);

@@ -172,7 +172,8 @@ enum { LARGEST = 1 << 21 };
 int pl_run_help(pl_run *r, pl_help help, double fall) {
     pl_lbfgs m;
     int stopped = 0;
-    if (r->plan->stars.n_stars > LARGEST)
+    if (r->plan->stars.n_stars > LARGEST ||
+        (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL))
         return 0;
     objective_of_all f = {.run = r, .rr2_limit = fmax(worst_of_movable(r), r->problem.rr2_limit)};
     if (pl_lbfgs_create(r, &r->problem, NULL, evaluate, &f, &m)) {

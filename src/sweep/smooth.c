@@ -16,22 +16,43 @@
 
 /* ---- coordinates out ----------------------------------------------------------------------- */
 
-/** Write the nodes that moved to the caller's coordinates; how many and how far is the result's. */
-static void transfer_out(pl_run *r) {
-    const planish_plan *plan = r->plan;
+enum { CHUNK_NODES = 4096 };
+
+/** How many nodes have moved, and how far: the bits of a double that is not negative are ordered as
+ *  it is. */
+typedef struct transfer {
+    pl_run *run;
+    int64_t moved, far_bits;
+} transfer;
+
+static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    transfer *t = context;
+    const planish_plan *plan = t->run->plan;
     const int dim = plan->dim;
-    planish_result *result = r->result;
-    for (int64_t i = 0; i < plan->n_nodes; i++) {
-        double *outside = r->outside + i * dim;
+    int64_t moved = 0, far_bits;
+    double farthest = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        double *outside = t->run->outside + i * dim;
         const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
-        double far = plan->is_free[i] ? pl_distance(dim, inside, outside) : 0;
+        const double far = plan->is_free[i] ? pl_distance(dim, inside, outside) : 0;
         if (!(far > 0))
             continue;
-        result->moved_nodes++;
-        result->max_displacement = far > result->max_displacement ? far : result->max_displacement;
-        for (int d = 0; d < dim; d++)
-            outside[d] = inside[d];
+        moved++;
+        farthest = fmax(farthest, far);
+        memcpy(outside, inside, (size_t)dim * sizeof *outside);
     }
+    memcpy(&far_bits, &farthest, sizeof far_bits);
+    pl_raise_to(&t->far_bits, far_bits);
+    __atomic_fetch_add(&t->moved, moved, __ATOMIC_RELAXED);
+}
+
+/** Write the nodes that moved to the caller's coordinates; how many and how far is the result's. */
+static void transfer_out(pl_run *r) {
+    transfer t = {r, 0, 0};
+    pl_parallel_for(r->plan->threads, r->plan->n_nodes, CHUNK_NODES, transfer_chunk, &t);
+    r->result->moved_nodes = t.moved;
+    memcpy(&r->result->max_displacement, &t.far_bits, sizeof t.far_bits);
 }
 
 /* ---- a call --------------------------------------------------------------------------------- */

@@ -11,26 +11,19 @@
 #include <string.h>
 
 enum {
-    CHUNK = 256 /* stars that one thread takes at a time */
+    CHUNK = 256,      /* stars that one thread takes at a time */
+    COPY_CHUNK = 2048 /* rings: many pages that can be given back */
 };
 
 /** The work on all stars. */
 typedef struct work {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
-    const pl_rings *rings;
+    pl_rings *rings;
     const int32_t *node, *visit, *number_of;
     int32_t *star_of; /* [n_rings] star of each ring: the inverse of visit */
     pl_stars *stars;
 } work;
-
-/** Raise *largest to value, whichever thread comes first. */
-static void raise_to(int64_t *largest, int64_t value) {
-    int64_t seen = __atomic_load_n(largest, __ATOMIC_RELAXED);
-    while (value > seen && !__atomic_compare_exchange_n(largest, &seen, value, 1, __ATOMIC_RELAXED,
-                                                        __ATOMIC_RELAXED)) {
-    }
-}
 
 /** Lengths into the offsets, and the inverse of visit. */
 static void measure_stars(void *context, int64_t begin, int64_t end, int thread) {
@@ -46,7 +39,7 @@ static void measure_stars(void *context, int64_t begin, int64_t end, int thread)
         stars->link_offset[s] = w->rings->link_offset[r + 1] - w->rings->link_offset[r];
         max_ring = ring > max_ring ? ring : max_ring;
     }
-    raise_to(&stars->max_ring, max_ring);
+    pl_raise_to(&stars->max_ring, max_ring);
 }
 
 static void copy_ring(const work *w, int64_t r) {
@@ -72,6 +65,17 @@ static void copy_link(const work *w, int64_t r) {
     }
 }
 
+/** Of rings that have been copied. */
+static void discard(const pl_rings *rings, int dim, int64_t begin, int64_t end) {
+    const int64_t first = rings->link_offset[begin], n = rings->link_offset[end] - first;
+    const pl_link link = pl_link_at(&rings->link, dim, first);
+    pl_discard(rings->neighbour + rings->offset[begin],
+               (rings->offset[end] - rings->offset[begin]) * (int64_t)sizeof *rings->neighbour);
+    pl_discard(link.low, n * pl_link_positions(dim));
+    if (link.high)
+        pl_discard(link.high, n * pl_link_positions(dim));
+}
+
 static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const work *w = context;
     (void)thread;
@@ -79,6 +83,7 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
         copy_ring(w, r);
         copy_link(w, r);
     }
+    discard(w->rings, w->mesh->dim, begin, end);
 }
 
 /** Everything behind the offsets' allocation; returns -1 without memory. */
@@ -95,11 +100,11 @@ static int fill(work *w, int threads) {
     if (pl_link_alloc(&stars->link, w->mesh->dim, n_link, stars->max_link) != 0 || !stars->ring ||
         (w->mesh->min_volume && !stars->min_volume))
         return -1;
-    pl_parallel_for(threads, n, CHUNK, copy_chunk, w);
+    pl_parallel_for(threads, n, COPY_CHUNK, copy_chunk, w);
     return 0;
 }
 
-int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, const pl_rings *rings,
+int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
                     const int32_t *node, const int32_t *visit, const int32_t *number_of,
                     int threads, pl_stars *stars, planish_error *error) {
     int64_t n = rings->n_rings;
@@ -116,6 +121,7 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, con
     stars->link_offset = pl_alloc(n + 1, sizeof *stars->link_offset);
     int done = w.star_of && stars->ring_offset && stars->link_offset && fill(&w, threads) == 0;
     pl_free(w.star_of);
+    pl_rings_destroy(rings);
     if (done)
         return PLANISH_OK;
     pl_stars_destroy(stars);

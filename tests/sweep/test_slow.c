@@ -139,6 +139,22 @@ static void cut_short_it_leaves_what_stood(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+static void the_most_sweeps_are_the_most(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    squeezed_box(&mesh, dim);
+    for (int most = PATIENCE; most < PATIENCE + 12; most++) {
+        smoothed s;
+        planish_options options = defaults();
+        options.max_sweeps = most;
+        smooth(&mesh.mesh, &options, &s);
+        assert_int_equal(s.result.stop, PLANISH_STOP_MAX_SWEEPS);
+        assert_true(s.result.sweeps <= most && s.after.inverted == 0);
+        free(s.coordinates);
+    }
+    test_mesh_destroy(&mesh);
+}
+
 static void same_bits(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
@@ -191,9 +207,8 @@ int main(void) {
 #test " 3-D", test, NULL, NULL, &dims[1]                                                   \
     }
     const struct CMUnitTest tests[] = {
-        BOTH(help_comes_and_brings_it_home),
-        BOTH(cut_short_it_leaves_what_stood),
-        BOTH(same_bits),
+        BOTH(help_comes_and_brings_it_home),   BOTH(cut_short_it_leaves_what_stood),
+        BOTH(the_most_sweeps_are_the_most),    BOTH(same_bits),
         BOTH(without_memory_there_is_no_help),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
