@@ -199,15 +199,17 @@ int pl_run_sweeps_left(const pl_run *r) {
     return r->options->max_sweeps - (r->sweep - r->result->untangling_sweeps);
 }
 
-/* A mesh whose sweeps bring little by little after so many of them, and would bring more than this
- * in the end, is slow. */
+/* A mesh whose sweeps bring less than the first of these after so many of them, and would bring
+ * more than the second in the end, is slow. */
 enum { SWEEPS_UNTIL_SLOW = 20 };
+#define SLOW_FALL      0.1
 #define SLOW_REMAINDER 0.01
 
 /** Whether help is wanted: something is wrong that is much larger than the elements. */
 static int is_slow(const pl_run *r, const pl_convergence *trend, int patience) {
     return r->plain && r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0) &&
-           trend->n_falls >= patience && pl_remainder(trend) > SLOW_REMAINDER;
+           trend->n_falls >= patience && trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL &&
+           pl_remainder(trend) > SLOW_REMAINDER;
 }
 
 /** What is known of how the sweeps go. */
@@ -219,10 +221,19 @@ typedef struct course {
     int polished;               /* that was slow, and L-BFGS has had the last word */
 } course;
 
+/* Sweeps that have converged still promise more than so many times the tolerance: L-BFGS may bring
+ * it. */
+#define POLISH_REMAINDER 10
+
+static int wants_polish(const pl_run *r, const course *c) {
+    return c->help == PL_DESCENT && !c->polished &&
+           pl_remainder(&c->trend) > POLISH_REMAINDER * r->options->tolerance;
+}
+
 /** Help if it is wanted; not 0 if it was cut short. */
 static int help_if_slow(pl_run *r, course *c, int converged) {
     const int slow = is_slow(r, &c->trend, c->patience);
-    const int polish = converged && c->help == PL_DESCENT && !c->polished;
+    const int polish = converged && wants_polish(r, c);
     if (!slow && !polish)
         return 0;
     const double fall = c->trend.fall[PL_CALM_SWEEPS - 1];
@@ -244,7 +255,7 @@ void pl_run_sweeps(pl_run *r) {
             return;
         const int converged = has_converged(r, &c.convergence, before, visits);
         pl_converged(&c.trend, before, objective_of_movable(r), 0);
-        if (converged && (c.help != PL_DESCENT || c.polished)) {
+        if (converged && !wants_polish(r, &c)) {
             r->stop = PLANISH_STOP_CONVERGED;
             return;
         }
