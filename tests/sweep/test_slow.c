@@ -13,8 +13,8 @@
 
 #include <cmocka.h>
 
-/* Sweeps until help comes; help then comes at once. */
-enum { PATIENCE = 20, CELLS_2D = 60, CELLS_3D = 14 };
+/* Sweeps until help comes, and some with it, but not all. */
+enum { PATIENCE = 20, WITH_HELP = PATIENCE + 8, CELLS_2D = 60, CELLS_3D = 14 };
 
 static planish_options defaults(void) {
     planish_options options;
@@ -124,7 +124,7 @@ static void cut_short_it_leaves_what_stood(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
     squeezed_box(&mesh, dim);
-    for (int stop_at = PATIENCE - 1; stop_at < PATIENCE + 12; stop_at++) {
+    for (int stop_at = PATIENCE - 1; stop_at < WITH_HELP; stop_at++) {
         smoothed s;
         history h = {.stop_at = stop_at};
         planish_options options = defaults();
@@ -143,7 +143,7 @@ static void the_most_sweeps_are_the_most(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
     squeezed_box(&mesh, dim);
-    for (int most = PATIENCE; most < PATIENCE + 12; most++) {
+    for (int most = PATIENCE; most < WITH_HELP; most++) {
         smoothed s;
         planish_options options = defaults();
         options.max_sweeps = most;
