@@ -148,8 +148,8 @@ static void the_most_sweeps_are_the_most(void **state) {
         planish_options options = defaults();
         options.max_sweeps = most;
         smooth(&mesh.mesh, &options, &s);
-        assert_int_equal(s.result.stop, PLANISH_STOP_MAX_SWEEPS);
         assert_true(s.result.sweeps <= most && s.after.inverted == 0);
+        assert_true(s.result.sweeps < most || s.result.stop == PLANISH_STOP_MAX_SWEEPS);
         free(s.coordinates);
     }
     test_mesh_destroy(&mesh);
