@@ -6,7 +6,8 @@
  * Hessian; visit: one whole visit (a Newton step with its search) of every star, on the mesh as it
  * is. First the plain problem, then the guarded kernel with each objective and a least volume that
  * is far away. One thread; each figure is the best of the repeats. "check" must be the same for all
- * variants of a problem.
+ * variants of a problem. bytes_per_star: of the plan, which a visit reads from one end to the
+ * other; coordinates, which stars share, come on top.
  */
 #include "sweep/plan.h"
 
@@ -137,12 +138,17 @@ int main(int argc, char **argv) {
         planish_mesh mesh = planish_file_mesh(file);
         status = planish_plan_create(&mesh, &options, &plan, &error);
         if (!status) {
-            int64_t n = plan->stars.n_stars;
+            const int64_t n = plan->stars.n_stars;
+            const double per_star = n ? 1 / (double)n : 0;
+            const double facets = (double)plan->stars.link_offset[n] * per_star;
+            const double ring = (double)plan->stars.ring_offset[n] * per_star;
+            const double link_bytes = (double)pl_link_positions(plan->dim) * facets;
             printf("{ \"planish\": \"%s\", \"mesh\": \"%s\", \"stars\": %lld, "
-                   "\"facets_per_star\": %.2f, \"ring_per_star\": %.2f,\n",
-                   planish_version(), argv[1], (long long)n,
-                   n ? (double)plan->stars.link_offset[n] / (double)n : 0,
-                   n ? (double)plan->stars.ring_offset[n] / (double)n : 0);
+                   "\"facets_per_star\": %.2f, \"ring_per_star\": %.2f, "
+                   "\"bytes_per_star\": %.1f,\n",
+                   planish_version(), argv[1], (long long)n, facets, ring,
+                   link_bytes * (plan->stars.link.high ? 2 : 1) + ring * sizeof(int32_t) +
+                       2 * sizeof(int64_t) + sizeof(int32_t));
             status = run(plan, &mesh, argc > 2 ? atoi(argv[2]) : 5);
         }
     }

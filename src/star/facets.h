@@ -45,20 +45,21 @@ enum {
     OZ, /* p0 - o, o the facet's circumcentre */
     NN, /* |n|^2 */
     WW, /* 4 rho^2, rho the facet's circumradius */
-    /* The rest is for derivatives, see tetrahedra.h. */
+    /* The rest is for derivatives, from one pass over the facets to the next (objective.h). */
     CX,
     CY,
-    CZ,
+    CZ, /* x - o */
     SX,
     SY,
-    SZ,
+    SZ,    /* grad s, then grad s / s */
+    AREAS, /* sum of the areas of the faces at x, times two */
+    RR2,   /* RR^2 times the weight */
+    OF_S,  /* 2 RR2 / s, the weight of hess s */
     OF_C,
     OF_N,
     OF_CC,
     OF_CN,
-    OF_NN,
-    OF_ALL,
-    OF_S,
+    OF_NN, /* see coefficients in tetrahedra.h */
     COLUMNS_3D
 };
 

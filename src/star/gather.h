@@ -128,7 +128,8 @@ static inline void unpack(const pl_link *link, int64_t from, int64_t n, int64_t 
         row[i] = row[i % count];
 }
 
-/** Gather star index of problem, with its node at x (as in the mesh), into scratch. */
+/** Gather star index of problem, with its node at x (as in the mesh), into scratch. Inlined, like
+ * the sums over a star: what they return is not handed over through memory then. */
 PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const double *x,
                       double *scratch, const int guarded, const int dim) {
     star s;

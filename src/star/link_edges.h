@@ -116,7 +116,7 @@ PL_INLINE void sum_slopes(const star *s) {
         }
         rows_to_columns(rows, sum);
         vec3_store(s, SX, i, (vec3){sum[0], sum[1], sum[2]});
-        store(s, OF_ALL, i, sum[3]);
+        store(s, AREAS, i, sum[3]);
     }
 }
 

@@ -92,72 +92,82 @@ PL_INLINE objective value_3d(const star *s, const double *position, const int gu
     return accumulator_result(&total, RR2_FACTOR_3D);
 }
 
-PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out) {
-    vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
-    accumulator total;
-    accumulator_init(&total);
+/** Sums over the facets under way. */
+typedef struct sums_3d {
+    accumulator values;
     lanes g[3][PL_PACKS], h[6][PL_PACKS], trace[PL_PACKS], size2[PL_PACKS];
-    for (int k = 0; k < PL_PACKS; k++) {
-        for (int c = 0; c < 3; c++)
-            g[c][k] = lanes_of(0);
-        for (int c = 0; c < 6; c++)
-            h[c][k] = lanes_of(0);
-        trace[k] = size2[k] = lanes_of(0);
-    }
-    find_normals(s, x);
-    find_slopes(s);
-    sum_slopes(s);
+} sums_3d;
+
+/** First pass: values, and what the derivatives are made of, into columns. In a loop by itself,
+ *  since its divisions take long: more facets are under way then. */
+PL_INLINE void add_values_3d(const star *s, vec3 x, sums_3d *sums) {
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
-            tetrahedra t = tetrahedra_at(s, j, x, load(s, OF_ALL, j));
+            tetrahedra t = tetrahedra_at(s, j, x, load(s, AREAS, j));
             lanes weight = load(s, WEIGHT, j);
             lanes inverse_d2 = lanes_of(1) / (t.D * t.D), inverse_d = t.D * inverse_d2;
             lanes inverse_sn = lanes_of(1) / (t.s * t.N), inverse_s = t.N * inverse_sn;
             lanes q = t.s * inverse_d2;
             lanes rr2 = t.N * (q * q);
-            store(s, RATE, j, inverse_d);
-            accumulate(&total, k, rr2, weight, t.D, inverse_d2, load(s, ROUNDING, j) * t.aa);
-            size2[k] += t.aa * weight;
+            accumulate(&sums->values, k, rr2, weight, t.D, inverse_d2, load(s, ROUNDING, j) * t.aa);
+            sums->size2[k] += t.aa * weight;
             rr2 *= weight;
-            store(s, OF_S, j, lanes_of(2) * (rr2 * inverse_s));
-            vec3_store(s, CX, j, t.c);
-            vec3_store(s, SX, j, vec3_scaled(vec3_load(s, SX, SY, SZ, j), inverse_s));
             coefficients f = coefficients_of(&t, inverse_d, t.s * inverse_sn, rr2);
-            trace[k] += f.trace;
+            sums->trace[k] += f.trace;
+            store(s, RATE, j, inverse_d);
+            store(s, RR2, j, rr2);
+            store(s, OF_S, j, lanes_of(2) * (rr2 * inverse_s));
             store(s, OF_C, j, f.of_c);
             store(s, OF_N, j, f.of_n);
             store(s, OF_CC, j, f.of_cc);
             store(s, OF_CN, j, f.of_cn);
             store(s, OF_NN, j, f.of_nn);
-            store(s, OF_ALL, j, rr2);
+            vec3_store(s, CX, j, t.c);
+            vec3_store(s, SX, j, vec3_scaled(vec3_load(s, SX, SY, SZ, j), inverse_s));
         }
+}
+
+/** Second pass: the derivatives, but for the bends of the faces. */
+PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
             coefficients f = {load(s, OF_C, j),  load(s, OF_N, j),  load(s, OF_CC, j),
                               load(s, OF_CN, j), load(s, OF_NN, j), lanes_of(0)};
-            lanes hessian[6], weight = load(s, OF_ALL, j);
+            lanes h[6], rr2 = load(s, RR2, j);
             vec3 l =
                 log_derivatives_3d(&f, vec3_load(s, CX, CY, CZ, j), vec3_load(s, NX, NY, NZ, j),
-                                   vec3_load(s, SX, SY, SZ, j), weight, hessian);
-            g[0][k] += weight * l.x;
-            g[1][k] += weight * l.y;
-            g[2][k] += weight * l.z;
+                                   vec3_load(s, SX, SY, SZ, j), rr2, h);
+            sums->g[0][k] += rr2 * l.x;
+            sums->g[1][k] += rr2 * l.y;
+            sums->g[2][k] += rr2 * l.z;
             for (int c = 0; c < 6; c++)
-                h[c][k] += hessian[c];
+                sums->h[c][k] += h[c];
         }
     for (int k = 0; k < PL_PACKS; k++)
         for (int d = 0; d < 3; d++)
-            h[packed(d, d, 3)][k] += trace[k];
+            sums->h[packed(d, d, 3)][k] += sums->trace[k];
+}
+
+PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out) {
+    vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
+    sums_3d sums;
+    memset(&sums, 0, sizeof sums);
+    accumulator_init(&sums.values);
+    find_normals(s, x);
+    find_slopes(s);
+    sum_slopes(s);
+    add_values_3d(s, x, &sums);
+    add_derivatives_3d(s, &sums);
     share_weights(s);
-    add_bends(s, h);
+    add_bends(s, sums.h);
     for (int c = 0; c < 3; c++)
-        out->gradient[c] = lanes_sum(g[c]) * RR2_FACTOR_3D;
+        out->gradient[c] = lanes_sum(sums.g[c]) * RR2_FACTOR_3D;
     for (int c = 0; c < 6; c++)
-        out->hessian[c] = lanes_sum(h[c]) * RR2_FACTOR_3D;
-    out->size2 = lanes_sum(size2) / (double)s->n_facets;
-    return accumulator_result(&total, RR2_FACTOR_3D);
+        out->hessian[c] = lanes_sum(sums.h[c]) * RR2_FACTOR_3D;
+    out->size2 = lanes_sum(sums.size2) / (double)s->n_facets;
+    return accumulator_result(&sums.values, RR2_FACTOR_3D);
 }
 
 /* ---- triangles ---------------------------------------------------------------------------- */
