@@ -22,7 +22,7 @@ pl_box pl_box_of_fixed(const planish_plan *plan) {
         b.upper[d] = -INFINITY;
     }
     for (int64_t i = 0; i < plan->n_nodes; i++)
-        for (int d = 0; d < dim && !plan->is_free[i]; d++) {
+        for (int d = 0; d < dim && plan->is_used[i] && !plan->is_free[i]; d++) {
             const double x = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
             b.lower[d] = fmin(b.lower[d], x);
             b.upper[d] = fmax(b.upper[d], x);

@@ -113,8 +113,7 @@ int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally) {
         const double next = rise < INFINITY ? -0.5 * slope * step * step / rise : 0;
         step = fmin(fmax(next, 0.1 * step), 0.5 * step);
     }
-    pl_patch_combine(&m->p, m->position, m->start, 0, m->start);
-    pl_patch_admit(&m->p, m->position, m->start);
+    pl_patch_put(&m->p, r->plan->coordinates, m->start);
     evaluate(m, INFINITY);
     return 0;
 }

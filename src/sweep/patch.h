@@ -58,7 +58,7 @@ void pl_patch_put(const pl_patch *p, double *field, const double *a);
  *  start. x becomes where they are. */
 void pl_patch_admit(const pl_patch *p, double *x, const double *start);
 
-/** Where the nodes are that are not free. */
+/** Where the nodes of elements are that are not free. */
 typedef struct pl_box {
     double lower[3], upper[3];
     double scale; /* a power of two: times it the box is about 1 wide */

@@ -44,6 +44,7 @@ static void mark_free(planish_plan *plan, draft *d) {
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         int used = d->incidence.offset[i + 1] > d->incidence.offset[i];
         int fixed = mesh->constraint && mesh->constraint[i] != PLANISH_FREE;
+        plan->is_used[i] = (uint8_t)used;
         plan->is_free[i] = used && !fixed && !d->boundary.on_boundary[i];
         plan->info.n_unused += !used;
     }
@@ -116,8 +117,9 @@ static int order_visits(planish_plan *plan, draft *d, planish_error *error) {
 static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) {
     const planish_mesh *mesh = d->mesh;
     plan->is_free = pl_alloc(plan->n_nodes, sizeof *plan->is_free);
+    plan->is_used = pl_alloc(plan->n_nodes, sizeof *plan->is_used);
     plan->inner = pl_alloc(plan->n_nodes, sizeof *plan->inner);
-    if (!plan->is_free || !plan->inner)
+    if (!plan->is_free || !plan->is_used || !plan->inner)
         return pl_fail_memory(error, "nodes");
     int status = pl_incidence_create(mesh, plan->threads, &d->incidence, error);
     if (!status)
@@ -176,7 +178,7 @@ static void fill_info(planish_plan *plan, const draft *d) {
     info->isa = plan->kernel->name;
     info->binding = pl_placement_text(plan->placement);
     info->bytes =
-        plan->n_nodes * (int64_t)(2 * (size_t)plan->dim * sizeof(double) + sizeof(int32_t) + 2) +
+        plan->n_nodes * (int64_t)(2 * (size_t)plan->dim * sizeof(double) + sizeof(int32_t) + 3) +
         (plan->sign ? plan->n_elements : 0) +
         (plan->min_volume ? (plan->n_elements + plan->stars.link_offset[plan->stars.n_stars]) *
                                 (int64_t)sizeof(double)
@@ -279,6 +281,7 @@ void planish_plan_destroy(planish_plan *plan) {
     pl_free(plan->min_volume);
     pl_free(plan->sign);
     pl_free(plan->is_free);
+    pl_free(plan->is_used);
     pl_free(plan->inner);
     pl_free(plan->centre);
     pl_free(plan->colour_begin);

@@ -15,6 +15,7 @@ struct planish_plan {
     double *min_volume;      /* [m] mesh->min_volume, or NULL */
     int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
     uint8_t *is_free;        /* [n] by the caller's numbers */
+    uint8_t *is_used;        /* [n] likewise: by an element */
     int32_t *inner;          /* [n] inner number of each of the caller's nodes */
     int32_t *centre;         /* [n_stars] inner number of each star's node, colour by colour */
     int64_t *colour_begin;   /* [n_colours + 1] first star of each colour */

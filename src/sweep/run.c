@@ -221,10 +221,10 @@ typedef struct course {
     int polished;               /* that was slow, and L-BFGS has had the last word */
 } course;
 
-/** Whether sweeps that have converged still promise more than the tolerance: L-BFGS may bring it. */
+/** Whether sweeps that have converged still promise more than the tolerance: L-BFGS may bring it.
+ */
 static int wants_polish(const pl_run *r, const course *c) {
-    return c->help == PL_DESCENT && !c->polished &&
-           pl_remainder(&c->trend) > r->options->tolerance;
+    return c->help == PL_DESCENT && !c->polished && pl_remainder(&c->trend) > r->options->tolerance;
 }
 
 /** Help if it is wanted; not 0 if it was cut short. */

@@ -18,10 +18,12 @@ enum { PARTS = 8, SWEEPS_OF_TRIAL = 4 };
 /* Evaluations after which L-BFGS must have brought more than as many sweeps. */
 enum { EVALUATIONS_OF_TRIAL = 30 };
 
-/** The sum of RR^2 as a function of all free nodes. */
+/** The sum of RR^2 as a function of all free nodes but those whose stars are not valid. */
 typedef struct objective_of_all {
     pl_run *run;
-    double rr2_limit;     /* no element may become worse */
+    uint8_t *in_patch;    /* [n_nodes] owned; 1: of stars that were valid beyond doubt at first */
+    double rr2_limit;     /* no element may become worse, as its stars see it */
+    double rr2_measured;  /* or as the mesh is measured */
     pl_star_slope *slope; /* of the stars under way */
     int refused;          /* by one of the stars */
 } objective_of_all;
@@ -32,6 +34,8 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
     double *scratch = plan->scratch + plan->scratch_stride * thread;
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
+        if (!f->in_patch[plan->centre[i]])
+            continue;
         plan->kernel->evaluate[plan->dim - 2](&f->run->problem, i, scratch, 1, &value);
         memcpy(f->slope[i].gradient, value.gradient, sizeof value.gradient);
         memcpy(f->slope[i].hessian, value.hessian, sizeof value.hessian);
@@ -48,7 +52,8 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
     const pl_ratio_sums before = r->sums;
     const double measured = r->measured;
     pl_run_measure(r);
-    double value = r->sums.inverted > before.inverted ? INFINITY : r->sums.movable;
+    const int worse = r->sums.inverted > before.inverted || r->sums.max > f->rr2_measured;
+    double value = worse ? INFINITY : r->sums.movable;
     if (value <= enough) {
         f->slope = slope;
         f->refused = 0;
@@ -89,7 +94,7 @@ static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
         if (r->sums.inverted <= r->shown_sums->inverted)
             break;
     }
-    tally.evaluations = tally.visits;
+    tally.visits = 0; /* no local problem was solved */
     stopped = pl_run_end_sweep(r, &tally);
     for (int i = 0; i < SWEEPS_OF_TRIAL && !stopped; i++) {
         int64_t visits;
@@ -154,34 +159,63 @@ static int try_descent(pl_lbfgs *m, double fall) {
     return stopped;
 }
 
-/** RR^2 of the worst element with a free node: a bound that is met where the nodes are. */
-static double worst_of_movable(pl_run *r) {
+/** Which nodes move, and how bad an element may be: as bad as the worst of the input, or as the
+ *  worst there is. */
+static void look(objective_of_all *f) {
+    pl_run *r = f->run;
     const planish_plan *plan = r->plan;
-    double worst = 0;
+    f->rr2_limit = r->problem.rr2_limit;
+    f->rr2_measured = fmax(r->problem.rr2_limit, r->sums.max);
     for (int64_t i = 0; i < plan->stars.n_stars; i++) {
         pl_star_value value;
         plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);
-        worst = fmax(worst, value.max * (1 + value.error));
+        f->in_patch[plan->centre[i]] = value.certain != 0;
+        if (value.certain)
+            f->rr2_limit = fmax(f->rr2_limit, value.max * (1 + value.error));
     }
-    return worst;
 }
 
-/* L-BFGS keeps 31 vectors over the free nodes: 2 GB for so many in space. */
-enum { LARGEST = 1 << 21 };
+/** Multiply all coordinates, and see to it that they are measured as before. */
+static void rescale(pl_run *r, double factor) {
+    for (int64_t i = 0; i < r->plan->n_nodes * r->plan->dim; i++)
+        r->plan->coordinates[i] *= factor;
+    r->unit /= factor;
+}
 
-int pl_run_help(pl_run *r, pl_help help, double fall) {
+static int try_help(pl_run *r, pl_help help, double fall) {
+    objective_of_all f = {.run = r, .in_patch = pl_alloc_zero(r->plan->n_nodes, 1)};
     pl_lbfgs m;
     int stopped = 0;
-    if (r->plan->stars.n_stars > LARGEST ||
-        (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL))
+    if (!f.in_patch)
         return 0;
-    objective_of_all f = {.run = r, .rr2_limit = fmax(worst_of_movable(r), r->problem.rr2_limit)};
-    if (pl_lbfgs_create(r, &r->problem, NULL, evaluate, &f, &m)) {
+    look(&f);
+    if (pl_lbfgs_create(r, &r->problem, f.in_patch, evaluate, &f, &m)) {
         pl_lbfgs_begin(&m);
         if (m.value < INFINITY)
             stopped = help == PL_CENTRING ? try_centring(&m) : try_descent(&m, fall);
         memset(r->plan->changed, 1, (size_t)r->plan->n_nodes);
     }
     pl_lbfgs_destroy(&m);
+    pl_free(f.in_patch);
+    return stopped;
+}
+
+/* L-BFGS keeps 31 vectors over the free nodes: 2 GB for so many in space. */
+enum { LARGEST = 1 << 21 };
+/* Squares and cubes of lengths in units beyond this, or its inverse, could overflow: then the mesh
+ * is brought to a size of 1 for the time of the help, if nothing of it is lost on the way back. */
+#define EXTREME 0x1p200
+#define TINY    0x1p900
+
+int pl_run_help(pl_run *r, pl_help help, double fall) {
+    const double unit = r->unit;
+    if (r->plan->stars.n_stars > LARGEST || unit > TINY ||
+        (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
+        return 0;
+    if (unit <= EXTREME && unit >= 1 / EXTREME)
+        return try_help(r, help, fall);
+    rescale(r, unit);
+    const int stopped = try_help(r, help, fall);
+    rescale(r, 1 / unit);
     return stopped;
 }

@@ -111,17 +111,21 @@ static int was_cut_short(const pl_run *r) {
 }
 
 /** If bringing elements up has left no fewer of them below, it has only made the mesh worse: once
- *  more from the start, without. */
+ *  more from the start, without; or if there is no time for that and more are below, back to it. */
 static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
     planish_plan *plan = r->plan;
-    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH || was_cut_short(r) ||
-        pl_run_sweeps_left(r) <= 0)
+    const int over = was_cut_short(r) || pl_run_sweeps_left(r) <= 0;
+    if (r->plain || r->options->method != PLANISH_METHOD_PLANISH)
         return;
     pl_run_measure(r);
     if (start->below == 0 || r->totals.below < start->below || r->totals.inverted < start->inverted)
         return;
+    if (over && r->totals.below == start->below)
+        return;
     pl_plan_order(plan, r->outside, plan->coordinates);
     pl_run_measure(r);
+    if (over)
+        return;
     prepare_problem(r);
     r->guard.star.keep_below = 1;
     pl_run_sweeps(r);
@@ -162,10 +166,11 @@ static int work(pl_run *r, planish_error *error) {
         status = untangle(r, pl_run_untangle, &done, error);
     if (!status && !was_cut_short(r))
         status = sweeps(r, error);
-    if (status || was_cut_short(r))
+    if (status)
         return status;
     give_up_in_vain(r, &start);
-    pl_run_augmented(r);
+    if (!was_cut_short(r))
+        pl_run_augmented(r);
     return PLANISH_OK;
 }
 

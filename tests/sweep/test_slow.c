@@ -174,6 +174,78 @@ static void same_bits(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** With a tolerance that L-BFGS has something to do for. */
+static void powers_of_two_change_no_bit(void **state) {
+    static const int exponents[] = {-800, -520, -250, -9, 1, 250, 520, 700};
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed one, other;
+    planish_options options = defaults();
+    options.tolerance = 1e-9;
+    options.max_sweeps = 4 * PATIENCE;
+    squeezed_box(&mesh, dim);
+    smooth(&mesh.mesh, &options, &one);
+    for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k++) {
+        test_mesh_transform(&mesh, ldexp(1, exponents[k]), 0);
+        smooth(&mesh.mesh, &options, &other);
+        for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
+            assert_true(ldexp(one.coordinates[i], exponents[k]) == other.coordinates[i]);
+        assert_true(one.result.rms == other.result.rms);
+        test_mesh_transform(&mesh, ldexp(1, -exponents[k]), 0);
+        free(other.coordinates);
+    }
+    free(one.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/** An unused node far away, and a component that cannot be helped, keep nothing from its help. */
+static void strangers_change_nothing(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh, strange;
+    smoothed one, other;
+    planish_options options = defaults();
+    options.max_sweeps = 2 * PATIENCE;
+    squeezed_box(&mesh, dim);
+    smooth(&mesh.mesh, &options, &one);
+    const int64_t n = mesh.mesh.n_nodes;
+    double *x = calloc((size_t)((n + 1) * dim), sizeof *x);
+    memcpy(x, mesh.coordinates, (size_t)(n * dim) * sizeof *x);
+    x[n * dim] = 1e250;
+    test_mesh_create(&strange, dim, n + 1, x, mesh.mesh.n_elements, mesh.elements);
+    smooth(&strange.mesh, &options, &other);
+    assert_true(fabs(one.result.rms / other.result.rms - 1) < 1e-6);
+    assert_int_equal(other.result.inverted, 0);
+    free(x);
+    free(one.coordinates);
+    free(other.coordinates);
+    test_mesh_destroy(&mesh);
+    test_mesh_destroy(&strange);
+}
+
+/** Floats: nodes that are none and never moved stay what they are. */
+static void floats_stay_valid(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh, small;
+    smoothed s;
+    planish_options options = defaults();
+    options.tolerance = 1e-9;
+    options.max_sweeps = 4 * PATIENCE;
+    options.precision = PLANISH_FLOAT;
+    squeezed_box(&mesh, dim);
+    for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
+        mesh.coordinates[i] = (float)mesh.coordinates[i];
+    test_mesh_box(&small, dim, 4); /* its cells are lost where floats are as large as that */
+    test_mesh_transform(&small, 0x1p-30, 1 + 2.0 * CELLS_2D);
+    test_mesh_append(&mesh, &small, 0);
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(s.before.inverted, 0);
+    assert_int_equal(s.after.inverted, 0);
+    assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+    test_mesh_destroy(&small);
+}
+
 /** Without memory for it there is no help, but sweeps go on. */
 static void without_memory_there_is_no_help(void **state) {
     int dim = *(int *)*state;
@@ -207,8 +279,13 @@ int main(void) {
 #test " 3-D", test, NULL, NULL, &dims[1]                                                   \
     }
     const struct CMUnitTest tests[] = {
-        BOTH(help_comes_and_brings_it_home),   BOTH(cut_short_it_leaves_what_stood),
-        BOTH(the_most_sweeps_are_the_most),    BOTH(same_bits),
+        BOTH(help_comes_and_brings_it_home),
+        BOTH(cut_short_it_leaves_what_stood),
+        BOTH(the_most_sweeps_are_the_most),
+        BOTH(same_bits),
+        BOTH(powers_of_two_change_no_bit),
+        BOTH(strangers_change_nothing),
+        BOTH(floats_stay_valid),
         BOTH(without_memory_there_is_no_help),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
