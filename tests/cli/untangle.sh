@@ -5,7 +5,8 @@
 
 python3 "$cli/make_slow_mesh.py" 12 square.mesh
 python3 "$cli/make_mesh.py" 6 0.2 cube.mesh
-endless=(--tolerance 0 --max-sweeps 2000000000 -j 1)
+# With bounds there is no help for slow meshes, and it takes seconds.
+endless=(--tolerance 0 --max-sweeps 2000000000 -j 1 --box=-9,-9,9,9)
 
 # spoil IN OUT KIND...
 spoil() {
