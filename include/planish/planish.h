@@ -175,7 +175,8 @@ typedef struct planish_options {
     int untangle;                  /* not 0 (the default): elements that are not positive are mended
                                       first where that can be done, and those below their least
                                       volume while it is smoothed; 0: they are left alone */
-    int max_sweeps;                /* of smoothing, at least 0; untangling has its own bound */
+    int max_sweeps;                /* of smoothing, at least 0; untangling has its own bound; where
+                                      L-BFGS helps, each of its iterations counts as one */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
     double time_limit;             /* seconds, 0: none */
     double only_worse_than;        /* visit only stars with an element of RR above it, or below its

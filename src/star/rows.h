@@ -1,8 +1,8 @@
 /* rows: points as rows of four doubles in memory, and their exchange with columns of lanes.
  *
  * A facet or an edge names points, which lie anywhere; lanes want one coordinate of PL_PACK points.
- * To load whole rows and to exchange rows and columns in registers costs a third of picking single
- * numbers.
+ * To load whole rows and to exchange rows and columns in registers takes a third of the loads that
+ * picking single numbers would.
  */
 #ifndef PL_STAR_ROWS_H
 #define PL_STAR_ROWS_H
