@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096 };
+enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096, CHUNK_RINGS = 16384 };
 
 /** What plan creation needs only while it runs. */
 typedef struct draft {
@@ -19,11 +19,13 @@ typedef struct draft {
     pl_incidence incidence;
     pl_boundary boundary;
     int32_t *order; /* [n] the caller's numbers along the curve */
-    int32_t *node;  /* [n_free] the caller's numbers of the free nodes, along the curve */
-    int64_t n_free;
-    pl_rings rings;  /* of node */
-    int32_t *colour; /* [n_free] of node */
-    int32_t *visit;  /* [n_free] indices into node, colour by colour */
+    int32_t
+        *node; /* [n_candidates] along the curve, the caller's numbers; -1 if not free after all */
+    int64_t n_candidates; /* nodes that are free if they are inside */
+    pl_rings rings;       /* of node */
+    int32_t *colour;      /* [n_candidates] of node */
+    int32_t *visit;       /* [n_free] indices into node, colour by colour */
+    int64_t *count;       /* [chunks of nodes + 1] */
 } draft;
 
 static void draft_destroy(draft *d) {
@@ -34,39 +36,84 @@ static void draft_destroy(draft *d) {
     pl_free(d->node);
     pl_free(d->colour);
     pl_free(d->visit);
+    pl_free(d->count);
 }
 
 /* ---- free nodes --------------------------------------------------------------------------- */
 
-/** A node is free if it has elements, is not on the boundary, and its constraint says so. */
-static void mark_free(planish_plan *plan, draft *d) {
-    const planish_mesh *mesh = d->mesh;
-    for (int64_t i = 0; i < plan->n_nodes; i++) {
-        int used = d->incidence.offset[i + 1] > d->incidence.offset[i];
-        int fixed = mesh->constraint && mesh->constraint[i] != PLANISH_FREE;
-        plan->is_used[i] = (uint8_t)used;
-        plan->is_free[i] = used && !fixed && !d->boundary.on_boundary[i];
-        plan->info.n_unused += !used;
-    }
+/** A node can be free if it has elements, is not known to be on the boundary, and its constraint
+ *  says so. */
+static int can_be_free(const draft *d, int64_t i, int used) {
+    const uint8_t *constraint = d->mesh->constraint;
+    return used && (!constraint || constraint[i] == PLANISH_FREE) && !d->boundary.on_boundary[i];
 }
 
-/** order and inner from the curve, node from those of them that are free. */
-static int order_nodes(planish_plan *plan, draft *d, planish_error *error) {
-    int64_t n = plan->n_nodes;
-    d->order = pl_alloc(n, sizeof *d->order);
-    d->node = pl_alloc(n, sizeof *d->node);
-    if (!d->order || !d->node)
-        return pl_fail_memory(error, "the order of nodes");
-    int status = pl_curve_order(d->mesh, plan->threads, d->order, error);
-    if (status)
-        return status;
-    for (int64_t i = 0; i < n; i++) {
-        int32_t node = d->order[i];
-        plan->inner[node] = (int32_t)i;
-        if (plan->is_free[node])
-            d->node[d->n_free++] = node;
+/** The work of find_candidates. */
+typedef struct candidacy {
+    planish_plan *plan;
+    draft *d;
+} candidacy;
+
+/** Of the nodes along the curve. */
+static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
+    const candidacy *c = context;
+    const int64_t *offset = c->d->incidence.offset;
+    int64_t candidates = 0, unused = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int32_t node = c->d->order[i];
+        const int used = offset[node + 1] > offset[node];
+        c->plan->inner[node] = (int32_t)i;
+        c->plan->is_used[node] = (uint8_t)used;
+        c->plan->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
+        candidates += c->plan->is_free[node];
+        unused += !used;
     }
-    return PLANISH_OK;
+    c->d->count[begin / CHUNK_NODES] = candidates;
+    __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
+}
+
+static void list_candidates(void *context, int64_t begin, int64_t end, int thread) {
+    const candidacy *c = context;
+    int64_t n = c->d->count[begin / CHUNK_NODES];
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        if (c->plan->is_free[c->d->order[i]])
+            c->d->node[n++] = c->d->order[i];
+}
+
+/** inner, is_used, and is_free of the candidates; and they as node. */
+static void find_candidates(planish_plan *plan, draft *d) {
+    candidacy c = {plan, d};
+    plan->info.n_unused = 0;
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
+    d->n_candidates = pl_prefix_sum(plan->threads, (plan->n_nodes - 1) / CHUNK_NODES + 1, d->count);
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
+}
+
+static int make_rings(planish_plan *plan, draft *d, planish_error *error) {
+    find_candidates(plan, d);
+    return pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free, d->node,
+                           d->n_candidates, plan->threads, &d->rings, error);
+}
+
+/** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then
+ *  links tell which nodes are inside, and only the facets between others need to be looked at. */
+static int find_free(planish_plan *plan, draft *d, planish_error *error) {
+    int status = pl_boundary_create(d->mesh, plan->threads, &d->boundary, error);
+    const int guessed = !status && d->boundary.is_guess;
+    if (guessed)
+        status = make_rings(plan, d, error);
+    if (!status)
+        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->is_free : NULL,
+                                  plan->threads, &d->boundary, error);
+    if (!status && !d->boundary.is_guess) {
+        pl_rings_destroy(&d->rings);
+        status = make_rings(plan, d, error);
+    }
+    plan->sign = d->boundary.sign;
+    d->boundary.sign = NULL;
+    return status;
 }
 
 static double count_fixed(void *context, int64_t begin, int64_t end, int thread) {
@@ -85,30 +132,63 @@ static double count_fixed(void *context, int64_t begin, int64_t end, int thread)
 
 /* ---- visiting order ----------------------------------------------------------------------- */
 
+/** The work of order_visits. */
+typedef struct arrangement {
+    planish_plan *plan;
+    draft *d;
+    int64_t n_chunks;
+    int64_t *begin; /* [n_colours * n_chunks + 1] first visit of colour c in chunk k, at
+                       c * n_chunks + k; counts at first */
+} arrangement;
+
+static void count_colours(void *context, int64_t begin, int64_t end, int thread) {
+    const arrangement *a = context;
+    int64_t *count = a->begin + begin / CHUNK_RINGS;
+    (void)thread;
+    for (int c = 0; c < a->plan->n_colours; c++)
+        count[c * a->n_chunks] = 0;
+    for (int64_t r = begin; r < end; r++)
+        if (a->d->colour[r] >= 0)
+            count[a->d->colour[r] * a->n_chunks]++;
+}
+
+static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
+    const arrangement *a = context;
+    int64_t *next = a->begin + begin / CHUNK_RINGS;
+    (void)thread;
+    for (int64_t r = begin; r < end; r++) {
+        if (a->d->colour[r] < 0)
+            continue;
+        int64_t place = next[a->d->colour[r] * a->n_chunks]++;
+        a->d->visit[place] = (int32_t)r;
+        a->plan->centre[place] = a->plan->inner[a->d->node[r]];
+    }
+}
+
 /** Colour the rings and put them in order of colour, along the curve within each. */
 static int order_visits(planish_plan *plan, draft *d, planish_error *error) {
-    int64_t n = d->n_free;
-    d->colour = pl_alloc(n, sizeof *d->colour);
-    d->visit = pl_alloc(n, sizeof *d->visit);
-    plan->centre = pl_alloc(n, sizeof *plan->centre);
+    arrangement a = {.plan = plan, .d = d, .n_chunks = d->n_candidates / CHUNK_RINGS + 1};
+    d->colour = pl_alloc(d->n_candidates, sizeof *d->colour);
+    d->visit = pl_alloc(d->rings.n_free, sizeof *d->visit);
+    plan->centre = pl_alloc(d->rings.n_free, sizeof *plan->centre);
     if (!d->colour || !d->visit || !plan->centre)
         return pl_fail_memory(error, "the colours of nodes");
     int status = pl_colouring_create(&d->rings, d->node, plan->n_nodes, plan->threads, d->colour,
                                      &plan->n_colours, error);
     if (status)
         return status;
-    plan->colour_begin = pl_alloc_zero(plan->n_colours + 2, sizeof *plan->colour_begin);
-    if (!plan->colour_begin)
+    plan->colour_begin = pl_alloc(plan->n_colours + 1, sizeof *plan->colour_begin);
+    a.begin = pl_alloc_zero(plan->n_colours * a.n_chunks + 1, sizeof *a.begin);
+    if (!plan->colour_begin || !a.begin) {
+        pl_free(a.begin);
         return pl_fail_memory(error, "the colours of nodes");
-    for (int64_t i = 0; i < n; i++)
-        plan->colour_begin[d->colour[i] + 2]++;
-    for (int c = 0; c < plan->n_colours; c++)
-        plan->colour_begin[c + 2] += plan->colour_begin[c + 1];
-    for (int64_t i = 0; i < n; i++) {
-        int64_t place = plan->colour_begin[d->colour[i] + 1]++;
-        d->visit[place] = (int32_t)i;
-        plan->centre[place] = plan->inner[d->node[i]];
     }
+    pl_parallel_for(plan->threads, d->n_candidates, CHUNK_RINGS, count_colours, &a);
+    pl_prefix_sum(plan->threads, plan->n_colours * a.n_chunks, a.begin);
+    for (int c = 0; c <= plan->n_colours; c++)
+        plan->colour_begin[c] = a.begin[c * a.n_chunks];
+    pl_parallel_for(plan->threads, d->n_candidates, CHUNK_RINGS, list_visits, &a);
+    pl_free(a.begin);
     return PLANISH_OK;
 }
 
@@ -116,23 +196,20 @@ static int order_visits(planish_plan *plan, draft *d, planish_error *error) {
 
 static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) {
     const planish_mesh *mesh = d->mesh;
-    plan->is_free = pl_alloc(plan->n_nodes, sizeof *plan->is_free);
-    plan->is_used = pl_alloc(plan->n_nodes, sizeof *plan->is_used);
-    plan->inner = pl_alloc(plan->n_nodes, sizeof *plan->inner);
-    if (!plan->is_free || !plan->is_used || !plan->inner)
+    int64_t n = plan->n_nodes;
+    plan->is_free = pl_alloc(n, sizeof *plan->is_free);
+    plan->is_used = pl_alloc(n, sizeof *plan->is_used);
+    plan->inner = pl_alloc(n, sizeof *plan->inner);
+    d->order = pl_alloc(n, sizeof *d->order);
+    d->node = pl_alloc(n, sizeof *d->node);
+    d->count = pl_alloc(n / CHUNK_NODES + 2, sizeof *d->count);
+    if (!plan->is_free || !plan->is_used || !plan->inner || !d->order || !d->node || !d->count)
         return pl_fail_memory(error, "nodes");
     int status = pl_incidence_create(mesh, plan->threads, &d->incidence, error);
     if (!status)
-        status = pl_boundary_create(mesh, &d->incidence, plan->threads, &d->boundary, error);
-    if (status)
-        return status;
-    plan->sign = d->boundary.sign;
-    d->boundary.sign = NULL;
-    mark_free(plan, d);
-    status = order_nodes(plan, d, error);
+        status = pl_curve_order(mesh, plan->threads, d->order, error);
     if (!status)
-        status = pl_rings_create(mesh, &d->incidence, plan->sign, plan->is_free, d->node,
-                                 &d->n_free, plan->threads, &d->rings, error);
+        status = find_free(plan, d, error);
     if (!status)
         status = order_visits(plan, d, error);
     if (!mesh->min_volume)

@@ -94,20 +94,27 @@ static void count_facets(void *context, int32_t node, const pl_facet *facets, in
 
 /* ---- the boundary ------------------------------------------------------------------------- */
 
-int pl_boundary_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
-                       pl_boundary *boundary, planish_error *error) {
+int pl_boundary_create(const planish_mesh *mesh, int threads, pl_boundary *boundary,
+                       planish_error *error) {
     *boundary = (pl_boundary){0};
     boundary->on_boundary = pl_alloc_zero(mesh->n_nodes, sizeof *boundary->on_boundary);
     if (!boundary->on_boundary)
         return pl_fail_memory(error, "the boundary");
-    census c = {mesh, incidence, boundary, 1, 0};
-    int status = pl_facets_match(mesh, incidence, threads, count_facets, &c, error);
-    if (!status && c.failed)
-        status = pl_fail_memory(error, "duplicate elements");
-    if (!status)
-        status = pl_orientation_create(mesh, incidence, c.consistent, threads, boundary, error);
+    int status = pl_orientation_guess(mesh, threads, boundary, error);
     if (status)
         pl_boundary_destroy(boundary);
+    return status;
+}
+
+int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
+                     const uint8_t *is_inside, int threads, pl_boundary *boundary,
+                     planish_error *error) {
+    census c = {mesh, incidence, boundary, 1, 0};
+    int status = pl_facets_match(mesh, incidence, is_inside, threads, count_facets, &c, error);
+    if (!status && c.failed)
+        status = pl_fail_memory(error, "duplicate elements");
+    if (!status && !(boundary->is_guess && c.consistent))
+        status = pl_orientation_create(mesh, incidence, threads, boundary, error);
     return status;
 }
 

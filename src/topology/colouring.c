@@ -25,7 +25,7 @@ enum {
 /** The graph of the free nodes, numbered by their rings, and the state of its colouring. */
 typedef struct work {
     const pl_rings *rings;
-    const int32_t *node; /* [n_rings] the caller's number */
+    const int32_t *node; /* [n_rings] the caller's number, -1: none */
     int32_t *ring_of;    /* [n_nodes] ring of each node, -1: not free */
     int32_t *neighbour;  /* [offset[n_rings]] rings of the free neighbours, packed to the front of
                             each ring's room */
@@ -63,7 +63,8 @@ static void set_ring_of(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     (void)thread;
     for (int64_t r = begin; r < end; r++)
-        w->ring_of[w->node[r]] = (int32_t)r;
+        if (w->node[r] >= 0)
+            w->ring_of[w->node[r]] = (int32_t)r;
 }
 
 /** Free neighbours and priorities. */
@@ -74,12 +75,14 @@ static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t r = begin; r < end; r++) {
         int32_t *neighbour = w->neighbour + rings->offset[r];
         int32_t n = 0;
+        w->colour[r] = UNCOLOURED;
+        if (w->node[r] < 0)
+            continue;
         for (int64_t i = rings->offset[r]; i < rings->offset[r + 1]; i++) {
             neighbour[n] = w->ring_of[rings->neighbour[i]];
             n += neighbour[n] >= 0;
         }
         w->priority[r] = (uint64_t)n << 32 | hash_of((uint32_t)w->node[r]);
-        w->colour[r] = UNCOLOURED;
     }
 }
 
@@ -87,6 +90,8 @@ static void count_waiting(void *context, int64_t begin, int64_t end, int thread)
     work *w = context;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
+        if (w->node[r] < 0)
+            continue;
         const int32_t *neighbour = w->neighbour + w->rings->offset[r];
         int32_t n = degree(w, r), waiting = 1;
         for (int32_t i = 0; i < n; i++)
@@ -147,7 +152,7 @@ static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) 
     int max_colour = 0;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        if (__atomic_sub_fetch(w->waiting + r, 1, __ATOMIC_ACQ_REL) != 0)
+        if (w->node[r] < 0 || __atomic_sub_fetch(w->waiting + r, 1, __ATOMIC_ACQ_REL) != 0)
             continue;
         int colour = colour_from(w, (int32_t)r);
         max_colour = colour > max_colour ? colour : max_colour;

@@ -49,7 +49,7 @@ PL_AT_ONCE void pl_fetch_ahead(const planish_mesh *mesh, int dim, const pl_incid
 static inline int pl_place_in_element(int dim, const int32_t *element, int32_t node) {
     int place = 0;
     for (int j = 1; j <= dim; j++)
-        place += element[j] == node ? j : 0;
+        place += j & -(element[j] == node);
     return place;
 }
 

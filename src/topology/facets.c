@@ -18,6 +18,7 @@ enum { CHUNK = 256 }; /* nodes that one thread takes at a time */
 typedef struct matching {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
+    const uint8_t *is_inside; /* [n] facets at such nodes are left out, or NULL */
     pl_facets_fn *body;
     void *context;
     pl_local_map *maps; /* [threads] facets of one node */
@@ -28,8 +29,11 @@ typedef struct matching {
     } * lists;            /* [threads] */
 } matching;
 
-static inline void add_facet(pl_local_map *map, pl_facet *facets, int32_t node0, int32_t node1,
-                             int32_t opposite, int32_t element, int parity) {
+static inline void add_facet(pl_local_map *map, pl_facet *facets, const uint8_t *is_inside,
+                             int32_t node0, int32_t node1, int32_t opposite, int32_t element,
+                             int parity) {
+    if (is_inside && (is_inside[node0] || (node1 >= 0 && is_inside[node1])))
+        return;
     int32_t known = map->count;
     int32_t at = pl_local_map_add(map, (uint64_t)(uint32_t)node0 << 32 | (uint32_t)node1);
     pl_facet *facet = facets + at;
@@ -49,8 +53,9 @@ static inline void add_facet(pl_local_map *map, pl_facet *facets, int32_t node0,
 }
 
 /** Add those facets of element whose smallest node is node. */
-static inline void add_element(int dim, pl_local_map *map, pl_facet *facets, const int32_t *nodes,
-                               int32_t node, int32_t element) {
+static inline void add_element(int dim, pl_local_map *map, pl_facet *facets,
+                               const uint8_t *is_inside, const int32_t *nodes, int32_t node,
+                               int32_t element) {
     int below = 0;
     for (int j = 0; j <= dim; j++)
         below += nodes[j] < node;
@@ -59,14 +64,14 @@ static inline void add_element(int dim, pl_local_map *map, pl_facet *facets, con
     int32_t s[4];
     int parity = pl_sort_element(dim, nodes, s);
     if (below == 1) {
-        add_facet(map, facets, s[2], dim == 3 ? s[3] : -1, s[0], element, parity);
+        add_facet(map, facets, is_inside, s[2], dim == 3 ? s[3] : -1, s[0], element, parity);
     } else if (dim == 3) {
-        add_facet(map, facets, s[2], s[3], s[1], element, parity ^ 1);
-        add_facet(map, facets, s[1], s[3], s[2], element, parity);
-        add_facet(map, facets, s[1], s[2], s[3], element, parity ^ 1);
+        add_facet(map, facets, is_inside, s[2], s[3], s[1], element, parity ^ 1);
+        add_facet(map, facets, is_inside, s[1], s[3], s[2], element, parity);
+        add_facet(map, facets, is_inside, s[1], s[2], s[3], element, parity ^ 1);
     } else {
-        add_facet(map, facets, s[2], -1, s[1], element, parity ^ 1);
-        add_facet(map, facets, s[1], -1, s[2], element, parity);
+        add_facet(map, facets, is_inside, s[2], -1, s[1], element, parity ^ 1);
+        add_facet(map, facets, is_inside, s[1], -1, s[2], element, parity);
     }
 }
 
@@ -90,18 +95,19 @@ static inline void match_nodes(matching *m, int dim, int64_t begin, int64_t end,
     const pl_incidence *incidence = m->incidence;
     pl_local_map *map = m->maps + thread;
     for (int64_t node = begin; node < end; node++) {
-        if (node + PL_AHEAD_ELEMENTS < end)
+        if (node + PL_AHEAD_ELEMENTS < end &&
+            !(m->is_inside && m->is_inside[node + PL_AHEAD_ELEMENTS]))
             pl_fetch_elements(m->mesh, dim, incidence, node + PL_AHEAD_ELEMENTS);
         int64_t from = incidence->offset[node], to = incidence->offset[node + 1];
-        if (from == to)
+        if (from == to || (m->is_inside && m->is_inside[node]))
             continue;
         pl_facet *facets = prepare(m, map, m->lists + thread, to - from);
         if (!facets)
             return;
         for (int64_t i = from; i < to; i++) {
             int32_t element = incidence->element[i];
-            add_element(dim, map, facets, m->mesh->elements + (int64_t)element * (dim + 1),
-                        (int32_t)node, element);
+            add_element(dim, map, facets, m->is_inside,
+                        m->mesh->elements + (int64_t)element * (dim + 1), (int32_t)node, element);
         }
         if (map->count)
             m->body(m->context, (int32_t)node, facets, map->count);
@@ -116,9 +122,10 @@ static void match_chunk(void *context, int64_t begin, int64_t end, int thread) {
         match_nodes(m, 2, begin, end, thread);
 }
 
-int pl_facets_match(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
-                    pl_facets_fn *body, void *context, planish_error *error) {
-    matching m = {mesh, incidence, body, context, NULL, NULL};
+int pl_facets_match(const planish_mesh *mesh, const pl_incidence *incidence,
+                    const uint8_t *is_inside, int threads, pl_facets_fn *body, void *context,
+                    planish_error *error) {
+    matching m = {mesh, incidence, is_inside, body, context, NULL, NULL};
     m.maps = pl_local_maps_create(threads);
     m.lists = pl_alloc_zero(threads, sizeof *m.lists);
     int done = m.maps && m.lists;

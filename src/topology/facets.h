@@ -23,9 +23,11 @@ static inline int pl_facet_joins(const pl_facet *facet) {
  *  visited at the same time on several threads. */
 typedef void pl_facets_fn(void *context, int32_t node, const pl_facet *facets, int32_t n_facets);
 
-/** Call body for every node. */
-int pl_facets_match(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
-                    pl_facets_fn *body, void *context, planish_error *error);
+/** Call body for every node. is_inside [n]: facets of nodes for which it is 1 are left out; NULL:
+ *  none are. */
+int pl_facets_match(const planish_mesh *mesh, const pl_incidence *incidence,
+                    const uint8_t *is_inside, int threads, pl_facets_fn *body, void *context,
+                    planish_error *error);
 
 /** Sort the nodes of element into sorted [dim + 1]; returns the parity of the permutation. */
 static inline int pl_sort_element(int dim, const int32_t *element, int32_t *sorted) {

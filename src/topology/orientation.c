@@ -244,10 +244,10 @@ static int orient_components(work *w, const pl_incidence *incidence, int threads
     if (!w->link)
         return pl_fail_memory(error, "the components of the mesh");
     pl_parallel_for(threads, m, CHUNK, start_components, w);
-    int status = pl_facets_match(w->mesh, incidence, threads, join_facets, w, error);
+    int status = pl_facets_match(w->mesh, incidence, NULL, threads, join_facets, w, error);
     if (!status && w->n_conflicts) {
         pl_parallel_for(threads, m, CHUNK, mark_roots, w);
-        status = pl_facets_match(w->mesh, incidence, threads, hold_conflicts, w, error);
+        status = pl_facets_match(w->mesh, incidence, NULL, threads, hold_conflicts, w, error);
     }
     if (status)
         return status;
@@ -263,26 +263,37 @@ static int orient_components(work *w, const pl_incidence *incidence, int threads
 
 /* ---- orientation -------------------------------------------------------------------------- */
 
-int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidence, int consistent,
-                          int threads, pl_boundary *boundary, planish_error *error) {
+int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *boundary,
+                         planish_error *error) {
     int64_t m = mesh->n_elements;
     work w = {.mesh = mesh, .boundary = boundary};
     int status = pl_frame_create(mesh, threads, &w.frame, error);
     if (status)
         return status;
-    if (consistent)
-        pl_parallel_for(threads, m, CHUNK, count_chunk, &w);
-    if (consistent && w.n_not_positive == 0)
+    pl_parallel_for(threads, m, CHUNK, count_chunk, &w);
+    boundary->is_guess = w.n_not_positive == 0 || w.n_not_negative == 0;
+    if (w.n_not_negative > 0)
         return PLANISH_OK;
-
     boundary->sign = pl_alloc(m, sizeof *boundary->sign);
     if (!boundary->sign)
         return pl_fail_memory(error, "the orientation of the elements");
-    if (consistent && w.n_not_negative == 0) {
-        pl_parallel_for(threads, m, CHUNK, set_negative, &w);
-        boundary->n_reversed = m;
-        return PLANISH_OK;
-    }
+    boundary->n_reversed = m;
+    pl_parallel_for(threads, m, CHUNK, set_negative, &w);
+    return PLANISH_OK;
+}
+
+int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
+                          pl_boundary *boundary, planish_error *error) {
+    work w = {.mesh = mesh, .boundary = boundary};
+    int status = pl_frame_create(mesh, threads, &w.frame, error);
+    if (status)
+        return status;
+    if (!boundary->sign)
+        boundary->sign = pl_alloc(mesh->n_elements, sizeof *boundary->sign);
+    if (!boundary->sign)
+        return pl_fail_memory(error, "the orientation of the elements");
+    boundary->is_guess = 0;
+    boundary->n_reversed = 0;
     status = orient_components(&w, incidence, threads, error);
     pl_free(w.link);
     pl_free(w.measure);

@@ -4,10 +4,13 @@
 
 #include "topology/topology.h"
 
-/** Fill in sign, n_components and n_reversed of boundary, whose on_boundary exists and gets the
- *  nodes of facets at which no orientation is possible.
- *  consistent: neighbours traverse every facet that joins them in opposite directions. */
-int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidence, int consistent,
-                          int threads, pl_boundary *boundary, planish_error *error);
+/** Fill in sign, n_reversed and is_guess of boundary if the measures of all elements agree. */
+int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *boundary,
+                         planish_error *error);
+
+/** Fill in sign, n_components and n_reversed of boundary by its components; on_boundary is complete
+ *  but for the nodes of facets at which no orientation is possible, which it gets. */
+int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
+                          pl_boundary *boundary, planish_error *error);
 
 #endif

@@ -1,9 +1,10 @@
 /* rings: the neighbours and the link of every free node.
  *
  * They are made in the order of the nodes along the space-filling curve: what is read, the
- * elements, lies all over memory, what is written does not. The link of an interior node is a
- * sphere (a circle in 2-D), so Euler's formula foretells its number of vertices, and one pass fills
- * all rings. Where a node disproves that, all rings are counted and filled again.
+ * elements, lies all over memory, what is written does not. Whether a node is inside the mesh shows
+ * by its link: it is closed then. The link of an interior node is a sphere (a circle in 2-D), so
+ * Euler's formula foretells its number of vertices, and one pass fills all rings. Where a node
+ * disproves that, all rings are counted and filled again.
  */
 #include "topology/topology.h"
 
@@ -12,23 +13,32 @@
 #include "base/status.h"
 #include "topology/elements.h"
 #include "topology/local_map.h"
+#include "topology/small_ring.h"
+
+#include <string.h>
 
 enum { CHUNK = 256 }; /* rings that one thread takes at a time */
-/* The edges of links on so many nodes are numbered by a table: less than a byte can say. */
-enum { SMALL_RING = 64, SMALL_TABLE = SMALL_RING * SMALL_RING };
 
 /** The work on all rings. */
 typedef struct work {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     const int8_t *sign;
-    const int32_t *node; /* [n_rings] */
+    int32_t *node;    /* [n_rings] */
+    uint8_t *is_free; /* [n_nodes] */
     pl_rings *rings;
-    pl_local_map *maps; /* [threads] the ring of one node */
-    uint8_t *tables;    /* [threads][SMALL_RING][SMALL_RING] 0 between nodes */
-    int counting;       /* lengths are wanted, not nodes */
-    int foretold_wrong; /* a ring has another length than its room */
+    pl_local_map *maps;    /* [threads] the ring of one node */
+    pl_small_ring *tables; /* [threads] the same, where it is small */
+    int counting;          /* lengths are wanted, not nodes */
+    int foretold_wrong;    /* a ring has another length than its room */
 } work;
+
+/** What is found at one node. */
+typedef struct star {
+    int64_t length; /* of the ring; -1: not found */
+    int is_closed;  /* the link: every facet at the node belongs to two elements, which traverse it
+                       in opposite directions */
+} star;
 
 static int64_t degree(const pl_incidence *incidence, int32_t node) {
     return incidence->offset[node + 1] - incidence->offset[node];
@@ -36,92 +46,65 @@ static int64_t degree(const pl_incidence *incidence, int32_t node) {
 
 /* ---- one ring ----------------------------------------------------------------------------- */
 
-/** Write the link facet of an element of a star. In a positive tetrahedron the facets opposite
- *  nodes 1 and 3 are positive in the element's order, in a positive triangle those opposite nodes
- *  0 and 2; exchanging the last two nodes turns a facet round. */
-static inline void write_facet(int dim, const int32_t *position, int place, int negative,
-                               const pl_link *link, int64_t facet) {
-    int straight = (place + dim) % 2 == 0;
-    int turn = straight == negative;
-    if (dim == 3)
-        pl_link_set(link, facet * dim, position[0]);
-    pl_link_set(link, facet * dim + dim - 2, position[turn ? dim - 1 : dim - 2]);
-    pl_link_set(link, facet * dim + dim - 1, position[turn ? dim - 2 : dim - 1]);
-}
-
-/** Write that half-edge i of a link of n facets, from p to q, is of that edge. */
-static inline void write_edge(const pl_link *link, int64_t n, int64_t i, int32_t p, int32_t q,
-                              int32_t edge) {
-    pl_link_set(link, 3 * n + i, edge);
-    if (edge < pl_link_edges(3, n)) { /* they all are around a free node */
-        pl_link_set(link, 6 * n + 2 * edge, p);
-        pl_link_set(link, 6 * n + 2 * edge + 1, q);
-    }
-}
-
-/** The nodes of a facet, and the first again. */
-static inline void facet_nodes(const pl_link *link, int64_t facet, int32_t v[4]) {
-    for (int c = 0; c < 3; c++)
-        v[c] = pl_link_get(link, 3 * facet + c);
-    v[3] = v[0];
+/** Positions of the other nodes of an element in the order of its link facet. In a positive
+ *  tetrahedron the facets opposite nodes 1 and 3 are positive in the element's order, in a positive
+ *  triangle those opposite nodes 0 and 2; exchanging the last two nodes turns a facet round. */
+static inline void orient_facet(int dim, int place, int negative, int32_t *position) {
+    const int straight = (place + dim) % 2 == 0;
+    const int32_t turn = -(straight == negative); /* a mask: no branch could be predicted */
+    const int32_t change = (position[dim - 2] ^ position[dim - 1]) & turn;
+    position[dim - 2] ^= change;
+    position[dim - 1] ^= change;
 }
 
 /** Number the edges of the n facets of a star's link in order of appearance. map holds its nodes.
- */
-static inline void write_edges(pl_local_map *map, const pl_link *link, int64_t n) {
+ *  Returns how many there are. */
+static inline int64_t write_edges(pl_local_map *map, const pl_link *link, int64_t n) {
     const int32_t n_nodes = map->count;
-    for (int64_t f = 0; f < n; f++) {
-        int32_t v[4];
-        facet_nodes(link, f, v);
+    for (int64_t f = 0; f < n; f++)
         for (int c = 0; c < 3; c++) {
-            const int32_t p = v[c], q = v[c + 1], low = p < q ? p : q, high = p < q ? q : p;
+            const int32_t p = pl_link_get(link, 3 * f + c);
+            const int32_t q = pl_link_get(link, 3 * f + (c + 1) % 3);
+            const int32_t low = p < q ? p : q, high = p < q ? q : p;
             const uint64_t key = (uint64_t)(high + 1) << 32 | (uint64_t)low; /* that of no node */
-            write_edge(link, n, 3 * f + c, p, q, pl_local_map_add(map, key) - n_nodes);
+            const int32_t edge = pl_local_map_add(map, key) - n_nodes;
+            pl_link_set(link, 3 * n + 3 * f + c, edge);
+            if (edge < pl_link_edges(3, n)) { /* all are around a closed link */
+                pl_link_set(link, 6 * n + 2 * edge, p);
+                pl_link_set(link, 6 * n + 2 * edge + 1, q);
+            }
         }
-    }
+    return map->count - n_nodes;
 }
 
-/** Where a table says what is known of the edge from p to q. */
-static inline uint8_t *entry_of(uint8_t *table, int32_t p, int32_t q) {
-    return table + (p < q ? p * SMALL_RING + q : q * SMALL_RING + p);
-}
-
-/** The same with a table, where nodes and edges are few; which edge is new no branch asks. */
-static inline void write_few_edges(uint8_t *table, const pl_link *link, int64_t n) {
-    int32_t count = 0, v[4];
-    for (int64_t f = 0; f < n; f++) {
-        facet_nodes(link, f, v);
-        for (int c = 0; c < 3; c++) {
-            uint8_t *entry = entry_of(table, v[c], v[c + 1]);
-            const int32_t is_new = *entry == 0;
-            count += is_new;
-            const int32_t edge = (count & -is_new) | (*entry & (is_new - 1)); /* from 1 */
-            *entry = (uint8_t)edge;
-            write_edge(link, n, 3 * f + c, v[c], v[c + 1], edge - 1);
+/** Whether no two facets of a link traverse an edge (in 2-D: leave or reach a node) in the same
+ *  direction. map holds the nodes and edges. */
+static inline int has_one_direction(pl_local_map *map, int dim, const pl_link *link, int64_t n) {
+    const uint64_t mark = UINT64_C(1) << 63; /* the key of no node or edge */
+    const int32_t known = map->count;
+    for (int64_t f = 0; f < n; f++)
+        for (int c = 0; c < dim; c++) {
+            const uint64_t p = pl_link_get(link, dim * f + c);
+            const uint64_t q = dim == 3 ? pl_link_get(link, dim * f + (c + 1) % 3) : (uint64_t)c;
+            pl_local_map_add(map, mark | p << 32 | q);
         }
-    }
-    for (int64_t f = 0; f < n; f++) {
-        facet_nodes(link, f, v);
-        for (int c = 0; c < 3; c++)
-            *entry_of(table, v[c], v[c + 1]) = 0;
-    }
+    return map->count - known == n * dim;
 }
 
-/** Put ring r, or its first room nodes, into ring, and write its link. Returns its length, or -1
- *  without memory. */
-static inline int64_t find_ring(const work *w, int dim, int thread, int64_t r, int32_t *ring,
-                                int64_t room) {
+/** Put ring r, or its first room nodes, into ring, and write its link. */
+static inline star find_ring(const work *w, int dim, int thread, int64_t r, int32_t *ring,
+                             int64_t room) {
     pl_local_map *thread_map = w->maps + thread;
     const int32_t node = w->node[r];
     const int64_t begin = w->incidence->offset[node], n = degree(w->incidence, node);
     const pl_link link = pl_link_at(&w->rings->link, dim, w->rings->link_offset[r]);
-    if (pl_local_map_empty(thread_map, n * dim * (dim == 3 ? 2 : 1)) != 0)
-        return -1;
+    if (pl_local_map_empty(thread_map, 3 * n * dim) != 0)
+        return (star){-1, 0};
     pl_local_map map = *thread_map; /* in registers */
     for (int64_t i = 0; i < n; i++) {
         const int32_t index = w->incidence->element[begin + i];
         const int32_t *element = w->mesh->elements + (int64_t)index * (dim + 1);
-        int place = pl_place_in_element(dim, element, node);
+        const int place = pl_place_in_element(dim, element, node);
         int32_t position[3];
         for (int j = 0; j < dim; j++) {
             int32_t other = pl_other_node(element, place, j);
@@ -129,42 +112,111 @@ static inline int64_t find_ring(const work *w, int dim, int thread, int64_t r, i
             if (position[j] < room) /* writes known nodes again: cheaper than to ask */
                 ring[position[j]] = other;
         }
-        write_facet(dim, position, place, w->sign && w->sign[index] < 0, &link, i);
+        orient_facet(dim, place, w->sign && w->sign[index] < 0, position);
+        for (int j = 0; j < dim; j++)
+            pl_link_set(&link, i * dim + j, position[j]);
     }
     const int64_t length = map.count;
-    if (dim == 3 && length <= SMALL_RING && pl_link_edges(3, n) < UINT8_MAX)
-        write_few_edges(w->tables + (int64_t)thread * SMALL_TABLE, &link, n);
-    else if (dim == 3)
-        write_edges(&map, &link, n);
-    return length;
+    const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
+    return (star){length, two_each && has_one_direction(&map, dim, &link, n)};
+}
+
+/* ---- one small ring ----------------------------------------------------------------------- */
+
+/** Write facet i of a link of n facets and its edges; all positions are bytes. */
+static inline void write_small_facet(pl_small_ring *table, pl_small_numbers *given, uint8_t *link,
+                                     int64_t n, int64_t i, const int32_t v[4]) {
+    for (int c = 0; c < 3; c++) {
+        const int32_t edge = pl_small_ring_edge(table, v[c], v[c + 1], given);
+        link[3 * i + c] = (uint8_t)v[c];
+        link[3 * n + 3 * i + c] = (uint8_t)edge;
+        if (edge < pl_link_edges(3, n)) { /* all are around a closed link */
+            link[6 * n + 2 * edge] = (uint8_t)v[c];
+            link[6 * n + 2 * edge + 1] = (uint8_t)v[c + 1];
+        }
+    }
+}
+
+/** The same as find_ring, faster, in 3-D where it is small. */
+static star find_small_ring(const work *w, int thread, int64_t r, int32_t *ring, int64_t room) {
+    const int32_t node = w->node[r], *elements = w->mesh->elements;
+    const int32_t *list = w->incidence->element + w->incidence->offset[node];
+    const int64_t n = degree(w->incidence, node);
+    const int8_t *sign = w->sign;
+    const pl_link link = pl_link_at(&w->rings->link, 3, w->rings->link_offset[r]);
+    pl_small_ring *table = w->tables + thread;
+    pl_small_numbers given = pl_small_ring_begin(table);
+    const uint32_t before = given.before;
+    star found = {-1, 0};
+    if (n > PL_SMALL_LINK)
+        return found;
+    for (int64_t i = 0; i < n; i++) {
+        const int32_t *element = elements + (int64_t)list[i] * 4;
+        const int place = pl_place_in_element(3, element, node);
+        int32_t position[4];
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; j++) {
+            const int32_t other = pl_other_node(element, place, j);
+            position[j] = pl_small_ring_node(table, other, &given);
+            if (position[j] < room)
+                ring[position[j]] = other;
+        }
+        if (given.node - before > PL_SMALL_RING)
+            break;
+        orient_facet(3, place, sign && sign[list[i]] < 0, position);
+        position[3] = position[0];
+        write_small_facet(table, &given, link.low, n, i, position);
+    }
+    const uint32_t length = given.node - before, edges = given.edge - before;
+    if (link.high)
+        memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
+    if (length <= PL_SMALL_RING)
+        found = (star){length, 2 * edges == 3 * n && !given.has_repeated};
+    pl_small_ring_end(table, &given);
+    return found;
 }
 
 /* ---- all rings ---------------------------------------------------------------------------- */
 
-/** Lengths after Euler: V = F / 2 + 2 on a sphere of triangles, V = F on a circle of edges. */
+/** Lengths after Euler: V = F / 2 + 2 on a sphere of triangles, V = F on a circle of edges. Nodes
+ * whose links are too large are free no longer. */
 static void foretell_lengths(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     (void)thread;
+    int64_t max_link = 0;
     for (int64_t r = begin; r < end; r++) {
         int64_t facets = degree(w->incidence, w->node[r]);
+        if (facets > PL_MAX_LINK) {
+            w->is_free[w->node[r]] = 0;
+            facets = 0;
+        }
+        max_link = facets > max_link ? facets : max_link;
         w->rings->offset[r] = w->mesh->dim == 3 ? facets / 2 + 2 : facets;
         w->rings->link_offset[r] = facets;
     }
+    pl_raise_to(&w->rings->max_link, max_link);
 }
 
 /** Count the nodes of rings begin .. end-1 into their offsets, or fill the room that the offsets
- * say and compare. */
+ * say and compare. Nodes whose links are open are free no longer. */
 static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int thread) {
     pl_rings *rings = w->rings;
     for (int64_t r = begin; r < end; r++) {
         pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, end);
-        if (w->counting) {
-            rings->offset[r] = find_ring(w, dim, thread, r, NULL, 0);
-            continue;
-        }
-        int64_t room = rings->offset[r + 1] - rings->offset[r];
-        int32_t *ring = rings->neighbour + rings->offset[r];
-        if (find_ring(w, dim, thread, r, ring, room) != room)
+        const int64_t room = w->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
+        int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
+        star found = {-1, 0};
+        if (!w->is_free[w->node[r]])
+            found.length = room;
+        else if (dim == 3)
+            found = find_small_ring(w, thread, r, ring, room);
+        if (found.length < 0)
+            found = find_ring(w, dim, thread, r, ring, room);
+        if (!found.is_closed)
+            w->is_free[w->node[r]] = 0;
+        if (w->counting)
+            rings->offset[r] = found.is_closed ? found.length : 0;
+        else if (found.is_closed && found.length != room)
             __atomic_store_n(&w->foretold_wrong, 1, __ATOMIC_RELAXED);
     }
 }
@@ -191,22 +243,6 @@ static int fill(work *w, int threads) {
     return pl_local_maps_failed(w->maps, threads) ? -1 : 0;
 }
 
-/** Take the nodes of links that are too large out of node and is_free. */
-static void hold_large(work *w, int32_t *node, uint8_t *is_free) {
-    pl_rings *rings = w->rings;
-    int64_t kept = 0;
-    for (int64_t r = 0; r < rings->n_rings; r++) {
-        const int64_t n = degree(w->incidence, node[r]);
-        if (n > PL_MAX_LINK) {
-            is_free[node[r]] = 0;
-            continue;
-        }
-        rings->max_link = n > rings->max_link ? n : rings->max_link;
-        node[kept++] = node[r];
-    }
-    rings->n_rings = kept;
-}
-
 /** Room for the links, by the lengths in rings->link_offset. */
 static int make_room_for_links(const work *w, int threads) {
     pl_rings *rings = w->rings;
@@ -227,30 +263,44 @@ static int make_rings(work *w, int threads) {
     return pl_local_maps_failed(w->maps, threads) ? -1 : fill(w, threads);
 }
 
+/** Of the nodes that are not free nothing is left but the room of their rings. */
+static void drop_open(void *context, int64_t begin, int64_t end, int thread) {
+    work *w = context;
+    int64_t n_free = 0;
+    (void)thread;
+    for (int64_t r = begin; r < end; r++) {
+        if (w->is_free[w->node[r]])
+            n_free++;
+        else
+            w->node[r] = -1;
+    }
+    __atomic_fetch_add(&w->rings->n_free, n_free, __ATOMIC_RELAXED);
+}
+
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    uint8_t *is_free, int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
+                    uint8_t *is_free, int32_t *node, int64_t n, int threads, pl_rings *rings,
                     planish_error *error) {
-    *rings = (pl_rings){.n_rings = *n_free};
+    *rings = (pl_rings){.n_rings = n};
     work w = {.mesh = mesh,
               .incidence = incidence,
               .sign = sign,
               .node = node,
+              .is_free = is_free,
               .rings = rings,
               .maps = pl_local_maps_create(threads),
-              .tables = pl_alloc_zero(threads, SMALL_TABLE)};
-    hold_large(&w, node, is_free);
-    rings->offset = pl_alloc(rings->n_rings + 1, sizeof *rings->offset);
-    rings->link_offset = pl_alloc(rings->n_rings + 1, sizeof *rings->link_offset);
+              .tables = pl_alloc_zero(threads, sizeof *w.tables)};
+    rings->offset = pl_alloc(n + 1, sizeof *rings->offset);
+    rings->link_offset = pl_alloc(n + 1, sizeof *rings->link_offset);
     int done =
         w.maps && w.tables && rings->offset && rings->link_offset && make_rings(&w, threads) == 0;
+    if (done)
+        pl_parallel_for(threads, n, CHUNK, drop_open, &w);
     pl_local_maps_destroy(w.maps, threads);
     pl_free(w.tables);
-    if (!done) {
-        pl_rings_destroy(rings);
-        return pl_fail_memory(error, "the neighbours of the nodes");
-    }
-    *n_free = rings->n_rings;
-    return PLANISH_OK;
+    if (done)
+        return PLANISH_OK;
+    pl_rings_destroy(rings);
+    return pl_fail_memory(error, "the neighbours of the nodes");
 }
 
 void pl_rings_destroy(pl_rings *rings) {

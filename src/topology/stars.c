@@ -21,7 +21,7 @@ typedef struct work {
     const pl_incidence *incidence;
     pl_rings *rings;
     const int32_t *node, *visit, *number_of;
-    int32_t *star_of; /* [n_rings] star of each ring: the inverse of visit */
+    int32_t *star_of; /* [n_rings] star of each ring that has a node: the inverse of visit */
     pl_stars *stars;
 } work;
 
@@ -80,6 +80,8 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const work *w = context;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
+        if (w->node[r] < 0)
+            continue;
         copy_ring(w, r);
         copy_link(w, r);
     }
@@ -100,14 +102,14 @@ static int fill(work *w, int threads) {
     if (pl_link_alloc(&stars->link, w->mesh->dim, n_link, stars->max_link) != 0 || !stars->ring ||
         (w->mesh->min_volume && !stars->min_volume))
         return -1;
-    pl_parallel_for(threads, n, COPY_CHUNK, copy_chunk, w);
+    pl_parallel_for(threads, w->rings->n_rings, COPY_CHUNK, copy_chunk, w);
     return 0;
 }
 
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
                     const int32_t *node, const int32_t *visit, const int32_t *number_of,
                     int threads, pl_stars *stars, planish_error *error) {
-    int64_t n = rings->n_rings;
+    int64_t n = rings->n_free;
     *stars = (pl_stars){.n_stars = n};
     work w = {.mesh = mesh,
               .incidence = incidence,
@@ -116,7 +118,7 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_
               .visit = visit,
               .number_of = number_of,
               .stars = stars};
-    w.star_of = pl_alloc(n, sizeof *w.star_of);
+    w.star_of = pl_alloc(rings->n_rings, sizeof *w.star_of);
     stars->ring_offset = pl_alloc(n + 1, sizeof *stars->ring_offset);
     stars->link_offset = pl_alloc(n + 1, sizeof *stars->link_offset);
     int done = w.star_of && stars->ring_offset && stars->link_offset && fill(&w, threads) == 0;

@@ -40,6 +40,7 @@ typedef struct pl_boundary {
     uint8_t *on_boundary; /* [n] 1: on a facet of one element or of more than two, of a duplicate
                              element, or on a facet that contradicts its component's order */
     int8_t *sign;         /* [m] +1, -1: sign * measure is positive in a valid mesh; NULL: all +1 */
+    int is_guess;         /* sign is that of the measures, which all agree: facets were not asked */
     int64_t n_boundary_facets;    /* of one element */
     int64_t n_nonmanifold_facets; /* of more than two */
     int64_t n_duplicate_elements; /* with the nodes of an earlier one, in any order */
@@ -47,13 +48,22 @@ typedef struct pl_boundary {
     int64_t n_reversed;           /* elements of sign -1 */
 } pl_boundary;
 
-/** Orientation is combinatorial (docs/algorithm.md): inside a component of elements joined by
- *  facets of two elements (no duplicates), neighbours traverse their facet in opposite directions;
- *  the component's sign is that of its summed measure. A component that cannot be oriented, such
- *  as a Moebius strip, keeps the file's order up to that sign; where two of its neighbours
- *  traverse their facet in the same direction, the facet's nodes are held. mesh is valid. */
-int pl_boundary_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
-                       pl_boundary *boundary, planish_error *error);
+/** Look at the measures: if all are positive, or all negative, sign is that for a guess. mesh is
+ *  valid. */
+int pl_boundary_create(const planish_mesh *mesh, int threads, pl_boundary *boundary,
+                       planish_error *error);
+
+/** Look at the facets. Orientation is combinatorial (docs/algorithm.md): inside a component of
+ *  elements joined by facets of two elements (no duplicates), neighbours traverse their facet in
+ *  opposite directions; the component's sign is that of its summed measure. A component that cannot
+ *  be oriented, such as a Moebius strip, keeps the file's order up to that sign; where two of its
+ *  neighbours traverse their facet in the same direction, the facet's nodes are held. A guess that
+ *  no facet contradicts says the same, and remains.
+ *  is_inside [n]: 1 for nodes that are known to be inside, as pl_rings_create says, by that guess;
+ *  NULL: none are. */
+int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
+                     const uint8_t *is_inside, int threads, pl_boundary *boundary,
+                     planish_error *error);
 void pl_boundary_destroy(pl_boundary *boundary);
 
 /* ---- ordering.c: nodes along a space-filling curve ---------------------------------------- */
@@ -64,9 +74,9 @@ int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planis
 /* ---- rings.c: the neighbours and the link of every free node ------------------------------- */
 
 /** Neighbours (nodes of a common element) of the nodes node [n_rings], and their links; ring r is
- *  that of node[r]. */
+ *  that of node[r], and nothing but room if node[r] < 0. */
 typedef struct pl_rings {
-    int64_t n_rings;
+    int64_t n_rings, n_free;
     int64_t *offset;      /* [n_rings + 1] into neighbour */
     int32_t *neighbour;   /* each once, in order of first appearance in the ascending elements */
     int64_t *link_offset; /* [n_rings + 1] in link facets: one per element of the node */
@@ -77,20 +87,21 @@ typedef struct pl_rings {
                      edges: p0 p1, p1 p2, p2 p0 */
 } pl_rings;
 
-/** is_free [n]: 1 for the nodes that may move. A node with more than PL_MAX_LINK elements is made
- * not free (is_free becomes 0). node [n]: the free nodes in the wanted order; on return without
- * those held. sign: as in pl_boundary. */
+/** is_free [n]: 1 for the nodes that may move, node [n_rings]: these in the wanted order. Free are
+ *  those of them that are inside: that have a closed link, every facet at them belonging to two
+ *  elements, which traverse it in opposite directions; and no more than PL_MAX_LINK elements. Of
+ * the others is_free becomes 0, and node -1. sign: as in pl_boundary. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    uint8_t *is_free, int32_t *node, int64_t *n_free, int threads, pl_rings *rings,
+                    uint8_t *is_free, int32_t *node, int64_t n_rings, int threads, pl_rings *rings,
                     planish_error *error);
 void pl_rings_destroy(pl_rings *rings);
 
 /* ---- colouring.c: independent nodes ------------------------------------------------------- */
 
 /** Colour the nodes of rings so that no two neighbours share a colour. colour [n_rings]: 0 ..
- *  n_colours-1. Greedy in the order (more free neighbours first, then a hash of the node's number,
- *  then its number), computed in parallel after Jones and Plassmann (1993): the result is that of
- *  the serial greedy algorithm, whatever the order of the rings. */
+ *  n_colours-1, -1 where there is no node. Greedy in the order (more free neighbours first, then a
+ * hash of the node's number, then its number), computed in parallel after Jones and Plassmann
+ * (1993): the result is that of the serial greedy algorithm, whatever the order of the rings. */
 int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes, int threads,
                         int32_t *colour, int *n_colours, planish_error *error);
 
@@ -108,7 +119,7 @@ typedef struct pl_stars {
     int64_t max_ring, max_link; /* of one star */
 } pl_stars;
 
-/** Star s is that of the node of ring visit[s], s < rings->n_rings; node [n_rings] as given to
+/** Star s is that of the node of ring visit[s], s < rings->n_free; node [n_rings] as returned by
  *  pl_rings_create; number_of [n] maps the mesh's node numbers to those written to stars->ring.
  *  incidence is used if the mesh has least volumes. Of the rings nothing is left afterwards: their
  *  memory goes back bit by bit while it is copied. */

@@ -1,6 +1,7 @@
 /* meshes: small meshes for tests, made by rule or by hand. */
 #include "support/meshes.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -113,6 +114,29 @@ void test_mesh_append(test_mesh *mesh, const test_mesh *other, double shift) {
 }
 
 /* ---- changes ------------------------------------------------------------------------------ */
+
+void test_mesh_double_pyramid(test_mesh *mesh, int32_t n) {
+    double *x = checked(calloc((size_t)n + 3, 3 * sizeof *x));
+    int32_t *elements = checked(malloc((size_t)n * 8 * sizeof *elements));
+    x[3 * 1 + 2] = 1;
+    x[3 * 2 + 2] = -1;
+    for (int32_t i = 0; i < n; i++) {
+        const int32_t p = 3 + i, q = 3 + (i + 1) % n;
+        x[3 * p] = cos(2 * 3.14159265358979 * i / n);
+        x[3 * p + 1] = sin(2 * 3.14159265358979 * i / n);
+        memcpy(elements + 8 * i, (int32_t[8]){0, p, q, 1, 0, q, p, 2}, 8 * sizeof *elements);
+    }
+    test_mesh_create(mesh, 3, n + 3, x, 2 * n, elements);
+    free(x);
+    free(elements);
+}
+
+void test_mesh_join(test_mesh *mesh, int32_t a, int32_t b) {
+    int64_t n = mesh->mesh.n_elements * (mesh->mesh.dim + 1);
+    for (int64_t i = 0; i < n; i++)
+        if (mesh->elements[i] == b)
+            mesh->elements[i] = a;
+}
 
 void test_mesh_perturb(test_mesh *mesh, double amount, unsigned seed) {
     int dim = mesh->mesh.dim;

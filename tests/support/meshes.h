@@ -27,6 +27,13 @@ void test_mesh_garbage(test_mesh *mesh, int dim, int64_t n_nodes, int64_t n_elem
 /** Append a copy of other, moved by shift in every direction, that shares no node. */
 void test_mesh_append(test_mesh *mesh, const test_mesh *other, double shift);
 
+/** A node with a closed link: a double pyramid around node 0, between two tips and n nodes in a
+ *  circle; 2 n elements, all positive. */
+void test_mesh_double_pyramid(test_mesh *mesh, int32_t n);
+
+/** Make one node of two: the elements of b become those of a. */
+void test_mesh_join(test_mesh *mesh, int32_t a, int32_t b);
+
 /** Move the nodes inside the box by up to amount in every direction: a box of test_mesh_box stays
  *  valid up to about 0.15. */
 void test_mesh_perturb(test_mesh *mesh, double amount, unsigned seed);

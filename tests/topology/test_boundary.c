@@ -4,6 +4,7 @@
 #include "geometry/simplex.h"
 #include "support/allocations.h"
 #include "support/meshes.h"
+#include "support/rings.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -16,8 +17,36 @@
 static void create(const planish_mesh *mesh, int threads, pl_boundary *boundary) {
     pl_incidence incidence;
     assert_int_equal(pl_incidence_create(mesh, threads, &incidence, NULL), PLANISH_OK);
-    assert_int_equal(pl_boundary_create(mesh, &incidence, threads, boundary, NULL), PLANISH_OK);
+    assert_int_equal(pl_boundary_create(mesh, threads, boundary, NULL), PLANISH_OK);
+    assert_int_equal(pl_boundary_find(mesh, &incidence, NULL, threads, boundary, NULL), PLANISH_OK);
     pl_incidence_destroy(&incidence);
+}
+
+/** The same by links; where these say nothing returns 0. Every third node is a candidate only. */
+static int create_by_links(const planish_mesh *mesh, int threads, pl_boundary *boundary) {
+    test_rings rings;
+    pl_rings links;
+    assert_int_equal(pl_boundary_create(mesh, threads, boundary, NULL), PLANISH_OK);
+    if (!boundary->is_guess) {
+        pl_boundary_destroy(boundary);
+        return 0;
+    }
+    test_rings_define(&rings, mesh);
+    int64_t n = 0;
+    for (int64_t i = 0; i < rings.rings.n_rings; i++)
+        if (i % 3 == 0)
+            rings.is_free[rings.node[i]] = 0;
+        else
+            rings.node[n++] = rings.node[i];
+    assert_int_equal(pl_rings_create(mesh, &rings.incidence, boundary->sign, rings.is_free,
+                                     rings.node, n, threads, &links, NULL),
+                     PLANISH_OK);
+    assert_int_equal(
+        pl_boundary_find(mesh, &rings.incidence, rings.is_free, threads, boundary, NULL),
+        PLANISH_OK);
+    pl_rings_destroy(&links);
+    test_rings_destroy(&rings);
+    return 1;
 }
 
 static int sign_of(const pl_boundary *boundary, int64_t element) {
@@ -204,6 +233,18 @@ static void reference_destroy(reference *r) {
     free(r->facet);
 }
 
+static void compare(const planish_mesh *mesh, const pl_boundary *b, const pl_boundary *expected) {
+    assert_memory_equal(b->on_boundary, expected->on_boundary, (size_t)mesh->n_nodes);
+    assert_int_equal(b->n_boundary_facets, expected->n_boundary_facets);
+    assert_int_equal(b->n_nonmanifold_facets, expected->n_nonmanifold_facets);
+    assert_int_equal(b->n_duplicate_elements, expected->n_duplicate_elements);
+    assert_int_equal(b->n_reversed, expected->n_reversed);
+    if (b->n_components)
+        assert_int_equal(b->n_components, expected->n_components);
+    for (int64_t e = 0; e < mesh->n_elements; e++)
+        assert_int_equal(sign_of(b, e), expected->sign[e]);
+}
+
 /** Compare with the reference, on several numbers of threads. */
 static void check(const planish_mesh *mesh) {
     reference r;
@@ -211,16 +252,12 @@ static void check(const planish_mesh *mesh) {
     for (int threads = 1; threads <= 5; threads++) {
         pl_boundary b;
         create(mesh, threads, &b);
-        assert_memory_equal(b.on_boundary, r.boundary.on_boundary, (size_t)mesh->n_nodes);
-        assert_int_equal(b.n_boundary_facets, r.boundary.n_boundary_facets);
-        assert_int_equal(b.n_nonmanifold_facets, r.boundary.n_nonmanifold_facets);
-        assert_int_equal(b.n_duplicate_elements, r.boundary.n_duplicate_elements);
-        assert_int_equal(b.n_reversed, r.boundary.n_reversed);
-        if (b.n_components)
-            assert_int_equal(b.n_components, r.boundary.n_components);
-        for (int64_t e = 0; e < mesh->n_elements; e++)
-            assert_int_equal(sign_of(&b, e), r.boundary.sign[e]);
+        compare(mesh, &b, &r.boundary);
         pl_boundary_destroy(&b);
+        if (create_by_links(mesh, threads, &b)) {
+            compare(mesh, &b, &r.boundary);
+            pl_boundary_destroy(&b);
+        }
     }
     reference_destroy(&r);
 }
@@ -504,7 +541,12 @@ static void survives_without_memory(void **state) {
         int status = PLANISH_ERROR_MEMORY, permitted = 0;
         for (; status; permitted++) {
             allocations_permit(permitted);
-            status = pl_boundary_create(&mesh.mesh, &incidence, 1, &b, NULL);
+            status = pl_boundary_create(&mesh.mesh, 1, &b, NULL);
+            if (!status) {
+                status = pl_boundary_find(&mesh.mesh, &incidence, NULL, 1, &b, NULL);
+                if (status)
+                    pl_boundary_destroy(&b);
+            }
             allocations_permit(-1);
             assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
         }

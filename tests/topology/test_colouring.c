@@ -34,23 +34,27 @@ static int compare(const void *a, const void *b) {
 }
 
 static int64_t ring_of(const test_rings *r, int32_t node) {
-    for (int64_t i = 0; i < r->n_free; i++)
+    for (int64_t i = 0; i < r->rings.n_rings; i++)
         if (r->node[i] == node)
             return i;
     return -1;
 }
 
 static void greedy(const test_rings *r, int32_t *colour) {
-    candidate *order = malloc((size_t)r->n_free * sizeof *order + 1);
+    candidate *order = malloc((size_t)r->rings.n_rings * sizeof *order + 1);
     assert_non_null(order);
-    for (int64_t i = 0; i < r->n_free; i++) {
-        order[i] = (candidate){0, hash_of((uint32_t)r->node[i]), i};
-        for (int64_t j = r->rings.offset[i]; j < r->rings.offset[i + 1]; j++)
-            order[i].degree += r->is_free[r->rings.neighbour[j]];
+    int64_t n = 0;
+    for (int64_t i = 0; i < r->rings.n_rings; i++) {
         colour[i] = -1;
+        if (r->node[i] < 0)
+            continue;
+        order[n] = (candidate){0, hash_of((uint32_t)r->node[i]), i};
+        for (int64_t j = r->rings.offset[i]; j < r->rings.offset[i + 1]; j++)
+            order[n].degree += r->is_free[r->rings.neighbour[j]];
+        n++;
     }
-    qsort(order, (size_t)r->n_free, sizeof *order, compare);
-    for (int64_t i = 0; i < r->n_free; i++) {
+    qsort(order, (size_t)n, sizeof *order, compare);
+    for (int64_t i = 0; i < n; i++) {
         int64_t ring = order[i].ring;
         int32_t c = 0;
         for (int taken = 1; taken; c += taken) {
@@ -69,12 +73,12 @@ static void greedy(const test_rings *r, int32_t *colour) {
 
 /** The colours equal those of the serial algorithm on any number of threads. */
 static void check(const planish_mesh *mesh, const test_rings *r, int expected_colours) {
-    size_t bytes = (size_t)r->n_free * sizeof(int32_t);
+    size_t bytes = (size_t)r->rings.n_rings * sizeof(int32_t);
     int32_t *reference = malloc(bytes + 1), *colour = malloc(bytes + 1);
     assert_true(reference && colour);
     greedy(r, reference);
     int highest = -1;
-    for (int64_t i = 0; i < r->n_free; i++)
+    for (int64_t i = 0; i < r->rings.n_rings; i++)
         highest = reference[i] > highest ? reference[i] : highest;
     if (expected_colours)
         assert_int_equal(highest + 1, expected_colours);
@@ -97,9 +101,11 @@ static void boxes(void **state) {
         test_rings rings;
         test_mesh_box(&box, dim, dim == 3 ? 12 : 40);
         test_mesh_renumber(&box, 9, NULL);
-        test_rings_create(&rings, &box.mesh, 0, 1);
-        check(&box.mesh, &rings, 0);
-        test_rings_destroy(&rings);
+        for (int all = 0; all < 2; all++) { /* all: not every ring has a node */
+            test_rings_create(&rings, &box.mesh, all, 1);
+            check(&box.mesh, &rings, 0);
+            test_rings_destroy(&rings);
+        }
         test_mesh_destroy(&box);
     }
 }
@@ -110,7 +116,7 @@ static void garbage(void **state) {
         test_mesh mesh;
         test_rings rings;
         test_mesh_garbage(&mesh, 3, 40 << (2 * seed), 1500, seed);
-        test_rings_create(&rings, &mesh.mesh, 1, 1);
+        test_rings_define(&rings, &mesh.mesh);
         check(&mesh.mesh, &rings, 0);
         test_rings_destroy(&rings);
         test_mesh_destroy(&mesh);
@@ -134,7 +140,7 @@ static void complete_graph(void **state) {
     test_mesh mesh;
     test_rings rings;
     test_mesh_create(&mesh, 2, N, NULL, m, elements[0]);
-    test_rings_create(&rings, &mesh.mesh, 1, 1);
+    test_rings_define(&rings, &mesh.mesh);
     check(&mesh.mesh, &rings, N);
     test_rings_destroy(&rings);
     test_mesh_destroy(&mesh);
@@ -147,7 +153,7 @@ static void any_order_of_rings(void **state) {
     test_rings rings;
     test_mesh_box(&box, 3, 8);
     test_rings_create(&rings, &box.mesh, 0, 1);
-    int64_t n = rings.n_free;
+    int64_t n = rings.rings.n_rings;
     int32_t *forward = malloc((size_t)n * sizeof *forward);
     int32_t *backward = malloc((size_t)n * sizeof *backward);
     assert_true(forward && backward);
@@ -162,7 +168,7 @@ static void any_order_of_rings(void **state) {
     }
     pl_rings_destroy(&rings.rings);
     assert_int_equal(pl_rings_create(&box.mesh, &rings.incidence, NULL, rings.is_free, rings.node,
-                                     &n, 1, &rings.rings, NULL),
+                                     n, 1, &rings.rings, NULL),
                      PLANISH_OK);
     assert_int_equal(pl_colouring_create(&rings.rings, rings.node, box.mesh.n_nodes, 1, backward,
                                          &n_colours, NULL),

@@ -12,49 +12,82 @@
 #include <string.h>
 #include <cmocka.h>
 
-/** The definition, word by word: returns the length of the ring of node. */
-static int64_t naive_ring(const planish_mesh *mesh, int32_t node, int32_t *ring) {
+/** Whether the facets of elements at node have two elements each, in opposite directions: by
+ *  comparing the directed edges of its link with one another (in 2-D: the nodes). */
+static int is_inside(const planish_mesh *mesh, const int8_t *sign, int32_t node) {
+    int dim = mesh->dim, closed = 1;
     int64_t n = 0;
-    int k = mesh->dim + 1;
+    int32_t(*edge)[2] = malloc((size_t)mesh->n_elements * 3 * sizeof *edge + 1);
+    assert_non_null(edge);
     for (int64_t e = 0; e < mesh->n_elements; e++) {
-        const int32_t *element = mesh->elements + e * k;
-        int contains = 0;
-        for (int j = 0; j < k; j++)
-            contains |= element[j] == node;
-        for (int j = 0; contains && j < k; j++) {
-            int known = element[j] == node;
-            for (int64_t i = 0; i < n; i++)
-                known |= ring[i] == element[j];
-            if (!known)
-                ring[n++] = element[j];
+        const int32_t *element = mesh->elements + e * (dim + 1);
+        int32_t others[3];
+        int place = -1, count = 0;
+        for (int j = 0; j <= dim; j++)
+            if (element[j] == node)
+                place = j;
+            else if (count < 3)
+                others[count++] = element[j];
+        if (place < 0)
+            continue;
+        if ((place % 2 == 1) ^ (sign && sign[e] < 0)) {
+            int32_t first = others[0];
+            others[0] = others[1];
+            others[1] = first;
+        }
+        for (int c = 0; c < dim; c++, n++) {
+            edge[n][0] = dim == 3 || c == 0 ? others[c] : -1;
+            edge[n][1] = dim == 3 ? others[(c + 1) % 3] : c == 0 ? -1 : others[1];
         }
     }
-    return n;
+    for (int64_t i = 0; i < n; i++) {
+        int same = 0, opposite = 0;
+        for (int64_t j = 0; j < n; j++) {
+            same += edge[i][0] == edge[j][0] && edge[i][1] == edge[j][1];
+            opposite += edge[i][0] == edge[j][1] && edge[i][1] == edge[j][0];
+        }
+        closed &= same == 1 && opposite == 1;
+    }
+    free(edge);
+    return closed;
 }
 
-static void check_against_definition(const planish_mesh *mesh, const test_rings *r) {
+/** Rings are those of the definition; returns how many nodes are inside. */
+static int64_t check_against_definition(const planish_mesh *mesh, const test_rings *r) {
     int32_t *ring = malloc((size_t)mesh->n_nodes * sizeof *ring);
+    int64_t inside = 0;
     assert_non_null(ring);
-    assert_int_equal(r->rings.n_rings, r->n_free);
-    for (int64_t i = 0; i < r->n_free; i++) {
-        int64_t n = naive_ring(mesh, r->node[i], ring);
+    for (int64_t i = 0, node = 0; i < r->rings.n_rings; i++, node++) {
+        if (r->node[i] < 0)
+            continue;
+        int64_t n = test_ring_of_node(mesh, r->node[i], ring);
         assert_int_equal(r->rings.offset[i + 1] - r->rings.offset[i], n);
         assert_memory_equal(r->rings.neighbour + r->rings.offset[i], ring,
                             (size_t)n * sizeof *ring);
+        assert_true(r->is_free[r->node[i]]);
+        inside++;
     }
+    assert_int_equal(inside, r->rings.n_free);
     free(ring);
+    return inside;
 }
 
 static void check_threads(const planish_mesh *mesh, const test_rings *first, int all) {
-    int64_t n = first->n_free;
+    int64_t n = first->rings.n_rings;
     for (int threads = 2; threads <= 5; threads++) {
         test_rings other;
         test_rings_create(&other, mesh, all, threads);
-        assert_int_equal(other.n_free, n);
+        assert_int_equal(other.rings.n_rings, n);
+        assert_int_equal(other.rings.n_free, first->rings.n_free);
+        assert_memory_equal(first->node, other.node, (size_t)n * sizeof(int32_t));
         assert_memory_equal(first->rings.offset, other.rings.offset,
                             (size_t)(n + 1) * sizeof(int64_t));
-        assert_memory_equal(first->rings.neighbour, other.rings.neighbour,
-                            (size_t)first->rings.offset[n] * sizeof(int32_t));
+        for (int64_t i = 0; i < n; i++)
+            if (first->node[i] >= 0)
+                assert_memory_equal(first->rings.neighbour + first->rings.offset[i],
+                                    other.rings.neighbour + first->rings.offset[i],
+                                    (size_t)(first->rings.offset[i + 1] - first->rings.offset[i]) *
+                                        sizeof(int32_t));
         test_rings_destroy(&other);
     }
 }
@@ -67,31 +100,119 @@ static void interior_of_boxes(void **state) {
         test_mesh_box(&box, dim, dim == 3 ? 8 : 30);
         test_mesh_renumber(&box, 2, NULL);
         test_rings_create(&rings, &box.mesh, 0, 1);
-        assert_int_equal(rings.n_free, dim == 3 ? 7 * 7 * 7 : 29 * 29);
-        check_against_definition(&box.mesh, &rings);
+        assert_int_equal(check_against_definition(&box.mesh, &rings),
+                         dim == 3 ? 7 * 7 * 7 : 29 * 29);
         check_threads(&box.mesh, &rings, 0);
         test_rings_destroy(&rings);
         test_mesh_destroy(&box);
     }
 }
 
-/** Links that are no spheres: open ones, and those of random elements. */
+/** Compare which nodes are inside, and their rings, with the definitions. Returns how many are. */
+static int64_t check_any_shape(const planish_mesh *mesh) {
+    test_rings rings, defined;
+    test_rings_create(&rings, mesh, 1, 1);
+    test_rings_define(&defined, mesh);
+    assert_int_equal(rings.rings.n_rings, defined.rings.n_rings);
+    for (int64_t i = 0; i < defined.rings.n_rings; i++) {
+        int inside = is_inside(mesh, rings.sign, defined.node[i]);
+        assert_int_equal(rings.is_free[defined.node[i]], inside);
+        assert_int_equal(rings.node[i], inside ? defined.node[i] : -1);
+    }
+    int64_t inside = check_against_definition(mesh, &rings);
+    check_threads(mesh, &rings, 1);
+    test_rings_destroy(&rings);
+    test_rings_destroy(&defined);
+    return inside;
+}
+
+/** Open links, those of random elements, and closed ones that are no spheres. */
 static void links_of_any_shape(void **state) {
     (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh mesh;
+        test_mesh_box(&mesh, dim, 6);
+        test_mesh_renumber(&mesh, 5, NULL);
+        assert_int_equal(check_any_shape(&mesh.mesh), dim == 3 ? 125 : 25);
+        for (int64_t i = 0; i < mesh.mesh.n_elements; i += 7)
+            test_mesh_reverse(&mesh, i);
+        assert_int_equal(check_any_shape(&mesh.mesh), dim == 3 ? 125 : 25);
+        test_mesh_destroy(&mesh);
+        for (unsigned seed = 1; seed < 4; seed++) {
+            test_mesh_garbage(&mesh, dim, 12 << (2 * seed), 900, seed);
+            check_any_shape(&mesh.mesh);
+            test_mesh_destroy(&mesh);
+        }
+        /* Two nodes in one: two spheres (circles), and more nodes than Euler foretells. */
+        const int32_t n = 7, away = dim == 3 ? n * n + n + 1 : n + 1;
+        test_mesh_box(&mesh, dim, n - 1);
+        test_mesh_join(&mesh, away, (int32_t)mesh.mesh.n_nodes - 1 - away);
+        assert_int_equal(check_any_shape(&mesh.mesh), dim == 3 ? 124 : 24);
+        test_mesh_destroy(&mesh);
+    }
+}
+
+/** Every element twice, one after the other or all of them once more: no link is closed, although
+ *  every edge of a link is there as often in one direction as in the other. */
+static void doubled_elements(void **state) {
+    (void)state;
+    for (int32_t around = 5; around < 100; around += 65) /* small, and not */
+        for (int in_turn = 0; in_turn < 2; in_turn++) {
+            test_mesh one, doubled;
+            test_mesh_double_pyramid(&one, around);
+            assert_int_equal(check_any_shape(&one.mesh), 1);
+            const int64_t n = one.mesh.n_elements;
+            int32_t *elements = malloc((size_t)n * 8 * sizeof *elements);
+            assert_non_null(elements);
+            for (int64_t i = 0; i < 2 * n; i++)
+                memcpy(elements + 4 * i, one.elements + 4 * (in_turn ? i / 2 : i % n),
+                       4 * sizeof *elements);
+            test_mesh_create(&doubled, 3, one.mesh.n_nodes, one.coordinates, 2 * n, elements);
+            assert_int_equal(check_any_shape(&doubled.mesh), 0);
+            free(elements);
+            test_mesh_destroy(&one);
+            test_mesh_destroy(&doubled);
+        }
+}
+
+/** An element in the other order, and nobody says so: edges of the link are there twice in the same
+ *  direction. */
+static void a_reversed_element(void **state) {
+    (void)state;
     for (int dim = 2; dim <= 3; dim++)
-        for (unsigned seed = 0; seed < 4; seed++) {
+        for (int32_t around = 5; around < 100; around += 65) {
             test_mesh mesh;
             test_rings rings;
-            if (seed == 0)
-                test_mesh_box(&mesh, dim, 6);
+            if (dim == 3)
+                test_mesh_double_pyramid(&mesh, around);
             else
-                test_mesh_garbage(&mesh, dim, 12 << (2 * seed), 900, seed);
-            test_rings_create(&rings, &mesh.mesh, 1, 1);
-            check_against_definition(&mesh.mesh, &rings);
-            check_threads(&mesh.mesh, &rings, 1);
+                test_mesh_box(&mesh, 2, 2);
+            test_mesh_reverse(&mesh, 3);
+            test_rings_define(&rings, &mesh.mesh);
+            int64_t n = rings.rings.n_rings;
+            pl_rings_destroy(&rings.rings);
+            assert_int_equal(pl_rings_create(&mesh.mesh, &rings.incidence, NULL, rings.is_free,
+                                             rings.node, n, 1, &rings.rings, NULL),
+                             PLANISH_OK);
+            for (int32_t i = 0; i < mesh.mesh.n_nodes; i++) {
+                assert_int_equal(rings.is_free[i], is_inside(&mesh.mesh, NULL, i));
+                assert_int_equal(rings.is_free[i], 0);
+            }
             test_rings_destroy(&rings);
             test_mesh_destroy(&mesh);
         }
+}
+
+/** Around the sizes at which a link is small and its positions are bytes. */
+static void links_of_any_size(void **state) {
+    (void)state;
+    const int32_t around[] = {3, 4, 61, 62, 63, 64, 84, 85, 86, 200};
+    for (size_t i = 0; i < sizeof around / sizeof *around; i++) {
+        test_mesh mesh;
+        test_mesh_double_pyramid(&mesh, around[i]);
+        assert_int_equal(check_any_shape(&mesh.mesh), 1);
+        test_mesh_destroy(&mesh);
+    }
 }
 
 /** A fan of triangles around node 0: its link is larger than positions can say. */
@@ -111,11 +232,10 @@ static void holds_giant_links(void **state) {
         test_mesh_create(&mesh, 2, n + 1, NULL, n, elements);
         test_rings_create(&rings, &mesh.mesh, 1, 2);
         assert_int_equal(rings.is_free[0], extra == 0);
-        assert_int_equal(rings.n_free, extra ? n : n + 1);
-        assert_int_equal(rings.rings.n_rings, rings.n_free);
-        int32_t first = rings.node[0];
-        assert_int_equal(first, extra);
-        assert_int_equal(rings.rings.offset[1], extra ? 3 : n);
+        assert_int_equal(rings.rings.n_rings, n + 1);
+        assert_int_equal(rings.rings.n_free, extra == 0);
+        assert_int_equal(rings.node[0], extra ? -1 : 0);
+        assert_int_equal(rings.rings.offset[1], extra ? 0 : n);
         test_rings_destroy(&rings);
         test_mesh_destroy(&mesh);
         free(elements);
@@ -139,13 +259,15 @@ static void survives_without_memory(void **state) {
     test_mesh mesh;
     test_rings base;
     pl_rings rings;
-    test_mesh_garbage(&mesh, 3, 50, 900, 7);
-    test_rings_create(&base, &mesh.mesh, 1, 1);
+    test_mesh_box(&mesh, 3, 6);
+    test_mesh_join(&mesh, 57, 343 - 1 - 57); /* so that rings are filled again */
+    test_rings_create(&base, &mesh.mesh, 0, 1);
+    const int64_t n = base.rings.n_rings;
     int status = PLANISH_ERROR_MEMORY, permitted = 0;
     for (; status; permitted++) {
         allocations_permit(permitted);
-        status = pl_rings_create(&mesh.mesh, &base.incidence, NULL, base.is_free, base.node,
-                                 &base.n_free, 1, &rings, NULL);
+        status = pl_rings_create(&mesh.mesh, &base.incidence, base.sign, base.is_free, base.node, n,
+                                 1, &rings, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
     }
@@ -157,9 +279,10 @@ static void survives_without_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interior_of_boxes),       cmocka_unit_test(links_of_any_shape),
-        cmocka_unit_test(holds_giant_links),       cmocka_unit_test(no_free_node),
-        cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(interior_of_boxes), cmocka_unit_test(links_of_any_shape),
+        cmocka_unit_test(doubled_elements),  cmocka_unit_test(a_reversed_element),
+        cmocka_unit_test(links_of_any_size), cmocka_unit_test(holds_giant_links),
+        cmocka_unit_test(no_free_node),      cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
