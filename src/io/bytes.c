@@ -101,6 +101,11 @@ int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *
     return bytes->path ? PLANISH_OK : pl_fail_memory(error, path);
 }
 
+void io_bytes_rest(const io_bytes *bytes) {
+    if (bytes->mapped == MAPPED_YES) /* a refusal does no harm */
+        madvise((void *)(uintptr_t)bytes->data, (size_t)bytes->size, MADV_DONTNEED);
+}
+
 void io_bytes_close(io_bytes *bytes) {
     if (bytes->mapped == MAPPED_YES)
         munmap((void *)(uintptr_t)bytes->data, (size_t)bytes->size);

@@ -12,6 +12,10 @@ int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error);
 int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
                     planish_error *error);
 
+/** The bytes will not be read for some time: of a mapped file, the process's memory need not hold
+ *  them until then. */
+void io_bytes_rest(const io_bytes *bytes);
+
 void io_bytes_close(io_bytes *bytes);
 
 #endif

@@ -89,6 +89,7 @@ int planish_file_open(const char *path, const char *format, int threads, planish
         status = choose_format(file, format, error);
     if (!status)
         status = read_model(file, error);
+    io_bytes_rest(&file->model.input);
     if (status)
         planish_file_close(file);
     else
