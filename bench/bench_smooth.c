@@ -1,11 +1,14 @@
 /* bench_smooth: how fast a mesh is smoothed, as JSON.
  *
- *   bench_smooth MESH [--target RMS] [--repeat N] [--threads LIST] [--isa LIST] [--direction D]
+ *   bench_smooth MESH [--target RMS] [--max-sweeps N] [--repeat N] [--threads LIST] [--isa LIST]
+ *                     [--direction D] [--no-bind]
  *
  * For every kernel and number of threads: time of the set-up (planish_plan_create), of the sweeps
- * until the RMS is at most the target and until convergence, node visits per second. Each figure is
- * the best of the repeats, since other load only adds. Everything is measured on one mesh in
- * one process, so ratios are fair. Times exclude reading the file, which is reported by itself.
+ * until the RMS is at most the target and until convergence, node visits per second, and the most
+ * memory that the library took beyond the caller's arrays (Linux only). Each other figure is
+ * the best of the repeats, since other load only adds; repeats take turns, so that such load falls
+ * on all alike. Everything is measured on one mesh in one process, so ratios are fair. Times
+ * exclude reading the file, which is reported by itself.
  */
 #include <planish/planish_io.h>
 
@@ -19,7 +22,7 @@ enum { MAX_LIST = 16, MAX_SWEEPS = 1000 };
 typedef struct settings {
     const char *path;
     double target; /* RMS of RR over all elements; 0: none */
-    int repeat;
+    int repeat, max_sweeps, bind;
     int threads[MAX_LIST], n_threads;
     planish_isa isa[MAX_LIST];
     int n_isa;
@@ -36,7 +39,7 @@ typedef struct history {
 typedef struct figures {
     double setup, first_sweep, to_target, sweeps, visits_per_second, rms;
     int n_sweeps, sweeps_to_target;
-    int64_t visits;
+    int64_t visits, bytes;
 } figures;
 
 static const char *const isa_names[] = {"auto", "plain", "vector", "avx2", "avx512"};
@@ -46,6 +49,34 @@ static double seconds_now(void) {
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+/* ---- memory ------------------------------------------------------------------------------- */
+
+/** A line of /proc/self/status in bytes; 0 where there is none. */
+static int64_t status_bytes(const char *key) {
+    char line[256];
+    long long kilobytes = 0;
+    FILE *status = fopen("/proc/self/status", "r");
+    if (!status)
+        return 0;
+    while (fgets(line, sizeof line, status))
+        if (!strncmp(line, key, strlen(key)))
+            sscanf(line + strlen(key), "%lld", &kilobytes);
+    fclose(status);
+    return kilobytes * 1024;
+}
+
+/** Forget the peak so far; returns what is resident now. */
+static int64_t begin_peak(void) {
+    FILE *clear = fopen("/proc/self/clear_refs", "w");
+    if (clear) {
+        fputs("5", clear);
+        fclose(clear);
+    }
+    return status_bytes("VmRSS:");
+}
+
+/* ---- one run ------------------------------------------------------------------------------ */
 
 static int fail(const char *what, const planish_error *error) {
     fprintf(stderr, "bench_smooth: %s%s%s\n", what, error ? ": " : "", error ? error->text : "");
@@ -67,7 +98,7 @@ static double smaller(double a, double b) {
 }
 
 /** Fold one run into the best figures. */
-static void fold(figures *best, double setup, const history *h, double target) {
+static void fold(figures *best, double setup, int64_t bytes, const history *h, double target) {
     double total = 0, reached = 0;
     int sweeps_to_target = 0;
     for (int i = 0; i < h->n; i++) {
@@ -85,6 +116,7 @@ static void fold(figures *best, double setup, const history *h, double target) {
     best->n_sweeps = h->n;
     best->visits = h->visits;
     best->visits_per_second = best->sweeps > 0 ? (double)h->visits / best->sweeps : 0;
+    best->bytes = bytes > best->bytes ? bytes : best->bytes; /* later runs find memory at hand */
     best->rms = h->n ? h->rms[h->n - 1] : 0;
 }
 
@@ -96,34 +128,38 @@ static int measure_once(const settings *s, const planish_mesh *mesh, int threads
     history h = {.n = 0};
     planish_options_init(&options);
     options.threads = threads;
-    options.bind = 1;
+    options.bind = s->bind;
+    if (s->max_sweeps)
+        options.max_sweeps = s->max_sweeps;
     options.isa = isa;
     options.direction = s->direction;
     options.progress = record;
     options.progress_user = &h;
+    memcpy(coordinates, mesh->coordinates,
+           (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double));
+    int64_t resident = begin_peak();
     double start = seconds_now();
     if (planish_plan_create(mesh, &options, &plan, &error))
         return fail("plan", &error);
     double setup = seconds_now() - start;
-    memcpy(coordinates, mesh->coordinates,
-           (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double));
     int status = planish_smooth(plan, coordinates, &options, NULL, &error);
     planish_plan_destroy(plan);
     if (status)
         return fail("smooth", &error);
-    fold(best, setup, &h, s->target);
+    fold(best, setup, status_bytes("VmHWM:") - resident, &h, s->target);
     return 0;
 }
 
-static void print_figures(const settings *s, const figures *f, int threads, planish_isa isa,
-                          int first) {
+static void print_figures(const settings *s, const planish_mesh *mesh, const figures *f,
+                          int threads, planish_isa isa, int first) {
     printf(
         "%s\n    { \"isa\": \"%s\", \"threads\": %d, \"setup_s\": %.6f, \"first_sweep_s\": %.6f, "
         "\"setup_in_sweeps\": %.2f,\n      \"sweeps\": %d, \"sweeps_s\": %.6f, \"visits\": %lld, "
-        "\"visits_per_s\": %.0f, \"rms\": %.6f",
+        "\"visits_per_s\": %.0f, \"rms\": %.6f, \"bytes_per_element\": %.1f",
         first ? "" : ",", isa_names[isa], threads, f->setup, f->first_sweep,
         f->first_sweep > 0 ? f->setup / f->first_sweep : 0, f->n_sweeps, f->sweeps,
-        (long long)f->visits, f->visits_per_second, f->rms);
+        (long long)f->visits, f->visits_per_second, f->rms,
+        (double)f->bytes / (double)mesh->n_elements);
     if (s->target > 0)
         printf(",\n      \"sweeps_to_target\": %d, \"to_target_s\": %.6f", f->sweeps_to_target,
                f->to_target);
@@ -137,12 +173,12 @@ static int run_all(const settings *s, const planish_mesh *mesh) {
     int status = 0, first = 1;
     printf("  \"runs\": [");
     for (int k = 0; k < s->n_isa && !status; k++) {
+        figures best[MAX_LIST] = {{0}};
+        for (int i = 0; i < s->repeat && !status; i++)
+            for (int t = 0; t < s->n_threads && !status; t++)
+                status = measure_once(s, mesh, s->threads[t], s->isa[k], coordinates, &best[t]);
         for (int t = 0; t < s->n_threads && !status; t++) {
-            figures best = {.n_sweeps = 0};
-            for (int i = 0; i < s->repeat && !status; i++)
-                status = measure_once(s, mesh, s->threads[t], s->isa[k], coordinates, &best);
-            if (!status)
-                print_figures(s, &best, s->threads[t], s->isa[k], first);
+            print_figures(s, mesh, &best[t], s->threads[t], s->isa[k], first);
             first = 0;
         }
     }
@@ -174,16 +210,24 @@ static int parse_isa(settings *s, char *list) {
 }
 
 static int parse(settings *s, int argc, char **argv) {
-    *s = (settings){
-        .repeat = 5, .threads = {1}, .n_threads = 1, .isa = {PLANISH_ISA_AUTO}, .n_isa = 1};
+    *s = (settings){.repeat = 5,
+                    .bind = 1,
+                    .threads = {1},
+                    .n_threads = 1,
+                    .isa = {PLANISH_ISA_AUTO},
+                    .n_isa = 1};
     for (int i = 1; i < argc; i++) {
         int last = i + 1 == argc;
         if (argv[i][0] != '-')
             s->path = argv[i];
+        else if (!strcmp(argv[i], "--no-bind"))
+            s->bind = 0;
         else if (last)
             return 0;
         else if (!strcmp(argv[i], "--target"))
             s->target = atof(argv[++i]);
+        else if (!strcmp(argv[i], "--max-sweeps"))
+            s->max_sweeps = atoi(argv[++i]);
         else if (!strcmp(argv[i], "--repeat"))
             s->repeat = atoi(argv[++i]);
         else if (!strcmp(argv[i], "--direction"))
@@ -201,8 +245,9 @@ int main(int argc, char **argv) {
     planish_error error;
     planish_file *file = NULL;
     if (!parse(&s, argc, argv)) {
-        fprintf(stderr, "usage: bench_smooth MESH [--target RMS] [--repeat N] [--threads 1,2,...] "
-                        "[--isa plain,vector,avx2,avx512] [--direction newton|fletcher-reeves]\n");
+        fprintf(stderr, "usage: bench_smooth MESH [--target RMS] [--max-sweeps N] [--repeat N] "
+                        "[--threads 1,2,...] [--isa plain,vector,avx2,avx512] "
+                        "[--direction newton|fletcher-reeves] [--no-bind]\n");
         return 64;
     }
     double start = seconds_now();

@@ -30,6 +30,20 @@ static inline void choose_scale(star *s, double extent) {
     s->unscale = power_of_two(exponent);
 }
 
+/* Stars whose rings are asked for ahead of their visits: on meshes that outgrow the caches they would
+ * be waited for. */
+enum { AHEAD = 3 };
+
+/** Ask for the coordinates of the ring of the star that is due soon after index, before end. */
+PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_t end,
+                           const int dim) {
+    if (index + AHEAD >= end)
+        return;
+    const int64_t ring_end = problem->ring_offset[index + AHEAD + 1];
+    for (int64_t i = problem->ring_offset[index + AHEAD]; i < ring_end; i++)
+        __builtin_prefetch(problem->coordinates + (int64_t)problem->ring[i] * dim);
+}
+
 /** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled. */
 static inline void gather_ring(const pl_star_problem *problem, star *s, const double *x,
                                double *ring, const int dim) {

@@ -62,6 +62,7 @@ static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t 
                                         double *scratch, const int dim) {
     pl_star_tally tally = {0};
     for (int64_t i = begin; i < end; i++) {
+        fetch_ahead(problem, i, end, dim);
         if (!claim(problem, i))
             continue;
         visit_star(problem, i, scratch, &tally, dim);
