@@ -107,7 +107,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     job->begin = pl_seconds();
     job->arguments = arguments;
     job->options = arguments->library;
-    job->options.bind = !user_binds_threads();
+    job->options.bind = !arguments->leave_unbound && !user_binds_threads();
     job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (planish_file_open(arguments->input, arguments->format, job->options.threads, &job->file,
                           &error))

@@ -245,6 +245,11 @@ static const char *set_threads(pl_arguments *arguments, const char *value) {
                : NULL;
 }
 
+static const char *set_bind(pl_arguments *arguments, const char *value) {
+    arguments->leave_unbound = !strcmp(value, "none");
+    return arguments->leave_unbound || !strcmp(value, "auto") ? NULL : "must be auto or none";
+}
+
 static const char *set_json(pl_arguments *arguments, const char *value) {
     arguments->json = value;
     return value[0] ? NULL : "must be the name of a file, or - for standard output";
@@ -330,6 +335,10 @@ static const option_row option_table[] = {
      "move only nodes of elements whose radius ratio\nexceeds RR"},
     {'j', "threads", "N", BOTH, set_threads,
      "run on N threads (default: OMP_NUM_THREADS, else one\nper core)"},
+    {0, "bind", "HOW", BOTH, set_bind,
+     "auto (default): each thread on a core of its own,\nunless OpenMP's variables say where; "
+     "none: "
+     "wherever\nthe system puts them"},
     {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output"},
     {'v', "verbose", NULL, SMOOTH, set_verbose, "one line per sweep, and where the threads run"},
     {'q', "quiet", NULL, BOTH, set_quiet, "print nothing but errors"},

@@ -28,6 +28,7 @@ typedef struct pl_arguments {
     const char **fix;   /* [n_fix] tags, owned */
     int n_fix;
     int ignore_regions;
+    int leave_unbound;        /* threads stay where the system puts them */
     char **min_volume_tag;    /* [n_min_volumes] groups with a least volume of their own, owned */
     double *min_volume_value; /* [n_min_volumes] and that volume, owned */
     int n_min_volumes;

@@ -26,15 +26,38 @@ static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body
     body(context, begin, end, thread);
 }
 
+#ifdef _OPENMP
+
+/** The chunks of one thread: next is the first that nobody has taken. */
+typedef struct share {
+    int64_t next, end;
+    char padding[48]; /* shares of different threads share no cache line */
+} share;
+
+/** Do the chunks of a share that nobody else does. */
+static void run_share(share *s, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context,
+                      int thread) {
+    while (__atomic_load_n(&s->next, __ATOMIC_RELAXED) < s->end) {
+        int64_t index = __atomic_fetch_add(&s->next, 1, __ATOMIC_RELAXED);
+        if (index < s->end)
+            run_chunk(index, n, chunk, body, context, thread);
+    }
+}
+
+#endif
+
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context) {
     int64_t chunks = n > 0 ? (n - 1) / chunk + 1 : 0;
 #ifdef _OPENMP
     /* Always the whole team, also for few chunks: libgomp ends the threads that a smaller team
      * leaves over, and those it makes later have lost their places. */
     if (threads > 1 && chunks > 1) {
-#pragma omp parallel for num_threads(threads) schedule(dynamic, 1)
-        for (int64_t i = 0; i < chunks; i++)
-            run_chunk(i, n, chunk, body, context, omp_get_thread_num());
+        share shares[threads];
+        for (int t = 0; t < threads; t++)
+            shares[t] = (share){chunks * t / threads, chunks * (t + 1) / threads, {0}};
+#pragma omp parallel num_threads(threads)
+        for (int t = 0, me = omp_get_thread_num(); t < threads; t++)
+            run_share(&shares[(me + t) % threads], n, chunk, body, context, me);
         return;
     }
 #else

@@ -18,8 +18,10 @@ int pl_thread_count(int threads);
 /** A chunk: indices begin .. end-1, on thread (0 .. threads-1). */
 typedef void pl_chunk_fn(void *context, int64_t begin, int64_t end, int thread);
 
-/** Call body once for every chunk of 0 .. n-1; chunks are of size chunk but the last. A thread takes
- *  the next chunk when it is done with one. Returns when all are done. */
+/** Call body once for every chunk of 0 .. n-1; chunks are of size chunk but the last. Each thread
+ *  begins with its own stretch of them, so that from loop to loop it finds in its caches, and in the
+ *  memory of its NUMA node, what it has touched before; when that is done it helps the others. Returns
+ *  when all are done. */
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context);
 
 /** Call body(context, t, t + 1, t) on thread t of each of the threads that pl_parallel_for uses. */

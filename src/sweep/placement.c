@@ -16,16 +16,16 @@ struct pl_placement {
     int threads;
     char text[TEXT_SIZE];
 #ifdef PL_HWLOC
-    hwloc_topology_t topology; /* NULL: threads stay where they are */
-    hwloc_cpuset_t *core;      /* [threads] where each thread is bound: one hardware thread */
+    hwloc_topology_t topology; /* NULL: no core is chosen */
+    int binds;                 /* 0: threads stay where they are all the same */
+    hwloc_cpuset_t *core;      /* [threads] where each thread belongs: one hardware thread */
     hwloc_cpuset_t *former;    /* [threads] where it was before */
 #endif
 };
 
 #ifdef PL_HWLOC
 
-/** The machine's cores within the set that the process was started in; NULL if binding is out of
- *  the question. */
+/** The cores within the set that the process was started in; NULL if hwloc does not know them. */
 static hwloc_topology_t load_topology(void) {
     hwloc_topology_t topology;
     if (hwloc_topology_init(&topology))
@@ -34,10 +34,12 @@ static hwloc_topology_t load_topology(void) {
     hwloc_topology_set_all_types_filter(topology, HWLOC_TYPE_FILTER_KEEP_NONE);
     hwloc_topology_set_type_filter(topology, HWLOC_OBJ_CORE, HWLOC_TYPE_FILTER_KEEP_ALL);
 #endif
-    if (hwloc_topology_load(topology) || !hwloc_topology_is_thissystem(topology)) {
+    if (hwloc_topology_load(topology)) {
         hwloc_topology_destroy(topology);
         return NULL;
     }
+    if (!hwloc_topology_is_thissystem(topology))
+        return topology;
     hwloc_cpuset_t allowed = hwloc_bitmap_alloc();
     if (allowed && !hwloc_get_cpubind(topology, allowed, HWLOC_CPUBIND_PROCESS))
         hwloc_topology_restrict(topology, allowed, 0);
@@ -50,8 +52,7 @@ static int count_cores(hwloc_topology_t topology) {
     return cores > 0 ? cores : hwloc_get_nbobjs_by_type(topology, HWLOC_OBJ_PU);
 }
 
-/** The hardware threads of the placement's threads: the first of each core, then, when there are
- *  more threads than cores, round again. */
+/** The hardware threads of the placement's threads: the first of each core. */
 static int choose_cores(pl_placement *placement) {
     placement->core = pl_alloc_zero(placement->threads, sizeof *placement->core);
     placement->former = pl_alloc_zero(placement->threads, sizeof *placement->former);
@@ -60,9 +61,8 @@ static int choose_cores(pl_placement *placement) {
     hwloc_obj_type_t type = hwloc_get_nbobjs_by_type(placement->topology, HWLOC_OBJ_CORE) > 0
                                 ? HWLOC_OBJ_CORE
                                 : HWLOC_OBJ_PU;
-    int cores = count_cores(placement->topology);
     for (int t = 0; t < placement->threads; t++) {
-        hwloc_obj_t core = hwloc_get_obj_by_type(placement->topology, type, (unsigned)(t % cores));
+        hwloc_obj_t core = hwloc_get_obj_by_type(placement->topology, type, (unsigned)t);
         placement->core[t] = hwloc_bitmap_dup(core->cpuset);
         placement->former[t] = hwloc_bitmap_alloc();
         if (!placement->core[t] || !placement->former[t])
@@ -104,10 +104,13 @@ static void prepare_binding(pl_placement *placement, int threads) {
     int cores = count_cores(placement->topology);
     if (threads <= 0 && cores > 0 && cores < placement->threads)
         placement->threads = cores;
-    if (cores > 0 && placement->threads <= cores && choose_cores(placement))
-        describe_binding(placement);
-    else
+    if (placement->threads < 2 || placement->threads > cores || !choose_cores(placement)) {
         release_topology(placement);
+        return;
+    }
+    placement->binds = hwloc_topology_is_thissystem(placement->topology);
+    if (placement->binds)
+        describe_binding(placement);
 }
 
 static void bind_thread(void *context, int64_t begin, int64_t end, int thread) {
@@ -156,13 +159,24 @@ int pl_placement_threads(const pl_placement *placement) {
     return placement->threads;
 }
 
+int pl_placement_cpu(const pl_placement *placement, int thread) {
+#ifdef PL_HWLOC
+    if (placement->topology)
+        return hwloc_bitmap_first(placement->core[thread]);
+#else
+    (void)placement;
+    (void)thread;
+#endif
+    return -1;
+}
+
 const char *pl_placement_text(const pl_placement *placement) {
     return placement->text;
 }
 
 void pl_placement_enter(pl_placement *placement) {
 #ifdef PL_HWLOC
-    if (placement->topology)
+    if (placement->binds)
         pl_on_each_thread(placement->threads, bind_thread, placement);
 #else
     (void)placement;
@@ -171,7 +185,7 @@ void pl_placement_enter(pl_placement *placement) {
 
 void pl_placement_leave(pl_placement *placement) {
 #ifdef PL_HWLOC
-    if (placement->topology)
+    if (placement->binds)
         pl_on_each_thread(placement->threads, restore_thread, placement);
 #else
     (void)placement;

@@ -37,6 +37,23 @@ for setting in OMP_PROC_BIND=close OMP_PLACES=threads OMP_PROC_BIND=false; do
     cmp one.msh many.msh || fail "$setting gives another mesh"
 done
 
+# --bind says so as well; one thread is never bound.
+binding() { python3 -c "import json; print(json.load(open('report.json'))['binding'])"; }
+for how in auto none; do
+    expect_status 0 "$program" smooth "$sample" -o many.msh -j 2 --bind $how --json report.json -q
+    cmp one.msh many.msh || fail "--bind $how gives another mesh"
+    case "$how $(binding)" in
+        "auto one thread per core, on CPUs "* | "none not bound") ;;
+        "auto not bound") # without hwloc, or on one core
+            [ "$(nproc)" -eq 1 ] || ! ldd "$program" | grep -q hwloc || fail "--bind auto binds nothing" ;;
+        *) fail "--bind $how: $(binding)" ;;
+    esac
+done
+expect_status 0 "$program" smooth "$sample" -o many.msh -j 1 --bind auto --json report.json -q
+[ "$(binding)" = "not bound" ] || fail "one thread is bound: $(binding)"
+expect_status 64 "$program" smooth "$sample" -o many.msh --bind cores
+grep -q -- "--bind.*must be auto or none" err || fail "--bind cores: $(cat err)"
+
 # The other direction is its own method, as deterministic.
 expect_status 0 "$program" smooth "$sample" -o fr1.msh --direction fletcher-reeves -j 1 -q
 expect_status 0 "$program" smooth "$sample" -o fr3.msh --direction fletcher-reeves -j 3 -q
