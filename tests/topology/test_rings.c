@@ -1,4 +1,5 @@
 /* Tests of src/topology/rings.c. */
+#include "topology/small_ring.h"
 #include "topology/topology.h"
 
 #include "support/allocations.h"
@@ -242,6 +243,28 @@ static void holds_giant_links(void **state) {
     }
 }
 
+/** Numbers of former links count for nothing, also where they come to their end and start again. */
+static void tables_forget(void **state) {
+    (void)state;
+    static pl_small_ring table;
+    for (int round = 0; round < 3; round++) {
+        pl_small_numbers given = pl_small_ring_begin(&table);
+        assert_int_equal(given.before, round == 2 ? 0 : table.last);
+        assert_int_equal(pl_small_ring_node(&table, 7, &given), 0);
+        assert_int_equal(pl_small_ring_node(&table, 5, &given), 1);
+        assert_int_equal(pl_small_ring_node(&table, 7, &given), 0);
+        assert_int_equal(pl_small_ring_edge(&table, 0, 1, &given), 0);
+        assert_int_equal(pl_small_ring_edge(&table, 1, 2, &given), 1);
+        assert_int_equal(pl_small_ring_edge(&table, 1, 0, &given), 0);
+        assert_false(given.has_repeated);
+        pl_small_ring_edge(&table, 1, 2, &given);
+        assert_true(given.has_repeated);
+        pl_small_ring_end(&table, &given);
+        if (round == 1)
+            table.last = UINT32_MAX - 3;
+    }
+}
+
 static void no_free_node(void **state) {
     (void)state;
     test_mesh box;
@@ -279,10 +302,11 @@ static void survives_without_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interior_of_boxes), cmocka_unit_test(links_of_any_shape),
-        cmocka_unit_test(doubled_elements),  cmocka_unit_test(a_reversed_element),
-        cmocka_unit_test(links_of_any_size), cmocka_unit_test(holds_giant_links),
-        cmocka_unit_test(no_free_node),      cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(interior_of_boxes),       cmocka_unit_test(links_of_any_shape),
+        cmocka_unit_test(doubled_elements),        cmocka_unit_test(a_reversed_element),
+        cmocka_unit_test(links_of_any_size),       cmocka_unit_test(holds_giant_links),
+        cmocka_unit_test(tables_forget),           cmocka_unit_test(no_free_node),
+        cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
