@@ -3,8 +3,13 @@
 import glob
 import json
 import os
-import platform
 import sys
+
+import machine
+
+# Operations on packs of four doubles in a visit of a star of 27 tetrahedra, counted from the formulas
+# (docs/performance.md, "What a visit is made of").
+ARITHMETIC, DIVISIONS, ROOTS = 2520, 38, 27
 
 
 def load(path):
@@ -12,64 +17,57 @@ def load(path):
         return json.load(file)
 
 
-def cpu():
-    try:
-        with open("/proc/cpuinfo") as info:
-            return next(line.split(":", 1)[1].strip() for line in info if line.startswith("model name"))
-    except (OSError, StopIteration):
-        return platform.processor()
-
-
 def sweeps(folder, names):
     print("| mesh | tetrahedra | threads | set-up ms | in sweeps | sweeps to 0.4 % | ms | "
-          "all sweeps | ms | visits/s | RMS |")
-    print("| --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |")
+          "all sweeps | ms | visits/s | RMS | library B per tetrahedron |")
+    print("| --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |")
     for name in names:
         report = load(f"{folder}/{name}.smooth.json")
         for run in report["runs"]:
             print(f"| {name} | {report['elements']} | {run['threads']} | {run['setup_s'] * 1e3:.1f} "
                   f"| {run['setup_in_sweeps']:.1f} | {run['sweeps_to_target']} "
                   f"| {run['to_target_s'] * 1e3:.1f} | {run['sweeps']} | {run['sweeps_s'] * 1e3:.0f} "
-                  f"| {run['visits_per_s'] / 1e6:.2f} M | {run['rms']:.4f} |")
+                  f"| {run['visits_per_s'] / 1e6:.2f} M | {run['rms']:.4f} "
+                  f"| {run['bytes_per_element']:.0f} |")
 
 
-def kernels(folder, names):
-    print("| mesh | problem | kernel | value ns | derivatives ns | visit ns |")
-    print("| --- | --- | --- | --: | --: | --: |")
-    for name in names:
-        for run in load(f"{folder}/{name}.kernel.json")["ns_per_star"]:
-            print(f"| {name} | {run['problem']} | {run['isa']} | {run['value']:.0f} | {run['derivatives']:.0f} "
-                  f"| {run['visit']:.0f} |")
+def kernels(folder, name):
+    print("| problem | kernel | value ns | derivatives ns | visit ns |")
+    print("| --- | --- | --: | --: | --: |")
+    for run in load(f"{folder}/{name}.kernel.json")["ns_per_star"]:
+        print(f"| {run['problem']} | {run['isa']} | {run['value']:.0f} | {run['derivatives']:.0f} "
+              f"| {run['visit']:.0f} |")
 
 
-def whole(folder, names):
-    print("| mesh | threads | worst RR | smallest angle | RMS | read s | set-up s | smooth s "
-          "| write s | total s | peak MB | B per tet |")
-    print("| --- | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: | --: |")
-    for name in names:
-        for path in sorted(glob.glob(f"{folder}/{glob.escape(name)}.whole-*.json")):
-            report = load(path)
-            before, after, time = report["before"], report["after"], report["seconds"]
-            change = " | ".join(f"{before[key]:.4g} → {after[key]:.4g}" for key in
-                                ("max_radius_ratio", "min_dihedral_deg", "rms_radius_ratio"))
-            phases = " | ".join(f"{time[key]:.3f}" for key in
-                                ("read", "setup", "smooth", "write", "total"))
-            peak = report["peak_memory_bytes"]
-            print(f"| {name} | {report['threads']} | {change} | {phases} | {peak / 1e6:.0f} "
-                  f"| {peak / report['mesh']['elements']:.0f} |")
+def peak(folder, name):
+    found = load(f"{folder}/machine.json")
+    rate, clock = found["packs_per_cycle"], found["ghz"]
+    print("| packs of four doubles per cycle | additions | multiplications | both in turn | divisions "
+          "| square roots | GHz | memory GB/s, 1 to all threads |")
+    print("| --- | --: | --: | --: | --: | --: | --: | --: |")
+    print("| one core | " + " | ".join(f"{rate[key]:.2f}" for key in
+                                        ("addition", "multiplication", "both", "division", "root"))
+          + f" | {clock:.2f} | {', '.join(f'{one:.0f}' for one in found['memory_gb_per_s'])} |")
+    arithmetic = ARITHMETIC / rate["both"] / clock
+    divider = (DIVISIONS / rate["division"] + ROOTS / rate["root"]) / clock
+    visit = min(run["visit"] for run in load(f"{folder}/{name}.kernel.json")["ns_per_star"]
+                if run["problem"] == "plain")
+    print(f"\nA visit needs {arithmetic:.0f} ns for its additions and multiplications at that rate, and "
+          f"{divider:.0f} ns of the divider at the same time; it takes {visit:.0f} ns: "
+          f"{arithmetic / visit:.0%} of the peak.")
 
 
 def main():
     folder = sys.argv[1]
     names = sorted(os.path.basename(path)[:-len(".smooth.json")]
                    for path in glob.glob(f"{folder}/*.smooth.json"))
-    print(f"Machine: {cpu()}, {os.cpu_count()} CPUs\n")
-    print("Set-up and sweeps\n")
+    print(machine.line(machine.description()))
+    print("\n#### Set-up and sweeps\n")
     sweeps(folder, names)
-    print("\nKernels, one thread, nanoseconds per star\n")
-    kernels(folder, names)
-    print("\nFrom file to file\n")
-    whole(folder, names)
+    print(f"\n#### Kernels: nanoseconds per star of {names[0]}, one thread\n")
+    kernels(folder, names[0])
+    print("\n#### What the machine could do\n")
+    peak(folder, names[0])
 
 
 if __name__ == "__main__":

@@ -1,0 +1,142 @@
+/* bench_machine: what this machine could do, to set beside what the kernels reach, as JSON.
+ *
+ *   bench_machine [THREADS]
+ *
+ * One core: its clock, as dependent shifts and exclusive ors count it; then additions,
+ * multiplications, both in turn, divisions and square roots of packs of four doubles, independent
+ * of one another, per cycle. Memory: the sum of two arrays of 128 MB into a third, by 1 and by
+ * THREADS threads (all CPUs), in GB/s of what is read and written. Each figure is the best of
+ * several.
+ */
+#include "base/memory.h"
+#include "base/parallel.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <time.h>
+
+#if defined(__x86_64__)
+#define WIDE __attribute__((target("avx2")))
+#else
+#define WIDE
+#endif
+
+typedef double pack __attribute__((vector_size(32)));
+
+enum {
+    REPEATS = 7,
+    STEPS = 2000000,
+    CHAINS =
+        12, /* independent of one another: more than any latency needs, and they fit registers */
+    ROOT_CHAINS = 8,
+    ARRAY = 16 << 20, /* doubles */
+    CHUNK = 1 << 16
+};
+
+static double seconds_now(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static volatile double sink; /* what is computed must be */
+
+/** Cycles per second: each step is two dependent operations of one cycle. */
+static double clock_rate(void) {
+    double best = 0;
+    for (int i = 0; i < REPEATS; i++) {
+        uint64_t x = (uint64_t)i + 88172645463325252u;
+        double begin = seconds_now();
+        for (int step = 0; step < STEPS; step++)
+            x ^= x >> 1;
+        double rate = 2.0 * STEPS / (seconds_now() - begin);
+        sink = (double)x;
+        best = rate > best ? rate : best;
+    }
+    return best;
+}
+
+/** Time STEPS rounds of body over independent chains x[c], operations per chain and round; packs of
+ *  four per second. */
+#define DEFINE_RATE(name, chains, operations, body)                                                \
+    WIDE static double name(void) {                                                                \
+        double best = 0;                                                                           \
+        for (int i = 0; i < REPEATS; i++) {                                                        \
+            pack x[chains];                                                                        \
+            const pack a = {1.25, 1.5, 1.75, 1.125}, b = a * 0.75 - 0.25;                          \
+            for (int c = 0; c < (chains); c++)                                                     \
+                x[c] = a + c;                                                                      \
+            double begin = seconds_now();                                                          \
+            for (int step = 0; step < STEPS; step++)                                               \
+                for (int c = 0; c < (chains); c++)                                                 \
+                    body;                                                                          \
+            double rate = (double)STEPS * (chains) * (operations) / (seconds_now() - begin);       \
+            for (int c = 0; c < (chains); c++)                                                     \
+                sink = x[c][0] + x[c][3] + b[1];                                                   \
+            best = rate > best ? rate : best;                                                      \
+        }                                                                                          \
+        return best;                                                                               \
+    }
+
+DEFINE_RATE(addition_rate, CHAINS, 1, x[c] = x[c] + a)
+DEFINE_RATE(multiplication_rate, CHAINS, 1, x[c] = x[c] * b)
+DEFINE_RATE(mixed_rate, CHAINS, 2, x[c] = x[c] * b + a)
+DEFINE_RATE(division_rate, ROOT_CHAINS, 1, x[c] = a / x[c])
+DEFINE_RATE(root_rate, ROOT_CHAINS, 1,
+            x[c] = ((pack){sqrt(x[c][0]), sqrt(x[c][1]), sqrt(x[c][2]), sqrt(x[c][3])}))
+
+typedef struct arrays {
+    double *a, *b, *c;
+} arrays;
+
+static void fill(void *context, int64_t begin, int64_t end, int thread) {
+    arrays *x = context;
+    for (int64_t i = begin; i < end; i++) {
+        x->a[i] = (double)thread;
+        x->b[i] = (double)i;
+        x->c[i] = 1;
+    }
+}
+
+static void add(void *context, int64_t begin, int64_t end, int thread) {
+    arrays *x = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        x->a[i] = x->b[i] + x->c[i];
+}
+
+/** Bytes per second of the sum of two arrays; 0 without memory. */
+static double bandwidth(int threads) {
+    double best = 0;
+    arrays x = {pl_alloc(ARRAY, sizeof(double)), pl_alloc(ARRAY, sizeof(double)),
+                pl_alloc(ARRAY, sizeof(double))};
+    if (x.a && x.b && x.c) {
+        pl_parallel_for(threads, ARRAY, CHUNK, fill, &x);
+        for (int i = 0; i < REPEATS; i++) {
+            double begin = seconds_now();
+            pl_parallel_for(threads, ARRAY, CHUNK, add, &x);
+            double rate = 3.0 * ARRAY * sizeof(double) / (seconds_now() - begin);
+            best = rate > best ? rate : best;
+        }
+    }
+    pl_free(x.a);
+    pl_free(x.b);
+    pl_free(x.c);
+    return best;
+}
+
+int main(int argc, char **argv) {
+    int threads = pl_thread_count(argc > 1 ? atoi(argv[1]) : 0);
+    double clock = clock_rate();
+    printf(
+        "{ \"ghz\": %.3f,\n  \"packs_per_cycle\": { \"addition\": %.3f, \"multiplication\": %.3f, "
+        "\"both\": %.3f, \"division\": %.4f, \"root\": %.4f },\n",
+        clock * 1e-9, addition_rate() / clock, multiplication_rate() / clock, mixed_rate() / clock,
+        division_rate() / clock, root_rate() / clock);
+    printf("  \"threads\": %d, \"memory_gb_per_s\": [%.2f", threads, bandwidth(1) * 1e-9);
+    if (threads > 1)
+        printf(", %.2f", bandwidth(threads) * 1e-9);
+    printf("] }\n");
+    return 0;
+}

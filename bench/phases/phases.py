@@ -1,0 +1,66 @@
+#!/usr/bin/env python3
+"""phases: run planish from file to file.   phases.py PROGRAMS RESULT.json BOX ... -- FILE ..."""
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+import machine
+
+REPEATS, MANY = 5, 3_000_000  # elements from which on one run is enough
+
+
+def smooth(programs, mesh, threads, *options):
+    """What the program reports of one run, in short."""
+    with tempfile.TemporaryDirectory(dir=os.path.dirname(mesh)) as folder:
+        out = os.path.join(folder, "out" + os.path.splitext(mesh)[1])
+        done = subprocess.run([f"{programs}/planish", "smooth", mesh, "-o", out, "-j", str(threads),
+                               "-q", "--json", "-", *options], stdout=subprocess.PIPE, check=True)
+    report = json.loads(done.stdout)
+    return {"file": os.path.basename(mesh), "bytes": os.path.getsize(mesh), "threads": threads,
+            "elements": report["mesh"]["elements"], "free_nodes": report["mesh"]["free_nodes"],
+            "sweeps": len(report["sweeps"]), "visits": sum(s["visits"] for s in report["sweeps"]),
+            "sweeps_s": sum(s["seconds"] for s in report["sweeps"]),
+            "seconds": report["seconds"], "peak_bytes": report["peak_memory_bytes"],
+            "rms": [report[when]["rms_radius_ratio"] for when in ("before", "after")]}
+
+
+def warm(path):
+    """Read a file once, so that it is in the disk cache."""
+    with open(path, "rb") as file:
+        while file.read(1 << 24):
+            pass
+
+
+def best(runs):
+    """The run that took the least time in all, of several."""
+    return min(runs, key=lambda run: run["seconds"]["total"])
+
+
+def main():
+    programs, result = sys.argv[1:3]
+    split = sys.argv.index("--")
+    about = machine.description()
+    threads = sorted({1, about["cpus"]})
+    growth, formats = [], []
+    for mesh in sys.argv[3:split]:
+        for n in threads:
+            warm(mesh)
+            first = smooth(programs, mesh, n)
+            again = 0 if first["elements"] > MANY else REPEATS - 1
+            growth.append(best([first] + [smooth(programs, mesh, n) for _ in range(again)]))
+    for mesh in sys.argv[split + 1:]:
+        warm(mesh)
+        for n in threads:
+            runs = [smooth(programs, mesh, n, "--max-sweeps", "1") for _ in range(REPEATS)]
+            run = runs[0]
+            for phase in ("read", "write"):  # each the best by itself
+                run["seconds"][phase] = min(r["seconds"][phase] for r in runs)
+            formats.append(run)
+    with open(result, "w") as file:
+        json.dump({"machine": about, "growth": growth, "formats": formats}, file, indent=1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""show: the results of phases.py as Markdown, and as a plot.   show.py RESULT.json PLOT.svg"""
+import json
+import sys
+
+import matplotlib
+matplotlib.use("svg")
+from matplotlib import pyplot  # noqa: E402
+
+import machine  # noqa: E402
+
+PHASES = ("read", "setup", "smooth", "write")
+
+
+def growth_table(rows):
+    print("| tetrahedra | threads | read s | set-up s | smooth s | write s | total s | share % "
+          "| sweeps | us per visit | total in sweeps' time | us per tetrahedron | peak B per tetrahedron |")
+    print("| --: | --: | --: | --: | --: | --: | --: | --- | --: | --: | --: | --: | --: |")
+    for row in rows:
+        time = row["seconds"]
+        shares = ", ".join(f"{time[phase] / time['total'] * 100:.0f}" for phase in PHASES)
+        print(f"| {row['elements']} | {row['threads']} | "
+              + " | ".join(f"{time[phase]:.3f}" for phase in (*PHASES, "total"))
+              + f" | {shares} | {row['sweeps']} "
+              f"| {row['sweeps_s'] / row['visits'] * 1e6:.2f} | {time['total'] / row['sweeps_s']:.2f} "
+              f"| {time['total'] / row['elements'] * 1e6:.2f} | {row['peak_bytes'] / row['elements']:.0f} |")
+
+
+def format_table(rows):
+    print("| file | MB | threads | read s | MB/s | write s | MB/s |")
+    print("| --- | --: | --: | --: | --: | --: | --: |")
+    for row in rows:
+        megabytes, time = row["bytes"] / 1e6, row["seconds"]
+        print(f"| {row['file']} | {megabytes:.0f} | {row['threads']} "
+              + "".join(f"| {time[phase]:.3f} | {megabytes / time[phase]:.0f} "
+                        for phase in ("read", "write")) + "|")
+
+
+def plot(result, path):
+    """Time and memory per tetrahedron against size. Sweeps differ in number: time is that of ten."""
+    figure, (time, memory) = pyplot.subplots(1, 2, figsize=(9, 3.6))
+    for threads in sorted({row["threads"] for row in result["growth"]}):
+        rows = [row for row in result["growth"] if row["threads"] == threads]
+        sizes = [row["elements"] for row in rows]
+        for name, seconds in (
+                ("ten sweeps", lambda row: row["sweeps_s"] / row["sweeps"] * 10),
+                ("set-up", lambda row: row["seconds"]["setup"]),
+                ("read and write", lambda row: row["seconds"]["read"] + row["seconds"]["write"])):
+            time.plot(sizes, [seconds(row) / row["elements"] * 1e6 for row in rows], "o-",
+                      alpha=1 if threads == 1 else 0.5, label=f"{name}, {threads} thread(s)")
+        memory.plot(sizes, [row["peak_bytes"] / row["elements"] for row in rows], "o-",
+                    label=f"{threads} thread(s)")
+    time.set(title="time", ylabel="us per tetrahedron")
+    memory.set(title="peak memory of the program", ylabel="bytes per tetrahedron")
+    for axes in (time, memory):
+        axes.set(xlabel="tetrahedra", xscale="log", ylim=(0, None))
+        axes.grid(alpha=0.3)
+        axes.legend(fontsize="x-small")
+    figure.suptitle(machine.line(result["machine"]), fontsize="small")
+    figure.tight_layout()
+    figure.savefig(path)
+
+
+def main():
+    with open(sys.argv[1]) as file:
+        result = json.load(file)
+    print(machine.line(result["machine"]))
+    print("\n#### Sizes: binary MSH 4.1, until converged\n")
+    growth_table(result["growth"])
+    print("\n#### Formats\n")
+    format_table(result["formats"])
+    plot(result, sys.argv[2])
+
+
+if __name__ == "__main__":
+    main()
