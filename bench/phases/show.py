@@ -36,26 +36,31 @@ def format_table(rows):
                         for phase in ("read", "write")) + "|")
 
 
+def count_of(threads):
+    return f"{threads} thread" + "s" * (threads > 1)
+
+
 def plot(result, path):
     """Time and memory per tetrahedron against size. Sweeps differ in number: time is that of ten."""
     figure, (time, memory) = pyplot.subplots(1, 2, figsize=(9, 3.6))
-    for threads in sorted({row["threads"] for row in result["growth"]}):
+    for threads, style in zip(sorted({row["threads"] for row in result["growth"]}), ("o-", "o--")):
         rows = [row for row in result["growth"] if row["threads"] == threads]
         sizes = [row["elements"] for row in rows]
+        time.set_prop_cycle(None)  # the same colours again
         for name, seconds in (
                 ("ten sweeps", lambda row: row["sweeps_s"] / row["sweeps"] * 10),
                 ("set-up", lambda row: row["seconds"]["setup"]),
                 ("read and write", lambda row: row["seconds"]["read"] + row["seconds"]["write"])):
-            time.plot(sizes, [seconds(row) / row["elements"] * 1e6 for row in rows], "o-",
-                      alpha=1 if threads == 1 else 0.5, label=f"{name}, {threads} thread(s)")
-        memory.plot(sizes, [row["peak_bytes"] / row["elements"] for row in rows], "o-",
-                    label=f"{threads} thread(s)")
+            time.plot(sizes, [seconds(row) / row["elements"] * 1e6 for row in rows], style,
+                      label=f"{name}, {count_of(threads)}")
+        memory.plot(sizes, [row["peak_bytes"] / row["elements"] for row in rows], style,
+                    label=count_of(threads))
     time.set(title="time", ylabel="us per tetrahedron")
     memory.set(title="peak memory of the program", ylabel="bytes per tetrahedron")
     for axes in (time, memory):
-        axes.set(xlabel="tetrahedra", xscale="log", ylim=(0, None))
+        axes.set(xlabel="tetrahedra", xscale="log", ylim=(0, 1.4 * axes.get_ylim()[1]))
         axes.grid(alpha=0.3)
-        axes.legend(fontsize="x-small")
+        axes.legend(fontsize="x-small", ncol=2, loc="upper center")
     figure.suptitle(machine.line(result["machine"]), fontsize="small")
     figure.tight_layout()
     figure.savefig(path)

@@ -50,7 +50,7 @@ def plot(result, path):
     strong.set(title="the same mesh", xlabel="threads", ylabel="speed-up")
     rates = [r["visits_per_s"] / r["threads"] / 1e6 for r in result["weak"]]
     weak.plot([r["threads"] for r in result["weak"]], rates, "o-")
-    weak.set(title="0.4 M tetrahedra per thread", xlabel="threads", ylim=(0, None),
+    weak.set(title="0.4 M tetrahedra per thread", xlabel="threads", ylim=(0, 1.2 * max(rates)),
              ylabel="million visits per second and thread")
     for axes in (strong, weak):
         axes.grid(alpha=0.3)
