@@ -13,7 +13,8 @@
 extern "C" {
 #endif
 
-/** A mesh file that has been read. The file must not change while it is open. */
+/** A mesh file that has been read. The file must not change while it is open: planish_file_write
+ *  refuses to write what it has become then. */
 typedef struct planish_file planish_file;
 
 /** Read the file at path. format: a name of planish_file_formats, or NULL to tell it by content,

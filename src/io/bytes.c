@@ -25,14 +25,22 @@ static int fail_errno(const char *path, const char *what, planish_error *error) 
     return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
 }
 
-static int map_regular(int fd, int64_t size, io_bytes *bytes, planish_error *error) {
-    void *data = mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, fd, 0);
+/** When a file was last written to, in ns. */
+static int64_t time_of(const struct stat *about) {
+    return (int64_t)about->st_mtim.tv_sec * 1000000000 + about->st_mtim.tv_nsec;
+}
+
+/** The descriptor stays open: the file may get another name meanwhile. */
+static int map_regular(int fd, const struct stat *about, io_bytes *bytes, planish_error *error) {
+    void *data = mmap(NULL, (size_t)about->st_size, PROT_READ, MAP_PRIVATE, fd, 0);
     if (data == MAP_FAILED)
         return fail_errno(bytes->path, "cannot be mapped", error);
-    madvise(data, (size_t)size, MADV_SEQUENTIAL);
+    madvise(data, (size_t)about->st_size, MADV_SEQUENTIAL);
     bytes->data = data;
-    bytes->size = size;
+    bytes->size = about->st_size;
     bytes->mapped = MAPPED_YES;
+    bytes->fd = fd;
+    bytes->modified = time_of(about);
     return PLANISH_OK;
 }
 
@@ -74,21 +82,20 @@ static int open_descriptor(int fd, io_bytes *bytes, planish_error *error) {
     if (!S_ISREG(about.st_mode))
         status = read_stream(fd, bytes, error);
     else if (about.st_size > 0)
-        status = map_regular(fd, about.st_size, bytes, error);
+        status = map_regular(fd, &about, bytes, error);
     if (!status && bytes->size == 0)
         status = pl_fail(error, PLANISH_ERROR_FORMAT, "%s: the file is empty", bytes->path);
     return status;
 }
 
 int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
-    memset(bytes, 0, sizeof *bytes);
-    bytes->path = copy_text(path);
+    *bytes = (io_bytes){.path = copy_text(path), .fd = -1};
     if (!bytes->path)
         return pl_fail_memory(error, path);
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     int status =
         fd < 0 ? fail_errno(path, "cannot be opened", error) : open_descriptor(fd, bytes, error);
-    if (fd >= 0)
+    if (fd >= 0 && bytes->fd != fd)
         close(fd);
     if (status)
         io_bytes_close(bytes);
@@ -97,7 +104,7 @@ int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
 
 int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
                     planish_error *error) {
-    *bytes = (io_bytes){copy_text(path), data, size, MAPPED_BORROWED};
+    *bytes = (io_bytes){copy_text(path), data, size, MAPPED_BORROWED, -1, 0};
     return bytes->path ? PLANISH_OK : pl_fail_memory(error, path);
 }
 
@@ -106,11 +113,32 @@ void io_bytes_rest(const io_bytes *bytes) {
         madvise((void *)(uintptr_t)bytes->data, (size_t)bytes->size, MADV_DONTNEED);
 }
 
+int io_bytes_check_unchanged(const io_bytes *bytes, planish_error *error) {
+    struct stat about;
+    if (bytes->mapped != MAPPED_YES)
+        return PLANISH_OK;
+    if (fstat(bytes->fd, &about))
+        return fail_errno(bytes->path, "cannot be read", error);
+    if (about.st_size == bytes->size && time_of(&about) == bytes->modified)
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_FILE,
+                   "%s: was changed while it was in use; run again when it is complete",
+                   bytes->path);
+}
+
+int io_bytes_are_of(const io_bytes *bytes, int fd) {
+    struct stat input, other;
+    return bytes->mapped == MAPPED_YES && fstat(bytes->fd, &input) == 0 && fstat(fd, &other) == 0 &&
+           input.st_dev == other.st_dev && input.st_ino == other.st_ino;
+}
+
 void io_bytes_close(io_bytes *bytes) {
-    if (bytes->mapped == MAPPED_YES)
+    if (bytes->mapped == MAPPED_YES) {
         munmap((void *)(uintptr_t)bytes->data, (size_t)bytes->size);
-    else if (bytes->mapped == MAPPED_NO)
+        close(bytes->fd);
+    }
+    if (bytes->mapped == MAPPED_NO)
         pl_free((void *)(uintptr_t)bytes->data);
     pl_free(bytes->path);
-    memset(bytes, 0, sizeof *bytes);
+    *bytes = (io_bytes){.fd = -1};
 }

@@ -16,6 +16,13 @@ int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *
  *  them until then. */
 void io_bytes_rest(const io_bytes *bytes);
 
+/** Whether nobody has written to a mapped file since it was opened, as far as its size and time tell.
+ *  Error: _FILE. */
+int io_bytes_check_unchanged(const io_bytes *bytes, planish_error *error);
+
+/** Whether fd leads to the mapped file itself. */
+int io_bytes_are_of(const io_bytes *bytes, int fd);
+
 void io_bytes_close(io_bytes *bytes);
 
 #endif

@@ -16,6 +16,8 @@ typedef struct io_bytes {
     const char *data; /* [size] */
     int64_t size;
     int mapped;
+    int fd;           /* of a mapped file, else -1 */
+    int64_t modified; /* when it was last, in ns */
 } io_bytes;
 
 typedef enum io_encoding {

@@ -5,6 +5,7 @@
  * the file's order, with the bytes between them copied from the input. A component that did not
  * change keeps its bytes, found by reading it again.
  */
+#include "io/bytes.h"
 #include "io/file.h"
 #include "io/number.h"
 #include "io/output.h"
@@ -271,16 +272,39 @@ static int check_strangers(const planish_file *file, const char *path, planish_e
     return status;
 }
 
+/** What is written as it is, and in the input itself, would be read while it is overwritten. */
+static int check_not_input(const io_bytes *input, const io_output *output, planish_error *error) {
+    if (output->temporary || !io_bytes_are_of(input, output->fd))
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_FILE,
+                   "%s: is the input, which cannot be overwritten while it is read; give the "
+                   "input's name to replace it",
+                   output->target);
+}
+
+/** What was copied is what was read. */
+static int check_inputs_unchanged(const planish_file *file, int n_companions,
+                                  planish_error *error) {
+    int status = io_bytes_check_unchanged(&file->model.input, error);
+    for (int i = 0; i < n_companions && !status; i++)
+        status = io_bytes_check_unchanged(&file->model.companion[i], error);
+    return status;
+}
+
 /** Write all temporary files, then rename all. output [1 + n_companions]. */
 static int write_all(const planish_file *file, const char *path, const char *main_path,
                      const double *coordinates, int threads, io_temporaries temporaries,
                      io_output *output, int n_companions, planish_error *error) {
     int status = io_output_open(main_path, temporaries, &output[0], error);
     if (!status)
+        status = check_not_input(&file->model.input, &output[0], error);
+    if (!status)
         status = write_main(file, coordinates, threads, &output[0], error);
     for (int i = 0; i < n_companions && !status; i++)
         status =
             write_companion(&file->model.companion[i], path, temporaries, &output[i + 1], error);
+    if (!status)
+        status = check_inputs_unchanged(file, n_companions, error);
     for (int i = 0; i <= n_companions && !status; i++)
         status = io_output_commit(&output[i], temporaries, error);
     for (int i = 0; i <= n_companions; i++)

@@ -83,6 +83,11 @@ grep -q "worst radius ratio" out || fail "table on standard output"
 [ -c /dev/null ] || fail "/dev/null was replaced"
 "$program" smooth in.msh -o /dev/stdout -q >redirected.msh
 cmp redirected.msh out.msh || fail "standard output that is a file"
+# But not onto the input, which is still read then.
+cp in.msh both.msh
+expect_status 2 bash -c '"$0" smooth both.msh -o /dev/stdout -q 1<>both.msh' "$program"
+cmp both.msh in.msh || fail "the input was overwritten while it was read"
+grep -q "is the input" err || fail "onto the input: $(cat err)"
 mkfifo fifo
 "$program" smooth in.msh -o fifo -q &
 cat fifo >piped.msh

@@ -392,6 +392,47 @@ static void a_file_that_does_not_fit_leaves_the_old_one(void **state) {
 #define IN_A_FOLDER(test)                                                                          \
     cmocka_unit_test_setup_teardown(test, test_folder_create, test_folder_remove)
 
+/** An input that is written to while it is open is no longer what was read: nothing is written. */
+static void a_changed_input_is_refused(void **state) {
+    char in[TEST_PATH_SIZE], out[TEST_PATH_SIZE];
+    test_path(in, *state, "in.mesh");
+    test_path(out, *state, "out.mesh");
+    for (int longer = 0; longer < 2; longer++) {
+        planish_error error;
+        planish_file *file = open_small(state);
+        const double *coordinates = planish_file_coordinates(file);
+        write_file(file, out, coordinates, 1);
+        const struct timespec long_ago[2] = {{1000, 0}, {1000, 0}};
+        if (longer) {
+            FILE *input = fopen(in, "a");
+            assert_non_null(input);
+            fputc('\n', input);
+            fclose(input);
+        } else {
+            assert_int_equal(utimensat(AT_FDCWD, in, long_ago, 0), 0);
+        }
+        test_write(*state, "out.mesh", "before", 6);
+        assert_int_equal(planish_file_write(file, out, coordinates, 1, NULL, 0, &error),
+                         PLANISH_ERROR_FILE);
+        assert_non_null(strstr(error.text, "in.mesh: was changed"));
+        check_content(out, "before");
+        planish_file_close(file);
+    }
+}
+
+/** But it may be replaced by another file of its name: what was read is still there. */
+static void a_replaced_input_is_none(void **state) {
+    char in[TEST_PATH_SIZE], other[TEST_PATH_SIZE], out[TEST_PATH_SIZE];
+    test_path(in, *state, "in.mesh");
+    test_path(out, *state, "out.mesh");
+    planish_file *file = open_small(state);
+    test_write(*state, "other.mesh", "another", 7);
+    assert_int_equal(rename(test_path(other, *state, "other.mesh"), in), 0);
+    write_file(file, out, planish_file_coordinates(file), 1);
+    check_content(out, small);
+    planish_file_close(file);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         IN_A_FOLDER(only_what_changed_is_rewritten),
@@ -406,6 +447,8 @@ int main(void) {
         IN_A_FOLDER(open_files_are_written_on),
         IN_A_FOLDER(failures_are_reported),
         IN_A_FOLDER(a_file_that_does_not_fit_leaves_the_old_one),
+        IN_A_FOLDER(a_changed_input_is_refused),
+        IN_A_FOLDER(a_replaced_input_is_none),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
