@@ -156,5 +156,5 @@ int main(int argc, char **argv) {
         fprintf(stderr, "bench_kernel: %s\n", error.text);
     planish_plan_destroy(plan);
     planish_file_close(file);
-    return status ? 2 : 0;
+    return status || fflush(stdout) ? 2 : 0;
 }

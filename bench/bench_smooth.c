@@ -271,5 +271,5 @@ int main(int argc, char **argv) {
     status = run_all(&s, &mesh);
     free(constraint);
     planish_file_close(file);
-    return status;
+    return fflush(stdout) ? fail("cannot write the results", NULL) : status;
 }

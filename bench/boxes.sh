@@ -20,11 +20,23 @@ build_programs() {
     programs=$build/programs-$1
     mkdir -p "$programs"
     cp $build/planish $build/bench/{bench_smooth,tiles} "$programs/"
-    [ -s $meshes/tile.msh ] || gmsh -3 -v 1 bench/boxes.geo -format msh41 -o $meshes/tile.msh
+    [ -s $meshes/tile.msh ] ||
+        make_file $meshes/tile.msh gmsh -3 -v 1 bench/boxes.geo -format msh41 -o
+}
+
+# make_file OUT COMMAND... makes OUT by COMMAND... FILE, whole or not at all: later runs use it again.
+make_file() {
+    local out=$1 part=${1%/*}/part-${1##*/}
+    shift
+    "$@" "$part" >&2 && mv "$part" "$out"
+}
+
+make_tiles() {
+    "$programs/tiles" $meshes/tile.msh "$4" "$1" "$2" "$3"
 }
 
 make_box() {
     local out=$meshes/box_$1x$2x$3.msh
-    [ -s "$out" ] || "$programs/tiles" $meshes/tile.msh "$out" "$1" "$2" "$3" >&2
+    [ -s "$out" ] || make_file "$out" make_tiles "$1" "$2" "$3"
     echo "$out"
 }

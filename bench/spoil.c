@@ -272,7 +272,10 @@ static int parse(request *asked, int argc, char **argv) {
     *asked = (request){.push = push, .seed = 1, .every = 1};
     if (argc < 4 + push || argc > 5 + 2 * push)
         return 0;
-    asked->amount = atof(argv[3 + push]);
+    char *end;
+    asked->amount = strtod(argv[3 + push], &end);
+    if (*end || !(asked->amount >= 0 && asked->amount <= 1))
+        return 0;
     if (argc > 4 + push)
         asked->seed = (uint64_t)atoll(argv[4 + push]);
     if (argc > 6)
@@ -285,7 +288,9 @@ int main(int argc, char **argv) {
     planish_error error;
     planish_file *file = NULL;
     if (!parse(&asked, argc, argv))
-        return fail("usage: spoil IN OUT AMOUNT [SEED], or IN OUT push LEFT [SEED [EVERY]]"), 64;
+        return fail("usage: spoil IN OUT AMOUNT [SEED], or IN OUT push LEFT [SEED [EVERY]]; AMOUNT "
+                    "and LEFT from 0 to 1"),
+               64;
     if (planish_file_open(argv[1], NULL, 0, &file, &error))
         return fail(error.text);
     int status = 0;

@@ -13,7 +13,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define ON_FACE 1e-9 /* of the side of the cube */
+#define MOST_TILES 1000000 /* along all axes; a mesh has less than 2^31 elements */
+#define ON_FACE    1e-9    /* of the side of the cube */
 enum { TETRAHEDRON = 4 };
 
 /** On which face of the cube a node lies, by axis. */
@@ -201,14 +202,26 @@ int main(int argc, char **argv) {
     planish_file *file = NULL;
     if (argc != 6)
         return fail("usage: tiles TILE OUT NX NY NZ"), 64;
-    for (int d = 0; d < 3; d++)
-        b.n[d] = atoll(argv[3 + d]);
-    if (b.n[0] < 1 || b.n[1] < 1 || b.n[2] < 1)
-        return fail("NX, NY and NZ must be positive"), 64;
+    int64_t tiles = 1;
+    for (int d = 0; d < 3; d++) {
+        char *end;
+        b.n[d] = strtoll(argv[3 + d], &end, 10);
+        if (*end || b.n[d] < 1 || b.n[d] > MOST_TILES / tiles)
+            return fail("NX, NY and NZ must be whole numbers from 1, and no more than a million "
+                        "tiles"),
+                   64;
+        tiles *= b.n[d];
+    }
     if (planish_file_open(argv[1], NULL, 0, &file, &error))
         return fail(error.text);
     b.tile = planish_file_mesh(file);
-    int status = b.tile.dim == 3 ? prepare(&b) : fail("the tile must be of tetrahedra");
+    int status = 0;
+    if (b.tile.dim != 3)
+        status = fail("the tile must be of tetrahedra");
+    else if (b.tile.n_elements > INT32_MAX / tiles)
+        status = fail("the box would have more elements than 32 bits can number");
+    else
+        status = prepare(&b);
     if (!status)
         status = write_file(&b, argv[2]);
     free(b.faces);

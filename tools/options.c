@@ -336,9 +336,9 @@ static const option_row option_table[] = {
     {'j', "threads", "N", BOTH, set_threads,
      "run on N threads (default: OMP_NUM_THREADS, else one\nper core)"},
     {0, "bind", "HOW", BOTH, set_bind,
-     "auto (default): each thread on a core of its own,\nunless OpenMP's variables say where; "
-     "none: "
-     "wherever\nthe system puts them"},
+     "auto (default): bind one thread to each core if there\nare as many, and OpenMP's variables "
+     "say nothing;\n"
+     "none: leave them where the system puts them"},
     {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output"},
     {'v', "verbose", NULL, SMOOTH, set_verbose, "one line per sweep, and where the threads run"},
     {'q', "quiet", NULL, BOTH, set_quiet, "print nothing but errors"},

@@ -43,8 +43,11 @@ def distinct(facets):
 
 def load(path):
     """The Mesh of a file; ValueError if it has no tetrahedra."""
-    with contextlib.redirect_stdout(sys.stderr):  # for its warnings
-        found = meshio.read(path)
+    try:
+        with contextlib.redirect_stdout(sys.stderr):  # for its warnings
+            found = meshio.read(path)
+    except (meshio.ReadError, SystemExit, LookupError) as reason:
+        raise ValueError(f"meshio cannot read it: {reason}") from reason
     blocks = {kind: [np.empty((0, corners), int)] + [
         cells.data for cells in found.cells if cells.type == kind]
         for kind, corners in (("triangle", 3), ("tetra", 4))}

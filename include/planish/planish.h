@@ -156,7 +156,7 @@ typedef struct planish_options {
                                     as many as there are cores. If the system cannot start that
                                     many, libgomp ends the process: see docs/architecture.md */
     int bind;                    /* not 0: bind each thread to a core while the library runs, if
-                                    there are two threads or more, as many cores, and hwloc */
+                                    there are as many threads as cores, more than one, and hwloc */
     planish_isa isa;             /* kernel variant */
     planish_method method;       /* how nodes are moved */
     planish_objective objective; /* AR in F = mu1 RMS(AR) + mu2 RMS(g) */

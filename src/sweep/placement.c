@@ -104,7 +104,7 @@ static void prepare_binding(pl_placement *placement, int threads) {
     int cores = count_cores(placement->topology);
     if (threads <= 0 && cores > 0 && cores < placement->threads)
         placement->threads = cores;
-    if (placement->threads < 2 || placement->threads > cores || !choose_cores(placement)) {
+    if (cores < 2 || placement->threads != cores || !choose_cores(placement)) {
         release_topology(placement);
         return;
     }

@@ -6,8 +6,8 @@ typedef struct pl_placement pl_placement;
 
 /** Decide on threads (0: with bind one for each core that the process may use, at most as many as
  *  OpenMP would use; without bind as many as OpenMP would use) and, with bind, on a core for each.
- *  One thread is not bound: it would win nothing, and two processes would meet on the same core.
- *  Without hwloc, or where its topology is not this machine's, nothing is ever bound. Always
+ *  Fewer threads than cores are not bound: two processes would meet on the same ones while
+ *  others idle. Without hwloc, or where its topology is not this machine's, nothing is ever bound. Always
  *  succeeds but for memory: NULL then. */
 pl_placement *pl_placement_create(int threads, int bind);
 void pl_placement_destroy(pl_placement *placement);

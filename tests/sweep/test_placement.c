@@ -32,8 +32,8 @@ static void threads_asked_for_are_given(void **state) {
     }
 }
 
-/** Of two sockets with four cores of two hardware threads: each core before any core's second
- *  thread, one socket before the other, and never more threads than cores. */
+/** Of two sockets with four cores of two hardware threads: one hardware thread of each core, one
+ *  socket before the other; and only if there are as many threads as cores. */
 static void cores_come_before_hardware_threads(void **state) {
     (void)state;
     const int hwloc = has_hwloc();
@@ -41,7 +41,7 @@ static void cores_come_before_hardware_threads(void **state) {
     for (int threads = 1; threads < 12; threads++) {
         pl_placement *placement = pl_placement_create(threads, 1);
         assert_int_equal(pl_placement_threads(placement), threads);
-        const int chosen = hwloc && threads > 1 && threads <= 8;
+        const int chosen = hwloc && threads == 8;
         for (int t = 0; t < threads; t++)
             assert_int_equal(pl_placement_cpu(placement, t), chosen ? 2 * t : -1);
         pl_placement_destroy(placement);
@@ -53,7 +53,7 @@ static void other_machines_are_never_bound_to(void **state) {
     (void)state;
     cpu_set_t before, inside;
     setenv("HWLOC_SYNTHETIC", "package:2 core:4 pu:2", 1);
-    pl_placement *placement = pl_placement_create(2, 1);
+    pl_placement *placement = pl_placement_create(8, 1);
     assert_string_equal(pl_placement_text(placement), "not bound");
     assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
     pl_placement_enter(placement);
@@ -64,13 +64,15 @@ static void other_machines_are_never_bound_to(void **state) {
     unsetenv("HWLOC_SYNTHETIC");
 }
 
-/** Two processes of one thread each must not meet on the first core. */
+/** One thread on one core has nowhere else to go. */
 static void one_thread_is_not_bound(void **state) {
     (void)state;
+    setenv("HWLOC_SYNTHETIC", "core:1 pu:2", 1);
     pl_placement *placement = pl_placement_create(1, 1);
     assert_string_equal(pl_placement_text(placement), "not bound");
     assert_int_equal(pl_placement_cpu(placement, 0), -1);
     pl_placement_destroy(placement);
+    unsetenv("HWLOC_SYNTHETIC");
 }
 
 /** Bound while inside, as before afterwards. */
@@ -78,12 +80,12 @@ static void binding_is_undone(void **state) {
     (void)state;
     cpu_set_t before, inside, after;
     assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
-    pl_placement *placement = pl_placement_create(2, 1);
+    pl_placement *placement = pl_placement_create(0, 1);
     pl_placement_enter(placement);
     assert_int_equal(sched_getaffinity(0, sizeof inside, &inside), 0);
     pl_placement_leave(placement);
     assert_int_equal(sched_getaffinity(0, sizeof after, &after), 0);
-    if (has_hwloc() && CPU_COUNT(&before) > 1)
+    if (pl_placement_cpu(placement, 0) >= 0)
         assert_int_equal(CPU_COUNT(&inside), 1);
     else
         assert_true(CPU_EQUAL(&before, &inside));
