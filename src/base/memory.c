@@ -18,23 +18,28 @@ static size_t round_up(size_t bytes, size_t unit) {
     return (bytes + unit - 1) / unit * unit;
 }
 
-/** Fewer page faults, and fewer misses of the page table; a refusal does no harm. */
-static void *alloc_huge(size_t bytes) {
-    void *array = aligned_alloc(HUGE_PAGE, round_up(bytes, HUGE_PAGE));
+/** Ask for huge pages within a large array: fewer page faults, and fewer misses of the page table.
+ *  A refusal does no harm. */
+static void want_huge_pages(void *array, size_t bytes) {
 #ifdef MADV_HUGEPAGE
-    if (array)
-        madvise(array, bytes, MADV_HUGEPAGE);
+    const uintptr_t begin = round_up((uintptr_t)array, HUGE_PAGE);
+    const uintptr_t end = ((uintptr_t)array + bytes) / HUGE_PAGE * HUGE_PAGE;
+    if (array && bytes >= MANY_PAGES && end > begin)
+        madvise((void *)begin, end - begin, MADV_HUGEPAGE);
+#else
+    (void)array;
+    (void)bytes;
 #endif
-    return array;
 }
 
 void *pl_alloc(int64_t count, size_t size) {
     if (count < 0 || (size && (uint64_t)count > (SIZE_MAX / 2) / size))
         return NULL;
     size_t bytes = (size_t)count * size;
-    if (bytes >= MANY_PAGES)
-        return alloc_huge(bytes);
-    return aligned_alloc(ALIGNMENT, bytes ? round_up(bytes, ALIGNMENT) : ALIGNMENT);
+    bytes = bytes ? round_up(bytes, ALIGNMENT) : ALIGNMENT;
+    void *array = aligned_alloc(ALIGNMENT, bytes);
+    want_huge_pages(array, bytes);
+    return array;
 }
 
 void *pl_alloc_zero(int64_t count, size_t size) {

@@ -28,7 +28,10 @@ static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body
 
 #ifdef _OPENMP
 
-/** The chunks of one thread: next is the first that nobody has taken. */
+/** More threads than this share stretches: the stack of a caller's thread may be small. */
+enum { MOST_SHARES = 64 };
+
+/** A stretch of chunks: next is the first that nobody has taken. */
 typedef struct share {
     int64_t next, end;
     char padding[48]; /* shares of different threads share no cache line */
@@ -52,12 +55,13 @@ void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, v
     /* Always the whole team, also for few chunks: libgomp ends the threads that a smaller team
      * leaves over, and those it makes later have lost their places. */
     if (threads > 1 && chunks > 1) {
-        share shares[threads];
-        for (int t = 0; t < threads; t++)
-            shares[t] = (share){chunks * t / threads, chunks * (t + 1) / threads, {0}};
+        share shares[MOST_SHARES];
+        const int n_shares = threads < MOST_SHARES ? threads : MOST_SHARES;
+        for (int s = 0; s < n_shares; s++)
+            shares[s] = (share){chunks * s / n_shares, chunks * (s + 1) / n_shares, {0}};
 #pragma omp parallel num_threads(threads)
-        for (int t = 0, me = omp_get_thread_num(); t < threads; t++)
-            run_share(&shares[(me + t) % threads], n, chunk, body, context, me);
+        for (int s = 0, me = omp_get_thread_num(); s < n_shares; s++)
+            run_share(&shares[(me + s) % n_shares], n, chunk, body, context, me);
         return;
     }
 #else

@@ -30,17 +30,19 @@ static inline void choose_scale(star *s, double extent) {
     s->unscale = power_of_two(exponent);
 }
 
-/* Stars whose rings are asked for ahead of their visits: on meshes that outgrow the caches they would
- * be waited for. */
-enum { AHEAD = 3 };
+/* Stars whose rings are asked for ahead of their visits: on meshes that outgrow the caches they
+ * would be waited for. */
+enum { AHEAD = 3, MOST_AHEAD = 64 }; /* of a giant ring only the first nodes */
 
 /** Ask for the coordinates of the ring of the star that is due soon after index, before end. */
 PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_t end,
                            const int dim) {
     if (index + AHEAD >= end)
         return;
-    const int64_t ring_end = problem->ring_offset[index + AHEAD + 1];
-    for (int64_t i = problem->ring_offset[index + AHEAD]; i < ring_end; i++)
+    const int64_t begin = problem->ring_offset[index + AHEAD];
+    int64_t n = problem->ring_offset[index + AHEAD + 1] - begin;
+    n = n < MOST_AHEAD ? n : MOST_AHEAD;
+    for (int64_t i = begin; i < begin + n; i++)
         __builtin_prefetch(problem->coordinates + (int64_t)problem->ring[i] * dim);
 }
 

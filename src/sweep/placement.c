@@ -101,14 +101,15 @@ static void prepare_binding(pl_placement *placement, int threads) {
     placement->topology = load_topology();
     if (!placement->topology)
         return;
+    const int is_here = hwloc_topology_is_thissystem(placement->topology);
     int cores = count_cores(placement->topology);
-    if (threads <= 0 && cores > 0 && cores < placement->threads)
+    if (is_here && threads <= 0 && cores > 0 && cores < placement->threads)
         placement->threads = cores;
     if (cores < 2 || placement->threads != cores || !choose_cores(placement)) {
         release_topology(placement);
         return;
     }
-    placement->binds = hwloc_topology_is_thissystem(placement->topology);
+    placement->binds = is_here;
     if (placement->binds)
         describe_binding(placement);
 }

@@ -7,13 +7,14 @@ typedef struct pl_placement pl_placement;
 /** Decide on threads (0: with bind one for each core that the process may use, at most as many as
  *  OpenMP would use; without bind as many as OpenMP would use) and, with bind, on a core for each.
  *  Fewer threads than cores are not bound: two processes would meet on the same ones while
- *  others idle. Without hwloc, or where its topology is not this machine's, nothing is ever bound. Always
- *  succeeds but for memory: NULL then. */
+ *  others idle. Without hwloc, or where its topology is not this machine's, nothing is ever bound.
+ * Always succeeds but for memory: NULL then. */
 pl_placement *pl_placement_create(int threads, int bind);
 void pl_placement_destroy(pl_placement *placement);
 
 int pl_placement_threads(const pl_placement *placement);
-/** The CPU chosen for a thread, by the system's number; -1: none. */
+/** The CPU chosen for a thread, by the system's number; -1: none. On a machine that is only
+ * described (HWLOC_SYNTHETIC) it is chosen, too, but not used: for tests. */
 int pl_placement_cpu(const pl_placement *placement, int thread);
 /** What was decided, for people: "one thread per core, on CPUs 0-1" or "not bound"; text of
  * placement. */

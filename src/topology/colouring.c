@@ -149,7 +149,7 @@ static int colour_from(work *w, int32_t r) {
  *  colours the last that they wait for. */
 static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
-    int max_colour = 0;
+    int max_colour = UNCOLOURED;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
         if (w->node[r] < 0 || __atomic_sub_fetch(w->waiting + r, 1, __ATOMIC_ACQ_REL) != 0)

@@ -44,6 +44,11 @@ static int64_t degree(const pl_incidence *incidence, int32_t node) {
     return incidence->offset[node + 1] - incidence->offset[node];
 }
 
+/** Nodes of a closed link of n triangles that is one sphere, after Euler. */
+static int64_t length_of_sphere(int64_t n) {
+    return n / 2 + 2;
+}
+
 /* ---- one ring ----------------------------------------------------------------------------- */
 
 /** Positions of the other nodes of an element in the order of its link facet. In a positive
@@ -91,14 +96,38 @@ static inline int has_one_direction(pl_local_map *map, int dim, const pl_link *l
     return map->count - known == n * dim;
 }
 
-/** Put ring r, or its first room nodes, into ring, and write its link. */
-static inline star find_ring(const work *w, int dim, int thread, int64_t r, int32_t *ring,
-                             int64_t room) {
+/** Whether no two facets of a link have the same nodes: their elements would be duplicates. map
+ *  holds nodes, edges and directions. */
+static inline int has_distinct_facets(pl_local_map *map, int dim, const pl_link *link, int64_t n) {
+    const uint64_t mark = UINT64_C(1) << 62; /* the key of none of these */
+    const int32_t known = map->count;
+    for (int64_t f = 0; f < n; f++) {
+        int32_t v[3] = {0, 0, 0}; /* ascending */
+        for (int c = 0; c < dim; c++) {
+            int32_t p = pl_link_get(link, dim * f + c);
+            for (int i = 0; i < c; i++) {
+                const int32_t larger = v[i] > p ? v[i] : p;
+                v[i] = v[i] > p ? p : v[i];
+                p = larger;
+            }
+            v[c] = p;
+        }
+        pl_local_map_add(map, mark | (uint64_t)v[0] << 32 | (uint64_t)v[1] << 16 | (uint64_t)v[2]);
+    }
+    return map->count - known == n;
+}
+
+/* Positions of an open link may be cut off when they are stored. It does not pass for closed all
+ * the same: of a closed one each position has two corners of facets at least. */
+_Static_assert(2 * (UINT8_MAX + 1) > 3 * PL_BYTE_LINK && 2 * (UINT16_MAX + 1) > 3 * PL_MAX_LINK,
+               "positions that are cut off could look like those of a closed link");
+
+/** Put the ring of node, or its first room nodes, into ring, and write its link. */
+static inline star find_ring(const work *w, int dim, int thread, int32_t node, pl_link link,
+                             int32_t *ring, int64_t room) {
     pl_local_map *thread_map = w->maps + thread;
-    const int32_t node = w->node[r];
     const int64_t begin = w->incidence->offset[node], n = degree(w->incidence, node);
-    const pl_link link = pl_link_at(&w->rings->link, dim, w->rings->link_offset[r]);
-    if (pl_local_map_empty(thread_map, 3 * n * dim) != 0)
+    if (pl_local_map_empty(thread_map, 4 * n * dim) != 0)
         return (star){-1, 0};
     pl_local_map map = *thread_map; /* in registers */
     for (int64_t i = 0; i < n; i++) {
@@ -118,7 +147,8 @@ static inline star find_ring(const work *w, int dim, int thread, int64_t r, int3
     }
     const int64_t length = map.count;
     const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
-    return (star){length, two_each && has_one_direction(&map, dim, &link, n)};
+    return (star){length, two_each && has_one_direction(&map, dim, &link, n) &&
+                              has_distinct_facets(&map, dim, &link, n)};
 }
 
 /* ---- one small ring ----------------------------------------------------------------------- */
@@ -137,13 +167,13 @@ static inline void write_small_facet(pl_small_ring *table, pl_small_numbers *giv
     }
 }
 
-/** The same as find_ring, faster, in 3-D where it is small. */
-static star find_small_ring(const work *w, int thread, int64_t r, int32_t *ring, int64_t room) {
-    const int32_t node = w->node[r], *elements = w->mesh->elements;
+/** The same as find_ring, faster, in 3-D where it is small and, if closed, one sphere. */
+static star find_small_ring(const work *w, int thread, int32_t node, pl_link link, int32_t *ring,
+                            int64_t room) {
+    const int32_t *elements = w->mesh->elements;
     const int32_t *list = w->incidence->element + w->incidence->offset[node];
     const int64_t n = degree(w->incidence, node);
     const int8_t *sign = w->sign;
-    const pl_link link = pl_link_at(&w->rings->link, 3, w->rings->link_offset[r]);
     pl_small_ring *table = w->tables + thread;
     pl_small_numbers given = pl_small_ring_begin(table);
     const uint32_t before = given.before;
@@ -170,28 +200,47 @@ static star find_small_ring(const work *w, int thread, int64_t r, int32_t *ring,
     const uint32_t length = given.node - before, edges = given.edge - before;
     if (link.high)
         memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
-    if (length <= PL_SMALL_RING)
-        found = (star){length, 2 * edges == 3 * n && !given.has_repeated};
+    if (length <= PL_SMALL_RING) {
+        const int is_closed = 2 * edges == 3 * n && !given.has_repeated;
+        /* A sphere of more than two facets has none twice. */
+        if (!is_closed || (n > 2 && length == length_of_sphere(n)))
+            found = (star){length, is_closed};
+    }
     pl_small_ring_end(table, &given);
     return found;
 }
 
 /* ---- all rings ---------------------------------------------------------------------------- */
 
-/** Lengths after Euler: V = F / 2 + 2 on a sphere of triangles, V = F on a circle of edges. Nodes
- * whose links are too large are free no longer. */
+/** Whether the link of a large star is closed. Of those that are not no link is kept: most large
+ *  stars are on the boundary, and would make all links take two bytes. */
+static int is_large_closed(work *w, int thread, int32_t node) {
+    const int dim = w->mesh->dim;
+    const int64_t n = degree(w->incidence, node);
+    star found = {-1, 0};
+    pl_link link = {NULL, NULL};
+    if (pl_link_alloc(&link, dim, n, n) == 0)
+        found = find_ring(w, dim, thread, node, link, NULL, 0);
+    pl_link_free(&link);
+    if (found.length < 0)
+        w->maps[thread].failed = 1;
+    return found.is_closed;
+}
+
+/** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links are too large, or large and
+ *  open, are free no longer. */
 static void foretell_lengths(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
-    (void)thread;
     int64_t max_link = 0;
     for (int64_t r = begin; r < end; r++) {
-        int64_t facets = degree(w->incidence, w->node[r]);
-        if (facets > PL_MAX_LINK) {
-            w->is_free[w->node[r]] = 0;
+        const int32_t node = w->node[r];
+        int64_t facets = degree(w->incidence, node);
+        if (facets > PL_BYTE_LINK && (facets > PL_MAX_LINK || !is_large_closed(w, thread, node))) {
+            w->is_free[node] = 0;
             facets = 0;
         }
         max_link = facets > max_link ? facets : max_link;
-        w->rings->offset[r] = w->mesh->dim == 3 ? facets / 2 + 2 : facets;
+        w->rings->offset[r] = w->mesh->dim == 3 ? length_of_sphere(facets) : facets;
         w->rings->link_offset[r] = facets;
     }
     pl_raise_to(&w->rings->max_link, max_link);
@@ -205,13 +254,14 @@ static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int 
         pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, end);
         const int64_t room = w->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
         int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
+        const pl_link link = pl_link_at(&rings->link, dim, rings->link_offset[r]);
         star found = {-1, 0};
         if (!w->is_free[w->node[r]])
             found.length = room;
         else if (dim == 3)
-            found = find_small_ring(w, thread, r, ring, room);
+            found = find_small_ring(w, thread, w->node[r], link, ring, room);
         if (found.length < 0)
-            found = find_ring(w, dim, thread, r, ring, room);
+            found = find_ring(w, dim, thread, w->node[r], link, ring, room);
         if (!found.is_closed)
             w->is_free[w->node[r]] = 0;
         if (w->counting)
@@ -254,7 +304,8 @@ static int make_room_for_links(const work *w, int threads) {
 static int make_rings(work *w, int threads) {
     pl_rings *rings = w->rings;
     pl_parallel_for(threads, rings->n_rings, CHUNK, foretell_lengths, w);
-    if (make_room_for_links(w, threads) != 0 || fill(w, threads) != 0)
+    if (pl_local_maps_failed(w->maps, threads) || make_room_for_links(w, threads) != 0 ||
+        fill(w, threads) != 0)
         return -1;
     if (!w->foretold_wrong)
         return 0;
@@ -288,7 +339,7 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
               .is_free = is_free,
               .rings = rings,
               .maps = pl_local_maps_create(threads),
-              .tables = pl_alloc_zero(threads, sizeof *w.tables)};
+              .tables = pl_alloc_zero(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
     rings->offset = pl_alloc(n + 1, sizeof *rings->offset);
     rings->link_offset = pl_alloc(n + 1, sizeof *rings->link_offset);
     int done =

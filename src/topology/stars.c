@@ -29,17 +29,20 @@ typedef struct work {
 static void measure_stars(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     pl_stars *stars = w->stars;
-    int64_t max_ring = 0;
+    int64_t max_ring = 0, max_link = 0;
     (void)thread;
     for (int64_t s = begin; s < end; s++) {
         int32_t r = w->visit[s];
         int64_t ring = w->rings->offset[r + 1] - w->rings->offset[r];
+        int64_t link = w->rings->link_offset[r + 1] - w->rings->link_offset[r];
         w->star_of[r] = (int32_t)s;
         stars->ring_offset[s] = ring;
-        stars->link_offset[s] = w->rings->link_offset[r + 1] - w->rings->link_offset[r];
+        stars->link_offset[s] = link;
         max_ring = ring > max_ring ? ring : max_ring;
+        max_link = link > max_link ? link : max_link;
     }
     pl_raise_to(&stars->max_ring, max_ring);
+    pl_raise_to(&stars->max_link, max_link);
 }
 
 static void copy_ring(const work *w, int64_t r) {
@@ -57,7 +60,7 @@ static void copy_link(const work *w, int64_t r) {
     const pl_link source = pl_link_at(&w->rings->link, dim, from);
     const pl_link target = pl_link_at(&w->stars->link, dim, to);
     memcpy(target.low, source.low, (size_t)(n * pl_link_positions(dim)));
-    if (source.high)
+    if (target.high) /* then source.high, too */
         memcpy(target.high, source.high, (size_t)(n * pl_link_positions(dim)));
     for (int64_t i = 0; w->stars->min_volume && i < n; i++) {
         const int32_t *element = w->incidence->element + w->incidence->offset[w->node[r]];
@@ -92,7 +95,6 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
 static int fill(work *w, int threads) {
     pl_stars *stars = w->stars;
     int64_t n = stars->n_stars;
-    stars->max_link = w->rings->max_link;
     pl_parallel_for(threads, n, CHUNK, measure_stars, w);
     int64_t n_ring = pl_prefix_sum(threads, n, stars->ring_offset);
     int64_t n_link = pl_prefix_sum(threads, n, stars->link_offset);

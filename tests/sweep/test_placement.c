@@ -52,8 +52,14 @@ static void cores_come_before_hardware_threads(void **state) {
 static void other_machines_are_never_bound_to(void **state) {
     (void)state;
     cpu_set_t before, inside;
+    pl_placement *all = pl_placement_create(0, 0);
+    setenv("HWLOC_SYNTHETIC", "core:1 pu:1", 1);
+    pl_placement *placement = pl_placement_create(0, 1); /* nor counted on */
+    assert_int_equal(pl_placement_threads(placement), pl_placement_threads(all));
+    pl_placement_destroy(placement);
+    pl_placement_destroy(all);
     setenv("HWLOC_SYNTHETIC", "package:2 core:4 pu:2", 1);
-    pl_placement *placement = pl_placement_create(8, 1);
+    placement = pl_placement_create(8, 1);
     assert_string_equal(pl_placement_text(placement), "not bound");
     assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
     pl_placement_enter(placement);

@@ -527,6 +527,24 @@ static void a_giant_star(void **state) {
     free(elements);
 }
 
+/** An element and its copy in the other order, so flat that both measure something positive: a
+ * guess that looks consistent, but they are duplicates. */
+static void flat_duplicates(void **state) {
+    (void)state;
+    const double x[] = {0.057988419157800286, 0.14667681988187187, 0.97675343928259806,
+                        0.58895225912093685,  0.29079705181590981, 0.25874632406644071};
+    const int32_t elements[] = {0, 1, 2, 1, 0, 2};
+    test_mesh mesh;
+    pl_boundary b;
+    test_mesh_create(&mesh, 2, 3, x, 2, elements);
+    assert_int_equal(create_by_links(&mesh.mesh, 1, &b), 1);
+    assert_int_equal(b.n_duplicate_elements, 1);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(b.on_boundary[i], 1);
+    pl_boundary_destroy(&b);
+    test_mesh_destroy(&mesh);
+}
+
 static void survives_without_memory(void **state) {
     (void)state;
     for (unsigned seed = 0; seed < 2; seed++) {
@@ -570,6 +588,7 @@ int main(void) {
         cmocka_unit_test(moebius_strip),
         cmocka_unit_test(garbage),
         cmocka_unit_test(a_giant_star),
+        cmocka_unit_test(flat_duplicates),
         cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -181,15 +181,20 @@ static void any_order_of_rings(void **state) {
     test_mesh_destroy(&box);
 }
 
+/** No ring at all, or only rings without a node. */
 static void no_node(void **state) {
     (void)state;
-    test_mesh box;
-    test_rings rings;
-    test_mesh_box(&box, 2, 1);
-    test_rings_create(&rings, &box.mesh, 0, 1);
-    check(&box.mesh, &rings, 0);
-    test_rings_destroy(&rings);
-    test_mesh_destroy(&box);
+    for (int all = 0; all < 2; all++) {
+        test_mesh box;
+        test_rings rings;
+        test_mesh_box(&box, 2, 1);
+        test_rings_create(&rings, &box.mesh, all, 1);
+        assert_int_equal(rings.rings.n_rings, all ? 4 : 0);
+        assert_int_equal(rings.rings.n_free, 0);
+        check(&box.mesh, &rings, 0);
+        test_rings_destroy(&rings);
+        test_mesh_destroy(&box);
+    }
 }
 
 static void survives_without_memory(void **state) {

@@ -13,8 +13,26 @@
 #include <string.h>
 #include <cmocka.h>
 
-/** Whether the facets of elements at node have two elements each, in opposite directions: by
- *  comparing the directed edges of its link with one another (in 2-D: the nodes). */
+/** Whether two elements that have node have the same nodes. */
+static int has_duplicates(const planish_mesh *mesh, int32_t node) {
+    const int k = mesh->dim + 1;
+    for (int64_t a = 0; a < mesh->n_elements * k; a++) {
+        if (mesh->elements[a] != node)
+            continue;
+        for (int64_t b = 0; b < a / k; b++) {
+            int same = 0;
+            for (int i = 0; i < k; i++)
+                for (int j = 0; j < k; j++)
+                    same += mesh->elements[a / k * k + i] == mesh->elements[b * k + j];
+            if (same == k)
+                return 1;
+        }
+    }
+    return 0;
+}
+
+/** Whether the facets of elements at node have two elements each, in opposite directions, and no
+ *  duplicates: by comparing the directed edges of its link with one another (in 2-D: the nodes). */
 static int is_inside(const planish_mesh *mesh, const int8_t *sign, int32_t node) {
     int dim = mesh->dim, closed = 1;
     int64_t n = 0;
@@ -50,7 +68,7 @@ static int is_inside(const planish_mesh *mesh, const int8_t *sign, int32_t node)
         closed &= same == 1 && opposite == 1;
     }
     free(edge);
-    return closed;
+    return n > 0 && closed && !has_duplicates(mesh, node);
 }
 
 /** Rings are those of the definition; returns how many nodes are inside. */
@@ -176,6 +194,46 @@ static void doubled_elements(void **state) {
         }
 }
 
+/** Make rings with all elements taken as positive, and compare which nodes are inside. */
+static void check_inside(const planish_mesh *mesh) {
+    test_rings rings;
+    test_rings_define(&rings, mesh);
+    int64_t n = rings.rings.n_rings;
+    pl_rings_destroy(&rings.rings);
+    assert_int_equal(pl_rings_create(mesh, &rings.incidence, NULL, rings.is_free, rings.node, n, 1,
+                                     &rings.rings, NULL),
+                     PLANISH_OK);
+    for (int32_t i = 0; i < mesh->n_nodes; i++)
+        assert_int_equal(rings.is_free[i], is_inside(mesh, NULL, i));
+    test_rings_destroy(&rings);
+}
+
+/** Two elements on the same nodes, in opposite order: all facets are closed, and nothing is inside;
+ *  alone, and at a node that has a sphere around it besides. */
+static void pillows(void **state) {
+    (void)state;
+    const int32_t elements[2][8] = {{0, 1, 2, 1, 0, 2}, {0, 1, 2, 3, 1, 0, 2, 3}};
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh pillow, sphere;
+        test_mesh_create(&pillow, dim, dim + 1, NULL, 2, elements[dim - 2]);
+        check_inside(&pillow.mesh);
+        for (int32_t around = 5; around < 100; around += 65) {
+            if (dim == 3)
+                test_mesh_double_pyramid(&sphere, around);
+            else
+                test_mesh_box(&sphere, 2, 2);
+            const int32_t centre = dim == 3 ? 0 : 4, nodes = (int32_t)sphere.mesh.n_nodes;
+            assert_true(is_inside(&sphere.mesh, NULL, centre));
+            test_mesh_append(&sphere, &pillow, 0);
+            test_mesh_join(&sphere, centre, nodes);
+            assert_false(is_inside(&sphere.mesh, NULL, centre));
+            check_inside(&sphere.mesh);
+            test_mesh_destroy(&sphere);
+        }
+        test_mesh_destroy(&pillow);
+    }
+}
+
 /** An element in the other order, and nobody says so: edges of the link are there twice in the same
  *  direction. */
 static void a_reversed_element(void **state) {
@@ -183,23 +241,13 @@ static void a_reversed_element(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int32_t around = 5; around < 100; around += 65) {
             test_mesh mesh;
-            test_rings rings;
             if (dim == 3)
                 test_mesh_double_pyramid(&mesh, around);
             else
                 test_mesh_box(&mesh, 2, 2);
             test_mesh_reverse(&mesh, 3);
-            test_rings_define(&rings, &mesh.mesh);
-            int64_t n = rings.rings.n_rings;
-            pl_rings_destroy(&rings.rings);
-            assert_int_equal(pl_rings_create(&mesh.mesh, &rings.incidence, NULL, rings.is_free,
-                                             rings.node, n, 1, &rings.rings, NULL),
-                             PLANISH_OK);
-            for (int32_t i = 0; i < mesh.mesh.n_nodes; i++) {
-                assert_int_equal(rings.is_free[i], is_inside(&mesh.mesh, NULL, i));
-                assert_int_equal(rings.is_free[i], 0);
-            }
-            test_rings_destroy(&rings);
+            assert_false(is_inside(&mesh.mesh, NULL, dim == 3 ? 0 : 4));
+            check_inside(&mesh.mesh);
             test_mesh_destroy(&mesh);
         }
 }
@@ -279,34 +327,46 @@ static void no_free_node(void **state) {
 
 static void survives_without_memory(void **state) {
     (void)state;
-    test_mesh mesh;
+    test_mesh mesh, large;
     test_rings base;
     pl_rings rings;
     test_mesh_box(&mesh, 3, 6);
     test_mesh_join(&mesh, 57, 343 - 1 - 57); /* so that rings are filled again */
+    test_mesh_double_pyramid(&large, 100);   /* so that maps grow */
+    test_mesh_append(&mesh, &large, 10);
     test_rings_create(&base, &mesh.mesh, 0, 1);
     const int64_t n = base.rings.n_rings;
+    const size_t bytes = (size_t)n * sizeof(int32_t);
+    int32_t *node = malloc(bytes);
+    assert_non_null(node);
+    memcpy(node, base.node, bytes);
     int status = PLANISH_ERROR_MEMORY, permitted = 0;
     for (; status; permitted++) {
+        for (int64_t i = 0; i < n; i++)
+            base.is_free[node[i]] = 1;
+        memcpy(base.node, node, bytes);
         allocations_permit(permitted);
         status = pl_rings_create(&mesh.mesh, &base.incidence, base.sign, base.is_free, base.node, n,
                                  1, &rings, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
     }
-    assert_true(permitted > 3);
+    assert_true(permitted > 8);
+    assert_memory_equal(base.node, node, bytes);
+    free(node);
     pl_rings_destroy(&rings);
     test_rings_destroy(&base);
+    test_mesh_destroy(&large);
     test_mesh_destroy(&mesh);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interior_of_boxes),       cmocka_unit_test(links_of_any_shape),
-        cmocka_unit_test(doubled_elements),        cmocka_unit_test(a_reversed_element),
-        cmocka_unit_test(links_of_any_size),       cmocka_unit_test(holds_giant_links),
-        cmocka_unit_test(tables_forget),           cmocka_unit_test(no_free_node),
-        cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(interior_of_boxes), cmocka_unit_test(links_of_any_shape),
+        cmocka_unit_test(doubled_elements),  cmocka_unit_test(a_reversed_element),
+        cmocka_unit_test(links_of_any_size), cmocka_unit_test(pillows),
+        cmocka_unit_test(holds_giant_links), cmocka_unit_test(tables_forget),
+        cmocka_unit_test(no_free_node),      cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

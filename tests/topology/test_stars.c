@@ -252,6 +252,29 @@ static void small_beside_large(void **state) {
     test_mesh_destroy(&small);
 }
 
+/** Nor does a large star on the boundary make all links large. */
+static void small_beside_an_open_large_one(void **state) {
+    (void)state;
+    test_mesh large, open, small;
+    fixture f;
+    pl_stars stars;
+    test_mesh_double_pyramid(&large, 100);
+    test_mesh_create(&open, 3, large.mesh.n_nodes, large.coordinates, large.mesh.n_elements - 1,
+                     large.elements);
+    test_mesh_double_pyramid(&small, 6);
+    test_mesh_append(&open, &small, 5);
+    fixture_create(&f, open, 1);
+    assert_int_equal(f.rings.rings.n_free, 1);
+    assert_null(f.rings.rings.link.high);
+    check(&f);
+    assert_int_equal(create(&f, 1, &stars), PLANISH_OK);
+    assert_null(stars.link.high);
+    pl_stars_destroy(&stars);
+    fixture_destroy(&f);
+    test_mesh_destroy(&large);
+    test_mesh_destroy(&small);
+}
+
 /** Two spheres around one node. */
 static void two_spheres(void **state) {
     (void)state;
@@ -309,6 +332,7 @@ int main(void) {
         cmocka_unit_test(no_star),
         cmocka_unit_test(links_of_any_size),
         cmocka_unit_test(small_beside_large),
+        cmocka_unit_test(small_beside_an_open_large_one),
         cmocka_unit_test(two_spheres),
         cmocka_unit_test(survives_without_memory),
     };
