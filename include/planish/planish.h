@@ -211,12 +211,12 @@ typedef struct planish_plan_info {
     int64_t bytes;       /* memory the plan holds */
 } planish_plan_info;
 
-/** Make a plan for mesh: validate it, find its boundary and orientation, order and colour its free
- *  nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
+/** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
+ *  free nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
  *  mesh->elements, which must stay as they are until planish_plan_destroy; coordinates, constraint
  *  and min_volume are not read after the return. Which order of an element is the positive one is
  * decided here, from these coordinates: for a mirrored copy of them make another plan. Nodes with
- * more than 65535 neighbours are held. A mesh without elements is an error. Errors: _ARGUMENT,
+ * more than 43690 elements are held. A mesh without elements is an error. Errors: _ARGUMENT,
  * _MESH (element or node is set), _MEMORY. */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
