@@ -104,7 +104,8 @@ int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
 
 int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
                     planish_error *error) {
-    *bytes = (io_bytes){copy_text(path), data, size, MAPPED_BORROWED, -1, 0};
+    *bytes = (io_bytes){
+        .path = copy_text(path), .data = data, .size = size, .mapped = MAPPED_BORROWED, .fd = -1};
     return bytes->path ? PLANISH_OK : pl_fail_memory(error, path);
 }
 

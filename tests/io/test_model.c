@@ -178,7 +178,7 @@ static void errors_name_the_line(void **state) {
     (void)state;
     static const char text[] = "a\nb\r\nc\rd";
     char path[] = "mesh";
-    io_model model = {.input = {path, text, (int64_t)strlen(text), 0}};
+    io_model model = {.input = {.path = path, .data = text, .size = (int64_t)strlen(text)}};
     planish_error error;
     assert_int_equal(io_fail_text(&model, strchr(text, 'd'), &error, "bad %d", 7),
                      PLANISH_ERROR_FORMAT);
