@@ -21,7 +21,7 @@ build_programs() {
     mkdir -p "$programs"
     cp $build/planish $build/bench/{bench_smooth,tiles} "$programs/"
     [ -s $meshes/tile.msh ] ||
-        make_file $meshes/tile.msh gmsh -3 -v 1 bench/boxes.geo -format msh41 -o
+        make_file $meshes/tile.msh gmsh -3 -v 1 bench/tile.geo -format msh41 -o
 }
 
 # make_file OUT COMMAND... makes OUT by COMMAND... FILE, whole or not at all: later runs use it again.

@@ -1,20 +1,15 @@
 #!/usr/bin/env python3
 """table: the results of bench/run as Markdown.   table.py RESULTS-FOLDER"""
 import glob
-import json
 import os
 import sys
 
 import machine
+from results import load
 
 # Operations on packs of four doubles in a visit of a star of 27 tetrahedra, counted from the formulas
 # (docs/performance.md, "What a visit is made of").
 ARITHMETIC, DIVISIONS, ROOTS = 2520, 38, 27
-
-
-def load(path):
-    with open(path) as file:
-        return json.load(file)
 
 
 def sweeps(folder, names):

@@ -2,7 +2,7 @@
  *
  *   tiles TILE OUT NX NY NZ
  *
- * TILE: tetrahedra that fill the cube from 0 to 1, such as those of bench/boxes.geo, in any format
+ * TILE: tetrahedra that fill the cube from 0 to 1, such as those of bench/tile.geo, in any format
  * that planish reads. OUT: NX x NY x NZ of them in binary MSH 4.1. Every other tile is mirrored, so
  * that neighbours meet at the same face of the cube and share its nodes. Nothing is kept in memory
  * but the tile.

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """show: the results of phases.py as Markdown, and as a plot.   show.py RESULT.json PLOT.svg"""
-import json
 import sys
 
 import matplotlib
@@ -8,6 +7,7 @@ matplotlib.use("svg")
 from matplotlib import pyplot  # noqa: E402
 
 import machine  # noqa: E402
+import results  # noqa: E402
 
 PHASES = ("read", "setup", "smooth", "write")
 
@@ -59,16 +59,12 @@ def plot(result, path):
     memory.set(title="peak memory of the program", ylabel="bytes per tetrahedron")
     for axes in (time, memory):
         axes.set(xlabel="tetrahedra", xscale="log", ylim=(0, 1.4 * axes.get_ylim()[1]))
-        axes.grid(alpha=0.3)
         axes.legend(fontsize="x-small", ncol=2, loc="upper center")
-    figure.suptitle(machine.line(result["machine"]), fontsize="small")
-    figure.tight_layout()
-    figure.savefig(path)
+    results.save_plot(figure, (time, memory), result["machine"], path)
 
 
 def main():
-    with open(sys.argv[1]) as file:
-        result = json.load(file)
+    result = results.load(sys.argv[1])
     print(machine.line(result["machine"]))
     print("\n#### Sizes: binary MSH 4.1, until converged\n")
     growth_table(result["growth"])

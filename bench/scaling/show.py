@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
 """show: the results of scaling.py as Markdown, and as a plot.   show.py RESULT.json PLOT.svg"""
-import json
 import sys
 
 import matplotlib
@@ -8,6 +7,7 @@ matplotlib.use("svg")
 from matplotlib import pyplot  # noqa: E402
 
 import machine  # noqa: E402
+import results  # noqa: E402
 
 
 def speed_up(row, rows, key):
@@ -53,17 +53,13 @@ def plot(result, path):
     weak.set(title="0.4 M tetrahedra per thread", xlabel="threads", ylim=(0, 1.2 * max(rates)),
              ylabel="million visits per second and thread")
     for axes in (strong, weak):
-        axes.grid(alpha=0.3)
         axes.set_xticks(sorted({r["threads"] for r in result["strong"]}))
     strong.legend(fontsize="small")
-    figure.suptitle(machine.line(result["machine"]), fontsize="small")
-    figure.tight_layout()
-    figure.savefig(path)
+    results.save_plot(figure, (strong, weak), result["machine"], path)
 
 
 def main():
-    with open(sys.argv[1]) as file:
-        result = json.load(file)
+    result = results.load(sys.argv[1])
     print(machine.line(result["machine"]))
     print("\n#### The same mesh on more threads\n")
     strong_table(result["strong"])

@@ -76,6 +76,13 @@ static int read_model(planish_file *file, planish_error *error) {
     return status ? status : io_model_finish(&file->model, file->format->triangles_hold, error);
 }
 
+/** Nothing is read again until it is written. */
+static void rest(const io_model *model) {
+    io_bytes_rest(&model->input);
+    for (int i = 0; i < model->n_companions; i++)
+        io_bytes_rest(&model->companion[i]);
+}
+
 int planish_file_open(const char *path, const char *format, int threads, planish_file **out,
                       planish_error *error) {
     if (!path || !out)
@@ -89,7 +96,7 @@ int planish_file_open(const char *path, const char *format, int threads, planish
         status = choose_format(file, format, error);
     if (!status)
         status = read_model(file, error);
-    io_bytes_rest(&file->model.input);
+    rest(&file->model);
     if (status)
         planish_file_close(file);
     else

@@ -18,9 +18,8 @@ typedef struct draft {
     const planish_mesh *mesh;
     pl_incidence incidence;
     pl_boundary boundary;
-    int32_t *order; /* [n] the caller's numbers along the curve */
-    int32_t
-        *node; /* [n_candidates] along the curve, the caller's numbers; -1 if not free after all */
+    int32_t *order;       /* [n] the caller's numbers along the curve */
+    int32_t *node;        /* [n_candidates] of these, along the curve; -1: not free after all */
     int64_t n_candidates; /* nodes that are free if they are inside */
     pl_rings rings;       /* of node */
     int32_t *colour;      /* [n_candidates] of node */

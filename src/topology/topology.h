@@ -88,9 +88,9 @@ typedef struct pl_rings {
 } pl_rings;
 
 /** is_free [n]: 1 for the nodes that may move, node [n_rings]: these in the wanted order. Free are
- *  those of them that are inside: that have a closed link, every facet at them belonging to two
- *  elements, which traverse it in opposite directions; and no more than PL_MAX_LINK elements. Of
- * the others is_free becomes 0, and node -1. sign: as in pl_boundary. */
+ *  those of them that are inside, and have no more than PL_MAX_LINK elements; of the others is_free
+ *  becomes 0, and node -1. Inside: the link is closed, every facet at the node belongs to two
+ *  elements, no duplicates, which traverse it in opposite directions. sign: as in pl_boundary. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                     uint8_t *is_free, int32_t *node, int64_t n_rings, int threads, pl_rings *rings,
                     planish_error *error);
@@ -100,8 +100,8 @@ void pl_rings_destroy(pl_rings *rings);
 
 /** Colour the nodes of rings so that no two neighbours share a colour. colour [n_rings]: 0 ..
  *  n_colours-1, -1 where there is no node. Greedy in the order (more free neighbours first, then a
- * hash of the node's number, then its number), computed in parallel after Jones and Plassmann
- * (1993): the result is that of the serial greedy algorithm, whatever the order of the rings. */
+ *  hash of the node's number, then its number), computed in parallel after Jones and Plassmann
+ *  (1993): the result is that of the serial greedy algorithm, whatever the order of the rings. */
 int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes, int threads,
                         int32_t *colour, int *n_colours, planish_error *error);
 
