@@ -51,15 +51,18 @@ static int64_t length_of_sphere(int64_t n) {
 
 /* ---- one ring ----------------------------------------------------------------------------- */
 
-/** Positions of the other nodes of an element in the order of its link facet. In a positive
- *  tetrahedron the facets opposite nodes 1 and 3 are positive in the element's order, in a positive
- *  triangle those opposite nodes 0 and 2; exchanging the last two nodes turns a facet round. */
-static inline void orient_facet(int dim, int place, int negative, int32_t *position) {
-    const int straight = (place + dim) % 2 == 0;
-    const int32_t turn = -(straight == negative); /* a mask: no branch could be predicted */
-    const int32_t change = (position[dim - 2] ^ position[dim - 1]) & turn;
-    position[dim - 2] ^= change;
-    position[dim - 1] ^= change;
+/** Whether the other nodes of an element are in the order of its link facet only after the last two
+ *  are exchanged. In a positive tetrahedron the facets opposite nodes 1 and 3 are positive in the
+ *  element's order, in a positive triangle those opposite nodes 0 and 2. */
+static inline int is_turned(int dim, int place, int negative) {
+    return ((place + dim) % 2 != 0) != negative;
+}
+
+/** Which corner of its facet the j-th of the other nodes is. No branch: nothing could predict it.
+ */
+static inline int corner_of(int dim, int j, int turned) {
+    const int exchange = -turned & (2 * dim - 3); /* 3-D: 1 and 2, 2-D: 0 and 1 */
+    return j < dim - 2 ? j : j ^ exchange;
 }
 
 /** Number the edges of the n facets of a star's link in order of appearance. map holds its nodes.
@@ -134,16 +137,14 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
         const int32_t index = w->incidence->element[begin + i];
         const int32_t *element = w->mesh->elements + (int64_t)index * (dim + 1);
         const int place = pl_place_in_element(dim, element, node);
-        int32_t position[3];
+        const int turned = is_turned(dim, place, w->sign && w->sign[index] < 0);
         for (int j = 0; j < dim; j++) {
-            int32_t other = pl_other_node(element, place, j);
-            position[j] = pl_local_map_add(&map, (uint64_t)other);
-            if (position[j] < room) /* writes known nodes again: cheaper than to ask */
-                ring[position[j]] = other;
+            const int32_t other = pl_other_node(element, place, j);
+            const int32_t position = pl_local_map_add(&map, (uint64_t)other);
+            if (position < room) /* writes known nodes again: cheaper than to ask */
+                ring[position] = other;
+            pl_link_set(&link, i * dim + corner_of(dim, j, turned), position);
         }
-        orient_facet(dim, place, w->sign && w->sign[index] < 0, position);
-        for (int j = 0; j < dim; j++)
-            pl_link_set(&link, i * dim + j, position[j]);
     }
     const int64_t length = map.count;
     const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
@@ -153,58 +154,68 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
 
 /* ---- one small ring ----------------------------------------------------------------------- */
 
-/** Write facet i of a link of n facets and its edges; all positions are bytes. */
-static inline void write_small_facet(pl_small_ring *table, pl_small_numbers *given, uint8_t *link,
-                                     int64_t n, int64_t i, const int32_t v[4]) {
-    for (int c = 0; c < 3; c++) {
-        const int32_t edge = pl_small_ring_edge(table, v[c], v[c + 1], given);
-        link[3 * i + c] = (uint8_t)v[c];
-        link[3 * n + 3 * i + c] = (uint8_t)edge;
-        if (edge < pl_link_edges(3, n)) { /* all are around a closed link */
-            link[6 * n + 2 * edge] = (uint8_t)v[c];
-            link[6 * n + 2 * edge + 1] = (uint8_t)v[c + 1];
+/** Put the nodes of the facets of node's link into ring [PL_SMALL_RING + 3], and their positions
+ *  into corner [3 n]. Stops when there are too many. */
+static inline void find_small_facets(const work *w, int32_t node, const int32_t *list, int64_t n,
+                                     pl_small_ring *table, pl_small_numbers *given, int32_t *ring,
+                                     uint8_t *corner) {
+    const uint32_t before = given->before;
+    for (int64_t i = 0; i < n && given->node - before <= PL_SMALL_RING; i++) {
+        const int32_t *element = w->mesh->elements + (int64_t)list[i] * 4;
+        const int place = pl_place_in_element(3, element, node);
+        const int turned = is_turned(3, place, w->sign && w->sign[list[i]] < 0);
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; j++) {
+            const int32_t other = pl_other_node(element, place, j);
+            const int32_t position = pl_small_ring_node(table, other, given);
+            ring[position] = other; /* known ones again: cheaper than to ask */
+            corner[3 * i + corner_of(3, j, turned)] = (uint8_t)position;
         }
     }
+}
+
+/** Number the edges of n facets, and put their ends into end [3 n][2]. */
+static inline void find_small_edges(pl_small_ring *table, pl_small_numbers *given,
+                                    const uint8_t *corner, int64_t n, uint8_t *edge_of,
+                                    uint8_t *end) {
+    for (int64_t f = 0; f < 3 * n; f += 3)
+#pragma GCC unroll 3
+        for (int c = 0; c < 3; c++) {
+            const uint8_t p = corner[f + c], q = corner[f + (c + 1) % 3];
+            const int32_t edge = pl_small_ring_edge(table, p, q, given);
+            edge_of[f + c] = (uint8_t)edge;
+            end[2 * edge] = p;
+            end[2 * edge + 1] = q;
+        }
 }
 
 /** The same as find_ring, faster, in 3-D where it is small and, if closed, one sphere. */
 static star find_small_ring(const work *w, int thread, int32_t node, pl_link link, int32_t *ring,
                             int64_t room) {
-    const int32_t *elements = w->mesh->elements;
     const int32_t *list = w->incidence->element + w->incidence->offset[node];
     const int64_t n = degree(w->incidence, node);
-    const int8_t *sign = w->sign;
     pl_small_ring *table = w->tables + thread;
     pl_small_numbers given = pl_small_ring_begin(table);
     const uint32_t before = given.before;
+    int32_t nodes[PL_SMALL_RING + 3];
+    uint8_t ends[PL_SMALL_LINK * 3 * 2];
     star found = {-1, 0};
     if (n > PL_SMALL_LINK)
         return found;
-    for (int64_t i = 0; i < n; i++) {
-        const int32_t *element = elements + (int64_t)list[i] * 4;
-        const int place = pl_place_in_element(3, element, node);
-        int32_t position[4];
-#pragma GCC unroll 3
-        for (int j = 0; j < 3; j++) {
-            const int32_t other = pl_other_node(element, place, j);
-            position[j] = pl_small_ring_node(table, other, &given);
-            if (position[j] < room)
-                ring[position[j]] = other;
-        }
-        if (given.node - before > PL_SMALL_RING)
-            break;
-        orient_facet(3, place, sign && sign[list[i]] < 0, position);
-        position[3] = position[0];
-        write_small_facet(table, &given, link.low, n, i, position);
-    }
-    const uint32_t length = given.node - before, edges = given.edge - before;
-    if (link.high)
-        memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
+    find_small_facets(w, node, list, n, table, &given, nodes, link.low);
+    const uint32_t length = given.node - before;
     if (length <= PL_SMALL_RING) {
-        const int is_closed = 2 * edges == 3 * n && !given.has_repeated;
+        find_small_edges(table, &given, link.low, n, link.low + 3 * n, ends);
+        const int is_closed = 2 * (given.edge - before) == 3 * n && !given.has_repeated;
         /* A sphere of more than two facets has none twice. */
         if (!is_closed || (n > 2 && length == length_of_sphere(n)))
             found = (star){length, is_closed};
+    }
+    if (found.is_closed) {
+        memcpy(ring, nodes, (size_t)(length < room ? length : room) * sizeof *ring);
+        memcpy(link.low + 6 * n, ends, (size_t)(2 * pl_link_edges(3, n)));
+        if (link.high)
+            memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
     }
     pl_small_ring_end(table, &given);
     return found;
@@ -251,7 +262,7 @@ static void foretell_lengths(void *context, int64_t begin, int64_t end, int thre
 static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int thread) {
     pl_rings *rings = w->rings;
     for (int64_t r = begin; r < end; r++) {
-        pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, end);
+        pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, rings->n_rings);
         const int64_t room = w->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
         int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
         const pl_link link = pl_link_at(&rings->link, dim, rings->link_offset[r]);
