@@ -43,11 +43,13 @@ static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position)
 }
 
 /** Room for the links of n facets in all, of stars with at most max_link; 0, or -1 without memory.
- *  To be released in any case. */
-static inline int pl_link_alloc(pl_link *link, int dim, int64_t n, int64_t max_link) {
+ *  To be released in any case. places: as of pl_alloc_scattered. */
+static inline int pl_link_alloc(pl_link *link, int dim, int64_t n, int64_t max_link,
+                                int64_t places) {
     const int wide = max_link > PL_BYTE_LINK;
-    link->low = pl_alloc(n, (size_t)pl_link_positions(dim));
-    link->high = wide ? pl_alloc(n, (size_t)pl_link_positions(dim)) : NULL;
+    const size_t size = (size_t)pl_link_positions(dim);
+    link->low = pl_alloc_scattered(n, size, places);
+    link->high = wide ? pl_alloc_scattered(n, size, places) : NULL;
     return link->low && (!wide || link->high) ? 0 : -1;
 }
 

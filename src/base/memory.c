@@ -11,34 +11,39 @@
 enum {
     ALIGNMENT = 64, /* a cache line, and the widest vector */
     HUGE_PAGE = 1 << 21,
-    MANY_PAGES = 16 * HUGE_PAGE /* of smaller arrays too much would be resident that nobody uses */
+    MANY_PAGES = 8 /* of smaller arrays too much would be resident that nobody uses */
 };
 
 static size_t round_up(size_t bytes, size_t unit) {
     return (bytes + unit - 1) / unit * unit;
 }
 
-/** Ask for huge pages within a large array: fewer page faults, and fewer misses of the page table.
- *  A refusal does no harm. */
-static void want_huge_pages(void *array, size_t bytes) {
+/** Ask for huge pages within an array, if there are many for each of the places where it is written
+ *  at a time: fewer page faults, and fewer misses of the page table. A refusal does no harm. */
+static void want_huge_pages(void *array, size_t bytes, int64_t places) {
 #ifdef MADV_HUGEPAGE
     const uintptr_t begin = round_up((uintptr_t)array, HUGE_PAGE);
     const uintptr_t end = ((uintptr_t)array + bytes) / HUGE_PAGE * HUGE_PAGE;
-    if (array && bytes >= MANY_PAGES && end > begin)
+    if (array && end > begin && (int64_t)((end - begin) / HUGE_PAGE / MANY_PAGES) >= places)
         madvise((void *)begin, end - begin, MADV_HUGEPAGE);
 #else
     (void)array;
     (void)bytes;
+    (void)places;
 #endif
 }
 
 void *pl_alloc(int64_t count, size_t size) {
+    return pl_alloc_scattered(count, size, 1);
+}
+
+void *pl_alloc_scattered(int64_t count, size_t size, int64_t places) {
     if (count < 0 || (size && (uint64_t)count > (SIZE_MAX / 2) / size))
         return NULL;
     size_t bytes = (size_t)count * size;
     bytes = bytes ? round_up(bytes, ALIGNMENT) : ALIGNMENT;
     void *array = aligned_alloc(ALIGNMENT, bytes);
-    want_huge_pages(array, bytes);
+    want_huge_pages(array, bytes, places);
     return array;
 }
 

@@ -10,7 +10,11 @@
  *  valid pointer. Pages are not touched: the thread that writes first places them. */
 void *pl_alloc(int64_t count, size_t size);
 
-/** The same, zeroed. */
+/** The same, of an array that is filled at so many places at a time: it has huge pages only if it
+ * is large enough that little of it is resident before it is full. */
+void *pl_alloc_scattered(int64_t count, size_t size, int64_t places);
+
+/** pl_alloc, zeroed. */
 void *pl_alloc_zero(int64_t count, size_t size);
 
 /** Grow array (from pl_alloc, or NULL with count 0) to at least needed elements, by half at least.

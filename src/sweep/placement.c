@@ -34,6 +34,10 @@ static hwloc_topology_t load_topology(void) {
     hwloc_topology_set_all_types_filter(topology, HWLOC_TYPE_FILTER_KEEP_NONE);
     hwloc_topology_set_type_filter(topology, HWLOC_OBJ_CORE, HWLOC_TYPE_FILTER_KEEP_ALL);
 #endif
+#if defined __linux__ && HWLOC_API_VERSION >= 0x00020100
+    /* The system knows the cores: no need to go from one to the next and ask each. */
+    hwloc_topology_set_components(topology, HWLOC_TOPOLOGY_COMPONENTS_FLAG_BLACKLIST, "x86");
+#endif
     if (hwloc_topology_load(topology)) {
         hwloc_topology_destroy(topology);
         return NULL;
@@ -139,7 +143,7 @@ pl_placement *pl_placement_create(int threads, int bind) {
     placement->threads = pl_thread_count(threads);
     snprintf(placement->text, sizeof placement->text, "not bound");
 #ifdef PL_HWLOC
-    if (bind)
+    if (bind && placement->threads > 1) /* one is never bound: not to look costs less */
         prepare_binding(placement, threads);
 #else
     (void)bind;

@@ -214,8 +214,8 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
     if (!mesh->min_volume)
         pl_incidence_destroy(&d->incidence);
     if (!status)
-        status = pl_stars_create(mesh, &d->incidence, &d->rings, d->node, d->visit, plan->inner,
-                                 plan->threads, &plan->stars, error);
+        status = pl_stars_create(mesh, &d->incidence, &d->rings, d->node, d->visit, plan->n_colours,
+                                 plan->inner, plan->threads, &plan->stars, error);
     return status;
 }
 

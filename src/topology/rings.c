@@ -230,7 +230,7 @@ static int is_large_closed(work *w, int thread, int32_t node) {
     const int64_t n = degree(w->incidence, node);
     star found = {-1, 0};
     pl_link link = {NULL, NULL};
-    if (pl_link_alloc(&link, dim, n, n) == 0)
+    if (pl_link_alloc(&link, dim, n, n, 1) == 0)
         found = find_ring(w, dim, thread, node, link, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
@@ -238,15 +238,22 @@ static int is_large_closed(work *w, int thread, int32_t node) {
     return found.is_closed;
 }
 
-/** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links are too large, or large and
- *  open, are free no longer. */
+/** Whether so many facets can be a closed link that the kernels take: each of its edges belongs to
+ *  two of the triangles, which are then even in number. */
+static int can_be_closed(int dim, int64_t facets) {
+    return facets <= PL_MAX_LINK && (dim == 2 || facets % 2 == 0);
+}
+
+/** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links are too large, certainly
+ * open, or large and open, are free no longer. */
 static void foretell_lengths(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     int64_t max_link = 0;
     for (int64_t r = begin; r < end; r++) {
         const int32_t node = w->node[r];
         int64_t facets = degree(w->incidence, node);
-        if (facets > PL_BYTE_LINK && (facets > PL_MAX_LINK || !is_large_closed(w, thread, node))) {
+        if (!can_be_closed(w->mesh->dim, facets) ||
+            (facets > PL_BYTE_LINK && !is_large_closed(w, thread, node))) {
             w->is_free[node] = 0;
             facets = 0;
         }
@@ -308,7 +315,7 @@ static int fill(work *w, int threads) {
 static int make_room_for_links(const work *w, int threads) {
     pl_rings *rings = w->rings;
     const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->link_offset);
-    return pl_link_alloc(&rings->link, w->mesh->dim, total, rings->max_link);
+    return pl_link_alloc(&rings->link, w->mesh->dim, total, rings->max_link, 1);
 }
 
 /** Foretell, fill, and where that does not hold: count, fill. */

@@ -1,6 +1,7 @@
 /* stars: the rings and links of the free nodes in the order of their visits.
  *
- * Stars are stored in that order but copied in the order of the rings.
+ * Stars are stored in that order but copied in the order of the rings: along the curve, at one
+ * place for each colour at a time.
  */
 #include "topology/topology.h"
 
@@ -21,6 +22,7 @@ typedef struct work {
     const pl_incidence *incidence;
     pl_rings *rings;
     const int32_t *node, *visit, *number_of;
+    int n_colours;
     int32_t *star_of; /* [n_rings] star of each ring that has a node: the inverse of visit */
     pl_stars *stars;
 } work;
@@ -98,19 +100,19 @@ static int fill(work *w, int threads) {
     pl_parallel_for(threads, n, CHUNK, measure_stars, w);
     int64_t n_ring = pl_prefix_sum(threads, n, stars->ring_offset);
     int64_t n_link = pl_prefix_sum(threads, n, stars->link_offset);
-    stars->ring = pl_alloc(n_ring, sizeof *stars->ring);
+    stars->ring = pl_alloc_scattered(n_ring, sizeof *stars->ring, w->n_colours);
     if (w->mesh->min_volume)
-        stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
-    if (pl_link_alloc(&stars->link, w->mesh->dim, n_link, stars->max_link) != 0 || !stars->ring ||
-        (w->mesh->min_volume && !stars->min_volume))
+        stars->min_volume = pl_alloc_scattered(n_link, sizeof *stars->min_volume, w->n_colours);
+    if (pl_link_alloc(&stars->link, w->mesh->dim, n_link, stars->max_link, w->n_colours) != 0 ||
+        !stars->ring || (w->mesh->min_volume && !stars->min_volume))
         return -1;
     pl_parallel_for(threads, w->rings->n_rings, COPY_CHUNK, copy_chunk, w);
     return 0;
 }
 
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
-                    const int32_t *node, const int32_t *visit, const int32_t *number_of,
-                    int threads, pl_stars *stars, planish_error *error) {
+                    const int32_t *node, const int32_t *visit, int n_colours,
+                    const int32_t *number_of, int threads, pl_stars *stars, planish_error *error) {
     int64_t n = rings->n_free;
     *stars = (pl_stars){.n_stars = n};
     work w = {.mesh = mesh,
@@ -118,6 +120,7 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_
               .rings = rings,
               .node = node,
               .visit = visit,
+              .n_colours = n_colours,
               .number_of = number_of,
               .stars = stars};
     w.star_of = pl_alloc(rings->n_rings, sizeof *w.star_of);
