@@ -144,6 +144,14 @@ static inline void unpack(const pl_link *link, int64_t from, int64_t n, int64_t 
         row[i] = row[i % count];
 }
 
+/** Weight 1 for the facets, 0 for what they are padded with. */
+PL_INLINE void weigh(const star *s) {
+    for (int64_t i = 0; i < s->padded; i += PL_PACK)
+        store(s, WEIGHT, i, lanes_of(1));
+    for (int64_t i = s->n_facets; i < s->padded; i++)
+        s->column[WEIGHT * s->padded + i] = 0;
+}
+
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch. Inlined, like
  * the sums over a star: what they return is not handed over through memory then. */
 PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const double *x,
@@ -180,8 +188,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
         s.facet_edge = NULL;
         facets_2d(&s, ring);
     }
-    for (int64_t i = 0; i < s.padded; i++)
-        s.column[WEIGHT * s.padded + i] = i < s.n_facets;
+    weigh(&s);
     if (guarded)
         gather_floors(problem, &s, first, dim);
     return s;
