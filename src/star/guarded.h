@@ -86,11 +86,14 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
     conjugate memory = {{0, 0, 0}, 0};
     int moves = 0, wanted;
     do {
+        const double before = now->sum;
         if (!worth_a_step(here, x, now, dim) ||
             !guarded_step(here, &memory, x, now, derivative, dim))
             break;
-        wanted =
-            here->constrained ? CONSTRAINED_STEPS : steps_of_visit(here->problem->direction, dim);
+        /* With a weight of the volumes, the function is F's only next to where it was weighed. */
+        const double fall = here->q.volume_weight > 0 ? 0 : before - now->sum;
+        wanted = here->constrained ? CONSTRAINED_STEPS
+                                   : steps_of_visit(here->problem->direction, fall, before, dim);
         if (++moves < wanted)
             *now = look(here, x, derivative, dim);
     } while (moves < wanted);

@@ -24,10 +24,18 @@ enum { STEP_BACKTRACKS = 10, STEP_EXPANSIONS = 60 };
 
 /* ---- the direction without constraints ------------------------------------------------------ */
 
-/** Steps of one visit: one Newton step (more sweeps beat more steps), but as many conjugate
- *  directions as there are coordinates, or they would never be conjugate. */
-static inline int steps_of_visit(planish_direction direction, const int dim) {
-    return direction == PLANISH_NEWTON ? 1 : dim;
+/* A visit whose Newton step brought more than this part of the star's function takes another one:
+ * the star is at hand, and its node far from where it belongs. */
+#define STEP_AGAIN 0.1
+
+/** Steps of one visit, after one that brought fall of sum: one Newton step (more sweeps beat more
+ *  steps) or two, but as many conjugate directions as there are coordinates, or they would never be
+ *  conjugate. */
+static inline int steps_of_visit(planish_direction direction, double fall, double sum,
+                                 const int dim) {
+    if (direction != PLANISH_NEWTON)
+        return dim;
+    return fall > STEP_AGAIN * sum ? 2 : 1;
 }
 
 /* No direction is longer than this many sizes (root mean square distance of the link) of a star. */

@@ -42,13 +42,15 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, dou
     const local here = local_of(problem, index, place, scratch, &tally->evaluations, 0, dim);
     conjugate memory = {{0, 0, 0}, 0};
     double x[3], decrease = 0, size2 = 0, sum = 0;
+    int steps = 0, wanted;
     to_star(&here, place, x, dim);
-    for (int step = 0; step < steps_of_visit(problem->direction, dim); step++) {
-        double fall = one_step(&here, &memory, x, &size2, &sum, dim);
+    do {
+        const double fall = one_step(&here, &memory, x, &size2, &sum, dim);
         if (!(fall > 0))
             break;
         decrease += fall;
-    }
+        wanted = steps_of_visit(problem->direction, fall, sum, dim);
+    } while (++steps < wanted);
     if (!(decrease > 0))
         return;
     settle(&here, node, x, size2, place, dim);
