@@ -11,7 +11,7 @@
 enum {
     ALIGNMENT = 64, /* a cache line, and the widest vector */
     HUGE_PAGE = 1 << 21,
-    MANY_PAGES = 8 /* of smaller arrays too much would be resident that nobody uses */
+    MANY_PAGES = 2 /* of smaller arrays too much would be resident that nobody uses */
 };
 
 static size_t round_up(size_t bytes, size_t unit) {

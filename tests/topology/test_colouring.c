@@ -212,7 +212,7 @@ static void survives_without_memory(void **state) {
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
     }
-    assert_int_equal(permitted, 6);
+    assert_int_equal(permitted, 7);
     test_rings_destroy(&rings);
     test_mesh_destroy(&box);
 }
