@@ -157,7 +157,7 @@ static void print_figures(const settings *s, const planish_mesh *mesh, const fig
         "\"setup_in_sweeps\": %.2f,\n      \"sweeps\": %d, \"sweeps_s\": %.6f, \"visits\": %lld, "
         "\"visits_per_s\": %.0f, \"rms\": %.6f, \"bytes_per_element\": %.1f",
         first ? "" : ",", isa_names[isa], threads, f->setup, f->first_sweep,
-        f->first_sweep > 0 ? f->setup / f->first_sweep : 0, f->n_sweeps, f->sweeps,
+        f->sweeps > 0 ? f->setup / f->sweeps * f->n_sweeps : 0, f->n_sweeps, f->sweeps,
         (long long)f->visits, f->visits_per_second, f->rms,
         (double)f->bytes / (double)mesh->n_elements);
     if (s->target > 0)

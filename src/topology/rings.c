@@ -154,6 +154,19 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
 
 /* ---- one small ring ----------------------------------------------------------------------- */
 
+/** The other nodes of a tetrahedron, in its order. Returns all ones if the last two have to be
+ *  exchanged for the order of the facet (is_turned), or else 0: a mask, like all here, since
+ * nothing could predict a branch. */
+static inline int32_t find_facet(const int32_t *element, int32_t node, int negative,
+                                 int32_t other[3]) {
+    const int32_t a = element[0], b = element[1], c = element[2], d = element[3];
+    const int32_t is_a = -(a == node), is_b = -(b == node), is_d = -(d == node);
+    other[0] = a ^ ((a ^ b) & is_a);
+    other[1] = b ^ ((b ^ c) & (is_a | is_b));
+    other[2] = d ^ ((d ^ c) & is_d);
+    return ~(is_b | is_d) ^ -negative;
+}
+
 /** Put the nodes of the facets of node's link into ring [PL_SMALL_RING + 3], and their positions
  *  into corner [3 n]. Stops when there are too many. */
 static inline void find_small_facets(const work *w, int32_t node, const int32_t *list, int64_t n,
@@ -162,15 +175,17 @@ static inline void find_small_facets(const work *w, int32_t node, const int32_t 
     const uint32_t before = given->before;
     for (int64_t i = 0; i < n && given->node - before <= PL_SMALL_RING; i++) {
         const int32_t *element = w->mesh->elements + (int64_t)list[i] * 4;
-        const int place = pl_place_in_element(3, element, node);
-        const int turned = is_turned(3, place, w->sign && w->sign[list[i]] < 0);
+        int32_t other[3], position[3];
+        const int32_t turn = find_facet(element, node, w->sign && w->sign[list[i]] < 0, other);
 #pragma GCC unroll 3
         for (int j = 0; j < 3; j++) {
-            const int32_t other = pl_other_node(element, place, j);
-            const int32_t position = pl_small_ring_node(table, other, given);
-            ring[position] = other; /* known ones again: cheaper than to ask */
-            corner[3 * i + corner_of(3, j, turned)] = (uint8_t)position;
+            position[j] = pl_small_ring_node(table, other[j], given);
+            ring[position[j]] = other[j]; /* known ones again: cheaper than to ask */
         }
+        const int32_t change = (position[1] ^ position[2]) & turn;
+        corner[3 * i] = (uint8_t)position[0];
+        corner[3 * i + 1] = (uint8_t)(position[1] ^ change);
+        corner[3 * i + 2] = (uint8_t)(position[2] ^ change);
     }
 }
 
