@@ -4,14 +4,19 @@
  * still be out of a double's range, D and short edges, carries its exponent along.
  */
 #include "quality/measure_block.h"
+#include "base/fetch.h"
 #include "quality/certificate.h"
 
 #include <float.h>
 
 /* ---- Gathering ---------------------------------------------------------------------------- */
 
+enum { AHEAD = 3 * PL_LANES }; /* elements whose nodes are asked for before they are needed */
+
 PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b,
                       const int dim) {
+    for (int l = 0; l < PL_LANES && first + AHEAD + l < mesh->n_elements; l++)
+        pl_fetch_nodes(dim, mesh->elements, mesh->coordinates, first + AHEAD + l);
     for (int l = 0; l < PL_LANES; l++) {
         int64_t element = first + (l < count ? l : 0);
         const int32_t *node = mesh->elements + element * (dim + 1);

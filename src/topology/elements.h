@@ -6,13 +6,11 @@
 #ifndef PL_TOPOLOGY_ELEMENTS_H
 #define PL_TOPOLOGY_ELEMENTS_H
 
+#include "base/fetch.h"
 #include "topology/topology.h"
 
 /** How many nodes ahead to fetch the elements, the list of their numbers, and where that begins. */
 enum { PL_AHEAD_ELEMENTS = 2, PL_AHEAD_LIST = 6, PL_AHEAD_OFFSET = 16 };
-
-/* Inlined at once: compilers take functions that only fetch for ones without effect. */
-#define PL_AT_ONCE static inline __attribute__((always_inline))
 
 /** Fetch the elements of node; of a giant star only the first ones. */
 PL_AT_ONCE void pl_fetch_elements(const planish_mesh *mesh, int dim, const pl_incidence *incidence,

@@ -10,12 +10,12 @@
  */
 #include "topology/orientation.h"
 
+#include "base/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/simplex.h"
 #include "topology/facets.h"
-#include "topology/elements.h"
 #include "topology/frame.h"
 
 #include <string.h>
@@ -70,18 +70,11 @@ static inline double anchored_measure_of(int dim, const work *w, int64_t element
 
 enum { AHEAD = 8 }; /* elements whose nodes are asked for before they are needed */
 
-/** Ask for the coordinates of the nodes of an element. */
-PL_AT_ONCE void fetch_nodes(int dim, const planish_mesh *mesh, int64_t element) {
-    const int32_t *node = mesh->elements + element * (dim + 1);
-    for (int j = 0; j <= dim; j++)
-        __builtin_prefetch(mesh->coordinates + (int64_t)node[j] * dim);
-}
-
 static inline void count_signs(work *w, int dim, int64_t begin, int64_t end) {
     int64_t not_positive = 0, not_negative = 0;
     for (int64_t i = begin; i < end; i++) {
         if (i + AHEAD < end)
-            fetch_nodes(dim, w->mesh, i + AHEAD);
+            pl_fetch_nodes(dim, w->mesh->elements, w->mesh->coordinates, i + AHEAD);
         double measure = measure_of(dim, w, i);
         not_positive += !(measure > 0);
         not_negative += !(measure < 0);
