@@ -227,7 +227,8 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
             found = (star){length, is_closed};
     }
     if (found.is_closed) {
-        memcpy(ring, nodes, (size_t)(length < room ? length : room) * sizeof *ring);
+        for (int64_t i = 0; i < length && i < room; i++)
+            ring[i] = nodes[i];
         memcpy(link.low + 6 * n, ends, (size_t)(2 * pl_link_edges(3, n)));
         if (link.high)
             memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
