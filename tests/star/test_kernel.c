@@ -160,6 +160,30 @@ static void visits_reach_a_minimum(void **state) {
     }
 }
 
+/** Visit a regular star whose centre is displaced by this part of its radius. */
+static pl_star_tally visit_displaced(int dim, double amount) {
+    hand_star s;
+    pl_star_value value;
+    hand_star_create(&s, dim, 0, 3);
+    for (int d = 0; d < dim; d++)
+        s.coordinates[d] = d == 0 ? amount : 0;
+    evaluate(&s, PLANISH_ISA_AUTO, &value);
+    pl_star_tally tally =
+        pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    assert_true(tally.decrease > 0 && tally.visits == 1);
+    assert_int_equal(tally.improved, tally.decrease > 0.01 * value.sum);
+    hand_star_destroy(&s);
+    return tally;
+}
+
+/** A step takes a look at derivatives and at one trial here; another one follows where the first
+ *  brought more than a tenth. */
+static void a_visit_steps_again_where_that_pays(void **state) {
+    const int dim = *(int *)*state;
+    assert_int_equal(visit_displaced(dim, 0.02).evaluations, 2);
+    assert_int_equal(visit_displaced(dim, 0.6).evaluations, 4);
+}
+
 static void float_positions_are_floats(void **state) {
     int dim = *(int *)*state;
     hand_star s;
@@ -199,6 +223,8 @@ int main(void) {
         {"inverted 3-D", an_inverted_star_is_left_alone, NULL, NULL, &three},
         {"minimum 2-D", visits_reach_a_minimum, NULL, NULL, &two},
         {"minimum 3-D", visits_reach_a_minimum, NULL, NULL, &three},
+        {"again 2-D", a_visit_steps_again_where_that_pays, NULL, NULL, &two},
+        {"again 3-D", a_visit_steps_again_where_that_pays, NULL, NULL, &three},
         {"float 2-D", float_positions_are_floats, NULL, NULL, &two},
         {"float 3-D", float_positions_are_floats, NULL, NULL, &three},
         {"limit 2-D", limit_refuses_worse_elements, NULL, NULL, &two},
