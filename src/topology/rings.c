@@ -204,8 +204,8 @@ static inline void find_small_edges(pl_small_ring *table, pl_small_numbers *give
         }
 }
 
-/** The same as find_ring, faster, in 3-D where it is small and, if closed, one sphere. Of an open one
- *  neither ring nor edges are written. */
+/** The same as find_ring, faster, in 3-D where it is small and, if closed, one sphere. Of an open
+ * one neither ring nor edges are written. */
 static star find_small_ring(const work *w, int thread, int32_t node, pl_link link, int32_t *ring,
                             int64_t room) {
     const int32_t *list = w->incidence->element + w->incidence->offset[node];
