@@ -16,7 +16,7 @@ struct pl_placement {
     int threads;
     char text[TEXT_SIZE];
 #ifdef PL_HWLOC
-    hwloc_topology_t topology; /* NULL: no core is chosen */
+    hwloc_topology_t topology; /* the machine; NULL: no core is chosen */
     int binds;                 /* 0: threads stay where they are all the same */
     hwloc_cpuset_t *core;      /* [threads] where each thread belongs: one hardware thread */
     hwloc_cpuset_t *former;    /* [threads] where it was before */
@@ -25,7 +25,10 @@ struct pl_placement {
 
 #ifdef PL_HWLOC
 
-/** The cores within the set that the process was started in; NULL if hwloc does not know them. */
+/** This machine, loaded for the first plan that asks and kept for all: hwloc needs milliseconds
+ *  for it, most of them to load its plug-ins. It is only read. */
+static hwloc_topology_t machine;
+
 static hwloc_topology_t load_topology(void) {
     hwloc_topology_t topology;
     if (hwloc_topology_init(&topology))
@@ -42,35 +45,68 @@ static hwloc_topology_t load_topology(void) {
         hwloc_topology_destroy(topology);
         return NULL;
     }
-    if (!hwloc_topology_is_thissystem(topology))
-        return topology;
-    hwloc_cpuset_t allowed = hwloc_bitmap_alloc();
-    if (allowed && !hwloc_get_cpubind(topology, allowed, HWLOC_CPUBIND_PROCESS))
-        hwloc_topology_restrict(topology, allowed, 0);
-    hwloc_bitmap_free(allowed);
     return topology;
 }
 
-static int count_cores(hwloc_topology_t topology) {
-    int cores = hwloc_get_nbobjs_by_type(topology, HWLOC_OBJ_CORE);
-    return cores > 0 ? cores : hwloc_get_nbobjs_by_type(topology, HWLOC_OBJ_PU);
+/** The machine; NULL if hwloc does not know it. Of threads that come at once, one's stays. */
+static hwloc_topology_t find_machine(void) {
+    hwloc_topology_t known = __atomic_load_n(&machine, __ATOMIC_ACQUIRE);
+    if (known)
+        return known;
+    hwloc_topology_t loaded = load_topology();
+    if (loaded && !__atomic_compare_exchange_n(&machine, &known, loaded, 0, __ATOMIC_ACQ_REL,
+                                               __ATOMIC_ACQUIRE)) {
+        hwloc_topology_destroy(loaded);
+        return known;
+    }
+    return loaded;
 }
 
-/** The hardware threads of the placement's threads: the first of each core. */
-static int choose_cores(pl_placement *placement) {
+/** The hardware threads that the process may use, those of another machine all; NULL: out of
+ *  memory. */
+static hwloc_cpuset_t find_allowed(hwloc_topology_t topology) {
+    hwloc_cpuset_t allowed = hwloc_bitmap_dup(hwloc_topology_get_topology_cpuset(topology));
+    hwloc_cpuset_t given = hwloc_bitmap_alloc();
+    if (allowed && given && hwloc_topology_is_thissystem(topology) &&
+        !hwloc_get_cpubind(topology, given, HWLOC_CPUBIND_PROCESS))
+        hwloc_bitmap_and(allowed, allowed, given);
+    hwloc_bitmap_free(given);
+    return allowed;
+}
+
+/** The core after core (NULL: the first) that has an allowed hardware thread; a hardware thread is
+ *  one where hwloc knows no cores. */
+static hwloc_obj_t next_core(hwloc_topology_t topology, hwloc_const_cpuset_t allowed,
+                             hwloc_obj_t core) {
+    hwloc_obj_type_t type =
+        hwloc_get_nbobjs_by_type(topology, HWLOC_OBJ_CORE) > 0 ? HWLOC_OBJ_CORE : HWLOC_OBJ_PU;
+    do
+        core = hwloc_get_next_obj_by_type(topology, type, core);
+    while (core && !hwloc_bitmap_intersects(core->cpuset, allowed));
+    return core;
+}
+
+static int count_cores(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) {
+    int cores = 0;
+    for (hwloc_obj_t core = NULL; (core = next_core(topology, allowed, core));)
+        cores++;
+    return cores;
+}
+
+/** The hardware threads of the placement's threads: the first allowed one of each core. */
+static int choose_cores(pl_placement *placement, hwloc_const_cpuset_t allowed) {
     placement->core = pl_alloc_zero(placement->threads, sizeof *placement->core);
     placement->former = pl_alloc_zero(placement->threads, sizeof *placement->former);
     if (!placement->core || !placement->former)
         return 0;
-    hwloc_obj_type_t type = hwloc_get_nbobjs_by_type(placement->topology, HWLOC_OBJ_CORE) > 0
-                                ? HWLOC_OBJ_CORE
-                                : HWLOC_OBJ_PU;
+    hwloc_obj_t core = NULL;
     for (int t = 0; t < placement->threads; t++) {
-        hwloc_obj_t core = hwloc_get_obj_by_type(placement->topology, type, (unsigned)t);
+        core = next_core(placement->topology, allowed, core);
         placement->core[t] = hwloc_bitmap_dup(core->cpuset);
         placement->former[t] = hwloc_bitmap_alloc();
         if (!placement->core[t] || !placement->former[t])
             return 0;
+        hwloc_bitmap_and(placement->core[t], placement->core[t], allowed);
         hwloc_bitmap_singlify(placement->core[t]);
     }
     return 1;
@@ -86,7 +122,7 @@ static void describe_binding(pl_placement *placement) {
     hwloc_bitmap_free(all);
 }
 
-static void release_topology(pl_placement *placement) {
+static void release_cores(pl_placement *placement) {
     for (int t = 0; t < placement->threads; t++) {
         if (placement->core)
             hwloc_bitmap_free(placement->core[t]);
@@ -95,27 +131,28 @@ static void release_topology(pl_placement *placement) {
     }
     pl_free(placement->core);
     pl_free(placement->former);
-    if (placement->topology)
-        hwloc_topology_destroy(placement->topology);
     placement->core = placement->former = NULL;
     placement->topology = NULL;
 }
 
 static void prepare_binding(pl_placement *placement, int threads) {
-    placement->topology = load_topology();
-    if (!placement->topology)
-        return;
-    const int is_here = hwloc_topology_is_thissystem(placement->topology);
-    int cores = count_cores(placement->topology);
-    if (is_here && threads <= 0 && cores > 0 && cores < placement->threads)
-        placement->threads = cores;
-    if (cores < 2 || placement->threads != cores || !choose_cores(placement)) {
-        release_topology(placement);
+    hwloc_topology_t topology = placement->topology = find_machine();
+    hwloc_cpuset_t allowed = topology ? find_allowed(topology) : NULL;
+    if (!allowed) {
+        placement->topology = NULL;
         return;
     }
-    placement->binds = is_here;
-    if (placement->binds)
+    const int is_here = hwloc_topology_is_thissystem(topology);
+    const int cores = count_cores(topology, allowed);
+    if (is_here && threads <= 0 && cores > 0 && cores < placement->threads)
+        placement->threads = cores;
+    if (cores < 2 || placement->threads != cores || !choose_cores(placement, allowed))
+        release_cores(placement);
+    else if (is_here) {
+        placement->binds = 1;
         describe_binding(placement);
+    }
+    hwloc_bitmap_free(allowed);
 }
 
 static void bind_thread(void *context, int64_t begin, int64_t end, int thread) {
@@ -155,9 +192,17 @@ void pl_placement_destroy(pl_placement *placement) {
     if (!placement)
         return;
 #ifdef PL_HWLOC
-    release_topology(placement);
+    release_cores(placement);
 #endif
     pl_free(placement);
+}
+
+void pl_placement_forget_machine(void) {
+#ifdef PL_HWLOC
+    if (machine)
+        hwloc_topology_destroy(machine);
+    machine = NULL;
+#endif
 }
 
 int pl_placement_threads(const pl_placement *placement) {

@@ -12,6 +12,10 @@ typedef struct pl_placement pl_placement;
 pl_placement *pl_placement_create(int threads, int bind);
 void pl_placement_destroy(pl_placement *placement);
 
+/** Free what was learnt of the machine for all placements, of which there must be none; the next
+ *  one looks again. Called when the library is unloaded, and by tests that change machines. */
+void pl_placement_forget_machine(void) __attribute__((destructor));
+
 int pl_placement_threads(const pl_placement *placement);
 /** The CPU chosen for a thread, by the system's number; -1: none. On a machine that is only
  * described (HWLOC_SYNTHETIC) it is chosen, too, but not used: for tests. */

@@ -12,13 +12,22 @@
 
 #include <cmocka.h>
 
+/** Stand on a made-up machine; NULL: on this one. */
+static void change_machine(const char *description) {
+    pl_placement_forget_machine();
+    if (description)
+        setenv("HWLOC_SYNTHETIC", description, 1);
+    else
+        unsetenv("HWLOC_SYNTHETIC");
+}
+
 /** Whether the library was built with it: then it knows another machine's cores, too. */
 static int has_hwloc(void) {
-    setenv("HWLOC_SYNTHETIC", "core:2 pu:1", 1);
+    change_machine("core:2 pu:1");
     pl_placement *placement = pl_placement_create(2, 1);
     const int known = pl_placement_cpu(placement, 0) >= 0;
     pl_placement_destroy(placement);
-    unsetenv("HWLOC_SYNTHETIC");
+    change_machine(NULL);
     return known;
 }
 
@@ -37,7 +46,7 @@ static void threads_asked_for_are_given(void **state) {
 static void cores_come_before_hardware_threads(void **state) {
     (void)state;
     const int hwloc = has_hwloc();
-    setenv("HWLOC_SYNTHETIC", "package:2 numanode:1 core:4 pu:2", 1);
+    change_machine("package:2 numanode:1 core:4 pu:2");
     for (int threads = 1; threads < 12; threads++) {
         pl_placement *placement = pl_placement_create(threads, 1);
         assert_int_equal(pl_placement_threads(placement), threads);
@@ -46,19 +55,19 @@ static void cores_come_before_hardware_threads(void **state) {
             assert_int_equal(pl_placement_cpu(placement, t), chosen ? 2 * t : -1);
         pl_placement_destroy(placement);
     }
-    unsetenv("HWLOC_SYNTHETIC");
+    change_machine(NULL);
 }
 
 static void other_machines_are_never_bound_to(void **state) {
     (void)state;
     cpu_set_t before, inside;
     pl_placement *all = pl_placement_create(0, 0);
-    setenv("HWLOC_SYNTHETIC", "core:1 pu:1", 1);
+    change_machine("core:1 pu:1");
     pl_placement *placement = pl_placement_create(0, 1); /* nor counted on */
     assert_int_equal(pl_placement_threads(placement), pl_placement_threads(all));
     pl_placement_destroy(placement);
     pl_placement_destroy(all);
-    setenv("HWLOC_SYNTHETIC", "package:2 core:4 pu:2", 1);
+    change_machine("package:2 core:4 pu:2");
     placement = pl_placement_create(8, 1);
     assert_string_equal(pl_placement_text(placement), "not bound");
     assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
@@ -67,18 +76,18 @@ static void other_machines_are_never_bound_to(void **state) {
     pl_placement_leave(placement);
     assert_true(CPU_EQUAL(&before, &inside));
     pl_placement_destroy(placement);
-    unsetenv("HWLOC_SYNTHETIC");
+    change_machine(NULL);
 }
 
 /** One thread on one core has nowhere else to go. */
 static void one_thread_is_not_bound(void **state) {
     (void)state;
-    setenv("HWLOC_SYNTHETIC", "core:1 pu:2", 1);
+    change_machine("core:1 pu:2");
     pl_placement *placement = pl_placement_create(1, 1);
     assert_string_equal(pl_placement_text(placement), "not bound");
     assert_int_equal(pl_placement_cpu(placement, 0), -1);
     pl_placement_destroy(placement);
-    unsetenv("HWLOC_SYNTHETIC");
+    change_machine(NULL);
 }
 
 /** Bound while inside, as before afterwards. */
