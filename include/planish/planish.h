@@ -1,8 +1,9 @@
 /* planish: smooth meshes of tetrahedra or triangles by moving their interior nodes.
  *
- * Caller-owned arrays in, coordinates changed in place. The library keeps no global state, prints
- * nothing, reads no environment and installs no signal handler; two threads may work on two plans
- * at the same time (one plan serves one thread at a time).
+ * Caller-owned arrays in, coordinates changed in place. The library keeps no global state (but for
+ * hwloc's view of the machine, if threads are bound), prints nothing, reads no environment (but what
+ * hwloc and OpenMP read) and installs no signal handler; two threads may work on two plans at the
+ * same time (one plan serves one thread at a time).
  *
  * Error convention: functions return 0 on success and a negative planish_status on failure; then
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
