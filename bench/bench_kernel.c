@@ -52,7 +52,7 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
     for (int derivatives = 0; derivatives < 2; derivatives++) {
         pl_star_value value;
         double begin = seconds_now();
-        for (int64_t i = 0; i < plan->stars.n_stars; i++)
+        for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
             evaluate(problem, i, plan->scratch, derivatives, &value);
         double *figure = derivatives ? &best->derivatives : &best->value;
         *figure = least(seconds_now() - begin, *figure);
@@ -60,8 +60,9 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
     memcpy(problem->coordinates, start, (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double));
     memset(problem->changed, 1, (size_t)plan->n_nodes);
     double begin = seconds_now();
-    for (int c = 0; c < plan->n_colours; c++)
-        visit(problem, plan->colour_begin[c], plan->colour_begin[c + 1], plan->scratch);
+    for (int c = 0; c < plan->interior.n_colours; c++)
+        visit(problem, plan->interior.colour_begin[c], plan->interior.colour_begin[c + 1],
+              plan->scratch);
     best->visit = least(seconds_now() - begin, best->visit);
     best->check = checksum(problem->coordinates, plan->n_nodes * plan->dim);
     memcpy(problem->coordinates, start, (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double));
@@ -70,7 +71,7 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
 /** All variants of the kernel for one problem. */
 static void measure_variants(const planish_plan *plan, pl_star_problem *problem, const char *name,
                              const double *start, int repeat, const char **separator) {
-    double per_star = plan->stars.n_stars ? 1e9 / (double)plan->stars.n_stars : 0;
+    double per_star = plan->interior.stars.n_stars ? 1e9 / (double)plan->interior.stars.n_stars : 0;
     for (int isa = PLANISH_ISA_PLAIN; isa <= PLANISH_ISA_AVX512; isa++) {
         const pl_star_kernel *kernel = pl_star_kernel_select((planish_isa)isa);
         figures best = {0, 0, 0, 0};
@@ -138,16 +139,16 @@ int main(int argc, char **argv) {
         planish_mesh mesh = planish_file_mesh(file);
         status = planish_plan_create(&mesh, &options, &plan, &error);
         if (!status) {
-            const int64_t n = plan->stars.n_stars;
+            const int64_t n = plan->interior.stars.n_stars;
             const double per_star = n ? 1 / (double)n : 0;
-            const double facets = (double)plan->stars.link_offset[n] * per_star;
-            const double ring = (double)plan->stars.ring_offset[n] * per_star;
+            const double facets = (double)plan->interior.stars.link_offset[n] * per_star;
+            const double ring = (double)plan->interior.stars.ring_offset[n] * per_star;
             const double link_bytes = (double)pl_link_positions(plan->dim) * facets;
             printf("{ \"planish\": \"%s\", \"mesh\": \"%s\", \"stars\": %lld, "
                    "\"facets_per_star\": %.2f, \"ring_per_star\": %.2f, "
                    "\"bytes_per_star\": %.1f,\n",
                    planish_version(), argv[1], (long long)n, facets, ring,
-                   link_bytes * (plan->stars.link.high ? 2 : 1) + ring * sizeof(int32_t) +
+                   link_bytes * (plan->interior.stars.link.high ? 2 : 1) + ring * sizeof(int32_t) +
                        2 * sizeof(int64_t) + sizeof(int32_t));
             status = run(plan, &mesh, argc > 2 ? atoi(argv[2]) : 5);
         }

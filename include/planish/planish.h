@@ -1,9 +1,9 @@
 /* planish: smooth meshes of tetrahedra or triangles by moving their interior nodes.
  *
  * Caller-owned arrays in, coordinates changed in place. The library keeps no global state (but for
- * hwloc's view of the machine, if threads are bound), prints nothing, reads no environment (but what
- * hwloc and OpenMP read) and installs no signal handler; two threads may work on two plans at the
- * same time (one plan serves one thread at a time).
+ * hwloc's view of the machine, if threads are bound), prints nothing, reads no environment (but
+ * what hwloc and OpenMP read) and installs no signal handler; two threads may work on two plans at
+ * the same time (one plan serves one thread at a time).
  *
  * Error convention: functions return 0 on success and a negative planish_status on failure; then
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
@@ -55,8 +55,19 @@ typedef struct planish_error {
 
 /* ---- Mesh --------------------------------------------------------------------------------- */
 
-/** How a node may move. Nodes on the mesh's boundary are fixed whatever this says. */
-typedef enum planish_constraint { PLANISH_FREE = 0, PLANISH_FIXED = 1 } planish_constraint;
+/** How a node may move. On the mesh's boundary only nodes that slide do. A node slides unless a
+ * facet of more than two elements, a duplicate element or more than 21845 elements meet at it; it
+ * does so while its elements are positive, and is held while they are untangled. Boundaries that
+ * are planar around each sliding node, and straight along each line, keep their shape exactly;
+ * interior nodes may slide as well. planish_find_slides finds such nodes. */
+typedef enum planish_constraint {
+    PLANISH_FREE = 0,      /* anywhere, if it is no node of the boundary */
+    PLANISH_FIXED = 1,     /* nowhere */
+    PLANISH_ON_PLANE = 2,  /* on the plane (in 2-D the line) through its place whose normal is that
+                              of planish_mesh.direction */
+    PLANISH_ON_LINE = 3,   /* on the line through its place along that direction */
+    PLANISH_ON_SURFACE = 4 /* where planish_options.project says */
+} planish_constraint;
 
 /** A view of the caller's mesh; nothing in it is owned by the library. */
 typedef struct planish_mesh {
@@ -66,6 +77,8 @@ typedef struct planish_mesh {
     const double *coordinates; /* [n_nodes][dim], finite */
     const int32_t *elements;   /* [n_elements][dim + 1], any consistent or mixed orientation */
     const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL: all free */
+    const double *direction;   /* [n_nodes][dim] of nodes on planes and lines, of any length but 0;
+                                  others are not looked at. NULL if there are none */
     const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
 } planish_mesh;
@@ -151,6 +164,14 @@ typedef struct planish_progress {
  */
 typedef int planish_progress_fn(const planish_progress *progress, void *user);
 
+/** Say where a node that slides on a surface may be. point [dim] is somewhere near it: change it to
+ *  the nearest place that the node may have, and fill direction [dim] with the surface's normal
+ *  there (result PLANISH_ON_PLANE), or with the curve's direction (PLANISH_ON_LINE), of any length
+ *  but 0. PLANISH_FIXED: the node may not be near there. Called from several threads at a time; the
+ *  same bits on any number of them need answers that depend on node and point alone. */
+typedef planish_constraint planish_project_fn(int64_t node, double *point, double *direction,
+                                              void *user);
+
 typedef struct planish_options {
     size_t struct_size;          /* set by planish_options_init */
     int threads;                 /* 1 .. 1024; 0: as many as OpenMP would use, with bind at most
@@ -184,6 +205,8 @@ typedef struct planish_options {
                                       least volume; 0: all */
     planish_progress_fn *progress; /* or NULL */
     void *progress_user;           /* handed to progress */
+    planish_project_fn *project;   /* of nodes with PLANISH_ON_SURFACE; NULL: these stay */
+    void *project_user;            /* handed to project */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel; radius
@@ -197,7 +220,8 @@ PLANISH_API void planish_options_init(planish_options *options);
 typedef struct planish_plan planish_plan;
 
 typedef struct planish_plan_info {
-    int64_t n_free;               /* nodes that may move */
+    int64_t n_free;               /* nodes that may move anywhere */
+    int64_t n_sliding;            /* nodes that may move on a plane, line or surface */
     int64_t n_unused;             /* nodes of no element */
     int64_t n_fixed_elements;     /* elements all of whose nodes are fixed */
     int64_t n_components;         /* of elements joined by facets; 0: was not needed */
@@ -214,8 +238,8 @@ typedef struct planish_plan_info {
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
  *  free nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
- *  mesh->elements, which must stay as they are until planish_plan_destroy; coordinates, constraint
- *  and min_volume are not read after the return. Which order of an element is the positive one is
+ *  mesh->elements, which must stay as they are until planish_plan_destroy; the other arrays are not
+ *  read after the return. Which order of an element is the positive one is
  * decided here, from these coordinates: for a mirrored copy of them make another plan. Nodes with
  * more than 43690 elements are held. A mesh without elements is an error. Errors: _ARGUMENT,
  * _MESH (element or node is set), _MEMORY. */

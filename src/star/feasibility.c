@@ -61,7 +61,7 @@ static int is_wanted(uint8_t state) {
 static active rows_in_question(const local *here, const double *x, const uint8_t *state, int dim) {
     const star *s = &here->s;
     active all = homogeneous(here, x, -VIOLATED_ABOVE, 0, dim); /* to be met, as it is counted */
-    active kept = {all.rows, 0};
+    active kept = {all.rows, 0, NULL};
     for (int64_t i = 0, row = 0; i < s->n_facets; i++) {
         int exists = s->column[FLOOR * s->padded + i] > 0 && s->column[LENGTH * s->padded + i] > 0;
         if (exists && is_wanted(state[i]))

@@ -62,20 +62,23 @@ static inline double present_measure(const star *s, int64_t i) {
 
 /* ---- rows ---------------------------------------------------------------------------------- */
 
-/** Gradients of constraints, of unit length, in the star's spare columns. */
+/** Gradients of constraints, of unit length, in the star's spare columns; of a node that slides
+ *  what is left of them in its directions. */
 typedef struct active {
     double (*rows)[ROW_LENGTH];
     int64_t m;
+    const sliding *slide;
 } active;
 
-static inline active active_none(const star *s) {
-    return (active){(double(*)[ROW_LENGTH])(void *)s->spare, 0};
+static inline active active_none(const local *here) {
+    return (active){(double(*)[ROW_LENGTH])(void *)here->s.spare, 0, &here->slide};
 }
 
 static inline double *add_row(active *a, const double *gradient, const int dim) {
     double *row = a->rows[a->m++];
     for (int d = 0; d < ROW_LENGTH; d++)
         row[d] = d < dim ? gradient[d] : 0;
+    slide_row(a->slide, row, dim);
     return row;
 }
 
@@ -133,7 +136,7 @@ enum { OF_BOUND = -1 };
 static inline active active_within(const local *here, const double *x, double band, double size,
                                    const int dim) {
     const star *s = &here->s;
-    active a = active_none(s);
+    active a = active_none(here);
     const double *g = s->column + GVALUE * s->padded;
     for (int64_t i = 0; i < s->n_facets; i++) {
         double *row = g[i] > -band ? add_facet_row(s, i, &a, dim) : NULL;
@@ -315,7 +318,7 @@ static inline double push_off_factor(double g) {
  *  the entry after the gradient. */
 static inline active critical(const local *here, const double *x, double size, const int dim) {
     const star *s = &here->s;
-    active a = active_none(s);
+    active a = active_none(here);
     const double *g = s->column + GVALUE * s->padded;
     for (int64_t i = 0; i < s->n_facets; i++) {
         double *row = g[i] > ACTIVE_ABOVE ? add_facet_row(s, i, &a, dim) : NULL;
@@ -383,7 +386,7 @@ static inline int push_off(const local *here, const double *x, const objective *
 static inline active homogeneous(const local *here, const double *x, double margin, double size,
                                  const int dim) {
     const star *s = &here->s;
-    active a = active_none(s);
+    active a = active_none(here);
     const double *floor = s->column + FLOOR * s->padded, *length = s->column + LENGTH * s->padded;
     for (int64_t i = 0; i < s->n_facets; i++) {
         double *row = floor[i] > 0 ? add_facet_row(s, i, &a, dim) : NULL;
@@ -447,6 +450,10 @@ static inline int lessen_shortfall(const local *here, const double *x, const obj
             for (int c = r; c < dim; c++, k++)
                 hessian[k] += steepness * steepness * n[r] * n[c];
         }
+    }
+    if (here->slide.kind != PLANISH_FREE) {
+        slide_along(&here->slide, gradient, dim);
+        slide_hessian(&here->slide, hessian, dim);
     }
     return newton_direction(gradient, hessian, direction, dim) &&
            restoring_search(here, x, now, direction, 1, size, best, dim);

@@ -15,11 +15,29 @@ enum { RESTORING_STEPS = 4, CONSTRAINED_STEPS = 4 };
 /* A visit along constraints that brought more than this, relative, is worth another one. */
 #define CONSTRAINED_FALL 1e-8
 
+/** Leave of the derivatives at x what the node's directions have. */
+static inline void slide_derivatives(local *here, const double *x, derivatives *derivative,
+                                     const int dim) {
+    double place[3];
+    for (int d = 0; d < dim; d++)
+        place[d] = x[d] * here->s.unscale;
+    if (here->slide.of->kind == PLANISH_ON_SURFACE &&
+        !slide_ask(here->problem, &here->slide, place, NULL, dim)) {
+        for (int d = 0; d < dim; d++)
+            derivative->gradient[d] = 0; /* no direction is downhill */
+        return;
+    }
+    slide_along(&here->slide, derivative->gradient, dim);
+    slide_hessian(&here->slide, derivative->hessian, dim);
+}
+
 /** The function and derivatives at x, with the columns that directions and steps need. */
-static inline objective look(const local *here, const double *x, derivatives *derivative,
-                             const int dim) {
+static inline objective look(local *here, const double *x, derivatives *derivative, const int dim) {
     ++*here->evaluations;
-    return guarded_at(&here->s, &here->q, x, derivative, 1, dim);
+    objective now = guarded_at(&here->s, &here->q, x, derivative, 1, dim);
+    if (here->slide.kind != PLANISH_FREE)
+        slide_derivatives(here, x, derivative, dim);
+    return now;
 }
 
 /** Whether the star is to be improved: valid, and bad enough. */
@@ -40,8 +58,8 @@ static inline void take(const trial *t, double *x, objective *now, const int dim
 }
 
 /** Bring violated elements up; returns how often the node moved. now is what holds at x. */
-static inline int restoring_steps(const local *here, double *x, objective *now,
-                                  derivatives *derivative, const int dim) {
+static inline int restoring_steps(local *here, double *x, objective *now, derivatives *derivative,
+                                  const int dim) {
     int moves = 0;
     while (!here->problem->guard->keep_below && moves < RESTORING_STEPS &&
            now->worst > violated_above(here)) {
@@ -144,7 +162,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
     int64_t evaluations = 0;
     double x[3], direction[3];
-    const local here = local_of(problem, index, place, scratch, &evaluations, 1, dim);
+    local here = local_of(problem, index, place, scratch, &evaluations, 1, dim);
     const star *s = &here.s;
     derivatives derivative;
     cone_point point;
@@ -178,7 +196,7 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
                            int with_derivatives, pl_star_value *value, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
     int64_t evaluations = 0;
-    const local here = local_of(problem, index, place, scratch, &evaluations, 1, dim);
+    local here = local_of(problem, index, place, scratch, &evaluations, 1, dim);
     double x[3];
     to_star(&here, place, x, dim);
     derivatives derivative = {{0}, {0}, 0};

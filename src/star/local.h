@@ -6,6 +6,7 @@
 #include "star/aspect.h"
 #include "star/direction.h"
 #include "star/gather.h"
+#include "star/slide.h"
 
 /** Where the node may be, in the star's scale. */
 typedef struct bounds {
@@ -14,12 +15,13 @@ typedef struct bounds {
     double start[3], radius; /* radius infinite: any distance from start */
 } bounds;
 
-/** A star under visit. q, b, kind and constrained are for the guarded kernel. */
+/** A star under visit. q, b, slide, kind and constrained are for the guarded kernel. */
 typedef struct local {
     const pl_star_problem *problem;
     star s;
     question q;
     bounds b;
+    sliding slide;
     planish_direction kind; /* of the direction under way */
     int constrained;        /* constraints were active in the last step */
     int64_t *evaluations;
@@ -62,6 +64,7 @@ PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const do
         here.q =
             (question){guard->objective, guard->ratio_weight, guard->volume_weight, guard->penalty};
         here.b = bounds_of(problem, problem->node[index], here.s.scale, dim);
+        here.slide = sliding_of(problem, index, here.s.scale, dim);
     }
     return here;
 }

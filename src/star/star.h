@@ -52,6 +52,14 @@ typedef struct pl_star_untangling {
     double epsilon;           /* of the regularisation */
 } pl_star_untangling;
 
+/** Where a node slides. */
+typedef struct pl_star_slide {
+    planish_constraint kind; /* PLANISH_ON_PLANE, _ON_LINE or _ON_SURFACE */
+    int32_t node;            /* its number, the caller's */
+    double point[3];         /* of the plane or line: where the node was, */
+    double direction[3];     /* and its unit normal, or direction */
+} pl_star_slide;
+
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
@@ -66,6 +74,10 @@ typedef struct pl_star_problem {
     double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */
     int to_float;               /* positions are rounded to float before they are judged */
     const pl_star_guard *guard; /* NULL: the sum of RR^2, volumes positive, no bounds */
+    const pl_star_slide *slide; /* [n_stars] with a guard: where the nodes slide, their links may be
+                                   open; NULL: the nodes may go anywhere */
+    planish_project_fn *project; /* of nodes on a surface, called with */
+    void *project_user;
     const pl_star_untangling *untangling; /* NULL but for visits that untangle */
 } pl_star_problem;
 

@@ -121,8 +121,10 @@ static inline void place_along(const local *here, const double *x0, const double
                                double step, double *position, const int guarded, const int dim) {
     for (int d = 0; d < dim; d++)
         position[d] = x0[d] + step * direction[d];
-    if (guarded)
+    if (guarded) {
         clamp(&here->b, position, dim);
+        slide_place(here->problem, &here->slide, &here->s, position, dim);
+    }
     for (int d = 0; d < dim; d++)
         position[d] = as_stored(here->problem, &here->s, position[d]);
 }

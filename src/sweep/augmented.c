@@ -40,7 +40,7 @@ static void update_chunk(void *context, int64_t begin, int64_t end, int thread) 
 
 /** Update the multipliers of all elements; returns the largest change. */
 static double update_shifts(const pl_run *r, int wake) {
-    const int64_t n = r->plan->stars.n_stars;
+    const int64_t n = r->plan->interior.stars.n_stars;
     update u = {r, wake};
     double largest = 0;
     pl_parallel_for(r->plan->threads, n, PL_CHUNK_STARS, update_chunk, &u);
@@ -71,13 +71,14 @@ static int augmented_sweeps(pl_run *r) {
 /** Wake the stars of nodes that the trial has moved, and those around them. */
 static void wake_moved(const planish_plan *plan, const double *before) {
     const int dim = plan->dim;
-    for (int64_t s = 0; s < plan->stars.n_stars; s++) {
-        const int64_t at = (int64_t)plan->centre[s] * dim;
+    for (int64_t s = 0; s < plan->interior.stars.n_stars; s++) {
+        const int64_t at = (int64_t)plan->interior.centre[s] * dim;
         if (memcmp(plan->coordinates + at, before + at, (size_t)dim * sizeof *before) == 0)
             continue;
-        plan->changed[plan->centre[s]] = 1;
-        for (int64_t i = plan->stars.ring_offset[s]; i < plan->stars.ring_offset[s + 1]; i++)
-            plan->changed[plan->stars.ring[i]] = 1;
+        plan->changed[plan->interior.centre[s]] = 1;
+        for (int64_t i = plan->interior.stars.ring_offset[s];
+             i < plan->interior.stars.ring_offset[s + 1]; i++)
+            plan->changed[plan->interior.stars.ring[i]] = 1;
     }
 }
 
@@ -125,10 +126,11 @@ static int try_augmented(pl_run *r, double *before) {
 
 /** Whether a least volume holds F up somewhere. */
 static int is_wanted(const pl_run *r) {
-    pl_star_optimality optimality;
+    pl_star_optimality optimality = {0};
     return r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH &&
            r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
-           pl_optimality(r->plan, &r->problem, &optimality, NULL) == PLANISH_OK &&
+           pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, NULL) ==
+               PLANISH_OK &&
            optimality.multiplier > 0;
 }
 
@@ -136,7 +138,7 @@ void pl_run_augmented(pl_run *r) {
     const planish_plan *plan = r->plan;
     if (!is_wanted(r))
         return;
-    const int64_t n_links = plan->stars.link_offset[plan->stars.n_stars];
+    const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
     double *before = pl_alloc(plan->n_nodes * plan->dim, sizeof *before);
     r->guard.star.link_shift = pl_alloc_zero(n_links, sizeof *r->guard.star.link_shift);
     if (before && r->guard.star.link_shift && try_augmented(r, before))

@@ -22,7 +22,7 @@ pl_box pl_box_of_fixed(const planish_plan *plan) {
         b.upper[d] = -INFINITY;
     }
     for (int64_t i = 0; i < plan->n_nodes; i++)
-        for (int d = 0; d < dim && plan->is_used[i] && !plan->is_free[i]; d++) {
+        for (int d = 0; d < dim && plan->is_used[i] && plan->is_free[i] != PL_INTERIOR; d++) {
             const double x = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
             b.lower[d] = fmin(b.lower[d], x);
             b.upper[d] = fmax(b.upper[d], x);
@@ -46,7 +46,7 @@ typedef struct operation {
 /** a = sum over the neighbours of (b of the node - b of the neighbour), b an array over nodes. */
 static void difference_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
-    const pl_stars *stars = &o->p->run->plan->stars;
+    const pl_stars *stars = &o->p->run->plan->interior.stars;
     const int dim = o->p->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
@@ -68,7 +68,7 @@ static void difference(const pl_patch *p, double *a, const double *field) {
 /** a = b / number of neighbours. */
 static void share_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
-    const int64_t *offset = o->p->run->plan->stars.ring_offset;
+    const int64_t *offset = o->p->run->plan->interior.stars.ring_offset;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < o->p->dim; d++)
@@ -129,7 +129,7 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
         square = pl_patch_product(p, residual, z);
         pl_patch_combine(p, way, z, square / last, way);
         tally->visits += p->n;
-        tally->stopped = pl_run_after_colour(r, r->plan->n_colours);
+        tally->stopped = pl_run_after_colour(r, pl_plan_colours(r->plan));
     }
     pl_patch_combine(p, x, zero, 1 / fixed.scale, x);
     pl_patch_admit(p, x, start);

@@ -55,8 +55,8 @@ static double energy_of_patch(void *context, double enough, pl_star_slope *slope
     const planish_plan *plan = d->t->run->plan;
     energies e = {d->t, slope};
     (void)enough;
-    pl_parallel_for(plan->threads, plan->stars.n_stars, PL_TANGLE_CHUNK, energy_chunk, &e);
-    pl_tangle_total(d->t, (plan->stars.n_stars + PL_TANGLE_CHUNK - 1) / PL_TANGLE_CHUNK);
+    pl_parallel_for(plan->threads, plan->interior.stars.n_stars, PL_TANGLE_CHUNK, energy_chunk, &e);
+    pl_tangle_total(d->t, (plan->interior.stars.n_stars + PL_TANGLE_CHUNK - 1) / PL_TANGLE_CHUNK);
     return d->keep && d->t->energy.tangled > 0 ? INFINITY : d->t->energy.sum;
 }
 
@@ -68,7 +68,7 @@ static int has_patience(const descent *d) {
 static int descend(descent *d, int most, double calm_fall) {
     pl_tangle *t = d->t;
     pl_run *r = t->run;
-    pl_sweep_tally tally = {.colours = r->plan->n_colours};
+    pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     int calm = 0;
     pl_begin_untangling_sweep(r);
     for (int i = 0; i < most && has_patience(d) && calm < CALM_ITERATIONS && !tally.stopped; i++) {
@@ -104,7 +104,7 @@ static int solve(descent *d, const patience *how) {
 
 /** How many evaluations of so many visits in all. */
 static int64_t evaluations_of(const descent *d, double visits) {
-    const pl_stars *stars = &d->t->run->plan->stars;
+    const pl_stars *stars = &d->t->run->plan->interior.stars;
     const pl_patch *p = &d->m.p;
     double facets = 1;
     for (int64_t i = 0; i < p->n; i++)

@@ -68,6 +68,7 @@ double pl_guard_weigh(pl_guard *guard, const planish_options *options,
 /** The work on all nodes. */
 typedef struct work {
     const planish_plan *plan;
+    const pl_visits *visits; /* of limit_stars */
     const planish_options *options;
     const double *coordinates;
     double *lower, *upper, *start, *radius; /* by inner numbers */
@@ -121,13 +122,13 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 /** Mean distance of the star's ring from its node. */
-static double mean_edge(const planish_plan *plan, int64_t star) {
+static double mean_edge(const planish_plan *plan, const pl_visits *visits, int64_t star) {
     const int dim = plan->dim;
-    const double *x = plan->coordinates + (int64_t)plan->centre[star] * dim;
-    int64_t begin = plan->stars.ring_offset[star], end = plan->stars.ring_offset[star + 1];
+    const double *x = plan->coordinates + (int64_t)visits->centre[star] * dim;
+    int64_t begin = visits->stars.ring_offset[star], end = visits->stars.ring_offset[star + 1];
     double sum = 0;
     for (int64_t i = begin; i < end; i++) {
-        const double *y = plan->coordinates + (int64_t)plan->stars.ring[i] * dim;
+        const double *y = plan->coordinates + (int64_t)visits->stars.ring[i] * dim;
         sum += pl_distance(dim, x, y) / (double)(end - begin);
     }
     return sum;
@@ -139,8 +140,9 @@ static void limit_stars(void *context, int64_t begin, int64_t end, int thread) {
     const int dim = plan->dim;
     (void)thread;
     for (int64_t s = begin; s < end; s++) {
-        int64_t node = plan->centre[s];
-        double unit = w->options->displacement_unit == PLANISH_UNIT_EDGE ? mean_edge(plan, s) : 1;
+        int64_t node = w->visits->centre[s];
+        double unit =
+            w->options->displacement_unit == PLANISH_UNIT_EDGE ? mean_edge(plan, w->visits, s) : 1;
         w->radius[node] = w->options->max_displacement * unit;
         for (int d = 0; d < dim; d++)
             w->start[node * dim + d] = plan->coordinates[node * dim + d];
@@ -189,8 +191,11 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
         return pl_fail_memory(error, "the bounds of the nodes");
     if (w.lower)
         pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, bound_nodes, &w);
-    if (w.radius)
-        pl_parallel_for(plan->threads, plan->stars.n_stars, CHUNK_NODES, limit_stars, &w);
+    const pl_visits *visits[] = {&plan->interior, &plan->sliding};
+    for (int i = 0; w.radius && i < 2; i++) {
+        w.visits = visits[i];
+        pl_parallel_for(plan->threads, visits[i]->stars.n_stars, CHUNK_NODES, limit_stars, &w);
+    }
     guard->held_outside = w.held;
     return PLANISH_OK;
 }
@@ -251,7 +256,7 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
                         .star = {.objective = options->objective,
                                  .ratio_weight = 1,
                                  .min_volume = problem.min_volume,
-                                 .link_min_volume = plan->stars.min_volume}};
+                                 .link_min_volume = plan->interior.stars.min_volume}};
     int status = pl_check_delta(options, &problem, error);
     if (!status)
         status = check_area_weight(plan, options, &problem, error);

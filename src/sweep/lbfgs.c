@@ -124,7 +124,7 @@ int pl_lbfgs_create(pl_run *run, const pl_star_problem *problem, const uint8_t *
     enum { N = sizeof vectors / sizeof *vectors };
     *m = (pl_lbfgs){.function = function,
                     .context = context,
-                    .slope = pl_alloc(run->plan->stars.n_stars, sizeof *m->slope)};
+                    .slope = pl_alloc(run->plan->interior.stars.n_stars, sizeof *m->slope)};
     if (!pl_patch_create(run, problem, in_patch, N + 2 * PL_LBFGS_SLOTS, &m->p) || !m->slope)
         return 0;
     for (int i = 0; i < N; i++)

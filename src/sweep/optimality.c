@@ -22,14 +22,13 @@ static void look_at_chunk(void *context, int64_t begin, int64_t end, int thread)
                                                      &w->partial[begin / CHUNK]);
 }
 
-int pl_optimality(const planish_plan *plan, const pl_star_problem *problem,
+int pl_optimality(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
                   pl_star_optimality *optimality, planish_error *error) {
-    const int64_t n = plan->stars.n_stars, chunks = (n + CHUNK - 1) / CHUNK;
+    const int64_t n = visits->stars.n_stars, chunks = (n + CHUNK - 1) / CHUNK;
     work w = {plan, problem, pl_alloc_zero(chunks + 1, sizeof *w.partial)};
     if (!w.partial)
         return pl_fail_memory(error, "the optimality of the stars");
     pl_parallel_for(plan->threads, n, CHUNK, look_at_chunk, &w);
-    *optimality = (pl_star_optimality){0};
     for (int64_t i = 0; i < chunks; i++) {
         const pl_star_optimality *part = &w.partial[i];
         if (part->residual > optimality->residual)

@@ -8,10 +8,10 @@
 int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
                     int n_vectors, pl_patch *p) {
     const planish_plan *plan = run->plan;
-    const int64_t n_stars = plan->stars.n_stars;
+    const int64_t n_stars = plan->interior.stars.n_stars;
     *p = (pl_patch){.run = run, .problem = problem, .dim = plan->dim};
     for (int64_t s = 0; s < n_stars; s++)
-        p->n += !in_patch || in_patch[plan->centre[s]];
+        p->n += !in_patch || in_patch[plan->interior.centre[s]];
     p->star = pl_alloc(p->n, sizeof *p->star);
     p->vectors = pl_alloc_zero(p->n * p->dim * n_vectors, sizeof *p->vectors);
     p->field = pl_alloc_zero(plan->n_nodes * p->dim, sizeof *p->field);
@@ -19,7 +19,7 @@ int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *
     if (!p->star || !p->vectors || !p->field || !p->partial)
         return 0;
     for (int64_t s = 0, i = 0; s < n_stars; s++)
-        if (!in_patch || in_patch[plan->centre[s]])
+        if (!in_patch || in_patch[plan->interior.centre[s]])
             p->star[i++] = (int32_t)s;
     return 1;
 }

@@ -37,7 +37,7 @@ static inline double *pl_patch_vector(const pl_patch *p, int i) {
 
 /** Inner number of the patch's node i. */
 static inline int64_t pl_patch_node(const pl_patch *p, int64_t i) {
-    return p->run->plan->centre[p->star[i]];
+    return p->run->plan->interior.centre[p->star[i]];
 }
 
 /** Call body for chunks of the patch's nodes. */

@@ -13,28 +13,38 @@
 
 enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096, CHUNK_RINGS = 16384 };
 
+/** Nodes that shall be visited, if their links allow it. */
+typedef struct candidates {
+    int64_t n;
+    int32_t *node;   /* [n] the caller's numbers, along the curve; -1: not free after all */
+    pl_rings rings;  /* of node */
+    int32_t *colour; /* [n] of node */
+    int32_t *visit;  /* [rings.n_free] indices into node, colour by colour */
+} candidates;
+
 /** What plan creation needs only while it runs. */
 typedef struct draft {
     const planish_mesh *mesh;
     pl_incidence incidence;
     pl_boundary boundary;
-    int32_t *order;       /* [n] the caller's numbers along the curve */
-    int32_t *node;        /* [n_candidates] of these, along the curve; -1: not free after all */
-    int64_t n_candidates; /* nodes that are free if they are inside */
-    pl_rings rings;       /* of node */
-    int32_t *colour;      /* [n_candidates] of node */
-    int32_t *visit;       /* [n_free] indices into node, colour by colour */
-    int64_t *count;       /* [chunks of nodes + 1] */
+    int32_t *order;               /* [n] the caller's numbers along the curve */
+    candidates interior, sliding; /* nodes that are free if they are inside, and those that slide */
+    int64_t *count;               /* [chunks of nodes + 1] */
 } draft;
+
+static void candidates_destroy(candidates *c) {
+    pl_rings_destroy(&c->rings);
+    pl_free(c->node);
+    pl_free(c->colour);
+    pl_free(c->visit);
+}
 
 static void draft_destroy(draft *d) {
     pl_incidence_destroy(&d->incidence);
     pl_boundary_destroy(&d->boundary);
-    pl_rings_destroy(&d->rings);
+    candidates_destroy(&d->interior);
+    candidates_destroy(&d->sliding);
     pl_free(d->order);
-    pl_free(d->node);
-    pl_free(d->colour);
-    pl_free(d->visit);
     pl_free(d->count);
 }
 
@@ -57,7 +67,7 @@ typedef struct candidacy {
 static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
     const candidacy *c = context;
     const int64_t *offset = c->d->incidence.offset;
-    int64_t candidates = 0, unused = 0;
+    int64_t found = 0, unused = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int32_t node = c->d->order[i];
@@ -65,10 +75,10 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
         c->plan->inner[node] = (int32_t)i;
         c->plan->is_used[node] = (uint8_t)used;
         c->plan->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
-        candidates += c->plan->is_free[node];
+        found += c->plan->is_free[node];
         unused += !used;
     }
-    c->d->count[begin / CHUNK_NODES] = candidates;
+    c->d->count[begin / CHUNK_NODES] = found;
     __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
 }
 
@@ -78,22 +88,23 @@ static void list_candidates(void *context, int64_t begin, int64_t end, int threa
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         if (c->plan->is_free[c->d->order[i]])
-            c->d->node[n++] = c->d->order[i];
+            c->d->interior.node[n++] = c->d->order[i];
 }
 
-/** inner, is_used, and is_free of the candidates; and they as node. */
+/** inner, is_used, and is_free of the interior's candidates; and these. */
 static void find_candidates(planish_plan *plan, draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
-    d->n_candidates = pl_prefix_sum(plan->threads, (plan->n_nodes - 1) / CHUNK_NODES + 1, d->count);
+    d->interior.n = pl_prefix_sum(plan->threads, (plan->n_nodes - 1) / CHUNK_NODES + 1, d->count);
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
 }
 
 static int make_rings(planish_plan *plan, draft *d, planish_error *error) {
     find_candidates(plan, d);
-    return pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free, d->node,
-                           d->n_candidates, plan->threads, &d->rings, error);
+    return pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free,
+                           d->interior.node, d->interior.n, 0, plan->threads, &d->interior.rings,
+                           error);
 }
 
 /** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then
@@ -107,7 +118,7 @@ static int find_free(planish_plan *plan, draft *d, planish_error *error) {
         status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->is_free : NULL,
                                   plan->threads, &d->boundary, error);
     if (!status && !d->boundary.is_guess) {
-        pl_rings_destroy(&d->rings);
+        pl_rings_destroy(&d->interior.rings);
         status = make_rings(plan, d, error);
     }
     plan->sign = d->boundary.sign;
@@ -133,8 +144,9 @@ static double count_fixed(void *context, int64_t begin, int64_t end, int thread)
 
 /** The work of order_visits. */
 typedef struct arrangement {
-    planish_plan *plan;
-    draft *d;
+    const planish_plan *plan;
+    const candidates *c;
+    pl_visits *visits;
     int64_t n_chunks;
     int64_t *begin; /* [n_colours * n_chunks + 1] first visit of colour c in chunk k, at
                        c * n_chunks + k; counts at first */
@@ -144,11 +156,11 @@ static void count_colours(void *context, int64_t begin, int64_t end, int thread)
     const arrangement *a = context;
     int64_t *count = a->begin + begin / CHUNK_RINGS;
     (void)thread;
-    for (int c = 0; c < a->plan->n_colours; c++)
+    for (int c = 0; c < a->visits->n_colours; c++)
         count[c * a->n_chunks] = 0;
     for (int64_t r = begin; r < end; r++)
-        if (a->d->colour[r] >= 0)
-            count[a->d->colour[r] * a->n_chunks]++;
+        if (a->c->colour[r] >= 0)
+            count[a->c->colour[r] * a->n_chunks]++;
 }
 
 static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
@@ -156,39 +168,137 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     int64_t *next = a->begin + begin / CHUNK_RINGS;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        if (a->d->colour[r] < 0)
+        if (a->c->colour[r] < 0)
             continue;
-        int64_t place = next[a->d->colour[r] * a->n_chunks]++;
-        a->d->visit[place] = (int32_t)r;
-        a->plan->centre[place] = a->plan->inner[a->d->node[r]];
+        int64_t place = next[a->c->colour[r] * a->n_chunks]++;
+        a->c->visit[place] = (int32_t)r;
+        a->visits->centre[place] = a->plan->inner[a->c->node[r]];
     }
 }
 
 /** Colour the rings and put them in order of colour, along the curve within each. */
-static int order_visits(planish_plan *plan, draft *d, planish_error *error) {
-    arrangement a = {.plan = plan, .d = d, .n_chunks = d->n_candidates / CHUNK_RINGS + 1};
-    d->colour = pl_alloc(d->n_candidates, sizeof *d->colour);
-    d->visit = pl_alloc(d->rings.n_free, sizeof *d->visit);
-    plan->centre = pl_alloc(d->rings.n_free, sizeof *plan->centre);
-    if (!d->colour || !d->visit || !plan->centre)
+static int order_visits(const planish_plan *plan, candidates *c, pl_visits *visits,
+                        planish_error *error) {
+    arrangement a = {.plan = plan, .c = c, .visits = visits, .n_chunks = c->n / CHUNK_RINGS + 1};
+    c->colour = pl_alloc(c->n, sizeof *c->colour);
+    c->visit = pl_alloc(c->rings.n_free, sizeof *c->visit);
+    visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
+    if (!c->colour || !c->visit || !visits->centre)
         return pl_fail_memory(error, "the colours of nodes");
-    int status = pl_colouring_create(&d->rings, d->node, plan->n_nodes, plan->threads, d->colour,
-                                     &plan->n_colours, error);
+    int status = pl_colouring_create(&c->rings, c->node, plan->n_nodes, plan->threads, c->colour,
+                                     &visits->n_colours, error);
     if (status)
         return status;
-    plan->colour_begin = pl_alloc(plan->n_colours + 1, sizeof *plan->colour_begin);
-    a.begin = pl_alloc_zero(plan->n_colours * a.n_chunks + 1, sizeof *a.begin);
-    if (!plan->colour_begin || !a.begin) {
+    visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
+    a.begin = pl_alloc_zero(visits->n_colours * a.n_chunks + 1, sizeof *a.begin);
+    if (!visits->colour_begin || !a.begin) {
         pl_free(a.begin);
         return pl_fail_memory(error, "the colours of nodes");
     }
-    pl_parallel_for(plan->threads, d->n_candidates, CHUNK_RINGS, count_colours, &a);
-    pl_prefix_sum(plan->threads, plan->n_colours * a.n_chunks, a.begin);
-    for (int c = 0; c <= plan->n_colours; c++)
-        plan->colour_begin[c] = a.begin[c * a.n_chunks];
-    pl_parallel_for(plan->threads, d->n_candidates, CHUNK_RINGS, list_visits, &a);
+    pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, count_colours, &a);
+    pl_prefix_sum(plan->threads, visits->n_colours * a.n_chunks, a.begin);
+    for (int i = 0; i <= visits->n_colours; i++)
+        visits->colour_begin[i] = a.begin[i * a.n_chunks];
+    pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, list_visits, &a);
     pl_free(a.begin);
     return PLANISH_OK;
+}
+
+/** The stars of the visits; of the candidates' rings nothing is left. */
+static int make_stars(const planish_plan *plan, draft *d, candidates *c, pl_visits *visits,
+                      planish_error *error) {
+    return pl_stars_create(d->mesh, &d->incidence, &c->rings, c->node, c->visit, visits->n_colours,
+                           plan->inner, plan->threads, &visits->stars, error);
+}
+
+static void visits_destroy(pl_visits *visits) {
+    pl_stars_destroy(&visits->stars);
+    pl_free(visits->centre);
+    pl_free(visits->colour_begin);
+}
+
+/* ---- nodes that slide --------------------------------------------------------------------- */
+
+static int slides(const planish_mesh *mesh, int64_t node) {
+    return mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE;
+}
+
+/** The unit vector along v; 0 if v has no direction. */
+static int normalise(const double *v, int dim, double *unit) {
+    double largest = 0, square = 0;
+    for (int d = 0; d < dim; d++)
+        largest = fmax(largest, fabs(v[d]));
+    if (!(largest > 0 && largest < INFINITY))
+        return 0;
+    for (int d = 0; d < dim; d++) {
+        unit[d] = v[d] / largest;
+        square += unit[d] * unit[d];
+    }
+    for (int d = 0; d < dim; d++)
+        unit[d] /= sqrt(square);
+    return isfinite(square);
+}
+
+/** Check how the nodes may move; count those that slide. */
+static int check_constraints(const planish_mesh *mesh, int64_t *n_sliding, planish_error *error) {
+    double unit[3];
+    for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++) {
+        const int constraint = mesh->constraint[i];
+        if (constraint > PLANISH_ON_SURFACE)
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                              "mesh.constraint of node %" PRId64
+                              " is %d; give a planish_constraint, 0 to %d",
+                              i, constraint, PLANISH_ON_SURFACE);
+        *n_sliding += slides(mesh, i);
+        if ((constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE) &&
+            !(mesh->direction && normalise(mesh->direction + i * mesh->dim, mesh->dim, unit)))
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                              "node %" PRId64
+                              " slides, but mesh.direction has none for it; give the normal of its "
+                              "plane, or the direction of its line",
+                              i);
+    }
+    return PLANISH_OK;
+}
+
+static void note_slides(planish_plan *plan, const draft *d) {
+    const planish_mesh *mesh = d->mesh;
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
+        const int32_t node = d->sliding.node[d->sliding.visit[s]];
+        pl_star_slide *slide = &plan->slide[s];
+        *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node], .node = node};
+        if (slide->kind != PLANISH_ON_SURFACE)
+            normalise(mesh->direction + (int64_t)node * mesh->dim, mesh->dim, slide->direction);
+    }
+}
+
+/** The visits of the nodes that slide, whose links may be open. */
+static int prepare_sliding(planish_plan *plan, draft *d, planish_error *error) {
+    candidates *c = &d->sliding;
+    int64_t n = 0;
+    int status = check_constraints(d->mesh, &n, error);
+    if (status || n == 0)
+        return status;
+    c->node = pl_alloc(n, sizeof *c->node);
+    plan->slide = pl_alloc(n, sizeof *plan->slide);
+    if (!c->node || !plan->slide)
+        return pl_fail_memory(error, "nodes that slide");
+    for (int64_t i = 0; i < plan->n_nodes; i++) {
+        const int32_t node = d->order[i];
+        if (!slides(d->mesh, node) || !plan->is_used[node])
+            continue;
+        plan->is_free[node] = PL_SLIDES;
+        c->node[c->n++] = node;
+    }
+    status = pl_rings_create(d->mesh, &d->incidence, plan->sign, plan->is_free, c->node, c->n, 1,
+                             plan->threads, &c->rings, error);
+    if (!status)
+        status = order_visits(plan, c, &plan->sliding, error);
+    if (!status)
+        status = make_stars(plan, d, c, &plan->sliding, error);
+    if (!status)
+        note_slides(plan, d);
+    return status;
 }
 
 /* ---- the steps of a plan ------------------------------------------------------------------ */
@@ -200,9 +310,10 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
     plan->is_used = pl_alloc(n, sizeof *plan->is_used);
     plan->inner = pl_alloc(n, sizeof *plan->inner);
     d->order = pl_alloc(n, sizeof *d->order);
-    d->node = pl_alloc(n, sizeof *d->node);
+    d->interior.node = pl_alloc(n, sizeof *d->interior.node);
     d->count = pl_alloc(n / CHUNK_NODES + 2, sizeof *d->count);
-    if (!plan->is_free || !plan->is_used || !plan->inner || !d->order || !d->node || !d->count)
+    if (!plan->is_free || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
+        !d->count)
         return pl_fail_memory(error, "nodes");
     int status = pl_incidence_create(mesh, plan->threads, &d->incidence, error);
     if (!status)
@@ -210,38 +321,56 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
     if (!status)
         status = find_free(plan, d, error);
     if (!status)
-        status = order_visits(plan, d, error);
+        status = prepare_sliding(plan, d, error);
+    if (!status)
+        status = order_visits(plan, &d->interior, &plan->interior, error);
     if (!mesh->min_volume)
         pl_incidence_destroy(&d->incidence);
-    if (!status)
-        status = pl_stars_create(mesh, &d->incidence, &d->rings, d->node, d->visit, plan->n_colours,
-                                 plan->inner, plan->threads, &plan->stars, error);
-    return status;
+    return status ? status : make_stars(plan, d, &d->interior, &plan->interior, error);
 }
 
 static int64_t chunks_of(int64_t n, int64_t chunk) {
     return n / chunk + 1;
 }
 
+static int64_t larger(int64_t a, int64_t b) {
+    return a > b ? a : b;
+}
+
 static int prepare_scratch(planish_plan *plan, planish_error *error) {
     int64_t values = plan->n_nodes * plan->dim;
-    int64_t bytes = pl_star_scratch_size(plan->dim, plan->stars.max_ring, plan->stars.max_link);
+    const pl_stars *interior = &plan->interior.stars, *sliding = &plan->sliding.stars;
+    const int64_t n_stars = larger(interior->n_stars, sliding->n_stars);
+    int64_t bytes = pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
+                                         larger(interior->max_link, sliding->max_link));
     plan->scratch_stride = bytes / (int64_t)sizeof(double);
     plan->coordinates = pl_alloc(values, sizeof(double));
     plan->measured = pl_alloc(values, sizeof(double));
     plan->changed = pl_alloc(plan->n_nodes, 1);
-    plan->partial = pl_alloc(chunks_of(plan->stars.n_stars, PL_CHUNK_STARS) +
-                                 chunks_of(plan->n_elements, CHUNK_ELEMENTS),
-                             sizeof(double));
+    plan->partial =
+        pl_alloc(chunks_of(n_stars, PL_CHUNK_STARS) + chunks_of(plan->n_elements, CHUNK_ELEMENTS),
+                 sizeof(double));
     plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
     if (!plan->coordinates || !plan->measured || !plan->changed || !plan->partial || !plan->scratch)
         return pl_fail_memory(error, "the working space of a plan");
     return PLANISH_OK;
 }
 
+static int64_t bytes_of(const planish_plan *plan, const pl_visits *visits) {
+    const pl_stars *stars = &visits->stars;
+    if (stars->n_stars == 0)
+        return 0;
+    const int64_t links = stars->link_offset[stars->n_stars];
+    return stars->n_stars * (int64_t)(2 * sizeof(int64_t) + sizeof(int32_t)) +
+           stars->ring_offset[stars->n_stars] * (int64_t)sizeof(int32_t) +
+           links * pl_link_positions(plan->dim) * (stars->link.high ? 2 : 1) +
+           (stars->min_volume ? links * (int64_t)sizeof(double) : 0);
+}
+
 static void fill_info(planish_plan *plan, const draft *d) {
     planish_plan_info *info = &plan->info;
-    info->n_free = plan->stars.n_stars;
+    info->n_free = plan->interior.stars.n_stars;
+    info->n_sliding = plan->sliding.stars.n_stars;
     info->n_fixed_elements = (int64_t)pl_parallel_sum(
         plan->threads, plan->n_elements, CHUNK_ELEMENTS, count_fixed, plan, plan->partial);
     info->n_components = d->boundary.n_components;
@@ -249,20 +378,16 @@ static void fill_info(planish_plan *plan, const draft *d) {
     info->n_boundary_facets = d->boundary.n_boundary_facets;
     info->n_nonmanifold_facets = d->boundary.n_nonmanifold_facets;
     info->n_duplicate_elements = d->boundary.n_duplicate_elements;
-    info->n_colours = plan->n_colours;
+    info->n_colours = pl_plan_colours(plan);
     info->threads = plan->threads;
     info->isa = plan->kernel->name;
     info->binding = pl_placement_text(plan->placement);
     info->bytes =
         plan->n_nodes * (int64_t)(2 * (size_t)plan->dim * sizeof(double) + sizeof(int32_t) + 3) +
         (plan->sign ? plan->n_elements : 0) +
-        (plan->min_volume ? (plan->n_elements + plan->stars.link_offset[plan->stars.n_stars]) *
-                                (int64_t)sizeof(double)
-                          : 0) +
-        plan->stars.n_stars * (int64_t)(2 * sizeof(int64_t) + sizeof(int32_t)) +
-        plan->stars.ring_offset[plan->stars.n_stars] * (int64_t)sizeof(int32_t) +
-        plan->stars.link_offset[plan->stars.n_stars] * pl_link_positions(plan->dim) *
-            (plan->stars.link.high ? 2 : 1) +
+        (plan->min_volume ? plan->n_elements * (int64_t)sizeof(double) : 0) +
+        bytes_of(plan, &plan->interior) + bytes_of(plan, &plan->sliding) +
+        plan->sliding.stars.n_stars * (int64_t)sizeof *plan->slide +
         plan->scratch_stride * plan->threads * (int64_t)sizeof(double);
 }
 
@@ -352,15 +477,15 @@ int planish_plan_create(const planish_mesh *mesh, const planish_options *options
 void planish_plan_destroy(planish_plan *plan) {
     if (!plan)
         return;
-    pl_stars_destroy(&plan->stars);
+    visits_destroy(&plan->interior);
+    visits_destroy(&plan->sliding);
+    pl_free(plan->slide);
     pl_placement_destroy(plan->placement);
     pl_free(plan->min_volume);
     pl_free(plan->sign);
     pl_free(plan->is_free);
     pl_free(plan->is_used);
     pl_free(plan->inner);
-    pl_free(plan->centre);
-    pl_free(plan->colour_begin);
     pl_free(plan->coordinates);
     pl_free(plan->measured);
     pl_free(plan->changed);
@@ -369,15 +494,29 @@ void planish_plan_destroy(planish_plan *plan) {
     pl_free(plan);
 }
 
-pl_star_problem pl_plan_problem(const planish_plan *plan) {
+static pl_star_problem problem_of(const planish_plan *plan, const pl_visits *visits) {
     return (pl_star_problem){.coordinates = plan->coordinates,
-                             .node = plan->centre,
-                             .ring_offset = plan->stars.ring_offset,
-                             .ring = plan->stars.ring,
-                             .link_offset = plan->stars.link_offset,
-                             .link = plan->stars.link,
+                             .node = visits->centre,
+                             .ring_offset = visits->stars.ring_offset,
+                             .ring = visits->stars.ring,
+                             .link_offset = visits->stars.link_offset,
+                             .link = visits->stars.link,
                              .changed = plan->changed,
                              .rr2_limit = INFINITY};
+}
+
+pl_star_problem pl_plan_problem(const planish_plan *plan) {
+    return problem_of(plan, &plan->interior);
+}
+
+pl_star_problem pl_plan_sliding_problem(const planish_plan *plan) {
+    pl_star_problem problem = problem_of(plan, &plan->sliding);
+    problem.slide = plan->slide;
+    return problem;
+}
+
+int pl_plan_colours(const planish_plan *plan) {
+    return plan->interior.n_colours + plan->sliding.n_colours;
 }
 
 /** The work of pl_plan_order. */

@@ -113,7 +113,7 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
         seen.sums = *r->shown_sums;
     return (planish_progress){.sweep = r->sweep,
                               .colour = colour,
-                              .n_colours = r->plan->n_colours,
+                              .n_colours = pl_plan_colours(r->plan),
                               .rms = pl_run_rms(&seen),
                               .rms_movable = pl_run_rms_of_movable(&seen),
                               .objective = pl_run_objective(&seen),
@@ -161,12 +161,32 @@ int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
     return 1;
 }
 
+pl_star_problem pl_run_sliding_problem(pl_run *r) {
+    pl_star_problem problem = pl_plan_sliding_problem(r->plan);
+    r->sliding_guard = r->guard.star;
+    r->sliding_guard.link_min_volume = r->plan->sliding.stars.min_volume;
+    problem.guard = &r->sliding_guard;
+    problem.direction = r->problem.direction;
+    problem.rr2_limit = r->problem.rr2_limit;
+    problem.rr2_skip = r->problem.rr2_skip;
+    problem.to_float = r->problem.to_float;
+    problem.project = r->options->project;
+    problem.project_user = r->options->project_user;
+    return problem;
+}
+
 int pl_run_sweep(pl_run *r, int64_t *visits) {
+    const planish_method method = r->options->method;
+    pl_sweep_tally tally = {0};
     pl_run_begin_sweep(r);
     if (!r->plain)
         r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
-    pl_sweep_tally tally =
-        pl_sweep(r->plan, &r->problem, r->options->method, pl_run_after_colour, r);
+    pl_sweep(r->plan, &r->plan->interior, &r->problem, method, pl_run_after_colour, r, &tally);
+    /* Averages know no surfaces, and multipliers are those of the interior's elements. */
+    if (method == PLANISH_METHOD_PLANISH && !(r->guard.star.penalty > 0)) {
+        const pl_star_problem problem = pl_run_sliding_problem(r);
+        pl_sweep(r->plan, &r->plan->sliding, &problem, method, pl_run_after_colour, r, &tally);
+    }
     r->restoring = tally.restored > 0;
     r->improved = tally.improved;
     *visits = tally.visits;
@@ -185,7 +205,8 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
     double after = objective_of_movable(r);
     if (visits == 0)
         return 1;
-    if (r->restoring || (double)r->improved > MANY_STARS * (double)r->plan->stars.n_stars) {
+    const int64_t n_stars = r->plan->interior.stars.n_stars + r->plan->sliding.stars.n_stars;
+    if (r->restoring || (double)r->improved > MANY_STARS * (double)n_stars) {
         convergence->n_falls = 0;
         return 0;
     }
@@ -207,7 +228,8 @@ enum { SWEEPS_UNTIL_SLOW = 20 };
 
 /** Whether help is wanted: something is wrong that is much larger than the elements. */
 static int is_slow(const pl_run *r, const pl_convergence *trend, int patience) {
-    return r->plain && r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0) &&
+    return r->plain && r->plan->interior.stars.n_stars > 0 &&
+           r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0) &&
            trend->n_falls >= patience && trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL &&
            pl_remainder(trend) > SLOW_REMAINDER;
 }

@@ -13,7 +13,8 @@ typedef struct pl_run {
     double *outside; /* [n][dim] the caller's coordinates */
     pl_star_problem problem;
     pl_guard guard;
-    int plain;   /* the plain problem: sums are what counts, else totals */
+    pl_star_guard sliding_guard; /* the same for the nodes that slide */
+    int plain;                   /* the plain problem: sums are what counts, else totals */
     double unit; /* a power of two, times which coordinates are measured: ratios are then the same
                     bits at every scale; 1 where volumes count */
     pl_ratio_sums sums;             /* as measured last, movable then tracked */
@@ -43,6 +44,9 @@ double pl_run_rms_of_movable(const pl_run *r);
 
 /** What to sum over the mesh in plan->measured. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
+
+/** The problem of the nodes that slide, as the interior's is at present. It has a guard always. */
+pl_star_problem pl_run_sliding_problem(pl_run *r);
 
 /** One sweep and what is to be said of it; not 0 if it was cut short. *visits are then its own. */
 int pl_run_sweep(pl_run *r, int64_t *visits);

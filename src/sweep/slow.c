@@ -34,7 +34,7 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
     double *scratch = plan->scratch + plan->scratch_stride * thread;
     for (int64_t i = begin; i < end; i++) {
         pl_star_value value;
-        if (!f->in_patch[plan->centre[i]])
+        if (!f->in_patch[plan->interior.centre[i]])
             continue;
         plan->kernel->evaluate[plan->dim - 2](&f->run->problem, i, scratch, 1, &value);
         memcpy(f->slope[i].gradient, value.gradient, sizeof value.gradient);
@@ -57,7 +57,7 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
     if (value <= enough) {
         f->slope = slope;
         f->refused = 0;
-        pl_parallel_for(r->plan->threads, r->plan->stars.n_stars, CHUNK, slope_chunk, f);
+        pl_parallel_for(r->plan->threads, r->plan->interior.stars.n_stars, CHUNK, slope_chunk, f);
         value = f->refused ? INFINITY : value;
     }
     if (!(value <= enough)) {
@@ -83,7 +83,7 @@ static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
     pl_run *r = m->p.run;
     const size_t size =
         (size_t)r->plan->n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
-    pl_sweep_tally tally = {.colours = r->plan->n_colours};
+    pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     int stopped;
     pl_run_begin_sweep(r);
     memcpy(start, r->plan->coordinates, size);
@@ -135,7 +135,7 @@ static int descend(pl_lbfgs *m, int most, int *moved) {
     int stopped = 0;
     *moved = 1;
     while (*moved && m->evaluations < end && !stopped && pl_run_sweeps_left(r) > 0) {
-        pl_sweep_tally tally = {.colours = r->plan->n_colours};
+        pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
         pl_run_begin_sweep(r);
         *moved = pl_lbfgs_iterate(m, &tally);
         tally.evaluations = tally.visits;
@@ -166,10 +166,10 @@ static void look(objective_of_all *f) {
     const planish_plan *plan = r->plan;
     f->rr2_limit = r->problem.rr2_limit;
     f->rr2_measured = fmax(r->problem.rr2_limit, r->sums.max);
-    for (int64_t i = 0; i < plan->stars.n_stars; i++) {
+    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
         pl_star_value value;
         plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);
-        f->in_patch[plan->centre[i]] = value.certain != 0;
+        f->in_patch[plan->interior.centre[i]] = value.certain != 0;
         if (value.certain)
             f->rr2_limit = fmax(f->rr2_limit, value.max * (1 + value.error));
     }
@@ -209,7 +209,7 @@ enum { LARGEST = 1 << 21 };
 
 int pl_run_help(pl_run *r, pl_help help, double fall) {
     const double unit = r->unit;
-    if (r->plan->stars.n_stars > LARGEST || unit > TINY ||
+    if (r->plan->interior.stars.n_stars > LARGEST || unit > TINY ||
         (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
         return 0;
     if (unit <= EXTREME && unit >= 1 / EXTREME)

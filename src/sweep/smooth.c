@@ -71,12 +71,15 @@ static void prepare_problem(pl_run *r) {
 
 /** How near the nodes are to a constrained optimum. */
 static int judge(pl_run *r, planish_error *error) {
-    pl_star_optimality optimality;
+    pl_star_optimality optimality = {0};
     planish_result *result = r->result;
     if (!r->guard.wanted || r->options->method != PLANISH_METHOD_PLANISH)
         return PLANISH_OK;
     r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
-    int status = pl_optimality(r->plan, &r->problem, &optimality, error);
+    const pl_star_problem sliding = pl_run_sliding_problem(r);
+    int status = pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, error);
+    if (!status)
+        status = pl_optimality(r->plan, &r->plan->sliding, &sliding, &optimality, error);
     if (status)
         return status;
     result->kkt_residual = optimality.n_stars > 0 ? optimality.residual : NAN;
@@ -131,6 +134,11 @@ static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
     pl_run_sweeps(r);
 }
 
+/** All that moves many nodes together moves the interior's. */
+static int has_interior(const pl_run *r) {
+    return r->plan->interior.stars.n_stars > 0;
+}
+
 /** Do what of pl_run_untangle and the like; the mesh is then ready for sweeps. *done: there was
  *  something to do. */
 static int untangle(pl_run *r, int (*what)(pl_run *, planish_error *), int *done,
@@ -150,7 +158,7 @@ static int sweeps(pl_run *r, planish_error *error) {
     int done;
     pl_run_sweeps(r);
     if (r->options->method != PLANISH_METHOD_PLANISH || r->guard.star.keep_below ||
-        r->stop != PLANISH_STOP_CONVERGED)
+        !has_interior(r) || r->stop != PLANISH_STOP_CONVERGED)
         return PLANISH_OK;
     int status = untangle(r, pl_run_raise_volumes, &done, error);
     if (!status && done && !was_cut_short(r))
@@ -162,21 +170,30 @@ static int work(pl_run *r, planish_error *error) {
     const pl_objective_sums start = r->totals;
     int status = PLANISH_OK, done;
     r->guard.star.keep_below = !r->options->untangle;
-    if (r->options->untangle && r->options->method == PLANISH_METHOD_PLANISH)
+    if (r->options->untangle && r->options->method == PLANISH_METHOD_PLANISH && has_interior(r))
         status = untangle(r, pl_run_untangle, &done, error);
     if (!status && !was_cut_short(r))
         status = sweeps(r, error);
     if (status)
         return status;
     give_up_in_vain(r, &start);
-    if (!was_cut_short(r))
+    if (!was_cut_short(r) && has_interior(r))
         pl_run_augmented(r);
     return PLANISH_OK;
+}
+
+/** Planes and lines go through where their nodes are now. */
+static void begin_sliding(planish_plan *plan) {
+    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
+        const double *x = plan->coordinates + (int64_t)plan->sliding.centre[s] * plan->dim;
+        memcpy(plan->slide[s].point, x, (size_t)plan->dim * sizeof *x);
+    }
 }
 
 static int smooth(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
     pl_plan_order(plan, r->outside, plan->coordinates);
+    begin_sliding(plan);
     int status = pl_guard_create(plan, r->options, r->outside, &r->guard, error);
     if (status)
         return status;
@@ -186,7 +203,7 @@ static int smooth(pl_run *r, planish_error *error) {
     r->result->objective_before = pl_run_objective(r);
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
-    if (plan->stars.n_stars > 0)
+    if (plan->interior.stars.n_stars + plan->sliding.stars.n_stars > 0)
         status = work(r, error);
     if (status)
         return status;

@@ -36,20 +36,19 @@ static double visit_chunk(void *context, int64_t begin, int64_t end, int thread)
     return tally.decrease;
 }
 
-pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem,
-                        planish_method method, pl_after_colour_fn *after_colour, void *context) {
-    pl_sweep_tally tally = {0};
-    for (int c = 0; c < plan->n_colours && !tally.stopped; c++) {
-        colour_pass pass = {plan, problem, method, plan->colour_begin[c], 0, 0, 0, 0};
-        int64_t n = plan->colour_begin[c + 1] - pass.first;
-        tally.decrease +=
+void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
+              planish_method method, pl_after_colour_fn *after_colour, void *context,
+              pl_sweep_tally *tally) {
+    for (int c = 0; c < visits->n_colours && !tally->stopped; c++) {
+        colour_pass pass = {plan, problem, method, visits->colour_begin[c], 0, 0, 0, 0};
+        int64_t n = visits->colour_begin[c + 1] - pass.first;
+        tally->decrease +=
             pl_parallel_sum(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass, plan->partial);
-        tally.visits += pass.visits;
-        tally.evaluations += pass.evaluations;
-        tally.improved += pass.improved;
-        tally.restored += pass.restored;
-        tally.colours = c + 1;
-        tally.stopped = after_colour(context, tally.colours);
+        tally->visits += pass.visits;
+        tally->evaluations += pass.evaluations;
+        tally->improved += pass.improved;
+        tally->restored += pass.restored;
+        tally->colours++;
+        tally->stopped = after_colour(context, tally->colours);
     }
-    return tally;
 }

@@ -30,9 +30,10 @@ typedef struct pl_sweep_tally {
     int stopped;      /* what pl_after_colour_fn said */
 } pl_sweep_tally;
 
-/** Visit the changed stars of plan, colour by colour. */
-pl_sweep_tally pl_sweep(const planish_plan *plan, const pl_star_problem *problem,
-                        planish_method method, pl_after_colour_fn *after_colour, void *context);
+/** Visit the changed stars of visits, colour by colour, whose problem it is, and add to *tally. */
+void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
+              planish_method method, pl_after_colour_fn *after_colour, void *context,
+              pl_sweep_tally *tally);
 
 /* ---- volumes.c ---------------------------------------------------------------------------- */
 
@@ -46,8 +47,9 @@ int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem,
 
 /* ---- optimality.c ------------------------------------------------------------------------- */
 
-/** First-order optimality over all stars of plan; the problem has a guard. Errors: _MEMORY. */
-int pl_optimality(const planish_plan *plan, const pl_star_problem *problem,
+/** Add the first-order optimality over all stars of visits, whose problem it is, with a guard.
+ *  Errors: _MEMORY. */
+int pl_optimality(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
                   pl_star_optimality *optimality, planish_error *error);
 
 /* ---- convergence.c ------------------------------------------------------------------------- */

@@ -39,7 +39,7 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
         return status;
     }
     t->link_skip = part;
-    for (int64_t i = 0; i < plan->stars.link_offset[plan->stars.n_stars]; i++)
+    for (int64_t i = 0; i < plan->interior.stars.link_offset[plan->interior.stars.n_stars]; i++)
         part[i] = part[i] == PL_PART_GIVEN_UP;
     t->is_hopeless = pl_alloc(plan->n_elements, sizeof *t->is_hopeless);
     if (!t->is_hopeless)
@@ -233,8 +233,8 @@ static void mark_tangled(pl_tangle *t) {
 
 /** Mark the free neighbours of what is marked, and queue their stars. Returns how many they are. */
 static int64_t mark_first_layer(pl_tangle *t) {
-    const pl_stars *stars = &t->run->plan->stars;
-    const int32_t *centre = t->run->plan->centre;
+    const pl_stars *stars = &t->run->plan->interior.stars;
+    const int32_t *centre = t->run->plan->interior.centre;
     int64_t n = 0;
     for (int64_t s = 0; s < stars->n_stars; s++) {
         int beside = 0;
@@ -251,7 +251,7 @@ static int64_t mark_first_layer(pl_tangle *t) {
 
 /** The layers after the first, breadth first: the stars queue[0 .. n-1] are the first layer. */
 static void mark_layers(pl_tangle *t, int64_t n, int layers) {
-    const pl_stars *stars = &t->run->plan->stars;
+    const pl_stars *stars = &t->run->plan->interior.stars;
     for (int64_t begin = 0, end = n; layers > 0 && begin < end; layers--) {
         for (int64_t k = begin; k < end; k++)
             for (int64_t i = stars->ring_offset[t->queue[k]];
@@ -275,8 +275,8 @@ void pl_tangle_mark(pl_tangle *t, int layers) {
     t->n_patch = 0;
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         const int32_t node = plan->inner[i];
-        t->in_patch[node] =
-            t->in_patch[node] && plan->is_free[i] && !pl_star_is_held(&t->guard, node, plan->dim);
+        t->in_patch[node] = t->in_patch[node] && plan->is_free[i] == PL_INTERIOR &&
+                            !pl_star_is_held(&t->guard, node, plan->dim);
         t->n_patch += t->in_patch[node];
     }
 }
@@ -301,7 +301,7 @@ void pl_tangle_total(pl_tangle *t, int64_t n_chunks) {
 
 void pl_tangle_measure(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
-    const int64_t n = plan->stars.n_stars;
+    const int64_t n = plan->interior.stars.n_stars;
     pl_parallel_for(plan->threads, n, PL_TANGLE_CHUNK, measure_chunk, t);
     pl_tangle_total(t, (n + PL_TANGLE_CHUNK - 1) / PL_TANGLE_CHUNK);
 }
@@ -311,8 +311,8 @@ void pl_tangle_measure(pl_tangle *t) {
 static void number_stars(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
     memset(t->star_of, -1, (size_t)plan->n_nodes * sizeof *t->star_of);
-    for (int64_t s = 0; s < plan->stars.n_stars; s++)
-        t->star_of[plan->centre[s]] = (int32_t)s;
+    for (int64_t s = 0; s < plan->interior.stars.n_stars; s++)
+        t->star_of[plan->interior.centre[s]] = (int32_t)s;
 }
 
 int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) {
@@ -336,8 +336,8 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     t->size = pl_alloc_zero(plan->n_nodes, sizeof *t->size);
     t->best = pl_alloc(plan->n_nodes * plan->dim, sizeof *t->best);
     t->star_of = pl_alloc(plan->n_nodes, sizeof *t->star_of);
-    t->queue = pl_alloc(plan->stars.n_stars, sizeof *t->queue);
-    t->partial = pl_alloc(plan->stars.n_stars / PL_TANGLE_CHUNK + 1, sizeof *t->partial);
+    t->queue = pl_alloc(plan->interior.stars.n_stars, sizeof *t->queue);
+    t->partial = pl_alloc(plan->interior.stars.n_stars / PL_TANGLE_CHUNK + 1, sizeof *t->partial);
     if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->partial)
         return pl_fail_memory(error, "untangling");
     number_stars(t);

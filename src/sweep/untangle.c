@@ -88,8 +88,9 @@ void pl_begin_untangling_sweep(pl_run *r) {
 /** One sweep of the problem over its stars; not 0 if cut short. */
 static int sweep(pl_run *r, const pl_star_problem *problem) {
     pl_begin_untangling_sweep(r);
-    const pl_sweep_tally tally =
-        pl_sweep(r->plan, problem, PLANISH_METHOD_PLANISH, pl_run_after_colour, r);
+    pl_sweep_tally tally = {0};
+    pl_sweep(r->plan, &r->plan->interior, problem, PLANISH_METHOD_PLANISH, pl_run_after_colour, r,
+             &tally);
     pl_run_measure(r);
     return pl_run_end_sweep(r, &tally);
 }
@@ -122,7 +123,7 @@ static int centre(pl_tangle *t) {
     pl_patch p;
     int stopped = 0;
     if (pl_patch_create(r, &t->problem, t->in_patch, PL_CENTRE_VECTORS, &p)) {
-        pl_sweep_tally tally = {.colours = r->plan->n_colours};
+        pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
         pl_begin_untangling_sweep(r);
         pl_patch_centre(&p, &tally);
         pl_run_measure(r);
@@ -146,9 +147,10 @@ static void floor_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const int dim = plan->dim;
     (void)thread;
     for (int64_t s = begin; s < end; s++) {
-        const double h = f->t->size[plan->centre[s]];
+        const double h = f->t->size[plan->interior.centre[s]];
         const double volume = PUSH_OFF_VOLUME * h * h * (dim == 3 ? h : 1) / (dim == 3 ? 6 : 2);
-        for (int64_t i = plan->stars.link_offset[s]; i < plan->stars.link_offset[s + 1]; i++)
+        for (int64_t i = plan->interior.stars.link_offset[s];
+             i < plan->interior.stars.link_offset[s + 1]; i++)
             f->floor[i] = f->t->link_skip && f->t->link_skip[i] ? 0 : volume;
     }
 }
@@ -161,10 +163,12 @@ static int push_offs(pl_tangle *t, int most) {
     pl_star_problem problem = t->problem;
     flooring f = {t, NULL};
     if (most > 0 && !(guard.min_volume > 0) && !guard.link_min_volume) {
-        f.floor = pl_alloc(plan->stars.link_offset[plan->stars.n_stars], sizeof *f.floor);
+        f.floor = pl_alloc(plan->interior.stars.link_offset[plan->interior.stars.n_stars],
+                           sizeof *f.floor);
         if (!f.floor)
             return 0;
-        pl_parallel_for(plan->threads, plan->stars.n_stars, PL_CHUNK_STARS, floor_chunk, &f);
+        pl_parallel_for(plan->threads, plan->interior.stars.n_stars, PL_CHUNK_STARS, floor_chunk,
+                        &f);
         guard.link_min_volume = f.floor;
     }
     problem.guard = &guard;

@@ -22,14 +22,14 @@ typedef struct search {
 
 static int search_create(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
                          search *s) {
-    const int64_t n = plan->n_nodes, n_stars = plan->stars.n_stars;
+    const int64_t n = plan->n_nodes, n_stars = plan->interior.stars.n_stars;
     *s = (search){.plan = plan, .problem = *problem, .state = state};
     s->scratch = pl_alloc(plan->scratch_stride, sizeof *s->scratch);
     s->star_of = pl_alloc(n, sizeof *s->star_of);
     s->next_facet = pl_alloc_zero(n_stars, sizeof *s->next_facet);
     s->is_fixed = pl_alloc(n, sizeof *s->is_fixed);
     s->is_wanted = pl_alloc_zero(n_stars, sizeof *s->is_wanted);
-    s->part = pl_alloc_zero(plan->stars.link_offset[n_stars], sizeof *s->part);
+    s->part = pl_alloc_zero(plan->interior.stars.link_offset[n_stars], sizeof *s->part);
     return s->scratch && s->star_of && s->next_facet && s->is_fixed && s->is_wanted && s->part;
 }
 
@@ -46,17 +46,18 @@ static void number_stars(search *s) {
     const planish_plan *plan = s->plan;
     for (int64_t i = 0; i < plan->n_nodes; i++)
         s->is_fixed[plan->inner[i]] = !plan->is_free[i];
-    for (int64_t i = 0; i < plan->stars.n_stars; i++)
-        s->star_of[plan->centre[i]] = (int32_t)i;
+    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
+        s->star_of[plan->interior.centre[i]] = (int32_t)i;
 }
 
-/** The only free node of an element; -1: it has none, -2: it has several. */
+/** The only free node of an element; -1: it has none, -2: it has several, or one that slides: of
+ *  that nothing is proved. */
 static int64_t only_free_node(const planish_plan *plan, int64_t element) {
     int64_t node = -1;
     for (int j = 0; j <= plan->dim; j++) {
         int32_t other = plan->elements[element * (plan->dim + 1) + j];
         if (plan->is_free[other])
-            node = node == -1 ? other : -2;
+            node = node == -1 && plan->is_free[other] == PL_INTERIOR ? other : -2;
     }
     return node;
 }
@@ -100,10 +101,10 @@ static void look_at_elements(search *s) {
 
 static void look_for_proofs(search *s) {
     const planish_plan *plan = s->plan;
-    for (int64_t i = 0; i < plan->stars.n_stars; i++)
+    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
         if (s->is_wanted[i])
             pl_star_infeasible(&s->problem, i, plan->dim, s->is_fixed, s->scratch,
-                               s->part + plan->stars.link_offset[i]);
+                               s->part + plan->interior.stars.link_offset[i]);
 }
 
 /** Tell the elements: the facets of a star are in the order of its elements. If given_up only those
@@ -114,10 +115,10 @@ static int64_t mark_elements(search *s, int given_up) {
     for (int64_t i = 0; i < plan->n_elements; i++) {
         for (int j = 0; j <= plan->dim; j++) {
             int32_t node = plan->elements[i * (plan->dim + 1) + j];
-            if (!plan->is_free[node])
+            if (plan->is_free[node] != PL_INTERIOR)
                 continue;
             int32_t star = star_of_node(s, node);
-            int64_t facet = plan->stars.link_offset[star] + s->next_facet[star]++;
+            int64_t facet = plan->interior.stars.link_offset[star] + s->next_facet[star]++;
             int wanted =
                 given_up ? s->part[facet] == PL_PART_GIVEN_UP
                          : s->part[facet] != PL_PART_NONE && s->state[i] == PLANISH_VOLUME_BELOW;
@@ -161,7 +162,7 @@ static int check_volumes(const planish_plan *plan, const pl_objective_problem *v
         return PLANISH_OK;
     const pl_star_guard guard = {.min_volume = volumes->min_volume,
                                  .ratio_weight = 1,
-                                 .link_min_volume = plan->stars.min_volume};
+                                 .link_min_volume = plan->interior.stars.min_volume};
     pl_star_problem problem = pl_plan_problem(plan);
     problem.coordinates = coordinates;
     problem.guard = &guard;

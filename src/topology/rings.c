@@ -29,6 +29,7 @@ typedef struct work {
     pl_rings *rings;
     pl_local_map *maps;    /* [threads] the ring of one node */
     pl_small_ring *tables; /* [threads] the same, where it is small */
+    int open;              /* links may be */
     int counting;          /* lengths are wanted, not nodes */
     int foretold_wrong;    /* a ring has another length than its room */
 } work;
@@ -36,8 +37,9 @@ typedef struct work {
 /** What is found at one node. */
 typedef struct star {
     int64_t length; /* of the ring; -1: not found */
-    int is_closed;  /* the link: every facet at the node belongs to two elements, which traverse it
-                       in opposite directions */
+    int is_sound;   /* the link: no facet at the node belongs to more than two elements, and these
+                       traverse it in opposite directions */
+    int is_closed;  /* and each belongs to two */
 } star;
 
 static int64_t degree(const pl_incidence *incidence, int32_t node) {
@@ -131,7 +133,7 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
     pl_local_map *thread_map = w->maps + thread;
     const int64_t begin = w->incidence->offset[node], n = degree(w->incidence, node);
     if (pl_local_map_empty(thread_map, 4 * n * dim) != 0)
-        return (star){-1, 0};
+        return (star){-1, 0, 0};
     pl_local_map map = *thread_map; /* in registers */
     for (int64_t i = 0; i < n; i++) {
         const int32_t index = w->incidence->element[begin + i];
@@ -148,8 +150,11 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
     }
     const int64_t length = map.count;
     const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
-    return (star){length, two_each && has_one_direction(&map, dim, &link, n) &&
-                              has_distinct_facets(&map, dim, &link, n)};
+    if (!two_each && !w->open)
+        return (star){length, 0, 0};
+    const int is_sound =
+        has_one_direction(&map, dim, &link, n) && has_distinct_facets(&map, dim, &link, n);
+    return (star){length, is_sound, is_sound && two_each};
 }
 
 /* ---- one small ring ----------------------------------------------------------------------- */
@@ -215,7 +220,7 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
     const uint32_t before = given.before;
     int32_t nodes[PL_SMALL_RING + 3];
     uint8_t ends[PL_SMALL_LINK * 3 * 2];
-    star found = {-1, 0};
+    star found = {-1, 0, 0};
     if (n > PL_SMALL_LINK)
         return found;
     find_small_facets(w, node, list, n, table, &given, nodes, link.low);
@@ -225,7 +230,7 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
         const int is_closed = 2 * (given.edge - before) == 3 * n && !given.has_repeated;
         /* A sphere of more than two facets has none twice. */
         if (!is_closed || (n > 2 && length == length_of_sphere(n)))
-            found = (star){length, is_closed};
+            found = (star){length, is_closed, is_closed};
     }
     if (found.is_closed) {
         for (int64_t i = 0; i < length && i < room; i++)
@@ -245,7 +250,7 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
 static int is_large_closed(work *w, int thread, int32_t node) {
     const int dim = w->mesh->dim;
     const int64_t n = degree(w->incidence, node);
-    star found = {-1, 0};
+    star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
     if (pl_link_alloc(&link, dim, n, n, 1) == 0)
         found = find_ring(w, dim, thread, node, link, NULL, 0);
@@ -259,6 +264,30 @@ static int is_large_closed(work *w, int thread, int32_t node) {
  *  two of the triangles, which are then even in number. */
 static int can_be_closed(int dim, int64_t facets) {
     return facets <= PL_MAX_LINK && (dim == 2 || facets % 2 == 0);
+}
+
+/* The positions of an open link are told apart by a byte up to so many facets, and by two up to the
+ * other number: three for each, at most. */
+enum { BYTE_OPEN_LINK = (UINT8_MAX + 1) / 3, MAX_OPEN_LINK = (UINT16_MAX + 1) / 3 };
+
+/** Room for links that may be open; the rings are counted. Nodes whose links are too large are free
+ *  no longer. */
+static void make_room_for_open(void *context, int64_t begin, int64_t end, int thread) {
+    work *w = context;
+    int64_t max_link = 0;
+    (void)thread;
+    for (int64_t r = begin; r < end; r++) {
+        int64_t facets = degree(w->incidence, w->node[r]);
+        if (facets > MAX_OPEN_LINK) {
+            w->is_free[w->node[r]] = 0;
+            facets = 0;
+        }
+        w->rings->link_offset[r] = facets;
+        if (facets > BYTE_OPEN_LINK && facets <= PL_BYTE_LINK)
+            facets = PL_BYTE_LINK + 1;
+        max_link = facets > max_link ? facets : max_link;
+    }
+    pl_raise_to(&w->rings->max_link, max_link);
 }
 
 /** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links are too large, certainly
@@ -290,18 +319,19 @@ static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int 
         const int64_t room = w->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
         int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
         const pl_link link = pl_link_at(&rings->link, dim, rings->link_offset[r]);
-        star found = {-1, 0};
+        star found = {-1, 0, 0};
         if (!w->is_free[w->node[r]])
             found.length = room;
-        else if (dim == 3)
+        else if (dim == 3 && !w->open)
             found = find_small_ring(w, thread, w->node[r], link, ring, room);
         if (found.length < 0)
             found = find_ring(w, dim, thread, w->node[r], link, ring, room);
-        if (!found.is_closed)
+        const int keeps = w->open ? found.is_sound : found.is_closed;
+        if (!keeps)
             w->is_free[w->node[r]] = 0;
         if (w->counting)
-            rings->offset[r] = found.is_closed ? found.length : 0;
-        else if (found.is_closed && found.length != room)
+            rings->offset[r] = keeps ? found.length : 0;
+        else if (keeps && found.length != room)
             __atomic_store_n(&w->foretold_wrong, 1, __ATOMIC_RELAXED);
     }
 }
@@ -335,9 +365,22 @@ static int make_room_for_links(const work *w, int threads) {
     return pl_link_alloc(&rings->link, w->mesh->dim, total, rings->max_link, 1);
 }
 
+/** Count, fill. */
+static int make_open_rings(work *w, int threads) {
+    const int64_t n = w->rings->n_rings;
+    pl_parallel_for(threads, n, CHUNK, make_room_for_open, w);
+    if (make_room_for_links(w, threads) != 0)
+        return -1;
+    w->counting = 1;
+    pl_parallel_for(threads, n, CHUNK, find_chunk, w);
+    return pl_local_maps_failed(w->maps, threads) ? -1 : fill(w, threads);
+}
+
 /** Foretell, fill, and where that does not hold: count, fill. */
 static int make_rings(work *w, int threads) {
     pl_rings *rings = w->rings;
+    if (w->open)
+        return make_open_rings(w, threads);
     pl_parallel_for(threads, rings->n_rings, CHUNK, foretell_lengths, w);
     if (pl_local_maps_failed(w->maps, threads) || make_room_for_links(w, threads) != 0 ||
         fill(w, threads) != 0)
@@ -364,8 +407,8 @@ static void drop_open(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    uint8_t *is_free, int32_t *node, int64_t n, int threads, pl_rings *rings,
-                    planish_error *error) {
+                    uint8_t *is_free, int32_t *node, int64_t n, int open, int threads,
+                    pl_rings *rings, planish_error *error) {
     *rings = (pl_rings){.n_rings = n};
     work w = {.mesh = mesh,
               .incidence = incidence,
@@ -373,6 +416,7 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
               .node = node,
               .is_free = is_free,
               .rings = rings,
+              .open = open,
               .maps = pl_local_maps_create(threads),
               .tables = pl_alloc_zero(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
     rings->offset = pl_alloc(n + 1, sizeof *rings->offset);

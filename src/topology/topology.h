@@ -87,13 +87,15 @@ typedef struct pl_rings {
                      edges: p0 p1, p1 p2, p2 p0 */
 } pl_rings;
 
-/** is_free [n]: 1 for the nodes that may move, node [n_rings]: these in the wanted order. Free are
- *  those of them that are inside, and have no more than PL_MAX_LINK elements; of the others is_free
- *  becomes 0, and node -1. Inside: the link is closed, every facet at the node belongs to two
- *  elements, no duplicates, which traverse it in opposite directions. sign: as in pl_boundary. */
+/** is_free [n]: not 0 for the nodes that may move, node [n_rings]: these in the wanted order. Free
+ * are those of them that are inside, and have no more than PL_MAX_LINK elements; of the others
+ * is_free becomes 0, and node -1. Inside: the link is closed, every facet at the node belongs to
+ * two elements, no duplicates, which traverse it in opposite directions. open: links may be, as on
+ * the boundary: facets of one element will do. The edges of such links are not in rings->link.
+ * sign: as in pl_boundary. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
-                    uint8_t *is_free, int32_t *node, int64_t n_rings, int threads, pl_rings *rings,
-                    planish_error *error);
+                    uint8_t *is_free, int32_t *node, int64_t n_rings, int open, int threads,
+                    pl_rings *rings, planish_error *error);
 void pl_rings_destroy(pl_rings *rings);
 
 /* ---- colouring.c: independent nodes ------------------------------------------------------- */

@@ -716,7 +716,7 @@ static void patches_count_each_element_once(void **state) {
     for (unsigned seed = 0; seed < 40; seed++) {
         patch p;
         patch_create(&p, dim, seed);
-        const int64_t n = p.plan->stars.n_stars;
+        const int64_t n = p.plan->interior.stars.n_stars;
         const pl_star_energy wanted = plain_energy(&p), found = energy_of_stars(&p, 0, n);
         const pl_star_energy a = energy_of_stars(&p, 0, n / 3), b = energy_of_stars(&p, n / 3, n);
         n_tangled += wanted.tangled > 0;

@@ -39,7 +39,7 @@ static int create_by_links(const planish_mesh *mesh, int threads, pl_boundary *b
         else
             rings.node[n++] = rings.node[i];
     assert_int_equal(pl_rings_create(mesh, &rings.incidence, boundary->sign, rings.is_free,
-                                     rings.node, n, threads, &links, NULL),
+                                     rings.node, n, 0, threads, &links, NULL),
                      PLANISH_OK);
     assert_int_equal(
         pl_boundary_find(mesh, &rings.incidence, rings.is_free, threads, boundary, NULL),

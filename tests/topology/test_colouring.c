@@ -168,7 +168,7 @@ static void any_order_of_rings(void **state) {
     }
     pl_rings_destroy(&rings.rings);
     assert_int_equal(pl_rings_create(&box.mesh, &rings.incidence, NULL, rings.is_free, rings.node,
-                                     n, 1, &rings.rings, NULL),
+                                     n, 0, 1, &rings.rings, NULL),
                      PLANISH_OK);
     assert_int_equal(pl_colouring_create(&rings.rings, rings.node, box.mesh.n_nodes, 1, backward,
                                          &n_colours, NULL),

@@ -1,0 +1,126 @@
+/* slide: nodes that stay on a plane, a line or a surface.
+ *
+ * The local problem is solved in the directions that the node has: gradients are projected on them,
+ * the Hessian is made a multiple of the identity in the others, and every trial position is brought
+ * back to where the node belongs, from the place where the call began: so rounding does not add up,
+ * and a coordinate in whose direction the node cannot go keeps its bits.
+ */
+#ifndef PL_STAR_SLIDE_H
+#define PL_STAR_SLIDE_H
+
+#include "star/aspect.h"
+#include "star/direction.h"
+
+/* A vector of which less than this is left by projection has no direction there. */
+#define SLIDE_NOTHING 1e-9
+
+/** The directions that a node has, in the star's scale. */
+typedef struct sliding {
+    planish_constraint kind; /* PLANISH_FREE: all, and the rest is not set; _FIXED: none */
+    const pl_star_slide *of; /* the mesh's */
+    double point[3];         /* on the plane or line */
+    double direction[3];     /* unit normal of the plane, or along the line */
+} sliding;
+
+static inline sliding sliding_of(const pl_star_problem *problem, int64_t index, double scale,
+                                 const int dim) {
+    sliding s = {.kind = PLANISH_FREE};
+    if (!problem->slide)
+        return s;
+    s.of = &problem->slide[index];
+    s.kind = s.of->kind;
+    for (int d = 0; d < dim; d++) {
+        s.point[d] = s.of->point[d] * scale;
+        s.direction[d] = s.of->direction[d];
+    }
+    return s;
+}
+
+/** Project v on the directions that the node has. */
+static inline void slide_along(const sliding *s, double *v, const int dim) {
+    const double along = dot(s->direction, v, dim);
+    for (int d = 0; d < dim; d++) {
+        const double part = s->direction[d] * along;
+        v[d] = s->kind == PLANISH_ON_LINE ? part : v[d] - part;
+    }
+}
+
+/** The same for a row of constraints, of unit length at first: 0 if nothing is left of it. */
+static inline void slide_row(const sliding *s, double *row, const int dim) {
+    if (!s || s->kind == PLANISH_FREE)
+        return;
+    slide_along(s, row, dim);
+    const int nothing = dot(row, row, dim) < SLIDE_NOTHING * SLIDE_NOTHING;
+    for (int d = 0; nothing && d < dim; d++)
+        row[d] = 0;
+}
+
+/** P H P + largest |H_ii| (I - P), P the projection. */
+static inline void slide_hessian(const sliding *s, double *hessian, const int dim) {
+    double column[3][3], largest = 0;
+    for (int i = 0; i < dim; i++) {
+        for (int j = 0; j < dim; j++)
+            column[i][j] = hessian[i <= j ? packed(i, j, dim) : packed(j, i, dim)];
+        largest = fmax(largest, fabs(column[i][i]));
+        slide_along(s, column[i], dim);
+    }
+    for (int j = 0; j < dim; j++) { /* column[.][j] is H P e_j */
+        double row[3], unit[3];
+        for (int i = 0; i < dim; i++) {
+            row[i] = column[i][j];
+            unit[i] = i == j;
+        }
+        slide_along(s, row, dim);
+        slide_along(s, unit, dim);
+        for (int i = 0; i <= j; i++)
+            hessian[packed(i, j, dim)] = row[i] + largest * ((i == j) - unit[i]);
+    }
+}
+
+/** Learn the surface at x (in the mesh's scale) from the caller, where it is his; 0 if he cannot
+ *  say. place (may be NULL) gets the nearest place on it. */
+static inline int slide_ask(const pl_star_problem *problem, sliding *s, const double *x,
+                            double *place, const int dim) {
+    double at[3] = {0, 0, 0}, direction[3] = {0, 0, 0};
+    for (int d = 0; d < dim; d++)
+        at[d] = x[d];
+    s->kind = problem->project(s->of->node, at, direction, problem->project_user);
+    const double length = sqrt(dot(direction, direction, dim));
+    if ((s->kind != PLANISH_ON_PLANE && s->kind != PLANISH_ON_LINE) ||
+        !(length > 0 && length < INFINITY)) {
+        s->kind = PLANISH_FIXED;
+        return 0;
+    }
+    for (int d = 0; d < dim; d++) {
+        s->direction[d] = direction[d] / length;
+        if (place)
+            place[d] = at[d];
+    }
+    return 1;
+}
+
+/** Bring a position (in the star's scale) to where the node belongs; not numbers if that is
+ *  nowhere. */
+static inline void slide_place(const pl_star_problem *problem, const sliding *s, const star *of,
+                               double *position, const int dim) {
+    if (s->kind == PLANISH_FREE)
+        return;
+    if (s->of->kind == PLANISH_ON_SURFACE) {
+        sliding there = *s;
+        double x[3];
+        for (int d = 0; d < dim; d++)
+            x[d] = position[d] * of->unscale;
+        const int known = slide_ask(problem, &there, x, x, dim);
+        for (int d = 0; d < dim; d++)
+            position[d] = known ? x[d] * of->scale : NAN;
+        return;
+    }
+    double way[3];
+    for (int d = 0; d < dim; d++)
+        way[d] = position[d] - s->point[d];
+    slide_along(s, way, dim);
+    for (int d = 0; d < dim; d++)
+        position[d] = s->point[d] + way[d];
+}
+
+#endif
