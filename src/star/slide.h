@@ -82,6 +82,9 @@ static inline void slide_hessian(const sliding *s, double *hessian, const int di
 static inline int slide_ask(const pl_star_problem *problem, sliding *s, const double *x,
                             double *place, const int dim) {
     double at[3] = {0, 0, 0}, direction[3] = {0, 0, 0};
+    s->kind = PLANISH_FIXED;
+    if (!problem->project)
+        return 0;
     for (int d = 0; d < dim; d++)
         at[d] = x[d];
     s->kind = problem->project(s->of->node, at, direction, problem->project_user);
