@@ -83,6 +83,42 @@ typedef struct planish_mesh {
                                   0: that of the options. NULL: 0 for all */
 } planish_mesh;
 
+/* ---- Nodes that can slide ------------------------------------------------------------------- */
+
+/** What is known of the surface of a mesh besides its elements; may all be 0. Facets are triangles
+ *  of tetrahedra, or edges of triangles. */
+typedef struct planish_surface {
+    const int32_t *region; /* [n_elements] numbers of regions; facets between two of them belong to
+                              the surface. NULL: there is one region */
+    int64_t n_facets;
+    const int32_t *facets;    /* [n_facets][dim] nodes of facets that bear tags: where tags change
+                                 the shape has an edge. Inside the mesh they belong to the surface */
+    const int32_t *facet_tag; /* [n_facets], or NULL: all 0 */
+    int64_t n_edges;
+    const int32_t *edges;    /* [n_edges][2] 3-D: nodes of edges that are edges of the shape */
+    const int32_t *edge_tag; /* [n_edges], or NULL: all 0 */
+    int tagged_only;         /* not 0: only nodes all of whose facets bear tags slide */
+    double tolerance;        /* how far off a plane or line its nodes may be, as a fraction of the
+                                diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
+} planish_surface;
+
+typedef struct planish_slide_info {
+    int64_t n_surface;  /* nodes of the surface */
+    int64_t n_on_plane; /* those that can slide on planes, */
+    int64_t n_on_line;  /* and on lines */
+} planish_slide_info;
+
+/** Find the nodes that can slide while the shape of mesh stays what it is: those within planar
+ *  pieces of the boundary or of interfaces between regions, and those within straight edges between
+ *  such pieces. constraint [n_nodes] and direction [n_nodes][dim] are filled with what
+ *  planish_mesh asks for. Nodes that mesh->constraint (NULL: all FREE) does not call FREE stay what
+ *  they are there; nodes of the surface that cannot slide, among them those of interfaces and of
+ *  tagged facets and edges that the mesh has not, become FIXED. surface and info may be NULL.
+ *  threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
+                                    int threads, uint8_t *constraint, double *direction,
+                                    planish_slide_info *info, planish_error *error);
+
 /* ---- Options ------------------------------------------------------------------------------ */
 
 /** How nodes are moved. The Laplacian methods are what the paper compares with: unguarded, they may

@@ -73,7 +73,7 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
 
 static int read_model(planish_file *file, planish_error *error) {
     int status = file->format->read(&file->model, error);
-    return status ? status : io_model_finish(&file->model, file->format->triangles_hold, error);
+    return status ? status : io_model_finish(&file->model, error);
 }
 
 /** Nothing is read again until it is written. */

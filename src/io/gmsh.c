@@ -67,6 +67,8 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at, gm
 }
 
 io_cells *gmsh_cells(io_model *model, gmsh_type type) {
+    if (type.dim == 1 && type.nodes == 2)
+        return &model->line;
     if (!type.simplex)
         return NULL;
     return type.dim == 2 ? &model->triangle : &model->tetrahedron;
@@ -500,8 +502,5 @@ static int recognise_gmsh(const char *data, int64_t size) {
 
 static const char *const gmsh_extensions[] = {".msh", NULL};
 
-const io_format io_format_gmsh = {.name = "gmsh",
-                                  .extensions = gmsh_extensions,
-                                  .recognise = recognise_gmsh,
-                                  .read = read_gmsh,
-                                  .triangles_hold = 1};
+const io_format io_format_gmsh = {
+    .name = "gmsh", .extensions = gmsh_extensions, .recognise = recognise_gmsh, .read = read_gmsh};

@@ -143,10 +143,10 @@ static int fail_node(const gmsh_reader *reader, const char *at, int64_t number, 
 /* A run of lines, and what was counted in it. */
 struct chunk {
     io_cursor lines;
-    int64_t limit; /* elements at most */
-    int64_t n;     /* elements; then those of each kind: */
-    int64_t n_triangles, n_tetrahedra, n_lower, n_other;
-    int64_t first_triangle, first_tetrahedron; /* index of the first in the model */
+    int64_t limit;                        /* elements at most */
+    int64_t n;                            /* elements; then those of each kind: */
+    int64_t n_cells[4], n_lower, n_other; /* n_cells by dimension: those that are kept */
+    int64_t first[4];                     /* by dimension: index of the first in the model */
     struct owner *owner; /* [n_owners] one for each run of elements of the same owner */
     int32_t *entity;     /* [n_owners] index into io_model.entity */
     int64_t n_owners, owner_capacity;
@@ -173,12 +173,10 @@ static int note_owner(struct chunk *chunk, struct owner owner, planish_error *er
     return 0;
 }
 
-static void count_element(struct chunk *chunk, gmsh_type type) {
+static void count_element(io_model *model, struct chunk *chunk, gmsh_type type) {
     chunk->n++;
-    if (type.simplex && type.dim == 2)
-        chunk->n_triangles++;
-    else if (type.simplex)
-        chunk->n_tetrahedra++;
+    if (gmsh_cells(model, type) != NULL)
+        chunk->n_cells[type.dim]++;
     else if (type.dim < 2)
         chunk->n_lower++;
     else
@@ -214,7 +212,7 @@ static int count_chunk(const gmsh_reader *reader, struct chunk *chunk, planish_e
             return status;
         if (!skip_tokens(&cursor, element.type.nodes))
             return fail_element(reader, element.at, error);
-        count_element(chunk, element.type);
+        count_element(reader->model, chunk, element.type);
     }
     chunk->lines.end = cursor.at;
     return 0;
@@ -255,9 +253,9 @@ static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const struct 
 static int store_chunk(const gmsh_reader *reader, const struct chunk *chunk, planish_error *error) {
     io_model *model = reader->model;
     io_cursor cursor = chunk->lines;
-    int64_t triangle = chunk->first_triangle, tetrahedron = chunk->first_tetrahedron;
-    int64_t run = 0;
+    int64_t run = 0, next[4];
     struct element element;
+    memcpy(next, chunk->first, sizeof next);
     for (int64_t i = 0; i < chunk->n; i++) {
         int status = read_element_text(reader, &cursor, &element, error);
         if (status != 0)
@@ -268,8 +266,7 @@ static int store_chunk(const gmsh_reader *reader, const struct chunk *chunk, pla
         if (cells == NULL)
             status = hold_rest(reader, &cursor, &element, error);
         else
-            status = store_cell(reader, &cursor, &element, cells,
-                                cells == &model->triangle ? triangle++ : tetrahedron++,
+            status = store_cell(reader, &cursor, &element, cells, next[element.type.dim]++,
                                 chunk->entity[run], error);
         if (status != 0)
             return status;
@@ -347,22 +344,24 @@ static int find_entities(io_model *model, struct chunk *chunk, planish_error *er
 }
 
 /* Between counting and storing: entities, room, and where each chunk's cells go. */
-static int lay_out_chunks(struct element_job *job, io_cells *triangle, io_cells *tetrahedron) {
+static int lay_out_chunks(struct element_job *job) {
+    io_model *model = job->reader->model;
+    io_cells *cells[4] = {NULL, &model->line, &model->triangle, &model->tetrahedron};
     planish_error *error = job->reader->error;
-    int64_t triangles = 0, tetrahedra = 0;
+    int64_t n[4] = {0, 0, 0, 0};
     for (int64_t i = 0; i < job->n; i++) {
         struct chunk *chunk = &job->chunk[i];
-        int status = find_entities(job->reader->model, chunk, error);
+        int status = find_entities(model, chunk, error);
         if (status != 0)
             return status;
-        chunk->first_triangle = triangles;
-        chunk->first_tetrahedron = tetrahedra;
-        triangles += chunk->n_triangles;
-        tetrahedra += chunk->n_tetrahedra;
+        for (int dim = 1; dim < 4; dim++) {
+            chunk->first[dim] = n[dim];
+            n[dim] += chunk->n_cells[dim];
+        }
     }
-    int status = io_cells_reserve(triangle, 2, triangles, 1, 1, error);
-    if (status == 0)
-        status = io_cells_reserve(tetrahedron, 3, tetrahedra, 1, 1, error);
+    int status = 0;
+    for (int dim = 1; dim < 4 && status == 0; dim++)
+        status = io_cells_reserve(cells[dim], dim, n[dim], 1, 1, error);
     return status;
 }
 
@@ -370,8 +369,9 @@ static void finish_chunks(struct element_job *job) {
     io_model *model = job->reader->model;
     for (int64_t i = 0; i < job->n; i++) {
         const struct chunk *chunk = &job->chunk[i];
-        model->triangle.n += chunk->n_triangles;
-        model->tetrahedron.n += chunk->n_tetrahedra;
+        model->line.n += chunk->n_cells[1];
+        model->triangle.n += chunk->n_cells[2];
+        model->tetrahedron.n += chunk->n_cells[3];
         model->n_lower += chunk->n_lower;
         model->n_other += chunk->n_other;
     }
@@ -393,7 +393,7 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
                            "%lld elements expected, %lld found: the file is cut short",
                            (long long)n, (long long)found);
     if (status == 0)
-        status = lay_out_chunks(&job, &reader->model->triangle, &reader->model->tetrahedron);
+        status = lay_out_chunks(&job);
     if (status == 0)
         status = run_chunks(&job, store_chunks);
     if (status == 0)

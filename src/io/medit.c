@@ -1,9 +1,10 @@
 /* medit: Medit's ASCII .mesh, versions 1 to 3.
  *
  * Keywords, each with a count and that many records; '#' begins a comment. Read are vertices,
- * triangles and tetrahedra with their references, and which nodes anything else names: nodes of
- * edges, of other elements and of Corners, Ridges and Required... are held. All other keywords are
- * passed over. Coordinates of version 1 are single precision by definition (and read so by Mmg).
+ * edges, triangles and tetrahedra with their references, and which nodes anything else names: nodes
+ * of edges, of other elements and of Corners, Ridges and Required... are held. All other keywords
+ * are passed over. Coordinates of version 1 are single precision by definition (and read so by
+ * Mmg).
  */
 #include "io/records.h"
 
@@ -17,7 +18,7 @@
 
 typedef enum kind {
     VERTICES,
-    CELLS,    /* triangles, tetrahedra: kept */
+    CELLS,    /* edges, triangles, tetrahedra: kept */
     ELEMENTS, /* others: nodes are held */
     MARKED,   /* indices of vertices, edges, triangles, tetrahedra: their nodes are held */
     REFUSED,
@@ -34,16 +35,17 @@ static const keyword keywords[] = {
     {"Vertices", VERTICES, 0, 0},
     {"Triangles", CELLS, 3, 2},
     {"Tetrahedra", CELLS, 4, 3},
-    {"Edges", ELEMENTS, 2, 1},
+    {"Edges", CELLS, 2, 1},
     {"Quadrilaterals", ELEMENTS, 4, 2},
     {"Hexahedra", ELEMENTS, 8, 3},
     {"Prisms", ELEMENTS, 6, 3},
     {"Pyramids", ELEMENTS, 5, 3},
     {"Corners", MARKED, 1, 0},
     {"RequiredVertices", MARKED, 1, 0},
+    {"RequiredEdges", MARKED, 1, 1},
     {"RequiredTriangles", MARKED, 1, 2},
     {"RequiredTetrahedra", MARKED, 1, 3},
-    /* Ridges and RequiredEdges number edges, RequiredQuadrilaterals quadrilaterals: all held. */
+    /* Ridges number edges, RequiredQuadrilaterals quadrilaterals: all held. */
     {"EdgesP2", REFUSED, 0, 0},
     {"TrianglesP2", REFUSED, 0, 0},
     {"TetrahedraP2", REFUSED, 0, 0},
@@ -278,7 +280,7 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
 }
 
 static io_cells *cells_of(io_model *model, int dim) {
-    return dim == 3 ? &model->tetrahedron : &model->triangle;
+    return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
 }
 
 static int read_cells(void *context, io_cursor *cursor, int64_t begin, int64_t end,
@@ -312,7 +314,7 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
             int status = take_index(r->model, cursor, r->model->n_nodes, k->name, i, error, &node);
             if (status)
                 return status;
-            io_hold_node(r->model, node, k->dim < 2 ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER);
+            io_hold_node(r->model, node, IO_HELD_BY_OTHER);
         }
         int status = take_reference(r->model, cursor, k->name, i, error, &reference);
         if (status)
@@ -412,7 +414,7 @@ static int read_section(reader *r, const section *s) {
     case CELLS:
         return read_cell_section(r, s);
     case ELEMENTS:
-        *(k->dim < 2 ? &r->model->n_lower : &r->model->n_other) += s->count;
+        r->model->n_other += s->count;
         return read_records(r, s, k->nodes + 1, read_elements);
     default:
         return read_records(r, s, 1, read_marked);
@@ -461,8 +463,5 @@ static int medit_recognise(const char *data, int64_t size) {
 
 static const char *const extensions[] = {".mesh", NULL};
 
-const io_format io_format_medit = {.name = "medit",
-                                   .extensions = extensions,
-                                   .recognise = medit_recognise,
-                                   .read = medit_read,
-                                   .triangles_hold = 1};
+const io_format io_format_medit = {
+    .name = "medit", .extensions = extensions, .recognise = medit_recognise, .read = medit_read};

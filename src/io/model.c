@@ -177,15 +177,27 @@ int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int6
 
 /* ---- finish ------------------------------------------------------------------------------- */
 
-static void hold_triangles(void *context, int64_t begin, int64_t end, int thread) {
-    io_model *model = context;
+/** Cells that hold their nodes. */
+typedef struct holders {
+    io_model *model;
+    const io_cells *cells;
+    int corners;
+    uint8_t reason;
+} holders;
+
+static void hold_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const holders *h = context;
     (void)thread;
-    for (int64_t i = 3 * begin; i < 3 * end; i++)
-        __atomic_fetch_or(&model->hold[model->triangle.nodes[i]], IO_HELD_BY_LOWER,
-                          __ATOMIC_RELAXED);
+    for (int64_t i = h->corners * begin; i < h->corners * end; i++)
+        __atomic_fetch_or(&h->model->hold[h->cells->nodes[i]], h->reason, __ATOMIC_RELAXED);
 }
 
-static int finish_solid(io_model *model, int triangles_hold, planish_error *error) {
+static void hold_cells(io_model *model, const io_cells *cells, int corners, uint8_t reason) {
+    holders h = {model, cells, corners, reason};
+    pl_parallel_for(model->threads, cells->n, CHUNK_NODES, hold_chunk, &h);
+}
+
+static int finish_solid(io_model *model, planish_error *error) {
     if (model->columns < 3)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: tetrahedra in two dimensions; a third coordinate is missing",
@@ -193,8 +205,7 @@ static int finish_solid(io_model *model, int triangles_hold, planish_error *erro
     model->dim = 3;
     model->coordinates = model->xyz;
     model->n_lower += model->triangle.n;
-    if (triangles_hold)
-        pl_parallel_for(model->threads, model->triangle.n, CHUNK_NODES, hold_triangles, model);
+    hold_cells(model, &model->triangle, 3, IO_HELD_BY_TRIANGLE);
     return PLANISH_OK;
 }
 
@@ -228,9 +239,11 @@ static int finish_plane(io_model *model, planish_error *error) {
     return PLANISH_OK;
 }
 
-int io_model_finish(io_model *model, int triangles_hold, planish_error *error) {
+int io_model_finish(io_model *model, planish_error *error) {
+    model->n_lower += model->line.n;
+    hold_cells(model, &model->line, 2, IO_HELD_BY_LINE);
     if (model->tetrahedron.n > 0)
-        return finish_solid(model, triangles_hold, error);
+        return finish_solid(model, error);
     if (model->triangle.n > 0)
         return finish_plane(model, error);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
@@ -257,6 +270,7 @@ void io_model_destroy(io_model *model) {
     pl_free(model->text_offset);
     pl_free(model->hold);
     pl_free(model->node_entity);
+    cells_destroy(&model->line);
     cells_destroy(&model->triangle);
     cells_destroy(&model->tetrahedron);
     for (int32_t i = 0; i < model->n_entities; i++)

@@ -64,10 +64,12 @@ typedef struct io_group {
 
 /** Why the file holds a node, bits of io_model.hold. */
 enum {
-    IO_HELD_BY_LOWER = 1,    /* on an element of lower dimension */
+    IO_HELD_BY_LOWER = 1,    /* on an element of lower dimension that is not kept */
     IO_HELD_BY_OTHER = 2,    /* on an element of a type that is not smoothed */
     IO_HELD_REQUIRED = 4,    /* marked in the file */
-    IO_HELD_PERIODIC = 8     /* one of a periodic pair */
+    IO_HELD_PERIODIC = 8,    /* one of a periodic pair */
+    IO_HELD_BY_LINE = 16,    /* on a line, */
+    IO_HELD_BY_TRIANGLE = 32 /* on a triangle of a mesh of tetrahedra */
 };
 
 typedef struct io_model {
@@ -86,7 +88,7 @@ typedef struct io_model {
     int64_t *text_offset;  /* [n_nodes] byte of the first coordinate, or NULL: no text spans */
     uint8_t *hold;         /* [n_nodes] bits IO_HELD_... */
     int32_t *node_entity;  /* [n_nodes] entity of the node (Medit: reference), or NULL */
-    io_cells triangle, tetrahedron;
+    io_cells line, triangle, tetrahedron; /* lines of two nodes; in no order that means anything */
     io_entity *entity;     /* [n_entities] */
     int32_t n_entities, entity_capacity;
     int32_t *entity_slot;  /* [n_slots] hash table of the entities: index or -1 */
@@ -129,10 +131,10 @@ void io_numbers_destroy(io_numbers *table);
 
 /* ---- for file.c --------------------------------------------------------------------------- */
 
-/** Decide the dimension (tetrahedra if there are any, else triangles), let triangles of a 3-D mesh
- *  hold their nodes (io_format.triangles_hold), check that a 2-D mesh has one z, lay out
+/** Decide the dimension (tetrahedra if there are any, else triangles), let lines, and triangles of
+ *  a 3-D mesh, hold their nodes, check that a 2-D mesh has one z, lay out
  *  coordinates. Fails if there is nothing to smooth. */
-int io_model_finish(io_model *model, int triangles_hold, planish_error *error);
+int io_model_finish(io_model *model, planish_error *error);
 void io_model_destroy(io_model *model);
 
 /* ---- the formats -------------------------------------------------------------------------- */
@@ -142,7 +144,6 @@ typedef struct io_format {
     const char *const *extensions; /* with the dot, NULL-terminated */
     int (*recognise)(const char *data, int64_t size); /* by content: 1 sure, 0 no */
     int (*read)(io_model *model, planish_error *error); /* model->input is there */
-    int triangles_hold; /* triangles of a 3-D mesh hold their nodes (TetGen decides by marker) */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */
 } io_format;

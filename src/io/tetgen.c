@@ -197,26 +197,6 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
     return PLANISH_OK;
 }
 
-/** Faces or edges: nothing is kept but what they hold. */
-static int read_holders(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                        planish_error *error) {
-    rows *r = context;
-    int32_t corner[3];
-    for (int64_t i = begin; i < end; i++) {
-        int status = read_number(r, cursor, i, error);
-        if (!status)
-            status = read_corners(r, cursor, i, corner, error);
-        if (!status)
-            status = read_tag(r, cursor, i, error);
-        if (status)
-            return status;
-        for (int j = 0; r->tag[i] != 0 && j <= r->dim; j++)
-            io_hold_node(r->model, corner[j], IO_HELD_BY_LOWER);
-        io_skip_line(cursor);
-    }
-    return PLANISH_OK;
-}
-
 static int read_rows(rows *r, io_records_fn *read, int64_t words, planish_error *error) {
     io_text text;
     io_cursor cursor = r->part->cursor;
@@ -323,24 +303,45 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
     return cells->entity ? tags_to_entities(model, dim, cells->entity, p.n, error) : PLANISH_OK;
 }
 
-/** .face (dim 2) or .edge (dim 1). Without markers nothing in it is marked. */
-static int read_holder_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
+/** Leave of the cells those that are marked; marker [n]. */
+static void keep_marked(io_cells *cells, int dim, const int32_t *marker, int64_t n) {
+    for (int64_t i = 0; i < n; i++) {
+        if (marker[i] == 0)
+            continue;
+        memmove(cells->nodes + cells->n * (dim + 1), cells->nodes + i * (dim + 1),
+                (size_t)(dim + 1) * sizeof *cells->nodes);
+        cells->entity[cells->n++] = marker[i];
+    }
+}
+
+/** .face (dim 2) or .edge (dim 1): those with a marker are kept, and hold their nodes. */
+static int read_face_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
     part p;
+    io_cells *cells = dim == 2 ? &model->triangle : &model->line;
     int status = part_begin(&p, file, model->threads, dim + 2, error);
     if (status)
         return status;
-    model->n_lower += p.n;
-    if (p.count[0] == 0)
+    if (p.count[0] == 0) {
+        model->n_lower += p.n;
         return PLANISH_OK;
-    int32_t *tag = pl_alloc(p.n, sizeof *tag);
-    if (!tag)
-        return pl_fail_memory(error, "boundary markers");
-    rows r = {
-        .model = model, .part = &p, .what = dim == 2 ? "face" : "edge", .dim = dim, .tag = tag};
-    status = read_rows(&r, read_holders, dim + 3, error);
+    }
+    int32_t *marker = pl_alloc(p.n, sizeof *marker);
+    status = marker ? io_cells_reserve(cells, dim, p.n, 1, 0, error)
+                    : pl_fail_memory(error, "boundary markers");
+    rows r = {.model = model,
+              .part = &p,
+              .what = dim == 2 ? "face" : "edge",
+              .dim = dim,
+              .nodes = cells->nodes,
+              .tag = marker};
     if (!status)
-        status = tags_to_entities(model, dim, tag, p.n, error);
-    pl_free(tag);
+        status = read_rows(&r, read_elements, dim + 3, error);
+    if (!status) {
+        keep_marked(cells, dim, marker, p.n);
+        model->n_lower += p.n - cells->n; /* those that are kept are counted with the others */
+        status = tags_to_entities(model, dim, cells->entity, cells->n, error);
+    }
+    pl_free(marker);
     return status;
 }
 
@@ -416,7 +417,7 @@ static int read_tetgen(io_model *model, planish_error *error) {
         status = read_ele_file(model, &model->companion[0], dim, error);
     for (int i = 1; i < model->n_companions && !status; i++)
         if (dim_of[i] < dim)
-            status = read_holder_file(model, &model->companion[i], dim_of[i], error);
+            status = read_face_file(model, &model->companion[i], dim_of[i], error);
     return status;
 }
 

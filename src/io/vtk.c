@@ -185,8 +185,5 @@ static int recognise_vtk(const char *data, int64_t size) {
 
 static const char *const vtk_extensions[] = {".vtk", NULL};
 
-const io_format io_format_vtk = {.name = "vtk",
-                                 .extensions = vtk_extensions,
-                                 .recognise = recognise_vtk,
-                                 .read = read_vtk,
-                                 .triangles_hold = 1};
+const io_format io_format_vtk = {
+    .name = "vtk", .extensions = vtk_extensions, .recognise = recognise_vtk, .read = read_vtk};

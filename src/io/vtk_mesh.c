@@ -236,6 +236,7 @@ int vtk_cells(vtk_reader *reader) {
 }
 
 typedef enum cell_class {
+    CELL_LINE,
     CELL_LOWER,
     CELL_OTHER,
     CELL_TRIANGLE,
@@ -243,7 +244,7 @@ typedef enum cell_class {
     CELL_REFUSED
 } cell_class;
 
-enum { VTK_TRIANGLE = 5, VTK_TETRAHEDRON = 10, VTK_LAST_TYPE = 81 };
+enum { VTK_LINE = 3, VTK_TRIANGLE = 5, VTK_TETRAHEDRON = 10, VTK_LAST_TYPE = 81 };
 
 static cell_class class_of(int32_t type) {
     switch (type) {
@@ -251,9 +252,10 @@ static cell_class class_of(int32_t type) {
         return CELL_TRIANGLE;
     case VTK_TETRAHEDRON:
         return CELL_TETRAHEDRON;
+    case VTK_LINE:
+        return CELL_LINE;
     case 1: /* vertices and lines, of any order */
     case 2:
-    case 3:
     case 4:
     case 21:
     case 35:
@@ -313,6 +315,12 @@ struct tally {
     int64_t n, first, last;
 };
 
+/* A line of another number of nodes than two is a polyline. */
+static cell_class class_at(const vtk_reader *reader, const struct cell_walk *walk, int64_t cell) {
+    cell_class class = class_of(reader->type[cell]);
+    return class == CELL_LINE && walk->n != 2 ? CELL_LOWER : class;
+}
+
 static void count_in(struct tally *tally, int64_t cell) {
     if (tally->n++ == 0)
         tally->first = cell;
@@ -337,21 +345,23 @@ static int check_cell(const vtk_reader *reader, const struct cell_walk *walk, in
 }
 
 /* Check all cells, count the simplices, hold the nodes of all others. */
-static int survey_cells(const vtk_reader *reader, struct tally *triangles,
+static int survey_cells(const vtk_reader *reader, struct tally *lines, struct tally *triangles,
                         struct tally *tetrahedra) {
     io_model *model = reader->model;
     struct cell_walk walk = {.reader = reader};
     for (int64_t cell = 0; cell < reader->n_cells; cell++) {
-        cell_class class = class_of(reader->type[cell]);
         int status = next_cell(&walk);
         if (status == 0)
             status = check_cell(reader, &walk, cell);
         if (status != 0)
             return status;
+        cell_class class = class_at(reader, &walk, cell);
         if (class == CELL_TETRAHEDRON) {
             count_in(tetrahedra, cell);
         } else if (class == CELL_TRIANGLE) {
             count_in(triangles, cell);
+        } else if (class == CELL_LINE) {
+            count_in(lines, cell);
         } else {
             *(class == CELL_LOWER ? &model->n_lower : &model->n_other) += 1;
             for (int64_t i = 0; i < walk.n; i++)
@@ -378,18 +388,22 @@ static void store(io_cells *cells, int corners, const int32_t *nodes, int64_t nu
 
 static int store_cells(const vtk_reader *reader) {
     io_model *model = reader->model;
-    struct tally triangles = {0, 0, 0}, tetrahedra = {0, 0, 0};
+    struct tally lines = {0, 0, 0}, triangles = {0, 0, 0}, tetrahedra = {0, 0, 0};
     struct cell_walk walk = {.reader = reader};
-    int status = survey_cells(reader, &triangles, &tetrahedra);
+    int status = survey_cells(reader, &lines, &triangles, &tetrahedra);
+    if (status == 0)
+        status = reserve(&model->line, 1, &lines, reader->error);
     if (status == 0)
         status = reserve(&model->triangle, 2, &triangles, reader->error);
     if (status == 0)
         status = reserve(&model->tetrahedron, 3, &tetrahedra, reader->error);
     for (int64_t cell = 0; status == 0 && cell < reader->n_cells; cell++) {
-        cell_class class = class_of(reader->type[cell]);
         status = next_cell(&walk);
+        cell_class class = class_at(reader, &walk, cell);
         if (status == 0 && class == CELL_TRIANGLE)
             store(&model->triangle, 3, walk.nodes, cell);
+        else if (status == 0 && class == CELL_LINE)
+            store(&model->line, 2, walk.nodes, cell);
         else if (status == 0 && class == CELL_TETRAHEDRON)
             store(&model->tetrahedron, 4, walk.nodes, cell);
     }

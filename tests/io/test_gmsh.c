@@ -224,10 +224,10 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
     assert_int_equal(model->node_number == NULL, !variant->sparse);
     for (int i = 0; i < N_NODES; i++)
         assert_int_equal(planish_file_node_number(file, i), node_tag(variant, i));
+    static const uint8_t held[] = {IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE | IO_HELD_BY_LOWER,
+                                   IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE, IO_HELD_BY_TRIANGLE};
     for (int i = 0; i < N_NODES; i++)
-        assert_int_equal(model->hold[i], i < 3         ? IO_HELD_BY_LOWER
-                                         : i == INSIDE ? 0
-                                                       : IO_HELD_PERIODIC);
+        assert_int_equal(model->hold[i], i < 3 ? held[i] : i == INSIDE ? 0 : IO_HELD_PERIODIC);
 }
 
 static void expect_entities(const io_model *model) {
@@ -304,7 +304,7 @@ static void test_plane_mesh(void **state) {
     assert_int_equal(file->model.triangle.n, 2);
     assert_int_equal(file->model.columns, 3);
     assert_true(file->model.coordinates[2 * 2 + 1] == 1);
-    assert_int_equal(file->model.hold[0], IO_HELD_BY_LOWER);
+    assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE);
     assert_int_equal(file->model.hold[2], 0);
     planish_file_close(file);
 }

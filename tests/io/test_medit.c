@@ -34,7 +34,7 @@ static void a_solid_is_read(void **state) {
     assert_int_equal(info.precision, PLANISH_DOUBLE);
     assert_int_equal(planish_file_element_number(file, 1), 2);
     assert_int_equal(planish_file_node_number(file, 5), 6);
-    assert_int_equal(file->model.hold[0], IO_HELD_BY_LOWER);
+    assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE);
     assert_int_equal(file->model.hold[5], IO_HELD_REQUIRED);
     assert_int_equal(file->model.hold[4], 0);
     assert_memory_equal(solid + file->model.text_offset[4], "1 1 1.5e0", 9);
@@ -197,7 +197,7 @@ static void comments_do_not_misplace_records(void **state) {
         io_file_from_memory(&io_format_medit, "test", text, (int64_t)used, 1, &one, &error), 0);
     assert_int_equal(
         io_file_from_memory(&io_format_medit, "test", text, (int64_t)used, 4, &four, &error), 0);
-    static const uint8_t held[9] = {IO_HELD_BY_LOWER, IO_HELD_BY_LOWER};
+    static const uint8_t held[9] = {IO_HELD_BY_LINE, IO_HELD_BY_LINE};
     assert_memory_equal(one->model.hold, held, sizeof held);
     assert_memory_equal(four->model.hold, held, sizeof held);
     planish_file_close(one);

@@ -111,12 +111,12 @@ static void dimension_is_that_of_the_cells(void **state) {
     static const double flat[] = {2, 2, 2, 5};
     io_model model;
     make_model(&model, 3, 3, flat);
-    assert_int_equal(io_model_finish(&model, 1, NULL), PLANISH_OK);
+    assert_int_equal(io_model_finish(&model, NULL), PLANISH_OK);
     assert_int_equal(model.dim, 3);
     assert_ptr_equal(model.coordinates, model.xyz);
     io_model_destroy(&model);
     make_model(&model, 3, 2, flat); /* the node that is off the plane is none of the triangle's */
-    assert_int_equal(io_model_finish(&model, 1, NULL), PLANISH_OK);
+    assert_int_equal(io_model_finish(&model, NULL), PLANISH_OK);
     assert_int_equal(model.dim, 2);
     for (int i = 0; i < 4; i++)
         assert_true(model.coordinates[2 * i] == i && model.coordinates[2 * i + 1] == i * i);
@@ -124,22 +124,24 @@ static void dimension_is_that_of_the_cells(void **state) {
     io_model_destroy(&model);
 }
 
-static void triangles_hold_beside_tetrahedra(void **state) {
+static void lines_and_triangles_hold(void **state) {
     (void)state;
     static const double z[] = {0, 0, 0, 1};
-    for (int hold = 0; hold < 2; hold++) {
-        io_model model;
-        make_model(&model, 3, 3, z);
-        assert_int_equal(io_cells_reserve(&model.triangle, 2, 1, 0, 0, NULL), PLANISH_OK);
-        memcpy(model.triangle.nodes, (int32_t[]){1, 2, 3}, 3 * sizeof(int32_t));
-        model.triangle.n = 1;
-        assert_int_equal(io_model_finish(&model, hold, NULL), PLANISH_OK);
-        assert_int_equal(model.n_lower, 1);
-        assert_int_equal(model.hold[0], 0);
-        for (int i = 1; i < 4; i++)
-            assert_int_equal(model.hold[i], hold ? IO_HELD_BY_LOWER : 0);
-        io_model_destroy(&model);
-    }
+    io_model model;
+    make_model(&model, 3, 3, z);
+    assert_int_equal(io_cells_reserve(&model.triangle, 2, 1, 0, 0, NULL), PLANISH_OK);
+    memcpy(model.triangle.nodes, (int32_t[]){1, 2, 3}, 3 * sizeof(int32_t));
+    model.triangle.n = 1;
+    assert_int_equal(io_cells_reserve(&model.line, 1, 1, 0, 0, NULL), PLANISH_OK);
+    memcpy(model.line.nodes, (int32_t[]){3, 1}, 2 * sizeof(int32_t));
+    model.line.n = 1;
+    assert_int_equal(io_model_finish(&model, NULL), PLANISH_OK);
+    assert_int_equal(model.n_lower, 2);
+    assert_int_equal(model.hold[0], 0);
+    assert_int_equal(model.hold[1], IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE);
+    assert_int_equal(model.hold[2], IO_HELD_BY_TRIANGLE);
+    assert_int_equal(model.hold[3], IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE);
+    io_model_destroy(&model);
 }
 
 static void what_cannot_be_smoothed_is_refused(void **state) {
@@ -148,14 +150,14 @@ static void what_cannot_be_smoothed_is_refused(void **state) {
     io_model model;
     planish_error error;
     make_model(&model, 3, 2, bent);
-    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_model_finish(&model, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
     make_model(&model, 2, 3, flat); /* tetrahedra without a third coordinate */
-    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_model_finish(&model, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
     make_model(&model, 3, 2, flat);
     model.triangle.n = 0;
-    assert_int_equal(io_model_finish(&model, 1, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_model_finish(&model, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
 }
 
@@ -198,7 +200,7 @@ int main(void) {
         cmocka_unit_test(numbers_that_occur_twice),
         cmocka_unit_test(entities_are_told_apart),
         cmocka_unit_test(dimension_is_that_of_the_cells),
-        cmocka_unit_test(triangles_hold_beside_tetrahedra),
+        cmocka_unit_test(lines_and_triangles_hold),
         cmocka_unit_test(what_cannot_be_smoothed_is_refused),
         cmocka_unit_test(counts_beyond_int32_are_refused),
         cmocka_unit_test(errors_name_the_line),

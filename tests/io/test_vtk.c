@@ -197,7 +197,9 @@ static void test_mesh(void **state) {
         expect_mesh(file, &variants[i]);
         expect_places(&file->model, &variants[i], place);
         for (int k = 0; k < N_NODES; k++)
-            assert_int_equal(file->model.hold[k], k < 3 ? IO_HELD_BY_LOWER : 0);
+            assert_int_equal(file->model.hold[k], k < 2    ? IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE
+                                                  : k == 2 ? IO_HELD_BY_TRIANGLE
+                                                           : 0);
         planish_file_close(file);
         builder_try_to_break(&builder, &io_format_vtk);
         builder_release(&builder);

@@ -1,0 +1,218 @@
+/* slides: planish_find_slides, which nodes of a mesh can slide on what. */
+#include "shape/shape.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "shape/vectors.h"
+#include "topology/topology.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+/* Without a tolerance of the caller's: this fraction of the diagonal, for doubles of 8 digits. */
+#define TOLERANCE 1e-8
+/* Directions that differ by less, as the sine of their angle, are the same. */
+#define SAME_DIRECTION 1e-3
+/* The largest there may be: beyond it much of any surface would be plane. */
+#define LARGEST_TOLERANCE 1e-3
+
+/** The decision about each node of the surface. */
+typedef struct decision {
+    const planish_mesh *mesh;
+    const pl_surface *surface;
+    const pl_planes *planes; /* 3-D */
+    const pl_lines *lines;
+    const int32_t *n_ridges; /* [n_nodes] ridges that end at each node */
+    const uint8_t *is_fixed; /* [nodes of the mesh] */
+    int tagged_only;
+    uint8_t *constraint;
+    double *direction;
+    planish_slide_info *info;
+} decision;
+
+/** Whether all facets of a node are planar, and may be slid on. */
+static int has_planes(const decision *d, int32_t node) {
+    const pl_surface *s = d->surface;
+    for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++) {
+        const int32_t facet = s->facet_of[i];
+        if ((d->planes && d->planes->of_facet[facet] < 0) ||
+            (d->tagged_only && !s->label[facet].is_tagged) || s->label[facet].n_elements > 2)
+            return 0;
+    }
+    return 1;
+}
+
+/** Whether the planes of all facets of a node hold the direction (is_normal: are at right angles to
+ *  it): sheets may touch at a node without sharing an edge there. */
+static int planes_agree(const decision *d, int32_t node, const double *direction, int is_normal) {
+    const pl_surface *s = d->surface;
+    for (int64_t i = s->offset[node]; d->planes && i < s->offset[node + 1]; i++) {
+        double across[3];
+        const double *normal = d->planes->normal + 3 * (int64_t)d->planes->of_facet[s->facet_of[i]];
+        pl_cross(normal, direction, across);
+        if ((is_normal ? pl_length(across) : fabs(pl_dot(normal, direction))) > SAME_DIRECTION)
+            return 0;
+    }
+    return 1;
+}
+
+/** How the node can move, and the direction for that. */
+static planish_constraint decide(const decision *d, int32_t node, const double **direction) {
+    const pl_surface *s = d->surface;
+    if (d->is_fixed[s->node[node]] || !has_planes(d, node))
+        return PLANISH_FIXED;
+    if (d->lines->of_node[node] >= 0) {
+        const double *line = d->lines->direction + 3 * (int64_t)d->lines->of_node[node];
+        if (!planes_agree(d, node, line, 0))
+            return PLANISH_FIXED;
+        *direction = line;
+        return PLANISH_ON_LINE;
+    }
+    if (d->planes && d->n_ridges[node] == 0) {
+        const int32_t facet = s->facet_of[s->offset[node]];
+        const double *normal = d->planes->normal + 3 * (int64_t)d->planes->of_facet[facet];
+        if (!planes_agree(d, node, normal, 1))
+            return PLANISH_FIXED;
+        *direction = normal;
+        return PLANISH_ON_PLANE;
+    }
+    return PLANISH_FIXED;
+}
+
+static void decide_all(const decision *d) {
+    const pl_surface *s = d->surface;
+    const int dim = s->dim;
+    for (int32_t node = 0; node < s->n_nodes; node++) {
+        const int64_t i = s->node[node];
+        const double *direction = NULL;
+        if (d->constraint[i] != PLANISH_FREE)
+            continue;
+        d->constraint[i] = (uint8_t)decide(d, node, &direction);
+        d->info->n_on_plane += d->constraint[i] == PLANISH_ON_PLANE;
+        d->info->n_on_line += d->constraint[i] == PLANISH_ON_LINE;
+        for (int k = 0; direction && k < dim; k++)
+            d->direction[i * dim + k] = direction[k];
+    }
+}
+
+/* ---- the steps ------------------------------------------------------------------------------ */
+
+/** Look at the shape and decide. is_fixed [nodes of the mesh]. */
+static int find_shape(decision *d, const planish_surface *tags, const pl_surface *surface,
+                      uint8_t *is_fixed, planish_error *error) {
+    const double tolerance = (tags && tags->tolerance > 0 ? tags->tolerance : TOLERANCE);
+    const double length = tolerance * surface->size;
+    pl_planes planes = {0};
+    pl_ridges ridges = {0};
+    pl_lines lines = {0};
+    int32_t *n_ridges = pl_alloc_zero(surface->n_nodes, sizeof *n_ridges);
+    int status = n_ridges ? PLANISH_OK : pl_fail_memory(error, "the surface");
+    if (!status)
+        status = surface->dim == 3
+                     ? pl_planes_create(surface, tags, length, &planes, &ridges, is_fixed, error)
+                     : pl_ridges_of_plane_mesh(surface, &ridges, error);
+    if (!status)
+        status = pl_lines_create(surface, &ridges, length, &lines, error);
+    for (int64_t i = 0; !status && i < ridges.n; i++)
+        for (int j = 0; j < 2; j++)
+            n_ridges[ridges.ridge[i].node[j]]++;
+    if (!status) {
+        d->surface = surface;
+        d->planes = surface->dim == 3 ? &planes : NULL;
+        d->lines = &lines;
+        d->n_ridges = n_ridges;
+        decide_all(d);
+    }
+    pl_free(n_ridges);
+    pl_free(ridges.ridge);
+    pl_planes_destroy(&planes);
+    pl_lines_destroy(&lines);
+    return status;
+}
+
+static int find_slides(const planish_mesh *mesh, const planish_surface *tags, int threads,
+                       uint8_t *constraint, double *direction, planish_slide_info *info,
+                       planish_error *error) {
+    pl_surface surface;
+    uint8_t *is_fixed = pl_alloc_zero(mesh->n_nodes, 1);
+    if (!is_fixed)
+        return pl_fail_memory(error, "the surface");
+    decision d = {.mesh = mesh,
+                  .is_fixed = is_fixed,
+                  .tagged_only = tags && tags->tagged_only,
+                  .constraint = constraint,
+                  .direction = direction,
+                  .info = info};
+    int status = pl_surface_create(mesh, tags, threads, &surface, is_fixed, error);
+    if (!status) {
+        info->n_surface = surface.n_nodes;
+        status = find_shape(&d, tags, &surface, is_fixed, error);
+        pl_surface_destroy(&surface);
+    }
+    for (int64_t i = 0; i < mesh->n_nodes && !status; i++)
+        if (is_fixed[i] && constraint[i] == PLANISH_FREE)
+            constraint[i] = PLANISH_FIXED;
+    pl_free(is_fixed);
+    return status;
+}
+
+/* ---- arguments ------------------------------------------------------------------------------ */
+
+/** Whether nodes [n] are those of the mesh. */
+static int check_nodes(const planish_mesh *mesh, const int32_t *nodes, int64_t n, const char *what,
+                       planish_error *error) {
+    if (n > 0 && !nodes)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "surface.%s must not be NULL", what);
+    for (int64_t i = 0; i < n; i++)
+        if (nodes[i] < 0 || nodes[i] >= mesh->n_nodes)
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, nodes[i],
+                              "surface.%s has the node %" PRId32 " at %" PRId64
+                              ", but the mesh has the nodes 0 to %" PRId64,
+                              what, nodes[i], i, mesh->n_nodes - 1);
+    return PLANISH_OK;
+}
+
+static int check_tags(const planish_mesh *mesh, const planish_surface *tags, planish_error *error) {
+    if (!tags)
+        return PLANISH_OK;
+    if (tags->n_facets < 0 || tags->n_edges < 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.n_facets and n_edges must not be negative");
+    if (!(tags->tolerance >= 0 && tags->tolerance <= LARGEST_TOLERANCE))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.tolerance is %g; give 0 to %g of the diagonal of the bounding box",
+                       tags->tolerance, LARGEST_TOLERANCE);
+    int status = check_nodes(mesh, tags->facets, tags->n_facets * mesh->dim, "facets", error);
+    return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
+}
+
+int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface, int threads,
+                        uint8_t *constraint, double *direction, planish_slide_info *info,
+                        planish_error *error) {
+    planish_slide_info found = {0};
+    if (!constraint || !direction)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
+    const int used = pl_thread_count(threads);
+    int status = pl_validate_mesh(mesh, used, error);
+    if (!status)
+        status = check_tags(mesh, surface, error);
+    if (status)
+        return status;
+    const size_t n = (size_t)mesh->n_nodes;
+    if (!mesh->constraint)
+        memset(constraint, PLANISH_FREE, n);
+    else if (mesh->constraint != constraint)
+        memcpy(constraint, mesh->constraint, n);
+    if (direction != mesh->direction) {
+        if (mesh->direction)
+            memcpy(direction, mesh->direction, n * (size_t)mesh->dim * sizeof *direction);
+        else
+            memset(direction, 0, n * (size_t)mesh->dim * sizeof *direction);
+    }
+    status = find_slides(mesh, surface, used, constraint, direction, &found, error);
+    if (!status && info)
+        *info = found;
+    return status;
+}

@@ -1,0 +1,286 @@
+/* surface: the facets of a mesh that its shape is made of: those of one element, those between
+ * regions, and those that bear a tag. */
+#include "shape/surface.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "topology/facets.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Exponents of the scale are kept within this, so that it is a double. */
+enum { SCALE_LIMIT = 1000 };
+
+/** A facet by its nodes, ascending; node[2] is -1 in 2-D. */
+typedef struct tagged {
+    int32_t node[3], tag;
+} tagged;
+
+/** A facet of the surface as it is found. */
+typedef struct found {
+    int32_t node[3];
+    pl_label label;
+} found;
+
+/** The search for facets. Bodies run on several threads: counters are added to atomically. */
+typedef struct search {
+    const planish_mesh *mesh;
+    const planish_surface *tags;
+    tagged *tagged;  /* [n_tagged] ascending by nodes */
+    uint8_t *is_met; /* [n_tagged] the mesh has it */
+    int64_t n_tagged;
+    uint8_t *has_tagged; /* [n] node of a tagged facet */
+    uint8_t *elsewhere;  /* [n] 1: not on the surface, as far as known */
+    found *found;        /* [capacity] */
+    int64_t n_found, capacity;
+} search;
+
+static int compare_nodes(const int32_t *a, const int32_t *b) {
+    for (int i = 0; i < 3; i++)
+        if (a[i] != b[i])
+            return a[i] < b[i] ? -1 : 1;
+    return 0;
+}
+
+static int compare_tagged(const void *a, const void *b) {
+    const tagged *s = a, *t = b;
+    const int order = compare_nodes(s->node, t->node);
+    return order ? order : (s->tag > t->tag) - (s->tag < t->tag);
+}
+
+static int compare_found(const void *a, const void *b) {
+    return compare_nodes(((const found *)a)->node, ((const found *)b)->node);
+}
+
+/* ---- tagged facets ------------------------------------------------------------------------ */
+
+static void sort3(int32_t *v) {
+    for (int i = 1; i < 3; i++)
+        for (int j = i; j > 0 && v[j] >= 0 && v[j - 1] > v[j]; j--) {
+            const int32_t t = v[j];
+            v[j] = v[j - 1];
+            v[j - 1] = t;
+        }
+}
+
+/** A facet with two tags keeps the lower one. */
+static void sort_tagged(search *s) {
+    const int dim = s->mesh->dim;
+    for (int64_t i = 0; i < s->tags->n_facets; i++) {
+        tagged *t = &s->tagged[i];
+        *t = (tagged){.node = {-1, -1, -1}, .tag = s->tags->facet_tag ? s->tags->facet_tag[i] : 0};
+        for (int j = 0; j < dim; j++) {
+            t->node[j] = s->tags->facets[i * dim + j];
+            s->has_tagged[t->node[j]] = 1;
+        }
+        sort3(t->node);
+    }
+    qsort(s->tagged, (size_t)s->tags->n_facets, sizeof *s->tagged, compare_tagged);
+    for (int64_t i = 0; i < s->tags->n_facets; i++)
+        if (i == 0 || compare_nodes(s->tagged[i].node, s->tagged[i - 1].node) != 0)
+            s->tagged[s->n_tagged++] = s->tagged[i];
+}
+
+/** The tagged facet of these nodes, or NULL. */
+static const tagged *find_tagged(const search *s, const int32_t *node) {
+    if (!s->n_tagged)
+        return NULL;
+    for (int j = 0; j < s->mesh->dim; j++)
+        if (!s->has_tagged[node[j]])
+            return NULL;
+    int64_t low = 0, high = s->n_tagged;
+    while (low < high) {
+        const int64_t middle = (low + high) / 2;
+        const int order = compare_nodes(s->tagged[middle].node, node);
+        if (order == 0)
+            return &s->tagged[middle];
+        *(order < 0 ? &low : &high) = order < 0 ? middle + 1 : middle;
+    }
+    return NULL;
+}
+
+/* ---- facets ------------------------------------------------------------------------------- */
+
+static pl_label label_of(const search *s, const pl_facet *facet, const tagged *t) {
+    const int32_t *region = s->tags ? s->tags->region : NULL;
+    const int32_t first = region ? region[facet->element[0]] : 0;
+    const int32_t second = region && facet->count > 1 ? region[facet->element[1]] : first;
+    return (pl_label){.n_elements = facet->count,
+                      .region = {first < second ? first : second, first < second ? second : first},
+                      .is_tagged = t != NULL,
+                      .tag = t ? t->tag : 0};
+}
+
+/** Note the facets of the surface among those of node; in a first round only how many they are, and
+ *  their nodes. */
+static void note_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+    search *s = context;
+    for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
+        found f = {.node = {node, facet->node[0], facet->node[1]}};
+        const tagged *t = find_tagged(s, f.node);
+        f.label = label_of(s, facet, t);
+        if (f.label.n_elements == 2 && f.label.region[0] == f.label.region[1] && !t)
+            continue;
+        const int64_t place = __atomic_fetch_add(&s->n_found, 1, __ATOMIC_RELAXED);
+        if (s->found) {
+            s->found[place] = f;
+            if (t)
+                __atomic_store_n(&s->is_met[t - s->tagged], 1, __ATOMIC_RELAXED);
+            continue;
+        }
+        for (int j = 0; j < s->mesh->dim; j++)
+            __atomic_store_n(&s->elsewhere[f.node[j]], 0, __ATOMIC_RELAXED);
+    }
+}
+
+static int match(search *s, const pl_incidence *incidence, const uint8_t *elsewhere, int threads,
+                 planish_error *error) {
+    s->n_found = 0;
+    return pl_facets_match(s->mesh, incidence, elsewhere, threads, note_facets, s, error);
+}
+
+/** Two rounds: one counts and finds the nodes, the other notes and looks only at these. */
+static int find_facets(search *s, int threads, planish_error *error) {
+    pl_incidence incidence;
+    int status = pl_incidence_create(s->mesh, threads, &incidence, error);
+    if (status)
+        return status;
+    status = match(s, &incidence, NULL, threads, error);
+    if (!status && !(s->found = pl_alloc(s->n_found, sizeof *s->found)))
+        status = pl_fail_memory(error, "the surface");
+    if (!status)
+        status = match(s, &incidence, s->elsewhere, threads, error);
+    pl_incidence_destroy(&incidence);
+    if (!status)
+        qsort(s->found, (size_t)s->n_found, sizeof *s->found, compare_found);
+    return status;
+}
+
+/* ---- the surface -------------------------------------------------------------------------- */
+
+static void number_nodes(const search *s, pl_surface *surface) {
+    for (int64_t i = 0; i < s->mesh->n_nodes; i++) {
+        surface->number[i] = s->elsewhere[i] ? -1 : (int32_t)surface->n_nodes;
+        surface->n_nodes += !s->elsewhere[i];
+    }
+}
+
+static void take_nodes(const search *s, pl_surface *surface) {
+    const int dim = surface->dim;
+    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
+    double width = 0, square = 0;
+    int exponent;
+    for (int64_t i = 0; i < s->mesh->n_nodes; i++) {
+        if (surface->number[i] < 0)
+            continue;
+        surface->node[surface->number[i]] = (int32_t)i;
+        for (int d = 0; d < dim; d++) {
+            lower[d] = fmin(lower[d], s->mesh->coordinates[i * dim + d]);
+            upper[d] = fmax(upper[d], s->mesh->coordinates[i * dim + d]);
+        }
+    }
+    for (int d = 0; d < dim && surface->n_nodes > 0; d++)
+        width = fmax(width, 0.5 * upper[d] - 0.5 * lower[d]); /* the whole could overflow */
+    frexp(width, &exponent);
+    const double scale = ldexp(1, exponent < -SCALE_LIMIT ? SCALE_LIMIT : -exponent);
+    for (int64_t i = 0; i < surface->n_nodes; i++)
+        for (int d = 0; d < dim; d++)
+            surface->x[i * dim + d] =
+                s->mesh->coordinates[(int64_t)surface->node[i] * dim + d] * scale;
+    for (int d = 0; d < dim && surface->n_nodes > 0; d++) {
+        const double half = 0.5 * upper[d] * scale - 0.5 * lower[d] * scale;
+        square += 4 * half * half;
+    }
+    surface->size = sqrt(square);
+}
+
+static void take_facets(const search *s, pl_surface *surface) {
+    const int dim = surface->dim;
+    int64_t *end = surface->offset + 1; /* counts at first */
+    for (int64_t i = 0; i < s->n_found; i++) {
+        surface->label[i] = s->found[i].label;
+        for (int j = 0; j < dim; j++) {
+            surface->facet[i * dim + j] = surface->number[s->found[i].node[j]];
+            end[surface->facet[i * dim + j]]++;
+        }
+    }
+    for (int64_t i = 0, sum = 0; i < surface->n_nodes; i++) {
+        const int64_t count = end[i];
+        end[i] = sum; /* where its facets begin, and end once they are noted */
+        sum += count;
+    }
+    for (int64_t i = 0; i < s->n_found * dim; i++)
+        surface->facet_of[end[surface->facet[i]]++] = (int32_t)(i / dim);
+}
+
+static int lay_out(const search *s, pl_surface *surface, planish_error *error) {
+    const int dim = surface->dim = s->mesh->dim;
+    surface->number = pl_alloc(s->mesh->n_nodes, sizeof *surface->number);
+    if (!surface->number)
+        return pl_fail_memory(error, "the surface");
+    number_nodes(s, surface);
+    surface->n_facets = s->n_found;
+    surface->node = pl_alloc(surface->n_nodes, sizeof *surface->node);
+    surface->x = pl_alloc(surface->n_nodes * dim, sizeof *surface->x);
+    surface->facet = pl_alloc(s->n_found * dim, sizeof *surface->facet);
+    surface->label = pl_alloc(s->n_found, sizeof *surface->label);
+    surface->offset = pl_alloc_zero(surface->n_nodes + 1, sizeof *surface->offset);
+    surface->facet_of = pl_alloc(s->n_found * dim, sizeof *surface->facet_of);
+    if (!surface->node || !surface->x || !surface->facet || !surface->label || !surface->offset ||
+        !surface->facet_of)
+        return pl_fail_memory(error, "the surface");
+    take_nodes(s, surface);
+    take_facets(s, surface);
+    return PLANISH_OK;
+}
+
+static void fix_strangers(const search *s, uint8_t *is_fixed) {
+    for (int64_t i = 0; i < s->n_tagged; i++)
+        for (int j = 0; j < s->mesh->dim && !s->is_met[i]; j++)
+            is_fixed[s->tagged[i].node[j]] = 1;
+}
+
+int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int threads,
+                      pl_surface *surface, uint8_t *is_fixed, planish_error *error) {
+    const int64_t n = mesh->n_nodes, n_facets = tags ? tags->n_facets : 0;
+    search s = {.mesh = mesh, .tags = tags};
+    *surface = (pl_surface){.dim = mesh->dim};
+    s.tagged = pl_alloc(n_facets, sizeof *s.tagged);
+    s.is_met = pl_alloc_zero(n_facets, 1);
+    s.has_tagged = pl_alloc_zero(n, 1);
+    s.elsewhere = pl_alloc(n, 1);
+    int status = PLANISH_OK;
+    if (!s.tagged || !s.is_met || !s.has_tagged || !s.elsewhere) {
+        status = pl_fail_memory(error, "the surface");
+    } else {
+        memset(s.elsewhere, 1, (size_t)n);
+        if (n_facets > 0)
+            sort_tagged(&s);
+        status = find_facets(&s, threads, error);
+    }
+    if (!status)
+        status = lay_out(&s, surface, error);
+    if (!status)
+        fix_strangers(&s, is_fixed);
+    pl_free(s.tagged);
+    pl_free(s.is_met);
+    pl_free(s.has_tagged);
+    pl_free(s.elsewhere);
+    pl_free(s.found);
+    if (status)
+        pl_surface_destroy(surface);
+    return status;
+}
+
+void pl_surface_destroy(pl_surface *surface) {
+    pl_free(surface->node);
+    pl_free(surface->x);
+    pl_free(surface->facet);
+    pl_free(surface->label);
+    pl_free(surface->offset);
+    pl_free(surface->facet_of);
+    pl_free(surface->number);
+    *surface = (pl_surface){0};
+}
