@@ -32,23 +32,37 @@ int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
     return pl_complain(status, "%s: %s%s", input, error->text, where);
 }
 
-static int find_constraints(pl_job *job) {
-    const pl_arguments *arguments = job->arguments;
+static planish_hold hold_of(const pl_arguments *arguments, int slide, int ignore_marks) {
+    return (planish_hold){.tags = arguments->fix,
+                          .n_tags = arguments->n_fix,
+                          .ignore_regions = arguments->ignore_regions,
+                          .ignore_marks = ignore_marks,
+                          .slide = slide,
+                          .slide_tags = arguments->slide_tag,
+                          .n_slide_tags = arguments->n_slide_tags};
+}
+
+static int complain_nodes(const pl_job *job) {
+    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
+                       job->arguments->input, job->mesh.n_nodes);
+}
+
+/** Fill constraint with what the file and hold say. */
+static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *constraint) {
     planish_error error;
+    const int code = planish_file_constraints(job->file, hold, constraint, &error);
+    if (code == PLANISH_ERROR_ARGUMENT)
+        return pl_complain_usage(pl_command_name(job->arguments->command), "%s", error.text);
+    return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
+}
+
+static int find_constraints(pl_job *job) {
     job->constraint = malloc(job->mesh.n_nodes ? (size_t)job->mesh.n_nodes : 1);
     if (!job->constraint)
-        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
-                           arguments->input, job->mesh.n_nodes);
-    const planish_hold hold = {.tags = arguments->fix,
-                               .n_tags = arguments->n_fix,
-                               .ignore_regions = arguments->ignore_regions};
-    const int code = planish_file_constraints(job->file, &hold, job->constraint, &error);
-    if (code == PLANISH_ERROR_ARGUMENT)
-        return pl_complain_usage(pl_command_name(arguments->command), "%s", error.text);
-    if (code)
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+        return complain_nodes(job);
+    const planish_hold hold = hold_of(job->arguments, job->arguments->slide, 0);
     job->mesh.constraint = job->constraint;
-    return 0;
+    return find_held(job, &hold, job->constraint);
 }
 
 /** Area enters F as 1 - V/delta, so that with a weight every element needs its delta. */
@@ -104,6 +118,7 @@ static int find_box(pl_job *job) {
 int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     planish_error error;
     memset(job, 0, sizeof *job);
+    job->could_slide = -1;
     job->begin = pl_seconds();
     job->arguments = arguments;
     job->options = arguments->library;
@@ -121,6 +136,97 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     if (!status)
         status = find_box(job);
     job->read_seconds = pl_seconds() - job->begin;
+    return status;
+}
+
+/** Let the library find what slides, once constraint is what hold says. is_inside: as in
+ *  planish_surface. */
+static int find_unheld(const pl_job *job, int ignore_marks, const uint8_t *is_inside,
+                       uint8_t *constraint, double *direction, planish_slide_info *info) {
+    const planish_hold hold = hold_of(job->arguments, 1, ignore_marks);
+    planish_error error;
+    planish_mesh mesh = job->mesh;
+    planish_surface surface = planish_file_surface(job->file, &hold);
+    const int status = find_held(job, &hold, constraint);
+    if (status)
+        return status;
+    mesh.constraint = constraint;
+    surface.is_inside = is_inside;
+    if (job->arguments->slide_tolerance > 0)
+        surface.tolerance = job->arguments->slide_tolerance;
+    if (planish_find_slides(&mesh, &surface, job->options.threads, constraint, direction, info,
+                            &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    return 0;
+}
+
+/** Where the file marks nodes: whether it marks all of the surface, which says no more than that
+ *  they are there; those inside are fixed then. constraint: found without heeding the marks. */
+static int marks_are_the_surface(const pl_job *job, const uint8_t *marked, uint8_t *constraint) {
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+        if (!marked[i] && constraint[i] != PLANISH_FREE)
+            return 0;
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+        if (marked[i] && constraint[i] == PLANISH_FREE)
+            constraint[i] = PLANISH_FIXED;
+    return 1;
+}
+
+/** Find what slides: constraint [n_nodes] and direction [n_nodes][dim] are filled. */
+static int find_slides(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
+                       double *direction, planish_slide_info *info) {
+    if (planish_file_marks(job->file, NULL) == 0)
+        return find_unheld(job, 0, is_inside, constraint, direction, info);
+    uint8_t *marked = malloc((size_t)job->mesh.n_nodes);
+    if (!marked)
+        return complain_nodes(job);
+    planish_file_marks(job->file, marked);
+    int status = find_unheld(job, 1, is_inside, constraint, direction, info);
+    if (!status && !marks_are_the_surface(job, marked, constraint))
+        status = find_unheld(job, 0, is_inside, constraint, direction, info);
+    free(marked);
+    return status;
+}
+
+static double *new_directions(const pl_job *job) {
+    const size_t n = (size_t)job->mesh.n_nodes * (size_t)job->mesh.dim;
+    return malloc(n ? n * sizeof(double) : 1);
+}
+
+int pl_job_find_slides(pl_job *job) {
+    const double begin = pl_seconds();
+    if (!job->arguments->slide)
+        return 0;
+    job->direction = new_directions(job);
+    const int status = job->direction
+                           ? find_slides(job, NULL, job->constraint, job->direction, NULL)
+                           : complain_nodes(job);
+    job->mesh.direction = job->direction;
+    job->shape_seconds = pl_seconds() - begin;
+    return status;
+}
+
+int pl_job_count_slides(pl_job *job) {
+    const double begin = pl_seconds();
+    const size_t n = (size_t)job->mesh.n_nodes + 1;
+    planish_slide_info info;
+    int status = 0;
+    if (job->arguments->slide || job->options.method != PLANISH_METHOD_PLANISH)
+        return 0;
+    uint8_t *constraint = malloc(n), *is_inside = malloc(n);
+    double *direction = new_directions(job);
+    if (!constraint || !is_inside || !direction) {
+        status = complain_nodes(job);
+    } else {
+        planish_plan_get_free(job->plan, is_inside);
+        status = find_slides(job, is_inside, constraint, direction, &info);
+    }
+    if (!status)
+        job->could_slide = info.n_on_plane + info.n_on_line;
+    free(constraint);
+    free(is_inside);
+    free(direction);
+    job->shape_seconds = pl_seconds() - begin;
     return status;
 }
 
@@ -167,6 +273,7 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 void pl_job_close(pl_job *job) {
     planish_plan_destroy(job->plan);
     free(job->min_volume);
+    free(job->direction);
     free(job->constraint);
     planish_file_close(job->file);
 }

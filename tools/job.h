@@ -16,19 +16,28 @@ typedef struct pl_job {
     planish_file_info file_info;
     planish_mesh mesh;   /* its arrays are those of file, but for those that follow */
     uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
+    double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
+    int64_t could_slide; /* nodes that would with --slide auto; -1: not looked for */
     double *min_volume;  /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
     double begin;         /* pl_seconds when the job began */
     double read_seconds;  /* file and constraints */
+    double shape_seconds; /* nodes that slide, or could */
     double setup_seconds; /* plan */
 } pl_job;
 
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */
 int pl_job_read(pl_job *job, const pl_arguments *arguments);
 
+/** Find the nodes that slide, if any shall. */
+int pl_job_find_slides(pl_job *job);
+
 /** Make the plan. */
 int pl_job_plan(pl_job *job);
+
+/** Where none shall, count the nodes that could; there is a plan. */
+int pl_job_count_slides(pl_job *job);
 
 /** Measure the mesh as it is now. */
 int pl_job_measure(const pl_job *job, planish_quality *quality);

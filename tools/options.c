@@ -233,6 +233,22 @@ static const char *set_fix(pl_arguments *arguments, const char *value) {
     return value[0] ? NULL : "must be a group's NAME, N or DIM:N";
 }
 
+static const char *set_slide(pl_arguments *arguments, const char *value) {
+    arguments->slide = strcmp(value, "none") != 0;
+    if (!arguments->slide)
+        arguments->n_slide_tags = 0;
+    else if (strcmp(value, "auto") != 0)
+        arguments->slide_tag[arguments->n_slide_tags++] = value;
+    return value[0] ? NULL : "must be auto, none, or a group's NAME, N or DIM:N";
+}
+
+static const char *set_slide_tolerance(pl_arguments *arguments, const char *value) {
+    double *tolerance = &arguments->slide_tolerance;
+    return parse_real(value, tolerance) || *tolerance <= 0 || *tolerance > 1e-3
+               ? "must be a fraction above 0, up to 1e-3"
+               : NULL;
+}
+
 static const char *set_ignore_regions(pl_arguments *arguments, const char *value) {
     (void)value;
     arguments->ignore_regions = 1;
@@ -331,6 +347,13 @@ static const option_row option_table[] = {
      "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once"},
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
      "let nodes between regions (materials) move"},
+    {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,
+     "let boundary nodes slide where the shape stays what it\nis: auto (on planes and straight "
+     "edges), none\n(default), or on group TAG only (NAME, N or DIM:N; may\nbe given more than "
+     "once)"},
+    {0, "slide-tolerance", "T", SMOOTH, set_slide_tolerance,
+     "how far off a plane or line its nodes may be, times the\ndiagonal of the bounding box "
+     "(default 1e-8; 1e-6 for\nsingle precision)"},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
      "move only nodes of elements whose radius ratio\nexceeds RR"},
     {'j', "threads", "N", BOTH, set_threads,
@@ -431,6 +454,8 @@ static int check_combinations(const pl_arguments *arguments) {
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
         return pl_complain_usage(command, "--area-weight needs a least volume: --min-volume or "
                                           "--min-volume-fraction");
+    if (arguments->slide_tolerance > 0 && !arguments->slide)
+        return pl_complain_usage(command, "--slide-tolerance has no effect without --slide");
     if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
         return pl_complain_usage(command, "--%s has no effect with --method %s",
                                  arguments->optimiser, pl_method_name(library->method));
@@ -441,9 +466,11 @@ static int check_combinations(const pl_arguments *arguments) {
 static int make_room(pl_arguments *arguments, int argc) {
     const size_t n = (size_t)argc;
     arguments->fix = calloc(n, sizeof *arguments->fix);
+    arguments->slide_tag = calloc(n, sizeof *arguments->slide_tag);
     arguments->min_volume_tag = calloc(n, sizeof *arguments->min_volume_tag);
     arguments->min_volume_value = calloc(n, sizeof *arguments->min_volume_value);
-    if (arguments->fix && arguments->min_volume_tag && arguments->min_volume_value)
+    if (arguments->fix && arguments->slide_tag && arguments->min_volume_tag &&
+        arguments->min_volume_value)
         return 0;
     return pl_complain(PL_EXIT_FAILED, "out of memory");
 }
@@ -483,6 +510,7 @@ void pl_arguments_free(pl_arguments *arguments) {
         free(arguments->min_volume_tag[i]);
     free(arguments->min_volume_tag);
     free(arguments->min_volume_value);
+    free(arguments->slide_tag);
     free(arguments->fix);
 }
 

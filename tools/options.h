@@ -27,6 +27,10 @@ typedef struct pl_arguments {
     const char *json;   /* a path, "-" for standard output, or NULL: no report */
     const char **fix;   /* [n_fix] tags, owned */
     int n_fix;
+    int slide;              /* boundary nodes slide, where they can */
+    const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
+    int n_slide_tags;
+    double slide_tolerance; /* 0: what fits the file */
     int ignore_regions;
     int leave_unbound;        /* threads stay where the system puts them */
     char **min_volume_tag;    /* [n_min_volumes] groups with a least volume of their own, owned */

@@ -95,12 +95,22 @@ static void add_text(document *json, cJSON *parent, const char *name, const char
     free(clean);
 }
 
+/** What slides, and what could (null: not looked for). */
+static void add_slides(document *json, cJSON *mesh, const pl_job *job) {
+    add_integer(json, mesh, "sliding_nodes", job->plan_info.n_sliding);
+    if (job->could_slide >= 0)
+        add_integer(json, mesh, "could_slide", job->could_slide);
+    else
+        add(json, mesh, "could_slide", cJSON_CreateNull());
+}
+
 static void add_mesh(document *json, cJSON *root, const pl_job *job) {
     cJSON *mesh = new_object(json, root, "mesh");
     add_integer(json, mesh, "dimension", job->mesh.dim);
     add_integer(json, mesh, "nodes", job->mesh.n_nodes);
     add_integer(json, mesh, "elements", job->mesh.n_elements);
     add_integer(json, mesh, "free_nodes", job->plan_info.n_free);
+    add_slides(json, mesh, job);
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
 }
@@ -182,6 +192,7 @@ static const char *stop_name(planish_stop stop) {
 static void add_seconds(document *json, cJSON *root, const pl_job *job, const pl_result *result) {
     cJSON *seconds = new_object(json, root, "seconds");
     add_real(json, seconds, "read", job->read_seconds);
+    add_real(json, seconds, "shape", job->shape_seconds);
     add_real(json, seconds, "setup", job->setup_seconds);
     add_real(json, seconds, "smooth", result->smooth_seconds);
     add_real(json, seconds, "write", result->write_seconds);

@@ -176,7 +176,7 @@ static int judge(const pl_job *job, pl_result *result) {
         add_reason(result, "interrupted by a signal before convergence");
     if (result->reason[0])
         return PL_EXIT_PARTLY;
-    if (job->plan_info.n_free == 0)
+    if (job->plan_info.n_free + job->plan_info.n_sliding == 0)
         add_reason(result, "no node is free to move: the mesh is written back as it was");
     return PL_EXIT_DONE;
 }
@@ -238,9 +238,14 @@ static void print_setup(const pl_job *job) {
 
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
+    if ((status = pl_job_find_slides(job)))
+        return status;
     if ((status = pl_job_plan(job)))
         return status;
     print_setup(job);
+    const int is_told = job->arguments->json || job->arguments->verbosity != PL_QUIET;
+    if (is_told && (status = pl_job_count_slides(job)))
+        return status;
     if ((status = pl_job_measure(job, &result->before)))
         return status;
     if ((status = pl_volumes_count(job, &result->below_before)))

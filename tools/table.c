@@ -37,10 +37,15 @@ static void row_count(FILE *stream, const char *label, const int64_t *before, in
 }
 
 static void row_mesh(FILE *stream, const pl_job *job) {
-    fprintf(stream, "%s: %s, %" PRId64 " %s, %" PRId64 " nodes, %" PRId64 " of them free to move\n",
+    fprintf(stream, "%s: %s, %" PRId64 " %s, %" PRId64 " nodes, %" PRId64 " of them free to move",
             job->arguments->input, job->file_info.format, job->mesh.n_elements,
             job->mesh.dim == 3 ? "tetrahedra" : "triangles", job->mesh.n_nodes,
             job->plan_info.n_free);
+    if (job->plan_info.n_sliding > 0)
+        fprintf(stream, ", %" PRId64 " to slide", job->plan_info.n_sliding);
+    else if (job->could_slide > 0)
+        fprintf(stream, ", %" PRId64 " could slide (--slide auto)", job->could_slide);
+    fputc('\n', stream);
 }
 
 /** The floor: elements whose nodes are all fixed stay as they are, whatever the others do. */

@@ -95,11 +95,14 @@ typedef struct planish_surface {
                                  the shape has an edge. Inside the mesh they belong to the surface */
     const int32_t *facet_tag; /* [n_facets], or NULL: all 0 */
     int64_t n_edges;
-    const int32_t *edges;    /* [n_edges][2] 3-D: nodes of edges that are edges of the shape */
-    const int32_t *edge_tag; /* [n_edges], or NULL: all 0 */
-    int tagged_only;         /* not 0: only nodes all of whose facets bear tags slide */
-    double tolerance;        /* how far off a plane or line its nodes may be, as a fraction of the
-                                diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
+    const int32_t *edges;     /* [n_edges][2] 3-D: nodes of edges that are edges of the shape */
+    const int32_t *edge_tag;  /* [n_edges], or NULL: all 0 */
+    const uint8_t *is_inside; /* [n_nodes] 1: known to be inside, so that no facet of the surface is
+                                 at it, as planish_plan_get_free says: that saves time. NULL: not
+                                 known of any */
+    int tagged_only;          /* not 0: only nodes all of whose facets bear tags slide */
+    double tolerance;         /* how far off a plane or line its nodes may be, as a fraction of the
+                                 diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
 } planish_surface;
 
 typedef struct planish_slide_info {
@@ -284,6 +287,8 @@ PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_opti
 /** plan may be NULL. */
 PLANISH_API void planish_plan_destroy(planish_plan *plan);
 PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
+/** is_free [n_nodes] is filled with 1 for the nodes that may move anywhere, 0 for all others. */
+PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free);
 
 /* ---- Quality ------------------------------------------------------------------------------ */
 

@@ -48,6 +48,11 @@ typedef struct planish_hold {
     const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N": hold all nodes of these groups */
     int n_tags;
     int ignore_regions; /* not 0: nodes between regions are not held */
+    int ignore_marks;   /* not 0: nodes are not held for being among planish_file_marks */
+    int slide; /* not 0: nodes that nothing holds but lines, triangles (beside tetrahedra) and
+                  regions are not held: planish_find_slides is to decide about them */
+    const char *const *slide_tags; /* [n_slide_tags] groups of triangles (2-D: lines) that alone */
+    int n_slide_tags;              /* may be slid on; 0: all may */
 } planish_hold;
 
 /** Which nodes the file (and hold, may be NULL) fixes: constraint [n_nodes] is filled with
@@ -55,6 +60,18 @@ typedef struct planish_hold {
  *  Errors: _ARGUMENT (a tag that the file does not have; the text lists those it has). */
 PLANISH_API int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                                          uint8_t *constraint, planish_error *error);
+
+/** The nodes that VTK's array `fixed` names: marked [n_nodes] (may be NULL) is filled with 0 or 1.
+ *  Returns how many they are. Mesquite wants all nodes of the boundary named there, so that it may
+ *  say no more than where the boundary is. */
+PLANISH_API int64_t planish_file_marks(const planish_file *file, uint8_t *marked);
+
+/** What the file says of its surface, for planish_find_slides together with the constraints that
+ *  planish_file_constraints finds for the same hold (with slide): regions, the triangles (2-D:
+ *  lines) and lines with their groups as tags, and a tolerance that fits the digits of the file.
+ * The arrays are the file's. */
+PLANISH_API planish_surface planish_file_surface(const planish_file *file,
+                                                 const planish_hold *hold);
 
 /** The least volumes of groups, for planish_mesh.min_volume: min_volume [n_elements] is filled with
  *  the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in

@@ -118,7 +118,7 @@ static void list_tags(const io_model *model, int dim, char *text, size_t size) {
 /** Choose the entities of the group that text names, among those of dimension dim (-1: any). */
 static int choose_tag(const io_model *model, const char *text, int dim, uint8_t *chosen,
                       planish_error *error) {
-    static const char *const kind[] = {"of triangles", "of tetrahedra"};
+    static const char *const kind[] = {"of lines", "of triangles", "of tetrahedra"};
     tag t = tag_parse(text, dim);
     int found = choose_group(model, &t, dim, chosen);
     if (t.has_number && (dim < 0 || t.dim == dim))
@@ -128,8 +128,11 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
     char list[256];
     list_tags(model, dim, list, sizeof list);
     return pl_fail(error, PLANISH_ERROR_ARGUMENT, "%s: there is no group '%s' %s; the file has: %s",
-                   model->input.path, text, dim < 0 ? "to hold" : kind[dim - 2], list);
+                   model->input.path, text, dim < 0 ? "to hold" : kind[dim - 1], list);
 }
+
+/* Single-precision coordinates have 24 bits: of a plane nodes may be off by so much of the size. */
+#define FLOAT_TOLERANCE 1e-6
 
 /* ---- holding ------------------------------------------------------------------------------ */
 
@@ -149,10 +152,32 @@ static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t *c
     if (!status) {
         hold_cells(&model->tetrahedron, 4, chosen, constraint);
         hold_cells(&model->triangle, 3, chosen, constraint);
+        hold_cells(&model->line, 2, chosen, constraint);
         for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
             if (model->node_entity[i] >= 0 && chosen[model->node_entity[i]])
                 constraint[i] = PLANISH_FIXED;
     }
+    pl_free(chosen);
+    return status;
+}
+
+/** The cells that facets of the mesh are. */
+static const io_cells *facet_cells(const io_model *model) {
+    return model->dim == 3 ? &model->triangle : &model->line;
+}
+
+/** Hold the nodes of facets that are in none of the groups to be slid on. */
+static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_t *constraint,
+                         planish_error *error) {
+    const io_cells *cells = facet_cells(model);
+    uint8_t *chosen = pl_alloc_zero(model->n_entities, 1);
+    int status = chosen ? PLANISH_OK : pl_fail_memory(error, "groups to slide on");
+    for (int i = 0; i < hold->n_slide_tags && !status; i++)
+        status = choose_tag(model, hold->slide_tags[i], model->dim - 1, chosen, error);
+    for (int32_t i = 0; i < model->n_entities && !status; i++)
+        chosen[i] = !chosen[i];
+    if (!status)
+        hold_cells(cells, model->dim, chosen, constraint);
     pl_free(chosen);
     return status;
 }
@@ -190,14 +215,48 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                              uint8_t *constraint, planish_error *error) {
     if (!file || !constraint)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
+    const int slide = hold && hold->slide;
+    const unsigned undecided = (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE : 0) |
+                               (hold && hold->ignore_marks ? IO_HELD_MARKED : 0);
     for (int64_t i = 0; i < file->model.n_nodes; i++)
-        constraint[i] = file->model.hold[i] ? PLANISH_FIXED : PLANISH_FREE;
+        constraint[i] = file->model.hold[i] & ~undecided ? PLANISH_FIXED : PLANISH_FREE;
     int status = PLANISH_OK;
-    if (!hold || !hold->ignore_regions)
+    if (slide && hold->n_slide_tags > 0)
+        status = hold_unchosen(&file->model, hold, constraint, error);
+    if (!status && !slide && !(hold && hold->ignore_regions))
         status = hold_interfaces(file, constraint, error);
     if (!status && hold && hold->n_tags > 0)
         status = hold_tags(&file->model, hold, constraint, error);
     return status;
+}
+
+int64_t planish_file_marks(const planish_file *file, uint8_t *marked) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < file->model.n_nodes; i++) {
+        const uint8_t is_marked = (file->model.hold[i] & IO_HELD_MARKED) != 0;
+        n += is_marked;
+        if (marked)
+            marked[i] = is_marked;
+    }
+    return n;
+}
+
+planish_surface planish_file_surface(const planish_file *file, const planish_hold *hold) {
+    const io_model *model = &file->model;
+    const io_cells *facets = facet_cells(model);
+    planish_surface surface = {
+        .region = hold && hold->ignore_regions ? NULL : io_file_elements(file)->entity,
+        .n_facets = facets->n,
+        .facets = facets->nodes,
+        .facet_tag = facets->entity,
+        .tagged_only = hold && hold->n_slide_tags > 0,
+        .tolerance = model->precision == PLANISH_FLOAT ? FLOAT_TOLERANCE : 0};
+    if (model->dim == 3) {
+        surface.n_edges = model->line.n;
+        surface.edges = model->line.nodes;
+        surface.edge_tag = model->line.entity;
+    }
+    return surface;
 }
 
 /* ---- least volumes ------------------------------------------------------------------------ */

@@ -69,7 +69,9 @@ enum {
     IO_HELD_REQUIRED = 4,    /* marked in the file */
     IO_HELD_PERIODIC = 8,    /* one of a periodic pair */
     IO_HELD_BY_LINE = 16,    /* on a line, */
-    IO_HELD_BY_TRIANGLE = 32 /* on a triangle of a mesh of tetrahedra */
+    IO_HELD_BY_TRIANGLE = 32, /* on a triangle of a mesh of tetrahedra */
+    IO_HELD_MARKED = 64       /* marked in a file that may mean no more than that it is on the
+                                 boundary (VTK) */
 };
 
 typedef struct io_model {

@@ -38,7 +38,7 @@ static int hold_text(const struct array *array) {
         if (io_real(&array->reader->cursor, &value) != 0)
             return vtk_fail_here(array->reader, "the array \"fixed\": number expected");
         if (value != 0)
-            io_hold_node(array->reader->model, i / array->width, IO_HELD_REQUIRED);
+            io_hold_node(array->reader->model, i / array->width, IO_HELD_MARKED);
     }
     return 0;
 }
@@ -51,7 +51,7 @@ static void hold_binary(const struct array *array) {
                                                : load_number(data + i * array->type->size,
                                                              array->type, reader->swapped) != 0;
         if (set)
-            io_hold_node(reader->model, i / array->width, IO_HELD_REQUIRED);
+            io_hold_node(reader->model, i / array->width, IO_HELD_MARKED);
     }
 }
 

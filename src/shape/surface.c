@@ -147,7 +147,7 @@ static int find_facets(search *s, int threads, planish_error *error) {
     int status = pl_incidence_create(s->mesh, threads, &incidence, error);
     if (status)
         return status;
-    status = match(s, &incidence, NULL, threads, error);
+    status = match(s, &incidence, s->tags ? s->tags->is_inside : NULL, threads, error);
     if (!status && !(s->found = pl_alloc(s->n_found, sizeof *s->found)))
         status = pl_fail_memory(error, "the surface");
     if (!status)

@@ -494,6 +494,11 @@ void planish_plan_destroy(planish_plan *plan) {
     pl_free(plan);
 }
 
+void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        is_free[i] = plan->is_free[i] == PL_INTERIOR;
+}
+
 static pl_star_problem problem_of(const planish_plan *plan, const pl_visits *visits) {
     return (pl_star_problem){.coordinates = plan->coordinates,
                              .node = visits->centre,
