@@ -206,6 +206,10 @@ int pl_job_find_slides(pl_job *job) {
     return status;
 }
 
+int pl_job_is_told(const pl_job *job) {
+    return job->arguments->json || job->arguments->verbosity != PL_QUIET;
+}
+
 int pl_job_count_slides(pl_job *job) {
     const double begin = pl_seconds();
     const size_t n = (size_t)job->mesh.n_nodes + 1;

@@ -348,12 +348,12 @@ static const option_row option_table[] = {
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
      "let nodes between regions (materials) move"},
     {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,
-     "let boundary nodes slide where the shape stays what it\nis: auto (on planes and straight "
-     "edges), none\n(default), or on group TAG only (NAME, N or DIM:N; may\nbe given more than "
+     "let boundary nodes slide where the shape stays what\nit is: auto (on planes and straight "
+     "edges), none\n(default), or on group TAG only (NAME, N or DIM:N;\nmay be given more than "
      "once)"},
     {0, "slide-tolerance", "T", SMOOTH, set_slide_tolerance,
-     "how far off a plane or line its nodes may be, times the\ndiagonal of the bounding box "
-     "(default 1e-8; 1e-6 for\nsingle precision)"},
+     "how far off a plane or line its nodes may be, times\nthe diagonal of the bounding box "
+     "(default 1e-8; 1e-6\nfor single precision)"},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
      "move only nodes of elements whose radius ratio\nexceeds RR"},
     {'j', "threads", "N", BOTH, set_threads,

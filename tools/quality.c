@@ -60,6 +60,8 @@ static int measure_job(pl_job *job, pl_volumes *volumes) {
     int status;
     if ((status = pl_job_plan(job)))
         return status;
+    if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
+        return status;
     if ((status = pl_job_measure(job, &quality)))
         return status;
     const double least = least_volume(&job->options, quality.total_volume);

@@ -243,8 +243,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = pl_job_plan(job)))
         return status;
     print_setup(job);
-    const int is_told = job->arguments->json || job->arguments->verbosity != PL_QUIET;
-    if (is_told && (status = pl_job_count_slides(job)))
+    if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &result->before)))
         return status;

@@ -10,8 +10,8 @@ QUALITY = {
     "mean_radius_ratio": NUMBER, "max_radius_ratio": NUMBER, "min_dihedral_deg": NUMBER,
     "max_dihedral_deg": NUMBER, "histogram": {"edges": list, "counts": list},
 }
-MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "fixed_elements": int,
-        "colours": int}
+MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "sliding_nodes": int,
+        "could_slide": (int, type(None)), "fixed_elements": int, "colours": int}
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list}
 SMOOTH = {
     "planish": str, "input": str, "output": str, "mesh": MESH, "method": str,
@@ -20,7 +20,7 @@ SMOOTH = {
     "certified": bool, "max_displacement": NUMBER,
     "moved_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,
     "kkt": type(None), "threads": int, "binding": str, "isa": str,
-    "seconds": dict.fromkeys(("read", "setup", "smooth", "write", "total"), NUMBER),
+    "seconds": dict.fromkeys(("read", "shape", "setup", "smooth", "write", "total"), NUMBER),
     "fixed": {"count": int, "rms_radius_ratio": NUMBER, "max_radius_ratio": NUMBER},
     "reason": str, "peak_memory_bytes": int, **VOLUMES,
 }

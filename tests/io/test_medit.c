@@ -46,7 +46,8 @@ static int constraints_are(const planish_file *file, const char *tag, int ignore
                            const char *expected) {
     uint8_t constraint[6];
     planish_error error;
-    const planish_hold hold = {&tag, tag != NULL, ignore_regions};
+    const planish_hold hold = {
+        .tags = &tag, .n_tags = tag != NULL, .ignore_regions = ignore_regions};
     assert_int_equal(planish_file_constraints(file, &hold, constraint, &error), 0);
     int same = 1;
     for (int i = 0; i < 6; i++)
@@ -65,7 +66,7 @@ static void nodes_are_held(void **state) {
     uint8_t constraint[6];
     planish_error error;
     const char *unknown = "2:8";
-    const planish_hold hold = {&unknown, 1, 0};
+    const planish_hold hold = {.tags = &unknown, .n_tags = 1};
     assert_int_equal(planish_file_constraints(file, &hold, constraint, &error),
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "3:7"));

@@ -60,7 +60,7 @@ static void check_two_tetrahedra(const planish_file *file) {
 /** Constraints as digits, 1 for fixed. */
 static void check_constraints(const planish_file *file, const char *tag, const char *expected) {
     uint8_t constraint[16];
-    planish_hold hold = {&tag, tag != NULL, 0};
+    planish_hold hold = {.tags = &tag, .n_tags = tag != NULL};
     planish_error error;
     if (planish_file_constraints(file, &hold, constraint, &error))
         fail_msg("%s", error.text);

@@ -210,7 +210,7 @@ static void expect_required(const file_builder *builder, int node) {
     planish_file *file;
     read_file(builder, &file);
     for (int k = 0; k < N_NODES; k++)
-        assert_int_equal((file->model.hold[k] & IO_HELD_REQUIRED) != 0, k == node);
+        assert_int_equal((file->model.hold[k] & IO_HELD_MARKED) != 0, k == node);
     planish_file_close(file);
 }
 
@@ -409,7 +409,7 @@ static void test_real_files(void **state) {
         if (planish_file_open(path, NULL, 2, &file, &error) != 0)
             fail_msg("%s", error.text);
         for (int64_t k = 0; k < file->model.n_nodes; k++)
-            required += (file->model.hold[k] & IO_HELD_REQUIRED) != 0;
+            required += (file->model.hold[k] & IO_HELD_MARKED) != 0;
         assert_int_equal(planish_file_mesh(file).n_nodes, cases[i].nodes);
         assert_int_equal(planish_file_mesh(file).n_elements, cases[i].elements);
         assert_int_equal(required, cases[i].required);
