@@ -1,6 +1,7 @@
 /* bench_smooth: how fast a mesh is smoothed, as JSON.
  *
- *   bench_smooth MESH [--target RMS] [--max-sweeps N] [--repeat N] [--threads LIST] [--isa LIST]
+ *   bench_smooth MESH [--target RMS] [--only-worse-than RR] [--max-sweeps N] [--repeat N]
+ *                     [--threads LIST] [--isa LIST]
  *                     [--direction D] [--no-bind]
  *
  * For every kernel and number of threads: time of the set-up (planish_plan_create), of the sweeps
@@ -22,6 +23,7 @@ enum { MAX_LIST = 16, MAX_SWEEPS = 1000 };
 typedef struct settings {
     const char *path;
     double target; /* RMS of RR over all elements; 0: none */
+    double only_worse_than;
     int repeat, max_sweeps, bind;
     int threads[MAX_LIST], n_threads;
     planish_isa isa[MAX_LIST];
@@ -37,7 +39,7 @@ typedef struct history {
 } history;
 
 typedef struct figures {
-    double setup, first_sweep, to_target, sweeps, visits_per_second, rms;
+    double setup, whole, first_sweep, to_target, sweeps, visits_per_second, rms;
     int n_sweeps, sweeps_to_target;
     int64_t visits, bytes;
 } figures;
@@ -98,7 +100,8 @@ static double smaller(double a, double b) {
 }
 
 /** Fold one run into the best figures. */
-static void fold(figures *best, double setup, int64_t bytes, const history *h, double target) {
+static void fold(figures *best, double setup, double whole, int64_t bytes, const history *h,
+                 double target) {
     double total = 0, reached = 0;
     int sweeps_to_target = 0;
     for (int i = 0; i < h->n; i++) {
@@ -109,6 +112,7 @@ static void fold(figures *best, double setup, int64_t bytes, const history *h, d
         }
     }
     best->setup = smaller(setup, best->setup);
+    best->whole = smaller(whole, best->whole);
     best->sweeps = smaller(total, best->sweeps);
     best->first_sweep = h->n ? smaller(h->seconds[0], best->first_sweep) : 0;
     best->to_target = reached > 0 ? smaller(reached, best->to_target) : 0;
@@ -131,6 +135,7 @@ static int measure_once(const settings *s, const planish_mesh *mesh, int threads
     options.bind = s->bind;
     if (s->max_sweeps)
         options.max_sweeps = s->max_sweeps;
+    options.only_worse_than = s->only_worse_than;
     options.isa = isa;
     options.direction = s->direction;
     options.progress = record;
@@ -143,20 +148,22 @@ static int measure_once(const settings *s, const planish_mesh *mesh, int threads
         return fail("plan", &error);
     double setup = seconds_now() - start;
     int status = planish_smooth(plan, coordinates, &options, NULL, &error);
+    const double whole = seconds_now() - start;
     planish_plan_destroy(plan);
     if (status)
         return fail("smooth", &error);
-    fold(best, setup, status_bytes("VmHWM:") - resident, &h, s->target);
+    fold(best, setup, whole, status_bytes("VmHWM:") - resident, &h, s->target);
     return 0;
 }
 
 static void print_figures(const settings *s, const planish_mesh *mesh, const figures *f,
                           int threads, planish_isa isa, int first) {
     printf(
-        "%s\n    { \"isa\": \"%s\", \"threads\": %d, \"setup_s\": %.6f, \"first_sweep_s\": %.6f, "
+        "%s\n    { \"isa\": \"%s\", \"threads\": %d, \"setup_s\": %.6f, \"whole_s\": %.6f, "
+        "\"first_sweep_s\": %.6f, "
         "\"setup_in_sweeps\": %.2f,\n      \"sweeps\": %d, \"sweeps_s\": %.6f, \"visits\": %lld, "
         "\"visits_per_s\": %.0f, \"rms\": %.6f, \"bytes_per_element\": %.1f",
-        first ? "" : ",", isa_names[isa], threads, f->setup, f->first_sweep,
+        first ? "" : ",", isa_names[isa], threads, f->setup, f->whole, f->first_sweep,
         f->sweeps > 0 ? f->setup / f->sweeps * f->n_sweeps : 0, f->n_sweeps, f->sweeps,
         (long long)f->visits, f->visits_per_second, f->rms,
         (double)f->bytes / (double)mesh->n_elements);
@@ -226,6 +233,8 @@ static int parse(settings *s, int argc, char **argv) {
             return 0;
         else if (!strcmp(argv[i], "--target"))
             s->target = atof(argv[++i]);
+        else if (!strcmp(argv[i], "--only-worse-than"))
+            s->only_worse_than = atof(argv[++i]);
         else if (!strcmp(argv[i], "--max-sweeps"))
             s->max_sweeps = atoi(argv[++i]);
         else if (!strcmp(argv[i], "--repeat"))
@@ -245,9 +254,11 @@ int main(int argc, char **argv) {
     planish_error error;
     planish_file *file = NULL;
     if (!parse(&s, argc, argv)) {
-        fprintf(stderr, "usage: bench_smooth MESH [--target RMS] [--max-sweeps N] [--repeat N] "
-                        "[--threads 1,2,...] [--isa plain,vector,avx2,avx512] "
-                        "[--direction newton|fletcher-reeves] [--no-bind]\n");
+        fprintf(stderr,
+                "usage: bench_smooth MESH [--target RMS] [--only-worse-than RR] [--max-sweeps N] "
+                "[--repeat N] "
+                "[--threads 1,2,...] [--isa plain,vector,avx2,avx512] "
+                "[--direction newton|fletcher-reeves] [--no-bind]\n");
         return 64;
     }
     double start = seconds_now();

@@ -228,6 +228,12 @@ static const char *set_only_worse_than(pl_arguments *arguments, const char *valu
     return parse_real(value, ratio) || *ratio < 1 ? "must be a radius ratio, 1 or more" : NULL;
 }
 
+static const char *set_layers(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 0, 100, &arguments->library.layers)
+               ? "must be a whole number, 0 to 100"
+               : NULL;
+}
+
 static const char *set_fix(pl_arguments *arguments, const char *value) {
     arguments->fix[arguments->n_fix++] = value;
     return value[0] ? NULL : "must be a group's NAME, N or DIM:N";
@@ -356,6 +362,8 @@ static const option_row option_table[] = {
      "(default 1e-8; 1e-6\nfor single precision)"},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
      "move only nodes of elements whose radius ratio\nexceeds RR"},
+    {0, "layers", "K", SMOOTH | OPTIMISES, set_layers,
+     "with --only-worse-than: and of K layers of elements\naround these (default 0)"},
     {'j', "threads", "N", BOTH, set_threads,
      "run on N threads (default: OMP_NUM_THREADS, else one\nper core)"},
     {0, "bind", "HOW", BOTH, set_bind,
@@ -454,6 +462,8 @@ static int check_combinations(const pl_arguments *arguments) {
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
         return pl_complain_usage(command, "--area-weight needs a least volume: --min-volume or "
                                           "--min-volume-fraction");
+    if (library->layers > 0 && !(library->only_worse_than > 0))
+        return pl_complain_usage(command, "--layers has no effect without --only-worse-than");
     if (arguments->slide_tolerance > 0 && !arguments->slide)
         return pl_complain_usage(command, "--slide-tolerance has no effect without --slide");
     if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)

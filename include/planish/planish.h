@@ -240,8 +240,14 @@ typedef struct planish_options {
                                       L-BFGS helps, each of its iterations counts as one */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
     double time_limit;             /* seconds, 0: none */
-    double only_worse_than;        /* visit only stars with an element of RR above it, or below its
-                                      least volume; 0: all */
+    double only_worse_than;        /* move only nodes of elements of RR above it, or below their
+                                      least volume, or not positive; 0: all. In planish_smooth:
+                                      visit only stars with such an element. In planish_plan_create:
+                                      only nodes that have one there are free, which makes the plan
+                                      as cheap as they are few */
+    int layers;                    /* and those of so many layers of elements around; for plans made
+                                      with only_worse_than, 0 .. 100. Around elements that are not
+                                      positive there are 4 at least */
     planish_progress_fn *progress; /* or NULL */
     void *progress_user;           /* handed to progress */
     planish_project_fn *project;   /* of nodes with PLANISH_ON_SURFACE; NULL: these stay */
@@ -276,7 +282,8 @@ typedef struct planish_plan_info {
 } planish_plan_info;
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
- *  free nodes. Uses threads, bind and isa of options (NULL: defaults). The plan refers to
+ *  free nodes. Uses threads, bind and isa of options (NULL: defaults), and only_worse_than,
+ *  layers and least volumes to choose the nodes. The plan refers to
  *  mesh->elements, which must stay as they are until planish_plan_destroy; the other arrays are not
  *  read after the return. Which order of an element is the positive one is
  * decided here, from these coordinates: for a mirrored copy of them make another plan. Nodes with

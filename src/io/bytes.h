@@ -16,8 +16,8 @@ int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *
  *  them until then. */
 void io_bytes_rest(const io_bytes *bytes);
 
-/** Whether nobody has written to a mapped file since it was opened, as far as its size and time tell.
- *  Error: _FILE. */
+/** Whether nobody has written to a mapped file since it was opened, as far as its size and time
+ * tell. Error: _FILE. */
 int io_bytes_check_unchanged(const io_bytes *bytes, planish_error *error);
 
 /** Whether fd leads to the mapped file itself. */

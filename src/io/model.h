@@ -21,8 +21,8 @@ typedef struct io_bytes {
 } io_bytes;
 
 typedef enum io_encoding {
-    IO_TEXT,      /* columns tokens apart by white space */
-    IO_FLOAT32,   /* binary, in the byte order of swapped */
+    IO_TEXT,    /* columns tokens apart by white space */
+    IO_FLOAT32, /* binary, in the byte order of swapped */
     IO_FLOAT64
 } io_encoding;
 
@@ -64,43 +64,43 @@ typedef struct io_group {
 
 /** Why the file holds a node, bits of io_model.hold. */
 enum {
-    IO_HELD_BY_LOWER = 1,    /* on an element of lower dimension that is not kept */
-    IO_HELD_BY_OTHER = 2,    /* on an element of a type that is not smoothed */
-    IO_HELD_REQUIRED = 4,    /* marked in the file */
-    IO_HELD_PERIODIC = 8,    /* one of a periodic pair */
-    IO_HELD_BY_LINE = 16,    /* on a line, */
+    IO_HELD_BY_LOWER = 1,     /* on an element of lower dimension that is not kept */
+    IO_HELD_BY_OTHER = 2,     /* on an element of a type that is not smoothed */
+    IO_HELD_REQUIRED = 4,     /* marked in the file */
+    IO_HELD_PERIODIC = 8,     /* one of a periodic pair */
+    IO_HELD_BY_LINE = 16,     /* on a line, */
     IO_HELD_BY_TRIANGLE = 32, /* on a triangle of a mesh of tetrahedra */
     IO_HELD_MARKED = 64       /* marked in a file that may mean no more than that it is on the
                                  boundary (VTK) */
 };
 
 typedef struct io_model {
-    io_bytes input;        /* holds the coordinates */
-    io_bytes *companion;   /* files beside the input, written along with it as they are (TetGen) */
+    io_bytes input;      /* holds the coordinates */
+    io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
     int n_companions;
     int threads;
     planish_precision precision; /* PLANISH_FLOAT: values are rounded to float */
-    int columns;           /* coordinates of a node in the file: 2 or 3 */
+    int columns;                 /* coordinates of a node in the file: 2 or 3 */
     int64_t n_nodes;
-    double *xyz;           /* [n_nodes][3] (z = 0 where columns is 2) */
-    int64_t *node_number;  /* [n_nodes] the file's numbers, or NULL: consecutive */
-    int64_t first_number;  /* of the nodes if node_number is NULL */
-    io_span *span;         /* [n_spans] */
+    double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2) */
+    int64_t *node_number; /* [n_nodes] the file's numbers, or NULL: consecutive */
+    int64_t first_number; /* of the nodes if node_number is NULL */
+    io_span *span;        /* [n_spans] */
     int64_t n_spans, span_capacity;
-    int64_t *text_offset;  /* [n_nodes] byte of the first coordinate, or NULL: no text spans */
-    uint8_t *hold;         /* [n_nodes] bits IO_HELD_... */
-    int32_t *node_entity;  /* [n_nodes] entity of the node (Medit: reference), or NULL */
+    int64_t *text_offset; /* [n_nodes] byte of the first coordinate, or NULL: no text spans */
+    uint8_t *hold;        /* [n_nodes] bits IO_HELD_... */
+    int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL */
     io_cells line, triangle, tetrahedron; /* lines of two nodes; in no order that means anything */
-    io_entity *entity;     /* [n_entities] */
+    io_entity *entity;                    /* [n_entities] */
     int32_t n_entities, entity_capacity;
-    int32_t *entity_slot;  /* [n_slots] hash table of the entities: index or -1 */
-    int32_t n_slots;       /* a power of two, or 0 */
-    io_group *group;       /* [n_groups] */
+    int32_t *entity_slot; /* [n_slots] hash table of the entities: index or -1 */
+    int32_t n_slots;      /* a power of two, or 0 */
+    io_group *group;      /* [n_groups] */
     int32_t n_groups, group_capacity;
     int64_t n_other, n_lower;
     /* Set by io_model_finish: */
     int dim;
-    double *coordinates;   /* [n_nodes][dim] as read; in 3-D this is xyz itself */
+    double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */
 } io_model;
 
 /* ---- for the readers (all return 0 or a negative planish_status with *error filled in) ----- */
@@ -142,9 +142,9 @@ void io_model_destroy(io_model *model);
 /* ---- the formats -------------------------------------------------------------------------- */
 
 typedef struct io_format {
-    const char *name;              /* as in --format and in messages */
-    const char *const *extensions; /* with the dot, NULL-terminated */
-    int (*recognise)(const char *data, int64_t size); /* by content: 1 sure, 0 no */
+    const char *name;                                   /* as in --format and in messages */
+    const char *const *extensions;                      /* with the dot, NULL-terminated */
+    int (*recognise)(const char *data, int64_t size);   /* by content: 1 sure, 0 no */
     int (*read)(io_model *model, planish_error *error); /* model->input is there */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */

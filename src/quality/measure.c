@@ -26,13 +26,22 @@ typedef struct pass {
     int64_t n_chunks;     /* at most MAX_CHUNKS */
     pl_ratio_sums *basic; /* [n_chunks] */
     pl_full_sums *full;   /* [n_chunks], or NULL: not wanted */
+    uint8_t *state;       /* [n_elements] PL_FINE, ..., or NULL: not wanted */
+    double limit2;        /* RR^2 above which an element is worse */
 } pass;
 
 static pass begin_pass(const pl_mesh_state *mesh) {
     int64_t blocks = mesh->n_elements / ((int64_t)PL_LANES * MAX_CHUNKS) + 1;
     int64_t chunk = blocks * PL_LANES > MIN_CHUNK ? blocks * PL_LANES : MIN_CHUNK;
     int64_t n_chunks = mesh->n_elements > 0 ? (mesh->n_elements - 1) / chunk + 1 : 0;
-    return (pass){mesh, chunk, n_chunks, NULL, NULL};
+    return (pass){.mesh = mesh, .chunk = chunk, .n_chunks = n_chunks};
+}
+
+static inline void put_states(const pass *p, const pl_block *b, int64_t first, int count) {
+    for (int l = 0; l < count; l++)
+        p->state[first + l] = (uint8_t)(b->valid[l] == 0           ? PL_INVERTED
+                                        : b->square[l] > p->limit2 ? PL_WORSE
+                                                                   : PL_FINE);
 }
 
 /** Evaluate elements begin .. end - 1 of the pass. */
@@ -51,6 +60,8 @@ PL_INLINE void evaluate_chunk(const pass *p, int64_t begin, int64_t end, const i
         if (!pl_block_is_certain(&b))
             pl_block_resolve(p->mesh, first, count, &b);
         pl_add_basic(&b, &basic);
+        if (!full && p->state)
+            put_states(p, &b, first, count);
         if (full) {
             pl_add_volumes(&b, &more);
             pl_add_measures(&b, &more);
@@ -111,6 +122,18 @@ void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, c
     p.basic = part;
     pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
     *sums = pl_total_basic(p.n_chunks, p.basic);
+}
+
+void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+                   const uint8_t *is_free, const double *coordinates, double limit, int threads,
+                   uint8_t *state) {
+    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates};
+    pl_ratio_sums part[MAX_CHUNKS];
+    pass p = begin_pass(&mesh);
+    p.basic = part;
+    p.state = state;
+    p.limit2 = limit * limit;
+    pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
 }
 
 /* ---- The public figures ------------------------------------------------------------------- */

@@ -36,4 +36,12 @@ void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, c
                          const uint8_t *is_free, const double *coordinates, int threads,
                          pl_ratio_sums *sums);
 
+/** Of an element. */
+enum { PL_FINE = 0, PL_WORSE = 1, PL_INVERTED = 2 };
+
+/** Tell the elements whose RR is above limit, or that are not positive: state [n_elements]. */
+void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+                   const uint8_t *is_free, const double *coordinates, double limit, int threads,
+                   uint8_t *state);
+
 #endif

@@ -48,7 +48,7 @@ static int is_passed(const work *w, int32_t node) {
     pl_from_to(s->dim, place(s, node), place(s, a), to_a);
     pl_from_to(s->dim, place(s, node), place(s, b), to_b);
     const double length = off_line(s, a, b, node, &off);
-    return pl_same_label(&r[0]->label, &r[1]->label) && pl_dot(to_a, to_b) < 0 &&
+    return pl_same_label(&r[0]->label, &r[1]->label) && pl_dot(3, to_a, to_b) < 0 &&
            off <= w->tolerance * length;
 }
 
@@ -76,7 +76,7 @@ static void find_ends(work *w) {
                 const int32_t node = w->ridges->ridge[i].node[j];
                 double v[3];
                 pl_from_to(s->dim, place(s, w->end[c][k - 1]), place(s, node), v);
-                const double far = pl_dot(v, v);
+                const double far = pl_dot(3, v, v);
                 if (far > w->most[c]) {
                     w->most[c] = far;
                     w->end[c][k] = node;

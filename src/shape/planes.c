@@ -114,10 +114,10 @@ static int are_coplanar(const work *w, int32_t a, int32_t b, int32_t c, int32_t 
     pl_cross(edge, to_c, over_c);
     pl_cross(edge, to_d, over_d);
     const double length = pl_length(edge), area_c = pl_length(over_c), area_d = pl_length(over_d);
-    if (!(length > 0 && area_c > 0 && area_d > 0) || !(pl_dot(over_c, over_d) < 0))
+    if (!(length > 0 && area_c > 0 && area_d > 0) || !(pl_dot(3, over_c, over_d) < 0))
         return 0;
-    const double off_d = fabs(pl_dot(over_c, to_d)) / area_c;
-    const double off_c = fabs(pl_dot(over_d, to_c)) / area_d;
+    const double off_d = fabs(pl_dot(3, over_c, to_d)) / area_c;
+    const double off_c = fabs(pl_dot(3, over_d, to_c)) / area_d;
     return off_d <= w->tolerance * (1 + area_d / area_c) &&
            off_c <= w->tolerance * (1 + area_c / area_d);
 }
@@ -197,10 +197,10 @@ static double farness(const pl_surface *s, const spread *p, int k, int32_t node)
     double v[3], line[3], across[3];
     pl_from_to(3, s->x + 3 * (int64_t)p->node[k - 1], s->x + 3 * (int64_t)node, v);
     if (k < 3)
-        return pl_dot(v, v);
+        return pl_dot(3, v, v);
     pl_from_to(3, s->x + 3 * (int64_t)p->node[1], s->x + 3 * (int64_t)p->node[2], line);
     pl_cross(line, v, across);
-    return pl_dot(across, across);
+    return pl_dot(3, across, across);
 }
 
 /** Number the classes in the order of their first facets. */
@@ -251,7 +251,7 @@ static void find_normals(const work *w, pl_planes *planes, const spread *spreads
         const int32_t p = planes->of_facet[i / 3];
         double v[3];
         pl_from_to(3, s->x + 3 * (int64_t)spreads[p].node[1], s->x + 3 * (int64_t)s->facet[i], v);
-        if (!(fabs(pl_dot(planes->normal + 3 * (int64_t)p, v)) <= w->tolerance))
+        if (!(fabs(pl_dot(3, planes->normal + 3 * (int64_t)p, v)) <= w->tolerance))
             is_plane[p] = 0;
     }
     for (int64_t i = 0; i < s->n_facets; i++)

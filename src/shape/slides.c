@@ -52,7 +52,7 @@ static int planes_agree(const decision *d, int32_t node, const double *direction
         double across[3];
         const double *normal = d->planes->normal + 3 * (int64_t)d->planes->of_facet[s->facet_of[i]];
         pl_cross(normal, direction, across);
-        if ((is_normal ? pl_length(across) : fabs(pl_dot(normal, direction))) > SAME_DIRECTION)
+        if ((is_normal ? pl_length(across) : fabs(pl_dot(3, normal, direction))) > SAME_DIRECTION)
             return 0;
     }
     return 1;

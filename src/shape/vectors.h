@@ -2,6 +2,8 @@
 #ifndef PL_SHAPE_VECTORS_H
 #define PL_SHAPE_VECTORS_H
 
+#include "geometry/simplex.h"
+
 #include <math.h>
 #include <stdint.h>
 
@@ -11,18 +13,8 @@ static inline void pl_from_to(int dim, const double *a, const double *b, double 
         v[d] = d < dim ? b[d] - a[d] : 0;
 }
 
-static inline double pl_dot(const double *a, const double *b) {
-    return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2];
-}
-
 static inline double pl_length(const double *v) {
-    return sqrt(pl_dot(v, v));
-}
-
-static inline void pl_cross(const double *a, const double *b, double *c) {
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
+    return sqrt(pl_dot(3, v, v));
 }
 
 /** The lowest member of i's class; parent [n] is that of each index, or itself. */

@@ -71,8 +71,6 @@ PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const do
 
 /* ---- the node ------------------------------------------------------------------------------ */
 
-/* A move shorter than this fraction of the star's size changes nothing for the stars around. */
-#define STILL 1e-4
 /* A star counts as improved where a visit made its function fall by more than this, relative. */
 #define IMPROVED 0.01
 
@@ -102,7 +100,8 @@ static inline void settle(const local *here, int32_t node, const double *x, doub
         moved2 += move * move;
         place[d] = x[d] * here->s.unscale;
     }
-    if (moved2 > STILL * STILL * size2)
+    const double still = here->problem->still;
+    if (moved2 > still * still * size2)
         tell_neighbours(here->problem, node, &here->s);
 }
 

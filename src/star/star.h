@@ -71,6 +71,8 @@ typedef struct pl_star_problem {
     uint8_t *changed;           /* [n_nodes] 1: the star of the node changed since its visit */
     planish_direction direction;
     double rr2_limit;           /* a move that makes an element's RR^2 larger is refused */
+    double still;               /* a move shorter than this fraction of the star's size changes
+                                   nothing for the stars around */
     double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */
     int to_float;               /* positions are rounded to float before they are judged */
     const pl_star_guard *guard; /* NULL: the sum of RR^2, volumes positive, no bounds */

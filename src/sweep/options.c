@@ -8,7 +8,10 @@
 #include <string.h>
 
 #define DEFAULT_TOLERANCE 1e-5 /* relative fall of the RMS per sweep that is not worth a sweep */
-enum { DEFAULT_MAX_SWEEPS = 200 };
+enum {
+    DEFAULT_MAX_SWEEPS = 200,
+    MOST_LAYERS = 100 /* select.c numbers them by bytes */
+};
 
 const char *planish_version(void) {
     return PLANISH_VERSION;
@@ -107,6 +110,10 @@ int pl_options_check(const planish_options *options, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.time_limit is %g; give seconds, or 0 for none",
                        options->time_limit);
+    if (options->layers < 0 || options->layers > MOST_LAYERS)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.layers is %d; give a number of layers, 0 to %d", options->layers,
+                       MOST_LAYERS);
     if (!(options->only_worse_than >= 0))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.only_worse_than is %g; give a radius ratio, or 0 for all stars",

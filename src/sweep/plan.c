@@ -25,6 +25,8 @@ typedef struct candidates {
 /** What plan creation needs only while it runs. */
 typedef struct draft {
     const planish_mesh *mesh;
+    const planish_options *options;
+    uint8_t *is_selected; /* [n] not 0: may be free; NULL: all may */
     pl_incidence incidence;
     pl_boundary boundary;
     int32_t *order;               /* [n] the caller's numbers along the curve */
@@ -44,17 +46,19 @@ static void draft_destroy(draft *d) {
     pl_boundary_destroy(&d->boundary);
     candidates_destroy(&d->interior);
     candidates_destroy(&d->sliding);
+    pl_free(d->is_selected);
     pl_free(d->order);
     pl_free(d->count);
 }
 
 /* ---- free nodes --------------------------------------------------------------------------- */
 
-/** A node can be free if it has elements, is not known to be on the boundary, and its constraint
- *  says so. */
+/** A node can be free if it has elements, is selected, is not known to be on the boundary, and its
+ *  constraint says so. */
 static int can_be_free(const draft *d, int64_t i, int used) {
     const uint8_t *constraint = d->mesh->constraint;
-    return used && (!constraint || constraint[i] == PLANISH_FREE) && !d->boundary.on_boundary[i];
+    return used && (!d->is_selected || d->is_selected[i]) &&
+           (!constraint || constraint[i] == PLANISH_FREE) && !d->boundary.on_boundary[i];
 }
 
 /** The work of find_candidates. */
@@ -100,6 +104,32 @@ static void find_candidates(planish_plan *plan, draft *d) {
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
 }
 
+/** Select the nodes that only_worse_than is about, with the boundary's sign. *all_positive: no
+ *  element was found that is not. */
+static int select_nodes(planish_plan *plan, draft *d, int *all_positive, planish_error *error) {
+    if (!d->is_selected)
+        d->is_selected = pl_alloc(plan->n_nodes, sizeof *d->is_selected);
+    if (!d->is_selected)
+        return pl_fail_memory(error, "the nodes of bad elements");
+    plan->is_selective = 1;
+    return pl_select(d->mesh, d->boundary.sign, d->options, plan->threads, d->is_selected,
+                     all_positive, error);
+}
+
+/** What the measures say of the orientation, and of which elements are bad, if that is asked for:
+ *  most often all are positive as they stand, and one look is enough. */
+static int look_at_measures(planish_plan *plan, draft *d, planish_error *error) {
+    const int selective = d->options->only_worse_than > 0;
+    int all_positive = 0, status = PLANISH_OK;
+    if (selective)
+        status = select_nodes(plan, d, &all_positive, error);
+    if (!status)
+        status = pl_boundary_create(d->mesh, all_positive, plan->threads, &d->boundary, error);
+    if (!status && selective && d->boundary.sign)
+        status = select_nodes(plan, d, &all_positive, error);
+    return status;
+}
+
 static int make_rings(planish_plan *plan, draft *d, planish_error *error) {
     find_candidates(plan, d);
     return pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free,
@@ -108,18 +138,22 @@ static int make_rings(planish_plan *plan, draft *d, planish_error *error) {
 }
 
 /** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then
- *  links tell which nodes are inside, and only the facets between others need to be looked at. */
+ *  links tell which nodes are inside, and only the facets between others need to be looked at:
+ * none, if only few nodes are asked for. */
 static int find_free(planish_plan *plan, draft *d, planish_error *error) {
-    int status = pl_boundary_create(d->mesh, plan->threads, &d->boundary, error);
-    const int guessed = !status && d->boundary.is_guess;
+    int status = PLANISH_OK, all_positive;
+    const int guessed = d->boundary.is_guess;
     if (guessed)
         status = make_rings(plan, d, error);
-    if (!status)
+    if (!status && !(guessed && d->is_selected))
         status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->is_free : NULL,
                                   plan->threads, &d->boundary, error);
     if (!status && !d->boundary.is_guess) {
         pl_rings_destroy(&d->interior.rings);
-        status = make_rings(plan, d, error);
+        if (d->is_selected)
+            status = select_nodes(plan, d, &all_positive, error);
+        if (!status)
+            status = make_rings(plan, d, error);
     }
     plan->sign = d->boundary.sign;
     d->boundary.sign = NULL;
@@ -285,7 +319,8 @@ static int prepare_sliding(planish_plan *plan, draft *d, planish_error *error) {
         return pl_fail_memory(error, "nodes that slide");
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         const int32_t node = d->order[i];
-        if (!slides(d->mesh, node) || !plan->is_used[node])
+        if (!slides(d->mesh, node) || !plan->is_used[node] ||
+            (d->is_selected && !d->is_selected[node]))
             continue;
         plan->is_free[node] = PL_SLIDES;
         c->node[c->n++] = node;
@@ -315,7 +350,9 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
     if (!plan->is_free || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
         !d->count)
         return pl_fail_memory(error, "nodes");
-    int status = pl_incidence_create(mesh, plan->threads, &d->incidence, error);
+    int status = look_at_measures(plan, d, error);
+    if (!status)
+        status = pl_incidence_create(mesh, plan->threads, &d->incidence, error);
     if (!status)
         status = pl_curve_order(mesh, plan->threads, d->order, error);
     if (!status)
@@ -410,8 +447,9 @@ static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planis
     return PLANISH_OK;
 }
 
-static int build(planish_plan *plan, const planish_mesh *mesh, planish_error *error) {
-    draft d = {.mesh = mesh};
+static int build(planish_plan *plan, const planish_mesh *mesh, const planish_options *options,
+                 planish_error *error) {
+    draft d = {.mesh = mesh, .options = options};
     int status = pl_validate_mesh(mesh, plan->threads, error);
     if (!status)
         status = copy_min_volumes(plan, mesh, error);
@@ -464,7 +502,7 @@ int planish_plan_create(const planish_mesh *mesh, const planish_options *options
     plan->n_elements = mesh->n_elements;
     plan->elements = mesh->elements;
     pl_placement_enter(placement);
-    status = build(plan, mesh, error);
+    status = build(plan, mesh, options, error);
     pl_placement_leave(placement);
     if (status) {
         planish_plan_destroy(plan);
@@ -499,6 +537,11 @@ void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {
         is_free[i] = plan->is_free[i] == PL_INTERIOR;
 }
 
+/* See pl_star_problem.still. Where only bad elements are mended, many of them stand at a boundary
+ * that cannot be: they are not looked at again for every tremor around. */
+#define STILL        1e-4
+#define STILL_OF_FEW 1e-2
+
 static pl_star_problem problem_of(const planish_plan *plan, const pl_visits *visits) {
     return (pl_star_problem){.coordinates = plan->coordinates,
                              .node = visits->centre,
@@ -507,7 +550,8 @@ static pl_star_problem problem_of(const planish_plan *plan, const pl_visits *vis
                              .link_offset = visits->stars.link_offset,
                              .link = visits->stars.link,
                              .changed = plan->changed,
-                             .rr2_limit = INFINITY};
+                             .rr2_limit = INFINITY,
+                             .still = plan->is_selective ? STILL_OF_FEW : STILL};
 }
 
 pl_star_problem pl_plan_problem(const planish_plan *plan) {

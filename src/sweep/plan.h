@@ -28,6 +28,7 @@ struct planish_plan {
     uint8_t *is_free;        /* [n] by the caller's numbers: PL_HELD, ... */
     uint8_t *is_used;        /* [n] likewise: by an element */
     int32_t *inner;          /* [n] inner number of each of the caller's nodes */
+    int is_selective;        /* only nodes of bad elements are free, see pl_select */
     pl_visits interior;      /* of the nodes that may go anywhere, */
     pl_visits sliding;       /* and of those that stay on a plane, line or surface: */
     pl_star_slide *slide;    /* [sliding.stars.n_stars] which; point is where a call starts */

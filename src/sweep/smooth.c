@@ -63,7 +63,8 @@ static void prepare_problem(pl_run *r) {
     r->problem = pl_plan_problem(plan);
     r->problem.direction = r->options->direction;
     r->problem.rr2_limit = (r->plain ? r->sums.max : r->totals.radius_max) * LIMIT_MARGIN;
-    r->problem.rr2_skip = worse * worse;
+    /* In layers around bad elements good stars are meant, too. */
+    r->problem.rr2_skip = plan->is_selective && r->options->layers > 0 ? 0 : worse * worse;
     r->problem.to_float = r->options->precision == PLANISH_FLOAT;
     r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
     memset(plan->changed, 1, (size_t)plan->n_nodes);

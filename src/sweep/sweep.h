@@ -15,6 +15,15 @@ int pl_options_check(const planish_options *options, planish_error *error);
 int pl_call_check(const planish_plan *plan, const double *coordinates,
                   const planish_options *options, planish_error *error);
 
+/* ---- select.c ------------------------------------------------------------------------------ */
+
+/** Choose the nodes that options->only_worse_than is about: is_selected [n] is filled with 0, or
+ *  not 0 for the nodes of elements whose RR is above it, that are below their least volume, or not
+ *  positive, and of layers of elements around these. sign: as in pl_boundary. *all_positive: no
+ *  element was found that is not. Errors: _MEMORY. */
+int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
+              int threads, uint8_t *is_selected, int *all_positive, planish_error *error);
+
 /* ---- sweep.c: one pass over the colours ---------------------------------------------------- */
 
 /** Asked after every colour (colours done so far): a result other than 0 ends the sweep there. */

@@ -94,13 +94,14 @@ static void count_facets(void *context, int32_t node, const pl_facet *facets, in
 
 /* ---- the boundary ------------------------------------------------------------------------- */
 
-int pl_boundary_create(const planish_mesh *mesh, int threads, pl_boundary *boundary,
-                       planish_error *error) {
+int pl_boundary_create(const planish_mesh *mesh, int all_positive, int threads,
+                       pl_boundary *boundary, planish_error *error) {
     *boundary = (pl_boundary){0};
     boundary->on_boundary = pl_alloc_zero(mesh->n_nodes, sizeof *boundary->on_boundary);
     if (!boundary->on_boundary)
         return pl_fail_memory(error, "the boundary");
-    int status = pl_orientation_guess(mesh, threads, boundary, error);
+    boundary->is_guess = all_positive;
+    int status = all_positive ? PLANISH_OK : pl_orientation_guess(mesh, threads, boundary, error);
     if (status)
         pl_boundary_destroy(boundary);
     return status;

@@ -48,10 +48,10 @@ typedef struct pl_boundary {
     int64_t n_reversed;           /* elements of sign -1 */
 } pl_boundary;
 
-/** Look at the measures: if all are positive, or all negative, sign is that for a guess. mesh is
- *  valid. */
-int pl_boundary_create(const planish_mesh *mesh, int threads, pl_boundary *boundary,
-                       planish_error *error);
+/** Look at the measures: if all are positive (all_positive: that is known), or all negative, sign
+ *  is that for a guess. mesh is valid. */
+int pl_boundary_create(const planish_mesh *mesh, int all_positive, int threads,
+                       pl_boundary *boundary, planish_error *error);
 
 /** Look at the facets. Orientation is combinatorial (docs/algorithm.md): inside a component of
  *  elements joined by facets of two elements (no duplicates), neighbours traverse their facet in

@@ -31,7 +31,8 @@ refuse "src/geometry/*" "$(includes "$(others base geometry)")" "geometry knows 
 refuse "src/topology/*" "$(includes "$(others base geometry topology)")" "topology knows base and geometry"
 refuse "src/star/*" "$(includes "$(others base geometry star)")" "star knows base and geometry"
 refuse "src/quality/*" "$(includes "$(others base geometry quality)")" "quality knows base and geometry"
-refuse "src/sweep/*" "$(includes "io")" "sweep does not know io"
+refuse "src/shape/*" "$(includes "$(others base geometry topology shape)")" "shape knows base, geometry and topology"
+refuse "src/sweep/*" "$(includes "io|shape")" "sweep knows neither io nor shape"
 refuse "src/io/*" "$(includes "$(others base io)")" "io knows base only"
 refuse "$(ls tools/*.[ch] | grep -v tools/output.c)" "$(includes "$(others base)")" \
     "the program knows public headers and base, and io's output to write its report"

@@ -95,7 +95,7 @@ done
 expect_status 0 "$program" smooth box.mesh -o one.mesh --slide auto --ignore-regions -q
 check box.mesh one.mesh
 for more in "--min-volume 0.09" "--objective mean-ratio" "--direction fletcher-reeves" \
-    "--max-displacement 0.5h" "--only-worse-than 1.6" "--max-sweeps 1"; do
+    "--max-displacement 0.5h" "--only-worse-than 1.4" "--max-sweeps 1"; do
     # shellcheck disable=SC2086 # options and their values
     expect_status 0 "$program" smooth box.mesh -o more.mesh --slide auto $more --json report.json
     check box.mesh more.mesh 3

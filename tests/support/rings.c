@@ -30,7 +30,7 @@ static void prepare(test_rings *rings, const planish_mesh *mesh, int threads) {
 void test_rings_create(test_rings *rings, const planish_mesh *mesh, int all, int threads) {
     pl_boundary boundary;
     prepare(rings, mesh, threads);
-    assert_int_equal(pl_boundary_create(mesh, threads, &boundary, NULL), PLANISH_OK);
+    assert_int_equal(pl_boundary_create(mesh, 0, threads, &boundary, NULL), PLANISH_OK);
     assert_int_equal(pl_boundary_find(mesh, &rings->incidence, NULL, threads, &boundary, NULL),
                      PLANISH_OK);
     int64_t n = list_nodes(rings, mesh->n_nodes, all ? NULL : boundary.on_boundary);

@@ -17,7 +17,7 @@
 static void create(const planish_mesh *mesh, int threads, pl_boundary *boundary) {
     pl_incidence incidence;
     assert_int_equal(pl_incidence_create(mesh, threads, &incidence, NULL), PLANISH_OK);
-    assert_int_equal(pl_boundary_create(mesh, threads, boundary, NULL), PLANISH_OK);
+    assert_int_equal(pl_boundary_create(mesh, 0, threads, boundary, NULL), PLANISH_OK);
     assert_int_equal(pl_boundary_find(mesh, &incidence, NULL, threads, boundary, NULL), PLANISH_OK);
     pl_incidence_destroy(&incidence);
 }
@@ -26,7 +26,7 @@ static void create(const planish_mesh *mesh, int threads, pl_boundary *boundary)
 static int create_by_links(const planish_mesh *mesh, int threads, pl_boundary *boundary) {
     test_rings rings;
     pl_rings links;
-    assert_int_equal(pl_boundary_create(mesh, threads, boundary, NULL), PLANISH_OK);
+    assert_int_equal(pl_boundary_create(mesh, 0, threads, boundary, NULL), PLANISH_OK);
     if (!boundary->is_guess) {
         pl_boundary_destroy(boundary);
         return 0;
@@ -559,7 +559,7 @@ static void survives_without_memory(void **state) {
         int status = PLANISH_ERROR_MEMORY, permitted = 0;
         for (; status; permitted++) {
             allocations_permit(permitted);
-            status = pl_boundary_create(&mesh.mesh, 1, &b, NULL);
+            status = pl_boundary_create(&mesh.mesh, 0, 1, &b, NULL);
             if (!status) {
                 status = pl_boundary_find(&mesh.mesh, &incidence, NULL, 1, &b, NULL);
                 if (status)

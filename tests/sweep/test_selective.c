@@ -1,0 +1,310 @@
+/* Plans made with only_worse_than: what they choose, and that nothing else moves. */
+#include "support/allocations.h"
+#include "support/meshes.h"
+
+#include "geometry/simplex.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { CELLS = 7 };
+
+static planish_options defaults(void) {
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = 1;
+    return options;
+}
+
+/** A run with a plan of its own. */
+typedef struct run {
+    double *coordinates; /* [n][dim] */
+    planish_plan_info info;
+    planish_result result;
+    planish_quality before, after;
+} run;
+
+static run smooth(const planish_mesh *mesh, const planish_options *options) {
+    run r;
+    planish_plan *plan;
+    planish_error error = {.text = ""};
+    const size_t bytes = (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
+    r.coordinates = malloc(bytes);
+    memcpy(r.coordinates, mesh->coordinates, bytes);
+    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), 0);
+    planish_plan_get_info(plan, &r.info);
+    assert_int_equal(planish_measure(plan, r.coordinates, &r.before, &error), 0);
+    assert_int_equal(planish_smooth(plan, r.coordinates, options, &r.result, &error), 0);
+    assert_int_equal(planish_measure(plan, r.coordinates, &r.after, &error), 0);
+    planish_plan_destroy(plan);
+    return r;
+}
+
+/** RR of an element; infinite if it is not positive. */
+static double ratio_of(const planish_mesh *mesh, int64_t element) {
+    const int dim = mesh->dim;
+    const int32_t *node = mesh->elements + element * (dim + 1);
+    const double *x[4] = {NULL};
+    for (int j = 0; j <= dim; j++)
+        x[j] = mesh->coordinates + (int64_t)node[j] * dim;
+    return pl_simplex_measure(dim, x) > 0 ? sqrt(pl_radius_ratio_square(dim, x)) : INFINITY;
+}
+
+/** chosen [n]: the nodes of elements worse than limit, and of layers around. */
+static void choose(const planish_mesh *mesh, double limit, int layers, uint8_t *chosen) {
+    const int corners = mesh->dim + 1;
+    memset(chosen, 0, (size_t)mesh->n_nodes);
+    for (int layer = 0; layer <= layers; layer++) {
+        uint8_t *next = malloc((size_t)mesh->n_nodes);
+        memcpy(next, chosen, (size_t)mesh->n_nodes);
+        for (int64_t i = 0; i < mesh->n_elements; i++) {
+            int any = layer == 0 && ratio_of(mesh, i) > limit;
+            for (int j = 0; layer > 0 && j < corners; j++)
+                any |= chosen[mesh->elements[i * corners + j]];
+            for (int j = 0; any && j < corners; j++)
+                next[mesh->elements[i * corners + j]] = 1;
+        }
+        memcpy(chosen, next, (size_t)mesh->n_nodes);
+        free(next);
+    }
+}
+
+static int is_inside(const planish_mesh *mesh, const double *original, int64_t node) {
+    int inside = 1;
+    for (int d = 0; d < mesh->dim; d++)
+        inside &= original[node * mesh->dim + d] != 0 && original[node * mesh->dim + d] != CELLS;
+    return inside;
+}
+
+/** Only chosen interior nodes move, and are the free ones. Returns how many moved. */
+static int64_t expect_chosen(const planish_mesh *mesh, const run *r, const uint8_t *chosen) {
+    const int dim = mesh->dim;
+    int64_t n = 0, moved = 0;
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const int same = memcmp(r->coordinates + i * dim, mesh->coordinates + i * dim,
+                                (size_t)dim * sizeof(double)) == 0;
+        const int free = chosen[i] && is_inside(mesh, mesh->coordinates, i);
+        n += free;
+        moved += !same;
+        assert_true(free || same);
+    }
+    assert_int_equal(r->info.n_free, n);
+    return moved;
+}
+
+static void bad_box(test_mesh *mesh, int dim) {
+    test_mesh_box(mesh, dim, CELLS);
+    test_mesh_perturb(mesh, 0.14, 12345);
+}
+
+static void only_nodes_of_bad_elements_move(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int layers = 0; layers < 3; layers++) {
+            test_mesh box;
+            planish_options options = defaults();
+            bad_box(&box, dim);
+            uint8_t *chosen = malloc((size_t)box.mesh.n_nodes);
+            options.only_worse_than = dim == 3 ? 1.8 : 1.4;
+            options.layers = layers;
+            choose(&box.mesh, options.only_worse_than, layers, chosen);
+            run r = smooth(&box.mesh, &options);
+            const int64_t moved = expect_chosen(&box.mesh, &r, chosen);
+            if (moved <= 3)
+                fail_msg("dim %d layers %d: %d of %d", dim, layers, (int)moved, (int)r.info.n_free);
+            assert_int_equal(r.after.inverted, 0);
+            assert_true(r.after.max_radius_ratio <= r.before.max_radius_ratio);
+            assert_true(r.after.rms_radius_ratio < r.before.rms_radius_ratio);
+            assert_int_equal(r.result.stop, PLANISH_STOP_CONVERGED);
+            assert_int_equal(r.info.n_unused, 0);
+            for (int threads = 2; threads < 4; threads++) {
+                options.threads = threads;
+                run s = smooth(&box.mesh, &options);
+                assert_memory_equal(r.coordinates, s.coordinates,
+                                    (size_t)(box.mesh.n_nodes * dim) * sizeof(double));
+                free(s.coordinates);
+            }
+            free(r.coordinates);
+            free(chosen);
+            test_mesh_destroy(&box);
+        }
+}
+
+static void nothing_bad_nothing_done(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_options options = defaults();
+    bad_box(&box, 3);
+    options.only_worse_than = 1e6;
+    run r = smooth(&box.mesh, &options);
+    assert_int_equal(r.info.n_free, 0);
+    assert_int_equal(r.result.moved_nodes, 0);
+    assert_int_equal(r.result.stop, PLANISH_STOP_CONVERGED);
+    free(r.coordinates);
+    test_mesh_destroy(&box);
+}
+
+/** Whatever the order of the elements. */
+static void orientation_does_not_matter(void **state) {
+    (void)state;
+    test_mesh plain;
+    planish_options options = defaults();
+    bad_box(&plain, 3);
+    options.only_worse_than = 1.8;
+    run expected = smooth(&plain.mesh, &options);
+    for (int which = 0; which < 2; which++) {
+        test_mesh box;
+        bad_box(&box, 3);
+        if (which)
+            test_mesh_reverse_some(&box, 3, 4);
+        else
+            for (int64_t i = 0; i < box.mesh.n_elements; i++)
+                test_mesh_reverse(&box, i);
+        run r = smooth(&box.mesh, &options);
+        assert_int_equal(r.info.n_free, expected.info.n_free);
+        assert_int_equal(r.before.inverted, 0);
+        assert_true(fabs(r.after.rms_radius_ratio / expected.after.rms_radius_ratio - 1) < 1e-6);
+        free(r.coordinates);
+        test_mesh_destroy(&box);
+    }
+    free(expected.coordinates);
+    test_mesh_destroy(&plain);
+}
+
+/** Tangled elements are mended, with four layers of room, where no ratio is bad. */
+static void tangles_are_chosen(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        planish_options options = defaults();
+        test_mesh_box(&box, dim, CELLS);
+        int64_t node = 0;
+        while (!is_inside(&box.mesh, box.coordinates, node))
+            node++;
+        for (int d = 0; d < dim; d++)
+            box.coordinates[node * dim + d] += 1.3;
+        uint8_t *chosen = malloc((size_t)box.mesh.n_nodes);
+        choose(&box.mesh, 1e6, 4, chosen);
+        options.only_worse_than = 1e5;
+        run r = smooth(&box.mesh, &options);
+        assert_true(r.before.inverted > 0);
+        assert_int_equal(r.after.inverted, 0);
+        assert_true(expect_chosen(&box.mesh, &r, chosen) > 0);
+        free(r.coordinates);
+        free(chosen);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Elements below their least volume are bad as well, by whatever that is given. */
+static void low_elements_are_chosen(void **state) {
+    (void)state;
+    test_mesh box;
+    bad_box(&box, 3);
+    double *least = calloc((size_t)box.mesh.n_elements, sizeof *least);
+    for (int which = 0; which < 3; which++) {
+        planish_options options = defaults();
+        planish_mesh mesh = box.mesh;
+        options.only_worse_than = 1e6;
+        if (which == 0)
+            options.min_volume = 0.1;
+        if (which == 1)
+            options.min_volume_fraction = 0.1 / (CELLS * CELLS * CELLS);
+        for (int64_t i = 0; which == 2 && i < mesh.n_elements; i++)
+            least[i] = 0.1;
+        mesh.min_volume = which == 2 ? least : NULL;
+        run r = smooth(&mesh, &options);
+        assert_true(r.info.n_free > 10 && r.info.n_free < 6 * 6 * 6);
+        assert_true(r.result.moved_nodes > 0);
+        free(r.coordinates);
+    }
+    free(least);
+    test_mesh_destroy(&box);
+}
+
+/** Nodes that slide are chosen like the others. */
+static void sliding_nodes_are_chosen_too(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_options options = defaults();
+    bad_box(&box, 3);
+    planish_mesh mesh = box.mesh;
+    const size_t n = (size_t)mesh.n_nodes;
+    uint8_t *constraint = malloc(n), *chosen = malloc(n);
+    double *direction = malloc(3 * n * sizeof *direction);
+    assert_int_equal(planish_find_slides(&mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
+    mesh.constraint = constraint;
+    mesh.direction = direction;
+    options.only_worse_than = 1.8;
+    choose(&mesh, 1.8, 0, chosen);
+    run r = smooth(&mesh, &options);
+    int64_t sliding = 0;
+    for (size_t i = 0; i < n; i++)
+        sliding += chosen[i] && constraint[i] >= PLANISH_ON_PLANE;
+    assert_true(sliding > 0);
+    assert_int_equal(r.info.n_sliding, sliding);
+    for (size_t i = 0; i < n; i++)
+        assert_true(chosen[i] || memcmp(r.coordinates + 3 * i, mesh.coordinates + 3 * i,
+                                        3 * sizeof(double)) == 0);
+    free(r.coordinates);
+    free(constraint);
+    free(chosen);
+    free(direction);
+    test_mesh_destroy(&box);
+}
+
+static void layers_are_checked(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan;
+    planish_error error;
+    planish_options options = defaults();
+    bad_box(&box, 2);
+    for (int layers = -1; layers < 102; layers += 102) {
+        options.layers = layers;
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        assert_non_null(strstr(error.text, "layers"));
+    }
+    test_mesh_destroy(&box);
+}
+
+static void memory_may_run_out(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_options options = defaults();
+    bad_box(&box, 3);
+    options.only_worse_than = 1.8;
+    options.min_volume = 0.01;
+    int failures = 0, status = PLANISH_ERROR_MEMORY;
+    for (; status == PLANISH_ERROR_MEMORY; failures++) {
+        planish_plan *plan = NULL;
+        allocations_permit(failures);
+        status = planish_plan_create(&box.mesh, &options, &plan, NULL);
+        allocations_permit(-1);
+        planish_plan_destroy(plan);
+    }
+    assert_int_equal(status, 0);
+    assert_true(failures > 20);
+    test_mesh_destroy(&box);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(only_nodes_of_bad_elements_move),
+        cmocka_unit_test(nothing_bad_nothing_done),
+        cmocka_unit_test(orientation_does_not_matter),
+        cmocka_unit_test(tangles_are_chosen),
+        cmocka_unit_test(low_elements_are_chosen),
+        cmocka_unit_test(sliding_nodes_are_chosen_too),
+        cmocka_unit_test(layers_are_checked),
+        cmocka_unit_test(memory_may_run_out),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
