@@ -215,7 +215,8 @@ int pl_job_count_slides(pl_job *job) {
     const size_t n = (size_t)job->mesh.n_nodes + 1;
     planish_slide_info info;
     int status = 0;
-    if (job->arguments->slide || job->options.method != PLANISH_METHOD_PLANISH)
+    if (job->arguments->slide || job->options.only_worse_than > 0 ||
+        job->options.method != PLANISH_METHOD_PLANISH)
         return 0;
     uint8_t *constraint = malloc(n), *is_inside = malloc(n);
     double *direction = new_directions(job);

@@ -240,10 +240,11 @@ static const char *set_fix(pl_arguments *arguments, const char *value) {
 }
 
 static const char *set_slide(pl_arguments *arguments, const char *value) {
-    arguments->slide = strcmp(value, "none") != 0;
-    if (!arguments->slide)
+    const int is_none = strcmp(value, "none") == 0;
+    arguments->slide = !is_none;
+    if (is_none || strcmp(value, "auto") == 0)
         arguments->n_slide_tags = 0;
-    else if (strcmp(value, "auto") != 0)
+    else
         arguments->slide_tag[arguments->n_slide_tags++] = value;
     return value[0] ? NULL : "must be auto, none, or a group's NAME, N or DIM:N";
 }
@@ -359,7 +360,7 @@ static const option_row option_table[] = {
      "once)"},
     {0, "slide-tolerance", "T", SMOOTH, set_slide_tolerance,
      "how far off a plane or line its nodes may be, times\nthe diagonal of the bounding box "
-     "(default 1e-8; 1e-6\nfor single precision)"},
+     "(default 1e-8, more\nfor files of few digits)"},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
      "move only nodes of elements whose radius ratio\nexceeds RR"},
     {0, "layers", "K", SMOOTH | OPTIMISES, set_layers,

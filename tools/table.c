@@ -41,7 +41,7 @@ static void row_mesh(FILE *stream, const pl_job *job) {
             job->arguments->input, job->file_info.format, job->mesh.n_elements,
             job->mesh.dim == 3 ? "tetrahedra" : "triangles", job->mesh.n_nodes,
             job->plan_info.n_free);
-    if (job->plan_info.n_sliding > 0)
+    if (job->arguments->slide)
         fprintf(stream, ", %" PRId64 " to slide", job->plan_info.n_sliding);
     else if (job->could_slide > 0)
         fprintf(stream, ", %" PRId64 " could slide (--slide auto)", job->could_slide);

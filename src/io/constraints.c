@@ -2,6 +2,7 @@
  * the least volumes of the elements of named groups.
  */
 #include "io/file.h"
+#include "io/text.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -132,7 +133,9 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
 }
 
 /* Single-precision coordinates have 24 bits: of a plane nodes may be off by so much of the size. */
-#define FLOAT_TOLERANCE 1e-6
+#define FLOAT_TOLERANCE    1e-6
+#define SMALLEST_TOLERANCE 1e-8
+#define LARGEST_TOLERANCE  1e-5
 
 /* ---- holding ------------------------------------------------------------------------------ */
 
@@ -241,6 +244,45 @@ int64_t planish_file_marks(const planish_file *file, uint8_t *marked) {
     return n;
 }
 
+/** Digits of the number that begins at text, but for leading zeros. */
+static int significant_digits(const char *text, const char *end) {
+    int digits = 0;
+    for (; text < end && (*text == '+' || *text == '-'); text++)
+        ;
+    for (; text < end && ((*text >= '0' && *text <= '9') || *text == '.'); text++)
+        digits += *text != '.' && (digits > 0 || *text != '0');
+    return digits;
+}
+
+/** How far nodes of a plane may be off it by the digits that the file gives them. Of text the
+ *  longest numbers of the first nodes tell; whole numbers and the like may be exact with few, so
+ *  that there is a limit. */
+static double tolerance_of_digits(const io_model *model) {
+    enum { LOOKED_AT_NODES = 4096 };
+    const char *end = model->input.data + model->input.size;
+    int most = 0;
+    if (model->precision == PLANISH_FLOAT)
+        return FLOAT_TOLERANCE;
+    for (int64_t i = 0; model->text_offset && i < model->n_nodes && i < LOOKED_AT_NODES; i++) {
+        io_cursor cursor = {model->input.data + model->text_offset[i], end};
+        for (int d = 0; d < model->columns; d++) {
+            io_skip_space(&cursor);
+            const int digits = significant_digits(cursor.at, end);
+            most = digits > most ? digits : most;
+            while (cursor.at < end && (unsigned char)*cursor.at > ' ')
+                cursor.at++;
+        }
+    }
+    if (most == 0)
+        return 0; /* the library's own */
+    double tolerance = 10;
+    for (int d = 0; d < most; d++)
+        tolerance /= 10;
+    return tolerance > LARGEST_TOLERANCE    ? LARGEST_TOLERANCE
+           : tolerance < SMALLEST_TOLERANCE ? 0
+                                            : tolerance;
+}
+
 planish_surface planish_file_surface(const planish_file *file, const planish_hold *hold) {
     const io_model *model = &file->model;
     const io_cells *facets = facet_cells(model);
@@ -250,7 +292,7 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
         .facets = facets->nodes,
         .facet_tag = facets->entity,
         .tagged_only = hold && hold->n_slide_tags > 0,
-        .tolerance = model->precision == PLANISH_FLOAT ? FLOAT_TOLERANCE : 0};
+        .tolerance = tolerance_of_digits(model)};
     if (model->dim == 3) {
         surface.n_edges = model->line.n;
         surface.edges = model->line.nodes;

@@ -104,6 +104,36 @@ expect_status 0 "$program" smooth slid.mesh -o none.mesh --slide auto --slide no
 expect_status 0 "$program" smooth box.mesh -o none.mesh --slide auto --slide none -q
 cmp -s none.mesh held.mesh || fail "--slide none should take --slide auto back"
 
+# Files of few digits: planes are as exact as these.
+python3 - <<'END' || exit 1
+import mesh_file
+rows = ((2, -2, 1), (1, 2, 2), (-2, -1, 2))
+mesh = mesh_file.read("box.mesh")
+for digits in (5, 6, 8, 17):
+    with open(f"turned{digits}.mesh", "w") as out:
+        print("MeshVersionFormatted 2 Dimension 3\nVertices", len(mesh.points), file=out)
+        for p in mesh.points:
+            print(*("%.*g" % (digits, mesh_file.dot(row, p) / 3) for row in rows), 0, file=out)
+        print("Tetrahedra", len(mesh.elements), file=out)
+        for e, r in zip(mesh.elements, mesh.regions):
+            print(*(n + 1 for n in e), r, file=out)
+        print("End", file=out)
+END
+for digits in 6 8 17; do
+    expect_status 0 "$program" smooth turned$digits.mesh -o out.mesh --slide auto --json report.json
+    expect_json "r['mesh']['sliding_nodes'] == 231"
+done
+expect_status 0 "$program" smooth turned5.mesh -o out.mesh --slide auto --slide-tolerance 1e-9 --json report.json
+expect_json "r['mesh']['sliding_nodes'] < 20"
+grep -q " to slide" out || fail "how many slide should be said, however few"
+expect_status 0 "$program" smooth turned5.mesh -o out.mesh --slide auto --slide-tolerance 1e-4 --json report.json
+expect_json "r['mesh']['sliding_nodes'] == 231"
+
+# How many could slide is said where it is true.
+expect_status 0 "$program" smooth box.mesh -o out.mesh --only-worse-than 1.4 --json report.json
+expect_json "r['mesh']['could_slide'] is None"
+grep -q "could slide" out && fail "not all of them could with --only-worse-than"
+
 # VTK's array "fixed": where it names all of the boundary it says no more than that; where it names
 # one node that one stays.
 expect_status 0 "$program" smooth box.vtk -o slid.vtk --slide auto --json report.json
@@ -127,6 +157,8 @@ expect_status 0 "$program" smooth "$sample" -o side.msh --slide 2:1 --json repor
 expect_json "r['mesh']['sliding_nodes'] > 0"
 cmp -s side.msh held.msh && fail "--slide 2:1 should move more"
 cmp -s side.msh slid.msh && fail "--slide 2:1 should move less"
+expect_status 0 "$program" smooth "$sample" -o last.msh --slide 2:1 --slide auto -q
+cmp -s last.msh slid.msh || fail "--slide auto should take back the groups before it"
 expect_status 0 "$program" smooth "$sample" -o fixed.msh --slide auto --fix skin -q
 cmp -s fixed.msh held.msh || fail "--fix should come before --slide"
 

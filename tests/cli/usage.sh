@@ -30,6 +30,7 @@ bad quality in.msh -v
 
 # Values: the whole word, in range, finite.
 for value in "" x 1x " 1" "1 " -1 +1 1.5 99999999999999999999 0x10; do
+    bad smooth in.msh -o out.msh --only-worse-than 2 --layers "$value"
     bad smooth in.msh -o out.msh --max-sweeps "$value"
     bad smooth in.msh -o out.msh --threads "$value"
 done
@@ -42,6 +43,8 @@ done
 bad smooth in.msh -o out.msh --tolerance -1e-9
 bad smooth in.msh -o out.msh --time-limit 0
 bad smooth in.msh -o out.msh --only-worse-than 0.5
+bad smooth in.msh -o out.msh --layers 1
+bad smooth in.msh -o out.msh --only-worse-than 2 --layers 101
 bad smooth in.msh -o out.msh --direction south
 bad smooth in.msh -o out.msh --format stl
 bad smooth in.msh -o out.msh --fix ""
