@@ -58,8 +58,9 @@ typedef struct planish_error {
 /** How a node may move. On the mesh's boundary only nodes that slide do. A node slides unless a
  * facet of more than two elements, a duplicate element or more than 21845 elements meet at it; it
  * does so while its elements are positive, and is held while they are untangled. Boundaries that
- * are planar around each sliding node, and straight along each line, keep their shape exactly;
- * interior nodes may slide as well. planish_find_slides finds such nodes. */
+ * are planar around each sliding node, and straight along each line, keep their shape, to the
+ * rounding of coordinates (of floats, with PLANISH_FLOAT); interior nodes may slide as well.
+ * planish_find_slides finds such nodes. */
 typedef enum planish_constraint {
     PLANISH_FREE = 0,      /* anywhere, if it is no node of the boundary */
     PLANISH_FIXED = 1,     /* nowhere */
@@ -97,8 +98,9 @@ typedef struct planish_surface {
     int64_t n_edges;
     const int32_t *edges;     /* [n_edges][2] 3-D: nodes of edges that are edges of the shape */
     const int32_t *edge_tag;  /* [n_edges], or NULL: all 0 */
-    const uint8_t *is_inside; /* [n_nodes] 1: known to be inside, so that no facet of the surface is
-                                 at it, as planish_plan_get_free says: that saves time. NULL: not
+    const uint8_t *is_inside; /* [n_nodes] 1: known to be at no facet of the surface, interfaces
+                                 among them: that saves time. The nodes of planish_plan_get_free are
+                                 so if none of them is at an interface or tagged facet. NULL: not
                                  known of any */
     int tagged_only;          /* not 0: only nodes all of whose facets bear tags slide */
     double tolerance;         /* how far off a plane or line its nodes may be, as a fraction of the

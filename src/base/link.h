@@ -42,11 +42,9 @@ static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position)
         link->high[i] = (uint8_t)(position >> 8);
 }
 
-/** Room for the links of n facets in all, of stars with at most max_link; 0, or -1 without memory.
- *  To be released in any case. places: as of pl_alloc_scattered. */
-static inline int pl_link_alloc(pl_link *link, int dim, int64_t n, int64_t max_link,
-                                int64_t places) {
-    const int wide = max_link > PL_BYTE_LINK;
+/** Room for the links of n facets in all, with high bytes if wide; 0, or -1 without memory. To be
+ *  released in any case. places: as of pl_alloc_scattered. */
+static inline int pl_link_alloc(pl_link *link, int dim, int64_t n, int wide, int64_t places) {
     const size_t size = (size_t)pl_link_positions(dim);
     link->low = pl_alloc_scattered(n, size, places);
     link->high = wide ? pl_alloc_scattered(n, size, places) : NULL;

@@ -119,6 +119,8 @@ static void number_lines(work *w, pl_lines *lines, int32_t *line_of) {
             line_of[c] = (int32_t)lines->n++;
         }
         lines->of_node[node] = line_of[c];
+        for (int j = 0; j < 2; j++)
+            lines->next[node][j] = other_end(&w->ridges->ridge[w->at[node][j]], node);
     }
 }
 
@@ -146,6 +148,7 @@ int pl_lines_create(const pl_surface *surface, const pl_ridges *ridges, double t
     work w = {.surface = surface, .ridges = ridges, .tolerance = tolerance};
     *lines = (pl_lines){0};
     lines->of_node = pl_alloc(surface->n_nodes, sizeof *lines->of_node);
+    lines->next = pl_alloc(surface->n_nodes, sizeof *lines->next);
     lines->direction = pl_alloc(n * 3, sizeof *lines->direction);
     w.at = pl_alloc(surface->n_nodes, sizeof *w.at);
     w.degree = pl_alloc_zero(surface->n_nodes, sizeof *w.degree);
@@ -153,8 +156,8 @@ int pl_lines_create(const pl_surface *surface, const pl_ridges *ridges, double t
     w.end = pl_alloc(n, sizeof *w.end);
     w.most = pl_alloc(n, sizeof *w.most);
     w.is_bent = pl_alloc_zero(n, sizeof *w.is_bent);
-    const int done = lines->of_node && lines->direction && w.at && w.degree && w.parent && w.end &&
-                     w.most && w.is_bent && make_lines(&w, lines) == 0;
+    const int done = lines->of_node && lines->next && lines->direction && w.at && w.degree &&
+                     w.parent && w.end && w.most && w.is_bent && make_lines(&w, lines) == 0;
     pl_free(w.at);
     pl_free(w.degree);
     pl_free(w.parent);
@@ -169,6 +172,7 @@ int pl_lines_create(const pl_surface *surface, const pl_ridges *ridges, double t
 
 void pl_lines_destroy(pl_lines *lines) {
     pl_free(lines->of_node);
+    pl_free(lines->next);
     pl_free(lines->direction);
     *lines = (pl_lines){0};
 }

@@ -39,8 +39,9 @@ int pl_ridges_of_plane_mesh(const pl_surface *surface, pl_ridges *ridges, planis
 /** Straight lines: chains of two or more ridges. */
 typedef struct pl_lines {
     int64_t n;
-    int32_t *of_node;  /* [n_nodes] the line that the node is inside of, or -1 */
-    double *direction; /* [n][3] of unit length */
+    int32_t *of_node;   /* [n_nodes] the line that the node is inside of, or -1 */
+    int32_t (*next)[2]; /* [n_nodes] its neighbours on that line */
+    double *direction;  /* [n][3] of unit length */
 } pl_lines;
 
 /** Find the lines that ridges make. A node is inside of one if two ridges of the same label meet

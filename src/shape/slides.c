@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "shape/vectors.h"
 #include "topology/topology.h"
 
 #include <inttypes.h>
@@ -13,8 +12,6 @@
 
 /* Without a tolerance of the caller's: this fraction of the diagonal, for doubles of 8 digits. */
 #define TOLERANCE 1e-8
-/* Directions that differ by less, as the sine of their angle, are the same. */
-#define SAME_DIRECTION 1e-3
 /* The largest there may be: beyond it much of any surface would be plane. */
 #define LARGEST_TOLERANCE 1e-3
 
@@ -44,15 +41,37 @@ static int has_planes(const decision *d, int32_t node) {
     return 1;
 }
 
-/** Whether the planes of all facets of a node hold the direction (is_normal: are at right angles to
- *  it): sheets may touch at a node without sharing an edge there. */
-static int planes_agree(const decision *d, int32_t node, const double *direction, int is_normal) {
+/** The plane of the i-th facet of a node. */
+static int32_t plane_at(const decision *d, int64_t i) {
+    return d->planes->of_facet[d->surface->facet_of[i]];
+}
+
+/** Whether all facets of a node are of one plane: other sheets may touch at it without sharing an
+ *  edge there. */
+static int has_one_plane(const decision *d, int32_t node) {
     const pl_surface *s = d->surface;
-    for (int64_t i = s->offset[node]; d->planes && i < s->offset[node + 1]; i++) {
-        double across[3];
-        const double *normal = d->planes->normal + 3 * (int64_t)d->planes->of_facet[s->facet_of[i]];
-        pl_cross(normal, direction, across);
-        if ((is_normal ? pl_length(across) : fabs(pl_dot(3, normal, direction))) > SAME_DIRECTION)
+    for (int64_t i = s->offset[node]; i < s->offset[node + 1]; i++)
+        if (plane_at(d, i) != plane_at(d, s->offset[node]))
+            return 0;
+    return 1;
+}
+
+static int has_node(const pl_surface *s, int32_t facet, int32_t node) {
+    const int32_t *v = s->facet + (int64_t)facet * 3;
+    return v[0] == node || v[1] == node || v[2] == node;
+}
+
+/** Whether the planes of all facets of a node hold its line: each has a facet at the line. */
+static int planes_hold_line(const decision *d, int32_t node) {
+    const pl_surface *s = d->surface;
+    const int64_t begin = s->offset[node], end = s->offset[node + 1];
+    const int32_t *next = d->lines->next[node];
+    for (int64_t i = begin; d->planes && i < end; i++) {
+        int holds = 0;
+        for (int64_t k = begin; k < end && !holds; k++)
+            holds = plane_at(d, k) == plane_at(d, i) &&
+                    (has_node(s, s->facet_of[k], next[0]) || has_node(s, s->facet_of[k], next[1]));
+        if (!holds)
             return 0;
     }
     return 1;
@@ -64,21 +83,32 @@ static planish_constraint decide(const decision *d, int32_t node, const double *
     if (d->is_fixed[s->node[node]] || !has_planes(d, node))
         return PLANISH_FIXED;
     if (d->lines->of_node[node] >= 0) {
-        const double *line = d->lines->direction + 3 * (int64_t)d->lines->of_node[node];
-        if (!planes_agree(d, node, line, 0))
+        if (!planes_hold_line(d, node))
             return PLANISH_FIXED;
-        *direction = line;
+        *direction = d->lines->direction + 3 * (int64_t)d->lines->of_node[node];
         return PLANISH_ON_LINE;
     }
     if (d->planes && d->n_ridges[node] == 0) {
-        const int32_t facet = s->facet_of[s->offset[node]];
-        const double *normal = d->planes->normal + 3 * (int64_t)d->planes->of_facet[facet];
-        if (!planes_agree(d, node, normal, 1))
+        if (!has_one_plane(d, node))
             return PLANISH_FIXED;
-        *direction = normal;
+        *direction = d->planes->normal + 3 * (int64_t)plane_at(d, s->offset[node]);
         return PLANISH_ON_PLANE;
     }
     return PLANISH_FIXED;
+}
+
+/** What the mesh says itself: nothing can fail any more. */
+static void begin_outputs(const decision *d) {
+    const planish_mesh *mesh = d->mesh;
+    const size_t n = (size_t)mesh->n_nodes, size = n * (size_t)mesh->dim * sizeof *d->direction;
+    if (!mesh->constraint)
+        memset(d->constraint, PLANISH_FREE, n);
+    else if (mesh->constraint != d->constraint)
+        memcpy(d->constraint, mesh->constraint, n);
+    if (!mesh->direction)
+        memset(d->direction, 0, size);
+    else if (mesh->direction != d->direction)
+        memcpy(d->direction, mesh->direction, size);
 }
 
 static void decide_all(const decision *d) {
@@ -123,6 +153,7 @@ static int find_shape(decision *d, const planish_surface *tags, const pl_surface
         d->planes = surface->dim == 3 ? &planes : NULL;
         d->lines = &lines;
         d->n_ridges = n_ridges;
+        begin_outputs(d);
         decide_all(d);
     }
     pl_free(n_ridges);
@@ -192,25 +223,24 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
                         uint8_t *constraint, double *direction, planish_slide_info *info,
                         planish_error *error) {
     planish_slide_info found = {0};
+    if (threads < 0 || threads > PL_MAX_THREADS)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
+                       PL_MAX_THREADS);
     if (!constraint || !direction)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
     const int used = pl_thread_count(threads);
     int status = pl_validate_mesh(mesh, used, error);
     if (!status)
         status = check_tags(mesh, surface, error);
+    for (int64_t i = 0; !status && mesh->constraint && i < mesh->n_nodes; i++)
+        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
+            status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                                "mesh.constraint of node %" PRId64
+                                " is %d; give a planish_constraint, 0 to %d",
+                                i, mesh->constraint[i], PLANISH_ON_SURFACE);
     if (status)
         return status;
-    const size_t n = (size_t)mesh->n_nodes;
-    if (!mesh->constraint)
-        memset(constraint, PLANISH_FREE, n);
-    else if (mesh->constraint != constraint)
-        memcpy(constraint, mesh->constraint, n);
-    if (direction != mesh->direction) {
-        if (mesh->direction)
-            memcpy(direction, mesh->direction, n * (size_t)mesh->dim * sizeof *direction);
-        else
-            memset(direction, 0, n * (size_t)mesh->dim * sizeof *direction);
-    }
     status = find_slides(mesh, surface, used, constraint, direction, &found, error);
     if (!status && info)
         *info = found;

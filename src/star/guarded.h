@@ -126,6 +126,8 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     derivatives derivative;
     to_star(&here, place, x, dim);
     objective now = look(&here, x, &derivative, dim);
+    if (here.slide.kind != PLANISH_FREE && !now.positive)
+        return; /* no facet of the surface can fold over only while the elements are positive */
     double size2 = derivative.size2;
     int restored = restoring_steps(&here, x, &now, &derivative, dim), moved = restored;
     const double before = now.sum;

@@ -30,6 +30,7 @@ typedef struct work {
     pl_local_map *maps;    /* [threads] the ring of one node */
     pl_small_ring *tables; /* [threads] the same, where it is small */
     int open;              /* links may be */
+    int wide;              /* positions need high bytes */
     int counting;          /* lengths are wanted, not nodes */
     int foretold_wrong;    /* a ring has another length than its room */
 } work;
@@ -252,7 +253,7 @@ static int is_large_closed(work *w, int thread, int32_t node) {
     const int64_t n = degree(w->incidence, node);
     star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
-    if (pl_link_alloc(&link, dim, n, n, 1) == 0)
+    if (pl_link_alloc(&link, dim, n, 1, 1) == 0)
         found = find_ring(w, dim, thread, node, link, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
@@ -283,10 +284,10 @@ static void make_room_for_open(void *context, int64_t begin, int64_t end, int th
             facets = 0;
         }
         w->rings->link_offset[r] = facets;
-        if (facets > BYTE_OPEN_LINK && facets <= PL_BYTE_LINK)
-            facets = PL_BYTE_LINK + 1;
         max_link = facets > max_link ? facets : max_link;
     }
+    if (max_link > BYTE_OPEN_LINK)
+        __atomic_store_n(&w->wide, 1, __ATOMIC_RELAXED);
     pl_raise_to(&w->rings->max_link, max_link);
 }
 
@@ -307,6 +308,8 @@ static void foretell_lengths(void *context, int64_t begin, int64_t end, int thre
         w->rings->offset[r] = w->mesh->dim == 3 ? length_of_sphere(facets) : facets;
         w->rings->link_offset[r] = facets;
     }
+    if (max_link > PL_BYTE_LINK)
+        __atomic_store_n(&w->wide, 1, __ATOMIC_RELAXED);
     pl_raise_to(&w->rings->max_link, max_link);
 }
 
@@ -362,7 +365,7 @@ static int fill(work *w, int threads) {
 static int make_room_for_links(const work *w, int threads) {
     pl_rings *rings = w->rings;
     const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->link_offset);
-    return pl_link_alloc(&rings->link, w->mesh->dim, total, rings->max_link, 1);
+    return pl_link_alloc(&rings->link, w->mesh->dim, total, w->wide, 1);
 }
 
 /** Count, fill. */

@@ -103,7 +103,8 @@ static int fill(work *w, int threads) {
     stars->ring = pl_alloc_scattered(n_ring, sizeof *stars->ring, w->n_colours);
     if (w->mesh->min_volume)
         stars->min_volume = pl_alloc_scattered(n_link, sizeof *stars->min_volume, w->n_colours);
-    if (pl_link_alloc(&stars->link, w->mesh->dim, n_link, stars->max_link, w->n_colours) != 0 ||
+    if (pl_link_alloc(&stars->link, w->mesh->dim, n_link, w->rings->link.high != NULL,
+                      w->n_colours) != 0 ||
         !stars->ring || (w->mesh->min_volume && !stars->min_volume))
         return -1;
     pl_parallel_for(threads, w->rings->n_rings, COPY_CHUNK, copy_chunk, w);

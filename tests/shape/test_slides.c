@@ -387,6 +387,35 @@ static void numbers_do_not_matter(void **state) {
     test_mesh_destroy(&plain);
 }
 
+/** Two bodies that touch at a node in the flat top of one and the flat bottom of the other, however
+ *  little that is tilted: no direction keeps both. */
+static void touching_sheets_stay(void **state) {
+    (void)state;
+    static const double corner[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+    for (double tilt = 5e-5; tilt < 1; tilt *= 10) {
+        double x[11][3] = {{0.2, 0, 0}, [5] = {0, 0, -1}, [10] = {0.2, 0, 1}};
+        int32_t elements[8][4];
+        for (int i = 0; i < 4; i++) {
+            const int next = (i + 1) % 4;
+            for (int d = 0; d < 2; d++) {
+                x[1 + i][d] = corner[i][d];
+                x[6 + i][d] = corner[i][d] + (d == 0 ? 0.2 : 0);
+            }
+            x[6 + i][2] = tilt * corner[i][0];
+            memcpy(elements[i], (int32_t[]){0, 1 + i, 1 + next, 5}, sizeof elements[i]);
+            memcpy(elements[4 + i], (int32_t[]){0, 6 + next, 6 + i, 10}, sizeof elements[i]);
+        }
+        const planish_mesh mesh = {.dim = 3,
+                                   .n_nodes = 11,
+                                   .n_elements = 8,
+                                   .coordinates = &x[0][0],
+                                   .elements = &elements[0][0]};
+        found f = find(&mesh, NULL);
+        assert_int_equal(f.constraint[0], PLANISH_FIXED);
+        release(&f);
+    }
+}
+
 static void garbage_does_no_harm(void **state) {
     (void)state;
     for (unsigned seed = 1; seed < 40; seed++)
@@ -435,9 +464,21 @@ static void wrong_arguments_are_refused(void **state) {
     expect_refusal(&box.mesh, &surface, "surface.tolerance");
     surface.tolerance = NAN;
     expect_refusal(&box.mesh, &surface, "surface.tolerance");
-    uint8_t constraint[27];
+    uint8_t constraint[27] = {0};
+    double direction[81];
     assert_int_equal(planish_find_slides(&box.mesh, NULL, 1, constraint, NULL, NULL, NULL),
                      PLANISH_ERROR_ARGUMENT);
+    for (int threads = -1; threads < 1026; threads += 1026)
+        assert_int_equal(
+            planish_find_slides(&box.mesh, NULL, threads, constraint, direction, NULL, NULL),
+            PLANISH_ERROR_ARGUMENT);
+    planish_mesh held = box.mesh;
+    planish_error error;
+    held.constraint = constraint;
+    constraint[7] = 5;
+    assert_int_equal(planish_find_slides(&held, NULL, 1, constraint, direction, NULL, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(error.node, 7);
     test_mesh_destroy(&box);
 }
 
@@ -447,13 +488,17 @@ static void memory_may_run_out(void **state) {
     test_mesh_box(&box, 3, 3);
     const int32_t edge[] = {0, 1};
     const planish_surface surface = {.n_edges = 1, .edges = edge};
-    uint8_t constraint[64];
+    uint8_t constraint[64], untouched[64];
     double direction[192];
     int failures = 0, status = PLANISH_ERROR_MEMORY;
+    memset(untouched, 77, sizeof untouched);
+    memset(constraint, 77, sizeof constraint);
     for (; status == PLANISH_ERROR_MEMORY; failures++) {
         allocations_permit(failures);
         status = planish_find_slides(&box.mesh, &surface, 1, constraint, direction, NULL, NULL);
         allocations_permit(-1);
+        if (status)
+            assert_memory_equal(constraint, untouched, sizeof untouched);
     }
     assert_int_equal(status, 0);
     assert_true(failures > 20);
@@ -471,6 +516,7 @@ int main(void) {
         cmocka_unit_test(curved_sides_stay),
         cmocka_unit_test(gentle_curves_are_no_planes),
         cmocka_unit_test(numbers_do_not_matter),
+        cmocka_unit_test(touching_sheets_stay),
         cmocka_unit_test(garbage_does_no_harm),
         cmocka_unit_test(wrong_arguments_are_refused),
         cmocka_unit_test(memory_may_run_out),

@@ -398,6 +398,89 @@ static void a_surface_is_asked_for(void **state) {
     box_destroy(&b);
 }
 
+/** Many pieces that share no more than a node on a line: its ring has more nodes than its link has
+ *  facets, and more than a byte can number before the link itself is that large. */
+static void separate_pieces_are_one_star(void **state) {
+    (void)state;
+    static const int pieces[] = {60, 85, 86, 100, 128, 129, 140, 170, 171, 200};
+    const planish_options options = defaults();
+    for (size_t k = 0; k < sizeof pieces / sizeof *pieces; k++) {
+        const int n = pieces[k];
+        const size_t n_nodes = 1 + 2 * (size_t)n;
+        double *x = calloc(2 * n_nodes, sizeof *x), direction[2] = {1, 0};
+        double *directions = calloc(2 * n_nodes, sizeof *x);
+        int32_t *elements = malloc(3 * (size_t)n * sizeof *elements);
+        uint8_t *constraint = malloc(n_nodes);
+        memset(constraint, PLANISH_FIXED, n_nodes);
+        constraint[0] = PLANISH_ON_LINE;
+        memcpy(directions, direction, sizeof direction);
+        x[0] = -0.5;
+        for (int i = 0; i < n; i++) {
+            for (int j = 0; j < 2; j++) {
+                const double angle = 6.283185307179586 * (i + 0.6 * j) / n;
+                x[2 * (1 + 2 * i + j)] = cos(angle);
+                x[2 * (1 + 2 * i + j) + 1] = sin(angle);
+                elements[3 * i + 1 + j] = 1 + 2 * i + j;
+            }
+            elements[3 * i] = 0;
+        }
+        /* The last piece is in the way to the middle. */
+        const double gate[] = {-0.2, -0.05, -0.2, 0.05};
+        memcpy(x + 2 * n_nodes - 4, gate, sizeof gate);
+        const planish_mesh mesh = {.dim = 2,
+                                   .n_nodes = (int64_t)n_nodes,
+                                   .n_elements = n,
+                                   .coordinates = x,
+                                   .elements = elements,
+                                   .constraint = constraint,
+                                   .direction = directions};
+        planish_plan *plan;
+        planish_plan_info info;
+        planish_result result;
+        assert_int_equal(planish_plan_create(&mesh, &options, &plan, NULL), 0);
+        planish_plan_get_info(plan, &info);
+        assert_int_equal(info.n_sliding, 1);
+        assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
+        assert_int_equal(result.inverted, 0);
+        assert_true(x[0] > -0.45 && x[0] < -0.2 && x[1] == 0);
+        planish_plan_destroy(plan);
+        free(x);
+        free(directions);
+        free(elements);
+        free(constraint);
+    }
+}
+
+/** While an element is not positive the node stays, least volume or not. */
+static void nodes_of_inverted_elements_stay(void **state) {
+    (void)state;
+    static const double valid[] = {-1, 0, 1, 0, 0, 2, -3, 2, 3, 2, 0, -1};
+    static const int32_t elements[] = {0, 1, 2, 0, 2, 3, 1, 4, 2, 5, 1, 0};
+    static const uint8_t constraint[] = {1, 1, 1, 1, 1, PLANISH_ON_LINE};
+    static const double direction[12] = {[11] = 1};
+    const planish_mesh mesh = {.dim = 2,
+                               .n_nodes = 6,
+                               .n_elements = 4,
+                               .coordinates = valid,
+                               .elements = elements,
+                               .constraint = constraint,
+                               .direction = direction};
+    for (int least = 0; least < 2; least++) {
+        planish_options options = defaults();
+        planish_plan *plan;
+        planish_result result;
+        double x[12];
+        options.min_volume = least ? 0.01 : 0;
+        memcpy(x, valid, sizeof x);
+        x[11] = 0.5;
+        assert_int_equal(planish_plan_create(&mesh, &options, &plan, NULL), 0);
+        assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
+        assert_int_equal(result.inverted, 1);
+        assert_true(x[10] == 0 && x[11] == 0.5);
+        planish_plan_destroy(plan);
+    }
+}
+
 /* ---- what cannot slide --------------------------------------------------------------------- */
 
 /** A node with a facet of more than two elements stays. */
@@ -467,6 +550,8 @@ int main(void) {
         cmocka_unit_test(sides_slide_alone),
         cmocka_unit_test(tangled_meshes_are_mended),
         cmocka_unit_test(a_surface_is_asked_for),
+        cmocka_unit_test(separate_pieces_are_one_star),
+        cmocka_unit_test(nodes_of_inverted_elements_stay),
         cmocka_unit_test(nonmanifold_nodes_stay),
         cmocka_unit_test(wrong_constraints_are_refused),
     };
