@@ -9,13 +9,13 @@ from matplotlib import pyplot  # noqa: E402
 import machine  # noqa: E402
 import results  # noqa: E402
 
-PHASES = ("read", "setup", "smooth", "write")
+PHASES = ("read", "setup", "shape", "smooth", "write")
 
 
 def growth_table(rows):
-    print("| tetrahedra | threads | read s | set-up s | smooth s | write s | total s | share % "
+    print("| tetrahedra | threads | read s | set-up s | shape s | smooth s | write s | total s | share % "
           "| sweeps | us per visit | total in sweeps' time | us per tetrahedron | peak B per tetrahedron |")
-    print("| --: | --: | --: | --: | --: | --: | --: | --- | --: | --: | --: | --: | --: |")
+    print("| --: | --: | --: | --: | --: | --: | --: | --: | --- | --: | --: | --: | --: | --: |")
     for row in rows:
         time = row["seconds"]
         shares = ", ".join(f"{time[phase] / time['total'] * 100:.0f}" for phase in PHASES)

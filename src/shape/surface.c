@@ -144,7 +144,8 @@ static int match(search *s, const pl_incidence *incidence, const uint8_t *elsewh
 /** Two rounds: one counts and finds the nodes, the other notes and looks only at these. */
 static int find_facets(search *s, int threads, planish_error *error) {
     pl_incidence incidence;
-    int status = pl_incidence_create(s->mesh, threads, &incidence, error);
+    int status = pl_incidence_create(s->mesh, s->tags ? s->tags->is_inside : NULL, threads,
+                                     &incidence, error);
     if (status)
         return status;
     status = match(s, &incidence, s->tags ? s->tags->is_inside : NULL, threads, error);

@@ -352,7 +352,7 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
         return pl_fail_memory(error, "nodes");
     int status = look_at_measures(plan, d, error);
     if (!status)
-        status = pl_incidence_create(mesh, plan->threads, &d->incidence, error);
+        status = pl_incidence_create(mesh, NULL, plan->threads, &d->incidence, error);
     if (!status)
         status = pl_curve_order(mesh, plan->threads, d->order, error);
     if (!status)

@@ -27,12 +27,14 @@ typedef struct pair {
 /** The sort. Bucket b holds the nodes b << bits .. */
 typedef struct sort {
     const planish_mesh *mesh;
+    const uint8_t *unasked; /* [n] or NULL */
     pl_incidence *incidence;
     int bits;
     int64_t n_buckets, chunk, n_chunks;
     int64_t *begin; /* [n_buckets * n_chunks + 1] first pair of chunk c in bucket b, at b * n_chunks
                        + c; counts at first */
-    pair *pairs;    /* [m * k] bucket by bucket */
+    pair *pairs;    /* [n_pairs] bucket by bucket */
+    int64_t n_pairs;
 } sort;
 
 static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -40,19 +42,23 @@ static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
     int64_t nodes_per_element = s->mesh->dim + 1;
     int64_t count[MAX_BUCKETS] = {0};
     (void)thread;
-    for (int64_t i = begin * nodes_per_element; i < end * nodes_per_element; i++)
-        count[s->mesh->elements[i] >> s->bits]++;
+    for (int64_t i = begin * nodes_per_element; i < end * nodes_per_element; i++) {
+        const int32_t node = s->mesh->elements[i];
+        count[node >> s->bits] += !(s->unasked && s->unasked[node]);
+    }
     for (int64_t b = 0; b < s->n_buckets; b++)
         s->begin[b * s->n_chunks + begin / s->chunk] = count[b];
 }
 
-static inline void deal(sort *s, int dim, int64_t begin, int64_t end) {
+static inline void deal(sort *s, int dim, const uint8_t *unasked, int64_t begin, int64_t end) {
     int64_t place[MAX_BUCKETS];
     for (int64_t b = 0; b < s->n_buckets; b++)
         place[b] = s->begin[b * s->n_chunks + begin / s->chunk];
     for (int64_t i = begin; i < end; i++)
         for (int j = 0; j <= dim; j++) {
             int32_t node = s->mesh->elements[i * (dim + 1) + j];
+            if (unasked && unasked[node])
+                continue;
             s->pairs[place[node >> s->bits]++] = (pair){node, (int32_t)i};
         }
 }
@@ -60,10 +66,12 @@ static inline void deal(sort *s, int dim, int64_t begin, int64_t end) {
 static void deal_chunk(void *context, int64_t begin, int64_t end, int thread) {
     sort *s = context;
     (void)thread;
-    if (s->mesh->dim == 3)
-        deal(s, 3, begin, end);
+    if (s->unasked)
+        deal(s, s->mesh->dim, s->unasked, begin, end);
+    else if (s->mesh->dim == 3)
+        deal(s, 3, NULL, begin, end);
     else
-        deal(s, 2, begin, end);
+        deal(s, 2, NULL, begin, end);
 }
 
 /** Sort the pairs of one bucket: the offsets become the ends of the lists, and move to their
@@ -87,32 +95,35 @@ static void sort_bucket(void *context, int64_t bucket, int64_t unused, int threa
         s->incidence->element[--offset[s->pairs[i].node]] = s->pairs[i].element;
 }
 
-static void run(sort *s, int threads) {
-    int64_t m = s->mesh->n_elements;
+/** Count, make room, deal, sort; -1 without memory. */
+static int run(sort *s, int threads) {
+    const int64_t m = s->mesh->n_elements;
     pl_parallel_for(threads, m, s->chunk, count_chunk, s);
-    pl_prefix_sum(threads, s->n_buckets * s->n_chunks, s->begin);
+    s->n_pairs = pl_prefix_sum(threads, s->n_buckets * s->n_chunks, s->begin);
+    s->pairs = pl_alloc(s->n_pairs, sizeof *s->pairs);
+    s->incidence->element = pl_alloc(s->n_pairs, sizeof *s->incidence->element);
+    if (!s->pairs || !s->incidence->element)
+        return -1;
     pl_parallel_for(threads, m, s->chunk, deal_chunk, s);
     pl_parallel_for(threads, s->n_buckets, 1, sort_bucket, s);
-    s->incidence->offset[s->mesh->n_nodes] = m * (s->mesh->dim + 1);
+    s->incidence->offset[s->mesh->n_nodes] = s->n_pairs;
+    return 0;
 }
 
-int pl_incidence_create(const planish_mesh *mesh, int threads, pl_incidence *incidence,
-                        planish_error *error) {
-    int64_t n = mesh->n_nodes, m = mesh->n_elements, n_pairs = m * (mesh->dim + 1);
-    sort s = {.mesh = mesh, .incidence = incidence, .bits = MIN_BUCKET_BITS};
+int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
+                        pl_incidence *incidence, planish_error *error) {
+    const int64_t n = mesh->n_nodes, m = mesh->n_elements;
+    sort s = {.mesh = mesh, .unasked = unasked, .incidence = incidence, .bits = MIN_BUCKET_BITS};
+    *incidence = (pl_incidence){0};
     while ((n - 1) >> s.bits >= MAX_BUCKETS)
         s.bits++;
     s.n_buckets = ((n - 1) >> s.bits) + 1;
     s.chunk = m / MAX_CHUNKS + 1 > MIN_CHUNK ? m / MAX_CHUNKS + 1 : MIN_CHUNK;
     s.n_chunks = (m - 1) / s.chunk + 1;
     s.begin = pl_alloc(s.n_buckets * s.n_chunks + 1, sizeof *s.begin);
-    s.pairs = pl_alloc(n_pairs, sizeof *s.pairs);
     incidence->offset = pl_alloc(n + 1, sizeof *incidence->offset);
-    incidence->element = pl_alloc(n_pairs, sizeof *incidence->element);
     int status = PLANISH_OK;
-    if (s.begin && s.pairs && incidence->offset && incidence->element) {
-        run(&s, threads);
-    } else {
+    if (!s.begin || !incidence->offset || run(&s, threads) != 0) {
         pl_incidence_destroy(incidence);
         status = pl_fail_memory(error, "the elements of the nodes");
     }

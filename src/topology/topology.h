@@ -23,14 +23,15 @@ int pl_validate_coordinates(const double *coordinates, int64_t n_nodes, int dim,
 
 /* ---- incidence.c: the elements of every node ---------------------------------------------- */
 
-/** Elements of each node, compressed, ascending. */
+/** Elements of each node that is asked for, compressed, ascending. */
 typedef struct pl_incidence {
     int64_t *offset;  /* [n + 1] */
     int32_t *element; /* [offset[n]] */
 } pl_incidence;
 
-int pl_incidence_create(const planish_mesh *mesh, int threads, pl_incidence *incidence,
-                        planish_error *error);
+/** unasked [n]: not 0 for nodes whose list shall be empty; NULL: for none. */
+int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
+                        pl_incidence *incidence, planish_error *error);
 void pl_incidence_destroy(pl_incidence *incidence);
 
 /* ---- boundary.c: facets, boundary nodes, orientation -------------------------------------- */

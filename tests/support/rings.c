@@ -24,7 +24,7 @@ static void prepare(test_rings *rings, const planish_mesh *mesh, int threads) {
     *rings = (test_rings){.is_free = pl_alloc(mesh->n_nodes, 1),
                           .node = pl_alloc(mesh->n_nodes, sizeof *rings->node)};
     assert_true(rings->is_free && rings->node);
-    assert_int_equal(pl_incidence_create(mesh, threads, &rings->incidence, NULL), PLANISH_OK);
+    assert_int_equal(pl_incidence_create(mesh, NULL, threads, &rings->incidence, NULL), PLANISH_OK);
 }
 
 void test_rings_create(test_rings *rings, const planish_mesh *mesh, int all, int threads) {

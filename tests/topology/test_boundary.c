@@ -16,7 +16,7 @@
 
 static void create(const planish_mesh *mesh, int threads, pl_boundary *boundary) {
     pl_incidence incidence;
-    assert_int_equal(pl_incidence_create(mesh, threads, &incidence, NULL), PLANISH_OK);
+    assert_int_equal(pl_incidence_create(mesh, NULL, threads, &incidence, NULL), PLANISH_OK);
     assert_int_equal(pl_boundary_create(mesh, 0, threads, boundary, NULL), PLANISH_OK);
     assert_int_equal(pl_boundary_find(mesh, &incidence, NULL, threads, boundary, NULL), PLANISH_OK);
     pl_incidence_destroy(&incidence);
@@ -555,7 +555,7 @@ static void survives_without_memory(void **state) {
             test_mesh_box(&mesh, 3, 2);
         else
             test_mesh_garbage(&mesh, 3, 6, 40, seed);
-        assert_int_equal(pl_incidence_create(&mesh.mesh, 1, &incidence, NULL), PLANISH_OK);
+        assert_int_equal(pl_incidence_create(&mesh.mesh, NULL, 1, &incidence, NULL), PLANISH_OK);
         int status = PLANISH_ERROR_MEMORY, permitted = 0;
         for (; status; permitted++) {
             allocations_permit(permitted);

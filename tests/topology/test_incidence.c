@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <setjmp.h>
+#include <stdlib.h>
 #include <string.h>
 #include <cmocka.h>
 
@@ -18,7 +19,7 @@ static void two_tetrahedra(void **state) {
     test_mesh mesh;
     pl_incidence incidence;
     test_mesh_create(&mesh, 3, 6, NULL, 2, elements); /* node 5 is unused */
-    assert_int_equal(pl_incidence_create(&mesh.mesh, 1, &incidence, NULL), PLANISH_OK);
+    assert_int_equal(pl_incidence_create(&mesh.mesh, NULL, 1, &incidence, NULL), PLANISH_OK);
     assert_memory_equal(incidence.offset, offset, sizeof offset);
     assert_memory_equal(incidence.element, element, sizeof element);
     pl_incidence_destroy(&incidence);
@@ -53,17 +54,46 @@ static void large_meshes(void **state) {
         pl_incidence first, other;
         test_mesh_box(&mesh, dim, dim == 3 ? 16 : 100);
         test_mesh_renumber(&mesh, 5, NULL);
-        assert_int_equal(pl_incidence_create(&mesh.mesh, 1, &first, NULL), PLANISH_OK);
+        assert_int_equal(pl_incidence_create(&mesh.mesh, NULL, 1, &first, NULL), PLANISH_OK);
         check(&mesh.mesh, &first);
         size_t n_offset = (size_t)(mesh.mesh.n_nodes + 1) * sizeof *first.offset;
         size_t n_element = (size_t)mesh.mesh.n_elements * (size_t)(dim + 1) * sizeof(int32_t);
         for (int threads = 2; threads <= 5; threads++) {
-            assert_int_equal(pl_incidence_create(&mesh.mesh, threads, &other, NULL), PLANISH_OK);
+            assert_int_equal(pl_incidence_create(&mesh.mesh, NULL, threads, &other, NULL),
+                             PLANISH_OK);
             assert_memory_equal(first.offset, other.offset, n_offset);
             assert_memory_equal(first.element, other.element, n_element);
             pl_incidence_destroy(&other);
         }
         pl_incidence_destroy(&first);
+        test_mesh_destroy(&mesh);
+    }
+}
+
+/** Lists that nobody asks for are empty, and the others the same. */
+static void some_lists(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh mesh;
+        pl_incidence all, some;
+        unsigned random = 3;
+        test_mesh_box(&mesh, dim, dim == 3 ? 12 : 60);
+        test_mesh_renumber(&mesh, 5, NULL);
+        const int64_t n = mesh.mesh.n_nodes;
+        uint8_t *unasked = malloc((size_t)n);
+        for (int64_t i = 0; i < n; i++)
+            unasked[i] = test_random(&random) < 0.6 ? 2 : 0;
+        assert_int_equal(pl_incidence_create(&mesh.mesh, NULL, 2, &all, NULL), PLANISH_OK);
+        assert_int_equal(pl_incidence_create(&mesh.mesh, unasked, 2, &some, NULL), PLANISH_OK);
+        for (int64_t i = 0; i < n; i++) {
+            const int64_t length = some.offset[i + 1] - some.offset[i];
+            assert_int_equal(length, unasked[i] ? 0 : all.offset[i + 1] - all.offset[i]);
+            assert_memory_equal(some.element + some.offset[i], all.element + all.offset[i],
+                                (size_t)length * sizeof *some.element);
+        }
+        pl_incidence_destroy(&all);
+        pl_incidence_destroy(&some);
+        free(unasked);
         test_mesh_destroy(&mesh);
     }
 }
@@ -74,7 +104,7 @@ static void many_nodes(void **state) {
     test_mesh mesh;
     pl_incidence incidence;
     test_mesh_garbage(&mesh, 2, 1100000, 2000, 3);
-    assert_int_equal(pl_incidence_create(&mesh.mesh, 3, &incidence, NULL), PLANISH_OK);
+    assert_int_equal(pl_incidence_create(&mesh.mesh, NULL, 3, &incidence, NULL), PLANISH_OK);
     check(&mesh.mesh, &incidence);
     pl_incidence_destroy(&incidence);
     test_mesh_destroy(&mesh);
@@ -88,7 +118,7 @@ static void survives_without_memory(void **state) {
     int status = PLANISH_ERROR_MEMORY;
     for (int permitted = 0; status; permitted++) {
         allocations_permit(permitted);
-        status = pl_incidence_create(&mesh.mesh, 2, &incidence, NULL);
+        status = pl_incidence_create(&mesh.mesh, NULL, 2, &incidence, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
         assert_true(status == (permitted < 4 ? PLANISH_ERROR_MEMORY : PLANISH_OK));
@@ -101,6 +131,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_tetrahedra),
         cmocka_unit_test(large_meshes),
+        cmocka_unit_test(some_lists),
         cmocka_unit_test(many_nodes),
         cmocka_unit_test(survives_without_memory),
     };
