@@ -9,7 +9,7 @@
 
 #include <planish/planish.h>
 
-/* Both functions take, with n nodes and m elements: elements [m][dim + 1], node numbers in range;
+/* The functions take, with n nodes and m elements: elements [m][dim + 1], node numbers in range;
  * sign [m], +1 or -1 so that sign * measure is positive in a valid mesh, or NULL: all +1;
  * is_free [n], 1: the node may move; coordinates [n][dim]. */
 
