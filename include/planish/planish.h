@@ -359,6 +359,9 @@ typedef struct planish_result {
     int64_t visits;          /* local problems looked at */
     int64_t moved_nodes;     /* nodes that are not where they were */
     double max_displacement; /* the farthest of them, in units of the coordinates */
+    int64_t put_back;        /* times that a node went back to its start, because its elements had
+                                a smaller angle than the mesh before; F may have risen there, but
+                                not above that at the start */
     int64_t inverted;        /* elements that are not positive at the end */
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
@@ -382,7 +385,8 @@ typedef struct planish_result {
 /** Smooth coordinates [n_nodes][dim] in place, after untangling them where need be.
  *  Promised: only free nodes move, and within their bounds; no more elements are inverted than
  *  were; in a mesh without inverted elements none is, and no element gets a worse RR than the worst
- * of the input, unless elements were brought above their least volume; F never rises once no
+ * of the input, nor (with RR as objective) a smaller angle than the smallest, dihedral in 3-D,
+ * unless elements were brought above their least volume; F never rises once no
  * element is inverted or below its least volume; the same bits for any number of threads, any isa
  * and compiler (gcc and clang are tested). Not promised: that every mesh that could be made valid
  * is. Stars with an element that is left not positive stay as they are; those with an element below

@@ -8,4 +8,11 @@
 #define PL_INLINE static inline
 #endif
 
+/* What is seldom done stays out of the way of what is done often. */
+#if defined(__GNUC__)
+#define PL_NOINLINE static __attribute__((noinline))
+#else
+#define PL_NOINLINE static
+#endif
+
 #endif

@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/angle.h"
 #include "quality/measure_block.h"
 #include "quality/measure_sums.h"
 
@@ -27,7 +28,10 @@ typedef struct pass {
     pl_ratio_sums *basic; /* [n_chunks] */
     pl_full_sums *full;   /* [n_chunks], or NULL: not wanted */
     uint8_t *state;       /* [n_elements] PL_FINE, ..., or NULL: not wanted */
-    double limit2;        /* RR^2 above which an element is worse */
+    double limit2;        /* RR^2 above which an element is worse, */
+    double acute_limit;   /* or the acuteness of an angle, */
+    double blunt;         /* and RR^2 up to which it has no such angle */
+    int64_t acuteness;    /* bits of the largest so far; shared */
 } pass;
 
 static pass begin_pass(const pl_mesh_state *mesh) {
@@ -37,19 +41,48 @@ static pass begin_pass(const pl_mesh_state *mesh) {
     return (pass){.mesh = mesh, .chunk = chunk, .n_chunks = n_chunks};
 }
 
-static inline void put_states(const pass *p, const pl_block *b, int64_t first, int count) {
-    for (int l = 0; l < count; l++)
-        p->state[first + l] = (uint8_t)(b->valid[l] == 0           ? PL_INVERTED
-                                        : b->square[l] > p->limit2 ? PL_WORSE
-                                                                   : PL_FINE);
+/** The largest acuteness that is known by now, whichever chunk it is of: doubles that are not
+ *  negative are ordered as their bits are. */
+static double largest_so_far(const pass *p) {
+    const int64_t bits = __atomic_load_n(&p->acuteness, __ATOMIC_RELAXED);
+    double acuteness;
+    memcpy(&acuteness, &bits, sizeof acuteness);
+    return acuteness;
+}
+
+/** Take in the angles of lanes whose RR^2 is above *blunt: the others have none smaller than the
+ *  smallest so far. */
+static void take_angles(pass *p, const pl_block *b, double *blunt, const int dim) {
+    for (int l = 0; l < PL_LANES; l++) {
+        if (b->valid[l] == 0 || b->square[l] <= *blunt)
+            continue;
+        const double acuteness = pl_block_acuteness(b, l, dim);
+        int64_t bits;
+        memcpy(&bits, &acuteness, sizeof bits);
+        pl_raise_to(&p->acuteness, bits);
+        *blunt = pl_blunt_ratio_square(dim, largest_so_far(p));
+    }
+}
+
+static inline void put_states(const pass *p, const pl_block *b, int64_t first, int count,
+                              const int dim) {
+    for (int l = 0; l < count; l++) {
+        uint8_t state = PL_FINE;
+        if (b->valid[l] == 0)
+            state = PL_INVERTED;
+        else if (b->square[l] > p->limit2 ||
+                 (b->square[l] > p->blunt && pl_block_acuteness(b, l, dim) > p->acute_limit))
+            state = PL_WORSE;
+        p->state[first + l] = state;
+    }
 }
 
 /** Evaluate elements begin .. end - 1 of the pass. */
-PL_INLINE void evaluate_chunk(const pass *p, int64_t begin, int64_t end, const int dim,
-                              const int full) {
+PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim, const int full) {
     pl_basic_lanes basic;
     pl_full_lanes more;
     pl_block b;
+    double blunt = pl_blunt_ratio_square(dim, largest_so_far(p));
     memset(&basic, 0, sizeof basic);
     if (full)
         pl_clear_full(&more);
@@ -60,8 +93,10 @@ PL_INLINE void evaluate_chunk(const pass *p, int64_t begin, int64_t end, const i
         if (!pl_block_is_certain(&b))
             pl_block_resolve(p->mesh, first, count, &b);
         pl_add_basic(&b, &basic);
+        if (!full && pl_block_largest_square(&b) > blunt)
+            take_angles(p, &b, &blunt, dim);
         if (!full && p->state)
-            put_states(p, &b, first, count);
+            put_states(p, &b, first, count, dim);
         if (full) {
             pl_add_volumes(&b, &more);
             pl_add_measures(&b, &more);
@@ -73,7 +108,7 @@ PL_INLINE void evaluate_chunk(const pass *p, int64_t begin, int64_t end, const i
         pl_reduce_full(&more, &p->full[begin / p->chunk]);
 }
 
-PL_INLINE void inline_chunk(const pass *p, int64_t begin, int64_t end) {
+PL_INLINE void inline_chunk(pass *p, int64_t begin, int64_t end) {
     if (p->mesh->dim == 3 && p->full)
         evaluate_chunk(p, begin, end, 3, 1);
     else if (p->mesh->dim == 3)
@@ -84,20 +119,20 @@ PL_INLINE void inline_chunk(const pass *p, int64_t begin, int64_t end) {
         evaluate_chunk(p, begin, end, 2, 0);
 }
 
-static void base_chunk(const pass *p, int64_t begin, int64_t end) {
+static void base_chunk(pass *p, int64_t begin, int64_t end) {
     inline_chunk(p, begin, end);
 }
 
 /* The same with wider vectors, which take 0.6 of the time; the bits are the same. */
 #if defined(__x86_64__) && defined(__GNUC__)
-__attribute__((target("avx2"))) static void wide_chunk(const pass *p, int64_t begin, int64_t end) {
+__attribute__((target("avx2"))) static void wide_chunk(pass *p, int64_t begin, int64_t end) {
     inline_chunk(p, begin, end);
 }
 static int has_wide(void) {
     return __builtin_cpu_supports("avx2");
 }
 #else
-static void wide_chunk(const pass *p, int64_t begin, int64_t end) {
+static void wide_chunk(pass *p, int64_t begin, int64_t end) {
     base_chunk(p, begin, end);
 }
 static int has_wide(void) {
@@ -122,17 +157,20 @@ void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, c
     p.basic = part;
     pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
     *sums = pl_total_basic(p.n_chunks, p.basic);
+    sums->acuteness = largest_so_far(&p);
 }
 
 void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                   const uint8_t *is_free, const double *coordinates, double limit, int threads,
-                   uint8_t *state) {
+                   const uint8_t *is_free, const double *coordinates, double ratio,
+                   double acuteness, int threads, uint8_t *state) {
     const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates};
     pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
     p.basic = part;
     p.state = state;
-    p.limit2 = limit * limit;
+    p.limit2 = ratio * ratio;
+    p.acute_limit = acuteness;
+    p.blunt = pl_blunt_ratio_square(dim, acuteness);
     pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
 }
 

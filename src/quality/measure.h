@@ -27,6 +27,7 @@ typedef struct pl_ratio_sums {
     int64_t n_movable; /* valid elements with a free node */
     int64_t n_fixed;   /* other valid elements */
     double max;        /* largest RR^2 of all, 0 without any */
+    double acuteness;  /* of the smallest angle of all (geometry/angle.h), 0 without any */
     int64_t inverted;  /* elements that are not valid */
 } pl_ratio_sums;
 
@@ -39,9 +40,10 @@ void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, c
 /** Of an element. */
 enum { PL_FINE = 0, PL_WORSE = 1, PL_INVERTED = 2 };
 
-/** Tell the elements whose RR is above limit, or that are not positive: state [n_elements]. */
+/** Tell the elements whose RR is above ratio, or the acuteness of an angle above acuteness, or that
+ * are not positive: state [n_elements]. */
 void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                   const uint8_t *is_free, const double *coordinates, double limit, int threads,
-                   uint8_t *state);
+                   const uint8_t *is_free, const double *coordinates, double ratio,
+                   double acuteness, int threads, uint8_t *state);
 
 #endif

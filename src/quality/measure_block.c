@@ -5,6 +5,7 @@
  */
 #include "quality/measure_block.h"
 #include "base/fetch.h"
+#include "geometry/angle.h"
 #include "quality/certificate.h"
 
 #include <float.h>
@@ -214,4 +215,23 @@ void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
     for (int l = 0; l < count; l++)
         if (b->certain[l] == 0)
             resolve(mesh, first + l, l, b);
+}
+
+double pl_block_acuteness(const pl_block *b, int l, int dim) {
+    const double *vertex[4];
+    double x[4][3], edges[3][3] = {{0}};
+    element e;
+    for (int j = 0; j <= dim; j++) {
+        for (int d = 0; d < dim; d++)
+            x[j][d] = b->x[j][d][l];
+        e.vertex[j] = vertex[j] = x[j];
+    }
+    find_scale(dim, &e, edges);
+    double determinant = pl_determinant_of_edges(dim, edges);
+    if (b->certain[l] == 0) {
+        int exponent;
+        determinant = pl_certified_determinant(dim, vertex, &exponent);
+        determinant = ldexp(determinant, exponent - dim * (e.exponent + (e.factor < 1)));
+    }
+    return pl_acuteness(dim, edges, determinant);
 }

@@ -134,6 +134,16 @@ PL_INLINE void pl_block_evaluate(pl_block *b, const int dim, const int full) {
 /** Evaluate the uncertain ones of elements first .. first + count - 1 anew. */
 void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b);
 
+/** Acuteness of the smallest angle of lane l, of a valid element. */
+double pl_block_acuteness(const pl_block *b, int l, int dim);
+
+static inline double pl_block_largest_square(const pl_block *b) {
+    double largest = 0;
+    for (int l = 0; l < PL_LANES; l++)
+        largest = pl_larger(b->square[l], largest);
+    return largest;
+}
+
 static inline int pl_block_is_certain(const pl_block *b) {
     double n_certain = 0;
     for (int l = 0; l < PL_LANES; l++)

@@ -3,7 +3,7 @@
 #include "quality/objective.h"
 
 #include "base/parallel.h"
-#include "geometry/simplex.h"
+#include "geometry/angle.h"
 #include "quality/certificate.h"
 
 #include <string.h>
@@ -119,8 +119,24 @@ static int has_free_node(const pl_objective_problem *problem, int64_t index, con
     return is_free != 0;
 }
 
+/** Take in the angles of an element, if its RR^2 does not say that they are larger than *blunt's.
+ */
+static void take_angles(const element *e, const double *const x[], double radius, double *blunt,
+                        pl_objective_sums *sums, const int dim) {
+    double edges[3][3] = {{0}};
+    if (radius <= *blunt)
+        return;
+    pl_edges(dim, x, edges);
+    const double acuteness = pl_acuteness(dim, edges, e->determinant);
+    if (acuteness > sums->acuteness) {
+        sums->acuteness = acuteness;
+        *blunt = pl_blunt_ratio_square(dim, acuteness);
+    }
+}
+
+/** blunt: RR^2 up to which an element has no smaller angle than those added so far. */
 static inline void add_element(const pl_objective_problem *problem, int64_t index,
-                               pl_objective_sums *sums, const int dim) {
+                               pl_objective_sums *sums, double *blunt, const int dim) {
     element e = element_at(problem, index, dim);
     double g = volume_constraint(least_volume(problem, index), &e);
     sums->domain += e.measure;
@@ -136,6 +152,7 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
     sums->n[movable]++;
     sums->radius[movable] += radius;
     sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
+    take_angles(&e, x, radius, blunt, sums, dim);
     sums->ratio[movable] += aspect_square(problem, x, radius, dim);
     sums->volume[movable] += g > -INFINITY ? g * g : 0;
 }
@@ -144,12 +161,13 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const work *w = context;
     pl_objective_sums *sums = &w->partial[begin / w->chunk];
     (void)thread;
+    double blunt = 0;
     memset(sums, 0, sizeof *sums);
     for (int64_t i = begin; i < end; i++) {
         if (w->problem->dim == 3)
-            add_element(w->problem, i, sums, 3);
+            add_element(w->problem, i, sums, &blunt, 3);
         else
-            add_element(w->problem, i, sums, 2);
+            add_element(w->problem, i, sums, &blunt, 2);
     }
 }
 
@@ -161,6 +179,7 @@ static void add_sums(const pl_objective_sums *part, pl_objective_sums *sums) {
         sums->n[movable] += part->n[movable];
     }
     sums->radius_max = fmax(part->radius_max, sums->radius_max);
+    sums->acuteness = fmax(part->acuteness, sums->acuteness);
     sums->inverted += part->inverted;
     sums->below += part->below;
     sums->shortfall += part->shortfall;

@@ -29,7 +29,8 @@ typedef struct pl_objective_sums {
     double volume[2]; /* of g^2, of elements with a least volume */
     double n[2];      /* how many there are */
     double radius_max;
-    double inverted; /* elements that are not valid */
+    double acuteness; /* of the smallest angle, see geometry/angle.h */
+    double inverted;  /* elements that are not valid */
     double
         below; /* elements with a least volume and g above PLANISH_VOLUME_TOLERANCE, valid or not */
     double shortfall; /* sum of max(0, g)^2, valid or not */

@@ -57,6 +57,9 @@ static inline double lanes_get(lanes a, int lane) {
 static inline int lanes_all_set(lanes_mask mask) {
     return mask != 0;
 }
+static inline int lanes_any_set(lanes_mask mask) {
+    return mask != 0;
+}
 
 #else
 
@@ -113,6 +116,12 @@ static inline int lanes_all_set(lanes_mask mask) {
     for (int i = 1; i < PL_PACK; i++)
         all &= mask[i];
     return all != 0;
+}
+static inline int lanes_any_set(lanes_mask mask) {
+    int64_t any = mask[0];
+    for (int i = 1; i < PL_PACK; i++)
+        any |= mask[i];
+    return any != 0;
 }
 
 #endif

@@ -201,7 +201,7 @@ static inline objective value_2d(const star *s, const double *position) {
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
             triangles t = triangles_at(s, j, x, y);
-            lanes inverse_d2 = lanes_of(1) / (t.D * t.D);
+            lanes inverse_d = lanes_of(1) / t.D, inverse_d2 = inverse_d * inverse_d;
             lanes rr = t.L * (t.a * t.b) * (t.L + (t.a + t.b)) * inverse_d2;
             accumulate(&total, k, rr * rr, load(s, WEIGHT, j), t.D, inverse_d2,
                        load(s, ROUNDING, j) * t.aa);

@@ -15,6 +15,8 @@
 
 #include <planish/planish.h>
 
+#include <math.h>
+
 /** Lanes of every sum over link facets: facet i goes to lane i % 4, whatever the CPU has. */
 enum { PL_LANES = 4 };
 
@@ -60,6 +62,17 @@ typedef struct pl_star_slide {
     double direction[3];     /* and its unit normal, or direction */
 } pl_star_slide;
 
+/** How bad an element may become; infinite: as bad as it likes. */
+typedef struct pl_star_limits {
+    double rr2;       /* largest RR^2, */
+    double acuteness; /* and acuteness of the smallest angle (geometry/angle.h) */
+    double rr2_blunt; /* RR^2 up to which no element has such an angle */
+} pl_star_limits;
+
+static inline pl_star_limits pl_star_no_limits(void) {
+    return (pl_star_limits){INFINITY, INFINITY, INFINITY};
+}
+
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
@@ -70,7 +83,7 @@ typedef struct pl_star_problem {
     pl_link link;               /* of all stars, see pl_stars */
     uint8_t *changed;           /* [n_nodes] 1: the star of the node changed since its visit */
     planish_direction direction;
-    double rr2_limit;           /* a move that makes an element's RR^2 larger is refused */
+    pl_star_limits limits;      /* a move that makes an element worse is refused */
     double still;               /* a move shorter than this fraction of the star's size changes
                                    nothing for the stars around */
     double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */

@@ -3,6 +3,7 @@
 #ifndef PL_STAR_STEP_H
 #define PL_STAR_STEP_H
 
+#include "star/acute.h"
 #include "star/direction.h"
 #include "star/local.h"
 
@@ -154,19 +155,23 @@ static inline double surely_below(const objective *now, const objective *next) {
     return now->sum - (STEP_NOISE + now->error) * now->sum - next->error * next->sum;
 }
 
-/** Whether no element of a trial has a worse RR than the limit. The guarded kernel's objective may
- *  be another one. */
-static inline int ratios_within_limit(const local *here, const trial *t, const int guarded,
-                                      const int dim) {
+/** Whether no element of a trial has a worse RR or a smaller angle than the limits. The guarded
+ *  kernel's objective may be another one. */
+static inline int within_limits(const local *here, const trial *t, const int guarded,
+                                const int dim) {
+    const pl_star_limits *limits = &here->problem->limits;
     double max = t->value.max, error = t->value.error;
     if (guarded && here->q.objective != PLANISH_RADIUS_RATIO) {
-        if (!(here->problem->rr2_limit < INFINITY))
+        if (!(limits->rr2 < INFINITY))
             return 1;
         objective rr = value_at(&here->s, t->position, 1, dim);
         max = rr.max;
         error = rr.error;
     }
-    return max * (1 + error) <= here->problem->rr2_limit;
+    max *= 1 + error;
+    return max <= limits->rr2 &&
+           (max <= limits->rr2_blunt ||
+            !has_acute_angle(&here->s, t->position, limits->acuteness / (1 + error), guarded, dim));
 }
 
 /** Whether a trial may be taken: valid beyond doubt, no element worse than the limit, and the sum
@@ -180,7 +185,7 @@ static inline int acceptable(const local *here, const trial *t, const objective 
     if (guarded && !(value->worst <= (now->worst > GRAZE ? now->worst : GRAZE) &&
                      within_bounds(&here->b, t->position, dim)))
         return 0;
-    return ratios_within_limit(here, t, guarded, dim);
+    return within_limits(here, t, guarded, dim);
 }
 
 /** Double the step while that pays, from a first trial that was acceptable. */

@@ -86,11 +86,12 @@ static void wake_moved(const planish_plan *plan, const double *before) {
  * lower either. A trial that was cut off does not count, whatever it has reached: more sweeps must
  * not give less.
  */
-static int is_better(const pl_run *r, const pl_objective_sums *standing, double rr2_limit) {
+static int is_better(const pl_run *r, const pl_objective_sums *standing,
+                     const pl_star_limits *limits) {
     return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
            r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
            (r->totals.below == 0 || r->totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
-           r->totals.radius_max <= rr2_limit * (1 + LIMIT_NOISE) &&
+           r->totals.radius_max <= limits->rr2 * (1 + LIMIT_NOISE) &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
 
@@ -100,7 +101,7 @@ static int try_augmented(pl_run *r, double *before) {
     const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *before;
     pl_run_measure(r); /* what was tracked will not do to compare with */
     const pl_objective_sums standing = r->totals;
-    const double limit = r->problem.rr2_limit;
+    const pl_star_limits limits = r->problem.limits;
     memcpy(before, plan->coordinates, size);
     r->shown = &standing;
     r->stop = PLANISH_STOP_MAX_SWEEPS;
@@ -113,9 +114,9 @@ static int try_augmented(pl_run *r, double *before) {
     }
     pl_run_measure(r);
     r->shown = NULL;
-    r->problem.rr2_limit = limit;
+    r->problem.limits = limits;
     r->restoring = 0;
-    if (is_better(r, &standing, limit))
+    if (is_better(r, &standing, &limits))
         return 1;
     memcpy(plan->coordinates, before, size);
     pl_run_measure(r);

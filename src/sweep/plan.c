@@ -550,7 +550,7 @@ static pl_star_problem problem_of(const planish_plan *plan, const pl_visits *vis
                              .link_offset = visits->stars.link_offset,
                              .link = visits->stars.link,
                              .changed = plan->changed,
-                             .rr2_limit = INFINITY,
+                             .limits = pl_star_no_limits(),
                              .still = plan->is_selective ? STILL_OF_FEW : STILL};
 }
 

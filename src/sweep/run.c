@@ -3,6 +3,7 @@
 
 #include "base/clock.h"
 #include "base/parallel.h"
+#include "geometry/angle.h"
 
 #include <math.h>
 
@@ -54,6 +55,13 @@ int64_t pl_run_below(const pl_run *r) {
     return r->plain ? 0 : (int64_t)r->totals.below;
 }
 
+pl_star_limits pl_run_limits(const pl_run *r, double margin) {
+    const double rr2 = r->plain ? r->sums.max : r->totals.radius_max;
+    const double acuteness = (r->plain ? r->sums.acuteness : r->totals.acuteness) * margin;
+    return (pl_star_limits){rr2 * margin, acuteness,
+                            pl_blunt_ratio_square(r->plan->dim, acuteness)};
+}
+
 static void measure_ratios(pl_run *r) {
     const planish_plan *plan = r->plan;
     pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
@@ -97,8 +105,8 @@ static void keep_track(pl_run *r, const pl_sweep_tally *tally) {
     if (r->restoring || r->options->area_weight > 0 ||
         r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
         pl_run_measure(r);
-    if (r->restoring && r->totals.radius_max > r->problem.rr2_limit)
-        r->problem.rr2_limit = r->totals.radius_max; /* of elements that were brought up */
+    if (r->restoring) /* of elements that were brought up */
+        r->problem.limits.rr2 = fmax(r->totals.radius_max, r->problem.limits.rr2);
 }
 
 /* ---- sweeps ------------------------------------------------------------------------------- */
@@ -167,7 +175,7 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     r->sliding_guard.link_min_volume = r->plan->sliding.stars.min_volume;
     problem.guard = &r->sliding_guard;
     problem.direction = r->problem.direction;
-    problem.rr2_limit = r->problem.rr2_limit;
+    problem.limits = r->problem.limits;
     problem.rr2_skip = r->problem.rr2_skip;
     problem.to_float = r->problem.to_float;
     problem.project = r->options->project;

@@ -23,9 +23,10 @@ typedef struct pl_run {
     double factor;                  /* from a star's function to F, of the last sweep's weights */
     const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and this is what stands, */
     const pl_ratio_sums *shown_sums; /* or this */
-    int64_t improved; /* stars that the last sweep improved by more than a hundredth */
-    int restoring;    /* the last sweep brought elements above their least volume */
-    double start;     /* clock */
+    int64_t improved;        /* stars that the last sweep improved by more than a hundredth */
+    int restoring;           /* the last sweep brought elements above their least volume */
+    pl_star_limits at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
+    double start;            /* clock */
     double sweep_start;
     int sweep;
     planish_stop stop;
@@ -41,6 +42,9 @@ int64_t pl_run_inverted(const pl_run *r);
 int64_t pl_run_below(const pl_run *r);
 double pl_run_rms(const pl_run *r);
 double pl_run_rms_of_movable(const pl_run *r);
+
+/** The worst that there is, as measured last, times margin. */
+pl_star_limits pl_run_limits(const pl_run *r, double margin);
 
 /** What to sum over the mesh in plan->measured. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
@@ -83,6 +87,12 @@ int pl_run_help(pl_run *r, pl_help help, double fall);
  */
 int pl_run_untangle(pl_run *r, planish_error *error);
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
+
+/* ---- angles.c -------------------------------------------------------------------------------- */
+
+/** If the mesh has a smaller angle than at the start, put the nodes around back to where they were;
+ *  how many is the result's. Errors: _MEMORY. */
+int pl_run_put_back_angles(pl_run *r, planish_error *error);
 
 /* ---- augmented.c ---------------------------------------------------------------------------- */
 

@@ -117,7 +117,7 @@ int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_option
     memset(is_selected, 0, (size_t)n);
     if (!status)
         pl_find_worse(mesh->dim, mesh->n_elements, mesh->elements, sign, is_selected,
-                      mesh->coordinates, options->only_worse_than, threads, state);
+                      mesh->coordinates, options->only_worse_than, INFINITY, threads, state);
     if (!status &&
         (options->min_volume > 0 || options->min_volume_fraction > 0 || mesh->min_volume))
         status = add_below(mesh, sign, options, is_selected, threads, state, error);

@@ -23,7 +23,8 @@ typedef struct objective_of_all {
     pl_run *run;
     uint8_t *in_patch;    /* [n_nodes] owned; 1: of stars that were valid beyond doubt at first */
     double rr2_limit;     /* no element may become worse, as its stars see it */
-    double rr2_measured;  /* or as the mesh is measured */
+    double rr2_measured;  /* or as the mesh is measured, */
+    double acuteness;     /* and so for the angles */
     pl_star_slope *slope; /* of the stars under way */
     int refused;          /* by one of the stars */
 } objective_of_all;
@@ -52,7 +53,8 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
     const pl_ratio_sums before = r->sums;
     const double measured = r->measured;
     pl_run_measure(r);
-    const int worse = r->sums.inverted > before.inverted || r->sums.max > f->rr2_measured;
+    const int worse = r->sums.inverted > before.inverted || r->sums.max > f->rr2_measured ||
+                      r->sums.acuteness > f->acuteness;
     double value = worse ? INFINITY : r->sums.movable;
     if (value <= enough) {
         f->slope = slope;
@@ -108,22 +110,23 @@ static int try_centring(pl_lbfgs *m) {
     pl_run *r = m->p.run;
     const int64_t n = r->plan->n_nodes * r->plan->dim;
     const pl_ratio_sums before = r->sums;
-    const double limit = r->problem.rr2_limit;
+    const pl_star_limits limits = r->problem.limits;
     double *start = pl_alloc(2 * n, sizeof *start);
     if (!start)
         return 0;
     r->shown_sums = &before;
-    r->problem.rr2_limit = INFINITY;
+    r->problem.limits = pl_star_no_limits();
     memset(r->plan->changed, 1, (size_t)r->plan->n_nodes);
     const int stopped = centre_and_sweep(m, start, start + n);
     pl_run_measure(r);
     if (stopped || r->sums.inverted > before.inverted || r->sums.max > before.max ||
+        r->sums.acuteness > fmax(before.acuteness, limits.acuteness) ||
         !(r->sums.movable < before.movable)) {
         memcpy(r->plan->coordinates, start, (size_t)n * sizeof *start);
         pl_run_measure(r);
     }
     r->shown_sums = NULL;
-    r->problem.rr2_limit = limit;
+    r->problem.limits = limits;
     pl_free(start);
     return stopped;
 }
@@ -164,8 +167,9 @@ static int try_descent(pl_lbfgs *m, double fall) {
 static void look(objective_of_all *f) {
     pl_run *r = f->run;
     const planish_plan *plan = r->plan;
-    f->rr2_limit = r->problem.rr2_limit;
-    f->rr2_measured = fmax(r->problem.rr2_limit, r->sums.max);
+    f->rr2_limit = r->problem.limits.rr2;
+    f->rr2_measured = fmax(r->problem.limits.rr2, r->sums.max);
+    f->acuteness = fmax(r->problem.limits.acuteness, r->sums.acuteness);
     for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
         pl_star_value value;
         plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);

@@ -5,13 +5,14 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "geometry/simplex.h"
+#include "geometry/angle.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The largest RR^2 that a move may make, relative to the worst of the input: the margin is for the
- * rounding of slivers, whose RR^2 depends on the node it is seen from. */
+/* The largest RR^2 that a move may make, relative to the worst of the input, and the sharpest
+ * angle: the margin is for the rounding of slivers, whose RR^2 depends on the node it is seen from.
+ */
 #define LIMIT_MARGIN (1 - 1e-9)
 
 /* ---- coordinates out ----------------------------------------------------------------------- */
@@ -62,7 +63,7 @@ static void prepare_problem(pl_run *r) {
     double worse = r->options->only_worse_than;
     r->problem = pl_plan_problem(plan);
     r->problem.direction = r->options->direction;
-    r->problem.rr2_limit = (r->plain ? r->sums.max : r->totals.radius_max) * LIMIT_MARGIN;
+    r->problem.limits.rr2 = pl_run_limits(r, LIMIT_MARGIN).rr2;
     /* In layers around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->layers > 0 ? 0 : worse * worse;
     r->problem.to_float = r->options->precision == PLANISH_FLOAT;
@@ -167,6 +168,20 @@ static int sweeps(pl_run *r, planish_error *error) {
     return status;
 }
 
+/** Angles smaller than any of the mesh as it came go back, and are swept with that as a limit. */
+static int keep_angles(pl_run *r, planish_error *error) {
+    if (!(r->at_start.acuteness < INFINITY))
+        return PLANISH_OK;
+    int status = pl_run_put_back_angles(r, error);
+    if (status || r->result->put_back == 0 || was_cut_short(r))
+        return status;
+    prepare_problem(r);
+    r->problem.limits.acuteness = r->at_start.acuteness * LIMIT_MARGIN;
+    r->problem.limits.rr2_blunt = pl_blunt_ratio_square(r->plan->dim, r->problem.limits.acuteness);
+    pl_run_sweeps(r);
+    return PLANISH_OK;
+}
+
 static int work(pl_run *r, planish_error *error) {
     const pl_objective_sums start = r->totals;
     int status = PLANISH_OK, done;
@@ -180,7 +195,7 @@ static int work(pl_run *r, planish_error *error) {
     give_up_in_vain(r, &start);
     if (!was_cut_short(r) && has_interior(r))
         pl_run_augmented(r);
-    return PLANISH_OK;
+    return keep_angles(r, error);
 }
 
 /** Planes and lines go through where their nodes are now. */
@@ -189,6 +204,13 @@ static void begin_sliding(planish_plan *plan) {
         const double *x = plan->coordinates + (int64_t)plan->sliding.centre[s] * plan->dim;
         memcpy(plan->slide[s].point, x, (size_t)plan->dim * sizeof *x);
     }
+}
+
+/** Whether no angle may become smaller than the smallest of the mesh as it came. */
+static int is_promised_angles(const pl_run *r) {
+    const planish_options *o = r->options;
+    return o->method == PLANISH_METHOD_PLANISH && o->objective == PLANISH_RADIUS_RATIO &&
+           !(o->area_weight > 0) && pl_run_inverted(r) == 0 && pl_run_below(r) == 0;
 }
 
 static int smooth(pl_run *r, planish_error *error) {
@@ -202,6 +224,7 @@ static int smooth(pl_run *r, planish_error *error) {
     r->unit = r->plain ? pl_box_of_fixed(plan).scale : 1;
     pl_run_measure(r);
     r->result->objective_before = pl_run_objective(r);
+    r->at_start = is_promised_angles(r) ? pl_run_limits(r, 1) : pl_star_no_limits();
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
     if (plan->interior.stars.n_stars + plan->sliding.stars.n_stars > 0)

@@ -324,7 +324,7 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
         t->guard.link_min_volume = NULL;
     }
     t->problem.guard = &t->guard;
-    t->problem.rr2_limit = INFINITY;
+    t->problem.limits = pl_star_no_limits();
     t->state = pl_alloc(plan->n_elements, sizeof *t->state);
     if (!t->state)
         return pl_fail_memory(error, "the tangled elements");

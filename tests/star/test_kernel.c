@@ -203,7 +203,7 @@ static void limit_refuses_worse_elements(void **state) {
     pl_star_value value;
     hand_star_create(&s, dim, 0.4, 11);
     evaluate(&s, PLANISH_ISA_AUTO, &value);
-    s.problem.rr2_limit = 0.5; /* below what any element can have */
+    s.problem.limits.rr2 = 0.5; /* below what any element can have */
     double before[3];
     memcpy(before, s.coordinates, sizeof before);
     pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);

@@ -118,7 +118,7 @@ void hand_star_create(hand_star *s, int dim, double unevenness, unsigned seed) {
                                    .link_offset = s->link_offset,
                                    .link = {s->positions, NULL},
                                    .changed = s->changed,
-                                   .rr2_limit = INFINITY};
+                                   .limits = pl_star_no_limits()};
 }
 
 void hand_star_destroy(hand_star *s) {

@@ -1,0 +1,57 @@
+/* angle: the smallest angle of an element, dihedral in space, compared without its arc cosine.
+ *
+ * Of an acute angle theta the acuteness is 1 / sin^2 theta: the smaller the angle, the larger it
+ * is. Facets i and j enclose theta with sin theta = l D / (|n_i| |n_j|), n their normals and l the
+ * length of their common edge (1 in the plane). The smallest angle of an element is acute.
+ */
+#ifndef PL_GEOMETRY_ANGLE_H
+#define PL_GEOMETRY_ANGLE_H
+
+#include "geometry/simplex.h"
+
+/** Acuteness of the smallest angle of an element of a size of about 1. determinant: its D, which
+ *  may be better known than by edges. */
+static inline double pl_acuteness(int dim, const double edges[3][3], double determinant) {
+    double normals[4][3] = {{0}}, position[4][3] = {{0}}, largest = 0;
+    pl_cofactor_normals(dim, edges, normals);
+    pl_base_normal(dim, edges, normals[0]);
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            position[j + 1][d] = edges[j][d];
+    for (int i = 0; i < dim; i++)
+        for (int j = i + 1; j <= dim; j++) {
+            if (pl_dot(dim, normals[i], normals[j]) >= 0)
+                continue;
+            double common = 1;
+            if (dim == 3) {
+                double edge[3];
+                const int k = i == 0 ? (j == 1 ? 2 : 1) : 0, l = 6 - i - j - k;
+                pl_subtract(3, position[l], position[k], edge);
+                common = pl_dot(3, edge, edge);
+            }
+            largest = fmax(largest, pl_dot(dim, normals[i], normals[i]) *
+                                        pl_dot(dim, normals[j], normals[j]) /
+                                        (determinant * determinant * common));
+        }
+    return largest;
+}
+
+/** The square of a radius ratio up to which no element has an angle of a larger acuteness.
+ *
+ * The incentre of a tetrahedron is r / sin(theta / 2) from the edge at which the angle is theta,
+ * and the circumcentre at most sqrt((R + r) (R - 3r)) from the incentre (Grace 1918, Danielsson
+ * 1949); points of the edge are at most R from the circumcentre. Hence, with k = 1 / sin(theta / 2)
+ * and q = R / r, k <= q + sqrt((q + 1) (q - 3)), which is q >= (k^2 + 3) / (2 (k - 1)) for k >= 3.
+ * Of the triangles with an angle theta the best one is isosceles: R / r = k^2 / (2 (k - 1)). */
+static inline double pl_blunt_ratio_square(int dim, double acuteness) {
+    const double margin = 1 - 1e-9, cosine = sqrt(fmax(0, 1 - 1 / acuteness));
+    const double k = sqrt(2 * acuteness * (1 + cosine)), plane = k * k / (4 * (k - 1));
+    if (!(acuteness > 1))
+        return 0;
+    if (!(acuteness < INFINITY))
+        return INFINITY;
+    const double ratio = dim == 2 ? plane : k > 3 ? (k * k + 3) / (6 * (k - 1)) : 1;
+    return margin * ratio * ratio;
+}
+
+#endif

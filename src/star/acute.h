@@ -1,0 +1,75 @@
+/* acute: whether an element of a star has an angle that is too small (geometry/angle.h). */
+#ifndef PL_STAR_ACUTE_H
+#define PL_STAR_ACUTE_H
+
+#include "star/tetrahedra.h"
+
+/** Edges from the node, whichever kernel the star was gathered for: the other one still has the
+ *  ring's coordinates where they were gathered. */
+PL_INLINE void acute_edges(const star *s, int64_t i, vec3 x, vec3 r[3], const int guarded) {
+    if (guarded) {
+        edges_from(s, i, x, r);
+        return;
+    }
+    for (int j = 0; j < 3; j++) {
+        lanes p[PL_ROW];
+        points_to_columns(s->spare, s->facet + 3 * i + j, 3, p);
+        r[j] = vec3_minus(x, (vec3){p[0], p[1], p[2]});
+    }
+}
+
+/** Lanes in which the facets with these normals enclose an angle that is acute (cosine > 0) and of
+ *  larger acuteness than the limit; limit: times D^2, square: of their common edge. */
+PL_INLINE lanes_mask acute_between(lanes cosine, lanes of_one, lanes of_other, lanes limit,
+                                   lanes square) {
+    return lanes_greater(cosine, lanes_of(0)) & lanes_greater(of_one * of_other, limit * square);
+}
+
+PL_INLINE lanes_mask acute_3d(const star *s, int64_t i, const double *position, lanes limit,
+                              const int guarded) {
+    const vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
+    const vec3 n = vec3_load(s, NX, NY, NZ, i); /* inwards, m outwards */
+    const lanes nn = load(s, NN, i);
+    vec3 r[3], m[3];
+    lanes mm[3];
+    acute_edges(s, i, x, r, guarded);
+    for (int j = 0; j < 3; j++) {
+        m[j] = vec3_cross(r[j], r[(j + 1) % 3]);
+        mm[j] = vec3_dot(m[j], m[j]);
+    }
+    const lanes D = vec3_dot(r[0], n), most = limit * (D * D);
+    lanes_mask any = lanes_greater(lanes_of(0), lanes_of(0));
+    for (int j = 0; j < 3; j++) {
+        const int next = (j + 1) % 3;
+        const vec3 e = vec3_minus(r[j], r[next]);
+        any |= acute_between(vec3_dot(m[j], n), mm[j], nn, most, vec3_dot(e, e));
+        any |= acute_between(-vec3_dot(m[j], m[next]), mm[j], mm[next], most,
+                             vec3_dot(r[next], r[next]));
+    }
+    return any;
+}
+
+PL_INLINE lanes_mask acute_2d(const star *s, int64_t i, const double *position, lanes limit) {
+    const lanes x = lanes_of(position[0]), y = lanes_of(position[1]), one = lanes_of(1);
+    const lanes ax = x - load(s, P0X, i), ay = y - load(s, P0Y, i);
+    const lanes bx = x - load(s, P1X, i), by = y - load(s, P1Y, i);
+    const lanes ex = ax - bx, ey = ay - by; /* from p0 to p1 */
+    const lanes aa = ax * ax + ay * ay, bb = bx * bx + by * by, ee = ex * ex + ey * ey;
+    const lanes D = ex * ay - ey * ax, most = limit * (D * D);
+    return acute_between(ax * bx + ay * by, aa, bb, most, one) |
+           acute_between(ax * ex + ay * ey, aa, ee, most, one) |
+           acute_between(-(bx * ex + by * ey), bb, ee, most, one);
+}
+
+/** Whether an angle of the star is of larger acuteness than limit. Not inlined: it is seldom asked
+ *  for. */
+PL_NOINLINE int has_acute_angle(const star *s, const double *position, double limit,
+                                const int guarded, const int dim) {
+    lanes_mask any = lanes_greater(lanes_of(0), lanes_of(0));
+    for (int64_t i = 0; i < s->padded; i += PL_PACK)
+        any |= dim == 3 ? acute_3d(s, i, position, lanes_of(limit), guarded)
+                        : acute_2d(s, i, position, lanes_of(limit));
+    return lanes_any_set(any);
+}
+
+#endif

@@ -1,0 +1,78 @@
+/* angles: no angle smaller than the smallest one the mesh had.
+ *
+ * Sweeps look at radius ratios, which seldom leaves a smaller angle than there was. Where it did,
+ * the nodes around go back, and are swept again with the angle as a limit. In all sweeps that limit
+ * would be in the way: an element that is both flat and sharp could not become better in one
+ * respect first.
+ */
+#include "sweep/run.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rounds in which nodes go back; then all of them do. */
+enum { ROUNDS = 50 };
+
+/** Put the nodes of element, which is worse than it may be, to where they were; how many had moved.
+ */
+static int64_t put_back_nodes(const pl_run *r, int64_t element) {
+    const planish_plan *plan = r->plan;
+    const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
+    int64_t n = 0;
+    for (int j = 0; j <= plan->dim; j++) {
+        const int64_t node = plan->elements[element * (plan->dim + 1) + j];
+        double *now = plan->coordinates + (int64_t)plan->inner[node] * plan->dim;
+        const double *start = r->outside + node * plan->dim;
+        n += memcmp(now, start, size) != 0;
+        memcpy(now, start, size);
+    }
+    return n;
+}
+
+/** Put back the nodes of elements that are worse than the worst at the start; 0 if there are none.
+ */
+static int64_t put_back(pl_run *r, uint8_t *state) {
+    const planish_plan *plan = r->plan;
+    int64_t n = 0;
+    pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
+                  plan->measured, sqrt(r->at_start.rr2), r->at_start.acuteness, plan->threads,
+                  state);
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        if (state[i] != PL_FINE)
+            n += put_back_nodes(r, i);
+    pl_run_measure(r);
+    return n;
+}
+
+/** Whether anything that is promised does not hold. */
+static int is_worse_than_start(const pl_run *r) {
+    const pl_star_limits now = pl_run_limits(r, 1);
+    return now.acuteness > r->at_start.acuteness || now.rr2 > r->at_start.rr2 ||
+           pl_run_inverted(r) > 0 || pl_run_below(r) > 0 ||
+           pl_run_objective(r) > r->result->objective_before;
+}
+
+int pl_run_put_back_angles(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    pl_run_measure(r);
+    if (!(pl_run_limits(r, 1).acuteness > r->at_start.acuteness))
+        return PLANISH_OK;
+    uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
+    if (!state)
+        return pl_fail_memory(error, "the states of the elements");
+    for (int i = 0; i < ROUNDS; i++) {
+        const int64_t more = put_back(r, state);
+        r->result->put_back += more;
+        if (more == 0)
+            break;
+    }
+    pl_free(state);
+    if (is_worse_than_start(r)) {
+        pl_plan_order(plan, r->outside, plan->coordinates);
+        pl_run_measure(r);
+    }
+    return PLANISH_OK;
+}
