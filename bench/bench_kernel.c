@@ -114,7 +114,7 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     measure_variants(plan, &problem, "plain", start, repeat, &separator);
     problem.guard = &guard;
     for (int i = PLANISH_RADIUS_RATIO; i <= PLANISH_EDGE_RATIO; i++) {
-        guard.objective = (planish_objective)i;
+        guard.measure = (planish_objective)i;
         measure_variants(plan, &problem, names[i], start, repeat, &separator);
     }
     printf(" ]\n}\n");

@@ -48,6 +48,10 @@ const char *pl_objective_name(planish_objective objective) {
     return objective_names[objective];
 }
 
+const char *pl_worst_name(planish_worst worst) {
+    return worst == PLANISH_WORST_ANGLE ? "dihedral" : "radius-ratio";
+}
+
 /** Index of word among names [n], or -1. */
 static int find_name(const char *const *names, int n, const char *word) {
     for (int i = 0; i < n; i++)
@@ -137,11 +141,31 @@ static const char *set_method(pl_arguments *arguments, const char *value) {
 }
 
 static const char *set_objective(pl_arguments *arguments, const char *value) {
-    const int i = find_name(objective_names, N_OBJECTIVES, value);
+    arguments->worst = strcmp(value, "worst") == 0;
+    const int i =
+        arguments->worst ? PLANISH_RADIUS_RATIO : find_name(objective_names, N_OBJECTIVES, value);
     if (i < 0)
-        return "must be radius-ratio, mean-ratio or edge-ratio";
+        return "must be radius-ratio, mean-ratio, edge-ratio or worst";
     arguments->library.objective = (planish_objective)i;
     return NULL;
+}
+
+static const char *set_worst_measure(pl_arguments *arguments, const char *value) {
+    arguments->of_worst = "worst-measure";
+    if (strcmp(value, "radius-ratio") == 0)
+        arguments->worst_measure = PLANISH_WORST_RADIUS_RATIO;
+    else if (strcmp(value, "dihedral") == 0)
+        arguments->worst_measure = PLANISH_WORST_ANGLE;
+    else
+        return "must be radius-ratio or dihedral";
+    return NULL;
+}
+
+static const char *set_worst_rise(pl_arguments *arguments, const char *value) {
+    double *rise = &arguments->library.worst_rise;
+    arguments->of_worst = "worst-rise";
+    return parse_real(value, rise) || *rise < 0 || *rise > 1e6 ? "must be a number, 0 or more"
+                                                               : NULL;
 }
 
 /** V for all elements; the last '=' ends a tag, which may have others in its name. */
@@ -327,7 +351,12 @@ static const option_row option_table[] = {
      "length-laplacian,\nwhich may invert elements"},
     {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective,
      "what is made small, as RMS over the elements:\nradius-ratio (default), mean-ratio or "
-     "edge-ratio"},
+     "edge-ratio; or\nworst: radius-ratio, and then the worst elements"},
+    {0, "worst-measure", "NAME", SMOOTH | OPTIMISES, set_worst_measure,
+     "what --objective worst improves in the end: dihedral\n(default; the smallest and largest "
+     "angles), or\nradius-ratio"},
+    {0, "worst-rise", "R", SMOOTH | OPTIMISES, set_worst_rise,
+     "by how much of itself the RMS may rise for that\n(default 0.01)"},
     {0, "direction", "NAME", SMOOTH | OPTIMISES, set_direction,
      "search direction: newton (default) or fletcher-reeves"},
     {0, "min-volume", "[TAG=]V", BOTH, set_min_volume,
@@ -465,6 +494,9 @@ static int check_combinations(const pl_arguments *arguments) {
                                           "--min-volume-fraction");
     if (library->layers > 0 && !(library->only_worse_than > 0))
         return pl_complain_usage(command, "--layers has no effect without --only-worse-than");
+    if (arguments->of_worst && !arguments->worst)
+        return pl_complain_usage(command, "--%s has no effect without --objective worst",
+                                 arguments->of_worst);
     if (arguments->slide_tolerance > 0 && !arguments->slide)
         return pl_complain_usage(command, "--slide-tolerance has no effect without --slide");
     if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
@@ -513,6 +545,10 @@ int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, ch
             return 0;
     }
     status = take_operands(arguments, argc, argv);
+    if (arguments->worst)
+        arguments->library.worst = arguments->worst_measure != PLANISH_WORST_NONE
+                                       ? arguments->worst_measure
+                                       : PLANISH_WORST_ANGLE;
     return status ? status : check_combinations(arguments);
 }
 

@@ -15,6 +15,7 @@ const char *pl_command_name(pl_command command);
 /** The words for method and objective on the command line and in the report. */
 const char *pl_method_name(planish_method method);
 const char *pl_objective_name(planish_objective objective);
+const char *pl_worst_name(planish_worst worst);
 
 typedef enum pl_verbosity { PL_QUIET = -1, PL_NORMAL = 0, PL_VERBOSE = 1 } pl_verbosity;
 
@@ -31,6 +32,9 @@ typedef struct pl_arguments {
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;
     double slide_tolerance; /* 0: what fits the file */
+    int worst;              /* --objective worst */
+    const char *of_worst;   /* an option that is for it alone, or NULL */
+    planish_worst worst_measure;
     int ignore_regions;
     int leave_unbound;        /* threads stay where the system puts them */
     char **min_volume_tag;    /* [n_min_volumes] groups with a least volume of their own, owned */

@@ -43,7 +43,8 @@ static void keep_sweep(pl_progress *progress, const planish_progress *step) {
                                                        .inverted = step->inverted,
                                                        .below_min_volume = step->below_min_volume,
                                                        .visits = step->visits,
-                                                       .restoring = step->restoring};
+                                                       .restoring = step->restoring,
+                                                       .worst = step->worst};
 }
 
 static void show_line(const pl_progress *progress, const planish_progress *step) {
@@ -54,7 +55,10 @@ static void show_line(const pl_progress *progress, const planish_progress *step)
         fprintf(stderr, ", %" PRId64 " inverted", step->inverted);
     if (step->below_min_volume > 0)
         fprintf(stderr, ", %" PRId64 " below minimum", step->below_min_volume);
-    fprintf(stderr, "%s, %" PRId64 " visits, %.3f s\n", step->restoring ? ", untangling" : "",
+    fprintf(stderr, "%s, %" PRId64 " visits, %.3f s\n",
+            step->restoring ? ", untangling"
+            : step->worst   ? ", for the worst"
+                            : "",
             step->visits, step->seconds);
 }
 

@@ -8,7 +8,7 @@
 typedef struct pl_sweep {
     double rms, rms_movable, objective, seconds;
     int64_t inverted, below_min_volume, visits;
-    int restoring; /* as in planish_progress */
+    int restoring, worst; /* as in planish_progress */
 } pl_sweep;
 
 typedef struct pl_progress {

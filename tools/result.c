@@ -162,7 +162,10 @@ static void add_sweeps(document *json, cJSON *root, const pl_progress *progress)
     for (int64_t i = 0; i < progress->n_sweeps; i++) {
         const pl_sweep *done = &progress->sweep[i];
         cJSON *sweep = new_object(json, sweeps, NULL);
-        add_text(json, sweep, "phase", done->restoring ? "untangle" : "smooth");
+        add_text(json, sweep, "phase",
+                 done->restoring ? "untangle"
+                 : done->worst   ? "worst"
+                                 : "smooth");
         add_real(json, sweep, "rms", done->rms);
         add_real(json, sweep, "rms_movable", done->rms_movable);
         add_real(json, sweep, "objective", done->objective);
@@ -218,6 +221,22 @@ static void add_objective(document *json, cJSON *root, const pl_job *job,
     add_real(json, objective, "area_weight", job->options.area_weight);
     add_real(json, objective, "before", exists(smooth->objective_before));
     add_real(json, objective, "after", exists(smooth->objective));
+}
+
+static void add_worst(document *json, cJSON *root, const pl_job *job,
+                      const planish_result *smooth) {
+    if (smooth->worst_sweeps == 0) {
+        add(json, root, "worst", cJSON_CreateNull());
+        return;
+    }
+    cJSON *worst = new_object(json, root, "worst");
+    add_text(json, worst, "measure", pl_worst_name(job->options.worst));
+    add_integer(json, worst, "sweeps", smooth->worst_sweeps);
+    add_real(json, worst, "before", smooth->worst_before);
+    add_real(json, worst, "after", smooth->worst_after);
+    add_real(json, worst, "objective_before", smooth->objective_of_worst);
+    add_real(json, worst, "objective_after", smooth->objective);
+    add_real(json, worst, "most_rise", job->options.worst_rise);
 }
 
 int pl_result_has_optimality(const pl_job *job) {
@@ -297,10 +316,12 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
+    add_integer(&json, root, "put_back", result->smooth.put_back);
     add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
     add_integer(&json, root, "node_visits", result->smooth.visits);
     add_integer(&json, root, "evaluations", result->smooth.evaluations);
     add_integer(&json, root, "held_outside", result->smooth.held_outside);
+    add_worst(&json, root, job, &result->smooth);
     add_optimality(&json, root, job, &result->smooth);
     add_integer(&json, root, "threads", job->plan_info.threads);
     add_text(&json, root, "binding", job->plan_info.binding);

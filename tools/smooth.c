@@ -26,6 +26,8 @@
 /* F before and after is summed over the same elements, most of which are unchanged: a rise
  * within the rounding of such a sum says nothing. Relative. */
 static const double F_ROUNDING = 1e-12;
+/* Degrees by which the arc cosine of a tiny angle can be off. */
+static const double ANGLE_ROUNDING = 2e-6;
 
 /** What the command line says about outputs, checked before the work begins. */
 static int check_outputs(const pl_arguments *arguments) {
@@ -73,10 +75,10 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
     return 0;
 }
 
-/** A promise of the library was broken: value rose from before to after. */
+/** A promise of the library was broken: value went from before to after. */
 static int complain_promise(const pl_job *job, const char *value, double before, double after) {
     return pl_complain(PL_EXIT_FAILED,
-                       "%s: internal error: %s rose from %.17g to %.17g; nothing was written, "
+                       "%s: internal error: %s went from %.17g to %.17g; nothing was written, "
                        "please report this",
                        job->arguments->input, value, before, after);
 }
@@ -97,9 +99,16 @@ static int check_promises(const pl_job *job, const pl_result *result) {
     if (after->max_radius_ratio > before->max_radius_ratio)
         return complain_promise(job, "the worst radius ratio", before->max_radius_ratio,
                                 after->max_radius_ratio);
-    if (smooth->objective > smooth->objective_before * (1 + F_ROUNDING))
-        return complain_promise(job, "F", smooth->objective_before, smooth->objective);
-    if (!pl_arguments_change_objective(job->arguments) &&
+    const int is_default = !pl_arguments_change_objective(job->arguments);
+    if (is_default && after->min_angle_deg < before->min_angle_deg - ANGLE_ROUNDING)
+        return complain_promise(job, "the smallest angle", before->min_angle_deg,
+                                after->min_angle_deg);
+    const int has_worst = smooth->objective_of_worst > 0;
+    const double most = has_worst ? smooth->objective_of_worst * (1 + job->options.worst_rise)
+                                  : smooth->objective_before;
+    if (smooth->objective > most * (1 + F_ROUNDING))
+        return complain_promise(job, "F", most, smooth->objective);
+    if (is_default && !has_worst &&
         after->rms_radius_ratio > before->rms_radius_ratio * (1 + F_ROUNDING))
         return complain_promise(job, "the RMS", before->rms_radius_ratio, after->rms_radius_ratio);
     return 0;

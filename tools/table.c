@@ -128,6 +128,25 @@ static void put_end(FILE *stream, const planish_result *smooth) {
             smooth->max_displacement);
 }
 
+/** What the sweeps for the worst elements brought, and what they cost. */
+static void put_worst(FILE *stream, const pl_job *job, const planish_result *smooth) {
+    const int of_angle = job->options.worst == PLANISH_WORST_ANGLE;
+    if (smooth->worst_sweeps == 0)
+        return;
+    const double rise = smooth->objective / smooth->objective_of_worst - 1;
+    fprintf(stream, "%d of them for the worst: %s %.4g -> %.4g%s, while the RMS rose by %.2g %%\n",
+            smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
+            smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "", 100 * rise);
+}
+
+static void put_back_note(FILE *stream, int64_t n) {
+    if (n > 0)
+        fprintf(stream,
+                "note: %" PRId64
+                " node%s put back: the smallest angle of the mesh was getting smaller\n",
+                n, n == 1 ? " was" : "s were");
+}
+
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     row_mesh(stream, job);
     fprintf(stream, "%-*s%*s%*s\n", LABEL_WIDTH, "", VALUE_WIDTH, "before", VALUE_WIDTH, "after");
@@ -135,7 +154,9 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     row_volumes(stream, job, &result->below_before, result->volumes.n_below);
     row_objective(stream, job, &result->smooth);
     put_held_outside(stream, result->smooth.held_outside);
+    put_back_note(stream, result->smooth.put_back);
     put_end(stream, &result->smooth);
+    put_worst(stream, job, &result->smooth);
     fprintf(stream, "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s\n",
             result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
             result->write_seconds, job->plan_info.threads, job->plan_info.threads == 1 ? "" : "s");

@@ -146,6 +146,14 @@ typedef enum planish_objective {
         2 /* longest edge to shortest, smoothed: 0.946 to 1 of it, see docs/algorithm.md */
 } planish_objective;
 
+/** What a last phase improves after the objective has converged: the worst there is. */
+typedef enum planish_worst {
+    PLANISH_WORST_NONE = 0,         /* no such phase */
+    PLANISH_WORST_RADIUS_RATIO = 1, /* the largest radius ratios */
+    PLANISH_WORST_ANGLE = 2         /* the smallest and largest angles, dihedral in 3-D, by their
+                                       sines */
+} planish_worst;
+
 /** What a length is given in. */
 typedef enum planish_length_unit {
     PLANISH_UNIT_MESH = 0, /* units of the coordinates */
@@ -190,6 +198,8 @@ typedef struct planish_progress {
     int64_t below_min_volume; /* elements below 0.997 of their least volume, likewise */
     int restoring;  /* not 0: this sweep, or the last one, untangled elements or brought them above
                        their least volume; F may have risen */
+    int worst;      /* not 0: this sweep improves the worst elements (options.worst); the values
+                       are those from before it until they are known to stand */
     int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
     double seconds; /* time of this sweep so far */
     double elapsed; /* time of planish_smooth so far, seconds */
@@ -238,6 +248,8 @@ typedef struct planish_options {
     int untangle;                  /* not 0 (the default): elements that are not positive are mended
                                       first where that can be done, and those below their least
                                       volume while it is smoothed; 0: they are left alone */
+    planish_worst worst;           /* what is improved of the worst elements in the end */
+    double worst_rise;             /* and by how much of itself F may rise for that; 0.01 */
     int max_sweeps;                /* of smoothing, at least 0; untangling has its own bound; where
                                       L-BFGS helps, each of its iterations counts as one */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
@@ -355,7 +367,8 @@ typedef enum planish_stop {
 typedef struct planish_result {
     planish_stop stop;
     int sweeps;              /* sweeps begun, */
-    int untangling_sweeps;   /* those of them that did nothing but untangle */
+    int untangling_sweeps;   /* those of them that did nothing but untangle, */
+    int worst_sweeps;        /* and those for options.worst */
     int64_t visits;          /* local problems looked at */
     int64_t moved_nodes;     /* nodes that are not where they were */
     double max_displacement; /* the farthest of them, in units of the coordinates */
@@ -366,11 +379,14 @@ typedef struct planish_result {
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
-    int64_t below_min_volume; /* elements below 0.997 of their least volume at the end */
-    int64_t held_outside;     /* free nodes that started outside of their bounds and were held */
-    double objective_before;  /* F over the valid elements at the start */
-    double objective;         /* and at the end */
-    int64_t evaluations;      /* of the function of a star, with or without derivatives */
+    int64_t below_min_volume;  /* elements below 0.997 of their least volume at the end */
+    int64_t held_outside;      /* free nodes that started outside of their bounds and were held */
+    double objective_before;   /* F over the valid elements at the start */
+    double objective;          /* and at the end */
+    double objective_of_worst; /* F when sweeps for options.worst began; 0: there were none */
+    double worst_before;       /* the worst there was then, by options.worst: RR, or degrees */
+    double worst_after;        /* and at the end */
+    int64_t evaluations;       /* of the function of a star, with or without derivatives */
     /* With a least volume, bounds or an objective other than the default: first-order optimality at
        the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f on
        the directions that no active constraint forbids, f the function of the node's star, h the
@@ -386,7 +402,8 @@ typedef struct planish_result {
  *  Promised: only free nodes move, and within their bounds; no more elements are inverted than
  *  were; in a mesh without inverted elements none is, and no element gets a worse RR than the worst
  * of the input, nor (with RR as objective) a smaller angle than the smallest, dihedral in 3-D,
- * unless elements were brought above their least volume; F never rises once no
+ * unless elements were brought above their least volume; F never rises (but for options.worst, by
+ * at most worst_rise of what it had converged to) once no
  * element is inverted or below its least volume; the same bits for any number of threads, any isa
  * and compiler (gcc and clang are tested). Not promised: that every mesh that could be made valid
  * is. Stars with an element that is left not positive stay as they are; those with an element below

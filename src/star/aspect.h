@@ -23,6 +23,14 @@ enum { SHARPNESS = PL_EDGE_SHARPNESS };
 /* Facets without a floor: their g is never active. */
 #define NEVER_ACTIVE (-1e30)
 
+/* The worst count by this power's power of 2 of what they are. */
+enum { WORST_POWER = 5 };
+#define WORST_EXPONENT ((double)(1 << WORST_POWER))
+
+static inline int is_of_worst(int measure) {
+    return measure == PL_WORST_RATIO || measure == PL_WORST_ANGLE;
+}
+
 /** One pack of elements at x. */
 typedef struct aspect {
     lanes D, inverse_d, aa; /* aa = |x - p0|^2 */
@@ -33,7 +41,8 @@ typedef struct aspect {
 
 /** What is asked of a star besides its position. */
 typedef struct question {
-    planish_objective objective;
+    int measure;          /* as that of pl_star_guard */
+    double inverse_limit; /* 1 / worst_limit */
     double ratio_weight, volume_weight;
     double penalty; /* rho of the augmented Lagrangian, 0: none */
 } question;
@@ -243,6 +252,161 @@ PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
     }
 }
 
+/* ---- the worst ------------------------------------------------------------------------------- */
+
+PL_INLINE lanes to_worst_power(lanes a) {
+    for (int i = 0; i < WORST_POWER; i++)
+        a *= a;
+    return a;
+}
+
+/** (RR^2 / limit)^q: l = q times that of RR^2, hess = q hess log RR^2 + q^2 its l l^T. */
+PL_INLINE void worst_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
+                           double inverse_limit, const int derive, const int dim) {
+    const lanes q = lanes_of(WORST_EXPONENT),
+                more = lanes_of(WORST_EXPONENT * (WORST_EXPONENT - 1));
+    radius_ratio(s, i, x, a, derive, dim);
+    a->square = to_worst_power(a->square * lanes_of(inverse_limit));
+    if (!derive)
+        return;
+    for (int r = 0, k = 0; r < dim; r++)
+        for (int c = r; c < dim; c++, k++)
+            a->h[k] = q * a->h[k] + more * (a->l[r] * a->l[c]);
+    for (int r = 0; r < dim; r++)
+        a->l[r] *= q;
+}
+
+/** An angle's part of the sum: S = (1 / (limit sin^2))^q, and l = grad log (1 / sin^2). */
+typedef struct worst_part {
+    lanes S, l[3];
+} worst_part;
+
+/** Add weight times hess log of a square |v|^2, whose log-gradient is g, to h: of a distance
+ *  hess = 2 I, of an area's m (v = m) 2 (|e|^2 I - e e^T). */
+PL_INLINE void add_log_square(const lanes *g, const lanes *e, lanes ee, lanes inverse, lanes weight,
+                              lanes *h, const int dim) {
+    const lanes twice = lanes_of(2) * inverse;
+    for (int r = 0, k = 0; r < dim; r++)
+        for (int c = r; c < dim; c++, k++) {
+            lanes bend = -(g[r] * g[c]);
+            if (e)
+                bend -= twice * (e[r] * e[c]);
+            if (r == c)
+                bend += twice * ee;
+            h[k] += weight * bend;
+        }
+}
+
+/** Derivatives of the sum of n parts from those of the logarithms: h holds the sum of
+ *  S hess log (1 / sin^2) then. */
+PL_INLINE void finish_worst(const worst_part *part, int n, aspect *a, const int dim) {
+    const lanes q = lanes_of(WORST_EXPONENT), inverse = lanes_of(1) / a->square;
+    for (int r = 0; r < dim; r++)
+        a->l[r] = lanes_of(0);
+    for (int k = 0; k < dim * (dim + 1) / 2; k++)
+        a->h[k] *= q * inverse;
+    for (int p = 0; p < n; p++) {
+        const lanes share = part[p].S * inverse * q;
+        for (int r = 0, k = 0; r < dim; r++) {
+            a->l[r] += share * part[p].l[r];
+            for (int c = r; c < dim; c++, k++)
+                a->h[k] += share * q * (part[p].l[r] * part[p].l[c]);
+        }
+    }
+}
+
+/** Triangles: sin^2 of the angle between two edges is D^2 by the squares of both. */
+PL_INLINE void worst_angle_2d(const star *s, int64_t i, const lanes *x, aspect *a,
+                              lanes inverse_limit, const int derive) {
+    const edges e = edges_at(s, i, x, 2);
+    const lanes scale = inverse_limit * (a->inverse_d * a->inverse_d);
+    static const uint8_t ends[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+    worst_part part[3];
+    a->square = lanes_of(0);
+    for (int p = 0; p < 3; p++) {
+        part[p].S = to_worst_power(e.square[ends[p][0]] * e.square[ends[p][1]] * scale);
+        a->square += part[p].S;
+    }
+    if (!derive)
+        return;
+    lanes g[3][2], n[2], weight[3] = {part[0].S + part[1].S, part[0].S + part[2].S, lanes_of(0)};
+    for (int r = 0; r < 2; r++) {
+        n[r] = lanes_of(2) * a->n[r] * a->inverse_d;
+        for (int j = 0; j < 2; j++)
+            g[j][r] = lanes_of(2) * e.at[j][r] / e.square[j];
+        g[2][r] = lanes_of(0);
+        for (int p = 0; p < 3; p++)
+            part[p].l[r] = g[ends[p][0]][r] + g[ends[p][1]][r] - n[r];
+    }
+    for (int r = 0, k = 0; r < 2; r++)
+        for (int c = r; c < 2; c++, k++)
+            a->h[k] = lanes_of(0.5) * (n[r] * n[c]) * a->square;
+    for (int j = 0; j < 2; j++)
+        add_log_square(g[j], NULL, lanes_of(1), lanes_of(1) / e.square[j], weight[j], a->h, 2);
+    finish_worst(part, 3, a, 2);
+}
+
+/** Tetrahedra: 1 / sin^2 of the angle at an edge of length e, between faces of normals m and m', is
+ *  |m|^2 |m'|^2 / (D^2 e^2). Edges at x lie between faces j - 1 and j, edges of the link between
+ *  face j and the link's facet. */
+PL_INLINE void worst_angle_3d(const star *s, int64_t i, const lanes *x, aspect *a,
+                              lanes inverse_limit, const int derive) {
+    const lanes scale = inverse_limit * (a->inverse_d * a->inverse_d), nn = load(s, NN, i);
+    vec3 r[3], m[3], e[3];
+    lanes mm[3], ee[3], rr[3];
+    worst_part part[6];
+    edges_from(s, i, (vec3){x[0], x[1], x[2]}, r);
+    for (int j = 0; j < 3; j++) {
+        m[j] = vec3_cross(r[j], r[(j + 1) % 3]);
+        e[j] = vec3_minus(r[j], r[(j + 1) % 3]);
+        mm[j] = vec3_dot(m[j], m[j]);
+        ee[j] = vec3_dot(e[j], e[j]);
+        rr[j] = vec3_dot(r[j], r[j]);
+    }
+    a->square = lanes_of(0);
+    for (int j = 0; j < 3; j++) {
+        part[j].S = to_worst_power(mm[(j + 2) % 3] * mm[j] / rr[j] * scale);
+        part[3 + j].S = to_worst_power(mm[j] * nn / ee[j] * scale);
+        a->square += part[j].S + part[3 + j].S;
+    }
+    if (!derive)
+        return;
+    lanes of_face[3][3], of_edge[3][3], n[3], edge[3][3];
+    for (int d = 0; d < 3; d++)
+        n[d] = lanes_of(2) * a->n[d] * a->inverse_d;
+    for (int j = 0; j < 3; j++) {
+        const vec3 slope = vec3_scaled(vec3_cross(m[j], e[j]), lanes_of(2) / mm[j]);
+        const vec3 way = vec3_scaled(r[j], lanes_of(2) / rr[j]);
+        const lanes face[3] = {slope.x, slope.y, slope.z}, at[3] = {way.x, way.y, way.z};
+        const lanes own[3] = {e[j].x, e[j].y, e[j].z};
+        memcpy(of_face[j], face, sizeof face);
+        memcpy(of_edge[j], at, sizeof at);
+        memcpy(edge[j], own, sizeof own);
+    }
+    for (int d = 0; d < 3; d++)
+        for (int j = 0; j < 3; j++) {
+            part[j].l[d] = of_face[(j + 2) % 3][d] + of_face[j][d] - of_edge[j][d] - n[d];
+            part[3 + j].l[d] = of_face[j][d] - n[d];
+        }
+    for (int p = 0, k = 0; p < 3; p++)
+        for (int c = p; c < 3; c++, k++)
+            a->h[k] = lanes_of(0.5) * (n[p] * n[c]) * a->square;
+    for (int j = 0; j < 3; j++) {
+        const lanes weight = part[j].S + part[(j + 1) % 3].S + part[3 + j].S;
+        add_log_square(of_face[j], edge[j], ee[j], lanes_of(1) / mm[j], weight, a->h, 3);
+        add_log_square(of_edge[j], NULL, lanes_of(1), lanes_of(1) / rr[j], -part[j].S, a->h, 3);
+    }
+    finish_worst(part, 6, a, 3);
+}
+
+PL_INLINE void worst_angle(const star *s, int64_t i, const lanes *x, aspect *a,
+                           double inverse_limit, const int derive, const int dim) {
+    if (dim == 3)
+        worst_angle_3d(s, i, x, a, lanes_of(inverse_limit), derive);
+    else
+        worst_angle_2d(s, i, x, a, lanes_of(inverse_limit), derive);
+}
+
 /* ---- one pack ------------------------------------------------------------------------------ */
 
 PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, const int dim) {
@@ -265,11 +429,15 @@ PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, c
     a->inverse_d = lanes_of(1) / a->D;
 }
 
-PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a,
-                         const planish_objective kind, const int derive, const int dim) {
+PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a, const question *q,
+                         const int kind, const int derive, const int dim) {
     measure_at(s, i, x, a, dim);
     if (kind == PLANISH_RADIUS_RATIO)
         radius_ratio(s, i, x, a, derive, dim);
+    else if (kind == PL_WORST_RATIO)
+        worst_ratio(s, i, x, a, q->inverse_limit, derive, dim);
+    else if (kind == PL_WORST_ANGLE)
+        worst_angle(s, i, x, a, q->inverse_limit, derive, dim);
     else if (kind == PLANISH_MEAN_RATIO)
         mean_ratio(s, i, x, a, derive, dim);
     else
@@ -357,6 +525,7 @@ PL_INLINE void guarded_derivatives(guarded_accumulator *t, int k, const question
 
 PL_INLINE objective guarded_result(const guarded_accumulator *t, const question *q) {
     objective f = accumulator_result(&t->ratios, 1);
+    f.error *= is_of_worst(q->measure) ? WORST_EXPONENT : 1;
     f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t->volumes) +
             0.5 * q->penalty * lanes_sum(t->penalties);
     f.shortfall = lanes_sum(t->shortfall);
@@ -366,7 +535,7 @@ PL_INLINE objective guarded_result(const guarded_accumulator *t, const question 
 
 /** guarded_at for one objective, which is constant where this is inlined. */
 PL_INLINE objective guarded_sums(const star *s, const question *q, const double *position,
-                                 derivatives *out, const planish_objective kind, const int derive,
+                                 derivatives *out, const int kind, const int derive,
                                  const int dim) {
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
@@ -376,7 +545,7 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
             aspect a;
-            aspect_at(s, j, x, &a, kind, derive, dim);
+            aspect_at(s, j, x, &a, q, kind, derive, dim);
             lanes weight = load(s, WEIGHT, j), g = volume_constraint(s, j, a.D), slope, bend;
             accumulate(&t.ratios, k, a.square, weight, a.D, a.inverse_d * a.inverse_d,
                        load(s, ROUNDING, j) * a.aa);
@@ -403,11 +572,15 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
  *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see blocking_rate. */
 static inline objective guarded_at(const star *s, const question *q, const double *position,
                                    derivatives *out, const int derive, const int dim) {
-    if (q->objective == PLANISH_RADIUS_RATIO)
+    if (q->measure == PLANISH_RADIUS_RATIO)
         return guarded_sums(s, q, position, out, PLANISH_RADIUS_RATIO, derive, dim);
-    if (q->objective == PLANISH_MEAN_RATIO)
+    if (q->measure == PLANISH_MEAN_RATIO)
         return guarded_sums(s, q, position, out, PLANISH_MEAN_RATIO, derive, dim);
-    return guarded_sums(s, q, position, out, PLANISH_EDGE_RATIO, derive, dim);
+    if (q->measure == PLANISH_EDGE_RATIO)
+        return guarded_sums(s, q, position, out, PLANISH_EDGE_RATIO, derive, dim);
+    if (q->measure == PL_WORST_RATIO)
+        return guarded_sums(s, q, position, out, PL_WORST_RATIO, derive, dim);
+    return guarded_sums(s, q, position, out, PL_WORST_ANGLE, derive, dim);
 }
 
 #endif

@@ -46,7 +46,9 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
     const double skip = here->problem->rr2_skip;
     if (!now->positive || !(now->sum < INFINITY))
         return 0;
-    if (here->q.objective == PLANISH_RADIUS_RATIO || !(skip > 0))
+    if (is_of_worst(here->q.measure))
+        return now->max > 1;
+    if (here->q.measure == PLANISH_RADIUS_RATIO || !(skip > 0))
         return now->max > skip;
     return value_at(&here->s, x, 1, dim).max > skip;
 }
@@ -95,7 +97,7 @@ static inline int guarded_step(local *here, conjugate *memory, double *x, object
     const planish_direction kind = here->problem->direction;
     conjugate none = {{0, 0, 0}, 0};
     return step_by(here, kind, memory, x, now, derivative, dim) ||
-           (kind == PLANISH_NEWTON && here->q.objective != PLANISH_RADIUS_RATIO &&
+           (kind == PLANISH_NEWTON && here->q.measure != PLANISH_RADIUS_RATIO &&
             step_by(here, PLANISH_FLETCHER_REEVES, &none, x, now, derivative, dim));
 }
 

@@ -61,8 +61,8 @@ PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const do
     here.s = gather(problem, index, place, scratch, guarded, dim);
     if (guarded) {
         const pl_star_guard *guard = problem->guard;
-        here.q =
-            (question){guard->objective, guard->ratio_weight, guard->volume_weight, guard->penalty};
+        here.q = (question){guard->measure, 1 / guard->worst_limit, guard->ratio_weight,
+                            guard->volume_weight, guard->penalty};
         here.b = bounds_of(problem, problem->node[index], here.s.scale, dim);
         here.slide = sliding_of(problem, index, here.s.scale, dim);
     }

@@ -161,7 +161,7 @@ static inline int within_limits(const local *here, const trial *t, const int gua
                                 const int dim) {
     const pl_star_limits *limits = &here->problem->limits;
     double max = t->value.max, error = t->value.error;
-    if (guarded && here->q.objective != PLANISH_RADIUS_RATIO) {
+    if (guarded && here->q.measure != PLANISH_RADIUS_RATIO) {
         if (!(limits->rr2 < INFINITY))
             return 1;
         objective rr = value_at(&here->s, t->position, 1, dim);

@@ -253,7 +253,7 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
                     const double *coordinates, pl_guard *guard, planish_error *error) {
     pl_objective_problem problem = pl_objective_problem_of(plan, options, coordinates);
     *guard = (pl_guard){.min_volume = problem.min_volume,
-                        .star = {.objective = options->objective,
+                        .star = {.measure = (int)options->objective,
                                  .ratio_weight = 1,
                                  .min_volume = problem.min_volume,
                                  .link_min_volume = plan->interior.stars.min_volume}};

@@ -7,7 +7,8 @@
 #include <math.h>
 #include <string.h>
 
-#define DEFAULT_TOLERANCE 1e-5 /* relative fall of the RMS per sweep that is not worth a sweep */
+#define DEFAULT_TOLERANCE  1e-5 /* relative fall of the RMS per sweep that is not worth a sweep */
+#define DEFAULT_WORST_RISE 0.01
 enum {
     DEFAULT_MAX_SWEEPS = 200,
     MOST_LAYERS = 100 /* select.c numbers them by bytes */
@@ -23,6 +24,7 @@ void planish_options_init(planish_options *options) {
     options->max_sweeps = DEFAULT_MAX_SWEEPS;
     options->tolerance = DEFAULT_TOLERANCE;
     options->untangle = 1;
+    options->worst_rise = DEFAULT_WORST_RISE;
     for (int d = 0; d < 3; d++) {
         options->box_lower[d] = -INFINITY;
         options->box_upper[d] = INFINITY;
@@ -37,6 +39,9 @@ static int check_choices(const planish_options *options, planish_error *error) {
     if (options->objective < PLANISH_RADIUS_RATIO || options->objective > PLANISH_EDGE_RATIO)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.objective %d is unknown",
                        (int)options->objective);
+    if (options->worst < PLANISH_WORST_NONE || options->worst > PLANISH_WORST_ANGLE)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.worst %d is unknown",
+                       (int)options->worst);
     if (options->direction != PLANISH_NEWTON && options->direction != PLANISH_FLETCHER_REEVES)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.direction %d is unknown",
                        (int)options->direction);
@@ -110,6 +115,10 @@ int pl_options_check(const planish_options *options, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.time_limit is %g; give seconds, or 0 for none",
                        options->time_limit);
+    if (!(options->worst_rise >= 0) || !isfinite(options->worst_rise))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.worst_rise is %g; give a finite fraction, 0 or more",
+                       options->worst_rise);
     if (options->layers < 0 || options->layers > MOST_LAYERS)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.layers is %d; give a number of layers, 0 to %d", options->layers,

@@ -128,6 +128,7 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
                               .inverted = pl_run_inverted(&seen),
                               .below_min_volume = pl_run_below(&seen),
                               .restoring = r->restoring && !r->shown,
+                              .worst = r->is_for_worst,
                               .visits = visits,
                               .seconds = now - r->sweep_start,
                               .elapsed = now - r->start};
@@ -183,18 +184,22 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     return problem;
 }
 
-int pl_run_sweep(pl_run *r, int64_t *visits) {
+void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally) {
     const planish_method method = r->options->method;
+    pl_sweep(r->plan, &r->plan->interior, &r->problem, method, pl_run_after_colour, r, tally);
+    /* Averages know no surfaces, and multipliers are those of the interior's elements. */
+    if (method == PLANISH_METHOD_PLANISH && !(r->guard.star.penalty > 0)) {
+        const pl_star_problem problem = pl_run_sliding_problem(r);
+        pl_sweep(r->plan, &r->plan->sliding, &problem, method, pl_run_after_colour, r, tally);
+    }
+}
+
+int pl_run_sweep(pl_run *r, int64_t *visits) {
     pl_sweep_tally tally = {0};
     pl_run_begin_sweep(r);
     if (!r->plain)
         r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
-    pl_sweep(r->plan, &r->plan->interior, &r->problem, method, pl_run_after_colour, r, &tally);
-    /* Averages know no surfaces, and multipliers are those of the interior's elements. */
-    if (method == PLANISH_METHOD_PLANISH && !(r->guard.star.penalty > 0)) {
-        const pl_star_problem problem = pl_run_sliding_problem(r);
-        pl_sweep(r->plan, &r->plan->sliding, &problem, method, pl_run_after_colour, r, &tally);
-    }
+    pl_run_sweep_colours(r, &tally);
     r->restoring = tally.restored > 0;
     r->improved = tally.improved;
     *visits = tally.visits;

@@ -24,6 +24,7 @@ typedef struct pl_run {
     const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and this is what stands, */
     const pl_ratio_sums *shown_sums; /* or this */
     int64_t improved;        /* stars that the last sweep improved by more than a hundredth */
+    int is_for_worst;        /* sweeps are those of pl_run_worst */
     int restoring;           /* the last sweep brought elements above their least volume */
     pl_star_limits at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
     double start;            /* clock */
@@ -43,6 +44,10 @@ int64_t pl_run_below(const pl_run *r);
 double pl_run_rms(const pl_run *r);
 double pl_run_rms_of_movable(const pl_run *r);
 
+/* What elements may become, relative to the worst there is: the margin is for the rounding of
+ * slivers, whose RR depends on the node it is seen from. */
+#define PL_LIMIT_MARGIN (1 - 1e-9)
+
 /** The worst that there is, as measured last, times margin. */
 pl_star_limits pl_run_limits(const pl_run *r, double margin);
 
@@ -51,6 +56,9 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r);
 
 /** The problem of the nodes that slide, as the interior's is at present. It has a guard always. */
 pl_star_problem pl_run_sliding_problem(pl_run *r);
+
+/** Visit all colours, the interior's and those of the nodes that slide. */
+void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally);
 
 /** One sweep and what is to be said of it; not 0 if it was cut short. *visits are then its own. */
 int pl_run_sweep(pl_run *r, int64_t *visits);
@@ -93,6 +101,11 @@ int pl_run_raise_volumes(pl_run *r, planish_error *error);
 /** If the mesh has a smaller angle than at the start, put the nodes around back to where they were;
  *  how many is the result's. Errors: _MEMORY. */
 int pl_run_put_back_angles(pl_run *r, planish_error *error);
+
+/* ---- worst.c --------------------------------------------------------------------------------- */
+
+/** Improve the worst elements of a mesh that has been smoothed. Errors: _MEMORY. */
+int pl_run_worst(pl_run *r, planish_error *error);
 
 /* ---- augmented.c ---------------------------------------------------------------------------- */
 

@@ -10,11 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-/* The largest RR^2 that a move may make, relative to the worst of the input, and the sharpest
- * angle: the margin is for the rounding of slivers, whose RR^2 depends on the node it is seen from.
- */
-#define LIMIT_MARGIN (1 - 1e-9)
-
 /* ---- coordinates out ----------------------------------------------------------------------- */
 
 enum { CHUNK_NODES = 4096 };
@@ -63,7 +58,7 @@ static void prepare_problem(pl_run *r) {
     double worse = r->options->only_worse_than;
     r->problem = pl_plan_problem(plan);
     r->problem.direction = r->options->direction;
-    r->problem.limits.rr2 = pl_run_limits(r, LIMIT_MARGIN).rr2;
+    r->problem.limits.rr2 = pl_run_limits(r, PL_LIMIT_MARGIN).rr2;
     /* In layers around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->layers > 0 ? 0 : worse * worse;
     r->problem.to_float = r->options->precision == PLANISH_FLOAT;
@@ -176,7 +171,7 @@ static int keep_angles(pl_run *r, planish_error *error) {
     if (status || r->result->put_back == 0 || was_cut_short(r))
         return status;
     prepare_problem(r);
-    r->problem.limits.acuteness = r->at_start.acuteness * LIMIT_MARGIN;
+    r->problem.limits.acuteness = r->at_start.acuteness * PL_LIMIT_MARGIN;
     r->problem.limits.rr2_blunt = pl_blunt_ratio_square(r->plan->dim, r->problem.limits.acuteness);
     pl_run_sweeps(r);
     return PLANISH_OK;
@@ -195,7 +190,10 @@ static int work(pl_run *r, planish_error *error) {
     give_up_in_vain(r, &start);
     if (!was_cut_short(r) && has_interior(r))
         pl_run_augmented(r);
-    return keep_angles(r, error);
+    status = keep_angles(r, error);
+    if (!status && r->options->worst != PLANISH_WORST_NONE && !was_cut_short(r))
+        status = pl_run_worst(r, error);
+    return status;
 }
 
 /** Planes and lines go through where their nodes are now. */

@@ -295,8 +295,8 @@ static void elements_below_are_found(void **state) {
             element e = element_of(&s.problem, i);
             long double g = constraint(&s.problem, i, &e);
             assert_true(fabsl(g - PLANISH_VOLUME_TOLERANCE) > 1e-12L); /* clear */
-            assert_int_equal(found[i],
-                             g > PLANISH_VOLUME_TOLERANCE ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET);
+            assert_int_equal(found[i], g > PLANISH_VOLUME_TOLERANCE ? PLANISH_VOLUME_BELOW
+                                                                    : PLANISH_VOLUME_MET);
             n += g > PLANISH_VOLUME_TOLERANCE;
         }
         assert_int_equal(n, n_found);

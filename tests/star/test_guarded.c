@@ -18,6 +18,10 @@
 
 static const planish_isa variants[] = {PLANISH_ISA_VECTOR, PLANISH_ISA_AVX2, PLANISH_ISA_AVX512};
 
+/* Objectives, and the two of pl_star_worst with a limit that most stars are above. */
+enum { MEASURES = PL_WORST_ANGLE + 1 };
+#define WORST_LIMIT 1.5
+
 /* A volume counts as reached to this, as g. */
 #define MET 0.003
 
@@ -38,7 +42,7 @@ typedef struct guarded_star {
 
 static void create(guarded_star *g, int dim, double unevenness, unsigned seed) {
     hand_star_create(&g->s, dim, unevenness, seed);
-    g->guard = (pl_star_guard){.ratio_weight = 1};
+    g->guard = (pl_star_guard){.ratio_weight = 1, .worst_limit = WORST_LIMIT};
     g->s.problem.guard = &g->guard;
     memset(g->floors, 0, sizeof g->floors);
     for (int i = 0; i < HAND_STAR_MAX_NODES * 3; i++) {
@@ -171,12 +175,12 @@ static void check_derivatives(guarded_star *g) {
 static void derivatives_match_differences(void **state) {
     enum { STARS = 25 };
     int dim = *(int *)*state;
-    for (int objective = 0; objective < 3; objective++)
+    for (int objective = 0; objective < MEASURES; objective++)
         for (unsigned seed = 0; seed < STARS; seed++) {
             guarded_star g;
             unsigned random = mixed(seed);
             create(&g, dim, 0.4 * seed / STARS, seed);
-            g.guard.objective = (planish_objective)objective;
+            g.guard.measure = objective;
             g.guard.ratio_weight = 0.3 + test_random(&random);
             check_derivatives(&g);
             random_floors(&g, &random);
@@ -224,7 +228,7 @@ static void ask_of_some(guarded_star *g, unsigned seed) {
 /** Set a star up in the way that scene says. */
 static void set_scene(guarded_star *g, int scene, unsigned seed) {
     const int dim = g->s.dim;
-    g->guard.objective = (planish_objective)(seed % 3);
+    g->guard.measure = (int)(seed % MEASURES);
     g->guard.volume_weight = seed % 2 ? 0.1 : 0;
     g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
     g->guard.min_volume = (double)mean_measure(g) * (scene == ACTIVE ? 0.7 : 0.3);
@@ -348,7 +352,7 @@ static int create_forbidden(guarded_star *g, int dim, int objective, int most, d
     unsigned random = mixed(seed);
     for (int d = 0; d < dim; d++)
         g->s.coordinates[d] += 0.5 * (test_random(&random) - 0.5);
-    g->guard.objective = (planish_objective)objective;
+    g->guard.measure = objective;
     g->guard.volume_weight = volume_weight;
     g->guard.min_volume = volume_weight > 0 ? 0.3 * (double)mean_measure(g) : 0;
     return forbid_the_optimum(g, most);
@@ -464,7 +468,7 @@ static void polytope(const guarded_star *g, const uint8_t *wanted, int box, long
 static void create_lost(guarded_star *g, int dim, unsigned seed, double part) {
     unsigned random = mixed(seed);
     create(g, dim, 0.4, seed);
-    g->guard.objective = (planish_objective)(seed % 3);
+    g->guard.measure = (int)(seed % MEASURES);
     g->s.problem.direction = seed / 3 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
     g->guard.link_min_volume = g->floors;
     for (int64_t f = 0; f < facets(g); f++)
@@ -608,7 +612,7 @@ static void create_away(guarded_star *g, int dim, unsigned seed, double *optimum
     double from[3];
     unsigned random = mixed(seed);
     create(g, dim, 0.2, seed);
-    g->guard.objective = seed % 2 ? PLANISH_MEAN_RATIO : PLANISH_RADIUS_RATIO;
+    g->guard.measure = seed % 2 ? PLANISH_MEAN_RATIO : PLANISH_RADIUS_RATIO;
     g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
     for (int d = 0; d < dim; d++)
         from[d] = g->s.coordinates[d] += 0.6 * (test_random(&random) - 0.5);

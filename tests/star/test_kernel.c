@@ -3,6 +3,8 @@
 #include "base/round.h"
 #include "support/hand_star.h"
 
+#include "geometry/angle.h"
+
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -211,6 +213,57 @@ static void limit_refuses_worse_elements(void **state) {
     hand_star_destroy(&s);
 }
 
+/** The smallest angle of a star that is visited until it rests, by the kernel or the guarded one,
+ *  with the smallest at first as its limit or without; radians. */
+static long double angle_after(const hand_star *s, int guarded, int limited, double *x) {
+    const pl_star_guard guard = {.ratio_weight = 1};
+    const pl_star_kernel *kernel = pl_star_kernel_select(PLANISH_ISA_AUTO);
+    hand_star copy = *s;
+    long double place[3];
+    for (int d = 0; d < s->dim; d++)
+        place[d] = s->coordinates[d];
+    const long double sine = sinl(hand_star_angle(s, place));
+    copy.problem.coordinates = copy.coordinates;
+    copy.problem.changed = copy.changed;
+    copy.problem.guard = guarded ? &guard : NULL;
+    if (limited) {
+        copy.problem.limits.acuteness = (double)(1 / (sine * sine));
+        copy.problem.limits.rr2_blunt =
+            pl_blunt_ratio_square(s->dim, copy.problem.limits.acuteness);
+    }
+    for (int i = 0; i < 20; i++) {
+        copy.changed[0] = 1;
+        (guarded ? kernel->guarded->visit : kernel->visit)[s->dim - 2](&copy.problem, 0, 1,
+                                                                       copy.scratch);
+    }
+    for (int d = 0; d < s->dim; d++)
+        place[d] = x[d] = copy.coordinates[d];
+    return hand_star_angle(&copy, place);
+}
+
+/** Visits lower the smallest angle now and then, but not where it is the limit; and the limit does
+ *  not keep stars from becoming better. */
+static void limit_refuses_smaller_angles(void **state) {
+    enum { MANY = 3000 };
+    const int dim = *(int *)*state;
+    int lowered = 0, moved = 0;
+    for (unsigned seed = 0; seed < MANY; seed++)
+        for (int guarded = 0; guarded < 2; guarded++) {
+            hand_star s;
+            double free[3], limited[3];
+            long double x[3];
+            hand_star_create(&s, dim, 0.9 * seed / MANY, seed);
+            for (int d = 0; d < dim; d++)
+                x[d] = s.coordinates[d];
+            const long double before = hand_star_angle(&s, x);
+            lowered += angle_after(&s, guarded, 0, free) < before * (1 - 1e-9L);
+            assert_true(angle_after(&s, guarded, 1, limited) >= before * (1 - 1e-9L));
+            moved += memcmp(limited, s.coordinates, (size_t)dim * sizeof *limited) != 0;
+            hand_star_destroy(&s);
+        }
+    assert_true(lowered > 20 && moved > MANY);
+}
+
 int main(void) {
     static int two = 2, three = 3;
     const struct CMUnitTest tests[] = {
@@ -229,6 +282,8 @@ int main(void) {
         {"float 3-D", float_positions_are_floats, NULL, NULL, &three},
         {"limit 2-D", limit_refuses_worse_elements, NULL, NULL, &two},
         {"limit 3-D", limit_refuses_worse_elements, NULL, NULL, &three},
+        {"angles 2-D", limit_refuses_smaller_angles, NULL, NULL, &two},
+        {"angles 3-D", limit_refuses_smaller_angles, NULL, NULL, &three},
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

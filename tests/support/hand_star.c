@@ -215,12 +215,74 @@ static long double mean_ratio(const hand_star *s, long double measure, long doub
     return squares / 6 / (edge * edge);
 }
 
+/** The angle at the edge between corners i and j of a tetrahedron, or at corner i of a triangle. */
+static long double angle_at(const long double *p[], int i, int j, int dim) {
+    long double u[3], v[3], e[3] = {0}, uu = 0, vv = 0, uv = 0, ee = 0, ue = 0, ve = 0;
+    const int k = dim == 2 ? (i + 1) % 3 : i != 0 && j != 0 ? 0 : i != 1 && j != 1 ? 1 : 2;
+    const int l = dim == 2 ? (i + 2) % 3 : 6 - i - j - k;
+    for (int d = 0; d < dim; d++) {
+        e[d] = dim == 3 ? p[j][d] - p[i][d] : 0;
+        u[d] = p[k][d] - p[i][d];
+        v[d] = p[l][d] - p[i][d];
+        ee += e[d] * e[d];
+        ue += u[d] * e[d];
+        ve += v[d] * e[d];
+    }
+    for (int d = 0; d < dim; d++) { /* what is orthogonal to the edge */
+        u[d] -= dim == 3 ? ue / ee * e[d] : 0;
+        v[d] -= dim == 3 ? ve / ee * e[d] : 0;
+        uu += u[d] * u[d];
+        vv += v[d] * v[d];
+        uv += u[d] * v[d];
+    }
+    return atan2l(sqrtl(uu * vv - uv * uv), uv);
+}
+
+static int n_angles(int dim) {
+    return dim == 3 ? 6 : 3;
+}
+
+static long double angle(const hand_star *s, int64_t facet, const long double *x, int which) {
+    static const int ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+    long double corner[4][3];
+    const long double *p[4] = {corner[0], corner[1], corner[2], corner[3]};
+    corners_of(s, facet, x, corner);
+    return s->dim == 2 ? angle_at(p, which, 0, 2) : angle_at(p, ends[which][0], ends[which][1], 3);
+}
+
+long double hand_star_angle(const hand_star *s, const long double *x) {
+    long double smallest = INFINITY;
+    for (int64_t f = 0; f < s->link_offset[1]; f++)
+        for (int i = 0; i < n_angles(s->dim); i++)
+            smallest = fminl(smallest, angle(s, f, x, i));
+    return smallest;
+}
+
+/** Root of what an element adds to the sum of the worst: the 32nd powers of its measure's square by
+ *  the limit, or of those of its angles. */
+static long double part_of_worst(const hand_star *s, int64_t facet, const long double *x,
+                                 int measure) {
+    const long double limit = s->problem.guard->worst_limit;
+    long double sum = 0;
+    if (measure == PL_WORST_RATIO) {
+        const long double ratio = hand_star_aspect(s, facet, x, PLANISH_RADIUS_RATIO);
+        return powl(ratio * ratio / limit, 16);
+    }
+    for (int i = 0; i < n_angles(s->dim); i++) {
+        const long double sine = sinl(angle(s, facet, x, i));
+        sum += powl(1 / (sine * sine * limit), 32);
+    }
+    return sqrtl(sum);
+}
+
 long double hand_star_aspect(const hand_star *s, int64_t facet, const long double *x,
-                             planish_objective objective) {
+                             int objective) {
     const int n = s->dim == 3 ? 6 : 3;
     long double corner[4][3], squares = 0, large = 0, small = 0;
     const long double *p[4] = {corner[0], corner[1], corner[2], corner[3]};
     corners_of(s, facet, x, corner);
+    if (objective == PL_WORST_RATIO || objective == PL_WORST_ANGLE)
+        return part_of_worst(s, facet, x, objective);
     if (objective == PLANISH_RADIUS_RATIO)
         return s->dim == 3 ? tetrahedron_ratio(p) : triangle_ratio(p);
     for (int i = 0; i < s->dim; i++)
@@ -241,7 +303,7 @@ long double hand_star_function(const hand_star *s, const long double *x) {
     const pl_star_guard *guard = s->problem.guard;
     long double ratios = 0, volumes = 0;
     for (int64_t f = 0; f < s->link_offset[1]; f++) {
-        long double ratio = hand_star_aspect(s, f, x, guard->objective);
+        long double ratio = hand_star_aspect(s, f, x, guard->measure);
         long double least = hand_star_floor(s, f);
         long double g = least > 0 ? 1 - hand_star_measure(s, f, x) / least : 0;
         ratios += ratio * ratio;

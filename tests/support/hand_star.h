@@ -32,12 +32,15 @@ void hand_star_pack_link(hand_star *star);
 long double hand_star_sum(const hand_star *star, const long double *x);
 
 /** Measure (positive inside the star) of the element of a facet with its centre at x, its least
- * measure by the problem's guard (0: none), and its aspect ratio (of the edges: the smoothed one),
- * by textbook formulas. */
+ * measure by the problem's guard (0: none), and its aspect ratio (of the edges: the smoothed one;
+ * of pl_star_worst: the root of what it adds to the sum), by textbook formulas. */
 long double hand_star_measure(const hand_star *star, int64_t facet, const long double *x);
 long double hand_star_floor(const hand_star *star, int64_t facet);
 long double hand_star_aspect(const hand_star *star, int64_t facet, const long double *x,
-                             planish_objective objective);
+                             int measure);
+
+/** The smallest of all its angles, radians. */
+long double hand_star_angle(const hand_star *star, const long double *x);
 
 /** The star's function as the problem's guard says: of AR^2 and g^2, with their weights. */
 long double hand_star_function(const hand_star *star, const long double *x);

@@ -1,0 +1,151 @@
+/* worst: a last phase for the worst elements, which an average does not care for.
+ *
+ * The measure's limit falls in stages. In each only stars that hold something above it are visited,
+ * to minimise a high power of the measure, which is next to its maximum; the worklist begins with
+ * the nodes of the elements above and follows what moves. A stage that makes F rise by more than is
+ * allowed is undone.
+ */
+#include "sweep/run.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What a measure (RR, or 1 / sin of an angle) has above 1 falls by this factor from stage to stage,
+ * and ends here. */
+#define STAGE_FACTOR 0.9
+#define STAGE_LEAST  1.05
+enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
+/* A stage ends when no more than one star in so many improves. */
+enum { FEW = 50 };
+
+/** The phase under way. */
+typedef struct phase {
+    pl_run *run;
+    uint8_t *state; /* [n_elements] */
+    double *before; /* [n_nodes][dim] where a stage started */
+    double most;    /* F */
+} phase;
+
+/** Mark the nodes of elements above limit, a square; whether there are any. */
+static int wake_bad(const phase *p, double limit) {
+    const pl_run *r = p->run;
+    const planish_plan *plan = r->plan;
+    const int of_angle = r->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
+    int any = 0;
+    pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
+                  plan->measured, of_angle ? INFINITY : sqrt(limit), of_angle ? limit : INFINITY,
+                  plan->threads, p->state);
+    memset(plan->changed, 0, (size_t)plan->n_nodes);
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++) {
+            const int32_t node = plan->elements[i * corners + j];
+            any |= plan->is_free[node];
+            plan->changed[plan->inner[node]] = 1;
+        }
+    return any;
+}
+
+/** Sweeps of stars with something above limit, a square; not 0 if they were cut short. */
+static int sweep_stage(const phase *p, double limit) {
+    pl_run *r = p->run;
+    int64_t most = 0;
+    int stopped = 0;
+    r->guard.star.worst_limit = limit;
+    for (int i = 0; i < STAGE_SWEEPS && !stopped; i++) {
+        pl_sweep_tally tally = {0};
+        pl_run_begin_sweep(r);
+        pl_run_sweep_colours(r, &tally);
+        stopped = pl_run_end_sweep(r, &tally);
+        r->result->worst_sweeps++;
+        most = tally.visits > most ? tally.visits : most;
+        if (tally.improved * FEW <= most)
+            break;
+    }
+    pl_run_measure(r);
+    return stopped;
+}
+
+/** A stage, which is a trial; *kept: it stands. Not 0 if it was cut short. */
+static int try_stage(phase *p, double limit, int *kept) {
+    pl_run *r = p->run;
+    const planish_plan *plan = r->plan;
+    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *p->before;
+    const pl_objective_sums totals = r->totals;
+    const pl_ratio_sums sums = r->sums;
+    *kept = 1;
+    if (!wake_bad(p, limit))
+        return 0;
+    memcpy(p->before, plan->coordinates, size);
+    r->shown = &totals;
+    r->shown_sums = &sums;
+    const int stopped = sweep_stage(p, limit);
+    r->shown = NULL;
+    r->shown_sums = NULL;
+    if (!(pl_run_objective(r) <= p->most)) {
+        memcpy(plan->coordinates, p->before, size);
+        pl_run_measure(r);
+        *kept = 0;
+    }
+    return stopped;
+}
+
+static void run_stages(phase *p) {
+    const pl_star_limits *limits = &p->run->problem.limits;
+    const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE;
+    double stands = sqrt(of_angle ? limits->acuteness : limits->rr2), failed = 1;
+    for (int failures = 0; failures <= HALVINGS && stands > STAGE_LEAST;) {
+        const double next = failures == 0 ? 1 + (stands - 1) * STAGE_FACTOR : (stands + failed) / 2;
+        int kept;
+        if (try_stage(p, next * next, &kept))
+            return;
+        if (kept)
+            stands = next;
+        else
+            failed = next;
+        failures += failures > 0 || !kept;
+    }
+}
+
+/** The worst of the mesh as the caller wants to know it: RR, or degrees. */
+static double worst_of(const pl_run *r) {
+    const double degrees = 57.295779513082320877; /* of a radian */
+    const pl_star_limits now = pl_run_limits(r, 1);
+    return r->options->worst == PLANISH_WORST_ANGLE ? asin(1 / sqrt(now.acuteness)) * degrees
+                                                    : sqrt(now.rr2);
+}
+
+int pl_run_worst(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    const pl_star_guard guard = r->guard.star;
+    const pl_star_problem problem = r->problem;
+    phase p = {.run = r,
+               .state = pl_alloc(plan->n_elements, sizeof *p.state),
+               .before = pl_alloc(plan->n_nodes * plan->dim, sizeof *p.before)};
+    int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
+    pl_run_measure(r);
+    p.most = pl_run_objective(r) * (1 + r->options->worst_rise);
+    r->guard.star.measure =
+        r->options->worst == PLANISH_WORST_ANGLE ? PL_WORST_ANGLE : PL_WORST_RATIO;
+    r->guard.star.ratio_weight = 1;
+    r->guard.star.volume_weight = 0;
+    r->guard.star.keep_below = 1;
+    r->problem.guard = &r->guard.star;
+    r->problem.rr2_skip = 0;
+    r->problem.limits = pl_run_limits(r, PL_LIMIT_MARGIN);
+    r->restoring = 0;
+    r->is_for_worst = 1;
+    r->result->objective_of_worst = pl_run_objective(r);
+    r->result->worst_before = worst_of(r);
+    if (!status)
+        run_stages(&p);
+    r->is_for_worst = 0;
+    r->result->worst_after = worst_of(r);
+    r->guard.star = guard;
+    r->problem = problem;
+    pl_free(p.state);
+    pl_free(p.before);
+    return status;
+}
