@@ -57,7 +57,6 @@ static int is_worse_than_start(const pl_run *r) {
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
-    pl_run_measure(r);
     if (!(pl_run_limits(r, 1).acuteness > r->at_start.acuteness))
         return PLANISH_OK;
     uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);

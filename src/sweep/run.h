@@ -98,13 +98,13 @@ int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
 /* ---- angles.c -------------------------------------------------------------------------------- */
 
-/** If the mesh has a smaller angle than at the start, put the nodes around back to where they were;
- *  how many is the result's. Errors: _MEMORY. */
+/** If the mesh as measured last has a smaller angle than at the start, put the nodes around back to
+ * where they were; how many is the result's. Errors: _MEMORY. */
 int pl_run_put_back_angles(pl_run *r, planish_error *error);
 
 /* ---- worst.c --------------------------------------------------------------------------------- */
 
-/** Improve the worst elements of a mesh that has been smoothed. Errors: _MEMORY. */
+/** Improve the worst elements of a mesh that has been smoothed, and measured. Errors: _MEMORY. */
 int pl_run_worst(pl_run *r, planish_error *error);
 
 /* ---- augmented.c ---------------------------------------------------------------------------- */

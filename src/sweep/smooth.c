@@ -174,6 +174,7 @@ static int keep_angles(pl_run *r, planish_error *error) {
     r->problem.limits.acuteness = r->at_start.acuteness * PL_LIMIT_MARGIN;
     r->problem.limits.rr2_blunt = pl_blunt_ratio_square(r->plan->dim, r->problem.limits.acuteness);
     pl_run_sweeps(r);
+    pl_run_measure(r);
     return PLANISH_OK;
 }
 
@@ -190,6 +191,7 @@ static int work(pl_run *r, planish_error *error) {
     give_up_in_vain(r, &start);
     if (!was_cut_short(r) && has_interior(r))
         pl_run_augmented(r);
+    pl_run_measure(r);
     status = keep_angles(r, error);
     if (!status && r->options->worst != PLANISH_WORST_NONE && !was_cut_short(r))
         status = pl_run_worst(r, error);
@@ -227,10 +229,8 @@ static int smooth(pl_run *r, planish_error *error) {
     r->stop = PLANISH_STOP_CONVERGED;
     if (plan->interior.stars.n_stars + plan->sliding.stars.n_stars > 0)
         status = work(r, error);
-    if (status)
-        return status;
-    pl_run_measure(r);
-    status = judge(r, error);
+    if (!status)
+        status = judge(r, error);
     if (!status)
         status = look_for_infeasible(r, error);
     if (!status)

@@ -125,7 +125,6 @@ int pl_run_worst(pl_run *r, planish_error *error) {
                .state = pl_alloc(plan->n_elements, sizeof *p.state),
                .before = pl_alloc(plan->n_nodes * plan->dim, sizeof *p.before)};
     int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
-    pl_run_measure(r);
     p.most = pl_run_objective(r) * (1 + r->options->worst_rise);
     r->guard.star.measure =
         r->options->worst == PLANISH_WORST_ANGLE ? PL_WORST_ANGLE : PL_WORST_RATIO;
