@@ -272,6 +272,8 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
     forget_if_none(&quality->max_radius_ratio);
     forget_if_none(&quality->fixed_rms_radius_ratio);
     forget_if_none(&quality->fixed_max_radius_ratio);
+    forget_if_none(&quality->max_radius_ratio_movable);
+    forget_if_none(&quality->min_angle_deg_movable);
     return 0;
 }
 

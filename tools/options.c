@@ -164,7 +164,7 @@ static const char *set_worst_measure(pl_arguments *arguments, const char *value)
 static const char *set_worst_rise(pl_arguments *arguments, const char *value) {
     double *rise = &arguments->library.worst_rise;
     arguments->of_worst = "worst-rise";
-    return parse_real(value, rise) || *rise < 0 || *rise > 1e6 ? "must be a number, 0 or more"
+    return parse_real(value, rise) || *rise < 0 || *rise > 1e6 ? "must be a number, 0 to 1e6"
                                                                : NULL;
 }
 

@@ -147,6 +147,8 @@ static void add_quality(document *json, cJSON *root, const char *name, const pla
     add_real(json, quality, "max_radius_ratio", q->max_radius_ratio);
     add_real(json, quality, "min_dihedral_deg", q->min_angle_deg);
     add_real(json, quality, "max_dihedral_deg", q->max_angle_deg);
+    add_real(json, quality, "max_radius_ratio_movable", q->max_radius_ratio_movable);
+    add_real(json, quality, "min_dihedral_movable_deg", q->min_angle_deg_movable);
     add_spreads(json, quality, q);
     cJSON *histogram = new_object(json, quality, "histogram");
     cJSON *edges = new_array(json, histogram, "edges");

@@ -64,6 +64,10 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
     row_floor(stream, before, after);
     row_real(stream, dim == 3 ? "smallest dihedral angle" : "smallest angle",
              before ? &before->min_angle_deg : NULL, after->min_angle_deg, " deg");
+    if (after->n_fixed > 0)
+        row_real(stream, "  of elements with free nodes",
+                 before ? &before->min_angle_deg_movable : NULL, after->min_angle_deg_movable,
+                 " deg");
     row_real(stream, dim == 3 ? "largest dihedral angle" : "largest angle",
              before ? &before->max_angle_deg : NULL, after->max_angle_deg, " deg");
     row_real(stream, "RMS radius ratio", before ? &before->rms_radius_ratio : NULL,
@@ -121,7 +125,8 @@ static void put_end(FILE *stream, const planish_result *smooth) {
         fprintf(stream, "converged, but for volumes that cannot be reached,");
         break;
     }
-    fprintf(stream, " after %d sweep%s", smooth->sweeps, smooth->sweeps == 1 ? "" : "s");
+    const int sweeps = smooth->sweeps - smooth->worst_sweeps;
+    fprintf(stream, " after %d sweep%s", sweeps, sweeps == 1 ? "" : "s");
     if (smooth->untangling_sweeps > 0)
         fprintf(stream, " (%d of them untangling)", smooth->untangling_sweeps);
     fprintf(stream, ", %" PRId64 " nodes moved by up to %.3g\n", smooth->moved_nodes,
@@ -134,9 +139,13 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
     if (smooth->worst_sweeps == 0)
         return;
     const double rise = smooth->objective / smooth->objective_of_worst - 1;
-    fprintf(stream, "%d of them for the worst: %s %.4g -> %.4g%s, while the RMS rose by %.2g %%\n",
+    fprintf(stream,
+            "and %d for the worst element with a free node: %s %.4g -> %.4g%s, while %s %s by %.2g "
+            "%%\n",
             smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
-            smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "", 100 * rise);
+            smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "",
+            job->options.area_weight > 0 ? "F" : "the RMS", rise < 0 ? "fell" : "rose",
+            fabs(100 * rise));
 }
 
 static void put_back_note(FILE *stream, int64_t n) {

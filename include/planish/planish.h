@@ -80,6 +80,10 @@ typedef struct planish_mesh {
     const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL: all free */
     const double *direction;   /* [n_nodes][dim] of nodes on planes and lines, of any length but 0;
                                   others are not looked at. NULL if there are none */
+    int64_t n_periodic;        /* pairs of nodes that a translation brings to one another, as at */
+    const int32_t *periodic;   /* [n_periodic][2] periodic boundaries: they move by the same, if all
+                                  that a node is joined to this way slides, in the same directions,
+                                  or not at all. At least two pairs for each translation */
     const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
 } planish_mesh;
@@ -248,9 +252,12 @@ typedef struct planish_options {
     int untangle;                  /* not 0 (the default): elements that are not positive are mended
                                       first where that can be done, and those below their least
                                       volume while it is smoothed; 0: they are left alone */
-    planish_worst worst;           /* what is improved of the worst elements in the end */
+    planish_worst worst;           /* what is improved of the worst elements in the end, by sweeps
+                                      that max_sweeps does not count: 20 at most for each tenth of
+                                      the way from the worst to the best element */
     double worst_rise;             /* and by how much of itself F may rise for that; 0.01 */
-    int max_sweeps;                /* of smoothing, at least 0; untangling has its own bound; where
+    int max_sweeps;                /* of smoothing, at least 0, and as many again after nodes were
+                                      put back (planish_result); untangling has its own bound; where
                                       L-BFGS helps, each of its iterations counts as one */
     double tolerance;              /* relative fall of the movable RMS that counts as converged */
     double time_limit;             /* seconds, 0: none */
@@ -335,6 +342,8 @@ typedef struct planish_quality {
     int64_t worst_element; /* where max_radius_ratio is, or -1 */
     double min_angle_deg;  /* dihedral angles in 3-D, angles in 2-D */
     double max_angle_deg;
+    double max_radius_ratio_movable;     /* over elements with a free node, */
+    double min_angle_deg_movable;        /* likewise; 0 without any */
     int64_t n_fixed;                     /* elements all of whose nodes are fixed */
     double fixed_rms_radius_ratio;       /* 0 where there is none */
     double fixed_max_radius_ratio;       /* the floor of max_radius_ratio with these nodes fixed */
@@ -384,9 +393,9 @@ typedef struct planish_result {
     double objective_before;   /* F over the valid elements at the start */
     double objective;          /* and at the end */
     double objective_of_worst; /* F when sweeps for options.worst began; 0: there were none */
-    double worst_before;       /* the worst there was then, by options.worst: RR, or degrees */
-    double worst_after;        /* and at the end */
-    int64_t evaluations;       /* of the function of a star, with or without derivatives */
+    double worst_before; /* the worst with a free node then, by options.worst: RR, or degrees */
+    double worst_after;  /* and at the end */
+    int64_t evaluations; /* of the function of a star, with or without derivatives */
     /* With a least volume, bounds or an objective other than the default: first-order optimality at
        the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f on
        the directions that no active constraint forbids, f the function of the node's star, h the
@@ -401,7 +410,7 @@ typedef struct planish_result {
 /** Smooth coordinates [n_nodes][dim] in place, after untangling them where need be.
  *  Promised: only free nodes move, and within their bounds; no more elements are inverted than
  *  were; in a mesh without inverted elements none is, and no element gets a worse RR than the worst
- * of the input, nor (with RR as objective) a smaller angle than the smallest, dihedral in 3-D,
+ * of those that had a free node, nor (with RR alone as objective) a smaller angle, dihedral in 3-D,
  * unless elements were brought above their least volume; F never rises (but for options.worst, by
  * at most worst_rise of what it had converged to) once no
  * element is inverted or below its least volume; the same bits for any number of threads, any isa

@@ -44,12 +44,13 @@ static inline double pl_acuteness(int dim, const double edges[3][3], double dete
  * and q = R / r, k <= q + sqrt((q + 1) (q - 3)), which is q >= (k^2 + 3) / (2 (k - 1)) for k >= 3.
  * Of the triangles with an angle theta the best one is isosceles: R / r = k^2 / (2 (k - 1)). */
 static inline double pl_blunt_ratio_square(int dim, double acuteness) {
-    const double margin = 1 - 1e-9, cosine = sqrt(fmax(0, 1 - 1 / acuteness));
+    const double cosine = sqrt(fmax(0, 1 - 1 / acuteness));
     const double k = sqrt(2 * acuteness * (1 + cosine)), plane = k * k / (4 * (k - 1));
-    if (!(acuteness > 1))
-        return 0;
+    const double margin = 1 - 1e-9 - 0x1p-46 * k; /* rounding of D, relative, is about k 2^-53 */
     if (!(acuteness < INFINITY))
         return INFINITY;
+    if (!(acuteness > 1 && margin > 0))
+        return 0;
     const double ratio = dim == 2 ? plane : k > 3 ? (k * k + 3) / (6 * (k - 1)) : 1;
     return margin * ratio * ratio;
 }

@@ -219,8 +219,9 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     if (!file || !constraint)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
     const int slide = hold && hold->slide;
-    const unsigned undecided = (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE : 0) |
-                               (hold && hold->ignore_marks ? IO_HELD_MARKED : 0);
+    const unsigned undecided =
+        (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
+        (hold && hold->ignore_marks ? IO_HELD_MARKED : 0);
     for (int64_t i = 0; i < file->model.n_nodes; i++)
         constraint[i] = file->model.hold[i] & ~undecided ? PLANISH_FIXED : PLANISH_FREE;
     int status = PLANISH_OK;

@@ -164,7 +164,9 @@ planish_mesh planish_file_mesh(const planish_file *file) {
                           .n_elements = cells->n,
                           .coordinates = file->model.coordinates,
                           .elements = cells->nodes,
-                          .constraint = NULL};
+                          .constraint = NULL,
+                          .n_periodic = file->model.n_periodic,
+                          .periodic = file->model.periodic};
 }
 
 double *planish_file_coordinates(planish_file *file) {

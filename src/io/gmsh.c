@@ -259,6 +259,8 @@ static int settle_numbers(gmsh_reader *reader, io_cells *cells) {
 }
 
 int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int binary) {
+    int32_t pair[2];
+    int known = 0;
     for (int64_t i = 0; i < 2 * n; i++) {
         int64_t number;
         int status = binary ? gmsh_take_size(reader, &number, "node of a periodic pair")
@@ -266,9 +268,18 @@ int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int binary) {
         if (status != 0)
             return status;
         /* Gmsh lists pairs of the whole geometry, also where only some groups were saved. */
-        int64_t node = gmsh_node(reader, number);
+        const int64_t node = gmsh_node(reader, number);
+        known += node >= 0;
+        pair[i % 2] = (int32_t)node;
         if (node >= 0)
             io_hold_node(reader->model, node, IO_HELD_PERIODIC);
+        if (i % 2 == 1) {
+            if (known == 2)
+                status = io_model_pair(reader->model, pair, reader->error);
+            known = 0;
+        }
+        if (status != 0)
+            return status;
     }
     return 0;
 }

@@ -39,6 +39,16 @@ int io_model_span(io_model *model, io_span span, planish_error *error) {
     return PLANISH_OK;
 }
 
+int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error) {
+    int32_t *grown = pl_grow(model->periodic, model->n_periodic, model->n_periodic + 1,
+                             &model->periodic_capacity, sizeof pair[0] * 2);
+    if (!grown)
+        return pl_fail_memory(error, "the periodic nodes");
+    model->periodic = grown;
+    memcpy(model->periodic + 2 * model->n_periodic++, pair, sizeof pair[0] * 2);
+    return PLANISH_OK;
+}
+
 /* ---- cells -------------------------------------------------------------------------------- */
 
 int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
@@ -270,6 +280,7 @@ void io_model_destroy(io_model *model) {
     pl_free(model->text_offset);
     pl_free(model->hold);
     pl_free(model->node_entity);
+    pl_free(model->periodic);
     cells_destroy(&model->line);
     cells_destroy(&model->triangle);
     cells_destroy(&model->tetrahedron);

@@ -90,6 +90,8 @@ typedef struct io_model {
     int64_t *text_offset; /* [n_nodes] byte of the first coordinate, or NULL: no text spans */
     uint8_t *hold;        /* [n_nodes] bits IO_HELD_... */
     int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL */
+    int32_t *periodic;    /* [n_periodic][2] pairs of periodic nodes, indices */
+    int64_t n_periodic, periodic_capacity;
     io_cells line, triangle, tetrahedron; /* lines of two nodes; in no order that means anything */
     io_entity *entity;                    /* [n_entities] */
     int32_t n_entities, entity_capacity;
@@ -110,6 +112,9 @@ typedef struct io_model {
 int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error);
 
 int io_model_span(io_model *model, io_span span, planish_error *error);
+
+/** A pair of periodic nodes. */
+int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error);
 
 /** Room for n more cells; the reader then writes nodes, entity, number at index cells->n ...; and
  *  raises cells->n. with_entity/with_number must be the same in every call for the same cells. */

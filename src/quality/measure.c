@@ -54,7 +54,7 @@ static double largest_so_far(const pass *p) {
  *  smallest so far. */
 static void take_angles(pass *p, const pl_block *b, double *blunt, const int dim) {
     for (int l = 0; l < PL_LANES; l++) {
-        if (b->valid[l] == 0 || b->square[l] <= *blunt)
+        if (b->valid[l] == 0 || b->is_free[l] == 0 || b->square[l] <= *blunt)
             continue;
         const double acuteness = pl_block_acuteness(b, l, dim);
         int64_t bits;
@@ -93,7 +93,7 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
         if (!pl_block_is_certain(&b))
             pl_block_resolve(p->mesh, first, count, &b);
         pl_add_basic(&b, &basic);
-        if (!full && pl_block_largest_square(&b) > blunt)
+        if (!full && !p->state && pl_block_largest_square(&b) > blunt)
             take_angles(p, &b, &blunt, dim);
         if (!full && p->state)
             put_states(p, &b, first, count, dim);
@@ -202,6 +202,9 @@ static void fill_ratios(const pl_ratio_sums *basic, const pl_full_sums *full, pl
     q->fixed_max_radius_ratio = full->worst_fixed_ratio;
     q->min_angle_deg = degrees_of_cosine(full->max[PL_SMALLEST_ANGLE]);
     q->max_angle_deg = degrees_of_cosine(full->min[PL_LARGEST_ANGLE]);
+    q->max_radius_ratio_movable = full->movable_ratio;
+    if (basic->n_movable > 0)
+        q->min_angle_deg_movable = degrees_of_cosine(full->movable_cosine);
 }
 
 static planish_spread ratio_spread(int measure, int64_t n_valid, const pl_full_sums *full) {

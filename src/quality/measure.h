@@ -26,8 +26,8 @@ typedef struct pl_ratio_sums {
     double fixed;      /* sum of RR^2 over the others */
     int64_t n_movable; /* valid elements with a free node */
     int64_t n_fixed;   /* other valid elements */
-    double max;        /* largest RR^2 of all, 0 without any */
-    double acuteness;  /* of the smallest angle of all (geometry/angle.h), 0 without any */
+    double max;        /* largest RR^2 of those with a free node, 0 without any */
+    double acuteness;  /* of the smallest angle of these (geometry/angle.h), 0 without any */
     int64_t inverted;  /* elements that are not valid */
 } pl_ratio_sums;
 

@@ -14,7 +14,7 @@ static const double PL_HISTOGRAM_EDGES[PLANISH_HISTOGRAM_BINS + 1] = {
 
 /** What both passes accumulate, one column per lane. */
 typedef struct pl_basic_lanes {
-    double movable[PL_LANES], fixed[PL_LANES], max[PL_LANES]; /* sums of RR^2, largest RR^2 */
+    double movable[PL_LANES], fixed[PL_LANES], max[PL_LANES]; /* see pl_ratio_sums */
     double n_movable[PL_LANES], n_fixed[PL_LANES], inverted[PL_LANES];
 } pl_basic_lanes;
 
@@ -26,6 +26,7 @@ typedef struct pl_full_lanes {
     double min[PL_N_MEASURES][PL_LANES]; /* of cosines where the measure is an angle */
     double max[PL_N_MEASURES][PL_LANES];
     double worst_ratio[PL_LANES], worst_fixed_ratio[PL_LANES];
+    double movable_ratio[PL_LANES], movable_cosine[PL_LANES]; /* largest with a free node */
     double worst_element[PL_LANES];                    /* exact: element numbers are below 2^53 */
     double at_least[PLANISH_HISTOGRAM_BINS][PL_LANES]; /* elements of RR >= each edge */
 } pl_full_lanes;
@@ -35,7 +36,7 @@ typedef struct pl_full_sums {
     int64_t n_unmovable;
     double volume_sum, smallest_volume, largest_volume;
     double sum[PL_N_MEASURES], min[PL_N_MEASURES], max[PL_N_MEASURES]; /* as those of the lanes */
-    double worst_ratio, worst_fixed_ratio;
+    double worst_ratio, worst_fixed_ratio, movable_ratio, movable_cosine;
     int64_t worst_element; /* -1: none */
     int64_t at_least[PLANISH_HISTOGRAM_BINS];
 } pl_full_sums;
@@ -45,7 +46,7 @@ PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
         double square = b->valid[l] != 0 ? b->square[l] : 0;
         sums->movable[l] += b->is_free[l] != 0 ? square : 0;
         sums->fixed[l] += b->is_free[l] != 0 ? 0 : square;
-        sums->max[l] = pl_larger(square, sums->max[l]);
+        sums->max[l] = pl_larger(b->is_free[l] != 0 ? square : 0, sums->max[l]);
         sums->n_movable[l] += b->is_free[l] != 0 ? b->valid[l] : 0;
         sums->n_fixed[l] += b->is_free[l] != 0 ? 0 : b->valid[l];
         sums->inverted[l] += b->present[l] - b->valid[l];
@@ -89,6 +90,10 @@ PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *su
         sums->worst_element[l] = is_worst ? element : sums->worst_element[l];
         sums->worst_ratio[l] = is_worst ? ratio : sums->worst_ratio[l];
         sums->worst_fixed_ratio[l] = pl_larger(fixed_ratio, sums->worst_fixed_ratio[l]);
+        const int counts = b->valid[l] != 0 && b->is_free[l] != 0;
+        sums->movable_ratio[l] = pl_larger(counts ? ratio : 0, sums->movable_ratio[l]);
+        sums->movable_cosine[l] = pl_larger(counts ? b->measure[PL_SMALLEST_ANGLE][l] : -INFINITY,
+                                            sums->movable_cosine[l]);
     }
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         for (int l = 0; l < PL_LANES; l++)

@@ -151,8 +151,10 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
     int movable = has_free_node(problem, index, dim);
     sums->n[movable]++;
     sums->radius[movable] += radius;
-    sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
-    take_angles(&e, x, radius, blunt, sums, dim);
+    if (movable) {
+        sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
+        take_angles(&e, x, radius, blunt, sums, dim);
+    }
     sums->ratio[movable] += aspect_square(problem, x, radius, dim);
     sums->volume[movable] += g > -INFINITY ? g * g : 0;
 }

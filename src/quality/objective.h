@@ -24,13 +24,13 @@ typedef struct pl_objective_problem {
 /** Sums over the valid elements (positive measure, decided exactly), by [movable]: 1 for those with
  * a free node, 0 for the others. */
 typedef struct pl_objective_sums {
-    double ratio[2];  /* of AR^2 */
-    double radius[2]; /* of RR^2 */
-    double volume[2]; /* of g^2, of elements with a least volume */
-    double n[2];      /* how many there are */
-    double radius_max;
-    double acuteness; /* of the smallest angle, see geometry/angle.h */
-    double inverted;  /* elements that are not valid */
+    double ratio[2];   /* of AR^2 */
+    double radius[2];  /* of RR^2 */
+    double volume[2];  /* of g^2, of elements with a least volume */
+    double n[2];       /* how many there are */
+    double radius_max; /* largest RR^2 of those with a free node */
+    double acuteness;  /* of the smallest angle of these, see geometry/angle.h */
+    double inverted;   /* elements that are not valid */
     double
         below; /* elements with a least volume and g above PLANISH_VOLUME_TOLERANCE, valid or not */
     double shortfall; /* sum of max(0, g)^2, valid or not */

@@ -26,6 +26,8 @@ enum { SHARPNESS = PL_EDGE_SHARPNESS };
 /* The worst count by this power's power of 2 of what they are. */
 enum { WORST_POWER = 5 };
 #define WORST_EXPONENT ((double)(1 << WORST_POWER))
+/* An element that adds less than this to the sum has no part in its derivatives. */
+#define NEXT_TO_NOTHING 0x1p-900
 
 static inline int is_of_worst(int measure) {
     return measure == PL_WORST_RATIO || measure == PL_WORST_ANGLE;
@@ -300,7 +302,9 @@ PL_INLINE void add_log_square(const lanes *g, const lanes *e, lanes ee, lanes in
 /** Derivatives of the sum of n parts from those of the logarithms: h holds the sum of
  *  S hess log (1 / sin^2) then. */
 PL_INLINE void finish_worst(const worst_part *part, int n, aspect *a, const int dim) {
-    const lanes q = lanes_of(WORST_EXPONENT), inverse = lanes_of(1) / a->square;
+    const lanes q = lanes_of(WORST_EXPONENT),
+                inverse = lanes_select(lanes_greater(a->square, lanes_of(NEXT_TO_NOTHING)),
+                                       lanes_of(1) / a->square, lanes_of(0));
     for (int r = 0; r < dim; r++)
         a->l[r] = lanes_of(0);
     for (int k = 0; k < dim * (dim + 1) / 2; k++)

@@ -32,9 +32,22 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     return n;
 }
 
+/** Nodes that move together go back together. */
+static void put_back_followers(const pl_run *r) {
+    const planish_plan *plan = r->plan;
+    const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
+    for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
+        const pl_follower *f = &plan->sliding.follower[k];
+        if (f->node < plan->n_nodes &&
+            memcmp(plan->coordinates + (int64_t)f->node * plan->dim, f->start, size) == 0)
+            memcpy(plan->coordinates + (int64_t)f->of * plan->dim, f->origin, size);
+    }
+    pl_follow(plan, &r->problem);
+}
+
 /** Put back the nodes of elements that are worse than the worst at the start; 0 if there are none.
  */
-static int64_t put_back(pl_run *r, uint8_t *state) {
+static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     const planish_plan *plan = r->plan;
     int64_t n = 0;
     pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
@@ -43,34 +56,44 @@ static int64_t put_back(pl_run *r, uint8_t *state) {
     for (int64_t i = 0; i < plan->n_elements; i++)
         if (state[i] != PL_FINE)
             n += put_back_nodes(r, i);
+    put_back_followers(r);
     pl_run_measure(r);
     return n;
 }
 
-/** Whether anything that is promised does not hold. */
-static int is_worse_than_start(const pl_run *r) {
+/** Put back all nodes; how many had moved. */
+static int64_t put_all_back(const pl_run *r) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < r->plan->n_elements; i++)
+        n += put_back_nodes(r, i);
+    return n;
+}
+
+/** Whether an element is worse than the worst at the start. Sweeps see to it that only angles are,
+ *  and to rounding others: nodes that move together have one star for all, next to one of them. */
+static int is_worse(const pl_run *r) {
     const pl_star_limits now = pl_run_limits(r, 1);
     return now.acuteness > r->at_start.acuteness || now.rr2 > r->at_start.rr2 ||
-           pl_run_inverted(r) > 0 || pl_run_below(r) > 0 ||
-           pl_run_objective(r) > r->result->objective_before;
+           pl_run_inverted(r) > 0;
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
-    if (!(pl_run_limits(r, 1).acuteness > r->at_start.acuteness))
+    if (!is_worse(r))
         return PLANISH_OK;
     uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
     if (!state)
         return pl_fail_memory(error, "the states of the elements");
     for (int i = 0; i < ROUNDS; i++) {
-        const int64_t more = put_back(r, state);
+        const int64_t more = put_back_bad(r, state);
         r->result->put_back += more;
         if (more == 0)
             break;
     }
     pl_free(state);
-    if (is_worse_than_start(r)) {
-        pl_plan_order(plan, r->outside, plan->coordinates);
+    if (is_worse(r) || pl_run_below(r) > 0 ||
+        (r->result->worst_sweeps == 0 && pl_run_objective(r) > r->result->objective_before)) {
+        r->result->put_back += put_all_back(r);
         pl_run_measure(r);
     }
     return PLANISH_OK;

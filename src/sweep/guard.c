@@ -171,6 +171,24 @@ static int check_bounds(const planish_plan *plan, const planish_options *options
     return PLANISH_OK;
 }
 
+/** Nodes that others follow are bounded by what bounds these, too; all are held if one is. */
+static void bound_leaders(const work *w) {
+    const planish_plan *plan = w->plan;
+    const int dim = plan->dim;
+    for (int64_t k = 0; w->lower && k < plan->sliding.n_followers; k++) {
+        const pl_follower *f = &plan->sliding.follower[k];
+        if (f->node >= plan->n_nodes)
+            continue;
+        double *lower = w->lower + (int64_t)f->of * dim, *upper = w->upper + (int64_t)f->of * dim;
+        const double *low = w->lower + (int64_t)f->node * dim;
+        const double *high = w->upper + (int64_t)f->node * dim;
+        for (int d = 0; d < dim; d++) { /* exact where a node is at its bound */
+            lower[d] = fmax(lower[d], f->origin[d] + (low[d] - f->start[d]));
+            upper[d] = fmin(upper[d], f->origin[d] + (high[d] - f->start[d]));
+        }
+    }
+}
+
 static int make_bounds(const planish_plan *plan, const planish_options *options,
                        const double *coordinates, pl_guard *guard, planish_error *error) {
     const int64_t values = plan->n_nodes * plan->dim;
@@ -197,6 +215,7 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
         pl_parallel_for(plan->threads, visits[i]->stars.n_stars, CHUNK_NODES, limit_stars, &w);
     }
     guard->held_outside = w.held;
+    bound_leaders(&w);
     return PLANISH_OK;
 }
 

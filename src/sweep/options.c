@@ -42,6 +42,9 @@ static int check_choices(const planish_options *options, planish_error *error) {
     if (options->worst < PLANISH_WORST_NONE || options->worst > PLANISH_WORST_ANGLE)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.worst %d is unknown",
                        (int)options->worst);
+    if (options->worst != PLANISH_WORST_NONE && options->method != PLANISH_METHOD_PLANISH)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.worst is for the method PLANISH_METHOD_PLANISH alone");
     if (options->direction != PLANISH_NEWTON && options->direction != PLANISH_FLETCHER_REEVES)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.direction %d is unknown",
                        (int)options->direction);

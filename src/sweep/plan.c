@@ -32,6 +32,9 @@ typedef struct draft {
     int32_t *order;               /* [n] the caller's numbers along the curve */
     candidates interior, sliding; /* nodes that are free if they are inside, and those that slide */
     int64_t *count;               /* [chunks of nodes + 1] */
+    pl_periodic periodic;         /* for nodes that slide, */
+    pl_incidence around;          /* its incidence, */
+    int32_t *number_of;           /* [its nodes] and their inner numbers */
 } draft;
 
 static void candidates_destroy(candidates *c) {
@@ -46,6 +49,9 @@ static void draft_destroy(draft *d) {
     pl_boundary_destroy(&d->boundary);
     candidates_destroy(&d->interior);
     candidates_destroy(&d->sliding);
+    pl_periodic_destroy(&d->periodic);
+    pl_incidence_destroy(&d->around);
+    pl_free(d->number_of);
     pl_free(d->is_selected);
     pl_free(d->order);
     pl_free(d->count);
@@ -211,16 +217,18 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 /** Colour the rings and put them in order of colour, along the curve within each. */
-static int order_visits(const planish_plan *plan, candidates *c, pl_visits *visits,
-                        planish_error *error) {
+static int order_visits(const planish_plan *plan, const pl_periodic *periodic, candidates *c,
+                        pl_visits *visits, planish_error *error) {
     arrangement a = {.plan = plan, .c = c, .visits = visits, .n_chunks = c->n / CHUNK_RINGS + 1};
     c->colour = pl_alloc(c->n, sizeof *c->colour);
     c->visit = pl_alloc(c->rings.n_free, sizeof *c->visit);
     visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
     if (!c->colour || !c->visit || !visits->centre)
         return pl_fail_memory(error, "the colours of nodes");
-    int status = pl_colouring_create(&c->rings, c->node, plan->n_nodes, plan->threads, c->colour,
-                                     &visits->n_colours, error);
+    int status =
+        pl_colouring_create(&c->rings, c->node, periodic ? periodic->n_nodes : plan->n_nodes,
+                            periodic ? periodic->moves_with : NULL, plan->threads, c->colour,
+                            &visits->n_colours, error);
     if (status)
         return status;
     visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
@@ -249,11 +257,12 @@ static void visits_destroy(pl_visits *visits) {
     pl_stars_destroy(&visits->stars);
     pl_free(visits->centre);
     pl_free(visits->colour_begin);
+    pl_free(visits->follower);
 }
 
 /* ---- nodes that slide --------------------------------------------------------------------- */
 
-static int slides(const planish_mesh *mesh, int64_t node) {
+static int may_slide(const planish_mesh *mesh, int64_t node) {
     return mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE;
 }
 
@@ -283,7 +292,7 @@ static int check_constraints(const planish_mesh *mesh, int64_t *n_sliding, plani
                               "mesh.constraint of node %" PRId64
                               " is %d; give a planish_constraint, 0 to %d",
                               i, constraint, PLANISH_ON_SURFACE);
-        *n_sliding += slides(mesh, i);
+        *n_sliding += may_slide(mesh, i);
         if ((constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE) &&
             !(mesh->direction && normalise(mesh->direction + i * mesh->dim, mesh->dim, unit)))
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
@@ -306,33 +315,112 @@ static void note_slides(planish_plan *plan, const draft *d) {
     }
 }
 
-/** The visits of the nodes that slide, whose links may be open. */
-static int prepare_sliding(planish_plan *plan, draft *d, planish_error *error) {
-    candidates *c = &d->sliding;
-    int64_t n = 0;
-    int status = check_constraints(d->mesh, &n, error);
-    if (status || n == 0)
+/** A node of a group is chosen if one of its group is. */
+static void select_groups(const draft *d) {
+    enum { STEPS = 8 }; /* from node to node of a group, at most */
+    const planish_mesh *mesh = d->mesh;
+    for (int step = 0; d->is_selected && step < STEPS; step++)
+        for (int64_t i = 0; i < mesh->n_periodic; i++) {
+            uint8_t *a = &d->is_selected[mesh->periodic[2 * i]];
+            uint8_t *b = &d->is_selected[mesh->periodic[2 * i + 1]];
+            *a = *b = *a | *b;
+        }
+}
+
+/** The mesh that the nodes that slide are in: with copies where some of them move together. slides
+ *  [n] becomes 1 for those that may slide. */
+static int prepare_periodic(planish_plan *plan, draft *d, uint8_t *slides, planish_mesh *around,
+                            planish_error *error) {
+    const planish_mesh *mesh = d->mesh;
+    pl_periodic *periodic = &d->periodic;
+    int status = PLANISH_OK;
+    select_groups(d);
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        slides[i] =
+            may_slide(mesh, i) && plan->is_used[i] && (!d->is_selected || d->is_selected[i]);
+    *around = *mesh;
+    if (mesh->n_periodic == 0)
+        return PLANISH_OK;
+    status = pl_periodic_create(mesh, &d->incidence, plan->sign, slides, periodic, error);
+    if (status)
         return status;
-    c->node = pl_alloc(n, sizeof *c->node);
-    plan->slide = pl_alloc(n, sizeof *plan->slide);
-    if (!c->node || !plan->slide)
-        return pl_fail_memory(error, "nodes that slide");
+    plan->n_images = periodic->n_nodes - plan->n_nodes;
+    around->n_nodes = periodic->n_nodes;
+    around->n_elements = periodic->n_elements;
+    around->elements = periodic->elements;
+    around->min_volume = periodic->min_volume;
+    d->number_of = pl_alloc(periodic->n_nodes, sizeof *d->number_of);
+    if (!d->number_of)
+        return pl_fail_memory(error, "periodic nodes");
+    for (int64_t i = 0; i < periodic->n_nodes; i++)
+        d->number_of[i] = i < plan->n_nodes ? plan->inner[i] : (int32_t)i;
+    return pl_incidence_create(around, NULL, plan->threads, &d->around, error);
+}
+
+/** Nodes that lead others slide with them, or none does; the plan keeps who follows whom. */
+static void settle_followers(planish_plan *plan, draft *d) {
+    pl_periodic *periodic = &d->periodic;
+    for (int64_t k = 0; k < periodic->n_followers; k++) {
+        pl_follower *f = &periodic->follower[k];
+        if (f->node < plan->n_nodes)
+            plan->is_free[f->node] = plan->is_free[f->of];
+        f->node = d->number_of[f->node];
+        f->of = d->number_of[f->of];
+        f->from = d->number_of[f->from];
+        f->to = d->number_of[f->to];
+    }
+    plan->sliding.n_followers = periodic->n_followers;
+    plan->sliding.follower = periodic->follower;
+    periodic->follower = NULL;
+}
+
+/** The stars of the nodes that slide, whose links may be open. */
+static int prepare_sliding_stars(planish_plan *plan, draft *d, uint8_t *slides,
+                                 planish_error *error) {
+    candidates *c = &d->sliding;
+    planish_mesh around;
+    int status = prepare_periodic(plan, d, slides, &around, error);
+    if (status)
+        return status;
+    const pl_periodic *periodic = d->periodic.moves_with ? &d->periodic : NULL;
+    const pl_incidence *incidence = periodic ? &d->around : &d->incidence;
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         const int32_t node = d->order[i];
-        if (!slides(d->mesh, node) || !plan->is_used[node] ||
-            (d->is_selected && !d->is_selected[node]))
+        if (!slides[node] || (periodic && periodic->moves_with[node] != node))
             continue;
         plan->is_free[node] = PL_SLIDES;
         c->node[c->n++] = node;
     }
-    status = pl_rings_create(d->mesh, &d->incidence, plan->sign, plan->is_free, c->node, c->n, 1,
-                             plan->threads, &c->rings, error);
+    status = pl_rings_create(&around, incidence, periodic ? periodic->sign : plan->sign,
+                             plan->is_free, c->node, c->n, 1, plan->threads, &c->rings, error);
     if (!status)
-        status = order_visits(plan, c, &plan->sliding, error);
+        status = order_visits(plan, periodic, c, &plan->sliding, error);
     if (!status)
-        status = make_stars(plan, d, c, &plan->sliding, error);
+        status = pl_stars_create(&around, incidence, &c->rings, c->node, c->visit,
+                                 plan->sliding.n_colours, periodic ? d->number_of : plan->inner,
+                                 plan->threads, &plan->sliding.stars, error);
+    if (!status && periodic)
+        settle_followers(plan, d);
     if (!status)
         note_slides(plan, d);
+    return status;
+}
+
+static int prepare_sliding(planish_plan *plan, draft *d, planish_error *error) {
+    int64_t n = 0;
+    int status = check_constraints(d->mesh, &n, error);
+    if (!status)
+        status = pl_check_periodic(d->mesh, error);
+    if (status || n == 0)
+        return status;
+    uint8_t *slides = pl_alloc(plan->n_nodes, 1);
+    d->sliding.node = pl_alloc(n, sizeof *d->sliding.node);
+    plan->slide = pl_alloc(n, sizeof *plan->slide);
+    if (slides && d->sliding.node && plan->slide)
+        status = prepare_sliding_stars(plan, d, slides, error);
+    else
+        status = pl_fail_memory(error, "nodes that slide");
+    pl_free(slides);
     return status;
 }
 
@@ -360,7 +448,7 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
     if (!status)
         status = prepare_sliding(plan, d, error);
     if (!status)
-        status = order_visits(plan, &d->interior, &plan->interior, error);
+        status = order_visits(plan, NULL, &d->interior, &plan->interior, error);
     if (!mesh->min_volume)
         pl_incidence_destroy(&d->incidence);
     return status ? status : make_stars(plan, d, &d->interior, &plan->interior, error);
@@ -381,9 +469,9 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
     int64_t bytes = pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
                                          larger(interior->max_link, sliding->max_link));
     plan->scratch_stride = bytes / (int64_t)sizeof(double);
-    plan->coordinates = pl_alloc(values, sizeof(double));
+    plan->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof(double));
     plan->measured = pl_alloc(values, sizeof(double));
-    plan->changed = pl_alloc(plan->n_nodes, 1);
+    plan->changed = pl_alloc_zero(plan->n_nodes + plan->n_images, 1);
     plan->partial =
         pl_alloc(chunks_of(n_stars, PL_CHUNK_STARS) + chunks_of(plan->n_elements, CHUNK_ELEMENTS),
                  sizeof(double));
@@ -404,10 +492,18 @@ static int64_t bytes_of(const planish_plan *plan, const pl_visits *visits) {
            (stars->min_volume ? links * (int64_t)sizeof(double) : 0);
 }
 
+/** Nodes that move with others. */
+static int64_t count_followers(const planish_plan *plan) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        n += plan->is_free[i] == PL_SLIDES;
+    return n - plan->sliding.stars.n_stars;
+}
+
 static void fill_info(planish_plan *plan, const draft *d) {
     planish_plan_info *info = &plan->info;
     info->n_free = plan->interior.stars.n_stars;
-    info->n_sliding = plan->sliding.stars.n_stars;
+    info->n_sliding = plan->sliding.stars.n_stars + count_followers(plan);
     info->n_fixed_elements = (int64_t)pl_parallel_sum(
         plan->threads, plan->n_elements, CHUNK_ELEMENTS, count_fixed, plan, plan->partial);
     info->n_components = d->boundary.n_components;

@@ -12,6 +12,9 @@ typedef struct pl_visits {
     int32_t *centre;       /* [n_stars] inner number of each star's node */
     int64_t *colour_begin; /* [n_colours + 1] first star of each colour */
     int n_colours;
+    int64_t n_followers;
+    pl_follower
+        *follower; /* nodes that move with those of the stars, and images: by inner numbers */
 } pl_visits;
 
 /** What is_free says of a node. */
@@ -31,15 +34,16 @@ struct planish_plan {
     int is_selective;        /* only nodes of bad elements are free, see pl_select */
     pl_visits interior;      /* of the nodes that may go anywhere, */
     pl_visits sliding;       /* and of those that stay on a plane, line or surface: */
+    int64_t n_images;        /* nodes after the mesh's own, see pl_periodic */
     pl_star_slide *slide;    /* [sliding.stars.n_stars] which; point is where a call starts */
     pl_placement *placement;
     int threads;
     const pl_star_kernel *kernel;
     planish_plan_info info;
     /* Scratch of planish_smooth: */
-    double *coordinates; /* [n][dim] by inner numbers, scaled */
+    double *coordinates; /* [n + n_images][dim] by inner numbers, scaled */
     double *measured;    /* [n][dim] by the caller's numbers, scaled: for measuring */
-    uint8_t *changed;    /* [n] by inner numbers, see pl_star_problem */
+    uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
     double *partial;     /* decrease of each chunk of a colour */
     double *scratch;     /* [threads][scratch_stride] of the kernels */
     int64_t scratch_stride;

@@ -230,7 +230,8 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
 }
 
 int pl_run_sweeps_left(const pl_run *r) {
-    return r->options->max_sweeps - (r->sweep - r->result->untangling_sweeps);
+    const int in_vain = r->in_vain > 0 ? r->in_vain : r->result->untangling_sweeps;
+    return r->options->max_sweeps - (r->sweep - in_vain);
 }
 
 /* A mesh whose sweeps bring less than the first of these after so many of them, and would bring

@@ -30,6 +30,7 @@ typedef struct pl_run {
     double start;            /* clock */
     double sweep_start;
     int sweep;
+    int in_vain; /* sweeps that max_sweeps does not count: those before nodes were put back */
     planish_stop stop;
     planish_result *result;
 } pl_run;

@@ -171,11 +171,12 @@ static int keep_angles(pl_run *r, planish_error *error) {
     if (status || r->result->put_back == 0 || was_cut_short(r))
         return status;
     prepare_problem(r);
+    r->in_vain = r->sweep;
     r->problem.limits.acuteness = r->at_start.acuteness * PL_LIMIT_MARGIN;
     r->problem.limits.rr2_blunt = pl_blunt_ratio_square(r->plan->dim, r->problem.limits.acuteness);
     pl_run_sweeps(r);
     pl_run_measure(r);
-    return PLANISH_OK;
+    return pl_run_put_back_angles(r, error);
 }
 
 static int work(pl_run *r, planish_error *error) {
@@ -195,7 +196,22 @@ static int work(pl_run *r, planish_error *error) {
     status = keep_angles(r, error);
     if (!status && r->options->worst != PLANISH_WORST_NONE && !was_cut_short(r))
         status = pl_run_worst(r, error);
+    if (!status && r->result->worst_sweeps > 0 && r->at_start.acuteness < INFINITY)
+        status = pl_run_put_back_angles(r, error); /* to be sure */
     return status;
+}
+
+/** Followers keep the way that they are from the others now. */
+static void begin_following(const planish_plan *plan, pl_follower *f) {
+    double *x = plan->coordinates;
+    const int dim = plan->dim;
+    for (int d = 0; d < dim; d++) {
+        const double way = x[(int64_t)f->to * dim + d] - x[(int64_t)f->from * dim + d];
+        f->origin[d] = x[(int64_t)f->of * dim + d];
+        if (f->node >= plan->n_nodes)
+            x[(int64_t)f->node * dim + d] = f->origin[d] + way;
+        f->start[d] = x[(int64_t)f->node * dim + d];
+    }
 }
 
 /** Planes and lines go through where their nodes are now. */
@@ -204,6 +220,8 @@ static void begin_sliding(planish_plan *plan) {
         const double *x = plan->coordinates + (int64_t)plan->sliding.centre[s] * plan->dim;
         memcpy(plan->slide[s].point, x, (size_t)plan->dim * sizeof *x);
     }
+    for (int64_t k = 0; k < plan->sliding.n_followers; k++)
+        begin_following(plan, &plan->sliding.follower[k]);
 }
 
 /** Whether no angle may become smaller than the smallest of the mesh as it came. */

@@ -3,6 +3,7 @@
 #include "sweep/sweep.h"
 
 #include "base/parallel.h"
+#include "base/round.h"
 
 /** One colour under way. */
 typedef struct colour_pass {
@@ -36,9 +37,25 @@ static double visit_chunk(void *context, int64_t begin, int64_t end, int thread)
     return tally.decrease;
 }
 
+void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
+    for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
+        const pl_follower *f = &plan->sliding.follower[k];
+        double *x = plan->coordinates + (int64_t)f->node * plan->dim;
+        const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
+        for (int d = 0; d < plan->dim; d++) {
+            const double place = f->start[d] + (of[d] - f->origin[d]);
+            x[d] = problem->to_float && f->node < plan->n_nodes ? pl_round_to_float(place) : place;
+        }
+        plan->changed[f->of] |= plan->changed[f->node];
+        plan->changed[f->node] = 0;
+    }
+}
+
 void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
               planish_method method, pl_after_colour_fn *after_colour, void *context,
               pl_sweep_tally *tally) {
+    if (visits->n_followers > 0)
+        pl_follow(plan, problem);
     for (int c = 0; c < visits->n_colours && !tally->stopped; c++) {
         colour_pass pass = {plan, problem, method, visits->colour_begin[c], 0, 0, 0, 0};
         int64_t n = visits->colour_begin[c + 1] - pass.first;
@@ -49,6 +66,8 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
         tally->improved += pass.improved;
         tally->restored += pass.restored;
         tally->colours++;
+        if (visits->n_followers > 0)
+            pl_follow(plan, problem);
         tally->stopped = after_colour(context, tally->colours);
     }
 }

@@ -39,6 +39,10 @@ typedef struct pl_sweep_tally {
     int stopped;      /* what pl_after_colour_fn said */
 } pl_sweep_tally;
 
+/** Put the nodes that follow others, and images, to where these say; a change of theirs is one of
+ *  the others. pl_sweep does so before the first colour and after each. */
+void pl_follow(const planish_plan *plan, const pl_star_problem *problem);
+
 /** Visit the changed stars of visits, colour by colour, whose problem it is, and add to *tally. */
 void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
               planish_method method, pl_after_colour_fn *after_colour, void *context,

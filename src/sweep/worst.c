@@ -16,6 +16,7 @@
 /* What a measure (RR, or 1 / sin of an angle) has above 1 falls by this factor from stage to stage,
  * and ends here. */
 #define STAGE_FACTOR 0.9
+#define LARGEST      1e4 /* what is worse than that counts as no worse */
 #define STAGE_LEAST  1.05
 enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
 /* A stage ends when no more than one star in so many improves. */
@@ -29,23 +30,31 @@ typedef struct phase {
     double most;    /* F */
 } phase;
 
-/** Mark the nodes of elements above limit, a square; whether there are any. */
-static int wake_bad(const phase *p, double limit) {
-    const pl_run *r = p->run;
-    const planish_plan *plan = r->plan;
-    const int of_angle = r->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
-    int any = 0;
+/** Find the elements above limit, a square; how many of them have a free node. */
+static int64_t find_bad(const phase *p, double limit) {
+    const planish_plan *plan = p->run->plan;
+    const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
+    int64_t n = 0;
     pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
                   plan->measured, of_angle ? INFINITY : sqrt(limit), of_angle ? limit : INFINITY,
                   plan->threads, p->state);
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        int is_free = 0;
+        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
+            is_free |= plan->is_free[plan->elements[i * corners + j]];
+        n += is_free != 0;
+    }
+    return n;
+}
+
+/** Mark the nodes of the elements found. */
+static void wake_bad(const phase *p) {
+    const planish_plan *plan = p->run->plan;
+    const int corners = plan->dim + 1;
     memset(plan->changed, 0, (size_t)plan->n_nodes);
     for (int64_t i = 0; i < plan->n_elements; i++)
-        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++) {
-            const int32_t node = plan->elements[i * corners + j];
-            any |= plan->is_free[node];
-            plan->changed[plan->inner[node]] = 1;
-        }
-    return any;
+        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
+            plan->changed[plan->inner[plan->elements[i * corners + j]]] = 1;
 }
 
 /** Sweeps of stars with something above limit, a square; not 0 if they were cut short. */
@@ -68,44 +77,49 @@ static int sweep_stage(const phase *p, double limit) {
     return stopped;
 }
 
-/** A stage, which is a trial; *kept: it stands. Not 0 if it was cut short. */
-static int try_stage(phase *p, double limit, int *kept) {
+/** A stage, which is a trial; *failed: F rose too much in it. It stands if not, and if fewer
+ *  elements are above the limit. Not 0 if it was cut short. */
+static int try_stage(phase *p, double limit, int *failed) {
     pl_run *r = p->run;
     const planish_plan *plan = r->plan;
     const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *p->before;
     const pl_objective_sums totals = r->totals;
     const pl_ratio_sums sums = r->sums;
-    *kept = 1;
-    if (!wake_bad(p, limit))
+    const int64_t n_bad = find_bad(p, limit);
+    *failed = 0;
+    if (n_bad == 0)
         return 0;
+    wake_bad(p);
     memcpy(p->before, plan->coordinates, size);
     r->shown = &totals;
     r->shown_sums = &sums;
     const int stopped = sweep_stage(p, limit);
     r->shown = NULL;
     r->shown_sums = NULL;
-    if (!(pl_run_objective(r) <= p->most)) {
+    *failed = !(pl_run_objective(r) <= p->most);
+    if (*failed || find_bad(p, limit) >= n_bad) {
         memcpy(plan->coordinates, p->before, size);
         pl_run_measure(r);
-        *kept = 0;
     }
     return stopped;
 }
 
 static void run_stages(phase *p) {
-    const pl_star_limits *limits = &p->run->problem.limits;
+    const pl_star_limits worst = pl_run_limits(p->run, 1);
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE;
-    double stands = sqrt(of_angle ? limits->acuteness : limits->rr2), failed = 1;
-    for (int failures = 0; failures <= HALVINGS && stands > STAGE_LEAST;) {
-        const double next = failures == 0 ? 1 + (stands - 1) * STAGE_FACTOR : (stands + failed) / 2;
-        int kept;
-        if (try_stage(p, next * next, &kept))
+    double reached = sqrt(of_angle ? worst.acuteness : worst.rr2), refused = 1;
+    reached = fmin(reached, LARGEST);
+    for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
+        const double next =
+            failures == 0 ? 1 + (reached - 1) * STAGE_FACTOR : (reached + refused) / 2;
+        int failed;
+        if (try_stage(p, next * next, &failed))
             return;
-        if (kept)
-            stands = next;
+        if (failed)
+            refused = next;
         else
-            failed = next;
-        failures += failures > 0 || !kept;
+            reached = next;
+        failures += failures > 0 || failed;
     }
 }
 
@@ -113,8 +127,9 @@ static void run_stages(phase *p) {
 static double worst_of(const pl_run *r) {
     const double degrees = 57.295779513082320877; /* of a radian */
     const pl_star_limits now = pl_run_limits(r, 1);
-    return r->options->worst == PLANISH_WORST_ANGLE ? asin(1 / sqrt(now.acuteness)) * degrees
-                                                    : sqrt(now.rr2);
+    if (r->options->worst == PLANISH_WORST_RADIUS_RATIO || !(now.acuteness > 0))
+        return sqrt(now.rr2);
+    return asin(1 / sqrt(now.acuteness)) * degrees;
 }
 
 int pl_run_worst(pl_run *r, planish_error *error) {
@@ -136,12 +151,15 @@ int pl_run_worst(pl_run *r, planish_error *error) {
     r->problem.limits = pl_run_limits(r, PL_LIMIT_MARGIN);
     r->restoring = 0;
     r->is_for_worst = 1;
-    r->result->objective_of_worst = pl_run_objective(r);
-    r->result->worst_before = worst_of(r);
+    const double objective = pl_run_objective(r), before = worst_of(r);
     if (!status)
         run_stages(&p);
+    if (r->result->worst_sweeps > 0) {
+        r->result->objective_of_worst = objective;
+        r->result->worst_before = before;
+        r->result->worst_after = worst_of(r);
+    }
     r->is_for_worst = 0;
-    r->result->worst_after = worst_of(r);
     r->guard.star = guard;
     r->problem = problem;
     pl_free(p.state);

@@ -25,16 +25,17 @@ enum {
 /** The graph of the free nodes, numbered by their rings, and the state of its colouring. */
 typedef struct work {
     const pl_rings *rings;
-    const int32_t *node; /* [n_rings] the caller's number, -1: none */
-    int32_t *ring_of;    /* [n_nodes] ring of each node, -1: not free */
-    int32_t *neighbour;  /* [offset[n_rings]] rings of the free neighbours, packed to the front of
-                            each ring's room */
-    uint64_t *priority;  /* [n_rings] larger: earlier; distinct */
-    int32_t *higher;     /* [n_rings] neighbours of higher priority, which come first */
-    int32_t *waiting;    /* [n_rings] uncoloured neighbours of higher priority, and 1 until the
-                            loop over all nodes has come past */
-    int32_t *next;       /* [n_rings] below it on a thread's stack, -1: none */
-    int32_t *colour;     /* [n_rings] */
+    const int32_t *node;       /* [n_rings] the caller's number, -1: none */
+    const int32_t *moves_with; /* [n_nodes] or NULL */
+    int32_t *ring_of;          /* [n_nodes] ring of each node, -1: not free */
+    int32_t *neighbour; /* [offset[n_rings]] rings of the free neighbours, packed to the front of
+                           each ring's room */
+    uint64_t *priority; /* [n_rings] larger: earlier; distinct */
+    int32_t *higher;    /* [n_rings] neighbours of higher priority, which come first */
+    int32_t *waiting;   /* [n_rings] uncoloured neighbours of higher priority, and 1 until the
+                           loop over all nodes has come past */
+    int32_t *next;      /* [n_rings] below it on a thread's stack, -1: none */
+    int32_t *colour;    /* [n_rings] */
     int max_colour;
 } work;
 
@@ -68,6 +69,20 @@ static void set_ring_of(void *context, int64_t begin, int64_t end, int thread) {
             w->ring_of[w->node[r]] = (int32_t)r;
 }
 
+/** Rings of what the neighbours of ring r move with, each once; how many. */
+static int32_t list_movers(const work *w, int64_t r, int32_t *neighbour) {
+    int32_t n = 0;
+    for (int64_t i = w->rings->offset[r]; i < w->rings->offset[r + 1]; i++) {
+        const int32_t other = w->ring_of[w->moves_with[w->rings->neighbour[i]]];
+        int is_new = other >= 0 && other != r;
+        for (int32_t k = 0; k < n && is_new; k++)
+            is_new = neighbour[k] != other;
+        if (is_new)
+            neighbour[n++] = other;
+    }
+    return n;
+}
+
 /** Free neighbours and priorities. */
 static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
@@ -83,6 +98,8 @@ static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
             neighbour[n] = w->ring_of[rings->neighbour[i]];
             n += neighbour[n] >= 0;
         }
+        if (w->moves_with)
+            n = list_movers(w, r, neighbour);
         w->priority[r] = (uint64_t)n << 32 | hash_of((uint32_t)w->node[r]);
     }
 }
@@ -181,10 +198,12 @@ static void run(work *w, int64_t n_nodes, int threads) {
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, colour_chunk, w);
 }
 
-int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes, int threads,
-                        int32_t *colour, int *n_colours, planish_error *error) {
+int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes,
+                        const int32_t *moves_with, int threads, int32_t *colour, int *n_colours,
+                        planish_error *error) {
     int64_t n = rings->n_rings;
-    work w = {.rings = rings, .node = node, .colour = colour, .max_colour = -1};
+    work w = {
+        .rings = rings, .node = node, .moves_with = moves_with, .colour = colour, .max_colour = -1};
     w.ring_of = pl_alloc(n_nodes, sizeof *w.ring_of);
     w.neighbour = pl_alloc(rings->offset[n], sizeof *w.neighbour);
     w.priority = pl_alloc(n, sizeof *w.priority);

@@ -99,14 +99,47 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
                     pl_rings *rings, planish_error *error);
 void pl_rings_destroy(pl_rings *rings);
 
+/* ---- periodic.c: nodes that move together -------------------------------------------------- */
+
+/** A node that is where another one is, but for a constant: start + (x[of] - start of that). */
+typedef struct pl_follower {
+    int32_t node, of;
+    int32_t from, to; /* nodes: the constant is start[to] - start[from] */
+    double start[3];  /* of node, */
+    double origin[3]; /* and of of, once they are known */
+} pl_follower;
+
+/** The mesh with a layer of copies, see periodic.c. Everything is owned. */
+typedef struct pl_periodic {
+    int64_t n_nodes, n_elements; /* with images and copies, which come after the mesh's own */
+    int32_t *elements;           /* [n_elements][dim + 1] */
+    int32_t *source;             /* [n_elements] element that a copy is of */
+    int8_t *sign;                /* [n_elements] or NULL, */
+    double *min_volume;          /* likewise */
+    int32_t *moves_with;         /* [n_nodes] the leader of its group, or itself */
+    int64_t n_followers;
+    pl_follower *follower; /* nodes that follow their leaders, then images */
+} pl_periodic;
+
+/** Check the pairs of mesh. Errors: _ARGUMENT, _MESH. */
+int pl_check_periodic(const planish_mesh *mesh, planish_error *error);
+
+/** slides [n]: 1 for the nodes that may slide; of groups of which some may not, or not alike, or
+ *  that are no translations of one another, it becomes 0. Errors: _MEMORY. */
+int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
+                       uint8_t *slides, pl_periodic *periodic, planish_error *error);
+void pl_periodic_destroy(pl_periodic *periodic);
+
 /* ---- colouring.c: independent nodes ------------------------------------------------------- */
 
 /** Colour the nodes of rings so that no two neighbours share a colour. colour [n_rings]: 0 ..
  *  n_colours-1, -1 where there is no node. Greedy in the order (more free neighbours first, then a
  *  hash of the node's number, then its number), computed in parallel after Jones and Plassmann
- *  (1993): the result is that of the serial greedy algorithm, whatever the order of the rings. */
-int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes, int threads,
-                        int32_t *colour, int *n_colours, planish_error *error);
+ *  (1993): the result is that of the serial greedy algorithm, whatever the order of the rings.
+ *  moves_with [n_nodes]: the node that each moves with counts for it; NULL: itself. */
+int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes,
+                        const int32_t *moves_with, int threads, int32_t *colour, int *n_colours,
+                        planish_error *error);
 
 /* ---- stars.c: the star of every free node ------------------------------------------------- */
 

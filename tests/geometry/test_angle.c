@@ -134,11 +134,12 @@ static void blunt_has_its_ends(void **state) {
         assert_true(pl_blunt_ratio_square(dim, 0) == 0);
         assert_true(pl_blunt_ratio_square(dim, 1) == 0);
         double last = 0;
-        for (double acuteness = 4.0 / 3; acuteness < 1e300; acuteness *= 1.1) {
+        for (double acuteness = 4.0 / 3; acuteness < 1e20; acuteness *= 1.1) {
             const double blunt = pl_blunt_ratio_square(dim, acuteness);
-            assert_true(blunt >= last && blunt < INFINITY);
+            assert_true(blunt >= last * (1 - 1e-12) && blunt < INFINITY);
             last = blunt;
         }
+        assert_true(pl_blunt_ratio_square(dim, 1e40) == 0); /* rounding: nothing is known */
     }
 }
 

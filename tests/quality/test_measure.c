@@ -94,8 +94,13 @@ static void assert_agreement(const planish_quality *q, const pl_ratio_sums *s) {
     assert_true(q->rms_radius_ratio == rms);
     assert_true(q->rms_radius_ratio_movable == movable);
     assert_true(q->fixed_rms_radius_ratio == fixed);
+    const double max = q->max_radius_ratio_movable, angle = q->min_angle_deg_movable;
     if (s->max < INFINITY)
-        assert_true(near(q->max_radius_ratio * q->max_radius_ratio, s->max, 1e-13));
+        assert_true(near(max * max, s->max, 1e-13));
+    if (s->n_movable > 0 && angle > 1e-3)
+        assert_true(near(asin(1 / sqrt(s->acuteness)) * 57.295779513082320877, angle, 1e-6));
+    assert_true(fmax(max, q->fixed_max_radius_ratio) == q->max_radius_ratio);
+    assert_true(s->n_movable == 0 || angle >= q->min_angle_deg);
 }
 
 /* ---- A naive evaluation --------------------------------------------------------------------- */

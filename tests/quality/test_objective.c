@@ -177,7 +177,8 @@ static void add_element(const pl_objective_problem *p, int64_t index, reference 
     sums->n[movable]++;
     sums->ratio[movable] += ratio * ratio;
     sums->radius[movable] += radius * radius;
-    sums->radius_max = fmaxl(sums->radius_max, radius * radius);
+    if (movable)
+        sums->radius_max = fmaxl(sums->radius_max, radius * radius);
     sums->volume[movable] += g > -INFINITY ? g * g : 0;
 }
 
