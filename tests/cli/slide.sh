@@ -177,4 +177,66 @@ for tolerance in 0 -1 nan 0.1 1e-6x; do
 done
 expect_no_file no.mesh no.msh
 
+# Periodic sides move together: a cube whose sides x = 0 and x = 4 are pairs of a Gmsh file.
+python3 - <<'END' || exit 1
+import random
+random.seed(5)
+N = 4
+inner = lambda c: random.uniform(-0.15, 0.15) if 0 < c < N else 0
+push = {(y, z): (inner(y), inner(z)) for y in range(N + 1) for z in range(N + 1)}
+index, nodes, elements = {}, [], []
+for x in range(N + 1):
+    for y in range(N + 1):
+        for z in range(N + 1):
+            index[x, y, z] = len(nodes) + 1
+            dy, dz = push[y, z] if x in (0, N) else (inner(y), inner(z))
+            nodes.append((x + inner(x), y + dy, z + dz))
+for x in range(N):
+    for y in range(N):
+        for z in range(N):
+            for path in ((0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)):
+                at, corners = [x, y, z], [index[x, y, z]]
+                for axis in path:
+                    at[axis] += 1
+                    corners.append(index[tuple(at)])
+                odd = path in ((0, 2, 1), (1, 0, 2), (2, 1, 0))
+                elements.append(corners[:2] + corners[:1:-1] if odd else corners)
+with open("pairs.msh", "w") as out:
+    print("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes", len(nodes), sep="\n", file=out)
+    for i, p in enumerate(nodes):
+        print(i + 1, *map(repr, p), file=out)
+    print("$EndNodes\n$Elements", len(elements), sep="\n", file=out)
+    for i, e in enumerate(elements):
+        print(i + 1, 4, 2, 1, 1, *e, file=out)
+    print("$EndElements\n$Periodic\n1\n2 2 1\nAffine 1 0 0 4 0 1 0 0 0 0 1 0 0 0 0 1", len(push), sep="\n", file=out)
+    for y, z in push:
+        print(index[N, y, z], index[0, y, z], file=out)
+    print("$EndPeriodic", file=out)
+END
+# pairs OUT MOVED: the sides of OUT are still alike; MOVED or more of the pairs have moved.
+pairs() {
+    python3 - "$@" <<'END' || fail "pairs of $1"
+import sys
+import mesh_file
+old, new = mesh_file.read("pairs.msh"), mesh_file.read(sys.argv[1])
+words = open(sys.argv[1]).read().split()
+words = words[words.index("$Periodic"):words.index("$EndPeriodic")][-50:]
+moved = 0
+for i in range(0, 50, 2):
+    a, b = (new.points[int(n) - 1] for n in words[i:i + 2])
+    assert a[1:] == b[1:] and a[0] == 4 and b[0] == 0, (a, b)
+    moved += a != old.points[int(words[i]) - 1]
+assert moved >= int(sys.argv[2]), moved
+assert min(mesh_file.volumes(new)) > 0
+END
+}
+expect_status 0 "$program" smooth pairs.msh -o out.msh -q
+pairs out.msh 0
+for more in "" "--objective worst" "--only-worse-than 1.4" "-j 1" "-j 2"; do
+    # shellcheck disable=SC2086 # options and their values
+    expect_status 0 "$program" smooth pairs.msh -o out.msh --slide auto --json report.json $more
+    pairs out.msh 3
+done
+expect_json "r['mesh']['sliding_nodes'] > 80 and r['certified']"
+
 finish
