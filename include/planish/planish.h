@@ -83,7 +83,9 @@ typedef struct planish_mesh {
     int64_t n_periodic;        /* pairs of nodes that a translation brings to one another, as at */
     const int32_t *periodic;   /* [n_periodic][2] periodic boundaries: they move by the same, if all
                                   that a node is joined to this way slides, in the same directions,
-                                  or not at all. At least two pairs for each translation */
+                                  or not at all, as pairs inside the mesh or in one element. At
+                                  least two pairs for each translation; coordinates to be smoothed
+                                  are such, too. NULL if there are none */
     const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
 } planish_mesh;

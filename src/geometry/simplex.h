@@ -73,6 +73,22 @@ PL_INLINE void pl_base_normal(int dim, const double edges[3][3], double normal[3
     }
 }
 
+/** The unit vector along v, without overflow; 0 if v has no direction. */
+static inline int pl_unit(int dim, const double v[], double unit[]) {
+    double largest = 0, square = 0;
+    for (int d = 0; d < dim; d++)
+        largest = fmax(largest, fabs(v[d]));
+    if (!(largest > 0 && largest < INFINITY))
+        return 0;
+    for (int d = 0; d < dim; d++) {
+        unit[d] = v[d] / largest;
+        square += unit[d] * unit[d];
+    }
+    for (int d = 0; d < dim; d++)
+        unit[d] /= sqrt(square);
+    return isfinite(square);
+}
+
 /** Distance without overflow, and with the same bits everywhere, which hypot does not promise. */
 PL_INLINE double pl_distance(int dim, const double *x, const double *y) {
     double largest = 0, square = 0;

@@ -258,28 +258,31 @@ static int settle_numbers(gmsh_reader *reader, io_cells *cells) {
     return status;
 }
 
+static int take_periodic_node(gmsh_reader *reader, int binary, int32_t *node) {
+    int64_t number;
+    const int status = binary ? gmsh_take_size(reader, &number, "node of a periodic pair")
+                              : gmsh_take_text(reader, &number, "node of a periodic pair");
+    *node = status == 0 ? (int32_t)gmsh_node(reader, number) : -1;
+    return status;
+}
+
 int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int binary) {
-    int32_t pair[2];
-    int known = 0;
-    for (int64_t i = 0; i < 2 * n; i++) {
-        int64_t number;
-        int status = binary ? gmsh_take_size(reader, &number, "node of a periodic pair")
-                            : gmsh_take_text(reader, &number, "node of a periodic pair");
+    for (int64_t i = 0; i < n; i++) {
+        int32_t pair[2];
+        int status = take_periodic_node(reader, binary, &pair[0]);
+        if (status == 0)
+            status = take_periodic_node(reader, binary, &pair[1]);
         if (status != 0)
             return status;
-        /* Gmsh lists pairs of the whole geometry, also where only some groups were saved. */
-        const int64_t node = gmsh_node(reader, number);
-        known += node >= 0;
-        pair[i % 2] = (int32_t)node;
-        if (node >= 0)
-            io_hold_node(reader->model, node, IO_HELD_PERIODIC);
-        if (i % 2 == 1) {
-            if (known == 2)
-                status = io_model_pair(reader->model, pair, reader->error);
-            known = 0;
-        }
-        if (status != 0)
-            return status;
+        /* Gmsh lists pairs of the whole geometry, also where only some groups were saved: a node
+         * whose partner is not there stays. */
+        const int is_whole = pair[0] >= 0 && pair[1] >= 0;
+        for (int j = 0; j < 2; j++)
+            if (pair[j] >= 0)
+                io_hold_node(reader->model, pair[j],
+                             is_whole ? IO_HELD_PERIODIC : IO_HELD_REQUIRED);
+        if (is_whole && io_model_pair(reader->model, pair, reader->error) != 0)
+            return PLANISH_ERROR_MEMORY;
     }
     return 0;
 }

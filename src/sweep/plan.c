@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/simplex.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -27,6 +28,7 @@ typedef struct draft {
     const planish_mesh *mesh;
     const planish_options *options;
     uint8_t *is_selected; /* [n] not 0: may be free; NULL: all may */
+    uint8_t *is_paired;   /* [n] 1: periodic, to slide or to stay; NULL: none is */
     pl_incidence incidence;
     pl_boundary boundary;
     int32_t *order;               /* [n] the caller's numbers along the curve */
@@ -53,6 +55,7 @@ static void draft_destroy(draft *d) {
     pl_incidence_destroy(&d->around);
     pl_free(d->number_of);
     pl_free(d->is_selected);
+    pl_free(d->is_paired);
     pl_free(d->order);
     pl_free(d->count);
 }
@@ -64,7 +67,8 @@ static void draft_destroy(draft *d) {
 static int can_be_free(const draft *d, int64_t i, int used) {
     const uint8_t *constraint = d->mesh->constraint;
     return used && (!d->is_selected || d->is_selected[i]) &&
-           (!constraint || constraint[i] == PLANISH_FREE) && !d->boundary.on_boundary[i];
+           (!constraint || constraint[i] == PLANISH_FREE) && !(d->is_paired && d->is_paired[i]) &&
+           !d->boundary.on_boundary[i];
 }
 
 /** The work of find_candidates. */
@@ -266,22 +270,6 @@ static int may_slide(const planish_mesh *mesh, int64_t node) {
     return mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE;
 }
 
-/** The unit vector along v; 0 if v has no direction. */
-static int normalise(const double *v, int dim, double *unit) {
-    double largest = 0, square = 0;
-    for (int d = 0; d < dim; d++)
-        largest = fmax(largest, fabs(v[d]));
-    if (!(largest > 0 && largest < INFINITY))
-        return 0;
-    for (int d = 0; d < dim; d++) {
-        unit[d] = v[d] / largest;
-        square += unit[d] * unit[d];
-    }
-    for (int d = 0; d < dim; d++)
-        unit[d] /= sqrt(square);
-    return isfinite(square);
-}
-
 /** Check how the nodes may move; count those that slide. */
 static int check_constraints(const planish_mesh *mesh, int64_t *n_sliding, planish_error *error) {
     double unit[3];
@@ -294,7 +282,7 @@ static int check_constraints(const planish_mesh *mesh, int64_t *n_sliding, plani
                               i, constraint, PLANISH_ON_SURFACE);
         *n_sliding += may_slide(mesh, i);
         if ((constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE) &&
-            !(mesh->direction && normalise(mesh->direction + i * mesh->dim, mesh->dim, unit)))
+            !(mesh->direction && pl_unit(mesh->dim, mesh->direction + i * mesh->dim, unit)))
             return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
                               "node %" PRId64
                               " slides, but mesh.direction has none for it; give the normal of its "
@@ -311,7 +299,7 @@ static void note_slides(planish_plan *plan, const draft *d) {
         pl_star_slide *slide = &plan->slide[s];
         *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node], .node = node};
         if (slide->kind != PLANISH_ON_SURFACE)
-            normalise(mesh->direction + (int64_t)node * mesh->dim, mesh->dim, slide->direction);
+            pl_unit(mesh->dim, mesh->direction + (int64_t)node * mesh->dim, slide->direction);
     }
 }
 
@@ -409,8 +397,6 @@ static int prepare_sliding_stars(planish_plan *plan, draft *d, uint8_t *slides,
 static int prepare_sliding(planish_plan *plan, draft *d, planish_error *error) {
     int64_t n = 0;
     int status = check_constraints(d->mesh, &n, error);
-    if (!status)
-        status = pl_check_periodic(d->mesh, error);
     if (status || n == 0)
         return status;
     uint8_t *slides = pl_alloc(plan->n_nodes, 1);
@@ -426,6 +412,19 @@ static int prepare_sliding(planish_plan *plan, draft *d, planish_error *error) {
 
 /* ---- the steps of a plan ------------------------------------------------------------------ */
 
+static int find_paired(const planish_plan *plan, draft *d, planish_error *error) {
+    const planish_mesh *mesh = d->mesh;
+    const int status = pl_check_periodic(mesh, error);
+    if (status || mesh->n_periodic == 0)
+        return status;
+    d->is_paired = pl_alloc_zero(plan->n_nodes, 1);
+    if (!d->is_paired)
+        return pl_fail_memory(error, "periodic nodes");
+    for (int64_t i = 0; i < 2 * mesh->n_periodic; i++)
+        d->is_paired[mesh->periodic[i]] = 1;
+    return PLANISH_OK;
+}
+
 static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) {
     const planish_mesh *mesh = d->mesh;
     int64_t n = plan->n_nodes;
@@ -438,7 +437,9 @@ static int prepare_topology(planish_plan *plan, draft *d, planish_error *error) 
     if (!plan->is_free || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
         !d->count)
         return pl_fail_memory(error, "nodes");
-    int status = look_at_measures(plan, d, error);
+    int status = find_paired(plan, d, error);
+    if (!status)
+        status = look_at_measures(plan, d, error);
     if (!status)
         status = pl_incidence_create(mesh, NULL, plan->threads, &d->incidence, error);
     if (!status)
@@ -521,6 +522,7 @@ static void fill_info(planish_plan *plan, const draft *d) {
         (plan->min_volume ? plan->n_elements * (int64_t)sizeof(double) : 0) +
         bytes_of(plan, &plan->interior) + bytes_of(plan, &plan->sliding) +
         plan->sliding.stars.n_stars * (int64_t)sizeof *plan->slide +
+        plan->sliding.n_followers * (int64_t)sizeof *plan->sliding.follower +
         plan->scratch_stride * plan->threads * (int64_t)sizeof(double);
 }
 

@@ -74,6 +74,7 @@ static int judge(pl_run *r, planish_error *error) {
         return PLANISH_OK;
     r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
     const pl_star_problem sliding = pl_run_sliding_problem(r);
+    pl_follow(r->plan, &sliding);
     int status = pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, error);
     if (!status)
         status = pl_optimality(r->plan, &r->plan->sliding, &sliding, &optimality, error);

@@ -37,15 +37,20 @@ static double visit_chunk(void *context, int64_t begin, int64_t end, int thread)
     return tally.decrease;
 }
 
+/** Where a follower is. What it follows may not have moved: then it is where it was, as it was. */
+static void place_follower(const planish_plan *plan, const pl_follower *f, int to_float) {
+    const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
+    double *x = plan->coordinates + (int64_t)f->node * plan->dim;
+    for (int d = 0; d < plan->dim; d++) {
+        const double way = of[d] - f->origin[d], place = f->start[d] + way;
+        x[d] = way != 0 && to_float ? pl_round_to_float(place) : place;
+    }
+}
+
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        double *x = plan->coordinates + (int64_t)f->node * plan->dim;
-        const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
-        for (int d = 0; d < plan->dim; d++) {
-            const double place = f->start[d] + (of[d] - f->origin[d]);
-            x[d] = problem->to_float && f->node < plan->n_nodes ? pl_round_to_float(place) : place;
-        }
+        place_follower(plan, f, problem->to_float && f->node < plan->n_nodes);
         plan->changed[f->of] |= plan->changed[f->node];
         plan->changed[f->node] = 0;
     }

@@ -24,8 +24,8 @@ enum {
 };
 /* Translations differ by more than this times the size of the mesh, or are one. */
 #define SHIFT_TOLERANCE 1e-8
-/* Normals and lines of a group are parallel if their cosine is at least 1 minus this. */
-#define PARALLEL_TOLERANCE 1e-9
+/* Normals and lines of a group are parallel if their unit vectors differ by no more than this. */
+#define PARALLEL_TOLERANCE 1e-12
 
 /** The work on all groups; arrays [n] over the mesh's nodes. */
 typedef struct work {
@@ -38,7 +38,6 @@ typedef struct work {
     int n_shifts;
     double shift[MAX_SHIFTS][3]; /* from leader to follower */
     int64_t pairs[MAX_SHIFTS];   /* followers of each */
-    int32_t origin[MAX_SHIFTS];  /* one of them */
     int32_t *image;              /* of the shift under way, or -1 */
     uint8_t *is_copied;          /* [m] elements, likewise */
     int64_t image_capacity, copy_capacity;
@@ -93,12 +92,19 @@ static int32_t leader_of(const work *w, int32_t node) {
     return first;
 }
 
-/** Whether two nodes may move in the same directions. */
+/** Whether two nodes may move in the same directions; of surfaces only the caller knows. */
 static int move_alike(const planish_mesh *mesh, int32_t a, int32_t b) {
     const int dim = mesh->dim;
-    const double *u = mesh->direction + (int64_t)a * dim, *v = mesh->direction + (int64_t)b * dim;
-    const double cosine = pl_dot(dim, u, v) / sqrt(pl_dot(dim, u, u) * pl_dot(dim, v, v));
-    return mesh->constraint[a] == mesh->constraint[b] && fabs(cosine) >= 1 - PARALLEL_TOLERANCE;
+    double u[3], v[3], same = 0, opposite = 0;
+    if (mesh->constraint[a] != mesh->constraint[b] || mesh->constraint[a] == PLANISH_ON_SURFACE ||
+        !pl_unit(dim, mesh->direction + (int64_t)a * dim, u) ||
+        !pl_unit(dim, mesh->direction + (int64_t)b * dim, v))
+        return 0;
+    for (int d = 0; d < dim; d++) {
+        same = fmax(same, fabs(u[d] - v[d]));
+        opposite = fmax(opposite, fabs(u[d] + v[d]));
+    }
+    return fmin(same, opposite) <= PARALLEL_TOLERANCE;
 }
 
 static int is_shift(const work *w, const double *shift, const double *from, const double *to) {
@@ -117,7 +123,6 @@ static uint8_t find_shift(work *w, int32_t node) {
     if (w->n_shifts == MAX_SHIFTS)
         return NO_SHIFT;
     pl_subtract(w->mesh->dim, to, from, w->shift[w->n_shifts]);
-    w->origin[w->n_shifts] = node;
     return (uint8_t)w->n_shifts++;
 }
 
@@ -133,6 +138,18 @@ int pl_check_periodic(const planish_mesh *mesh, planish_error *error) {
                               ", which is not in 0 .. %" PRId64,
                               i / 2, mesh->periodic[i], mesh->n_nodes - 1);
     return PLANISH_OK;
+}
+
+/** Hold groups two of whose nodes are in one element: it would not be what its copies are. */
+static void hold_thin(const work *w, uint8_t *slides) {
+    const int corners = w->mesh->dim + 1;
+    for (int64_t i = 0; i < w->mesh->n_elements; i++) {
+        const int32_t *node = w->mesh->elements + i * corners;
+        for (int j = 0; j < corners; j++)
+            for (int k = j + 1; k < corners; k++)
+                if (w->leader[node[j]] == w->leader[node[k]])
+                    hold(w, node[j], slides);
+    }
 }
 
 /** Groups, their leaders and translations; those that cannot move together are held. */
@@ -160,6 +177,7 @@ static void find_groups(work *w, uint8_t *slides) {
     for (int64_t i = 0; i < mesh->n_nodes; i++)
         if (w->shift_of[i] != NO_SHIFT && w->pairs[w->shift_of[i]] < MIN_PAIRS)
             hold(w, (int32_t)i, slides);
+    hold_thin(w, slides);
 }
 
 /* ---- copies -------------------------------------------------------------------------------- */
@@ -182,9 +200,10 @@ static int add_follower(pl_periodic *out, int64_t *capacity, pl_follower followe
     return 0;
 }
 
-/** Where node comes to: a node of the mesh, or an image; -1 without memory. */
-static int32_t moved_node(work *w, int32_t node, int s) {
-    const int32_t same = partner(w, node, s), origin = w->origin[s];
+/** Where node comes to, next to a follower as next to its leader: a node of the mesh, or an image;
+ *  -1 without memory. */
+static int32_t moved_node(work *w, int32_t node, int32_t follower, int s) {
+    const int32_t same = partner(w, node, s);
     if (same >= 0)
         return same;
     if (w->image[node] < 0) {
@@ -192,16 +211,16 @@ static int32_t moved_node(work *w, int32_t node, int s) {
             add_follower(w->out, &w->image_capacity,
                          (pl_follower){.node = (int32_t)w->out->n_nodes,
                                        .of = node,
-                                       .from = origin,
-                                       .to = w->leader[origin]}) != 0)
+                                       .from = follower,
+                                       .to = w->leader[follower]}) != 0)
             return -1;
         w->image[node] = (int32_t)w->out->n_nodes++;
     }
     return w->image[node];
 }
 
-/** Append a copy of an element. */
-static int copy_element(work *w, int32_t element, int s) {
+/** Append a copy of an element at a follower. */
+static int copy_element(work *w, int32_t element, int32_t follower, int s) {
     pl_periodic *out = w->out;
     const int corners = w->mesh->dim + 1;
     if (out->n_elements == INT32_MAX)
@@ -218,7 +237,8 @@ static int copy_element(work *w, int32_t element, int s) {
     if (!elements || !source)
         return -1;
     for (int j = 0; j < corners; j++) {
-        const int32_t node = moved_node(w, w->mesh->elements[(int64_t)element * corners + j], s);
+        const int32_t node =
+            moved_node(w, w->mesh->elements[(int64_t)element * corners + j], follower, s);
         if (node < 0)
             return -1;
         out->elements[out->n_elements * corners + j] = node;
@@ -238,7 +258,7 @@ static int copy_layer(work *w, const uint8_t *slides, int s) {
             continue;
         for (int64_t k = incidence->offset[i]; k < incidence->offset[i + 1]; k++) {
             const int32_t element = incidence->element[k];
-            if (!w->is_copied[element] && copy_element(w, element, s) != 0)
+            if (!w->is_copied[element] && copy_element(w, element, (int32_t)i, s) != 0)
                 return -1;
             w->is_copied[element] = 1;
         }

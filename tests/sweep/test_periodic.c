@@ -307,7 +307,7 @@ static void other_options_hold(void **state) {
 /** What cannot move together is held: nodes that slide otherwise, or not at all; rotations; a
  *  translation of one pair; and any nonsense does no harm. */
 static void what_is_not_alike_is_held(void **state) {
-    enum { HELD, TURNED, ROTATED, LONELY, NONSENSE, CASES };
+    enum { HELD, TURNED, ROTATED, LONELY, SURFACE, NONSENSE, CASES };
     const int dim = *(int *)*state;
     for (int which = 0; which < CASES; which++) {
         periodic_box p;
@@ -324,6 +324,11 @@ static void what_is_not_alike_is_held(void **state) {
             if (which == NONSENSE)
                 p.pair[2 * i + 1] = (int32_t)((a * 7919 + i * i) % p.mesh.n_nodes);
         }
+        for (int64_t i = 0; which == SURFACE && i < p.mesh.n_nodes; i++)
+            if (p.constraint[i] >= PLANISH_ON_PLANE)
+                p.constraint[i] = PLANISH_ON_SURFACE;
+        if (which == SURFACE)
+            p.mesh.direction = NULL;
         if (which == ROTATED) /* the side is joined to itself upside down */
             for (int64_t i = 0; i < p.mesh.n_periodic / 2; i++) {
                 const int64_t k = 2 * i + 1, other = 2 * (p.mesh.n_periodic - 1 - i) + 1;
@@ -340,7 +345,7 @@ static void what_is_not_alike_is_held(void **state) {
         assert_int_equal(r.after.inverted, 0);
         assert_true(r.result.moved_nodes > 0);
         for (int64_t i = 0; i < p.mesh.n_periodic; i++)
-            for (int j = 0; j < 2 && (which == HELD || which == TURNED || which == LONELY); j++) {
+            for (int j = 0; j < 2 && which != ROTATED && which != NONSENSE; j++) {
                 const int64_t node = p.pair[2 * i + j];
                 if (which != TURNED || p.constraint[node] == PLANISH_ON_PLANE)
                     assert_memory_equal(r.coordinates + node * dim, p.mesh.coordinates + node * dim,
@@ -349,6 +354,53 @@ static void what_is_not_alike_is_held(void **state) {
         free(r.coordinates);
         destroy(&p);
     }
+}
+
+/** Interior nodes of pairs stay, and so do pairs in one element. */
+static void pairs_inside_are_held(void **state) {
+    const int dim = *(int *)*state;
+    periodic_box p;
+    const planish_options options = defaults();
+    create(&p, dim, 1, 0.13);
+    int64_t n = 0;
+    for (int64_t i = 0; i < p.mesh.n_nodes; i++)
+        if (p.constraint[i] == PLANISH_FREE && n < p.mesh.n_periodic)
+            p.pair[n++] = (int32_t)i;
+    p.mesh.n_periodic = n / 2;
+    run r = smooth(&p.mesh, &options);
+    assert_true(n > 3 && r.result.moved_nodes > 0);
+    for (int64_t i = 0; i < 2 * p.mesh.n_periodic; i++)
+        assert_memory_equal(r.coordinates + (int64_t)p.pair[i] * dim,
+                            p.mesh.coordinates + (int64_t)p.pair[i] * dim,
+                            (size_t)dim * sizeof(double));
+    free(r.coordinates);
+    destroy(&p);
+}
+
+/** Where elements reach from a side to its opposite one nodes cannot move together. */
+static void thin_meshes_are_held(void **state) {
+    (void)state;
+    const double strip[] = {0, 0, 1, 0, 0, 1.2, 1, 1.2, 0, 1.9, 1, 1.9, 0, 3, 1, 3};
+    const int32_t triangles[] = {0, 1, 3, 0, 3, 2, 2, 3, 5, 2, 5, 4, 4, 5, 7, 4, 7, 6};
+    const int32_t pairs[] = {1, 0, 3, 2, 5, 4, 7, 6};
+    uint8_t constraint[8];
+    double direction[16];
+    test_mesh box;
+    const planish_options options = defaults();
+    test_mesh_create(&box, 2, 8, strip, 6, triangles);
+    planish_mesh mesh = box.mesh;
+    assert_int_equal(planish_find_slides(&mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
+    mesh.constraint = constraint;
+    mesh.direction = direction;
+    run alone = smooth(&mesh, &options);
+    assert_true(alone.result.moved_nodes > 0);
+    mesh.n_periodic = 4;
+    mesh.periodic = pairs;
+    run r = smooth(&mesh, &options);
+    assert_int_equal(r.result.moved_nodes, 0);
+    free(alone.coordinates);
+    free(r.coordinates);
+    test_mesh_destroy(&box);
 }
 
 static void pairs_are_checked(void **state) {
@@ -399,6 +451,8 @@ int main(void) {
         BOTH(bits_do_not_depend_on_threads_or_scale),
         BOTH(other_options_hold),
         BOTH(what_is_not_alike_is_held),
+        BOTH(pairs_inside_are_held),
+        cmocka_unit_test(thin_meshes_are_held),
         cmocka_unit_test(pairs_are_checked),
         cmocka_unit_test(memory_may_run_out),
     };
