@@ -96,13 +96,13 @@ static int check_promises(const pl_job *job, const pl_result *result) {
                                 (double)after->inverted);
     if (before->inverted > 0 || result->below_before > 0)
         return 0;
-    if (after->max_radius_ratio > before->max_radius_ratio)
-        return complain_promise(job, "the worst radius ratio", before->max_radius_ratio,
-                                after->max_radius_ratio);
+    if (after->max_radius_ratio_movable > before->max_radius_ratio_movable)
+        return complain_promise(job, "the worst radius ratio of elements with a free node",
+                                before->max_radius_ratio_movable, after->max_radius_ratio_movable);
     const int is_default = !pl_arguments_change_objective(job->arguments);
-    if (is_default && after->min_angle_deg < before->min_angle_deg - ANGLE_ROUNDING)
-        return complain_promise(job, "the smallest angle", before->min_angle_deg,
-                                after->min_angle_deg);
+    if (is_default && after->min_angle_deg_movable < before->min_angle_deg_movable - ANGLE_ROUNDING)
+        return complain_promise(job, "the smallest angle of elements with a free node",
+                                before->min_angle_deg_movable, after->min_angle_deg_movable);
     const int has_worst = smooth->objective_of_worst > 0;
     const double most = has_worst ? smooth->objective_of_worst * (1 + job->options.worst_rise)
                                   : smooth->objective_before;

@@ -2,8 +2,8 @@
  *
  * The measure's limit falls in stages. In each only stars that hold something above it are visited,
  * to minimise a high power of the measure, which is next to its maximum; the worklist begins with
- * the nodes of the elements above and follows what moves. A stage that makes F rise by more than is
- * allowed is undone.
+ * the nodes of the elements above and follows what moves. A stage that leaves no fewer elements
+ * above, or makes F rise by more than is allowed, is undone.
  */
 #include "sweep/run.h"
 
@@ -13,11 +13,12 @@
 #include <math.h>
 #include <string.h>
 
-/* What a measure (RR, or 1 / sin of an angle) has above 1 falls by this factor from stage to stage,
- * and ends here. */
+/* What the limit of a measure (RR, or 1 / sin of an angle) has above 1 falls by this factor from
+ * stage to stage, */
 #define STAGE_FACTOR 0.9
-#define LARGEST      1e4 /* what is worse than that counts as no worse */
-#define STAGE_LEAST  1.05
+/* from the worst there is, but no more than this, to this. */
+#define STAGE_MOST  1e4
+#define STAGE_LEAST 1.05
 enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
 /* A stage ends when no more than one star in so many improves. */
 enum { FEW = 50 };
@@ -108,7 +109,7 @@ static void run_stages(phase *p) {
     const pl_star_limits worst = pl_run_limits(p->run, 1);
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE;
     double reached = sqrt(of_angle ? worst.acuteness : worst.rr2), refused = 1;
-    reached = fmin(reached, LARGEST);
+    reached = fmin(reached, STAGE_MOST);
     for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
         const double next =
             failures == 0 ? 1 + (reached - 1) * STAGE_FACTOR : (reached + refused) / 2;

@@ -281,18 +281,16 @@ static int find_movers(const work *w) {
 /** Signs and least volumes of the copies are those of their elements. */
 static int extend(const work *w, const int8_t *sign) {
     pl_periodic *out = w->out;
-    const int64_t m = w->mesh->n_elements;
     const double *least = w->mesh->min_volume;
     out->sign = sign ? pl_alloc(out->n_elements, sizeof *out->sign) : NULL;
     out->min_volume = least ? pl_alloc(out->n_elements, sizeof *out->min_volume) : NULL;
     if ((sign && !out->sign) || (least && !out->min_volume))
         return -1;
     for (int64_t i = 0; i < out->n_elements; i++) {
-        const int64_t of = i < m ? i : out->source[i];
         if (sign)
-            out->sign[i] = sign[of];
+            out->sign[i] = sign[out->source[i]];
         if (least)
-            out->min_volume[i] = least[of];
+            out->min_volume[i] = least[out->source[i]];
     }
     return 0;
 }
@@ -309,7 +307,8 @@ static int build(work *w, const int8_t *sign, uint8_t *slides) {
     if (!out->elements || !out->source)
         return -1;
     memcpy(out->elements, mesh->elements, (size_t)(m * corners) * sizeof *out->elements);
-    memset(out->source, 0, (size_t)m * sizeof *out->source);
+    for (int64_t i = 0; i < m; i++)
+        out->source[i] = (int32_t)i;
     find_groups(w, slides);
     for (int64_t i = 0; i < n; i++)
         if (w->shift_of[i] != NO_SHIFT && slides[i]) {

@@ -113,7 +113,7 @@ typedef struct pl_follower {
 typedef struct pl_periodic {
     int64_t n_nodes, n_elements; /* with images and copies, which come after the mesh's own */
     int32_t *elements;           /* [n_elements][dim + 1] */
-    int32_t *source;             /* [n_elements] element that a copy is of */
+    int32_t *source;             /* [n_elements] element that each is a copy of, or itself */
     int8_t *sign;                /* [n_elements] or NULL, */
     double *min_volume;          /* likewise */
     int32_t *moves_with;         /* [n_nodes] the leader of its group, or itself */
