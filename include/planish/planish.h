@@ -88,6 +88,16 @@ typedef struct planish_mesh {
                                   are such, too. NULL if there are none */
     const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
+    const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
+                                  a plan keeps a copy of 32 bits of those that it works on */
+    /* Coordinate d of node i is coordinates[i * node_stride + d * component_stride], here and in
+       all that is given to a plan of this mesh: 4 and 1 for x y z padded, 1 and n_nodes for x x ..
+       y y .. z z .. 0: dim, and 1. */
+    int64_t node_stride, component_stride;
+    const int32_t *neighbours;   /* [n_elements][dim + 1] the element on the other side of the facet
+                                    that has not that corner, -1: none. Or NULL; see
+                                    planish_plan_create for what they save */
+    const int64_t *neighbours64; /* the same, in place of neighbours */
 } planish_mesh;
 
 /* ---- Nodes that can slide ------------------------------------------------------------------- */
@@ -251,30 +261,35 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* what coordinates are stored as in the end */
-    int untangle;                  /* not 0 (the default): elements that are not positive are mended
-                                      first where that can be done, and those below their least
-                                      volume while it is smoothed; 0: they are left alone */
-    planish_worst worst;           /* what is improved of the worst elements in the end, by sweeps
-                                      that max_sweeps does not count: 20 at most for each tenth of
-                                      the way from the worst to the best element */
-    double worst_rise;             /* and by how much of itself F may rise for that; 0.01 */
-    int max_sweeps;                /* of smoothing, at least 0, and as many again after nodes were
-                                      put back (planish_result); untangling has its own bound; where
-                                      L-BFGS helps, each of its iterations counts as one */
-    double tolerance;              /* relative fall of the movable RMS that counts as converged */
-    double time_limit;             /* seconds, 0: none */
-    double only_worse_than;        /* move only nodes of elements of RR above it, or below their
-                                      least volume, or not positive; 0: all. In planish_smooth:
-                                      visit only stars with such an element. In planish_plan_create:
-                                      only nodes that have one there are free, which makes the plan
-                                      as cheap as they are few */
-    int layers;                    /* and those of so many layers of elements around; for plans made
-                                      with only_worse_than, 0 .. 100. Around elements that are not
-                                      positive there are 4 at least */
-    planish_progress_fn *progress; /* or NULL */
-    void *progress_user;           /* handed to progress */
-    planish_project_fn *project;   /* of nodes with PLANISH_ON_SURFACE; NULL: these stay */
-    void *project_user;            /* handed to project */
+    int untangle;           /* not 0 (the default): elements that are not positive are mended
+                               first where that can be done, and those below their least
+                               volume while it is smoothed; 0: they are left alone */
+    planish_worst worst;    /* what is improved of the worst elements in the end, by sweeps
+                               that max_sweeps does not count: 20 at most for each tenth of
+                               the way from the worst to the best element */
+    double worst_rise;      /* and by how much of itself F may rise for that; 0.01 */
+    int max_sweeps;         /* of smoothing, at least 0, and as many again after nodes were
+                               put back (planish_result); untangling has its own bound; where
+                               L-BFGS helps, each of its iterations counts as one */
+    double tolerance;       /* relative fall of the movable RMS that counts as converged */
+    double time_limit;      /* seconds, 0: none */
+    double only_worse_than; /* move only nodes of elements of RR above it, or below their
+                               least volume, or not positive; 0: all. In planish_smooth:
+                               visit only stars with such an element. In planish_plan_create:
+                               only nodes that have one there are free, which makes the plan
+                               as cheap as they are few */
+    int layers;             /* and those of so many layers of elements around; for plans made
+                               with only_worse_than or around, 0 .. 100. Around elements that
+                               are not positive there are 4 at least, with the former */
+    /* In planish_plan_create: only these nodes are free, and those of so many layers of elements
+       around. The plan knows nothing of the rest of the mesh; see there. */
+    int64_t n_around;
+    const int64_t *around;          /* [n_around] nodes, in any order; NULL: all nodes */
+    const int64_t *around_elements; /* [n_around] an element of each; NULL: they are looked for */
+    planish_progress_fn *progress;  /* or NULL */
+    void *progress_user;            /* handed to progress */
+    planish_project_fn *project;    /* of nodes with PLANISH_ON_SURFACE; NULL: these stay */
+    void *project_user;             /* handed to project */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel; radius
@@ -305,19 +320,29 @@ typedef struct planish_plan_info {
 } planish_plan_info;
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
- *  free nodes. Uses threads, bind and isa of options (NULL: defaults), and only_worse_than,
- *  layers and least volumes to choose the nodes. The plan refers to
- *  mesh->elements, which must stay as they are until planish_plan_destroy; the other arrays are not
- *  read after the return. Which order of an element is the positive one is
- * decided here, from these coordinates: for a mirrored copy of them make another plan. Nodes with
- * more than 43690 elements are held. A mesh without elements is an error. Errors: _ARGUMENT,
- * _MESH (element or node is set), _MEMORY. */
+ *  free nodes. Uses threads, bind and isa of options (NULL: defaults), and only_worse_than, around,
+ *  layers and least volumes to choose the nodes. The plan refers to mesh->elements (not to
+ *  elements64), which must stay as they are until planish_plan_destroy; the other arrays are not
+ *  read after the return. Which order of an element is the positive one is decided here, from these
+ *  coordinates: for a mirrored copy of them make another plan. Nodes with more than 43690 elements
+ *  are held. A mesh without elements is an error.
+ *
+ *  With options.around the plan is for the elements that have one of its nodes, and so is what is
+ *  said of elements in its info, in results and by planish_measure; everything costs by these
+ *  alone if around_elements and mesh->neighbours are given: nothing else of the mesh is read, or
+ *  checked. Without them all elements are looked at while the plan is made. With neighbours, the
+ *  elements of a node are those that it has together with the given one by facets at the node.
+ *  Nodes of periodic pairs stay. With only_worse_than, neighbours save passes over the elements if
+ *  few of them are bad; the bits are the same.
+ *
+ *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
 /** plan may be NULL. */
 PLANISH_API void planish_plan_destroy(planish_plan *plan);
 PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
-/** is_free [n_nodes] is filled with 1 for the nodes that may move anywhere, 0 for all others. */
+/** is_free [n_nodes of the mesh] is filled with 1 for the nodes that may move anywhere, 0 for all
+ *  others. */
 PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free);
 
 /* ---- Quality ------------------------------------------------------------------------------ */
@@ -361,7 +386,8 @@ typedef struct planish_quality {
     int64_t histogram_counts[PLANISH_HISTOGRAM_BINS];
 } planish_quality;
 
-/** Measure coordinates [n_nodes][dim] with the plan's elements. */
+/** Measure coordinates [n_nodes][dim] (or as the mesh's strides say) with the plan's elements.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
@@ -420,8 +446,9 @@ typedef struct planish_result {
  * is. Stars with an element that is left not positive stay as they are; those with an element below
  * its least volume are brought above it first where that can be done. Untangling ends by a bound on
  * its work, which takes minutes on large meshes that cannot be helped: set time_limit if that
- * matters. options (NULL: defaults); threads, bind and isa are those of the plan. Errors:
- * _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates are then untouched.
+ * matters. coordinates may be as the mesh's strides say. options (NULL: defaults); threads, bind
+ * and isa are those of the plan. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY;
+ * coordinates are then untouched.
  */
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,

@@ -39,7 +39,8 @@ double pl_parallel_sum(int threads, int64_t n, int64_t chunk, pl_chunk_sum_fn *b
  *  entries), which is returned. */
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values);
 
-/** Raise *largest to value, whichever thread comes first. */
+/** Raise *largest to value, or lower *lowest to it, whichever thread comes first. */
 void pl_raise_to(int64_t *largest, int64_t value);
+void pl_lower_to(int64_t *lowest, int64_t value);
 
 #endif

@@ -219,6 +219,17 @@ static int check_tags(const planish_mesh *mesh, const planish_surface *tags, pla
     return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
 }
 
+/** Check that the constraints are such. */
+static int check_constraints(const planish_mesh *mesh, planish_error *error) {
+    for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++)
+        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                              "mesh.constraint of node %" PRId64
+                              " is %d; give a planish_constraint, 0 to %d",
+                              i, mesh->constraint[i], PLANISH_ON_SURFACE);
+    return PLANISH_OK;
+}
+
 int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface, int threads,
                         uint8_t *constraint, double *direction, planish_slide_info *info,
                         planish_error *error) {
@@ -230,18 +241,16 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
     if (!constraint || !direction)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
     const int used = pl_thread_count(threads);
-    int status = pl_validate_mesh(mesh, used, error);
-    if (!status)
-        status = check_tags(mesh, surface, error);
-    for (int64_t i = 0; !status && mesh->constraint && i < mesh->n_nodes; i++)
-        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
-            status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
-                                "mesh.constraint of node %" PRId64
-                                " is %d; give a planish_constraint, 0 to %d",
-                                i, mesh->constraint[i], PLANISH_ON_SURFACE);
+    pl_dense dense;
+    int status = pl_dense_create(mesh, used, &dense, error);
     if (status)
         return status;
-    status = find_slides(mesh, surface, used, constraint, direction, &found, error);
+    status = check_tags(mesh, surface, error);
+    if (!status)
+        status = check_constraints(mesh, error);
+    if (!status)
+        status = find_slides(&dense.mesh, surface, used, constraint, direction, &found, error);
+    pl_dense_destroy(&dense);
     if (!status && info)
         *info = found;
     return status;

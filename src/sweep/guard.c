@@ -19,24 +19,31 @@ enum { CHUNK_NODES = 4096 };
 /* ---- objective ----------------------------------------------------------------------------- */
 
 pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
-                                             const planish_options *options,
-                                             const double *coordinates) {
-    pl_objective_problem problem = {.dim = plan->dim,
-                                    .n_elements = plan->n_elements,
-                                    .elements = plan->elements,
-                                    .sign = plan->sign,
-                                    .is_free = plan->is_free,
-                                    .coordinates = coordinates,
-                                    .objective = options->objective,
-                                    .min_volume = options->min_volume,
-                                    .own_min_volume = plan->min_volume,
-                                    .threads = plan->threads};
-    if (options->min_volume_fraction > 0) {
-        pl_objective_sums sums;
-        pl_sum_objective(&problem, &sums);
-        problem.min_volume = options->min_volume_fraction * fabs(sums.domain);
-    }
-    return problem;
+                                             const planish_options *options, const double *all,
+                                             double delta) {
+    const pl_whole *whole = &plan->whole;
+    const int is_part = whole->elements != NULL;
+    return (pl_objective_problem){.dim = plan->dim,
+                                  .n_elements = is_part ? whole->n_elements : plan->n_elements,
+                                  .elements = is_part ? whole->elements : plan->elements,
+                                  .sign = is_part ? whole->sign : plan->sign,
+                                  .is_free = is_part ? whole->is_free : plan->is_free,
+                                  .coordinates = all,
+                                  .objective = options->objective,
+                                  .min_volume = delta,
+                                  .own_min_volume = is_part ? whole->min_volume : plan->min_volume,
+                                  .threads = plan->threads};
+}
+
+double pl_least_volume(const planish_plan *plan, const planish_options *options,
+                       const double *all) {
+    if (!(options->min_volume_fraction > 0))
+        return options->min_volume;
+    const pl_objective_problem problem =
+        pl_objective_problem_of(plan, options, all, options->min_volume);
+    pl_objective_sums sums;
+    pl_sum_objective(&problem, &sums);
+    return options->min_volume_fraction * fabs(sums.domain);
 }
 
 double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums) {
@@ -90,7 +97,7 @@ static double storable(const planish_options *options, double x, double towards)
 static void bound(const work *w, int64_t i, int d, double *lower, double *upper) {
     const planish_options *options = w->options;
     double low = options->box_lower[d], high = options->box_upper[d];
-    int64_t k = i * w->plan->dim + d;
+    int64_t k = pl_plan_node(w->plan, i) * w->plan->dim + d;
     if (options->lower && options->lower[k] > low)
         low = options->lower[k];
     if (options->upper && options->upper[k] < high)
@@ -161,13 +168,15 @@ static int check_bounds(const planish_plan *plan, const planish_options *options
                         planish_error *error) {
     const double *bounds[] = {options->lower, options->upper};
     for (int which = 0; which < 2; which++)
-        for (int64_t i = 0; bounds[which] && i < plan->n_nodes * plan->dim; i++)
-            if (isnan(bounds[which][i]))
-                return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / plan->dim,
+        for (int64_t i = 0; bounds[which] && i < plan->n_nodes * plan->dim; i++) {
+            const int64_t node = pl_plan_node(plan, i / plan->dim);
+            if (isnan(bounds[which][node * plan->dim + i % plan->dim]))
+                return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, node,
                                   "options.%s of node %" PRId64
                                   " is not a number; give a bound, or "
                                   "an infinite one for none",
-                                  which ? "upper" : "lower", i / plan->dim);
+                                  which ? "upper" : "lower", node);
+        }
     return PLANISH_OK;
 }
 
@@ -231,9 +240,7 @@ static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
     return -1;
 }
 
-int pl_check_delta(const planish_options *options, const pl_objective_problem *problem,
-                   planish_error *error) {
-    double delta = problem->min_volume;
+int pl_check_delta(const planish_options *options, double delta, planish_error *error) {
     if (options->min_volume_fraction > 0 && (!(delta >= DBL_MIN) || !isfinite(delta)))
         return pl_fail(
             error, PLANISH_ERROR_ARGUMENT,
@@ -247,17 +254,27 @@ int pl_check_delta(const planish_options *options, const pl_objective_problem *p
 #define LARGEST_MULTIPLE 1e12
 
 static int check_area_weight(const planish_plan *plan, const planish_options *options,
-                             const pl_objective_problem *problem, planish_error *error) {
+                             const double *coordinates, double delta, planish_error *error) {
     if (!(options->area_weight > 0))
         return PLANISH_OK;
-    int64_t element = without_min_volume(plan, problem->min_volume);
+    int64_t element = without_min_volume(plan, delta);
     if (element >= 0)
         return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
                           "options.area_weight is %g, but element %" PRId64
                           " has no least volume; give min_volume or min_volume_fraction",
                           options->area_weight, element);
+    const pl_objective_problem problem = {.dim = plan->dim,
+                                          .n_elements = plan->n_elements,
+                                          .elements = plan->elements,
+                                          .sign = plan->sign,
+                                          .is_free = plan->is_free,
+                                          .coordinates = coordinates,
+                                          .objective = options->objective,
+                                          .min_volume = delta,
+                                          .own_min_volume = plan->min_volume,
+                                          .threads = plan->threads};
     pl_objective_sums sums;
-    pl_sum_objective(problem, &sums);
+    pl_sum_objective(&problem, &sums);
     double g2 = (sums.volume[0] + sums.volume[1]) / fmax(sums.n[0] + sums.n[1], 1);
     if (!(g2 < LARGEST_MULTIPLE * LARGEST_MULTIPLE))
         return pl_fail(
@@ -269,16 +286,16 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
 }
 
 int pl_guard_create(const planish_plan *plan, const planish_options *options,
-                    const double *coordinates, pl_guard *guard, planish_error *error) {
-    pl_objective_problem problem = pl_objective_problem_of(plan, options, coordinates);
-    *guard = (pl_guard){.min_volume = problem.min_volume,
+                    const double *coordinates, double delta, pl_guard *guard,
+                    planish_error *error) {
+    *guard = (pl_guard){.min_volume = delta,
                         .star = {.measure = (int)options->objective,
                                  .ratio_weight = 1,
-                                 .min_volume = problem.min_volume,
+                                 .min_volume = delta,
                                  .link_min_volume = plan->interior.stars.min_volume}};
-    int status = pl_check_delta(options, &problem, error);
+    int status = pl_check_delta(options, delta, error);
     if (!status)
-        status = check_area_weight(plan, options, &problem, error);
+        status = check_area_weight(plan, options, coordinates, delta, error);
     if (!status)
         status = check_bounds(plan, options, error);
     if (!status)
@@ -286,8 +303,7 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
     if (status)
         pl_guard_destroy(guard);
     guard->wanted = options->objective != PLANISH_RADIUS_RATIO || options->area_weight > 0 ||
-                    problem.min_volume > 0 || plan->min_volume || guard->star.lower ||
-                    guard->star.radius;
+                    delta > 0 || plan->min_volume || guard->star.lower || guard->star.radius;
     return status;
 }
 

@@ -22,22 +22,24 @@ typedef struct pl_guard {
     int64_t held_outside;
 } pl_guard;
 
-/** What to sum over the mesh for options; coordinates [n][dim] and is_free by the caller's numbers.
- *  min_volume is that of the options, a fraction being of the domain's volume. */
+/** delta of options: a fraction is of the volume of all of the mesh, whose coordinates all [.][dim]
+ *  are. */
+double pl_least_volume(const planish_plan *plan, const planish_options *options, const double *all);
+
+/** What to sum over all of the mesh, or over the plan's part if no more is known, for options. */
 pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
-                                             const planish_options *options,
-                                             const double *coordinates);
+                                             const planish_options *options, const double *all,
+                                             double delta);
 
 /** Whether the fraction of the domain's volume, if one was asked for, is a volume. */
-int pl_check_delta(const planish_options *options, const pl_objective_problem *problem,
-                   planish_error *error);
+int pl_check_delta(const planish_options *options, double delta, planish_error *error);
 
-/** Make the guard for coordinates [n][dim] (the caller's numbers); the plan's own coordinates are
- *  already there. Errors: _ARGUMENT (an area weight without a
+/** Make the guard for coordinates [n][dim] and delta; the plan's own coordinates are already there.
+ *  Errors: _ARGUMENT (an area weight without a
  *  fitting least volume for every element, a fraction of nothing),
  *  _MEMORY. */
 int pl_guard_create(const planish_plan *plan, const planish_options *options,
-                    const double *coordinates, pl_guard *guard, planish_error *error);
+                    const double *coordinates, double delta, pl_guard *guard, planish_error *error);
 void pl_guard_destroy(pl_guard *guard);
 
 /** F = mu1 f1 + mu2 f2 of sums: over all valid elements, or over those with a free node. */

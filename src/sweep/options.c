@@ -136,7 +136,12 @@ int pl_options_check(const planish_options *options, planish_error *error) {
 int pl_call_check(const planish_plan *plan, const double *coordinates,
                   const planish_options *options, planish_error *error) {
     int status = pl_options_check(options, error);
-    return status ? status
-                  : pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads,
-                                            error);
+    if (status)
+        return status;
+    if (options->min_volume_fraction > 0 && plan->node_of && !plan->whole.elements)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.min_volume_fraction is of the domain's volume, which a plan made "
+                       "with options.around does not know; give min_volume");
+    const pl_points points = pl_plan_all_points(plan, coordinates);
+    return pl_points_check(&points, plan->threads, error);
 }

@@ -4,6 +4,7 @@
 
 #include "star/star.h"
 #include "sweep/placement.h"
+#include "topology/points.h"
 #include "topology/topology.h"
 
 /** Stars in the order of their visits: colour by colour. Everything is owned. */
@@ -20,27 +21,44 @@ typedef struct pl_visits {
 /** What is_free says of a node. */
 enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
 
-/** n nodes, m elements; "inner" numbers run along the space-filling curve. Everything is owned but
- *  elements. */
+/** The caller's mesh, where the plan works on a part of it. Everything is owned but elements. */
+typedef struct pl_whole {
+    int64_t n_nodes, n_elements;
+    const int32_t *elements; /* [n_elements][dim + 1]; NULL: no more is known than the part */
+    int32_t *own_elements;   /* a copy that these are, or NULL */
+    int8_t *sign;            /* [n_elements] or NULL, */
+    double *min_volume;      /* likewise */
+    uint8_t *is_free;        /* [n_nodes] */
+    uint8_t *is_selected;    /* [n_nodes] 1: all elements with such a node are in the part */
+} pl_whole;
+
+/** n nodes, m elements: those of the mesh, or of the part of it that is worked on; "inner" numbers
+ *  run along the space-filling curve. Everything is owned but elements. */
 struct planish_plan {
     int dim;
     int64_t n_nodes, n_elements;
-    const int32_t *elements; /* [m][dim + 1] the caller's */
+    const int32_t *elements; /* [m][dim + 1] the caller's, or */
+    int32_t *own_elements;   /* the plan's: a copy, or those of the part */
     double *min_volume;      /* [m] mesh->min_volume, or NULL */
     int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
-    uint8_t *is_free;        /* [n] by the caller's numbers: PL_HELD, ... */
-    uint8_t *is_used;        /* [n] likewise: by an element */
-    int32_t *inner;          /* [n] inner number of each of the caller's nodes */
+    uint8_t *is_free;        /* [n] PL_HELD, ... */
+    uint8_t *is_used;        /* [n] by an element */
+    int32_t *inner;          /* [n] inner number of each node */
     int is_selective;        /* only nodes of bad elements are free, see pl_select */
-    pl_visits interior;      /* of the nodes that may go anywhere, */
-    pl_visits sliding;       /* and of those that stay on a plane, line or surface: */
-    int64_t n_images;        /* nodes after the mesh's own, see pl_periodic */
-    pl_star_slide *slide;    /* [sliding.stars.n_stars] which; point is where a call starts */
+    int32_t *node_of;        /* [n] the caller's number of each node; NULL: the same */
+    int32_t *element_of;     /* [m] likewise of each element */
+    pl_whole whole;
+    int64_t node_stride, component_stride; /* of the caller's coordinates */
+    pl_visits interior;                    /* of the nodes that may go anywhere, */
+    pl_visits sliding;                     /* and of those that stay on a plane, line or surface: */
+    int64_t n_images;                      /* nodes after the mesh's own, see pl_periodic */
+    pl_star_slide *slide; /* [sliding.stars.n_stars] which; point is where a call starts */
     pl_placement *placement;
     int threads;
     const pl_star_kernel *kernel;
     planish_plan_info info;
     /* Scratch of planish_smooth: */
+    double *start;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
     double *coordinates; /* [n + n_images][dim] by inner numbers, scaled */
     double *measured;    /* [n][dim] by the caller's numbers, scaled: for measuring */
     uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
@@ -57,8 +75,20 @@ pl_star_problem pl_plan_sliding_problem(const planish_plan *plan);
 /** Colours of both. */
 int pl_plan_colours(const planish_plan *plan);
 
-/** Copy the caller's coordinates [n][dim] to inside [n][dim], by inner numbers. */
+/** Copy coordinates [n][dim] to inside [n][dim], by inner numbers. */
 void pl_plan_order(const planish_plan *plan, const double *coordinates, double *inside);
+
+/** The nodes of the plan, or of all of the mesh, in the caller's coordinates. */
+pl_points pl_plan_points(const planish_plan *plan, const double *coordinates);
+pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates);
+
+/** points as [n][dim]: where they are, or in room, which is needed if not pl_points_are_dense. */
+const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, double *room);
+
+/** The caller's number of a node. */
+static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
+    return plan->node_of ? plan->node_of[node] : node;
+}
 
 enum { PL_CHUNK_STARS = 32 }; /* stars that one thread takes at a time */
 

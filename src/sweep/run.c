@@ -67,6 +67,8 @@ static void measure_ratios(pl_run *r) {
     pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
                         plan->measured, plan->threads, &r->sums);
     r->measured = r->sums.movable;
+    r->sums.fixed += r->rest.ratio;
+    r->sums.n_fixed += (int64_t)r->rest.n;
 }
 
 pl_objective_problem pl_run_objective_problem(const pl_run *r) {
@@ -93,6 +95,39 @@ void pl_run_measure(pl_run *r) {
     const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_sum_objective(&problem, &r->totals);
     r->measured = r->totals.ratio[1];
+    r->totals.ratio[0] += r->rest.ratio;
+    r->totals.volume[0] += r->rest.volume;
+    r->totals.n[0] += r->rest.n;
+}
+
+void pl_run_measure_rest(pl_run *r, const double *all) {
+    const planish_plan *plan = r->plan;
+    const pl_whole *whole = &plan->whole;
+    pl_ratio_sums plain;
+    pl_objective_sums sums;
+    if (r->plain) {
+        pl_sum_radius_ratio(plan->dim, whole->n_elements, whole->elements, whole->sign,
+                            whole->is_selected, all, plan->threads, &plain);
+        r->rest =
+            (pl_rest){.ratio = plain.fixed, .n = (double)plain.n_fixed, .inverted = plain.inverted};
+        return;
+    }
+    const pl_objective_problem problem = {.dim = plan->dim,
+                                          .n_elements = whole->n_elements,
+                                          .elements = whole->elements,
+                                          .sign = whole->sign,
+                                          .is_free = whole->is_selected,
+                                          .coordinates = all,
+                                          .objective = r->options->objective,
+                                          .min_volume = r->guard.min_volume,
+                                          .own_min_volume = whole->min_volume,
+                                          .threads = plan->threads};
+    pl_sum_objective(&problem, &sums);
+    r->rest = (pl_rest){.ratio = sums.ratio[0],
+                        .volume = sums.volume[0],
+                        .n = sums.n[0],
+                        .inverted = (int64_t)sums.inverted,
+                        .below = (int64_t)sums.below};
 }
 
 /** The sum of RR^2, or AR^2, over the movable elements falls by what the visits say, unless other
@@ -125,8 +160,8 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
                               .rms = pl_run_rms(&seen),
                               .rms_movable = pl_run_rms_of_movable(&seen),
                               .objective = pl_run_objective(&seen),
-                              .inverted = pl_run_inverted(&seen),
-                              .below_min_volume = pl_run_below(&seen),
+                              .inverted = pl_run_inverted(&seen) + r->rest.inverted,
+                              .below_min_volume = pl_run_below(&seen) + r->rest.below,
                               .restoring = r->restoring && !r->shown,
                               .worst = r->is_for_worst,
                               .visits = visits,

@@ -6,11 +6,19 @@
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
+/** What is outside of the part of the mesh that the plan works on: it does not change. */
+typedef struct pl_rest {
+    double ratio, volume, n; /* as of pl_objective_sums; ratio is of AR^2, or of RR^2 */
+    int64_t inverted, below;
+} pl_rest;
+
 /** One call of planish_smooth. */
 typedef struct pl_run {
     planish_plan *plan;
     const planish_options *options;
-    double *outside; /* [n][dim] the caller's coordinates */
+    double *coordinates;   /* the caller's */
+    const double *outside; /* [n][dim] those of the plan's nodes as they came */
+    pl_rest rest;
     pl_star_problem problem;
     pl_guard guard;
     pl_star_guard sliding_guard; /* the same for the nodes that slide */
@@ -37,6 +45,10 @@ typedef struct pl_run {
 
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);
+
+/** Measure what is outside of the plan's part of the mesh, with the coordinates all [.][dim] of all
+ *  of it. inverted and below are then those of all: what is in the part is to be taken off. */
+void pl_run_measure_rest(pl_run *r, const double *all);
 
 /** F of all elements as measured or tracked last; how many are inverted or below. */
 double pl_run_objective(const pl_run *r);

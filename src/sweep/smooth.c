@@ -18,6 +18,7 @@ enum { CHUNK_NODES = 4096 };
  *  it is. */
 typedef struct transfer {
     pl_run *run;
+    pl_points points; /* of the caller */
     int64_t moved, far_bits;
 } transfer;
 
@@ -29,14 +30,15 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
     double farthest = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        double *outside = t->run->outside + i * dim;
+        const double *start = t->run->outside + i * dim;
         const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
-        const double far = plan->is_free[i] ? pl_distance(dim, inside, outside) : 0;
+        const double far = plan->is_free[i] ? pl_distance(dim, inside, start) : 0;
         if (!(far > 0))
             continue;
         moved++;
         farthest = fmax(farthest, far);
-        memcpy(outside, inside, (size_t)dim * sizeof *outside);
+        for (int d = 0; d < dim; d++)
+            t->run->coordinates[pl_point_at(&t->points, i, d)] = inside[d];
     }
     memcpy(&far_bits, &farthest, sizeof far_bits);
     pl_raise_to(&t->far_bits, far_bits);
@@ -45,7 +47,7 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
 
 /** Write the nodes that moved to the caller's coordinates; how many and how far is the result's. */
 static void transfer_out(pl_run *r) {
-    transfer t = {r, 0, 0};
+    transfer t = {r, pl_plan_points(r->plan, r->coordinates), 0, 0};
     pl_parallel_for(r->plan->threads, r->plan->n_nodes, CHUNK_NODES, transfer_chunk, &t);
     r->result->moved_nodes = t.moved;
     memcpy(&r->result->max_displacement, &t.far_bits, sizeof t.far_bits);
@@ -232,16 +234,49 @@ static int is_promised_angles(const pl_run *r) {
            !(o->area_weight > 0) && pl_run_inverted(r) == 0 && pl_run_below(r) == 0;
 }
 
-static int smooth(pl_run *r, planish_error *error) {
-    planish_plan *plan = r->plan;
-    pl_plan_order(plan, r->outside, plan->coordinates);
-    begin_sliding(plan);
-    int status = pl_guard_create(plan, r->options, r->outside, &r->guard, error);
+/** The guard, and what is outside of the plan's part of the mesh, whose coordinates all [.][dim]
+ *  are. */
+static int look_around(pl_run *r, const double *all, planish_error *error) {
+    const planish_plan *plan = r->plan;
+    const double delta = pl_least_volume(plan, r->options, all);
+    int status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
     if (status)
         return status;
     r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
     r->unit = r->plain ? pl_box_of_fixed(plan).scale : 1;
+    if (plan->whole.elements)
+        pl_run_measure_rest(r, all);
+    return PLANISH_OK;
+}
+
+/** Coordinates into the plan; the first measurement. */
+static int begin(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    const pl_points points = pl_plan_points(plan, r->coordinates);
+    const pl_points all = pl_plan_all_points(plan, r->coordinates);
+    r->outside = pl_plan_dense(plan, &points, plan->start);
+    pl_plan_order(plan, r->outside, plan->coordinates);
+    begin_sliding(plan);
+    if (!plan->whole.elements)
+        return look_around(r, r->outside, error);
+    double *room = pl_points_are_dense(&all) ? NULL : pl_alloc(all.n * all.dim, sizeof *room);
+    const int memory = room || pl_points_are_dense(&all);
+    int status = memory ? look_around(r, pl_plan_dense(plan, &all, room), error)
+                        : pl_fail_memory(error, "the coordinates");
+    pl_free(room);
+    return status;
+}
+
+static int smooth(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    int status = begin(r, error);
+    if (status)
+        return status;
     pl_run_measure(r);
+    if (plan->whole.elements) {
+        r->rest.inverted -= pl_run_inverted(r);
+        r->rest.below -= pl_run_below(r);
+    }
     r->result->objective_before = pl_run_objective(r);
     r->at_start = is_promised_angles(r) ? pl_run_limits(r, 1) : pl_star_no_limits();
     prepare_problem(r);
@@ -261,11 +296,11 @@ static void fill_result(const pl_run *r) {
     planish_result *result = r->result;
     result->stop = r->stop;
     result->sweeps = r->sweep;
-    result->inverted = pl_run_inverted(r);
+    result->inverted = pl_run_inverted(r) + r->rest.inverted;
     result->rms = pl_run_rms(r);
     result->rms_movable = pl_run_rms_of_movable(r);
     result->min_volume = r->guard.min_volume;
-    result->below_min_volume = pl_run_below(r);
+    result->below_min_volume = pl_run_below(r) + r->rest.below;
     result->held_outside = r->guard.held_outside;
     result->objective = pl_run_objective(r);
     result->seconds = pl_seconds() - r->start;
@@ -286,7 +321,7 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
         return status;
 
     pl_run r = {.plan = plan,
-                .outside = coordinates,
+                .coordinates = coordinates,
                 .options = options,
                 .start = pl_seconds(),
                 .result = &found};
@@ -302,15 +337,34 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
     return status;
 }
 
+/** Of all of the mesh if the plan knows that, else of its part. */
+static int measure(const planish_plan *plan, const double *coordinates, planish_quality *quality,
+                   planish_error *error) {
+    const pl_whole *whole = &plan->whole;
+    if (whole->elements)
+        return pl_measure(plan->dim, whole->n_elements, whole->elements, whole->sign,
+                          whole->is_free, coordinates, plan->threads, quality, error);
+    const int status = pl_measure(plan->dim, plan->n_elements, plan->elements, plan->sign,
+                                  plan->is_free, coordinates, plan->threads, quality, error);
+    if (!status && plan->element_of && quality->worst_element >= 0)
+        quality->worst_element = plan->element_of[quality->worst_element];
+    return status;
+}
+
 int planish_measure(const planish_plan *plan, const double *coordinates, planish_quality *quality,
                     planish_error *error) {
     if (!plan || !coordinates || !quality)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and quality must not be NULL");
-    int status =
-        pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads, error);
+    const pl_points points = pl_plan_all_points(plan, coordinates);
+    const int is_dense = pl_points_are_dense(&points);
+    int status = pl_points_check(&points, plan->threads, error);
     if (status)
         return status;
-    return pl_measure(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
-                      coordinates, plan->threads, quality, error);
+    double *room = is_dense ? NULL : pl_alloc(points.n * points.dim, sizeof *room);
+    if (!is_dense && !room)
+        return pl_fail_memory(error, "the coordinates");
+    status = measure(plan, pl_plan_dense(plan, &points, room), quality, error);
+    pl_free(room);
+    return status;
 }

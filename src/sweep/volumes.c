@@ -150,24 +150,96 @@ int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem,
     return status;
 }
 
-/** planish_check_volumes with room for the states and the coordinates: the plan's own may be in
- * use.
- */
-static int check_volumes(const planish_plan *plan, const pl_objective_problem *volumes,
-                         uint8_t *state, double *coordinates, int64_t *n_below,
+/* ---- asked by the caller -------------------------------------------------------------------- */
+
+/** Room for the coordinates and states of a call: the plan's own may be in use. */
+typedef struct room {
+    const planish_plan *plan;
+    pl_points all_points, points;
+    double *all;      /* [.][dim] of all_points, if these are not dense, */
+    double *own;      /* [n][dim] of the plan's nodes, likewise */
+    double *ordered;  /* [n][dim] the latter by inner numbers */
+    uint8_t *state;   /* [elements of all], */
+    uint8_t *of_part; /* and of the plan's; the same array if that is all */
+    int64_t n_of_all;
+} room;
+
+static int room_create(const planish_plan *plan, const double *coordinates, room *r) {
+    const int is_part = plan->whole.elements != NULL;
+    *r = (room){.plan = plan,
+                .all_points = pl_plan_all_points(plan, coordinates),
+                .points = pl_plan_points(plan, coordinates),
+                .n_of_all = is_part ? plan->whole.n_elements : plan->n_elements};
+    const int all_dense = pl_points_are_dense(&r->all_points);
+    const int own_dense = pl_points_are_dense(&r->points);
+    r->all = all_dense ? NULL : pl_alloc(r->all_points.n * plan->dim, sizeof *r->all);
+    r->own = own_dense ? NULL : pl_alloc(plan->n_nodes * plan->dim, sizeof *r->own);
+    r->ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *r->ordered);
+    r->state = pl_alloc(r->n_of_all, sizeof *r->state);
+    r->of_part = is_part ? pl_alloc(plan->n_elements, sizeof *r->of_part) : r->state;
+    return (r->all || all_dense) && (r->own || own_dense) && r->ordered && r->state && r->of_part;
+}
+
+static void room_destroy(room *r) {
+    if (r->of_part != r->state)
+        pl_free(r->of_part);
+    pl_free(r->state);
+    pl_free(r->ordered);
+    pl_free(r->own);
+    pl_free(r->all);
+}
+
+/** Turn _BELOW into _INFEASIBLE where that is so: in the plan's part by pl_mark_infeasible, and
+ *  outside of it, where no node is free. *n counts the latter. */
+static int mark_states(room *r, const pl_star_guard *guard, int64_t *n, planish_error *error) {
+    const planish_plan *plan = r->plan;
+    pl_star_problem problem = pl_plan_problem(plan);
+    problem.coordinates = r->ordered;
+    problem.guard = guard;
+    pl_plan_order(plan, pl_plan_dense(plan, &r->points, r->own), r->ordered);
+    if (r->of_part == r->state)
+        return pl_mark_infeasible(plan, &problem, r->state, n, NULL, error);
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        r->of_part[i] = r->state[plan->element_of[i]];
+    const int status = pl_mark_infeasible(plan, &problem, r->of_part, n, NULL, error);
+    *n = 0;
+    for (int64_t i = 0; i < r->n_of_all; i++)
+        if (r->state[i] == PLANISH_VOLUME_BELOW)
+            r->state[i] = PLANISH_VOLUME_INFEASIBLE;
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        r->state[plan->element_of[i]] = r->of_part[i];
+    for (int64_t i = 0; i < r->n_of_all; i++)
+        *n += r->state[i] == PLANISH_VOLUME_INFEASIBLE;
+    return status;
+}
+
+/** The states as the caller wants them: of each element of the mesh. */
+static void hand_out(const room *r, int only_infeasible, uint8_t *out) {
+    const planish_plan *plan = r->plan;
+    const int is_local = plan->element_of && !plan->whole.elements;
+    if (out && is_local)
+        memset(out, PLANISH_VOLUME_MET, (size_t)plan->whole.n_elements);
+    for (int64_t i = 0; out && i < r->n_of_all; i++)
+        out[is_local ? plan->element_of[i] : i] =
+            only_infeasible ? r->state[i] == PLANISH_VOLUME_INFEASIBLE : r->state[i];
+}
+
+static int check_volumes(room *r, const planish_options *options, int64_t *n_below,
                          planish_error *error) {
+    const planish_plan *plan = r->plan;
+    const double *all = pl_plan_dense(plan, &r->all_points, r->all);
+    const double delta = pl_least_volume(plan, options, all);
     int64_t n_infeasible;
-    *n_below = pl_find_below(volumes, state);
+    int status = pl_check_delta(options, delta, error);
+    if (status)
+        return status;
+    const pl_objective_problem volumes = pl_objective_problem_of(plan, options, all, delta);
+    *n_below = pl_find_below(&volumes, r->state);
     if (*n_below == 0)
         return PLANISH_OK;
-    const pl_star_guard guard = {.min_volume = volumes->min_volume,
-                                 .ratio_weight = 1,
-                                 .link_min_volume = plan->interior.stars.min_volume};
-    pl_star_problem problem = pl_plan_problem(plan);
-    problem.coordinates = coordinates;
-    problem.guard = &guard;
-    pl_plan_order(plan, volumes->coordinates, coordinates);
-    return pl_mark_infeasible(plan, &problem, state, &n_infeasible, NULL, error);
+    const pl_star_guard guard = {
+        .min_volume = delta, .ratio_weight = 1, .link_min_volume = plan->interior.stars.min_volume};
+    return mark_states(r, &guard, &n_infeasible, error);
 }
 
 int planish_check_volumes(const planish_plan *plan, const double *coordinates,
@@ -175,6 +247,7 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                           planish_error *error) {
     planish_options defaults;
     int64_t n = 0;
+    room r;
     if (!plan || !coordinates || !n_below)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and n_below must not be NULL");
@@ -185,68 +258,46 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
     int status = pl_call_check(plan, coordinates, options, error);
     if (status)
         return status;
-    const pl_objective_problem volumes = pl_objective_problem_of(plan, options, coordinates);
-    status = pl_check_delta(options, &volumes, error);
-    if (status)
-        return status;
-    uint8_t *found = pl_alloc(plan->n_elements, sizeof *found);
-    double *ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *ordered);
-    if (found && ordered)
-        status = check_volumes(plan, &volumes, found, ordered, &n, error);
-    else
-        status = pl_fail_memory(error, "the states of the elements");
+    status = room_create(plan, coordinates, &r) ? check_volumes(&r, options, &n, error)
+                                                : pl_fail_memory(error, "the states of elements");
     if (!status) {
         *n_below = n;
-        if (state)
-            memcpy(state, found, (size_t)plan->n_elements);
+        hand_out(&r, 0, state);
     }
-    pl_free(found);
-    pl_free(ordered);
+    room_destroy(&r);
     return status;
 }
 
 /* ---- elements that cannot be positive ------------------------------------------------------- */
 
-static int find_unfixable(const planish_plan *plan, const double *coordinates, uint8_t *state,
-                          double *ordered, int64_t *n, planish_error *error) {
-    const pl_objective_problem positive = {.dim = plan->dim,
-                                           .n_elements = plan->n_elements,
-                                           .elements = plan->elements,
-                                           .sign = plan->sign,
-                                           .is_free = plan->is_free,
-                                           .coordinates = coordinates,
-                                           .threads = plan->threads};
+static int find_unfixable(room *r, int64_t *n, planish_error *error) {
+    const planish_plan *plan = r->plan;
+    planish_options defaults;
+    planish_options_init(&defaults);
+    pl_objective_problem positive =
+        pl_objective_problem_of(plan, &defaults, pl_plan_dense(plan, &r->all_points, r->all), 0);
     const pl_star_guard guard = {.ratio_weight = 1};
-    pl_star_problem problem = pl_plan_problem(plan);
-    problem.coordinates = ordered;
-    problem.guard = &guard;
-    if (pl_find_inverted(&positive, state) == 0)
-        return PLANISH_OK;
-    pl_plan_order(plan, coordinates, ordered);
-    return pl_mark_infeasible(plan, &problem, state, n, NULL, error);
+    positive.own_min_volume = NULL;
+    return pl_find_inverted(&positive, r->state) == 0 ? PLANISH_OK
+                                                      : mark_states(r, &guard, n, error);
 }
 
 int planish_find_unfixable(const planish_plan *plan, const double *coordinates, uint8_t *unfixable,
                            int64_t *n, planish_error *error) {
     int64_t found = 0;
+    room r;
     if (!plan || !coordinates || !n)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan, coordinates and n must not be NULL");
-    int status =
-        pl_validate_coordinates(coordinates, plan->n_nodes, plan->dim, plan->threads, error);
+    const pl_points points = pl_plan_all_points(plan, coordinates);
+    int status = pl_points_check(&points, plan->threads, error);
     if (status)
         return status;
-    uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
-    double *ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *ordered);
-    if (state && ordered)
-        status = find_unfixable(plan, coordinates, state, ordered, &found, error);
-    else
-        status = pl_fail_memory(error, "the states of the elements");
+    status = room_create(plan, coordinates, &r) ? find_unfixable(&r, &found, error)
+                                                : pl_fail_memory(error, "the states of elements");
     if (!status) {
         *n = found;
-        for (int64_t i = 0; unfixable && i < plan->n_elements; i++)
-            unfixable[i] = state[i] == PLANISH_VOLUME_INFEASIBLE;
+        hand_out(&r, 1, unfixable);
     }
-    pl_free(state);
-    pl_free(ordered);
+    room_destroy(&r);
     return status;
 }

@@ -26,6 +26,7 @@ enum {
 typedef struct work {
     const pl_rings *rings;
     const int32_t *node;       /* [n_rings] the caller's number, -1: none */
+    const int32_t *number;     /* [n_nodes] of each node, or NULL: itself */
     const int32_t *moves_with; /* [n_nodes] or NULL */
     int32_t *ring_of;          /* [n_nodes] ring of each node, -1: not free */
     int32_t *neighbour; /* [offset[n_rings]] rings of the free neighbours, packed to the front of
@@ -47,6 +48,10 @@ static uint32_t hash_of(uint32_t number) {
     number ^= number >> 13;
     number *= UINT32_C(0xc2b2ae35);
     return number ^ number >> 16;
+}
+
+static uint32_t number_of(const work *w, int32_t node) {
+    return (uint32_t)(w->number ? w->number[node] : node);
 }
 
 static int32_t degree(const work *w, int64_t r) {
@@ -100,7 +105,7 @@ static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
         }
         if (w->moves_with)
             n = list_movers(w, r, neighbour);
-        w->priority[r] = (uint64_t)n << 32 | hash_of((uint32_t)w->node[r]);
+        w->priority[r] = (uint64_t)n << 32 | hash_of(number_of(w, w->node[r]));
     }
 }
 
@@ -198,12 +203,16 @@ static void run(work *w, int64_t n_nodes, int threads) {
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, colour_chunk, w);
 }
 
-int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes,
-                        const int32_t *moves_with, int threads, int32_t *colour, int *n_colours,
-                        planish_error *error) {
+int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_t *number,
+                        int64_t n_nodes, const int32_t *moves_with, int threads, int32_t *colour,
+                        int *n_colours, planish_error *error) {
     int64_t n = rings->n_rings;
-    work w = {
-        .rings = rings, .node = node, .moves_with = moves_with, .colour = colour, .max_colour = -1};
+    work w = {.rings = rings,
+              .node = node,
+              .number = number,
+              .moves_with = moves_with,
+              .colour = colour,
+              .max_colour = -1};
     w.ring_of = pl_alloc(n_nodes, sizeof *w.ring_of);
     w.neighbour = pl_alloc(rings->offset[n], sizeof *w.neighbour);
     w.priority = pl_alloc(n, sizeof *w.priority);

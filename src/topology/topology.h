@@ -13,13 +13,30 @@
 
 /* ---- validate.c: is this a mesh? ---------------------------------------------------------- */
 
-/** Check dim, counts, indices, repeated nodes of an element and finite coordinates of mesh.
- *  The lowest offending element or node is reported, whatever the number of threads. */
-int pl_validate_mesh(const planish_mesh *mesh, int threads, planish_error *error);
+/** A mesh of elements of 32 bits and coordinates [n_nodes][dim]: the caller's arrays where they are
+ *  such, else copies. */
+typedef struct pl_dense {
+    planish_mesh mesh;
+    int32_t *elements;   /* copy or NULL */
+    double *coordinates; /* likewise */
+} pl_dense;
 
-/** Check that coordinates [n_nodes][dim] are finite. */
-int pl_validate_coordinates(const double *coordinates, int64_t n_nodes, int dim, int threads,
-                            planish_error *error);
+/** Check dim, counts and strides of mesh, and which arrays there are. */
+int pl_check_counts(const planish_mesh *mesh, planish_error *error);
+
+/** The same, and indices, repeated nodes of an element and finite coordinates. The lowest offending
+ *  element or node is reported, whatever the number of threads. */
+int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
+void pl_dense_destroy(pl_dense *dense);
+
+/** Check the nodes of one element. */
+int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *error);
+
+/** Node of a corner of an element of either width. */
+static inline int64_t pl_corner(const planish_mesh *mesh, int64_t element, int corner) {
+    const int64_t i = element * (mesh->dim + 1) + corner;
+    return mesh->elements ? mesh->elements[i] : mesh->elements64[i];
+}
 
 /* ---- incidence.c: the elements of every node ---------------------------------------------- */
 
@@ -136,10 +153,11 @@ void pl_periodic_destroy(pl_periodic *periodic);
  *  n_colours-1, -1 where there is no node. Greedy in the order (more free neighbours first, then a
  *  hash of the node's number, then its number), computed in parallel after Jones and Plassmann
  *  (1993): the result is that of the serial greedy algorithm, whatever the order of the rings.
+ *  number [n_nodes] is that number, ascending; NULL: node is.
  *  moves_with [n_nodes]: the node that each moves with counts for it; NULL: itself. */
-int pl_colouring_create(const pl_rings *rings, const int32_t *node, int64_t n_nodes,
-                        const int32_t *moves_with, int threads, int32_t *colour, int *n_colours,
-                        planish_error *error);
+int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_t *number,
+                        int64_t n_nodes, const int32_t *moves_with, int threads, int32_t *colour,
+                        int *n_colours, planish_error *error);
 
 /* ---- stars.c: the star of every free node ------------------------------------------------- */
 

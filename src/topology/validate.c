@@ -1,29 +1,21 @@
-/* validate: is this a mesh? Everything behind it relies on what is checked here. */
+/* validate: is this a mesh? Everything behind it relies on what is checked here, and on 32 bits and
+ * coordinates without gaps: where the caller has others, on a copy. */
+#include "topology/points.h"
 #include "topology/topology.h"
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 
 #include <inttypes.h>
-#include <math.h>
 
 enum { CHUNK = 16384 }; /* elements or nodes that one thread checks at a time */
 
 /** A search for the lowest offender. */
 typedef struct search {
     const planish_mesh *mesh;
-    const double *coordinates; /* [n_nodes][dim] */
-    int dim;
     int64_t lowest; /* lowest offender so far, or INT64_MAX; shared */
 } search;
-
-/** Lower s->lowest to index: the lowest of all offenders wins, whoever finds it first. */
-static void report(search *s, int64_t index) {
-    int64_t lowest = __atomic_load_n(&s->lowest, __ATOMIC_RELAXED);
-    while (index < lowest && !__atomic_compare_exchange_n(&s->lowest, &lowest, index, 1,
-                                                          __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
-    }
-}
 
 /* ---- elements ----------------------------------------------------------------------------- */
 
@@ -42,7 +34,7 @@ static inline void check_elements(search *s, int dim, int64_t begin, int64_t end
     uint32_t n_nodes = (uint32_t)s->mesh->n_nodes;
     for (int64_t i = begin; i < end; i++)
         if (element_is_bad(dim, elements + i * (dim + 1), n_nodes)) {
-            report(s, i);
+            pl_lower_to(&s->lowest, i);
             return;
         }
 }
@@ -50,61 +42,43 @@ static inline void check_elements(search *s, int dim, int64_t begin, int64_t end
 static void check_chunk(void *context, int64_t begin, int64_t end, int thread) {
     search *s = context;
     (void)thread;
-    if (s->dim == 3)
+    if (s->mesh->dim == 3)
         check_elements(s, 3, begin, end);
     else
         check_elements(s, 2, begin, end);
 }
 
-/** Say what is wrong with element. */
-static int fail_element(const planish_mesh *mesh, int64_t element, planish_error *error) {
-    const int32_t *node = mesh->elements + element * (mesh->dim + 1);
+int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *error) {
+    int64_t node[4];
     for (int i = 0; i <= mesh->dim; i++) {
+        node[i] = pl_corner(mesh, element, i);
         if (node[i] < 0 || node[i] >= mesh->n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],
-                              "element %" PRId64 " has node %" PRId32 ", but the mesh has the "
+                              "element %" PRId64 " has node %" PRId64 ", but the mesh has the "
                               "nodes 0 to %" PRId64 "; correct the element",
                               element, node[i], mesh->n_nodes - 1);
         for (int j = 0; j < i; j++)
             if (node[i] == node[j])
                 return pl_fail_at(error, PLANISH_ERROR_MESH, element, node[i],
-                                  "element %" PRId64 " has node %" PRId32
+                                  "element %" PRId64 " has node %" PRId64
                                   " twice; remove the collapsed element",
                                   element, node[i]);
     }
     return PLANISH_OK;
 }
 
-/* ---- coordinates -------------------------------------------------------------------------- */
-
-static void check_coordinates(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
-    (void)thread;
-    for (int64_t i = begin * s->dim; i < end * s->dim; i++)
-        if (!isfinite(s->coordinates[i])) {
-            report(s, i / s->dim);
-            return;
-        }
-}
-
-int pl_validate_coordinates(const double *coordinates, int64_t n_nodes, int dim, int threads,
-                            planish_error *error) {
-    search s = {.coordinates = coordinates, .dim = dim, .lowest = INT64_MAX};
-    pl_parallel_for(threads, n_nodes, CHUNK, check_coordinates, &s);
-    if (s.lowest == INT64_MAX)
-        return PLANISH_OK;
-    const double *x = coordinates + s.lowest * dim;
-    int d = 0;
-    while (d < dim - 1 && isfinite(x[d]))
-        d++;
-    return pl_fail_at(error, PLANISH_ERROR_MESH, -1, s.lowest,
-                      "node %" PRId64 " has the coordinate %c = %g; all must be finite numbers",
-                      s.lowest, "xyz"[d], x[d]);
-}
-
 /* ---- the mesh ----------------------------------------------------------------------------- */
 
-static int check_arguments(const planish_mesh *mesh, planish_error *error) {
+/** Whether each coordinate has a place of its own: nodes one after the other, or components. */
+static int strides_are_sound(const planish_mesh *mesh) {
+    enum { MOST_STRIDE = 1 << 30 }; /* of nodes: what is addressed stays within 64 bits */
+    const pl_points p = pl_points_of(mesh, NULL);
+    if (p.step < 1 || p.apart < 1 || p.step > MOST_STRIDE || p.apart > INT64_MAX / 8)
+        return 0;
+    return p.apart <= (p.step - 1) / (p.dim - 1) || p.apart > p.step * (p.n - 1);
+}
+
+int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
     if (!mesh)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh must not be NULL");
     if (mesh->dim != 2 && mesh->dim != 3)
@@ -120,20 +94,92 @@ static int check_arguments(const planish_mesh *mesh, planish_error *error) {
                        mesh->n_elements, INT32_MAX);
     if (mesh->n_elements == 0)
         return pl_fail(error, PLANISH_ERROR_MESH, "the mesh has no elements; give at least one");
-    if (!mesh->elements)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.elements must not be NULL");
+    if (!mesh->elements == !mesh->elements64)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       mesh->elements ? "mesh.elements and mesh.elements64 are both set; give one"
+                                      : "mesh.elements must not be NULL");
     if (!mesh->coordinates && mesh->n_nodes > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.coordinates must not be NULL");
+    if (!strides_are_sound(mesh))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.node_stride is %" PRId64 " and component_stride %" PRId64
+                       ": coordinates would overlap; give how far apart they are, or 0",
+                       mesh->node_stride, mesh->component_stride);
     return PLANISH_OK;
 }
 
-int pl_validate_mesh(const planish_mesh *mesh, int threads, planish_error *error) {
-    int status = check_arguments(mesh, error);
+/* ---- a dense copy ------------------------------------------------------------------------- */
+
+/** The work on all elements of 64 bits. */
+typedef struct narrowing {
+    const planish_mesh *mesh;
+    int32_t *elements;
+} narrowing;
+
+/** What is no node becomes -1. */
+static void narrow_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const narrowing *w = context;
+    const int corners = w->mesh->dim + 1;
+    (void)thread;
+    for (int64_t i = begin * corners; i < end * corners; i++) {
+        const int64_t node = w->mesh->elements64[i];
+        w->elements[i] = node >= 0 && node < w->mesh->n_nodes ? (int32_t)node : -1;
+    }
+}
+
+static int copy_elements(pl_dense *dense, int threads) {
+    planish_mesh *mesh = &dense->mesh;
+    dense->elements = pl_alloc(mesh->n_elements * (mesh->dim + 1), sizeof *dense->elements);
+    narrowing w = {mesh, dense->elements};
+    if (!dense->elements)
+        return -1;
+    pl_parallel_for(threads, mesh->n_elements, CHUNK, narrow_chunk, &w);
+    mesh->elements = dense->elements;
+    return 0;
+}
+
+static int copy_coordinates(pl_dense *dense, const pl_points *points, int threads) {
+    planish_mesh *mesh = &dense->mesh;
+    dense->coordinates = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *dense->coordinates);
+    if (!dense->coordinates)
+        return -1;
+    pl_points_gather(points, threads, dense->coordinates);
+    mesh->coordinates = dense->coordinates;
+    mesh->node_stride = mesh->component_stride = 0;
+    return 0;
+}
+
+/** Check the elements of dense, a copy of mesh perhaps. */
+static int check_all(const planish_mesh *dense, const planish_mesh *mesh, int threads,
+                     planish_error *error) {
+    search s = {.mesh = dense, .lowest = INT64_MAX};
+    pl_parallel_for(threads, mesh->n_elements, CHUNK, check_chunk, &s);
+    return s.lowest == INT64_MAX ? PLANISH_OK : pl_check_element(mesh, s.lowest, error);
+}
+
+int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error) {
+    int status = pl_check_counts(mesh, error);
     if (status)
         return status;
-    search s = {.mesh = mesh, .dim = mesh->dim, .lowest = INT64_MAX};
-    pl_parallel_for(threads, mesh->n_elements, CHUNK, check_chunk, &s);
-    if (s.lowest != INT64_MAX)
-        return fail_element(mesh, s.lowest, error);
-    return pl_validate_coordinates(mesh->coordinates, mesh->n_nodes, mesh->dim, threads, error);
+    *dense = (pl_dense){.mesh = *mesh};
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    if (mesh->elements64 && copy_elements(dense, threads) != 0)
+        status = pl_fail_memory(error, "the elements");
+    if (!status)
+        status = check_all(&dense->mesh, mesh, threads, error);
+    if (!status)
+        status = pl_points_check(&points, threads, error);
+    if (!status && !pl_points_are_dense(&points) && copy_coordinates(dense, &points, threads) != 0)
+        status = pl_fail_memory(error, "the coordinates");
+    dense->mesh.elements64 = NULL;
+    if (status)
+        pl_dense_destroy(dense);
+    return status;
+}
+
+void pl_dense_destroy(pl_dense *dense) {
+    pl_free(dense->elements);
+    pl_free(dense->coordinates);
+    dense->elements = NULL;
+    dense->coordinates = NULL;
 }

@@ -84,7 +84,7 @@ static void check(const planish_mesh *mesh, const test_rings *r, int expected_co
         assert_int_equal(highest + 1, expected_colours);
     for (int threads = 1; threads <= 5; threads++) {
         int n_colours = -1;
-        assert_int_equal(pl_colouring_create(&r->rings, r->node, mesh->n_nodes, NULL, threads,
+        assert_int_equal(pl_colouring_create(&r->rings, r->node, NULL, mesh->n_nodes, NULL, threads,
                                              colour, &n_colours, NULL),
                          PLANISH_OK);
         assert_int_equal(n_colours, highest + 1);
@@ -158,7 +158,7 @@ static void any_order_of_rings(void **state) {
     int32_t *backward = malloc((size_t)n * sizeof *backward);
     assert_true(forward && backward);
     int n_colours;
-    assert_int_equal(pl_colouring_create(&rings.rings, rings.node, box.mesh.n_nodes, NULL, 1,
+    assert_int_equal(pl_colouring_create(&rings.rings, rings.node, NULL, box.mesh.n_nodes, NULL, 1,
                                          forward, &n_colours, NULL),
                      PLANISH_OK);
     for (int64_t i = 0; i < n / 2; i++) {
@@ -170,7 +170,7 @@ static void any_order_of_rings(void **state) {
     assert_int_equal(pl_rings_create(&box.mesh, &rings.incidence, NULL, rings.is_free, rings.node,
                                      n, 0, 1, &rings.rings, NULL),
                      PLANISH_OK);
-    assert_int_equal(pl_colouring_create(&rings.rings, rings.node, box.mesh.n_nodes, NULL, 1,
+    assert_int_equal(pl_colouring_create(&rings.rings, rings.node, NULL, box.mesh.n_nodes, NULL, 1,
                                          backward, &n_colours, NULL),
                      PLANISH_OK);
     for (int64_t i = 0; i < n; i++)
@@ -207,8 +207,8 @@ static void survives_without_memory(void **state) {
     int status = PLANISH_ERROR_MEMORY, permitted = 0, n_colours = 0;
     for (; status; permitted++) {
         allocations_permit(permitted);
-        status = pl_colouring_create(&rings.rings, rings.node, box.mesh.n_nodes, NULL, 2, colour,
-                                     &n_colours, NULL);
+        status = pl_colouring_create(&rings.rings, rings.node, NULL, box.mesh.n_nodes, NULL, 2,
+                                     colour, &n_colours, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
     }

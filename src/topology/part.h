@@ -1,0 +1,51 @@
+/* part: the elements around some nodes, as a mesh of its own. What is done with it costs by its
+ * size, not by that of the mesh. */
+#ifndef PL_TOPOLOGY_PART_H
+#define PL_TOPOLOGY_PART_H
+
+#include "topology/topology.h"
+
+/** The elements that have a selected node (the mesh's first one if none has), and their nodes. */
+typedef struct pl_part {
+    int64_t n_nodes, n_elements;
+    int32_t *node;        /* [n_nodes] number in the mesh, ascending */
+    int32_t *element;     /* [n_elements] likewise */
+    int32_t *elements;    /* [n_elements][dim + 1] nodes by their numbers here */
+    uint8_t *is_selected; /* [n_nodes] */
+} pl_part;
+
+/** By a pass over the mesh, which is dense: selected [n_nodes], not 0 for the nodes. */
+int pl_part_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads, pl_part *part,
+                     planish_error *error);
+
+/** Nodes from which to walk, and an element of each. */
+typedef struct pl_seeds {
+    int64_t n;
+    const int64_t *node, *element; /* [n] */
+} pl_seeds;
+
+/** From neighbour to neighbour, which mesh has: the nodes of seeds are selected, and those of so
+ *  many layers of elements around. Of the mesh, which need not be dense, no more is looked at than
+ *  the part, and that is checked; and of a node no more elements than it has together with its
+ *  seed, by facets at it. Errors: _ARGUMENT, _MESH, _MEMORY. */
+int pl_part_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int layers, pl_part *part,
+                    planish_error *error);
+
+void pl_part_destroy(pl_part *part);
+
+/** The part as a mesh, with what the mesh says of its nodes and elements but periodic pairs;
+ *  elements are part's. */
+typedef struct pl_part_mesh {
+    planish_mesh mesh;
+    double *coordinates, *direction, *min_volume; /* of the mesh, or NULL */
+    uint8_t *constraint;
+} pl_part_mesh;
+
+int pl_part_mesh_create(const planish_mesh *whole, const pl_part *part, int threads,
+                        pl_part_mesh *mesh, planish_error *error);
+void pl_part_mesh_destroy(pl_part_mesh *mesh);
+
+/** Number here of a node of the mesh, or -1. */
+int64_t pl_part_find_node(const pl_part *part, int64_t node);
+
+#endif

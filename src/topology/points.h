@@ -1,0 +1,34 @@
+/* points: coordinates as the caller has them: any stride, all nodes or some. */
+#ifndef PL_TOPOLOGY_POINTS_H
+#define PL_TOPOLOGY_POINTS_H
+
+#include <planish/planish.h>
+
+/** n points of dim coordinates: coordinate d of point i is x[node * step + d * apart], where node
+ * is node_of[i], or i without that. */
+typedef struct pl_points {
+    const double *x;
+    int64_t n;
+    int dim;
+    int64_t step, apart;
+    const int32_t *node_of; /* [n] or NULL */
+} pl_points;
+
+/** Where coordinate d of point i is, in x. */
+static inline int64_t pl_point_at(const pl_points *p, int64_t i, int d) {
+    return (p->node_of ? p->node_of[i] : i) * p->step + d * p->apart;
+}
+
+/** The coordinates x of a mesh's nodes: [n_nodes][dim], or as its strides say. */
+pl_points pl_points_of(const planish_mesh *mesh, const double *x);
+
+/** Whether x is [n][dim] as it stands. */
+int pl_points_are_dense(const pl_points *p);
+
+/** Copy them to dense [n][dim]. */
+void pl_points_gather(const pl_points *p, int threads, double *dense);
+
+/** Check that they are finite. The lowest offender is reported, by the caller's number. */
+int pl_points_check(const pl_points *p, int threads, planish_error *error);
+
+#endif

@@ -1,0 +1,212 @@
+/* walk: a part of a mesh, found from neighbour to neighbour. */
+#include "topology/part.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "topology/local_map.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+
+/** Numbers met, each once, in the order of their first appearance. */
+typedef struct list {
+    int32_t *item;  /* [map.count] */
+    int32_t *other; /* [map.count] what came with each */
+    int64_t room, other_room;
+    int64_t most;     /* keys that the map has room for */
+    pl_local_map map; /* of item to its place */
+} list;
+
+/** The walk under way. */
+typedef struct walk {
+    const planish_mesh *mesh;
+
+    list nodes; /* other: an element of each */
+    list elements;
+    list star; /* elements of the node that is looked at */
+    planish_error *error;
+    int status;
+} walk;
+
+static void list_destroy(list *l) {
+    pl_free(l->item);
+    pl_free(l->other);
+    pl_local_map_destroy(&l->map);
+}
+
+static int list_empty(list *l) {
+    l->most = l->most > 0 ? l->most : PL_LOCAL_MAP_SIZE / 2;
+    return pl_local_map_empty(&l->map, l->most);
+}
+
+/** Make room for one more. */
+static int list_grow(list *l) {
+    const int64_t n = l->map.count;
+    int32_t *item = pl_grow(l->item, n, n + 1, &l->room, sizeof *item);
+    l->item = item ? item : l->item;
+    int32_t *other = pl_grow(l->other, n, n + 1, &l->other_room, sizeof *other);
+    l->other = other ? other : l->other;
+    if (!item || !other)
+        return -1;
+    if (n < l->most)
+        return 0;
+    l->most *= 2;
+    if (pl_local_map_empty(&l->map, l->most) != 0)
+        return -1;
+    for (int64_t i = 0; i < n; i++)
+        pl_local_map_add(&l->map, (uint64_t)(uint32_t)l->item[i]);
+    return 0;
+}
+
+/** Add item to the list if it is new there. */
+static void add(walk *w, list *l, int64_t item, int64_t other) {
+    if (list_grow(l) != 0) {
+        w->status = pl_fail_memory(w->error, "the elements around a node");
+        return;
+    }
+    const int32_t known = l->map.count;
+    if (pl_local_map_add(&l->map, (uint64_t)item) == known) {
+        l->item[known] = (int32_t)item;
+        l->other[known] = (int32_t)other;
+    }
+}
+
+static int corner_of(const walk *w, int64_t element, int64_t node) {
+    for (int j = 0; j <= w->mesh->dim; j++)
+        if (pl_corner(w->mesh, element, j) == node)
+            return j;
+    return -1;
+}
+
+static int64_t neighbour_of(const walk *w, int64_t element, int corner) {
+    const int64_t i = element * (w->mesh->dim + 1) + corner;
+    return w->mesh->neighbours ? w->mesh->neighbours[i] : w->mesh->neighbours64[i];
+}
+
+/** Whether the elements are neighbours by the facet without that corner. */
+static int share_facet(const walk *w, int64_t element, int corner, int64_t other) {
+    int shared = 1;
+    for (int j = 0; j <= w->mesh->dim; j++)
+        shared &= j == corner || corner_of(w, other, pl_corner(w->mesh, element, j)) >= 0;
+    return shared;
+}
+
+/** Go on from element over its facets at node. */
+static void visit_neighbours(walk *w, int64_t element, int64_t node) {
+    for (int j = 0; j <= w->mesh->dim && !w->status; j++) {
+        if (pl_corner(w->mesh, element, j) == node)
+            continue;
+        const int64_t other = neighbour_of(w, element, j);
+        if (other == -1)
+            continue;
+        if (other < 0 || other >= w->mesh->n_elements || other == element ||
+            !share_facet(w, element, j, other))
+            w->status = pl_fail_at(w->error, PLANISH_ERROR_MESH, element, -1,
+                                   "mesh.neighbours of element %" PRId64 " has %" PRId64
+                                   " opposite corner %d, but they share no such facet; correct it, "
+                                   "or give no neighbours",
+                                   element, other, j);
+        else
+            add(w, &w->star, other, 0);
+    }
+}
+
+/** Add the elements of a node, of which element is one, and the nodes of these. */
+static void visit_star(walk *w, int64_t node, int64_t element) {
+    if (list_empty(&w->star) != 0)
+        w->status = pl_fail_memory(w->error, "the elements around a node");
+    else
+        add(w, &w->star, element, 0);
+    for (int32_t i = 0; !w->status && i < w->star.map.count; i++) {
+        const int64_t e = w->star.item[i];
+        w->status = pl_check_element(w->mesh, e, w->error);
+        for (int j = 0; !w->status && j <= w->mesh->dim; j++)
+            add(w, &w->nodes, pl_corner(w->mesh, e, j), e);
+        if (!w->status)
+            add(w, &w->elements, e, 0);
+        if (!w->status)
+            visit_neighbours(w, e, node);
+    }
+}
+
+/** Begin with the nodes of the seeds. */
+static void plant(walk *w, const pl_seeds *seeds) {
+    const planish_mesh *mesh = w->mesh;
+    for (int64_t i = 0; i < seeds->n && !w->status; i++) {
+        const int64_t node = seeds->node[i], element = seeds->element[i];
+        if (element < 0 || element >= mesh->n_elements || corner_of(w, element, node) < 0)
+            w->status =
+                pl_fail_at(w->error, PLANISH_ERROR_ARGUMENT, element, node,
+                           "options.around_elements says that node %" PRId64
+                           " is one of element %" PRId64 ", which it is not; give an element of it",
+                           node, element);
+        else
+            w->status = pl_check_element(mesh, element, w->error);
+        if (!w->status)
+            add(w, &w->nodes, node, element);
+    }
+}
+
+static int compare(const void *a, const void *b) {
+    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+static int32_t *sorted(const int32_t *item, int64_t n) {
+    int32_t *copy = pl_alloc(n, sizeof *copy);
+    for (int64_t i = 0; copy && i < n; i++)
+        copy[i] = item[i];
+    if (copy)
+        qsort(copy, (size_t)n, sizeof *copy, compare);
+    return copy;
+}
+
+/** The part of what was met; the first n_selected nodes are selected. */
+static int make_part(walk *w, int64_t n_selected, pl_part *part) {
+    const int corners = w->mesh->dim + 1;
+    part->n_nodes = w->nodes.map.count;
+    part->n_elements = w->elements.map.count;
+    part->node = sorted(w->nodes.item, part->n_nodes);
+    part->element = sorted(w->elements.item, part->n_elements);
+    part->elements = pl_alloc(part->n_elements * corners, sizeof *part->elements);
+    part->is_selected = pl_alloc_zero(part->n_nodes, sizeof *part->is_selected);
+    if (!part->node || !part->element || !part->elements || !part->is_selected)
+        return -1;
+    int32_t *number = w->nodes.other; /* by place in the list; elements are no longer wanted */
+    for (int64_t i = 0; i < part->n_nodes; i++) {
+        const int32_t place = pl_local_map_add(&w->nodes.map, (uint64_t)part->node[i]);
+        number[place] = (int32_t)i;
+        part->is_selected[i] = place < n_selected;
+    }
+    for (int64_t i = 0; i < part->n_elements; i++)
+        for (int j = 0; j < corners; j++) {
+            const int64_t node = pl_corner(w->mesh, part->element[i], j);
+            part->elements[i * corners + j] =
+                number[pl_local_map_add(&w->nodes.map, (uint64_t)node)];
+        }
+    return 0;
+}
+
+int pl_part_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int layers, pl_part *part,
+                    planish_error *error) {
+    walk w = {.mesh = mesh, .error = error};
+    int64_t done = 0, n_selected = 0;
+    *part = (pl_part){0};
+    if (list_empty(&w.nodes) != 0 || list_empty(&w.elements) != 0)
+        w.status = pl_fail_memory(error, "the elements around a node");
+    else
+        plant(&w, seeds);
+    for (int layer = 0; layer <= layers && !w.status; layer++) {
+        n_selected = w.nodes.map.count;
+        for (; done < n_selected && !w.status; done++)
+            visit_star(&w, w.nodes.item[done], w.nodes.other[done]);
+    }
+    if (!w.status && w.elements.map.count > 0 && make_part(&w, n_selected, part) != 0)
+        w.status = pl_fail_memory(error, "the part of the mesh that is worked on");
+    if (w.status)
+        pl_part_destroy(part);
+    list_destroy(&w.nodes);
+    list_destroy(&w.elements);
+    list_destroy(&w.star);
+    return w.status;
+}
