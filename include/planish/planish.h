@@ -11,6 +11,8 @@
  * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
  * Floating-point environment: round to nearest, subnormals not flushed to zero (the default of
  * every system); otherwise the bits, and near rounding the promises, are not those stated here.
+ * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
+ * by planish_options_init): what is reserved in them is for later versions of the library.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
  * circumradius and r the inradius; 1 for the equilateral element and larger for any other.
  */
@@ -34,6 +36,16 @@ extern "C" {
 
 /** Version of the library that is linked, "MAJOR.MINOR.PATCH"; static text. */
 PLANISH_API const char *planish_version(void);
+
+typedef enum planish_feature {
+    PLANISH_FEATURE_OPENMP = 0, /* threads of OpenMP; without, a plan has one thread, or those of
+                                   options.parallel */
+    PLANISH_FEATURE_HWLOC = 1,  /* options.bind has an effect */
+    PLANISH_FEATURE_X86_KERNELS = 2 /* PLANISH_ISA_AVX2 and _AVX512, where the CPU has them */
+} planish_feature;
+
+/** Whether the library that is linked was built with it: 1 or 0. */
+PLANISH_API int planish_has(planish_feature feature);
 
 /* ---- Errors ------------------------------------------------------------------------------- */
 
@@ -98,6 +110,7 @@ typedef struct planish_mesh {
                                     that has not that corner, -1: none. Or NULL; see
                                     planish_plan_create for what they save */
     const int64_t *neighbours64; /* the same, in place of neighbours */
+    const void *reserved[8];     /* NULL */
 } planish_mesh;
 
 /* ---- Nodes that can slide ------------------------------------------------------------------- */
@@ -121,12 +134,14 @@ typedef struct planish_surface {
     int tagged_only;          /* not 0: only nodes all of whose facets bear tags slide */
     double tolerance;         /* how far off a plane or line its nodes may be, as a fraction of the
                                  diagonal of the bounding box, 0 .. 1e-3; 0: 1e-8 */
+    const void *reserved[4];  /* NULL */
 } planish_surface;
 
 typedef struct planish_slide_info {
     int64_t n_surface;  /* nodes of the surface */
     int64_t n_on_plane; /* those that can slide on planes, */
     int64_t n_on_line;  /* and on lines */
+    int64_t reserved[4];
 } planish_slide_info;
 
 /** Find the nodes that can slide while the shape of mesh stays what it is: those within planar
@@ -219,6 +234,7 @@ typedef struct planish_progress {
     int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
     double seconds; /* time of this sweep so far */
     double elapsed; /* time of planish_smooth so far, seconds */
+    int64_t reserved[4];
 } planish_progress;
 
 /** Called on the calling thread after every colour and once more at the end of every sweep; a
@@ -239,13 +255,39 @@ typedef int planish_progress_fn(const planish_progress *progress, void *user);
 typedef planish_constraint planish_project_fn(int64_t node, double *point, double *direction,
                                               void *user);
 
+/** Where a plan gets its memory, the system's by default. Called from any of the threads that work
+ *  for the plan, several at a time. */
+typedef struct planish_allocator {
+    void *(*allocate)(size_t bytes, void *user); /* as malloc: NULL if there is none */
+    void (*release)(void *block, void *user);    /* as free, but never of NULL */
+    void *user;                                  /* handed to both */
+} planish_allocator;
+
+/** Task number index, 0 .. n_tasks - 1. */
+typedef void planish_task_fn(void *data, int index);
+
+/** Threads of the caller's: call task(data, index) once for each index below n_tasks, on as many
+ *  threads at a time as there are for it, and return when all of them have returned. The same bits
+ *  whatever that does, one task after the other included. Called on the thread that called the
+ *  library. */
+typedef void planish_parallel_fn(int n_tasks, planish_task_fn *task, void *data, void *user);
+
+typedef enum planish_log_level {
+    PLANISH_LOG_NOTE = 1,  /* something about the mesh or the result that is worth knowing */
+    PLANISH_LOG_DETAIL = 2 /* what is being done */
+} planish_log_level;
+
+/** One line of text, without its end, on the thread that called the library. The plan must not be
+ *  used in here. */
+typedef void planish_log_fn(planish_log_level level, const char *text, void *user);
+
 typedef struct planish_options {
-    size_t struct_size;          /* set by planish_options_init */
-    int threads;                 /* 1 .. 1024; 0: as many as OpenMP would use, with bind at most
-                                    as many as there are cores. If the system cannot start that
-                                    many, libgomp ends the process: see docs/architecture.md */
-    int bind;                    /* not 0: bind each thread to a core while the library runs, if
-                                    there are as many threads as cores, more than one, and hwloc */
+    size_t struct_size; /* set by planish_options_init */
+    int threads; /* 1 .. 1024; 0: as many as OpenMP would use and as the mesh is large enough for,
+                    with bind at most as many as there are cores. If the system cannot start that
+                    many, libgomp ends the process: see docs/architecture.md */
+    int bind;    /* not 0: bind each thread to a core while the library runs, if
+                    there are as many threads as cores, more than one, and hwloc */
     planish_isa isa;             /* kernel variant */
     planish_method method;       /* how nodes are moved */
     planish_objective objective; /* AR in F = mu1 RMS(AR) + mu2 RMS(g) */
@@ -290,6 +332,13 @@ typedef struct planish_options {
     void *progress_user;            /* handed to progress */
     planish_project_fn *project;    /* of nodes with PLANISH_ON_SURFACE; NULL: these stay */
     void *project_user;             /* handed to project */
+    /* Of planish_plan_create; a plan keeps them: */
+    const planish_allocator *allocator; /* copied; NULL: the system's */
+    planish_parallel_fn *parallel;      /* NULL: OpenMP's threads. Else threads is the number of
+                                           tasks, and none is bound */
+    void *parallel_user;                /* handed to parallel */
+    planish_log_fn *log;                /* or NULL */
+    void *log_user;                     /* handed to log */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel; radius
@@ -317,6 +366,7 @@ typedef struct planish_plan_info {
     const char *isa;     /* name of the kernel variant in use; static text */
     const char *binding; /* where the threads are; text of the plan */
     int64_t bytes;       /* memory the plan holds */
+    int64_t reserved[8];
 } planish_plan_info;
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
@@ -384,12 +434,23 @@ typedef struct planish_quality {
     planish_spread largest_angle_deg;
     double histogram_edges[PLANISH_HISTOGRAM_BINS + 1]; /* of RR; the last is infinite */
     int64_t histogram_counts[PLANISH_HISTOGRAM_BINS];
+    int64_t reserved[8];
 } planish_quality;
 
 /** Measure coordinates [n_nodes][dim] (or as the mesh's strides say) with the plan's elements.
  *  Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
+
+/** The same without a plan, for all of mesh: movable are the elements with a node that a plan would
+ *  let move anywhere. options (NULL: defaults): threads. Errors: _ARGUMENT, _MESH, _MEMORY. */
+PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
+                                     planish_quality *quality, planish_error *error);
+
+/** A number of 64 bits for the bits of mesh->coordinates in the order of the nodes, whatever the
+ *  strides: equal if they are, and, but for one chance in 2^64 or so, different if they are not. 0
+ *  for no coordinates. */
+PLANISH_API uint64_t planish_checksum(const planish_mesh *mesh);
 
 /* ---- Smoothing ---------------------------------------------------------------------------- */
 
@@ -433,6 +494,7 @@ typedef struct planish_result {
     double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
     int64_t n_active;      /* constraints with a multiplier, counted at each node */
     double seconds;        /* wall time of the call */
+    int64_t reserved[8];
 } planish_result;
 
 /** Smooth coordinates [n_nodes][dim] in place, after untangling them where need be.

@@ -1,6 +1,8 @@
 /* memory: arrays whose size cannot overflow. */
 #include "base/memory.h"
 
+#include "base/context.h"
+
 #include <stdlib.h>
 #include <string.h>
 #ifdef __linux__
@@ -33,18 +35,126 @@ static void want_huge_pages(void *array, size_t bytes, int64_t places) {
 #endif
 }
 
-void *pl_alloc(int64_t count, size_t size) {
-    return pl_alloc_scattered(count, size, 1);
+/* ---- blocks -------------------------------------------------------------------------------- */
+
+/** What stands before every array, in a cache line of its own. */
+typedef struct pl_block {
+    pl_context *owner;     /* NULL: the system */
+    void *start;           /* what the owner's allocator has given */
+    size_t bytes;          /* room for the array */
+    struct pl_block *next; /* in the list of those that are kept */
+} pl_block;
+
+_Static_assert(sizeof(pl_block) <= ALIGNMENT, "a block's head stands in one cache line");
+
+static pl_block *block_of(void *array) {
+    return (pl_block *)(void *)((char *)array - ALIGNMENT);
 }
 
+/** Fresh memory for bytes, a multiple of ALIGNMENT, and what stands before them. */
+static pl_block *fresh_block(pl_context *owner, size_t bytes) {
+    const planish_allocator *allocator = owner ? &owner->allocator : NULL;
+    pl_block *block;
+    void *start;
+    if (allocator && allocator->allocate) {
+        start = allocator->allocate(bytes + 2 * ALIGNMENT, allocator->user);
+        block = (pl_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
+    } else {
+        start = aligned_alloc(ALIGNMENT, bytes + ALIGNMENT);
+        block = start;
+    }
+    if (!start)
+        return NULL;
+    *block = (pl_block){owner, start, bytes, NULL};
+    return block;
+}
+
+static void release_block(pl_block *block) {
+    const planish_allocator *allocator = block->owner ? &block->owner->allocator : NULL;
+    if (allocator && allocator->allocate)
+        allocator->release(block->start, allocator->user);
+    else
+        free(block->start);
+}
+
+/* ---- blocks that are kept: the next call wants the same again -------------------------------- */
+
+static void lock(pl_context *context) {
+    while (__atomic_exchange_n(&context->lock, 1, __ATOMIC_ACQUIRE))
+        ;
+}
+
+static void unlock(pl_context *context) {
+    __atomic_store_n(&context->lock, 0, __ATOMIC_RELEASE);
+}
+
+/** bytes rounded up to one of a few sizes, an eighth apart at most. Only blocks of the very size
+ *  are taken again: so a call that wants what the one before wanted finds it all. */
+static size_t kept_size(size_t bytes) {
+    size_t unit = ALIGNMENT;
+    while (bytes / unit >= 16)
+        unit *= 2;
+    return round_up(bytes, unit);
+}
+
+/** A kept block of so many bytes, or NULL. */
+static pl_block *take_kept(pl_context *context, size_t bytes) {
+    lock(context);
+    pl_block **at = &context->kept;
+    while (*at && (*at)->bytes != bytes)
+        at = &(*at)->next;
+    pl_block *block = *at;
+    if (block)
+        *at = block->next;
+    unlock(context);
+    return block;
+}
+
+static void keep(pl_context *context, pl_block *block) {
+    lock(context);
+    block->next = context->kept;
+    context->kept = block;
+    unlock(context);
+}
+
+void pl_forget_kept(pl_context *context) {
+    context->keeps = 0;
+    while (context->kept) {
+        pl_block *block = context->kept;
+        context->kept = block->next;
+        release_block(block);
+    }
+}
+
+void pl_own_block(void *array, pl_context *context) {
+    block_of(array)->owner = context;
+}
+
+/* ---- arrays -------------------------------------------------------------------------------- */
+
 void *pl_alloc_scattered(int64_t count, size_t size, int64_t places) {
+    pl_context *context = pl_context_current();
     if (count < 0 || (size && (uint64_t)count > (SIZE_MAX / 2) / size))
         return NULL;
     size_t bytes = (size_t)count * size;
     bytes = bytes ? round_up(bytes, ALIGNMENT) : ALIGNMENT;
-    void *array = aligned_alloc(ALIGNMENT, bytes);
+    pl_block *block = NULL;
+    if (context && context->keeps) {
+        bytes = kept_size(bytes);
+        block = take_kept(context, bytes);
+    }
+    if (block)
+        return (char *)block + ALIGNMENT;
+    block = fresh_block(context, bytes);
+    if (!block)
+        return NULL;
+    void *array = (char *)block + ALIGNMENT;
     want_huge_pages(array, bytes, places);
     return array;
+}
+
+void *pl_alloc(int64_t count, size_t size) {
+    return pl_alloc_scattered(count, size, 1);
 }
 
 void *pl_alloc_zero(int64_t count, size_t size) {
@@ -71,7 +181,13 @@ void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, siz
 }
 
 void pl_free(void *array) {
-    free(array);
+    if (!array)
+        return;
+    pl_block *block = block_of(array);
+    if (block->owner && block->owner->keeps)
+        keep(block->owner, block);
+    else
+        release_block(block);
 }
 
 void pl_discard(void *begin, int64_t bytes) {

@@ -5,6 +5,10 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* Memory comes from the context that the thread is in (context.h), if any, and goes back to the one
+ * that it came from. */
+struct pl_context;
+
 /** count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by pl_free.
  *  NULL if count is negative, the product overflows or there is no memory. A count of 0 gives a
  *  valid pointer. Pages are not touched: the thread that writes first places them. */
@@ -22,6 +26,12 @@ void *pl_alloc_zero(int64_t count, size_t size);
 void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, size_t size);
 
 void pl_free(void *array);
+
+/** Say that array is context's. */
+void pl_own_block(void *array, struct pl_context *context);
+
+/** Release what context has kept. */
+void pl_forget_kept(struct pl_context *context);
 
 /** What is in these bytes of an array is no longer wanted, and will not be read again: whole pages
  *  among them go back to the system, if it takes them. */

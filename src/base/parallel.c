@@ -1,22 +1,30 @@
 /* parallel: the only loop that runs on several threads, and the sums and scans built on it. */
 #include "base/parallel.h"
 
+#include "base/context.h"
+
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 
+static int at_least_one(int threads) {
+    threads = threads > PL_MAX_THREADS ? PL_MAX_THREADS : threads;
+    return threads < 1 ? 1 : threads;
+}
+
 int pl_thread_count(int threads) {
+    const pl_context *context = pl_context_current();
+    if (context && context->parallel && threads > 0)
+        return at_least_one(threads);
 #ifdef _OPENMP
     if (threads <= 0)
         threads = omp_get_max_threads();
     if (threads > omp_get_thread_limit())
         threads = omp_get_thread_limit();
-    if (threads > PL_MAX_THREADS)
-        threads = PL_MAX_THREADS;
+    return at_least_one(threads);
 #else
-    threads = 1;
+    return 1;
 #endif
-    return threads < 1 ? 1 : threads;
 }
 
 static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context,
@@ -25,8 +33,6 @@ static void run_chunk(int64_t index, int64_t n, int64_t chunk, pl_chunk_fn *body
     int64_t end = n - begin < chunk ? n : begin + chunk;
     body(context, begin, end, thread);
 }
-
-#ifdef _OPENMP
 
 /** More threads than this share stretches: the stack of a caller's thread may be small. */
 enum { MOST_SHARES = 64 };
@@ -37,51 +43,85 @@ typedef struct share {
     char padding[48]; /* shares of different threads share no cache line */
 } share;
 
+/** A loop under way. */
+typedef struct loop {
+    share shares[MOST_SHARES];
+    int n_shares;
+    int64_t n, chunk;
+    pl_chunk_fn *body;
+    void *body_context;
+    pl_context *context; /* of the calling thread */
+} loop;
+
 /** Do the chunks of a share that nobody else does. */
-static void run_share(share *s, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context,
-                      int thread) {
+static void run_share(const loop *l, share *s, int thread) {
     while (__atomic_load_n(&s->next, __ATOMIC_RELAXED) < s->end) {
         int64_t index = __atomic_fetch_add(&s->next, 1, __ATOMIC_RELAXED);
         if (index < s->end)
-            run_chunk(index, n, chunk, body, context, thread);
+            run_chunk(index, l->n, l->chunk, l->body, l->body_context, thread);
     }
 }
 
+/** What each thread does. */
+static void run_thread(void *a_loop, int thread) {
+    loop *l = a_loop;
+    pl_context *before = pl_context_enter(l->context);
+    for (int s = 0; s < l->n_shares; s++)
+        run_share(l, &l->shares[(thread + s) % l->n_shares], thread);
+    pl_context_enter(before);
+}
+
+/** Call work(data, t) for all threads t, by the caller's means or by OpenMP's. */
+static void run_threads(const pl_context *context, int threads, planish_task_fn *work, void *data) {
+    if (context && context->parallel) {
+        context->parallel(threads, work, data, context->parallel_user);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel num_threads(threads)
+    work(data, omp_get_thread_num());
 #endif
+}
 
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context) {
     int64_t chunks = n > 0 ? (n - 1) / chunk + 1 : 0;
-#ifdef _OPENMP
     /* Always the whole team, also for few chunks: libgomp ends the threads that a smaller team
      * leaves over, and those it makes later have lost their places. */
     if (threads > 1 && chunks > 1) {
-        share shares[MOST_SHARES];
-        const int n_shares = threads < MOST_SHARES ? threads : MOST_SHARES;
-        for (int s = 0; s < n_shares; s++)
-            shares[s] = (share){chunks * s / n_shares, chunks * (s + 1) / n_shares, {0}};
-#pragma omp parallel num_threads(threads)
-        for (int s = 0, me = omp_get_thread_num(); s < n_shares; s++)
-            run_share(&shares[(me + s) % n_shares], n, chunk, body, context, me);
+        loop l = {.n_shares = threads < MOST_SHARES ? threads : MOST_SHARES,
+                  .n = n,
+                  .chunk = chunk,
+                  .body = body,
+                  .body_context = context,
+                  .context = pl_context_current()};
+        for (int s = 0; s < l.n_shares; s++) {
+            l.shares[s].next = chunks * s / l.n_shares;
+            l.shares[s].end = chunks * (s + 1) / l.n_shares;
+        }
+        run_threads(l.context, threads, run_thread, &l);
         return;
     }
-#else
-    (void)threads;
-#endif
     for (int64_t i = 0; i < chunks; i++)
         run_chunk(i, n, chunk, body, context, 0);
 }
 
+/** The work of pl_on_each_thread. */
+typedef struct each {
+    pl_chunk_fn *body;
+    void *body_context;
+} each;
+
+static void run_each(void *an_each, int thread) {
+    const each *e = an_each;
+    e->body(e->body_context, thread, thread + 1, thread);
+}
+
 void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context) {
-#ifdef _OPENMP
-#pragma omp parallel num_threads(threads)
-    {
-        int thread = omp_get_thread_num();
-        body(context, thread, thread + 1, thread);
-    }
-#else
-    (void)threads;
-    body(context, 0, 1, 0);
-#endif
+    each e = {body, context};
+    if (threads > 1)
+        run_threads(pl_context_current(), threads, run_each, &e);
+    else
+        run_each(&e, 0);
 }
 
 struct sum {

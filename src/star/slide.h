@@ -8,6 +8,7 @@
 #ifndef PL_STAR_SLIDE_H
 #define PL_STAR_SLIDE_H
 
+#include "base/context.h"
 #include "star/aspect.h"
 #include "star/direction.h"
 
@@ -87,7 +88,9 @@ static inline int slide_ask(const pl_star_problem *problem, sliding *s, const do
         return 0;
     for (int d = 0; d < dim; d++)
         at[d] = x[d];
+    pl_context *before = pl_context_enter(NULL);
     s->kind = problem->project(s->of->node, at, direction, problem->project_user);
+    pl_context_enter(before);
     const double length = sqrt(dot(direction, direction, dim));
     if ((s->kind != PLANISH_ON_PLANE && s->kind != PLANISH_ON_LINE) ||
         !(length > 0 && length < INFINITY)) {

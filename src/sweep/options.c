@@ -18,6 +18,25 @@ const char *planish_version(void) {
     return PLANISH_VERSION;
 }
 
+int planish_has(planish_feature feature) {
+    switch (feature) {
+#ifdef _OPENMP
+    case PLANISH_FEATURE_OPENMP:
+        return 1;
+#endif
+#ifdef PL_HWLOC
+    case PLANISH_FEATURE_HWLOC:
+        return 1;
+#endif
+#ifdef PL_X86_KERNELS
+    case PLANISH_FEATURE_X86_KERNELS:
+        return 1;
+#endif
+    default:
+        return 0;
+    }
+}
+
 void planish_options_init(planish_options *options) {
     memset(options, 0, sizeof *options);
     options->struct_size = sizeof *options;
@@ -122,6 +141,9 @@ int pl_options_check(const planish_options *options, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.worst_rise is %g; give a finite fraction, 0 or more",
                        options->worst_rise);
+    if (options->allocator && (!options->allocator->allocate || !options->allocator->release))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.allocator lacks a function; give both, or no allocator");
     if (options->layers < 0 || options->layers > MOST_LAYERS)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.layers is %d; give a number of layers, 0 to %d", options->layers,
@@ -131,6 +153,24 @@ int pl_options_check(const planish_options *options, planish_error *error) {
                        "options.only_worse_than is %g; give a radius ratio, or 0 for all stars",
                        options->only_worse_than);
     return PLANISH_OK;
+}
+
+/** About how many elements a plan will be for. */
+static int64_t elements_for(const planish_mesh *mesh, const planish_options *options) {
+    enum { OF_A_NODE = 24 };
+    const int64_t wide = options->layers + 1;
+    if (!options->around || options->n_around > mesh->n_elements / OF_A_NODE)
+        return mesh->n_elements;
+    const int64_t n = options->n_around * OF_A_NODE * wide * wide * wide;
+    return n < mesh->n_elements ? n : mesh->n_elements;
+}
+
+int pl_threads_for(const planish_mesh *mesh, const planish_options *options) {
+    enum { ELEMENTS_PER_THREAD = 2000 };
+    if (options->threads != 0)
+        return options->threads;
+    const int64_t enough = elements_for(mesh, options) / ELEMENTS_PER_THREAD + 1;
+    return enough < pl_thread_count(0) ? (int)enough : 0;
 }
 
 int pl_call_check(const planish_plan *plan, const double *coordinates,

@@ -8,6 +8,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096 };
@@ -139,48 +140,6 @@ static int check_kernel(const planish_options *options, planish_error *error) {
     return PLANISH_OK;
 }
 
-int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
-                        planish_plan **out, planish_error *error) {
-    planish_options defaults;
-    if (!mesh || !out)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and plan must not be NULL");
-    if (!options) {
-        planish_options_init(&defaults);
-        options = &defaults;
-    }
-    int status = pl_options_check(options, error);
-    if (!status)
-        status = check_kernel(options, error);
-    if (status)
-        return status;
-
-    planish_plan *plan = pl_alloc_zero(1, sizeof *plan);
-    pl_placement *placement = pl_placement_create(options->threads, options->bind);
-    if (!plan || !placement) {
-        pl_placement_destroy(placement);
-        pl_free(plan);
-        return pl_fail_memory(error, "a plan");
-    }
-    plan->placement = placement;
-    plan->threads = pl_placement_threads(placement);
-    plan->kernel = pl_star_kernel_select(options->isa);
-    plan->dim = mesh->dim;
-    plan->n_nodes = plan->whole.n_nodes = mesh->n_nodes;
-    plan->n_elements = plan->whole.n_elements = mesh->n_elements;
-    const pl_points points = pl_points_of(mesh, mesh->coordinates);
-    plan->node_stride = points.step;
-    plan->component_stride = points.apart;
-    pl_placement_enter(placement);
-    status = build(plan, mesh, options, error);
-    pl_placement_leave(placement);
-    if (status) {
-        planish_plan_destroy(plan);
-        return status;
-    }
-    *out = plan;
-    return PLANISH_OK;
-}
-
 static void visits_destroy(pl_visits *visits) {
     pl_stars_destroy(&visits->stars);
     pl_free(visits->centre);
@@ -188,9 +147,7 @@ static void visits_destroy(pl_visits *visits) {
     pl_free(visits->follower);
 }
 
-void planish_plan_destroy(planish_plan *plan) {
-    if (!plan)
-        return;
+static void destroy(planish_plan *plan) {
     visits_destroy(&plan->interior);
     visits_destroy(&plan->sliding);
     pl_free(plan->slide);
@@ -215,6 +172,106 @@ void planish_plan_destroy(planish_plan *plan) {
     pl_free(plan->partial);
     pl_free(plan->scratch);
     pl_free(plan);
+}
+
+static void say_plan(const planish_plan *plan) {
+    const planish_plan_info *info = &plan->info;
+    pl_log(PLANISH_LOG_DETAIL,
+           "%" PRId64 " of %" PRId64 " nodes may move, %" PRId64
+           " of them slide; %d colours; %d %s, "
+           "%s; kernels %s; %.3g MB",
+           info->n_free + info->n_sliding, plan->whole.n_nodes, info->n_sliding, info->n_colours,
+           info->threads, info->threads == 1 ? "thread" : "threads", info->binding, info->isa,
+           (double)info->bytes * 1e-6);
+    if (info->n_nonmanifold_facets > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "%" PRId64 " facets belong to more than two elements: their nodes stay",
+               info->n_nonmanifold_facets);
+    if (info->n_duplicate_elements > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "%" PRId64 " elements have the nodes of an earlier one: these stay",
+               info->n_duplicate_elements);
+}
+
+/** A plan of nothing yet, in context. */
+static planish_plan *begin(const planish_mesh *mesh, const planish_options *options,
+                           pl_context *context) {
+    planish_plan *plan = pl_alloc_zero(1, sizeof *plan);
+    pl_placement *placement =
+        pl_placement_create(pl_threads_for(mesh, options), options->bind && !options->parallel);
+    if (!plan || !placement) {
+        pl_placement_destroy(placement);
+        pl_free(plan);
+        return NULL;
+    }
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    plan->context = context;
+    plan->placement = placement;
+    plan->threads = pl_placement_threads(placement);
+    plan->kernel = pl_star_kernel_select(options->isa);
+    plan->dim = mesh->dim;
+    plan->n_nodes = plan->whole.n_nodes = mesh->n_nodes;
+    plan->n_elements = plan->whole.n_elements = mesh->n_elements;
+    plan->node_stride = points.step;
+    plan->component_stride = points.apart;
+    return plan;
+}
+
+/** The same with all it needs to know; NULL: *status says why. */
+static planish_plan *make(const planish_mesh *mesh, const planish_options *options,
+                          pl_context *context, int *status, planish_error *error) {
+    planish_plan *plan = begin(mesh, options, context);
+    if (!plan) {
+        *status = pl_fail_memory(error, "a plan");
+        return NULL;
+    }
+    pl_placement_enter(plan->placement);
+    *status = build(plan, mesh, options, error);
+    pl_placement_leave(plan->placement);
+    if (*status) {
+        destroy(plan);
+        return NULL;
+    }
+    say_plan(plan);
+    return plan;
+}
+
+int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
+                        planish_plan **out, planish_error *error) {
+    planish_options defaults;
+    if (!mesh || !out)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and plan must not be NULL");
+    planish_options_init(&defaults);
+    options = options ? options : &defaults;
+    int status = pl_options_check(options, error);
+    if (!status)
+        status = check_kernel(options, error);
+    if (!status)
+        status = pl_check_counts(mesh, error);
+    if (status)
+        return status;
+    pl_context *context = pl_context_create(options);
+    if (!context)
+        return pl_fail_memory(error, "a plan");
+    pl_context *before = pl_context_enter(context);
+    planish_plan *plan = make(mesh, options, context, &status, error);
+    pl_context_enter(before);
+    if (!plan) {
+        pl_context_destroy(context);
+        return status;
+    }
+    context->keeps = 1;
+    *out = plan;
+    return PLANISH_OK;
+}
+
+void planish_plan_destroy(planish_plan *plan) {
+    if (!plan)
+        return;
+    pl_context *context = plan->context;
+    pl_forget_kept(context);
+    destroy(plan);
+    pl_context_destroy(context);
 }
 
 void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {

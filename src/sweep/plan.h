@@ -2,6 +2,7 @@
 #ifndef PL_SWEEP_PLAN_H
 #define PL_SWEEP_PLAN_H
 
+#include "base/context.h"
 #include "star/star.h"
 #include "sweep/placement.h"
 #include "topology/points.h"
@@ -53,6 +54,7 @@ struct planish_plan {
     pl_visits sliding;                     /* and of those that stay on a plane, line or surface: */
     int64_t n_images;                      /* nodes after the mesh's own, see pl_periodic */
     pl_star_slide *slide; /* [sliding.stars.n_stars] which; point is where a call starts */
+    pl_context *context;  /* entered by every call */
     pl_placement *placement;
     int threads;
     const pl_star_kernel *kernel;

@@ -2,6 +2,7 @@
 #include "sweep/run.h"
 
 #include "base/clock.h"
+#include "base/context.h"
 #include "base/parallel.h"
 #include "geometry/angle.h"
 
@@ -169,8 +170,18 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
                               .elapsed = now - r->start};
 }
 
+/** What the caller says; 0 if it is not asked. */
+static int ask(const pl_run *r, const planish_progress *progress) {
+    if (!r->options->progress)
+        return 0;
+    pl_context *before = pl_context_enter(NULL);
+    const int answer = r->options->progress(progress, r->options->progress_user);
+    pl_context_enter(before);
+    return answer;
+}
+
 static int call_progress(pl_run *r, const planish_progress *progress) {
-    if (!r->options->progress || !r->options->progress(progress, r->options->progress_user))
+    if (!ask(r, progress))
         return 0;
     r->stop = PLANISH_STOP_INTERRUPTED;
     return 1;
@@ -200,8 +211,7 @@ int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
     progress.sweep_done = 1;
     if (!tally->stopped)
         return call_progress(r, &progress);
-    if (r->options->progress) /* the reason to stop stands: no answer is wanted */
-        r->options->progress(&progress, r->options->progress_user);
+    ask(r, &progress); /* the reason to stop stands, whatever the answer */
     return 1;
 }
 

@@ -2,11 +2,13 @@
 #include "sweep/patch.h"
 
 #include "base/clock.h"
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 #include "geometry/angle.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -306,6 +308,29 @@ static void fill_result(const pl_run *r) {
     result->seconds = pl_seconds() - r->start;
 }
 
+static void say_result(const planish_result *r) {
+    static const char *const stops[] = {"converged", "reached max_sweeps", "reached time_limit",
+                                        "was interrupted",
+                                        "converged, with least volumes that cannot be met"};
+    pl_log(PLANISH_LOG_DETAIL,
+           "%s after %d sweeps, %d of them untangling: F %.6g -> %.6g, %" PRId64
+           " nodes moved, %.3g s",
+           stops[r->stop], r->sweeps, r->untangling_sweeps, r->objective_before, r->objective,
+           r->moved_nodes, r->seconds);
+    if (r->inverted > 0)
+        pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are not positive", r->inverted);
+    if (r->below_min_volume > 0)
+        pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are below their least volume",
+               r->below_min_volume);
+    if (r->held_outside > 0)
+        pl_log(PLANISH_LOG_NOTE, "%" PRId64 " nodes started outside of their bounds and stay",
+               r->held_outside);
+    if (r->put_back > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "nodes were put back %" PRId64 " times, where angles had become too small",
+               r->put_back);
+}
+
 int planish_smooth(planish_plan *plan, double *coordinates, const planish_options *options,
                    planish_result *result, planish_error *error) {
     planish_options defaults;
@@ -325,46 +350,17 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
                 .options = options,
                 .start = pl_seconds(),
                 .result = &found};
+    pl_context *before = pl_context_enter(plan->context);
     pl_placement_enter(plan->placement);
     status = smooth(&r, error);
     pl_placement_leave(plan->placement);
     if (!status) {
         fill_result(&r);
+        say_result(&found);
         if (result)
             *result = found;
     }
     pl_guard_destroy(&r.guard);
-    return status;
-}
-
-/** Of all of the mesh if the plan knows that, else of its part. */
-static int measure(const planish_plan *plan, const double *coordinates, planish_quality *quality,
-                   planish_error *error) {
-    const pl_whole *whole = &plan->whole;
-    if (whole->elements)
-        return pl_measure(plan->dim, whole->n_elements, whole->elements, whole->sign,
-                          whole->is_free, coordinates, plan->threads, quality, error);
-    const int status = pl_measure(plan->dim, plan->n_elements, plan->elements, plan->sign,
-                                  plan->is_free, coordinates, plan->threads, quality, error);
-    if (!status && plan->element_of && quality->worst_element >= 0)
-        quality->worst_element = plan->element_of[quality->worst_element];
-    return status;
-}
-
-int planish_measure(const planish_plan *plan, const double *coordinates, planish_quality *quality,
-                    planish_error *error) {
-    if (!plan || !coordinates || !quality)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "plan, coordinates and quality must not be NULL");
-    const pl_points points = pl_plan_all_points(plan, coordinates);
-    const int is_dense = pl_points_are_dense(&points);
-    int status = pl_points_check(&points, plan->threads, error);
-    if (status)
-        return status;
-    double *room = is_dense ? NULL : pl_alloc(points.n * points.dim, sizeof *room);
-    if (!is_dense && !room)
-        return pl_fail_memory(error, "the coordinates");
-    status = measure(plan, pl_plan_dense(plan, &points, room), quality, error);
-    pl_free(room);
+    pl_context_enter(before);
     return status;
 }

@@ -16,6 +16,9 @@ int pl_options_check(const planish_options *options, planish_error *error);
 int pl_call_check(const planish_plan *plan, const double *coordinates,
                   const planish_options *options, planish_error *error);
 
+/** options->threads; instead of 0 fewer than OpenMP would use, if mesh is too small for these. */
+int pl_threads_for(const planish_mesh *mesh, const planish_options *options);
+
 /* ---- select.c ------------------------------------------------------------------------------ */
 
 /** Choose the nodes that options->only_worse_than is about: is_selected [n] is filled with 0, or

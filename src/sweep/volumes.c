@@ -2,6 +2,7 @@
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -258,6 +259,7 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
     int status = pl_call_check(plan, coordinates, options, error);
     if (status)
         return status;
+    pl_context *before = pl_context_enter(plan->context);
     status = room_create(plan, coordinates, &r) ? check_volumes(&r, options, &n, error)
                                                 : pl_fail_memory(error, "the states of elements");
     if (!status) {
@@ -265,6 +267,7 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
         hand_out(&r, 0, state);
     }
     room_destroy(&r);
+    pl_context_enter(before);
     return status;
 }
 
@@ -292,6 +295,7 @@ int planish_find_unfixable(const planish_plan *plan, const double *coordinates, 
     int status = pl_points_check(&points, plan->threads, error);
     if (status)
         return status;
+    pl_context *before = pl_context_enter(plan->context);
     status = room_create(plan, coordinates, &r) ? find_unfixable(&r, &found, error)
                                                 : pl_fail_memory(error, "the states of elements");
     if (!status) {
@@ -299,5 +303,6 @@ int planish_find_unfixable(const planish_plan *plan, const double *coordinates, 
         hand_out(&r, 1, unfixable);
     }
     room_destroy(&r);
+    pl_context_enter(before);
     return status;
 }

@@ -1,0 +1,60 @@
+/* context: who serves a call of the library. */
+#include "base/context.h"
+
+#include "base/memory.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+static _Thread_local pl_context *current;
+
+pl_context *pl_context_enter(pl_context *context) {
+    pl_context *before = current;
+    current = context;
+    return before;
+}
+
+pl_context *pl_context_current(void) {
+    return current;
+}
+
+pl_context *pl_context_create(const planish_options *options) {
+    const planish_allocator *allocator = options->allocator;
+    pl_context first = {.parallel = options->parallel,
+                        .parallel_user = options->parallel_user,
+                        .log = options->log,
+                        .log_user = options->log_user};
+    if (allocator)
+        first.allocator = *allocator;
+    pl_context *before = pl_context_enter(&first);
+    pl_context *context = pl_alloc(1, sizeof *context);
+    pl_context_enter(before);
+    if (!context)
+        return NULL;
+    *context = first;
+    pl_own_block(context, context);
+    return context;
+}
+
+void pl_context_destroy(pl_context *context) {
+    if (!context)
+        return;
+    pl_forget_kept(context);
+    pl_context last = *context;
+    pl_own_block(context, &last);
+    pl_free(context);
+}
+
+void pl_log(planish_log_level level, const char *format, ...) {
+    pl_context *context = current;
+    char text[512];
+    if (!context || !context->log)
+        return;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    pl_context_enter(NULL);
+    context->log(level, text, context->log_user);
+    pl_context_enter(context);
+}

@@ -1,0 +1,43 @@
+/* context: who serves a call of the library: with memory, with threads, and who listens.
+ *
+ * A plan has one, and each call on the plan enters it: pl_alloc, pl_parallel_for and pl_log then go
+ * by it, on the calling thread and on those that work for it, without being handed it all the way
+ * down. Outside of any, as in the file formats, memory is the system's and threads are OpenMP's.
+ */
+#ifndef PL_BASE_CONTEXT_H
+#define PL_BASE_CONTEXT_H
+
+#include <planish/planish.h>
+
+typedef struct pl_context {
+    planish_allocator allocator;   /* allocate NULL: the system's */
+    planish_parallel_fn *parallel; /* NULL: OpenMP's */
+    void *parallel_user;
+    planish_log_fn *log; /* or NULL */
+    void *log_user;
+    int keeps;             /* blocks that are released are kept for the next that want some */
+    struct pl_block *kept; /* see memory.c */
+    int lock;              /* of kept: 0 or 1 */
+} pl_context;
+
+/** A context as options say, which holds its own memory, or NULL without memory. */
+pl_context *pl_context_create(const planish_options *options);
+
+/** After all that was allocated in it has been released. context may be NULL. */
+void pl_context_destroy(pl_context *context);
+
+/** Enter context (NULL: none) on this thread; the one before, to be entered again at the end.
+ * Around every function of the caller's there is none. */
+pl_context *pl_context_enter(pl_context *context);
+
+/** The one that this thread is in, or NULL. */
+pl_context *pl_context_current(void);
+
+/** Tell the caller, if it listens; on the thread that called the library. */
+void pl_log(planish_log_level level, const char *format, ...)
+#if defined(__GNUC__)
+    __attribute__((format(printf, 2, 3)))
+#endif
+    ;
+
+#endif

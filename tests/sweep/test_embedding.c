@@ -1,0 +1,578 @@
+/* What a program that embeds the library relies on: memory, threads, what is left as found. */
+#define _GNU_SOURCE /* sched.h: affinities */
+#include "support/meshes.h"
+
+#include <fenv.h>
+#include <locale.h>
+#include <math.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+#ifdef __linux__
+#include <sched.h>
+#endif
+
+#include <cmocka.h>
+
+enum { CELLS = 7 };
+
+static planish_options defaults(void) {
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = 2;
+    return options;
+}
+
+static size_t bytes_of(const planish_mesh *mesh) {
+    return (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
+}
+
+static double *copy_of(const planish_mesh *mesh) {
+    double *copy = malloc(bytes_of(mesh));
+    memcpy(copy, mesh->coordinates, bytes_of(mesh));
+    return copy;
+}
+
+static void bad_box(test_mesh *mesh, int dim) {
+    test_mesh_box(mesh, dim, CELLS);
+    test_mesh_perturb(mesh, 0.14, 12345);
+}
+
+/** Tangled, and stretched so that some helps are wanted. */
+static void tangled_box(test_mesh *mesh, int dim) {
+    test_mesh_box(mesh, dim, CELLS);
+    test_mesh_perturb(mesh, 0.7, 12345);
+}
+
+/* ---- memory -------------------------------------------------------------------------------- */
+
+/** An allocator that counts, and whose memory is aligned no better than malloc's. */
+typedef struct heap {
+    _Atomic int64_t calls, live, left;
+} heap;
+
+static void *heap_allocate(size_t bytes, void *user) {
+    heap *h = user;
+    h->calls++;
+    if (h->left-- <= 0)
+        return NULL;
+    char *block = malloc(bytes + 16);
+    h->live += block != NULL;
+    return block ? block + 16 : NULL;
+}
+
+static void heap_release(void *block, void *user) {
+    heap *h = user;
+    assert_non_null(block);
+    h->live--;
+    free((char *)block - 16);
+}
+
+static planish_allocator allocator_of(heap *h) {
+    h->left = INT64_MAX;
+    return (planish_allocator){heap_allocate, heap_release, h};
+}
+
+/** Calls on one plan, from the same coordinates and from others. */
+static void calls_allocate_once(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int which = 0; which < 6; which++) {
+            test_mesh box;
+            heap h = {0};
+            const planish_allocator allocator = allocator_of(&h);
+            planish_options options = defaults();
+            planish_plan *plan;
+            planish_error error;
+            planish_quality quality;
+            planish_result first, again;
+            (which == 1 ? tangled_box : bad_box)(&box, dim);
+            options.allocator = &allocator;
+            if (which == 2)
+                options.worst = PLANISH_WORST_ANGLE;
+            if (which == 3)
+                options.min_volume = 0.05, options.area_weight = 0.1;
+            if (which == 4)
+                options.box_lower[0] = -1, options.max_displacement = 0.1;
+            if (which == 5)
+                options.only_worse_than = 1.8;
+            assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error), 0);
+            double *a = copy_of(&box.mesh), *b = copy_of(&box.mesh);
+            assert_int_equal(planish_smooth(plan, a, &options, &first, &error), 0);
+            assert_int_equal(planish_measure(plan, a, &quality, &error), 0);
+            assert_true(first.moved_nodes > 0);
+            const int64_t calls = h.calls;
+            for (int i = 0; i < 3; i++) {
+                memcpy(b, box.mesh.coordinates, bytes_of(&box.mesh));
+                for (int64_t k = 0; i == 2 && k < box.mesh.n_nodes * dim; k++)
+                    b[k] *= 0.75;
+                assert_int_equal(planish_smooth(plan, b, &options, &again, &error), 0);
+                assert_int_equal(planish_measure(plan, b, &quality, &error), 0);
+                if (h.calls != calls)
+                    fail_msg("dim %d, options %d, call %d: %d allocations", dim, which, i,
+                             (int)(h.calls - calls));
+                if (i < 2)
+                    assert_memory_equal(a, b, bytes_of(&box.mesh));
+            }
+            planish_plan_destroy(plan);
+            assert_int_equal(h.live, 0);
+            free(a);
+            free(b);
+            test_mesh_destroy(&box);
+        }
+}
+
+/** An allocator that fails at any call: one clear error, nothing changed, nothing lost. */
+static void allocators_may_fail(void **state) {
+    (void)state;
+    test_mesh box;
+    heap h = {0};
+    const planish_allocator allocator = allocator_of(&h);
+    planish_options options = defaults();
+    tangled_box(&box, 3);
+    options.allocator = &allocator;
+    options.max_sweeps = 2;
+    double *copy = copy_of(&box.mesh);
+    int64_t n = 0, failures = 0;
+    for (int status = PLANISH_ERROR_MEMORY; status == PLANISH_ERROR_MEMORY; n++) {
+        planish_plan *plan = NULL;
+        planish_error error = {.text = ""};
+        h.left = n;
+        status = planish_plan_create(&box.mesh, &options, &plan, &error);
+        if (!status)
+            status = planish_smooth(plan, copy, &options, NULL, &error);
+        if (status) {
+            assert_int_equal(status, PLANISH_ERROR_MEMORY);
+            assert_int_equal(error.code, PLANISH_ERROR_MEMORY);
+            assert_memory_equal(copy, box.mesh.coordinates, bytes_of(&box.mesh));
+            failures++;
+        }
+        planish_plan_destroy(plan);
+        assert_int_equal(h.live, 0);
+        planish_quality quality;
+        h.left = n;
+        const int measured = planish_measure_mesh(&box.mesh, &options, &quality, NULL);
+        assert_true(measured == 0 || measured == PLANISH_ERROR_MEMORY);
+        assert_int_equal(h.live, 0);
+    }
+    assert_true(failures > 40);
+    free(copy);
+    test_mesh_destroy(&box);
+}
+
+/** What a callback allocates is not the plan's, and may outlive it. */
+typedef struct inner {
+    planish_plan *plan;
+    const planish_mesh *mesh;
+} inner;
+
+static int make_a_plan(const planish_progress *progress, void *user) {
+    inner *in = user;
+    planish_options options = defaults();
+    (void)progress;
+    if (!in->plan)
+        assert_int_equal(planish_plan_create(in->mesh, &options, &in->plan, NULL), 0);
+    return 0;
+}
+
+static void callbacks_may_call_the_library(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_options options = defaults();
+    planish_plan *plan;
+    bad_box(&box, 3);
+    inner in = {NULL, &box.mesh};
+    options.progress = make_a_plan;
+    options.progress_user = &in;
+    double *a = copy_of(&box.mesh), *b = copy_of(&box.mesh);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    assert_int_equal(planish_smooth(plan, a, &options, NULL, NULL), 0);
+    planish_plan_destroy(plan);
+    assert_int_equal(planish_smooth(in.plan, b, NULL, NULL, NULL), 0);
+    planish_plan_destroy(in.plan);
+    assert_memory_equal(a, b, bytes_of(&box.mesh));
+    free(a);
+    free(b);
+    test_mesh_destroy(&box);
+}
+
+/* ---- threads of the caller ------------------------------------------------------------------ */
+
+typedef struct pool {
+    int kind; /* 0: one after the other, 1: from the last to the first, 2: threads */
+    _Atomic int calls;
+} pool;
+
+typedef struct job {
+    planish_task_fn *task;
+    void *data;
+    int index;
+} job;
+
+static void *run_job(void *a_job) {
+    job *j = a_job;
+    j->task(j->data, j->index);
+    return NULL;
+}
+
+static void pool_run(int n_tasks, planish_task_fn *task, void *data, void *user) {
+    enum { MOST = 8 };
+    pool *p = user;
+    pthread_t thread[MOST];
+    job jobs[MOST];
+    p->calls++;
+    assert_true(n_tasks <= MOST);
+    for (int i = 0; i < n_tasks; i++) {
+        jobs[i] = (job){task, data, p->kind == 1 ? n_tasks - 1 - i : i};
+        if (p->kind < 2)
+            run_job(&jobs[i]);
+        else
+            assert_int_equal(pthread_create(&thread[i], NULL, run_job, &jobs[i]), 0);
+    }
+    for (int i = 0; p->kind == 2 && i < n_tasks; i++)
+        pthread_join(thread[i], NULL);
+}
+
+static void threads_may_be_the_callers(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int which = 0; which < 2; which++) {
+            test_mesh box;
+            planish_options options = defaults();
+            planish_plan *plan;
+            (which ? tangled_box : bad_box)(&box, dim);
+            options.max_sweeps = 5;
+            double *expected = copy_of(&box.mesh);
+            assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+            assert_int_equal(planish_smooth(plan, expected, &options, NULL, NULL), 0);
+            planish_plan_destroy(plan);
+            for (int kind = 0; kind < 3; kind++)
+                for (options.threads = 1; options.threads < 6; options.threads += 2) {
+                    if (which && kind == 2)
+                        continue; /* untangling has very many loops, each of which makes threads */
+                    pool p = {.kind = kind};
+                    planish_plan_info info;
+                    double *x = copy_of(&box.mesh);
+                    options.parallel = pool_run;
+                    options.parallel_user = &p;
+                    options.bind = 1;
+                    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+                    planish_plan_get_info(plan, &info);
+                    assert_int_equal(info.threads, options.threads);
+                    assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+                    planish_plan_destroy(plan);
+                    assert_memory_equal(x, expected, bytes_of(&box.mesh));
+                    assert_true((p.calls > 0) == (options.threads > 1));
+                    free(x);
+                }
+            free(expected);
+            test_mesh_destroy(&box);
+        }
+}
+
+/** Several meshes at once, each on a thread of its own. */
+typedef struct customer {
+    test_mesh box;
+    double *x, *expected;
+    planish_plan *plan;
+    int status;
+} customer;
+
+static void *smooth_often(void *a_customer) {
+    customer *u = a_customer;
+    planish_options options = defaults();
+    options.threads = 0;
+    for (int i = 0; i < 5 && !u->status; i++) {
+        memcpy(u->x, u->box.mesh.coordinates, bytes_of(&u->box.mesh));
+        u->status = planish_plan_create(&u->box.mesh, &options, &u->plan, NULL);
+        if (!u->status)
+            u->status = planish_smooth(u->plan, u->x, &options, NULL, NULL);
+        planish_plan_destroy(u->plan);
+        u->status = u->status ? u->status : memcmp(u->x, u->expected, bytes_of(&u->box.mesh)) != 0;
+    }
+    return NULL;
+}
+
+enum { USERS = 6 };
+
+static void create_users(customer *users) {
+    for (int i = 0; i < USERS; i++) {
+        customer *u = &users[i];
+        planish_plan *plan;
+        u->status = 0;
+        test_mesh_box(&u->box, 2 + i % 2, CELLS + i);
+        test_mesh_perturb(&u->box, 0.12, (unsigned)i + 1);
+        u->x = copy_of(&u->box.mesh);
+        u->expected = copy_of(&u->box.mesh);
+        assert_int_equal(planish_plan_create(&u->box.mesh, NULL, &plan, NULL), 0);
+        assert_int_equal(planish_smooth(plan, u->expected, NULL, NULL, NULL), 0);
+        planish_plan_destroy(plan);
+    }
+}
+
+static void destroy_users(customer *users) {
+    for (int i = 0; i < USERS; i++) {
+        assert_int_equal(users[i].status, 0);
+        free(users[i].x);
+        free(users[i].expected);
+        test_mesh_destroy(&users[i].box);
+    }
+}
+
+static void meshes_may_be_smoothed_at_once(void **state) {
+    (void)state;
+    customer users[USERS];
+    pthread_t thread[USERS];
+    create_users(users);
+    for (int i = 0; i < USERS; i++)
+        assert_int_equal(pthread_create(&thread[i], NULL, smooth_often, &users[i]), 0);
+    for (int i = 0; i < USERS; i++)
+        pthread_join(thread[i], NULL);
+    destroy_users(users);
+}
+
+#ifdef _OPENMP
+/** And inside of a parallel region of the caller's. */
+static void regions_may_be_around(void **state) {
+    (void)state;
+    customer users[USERS];
+    create_users(users);
+    for (int levels = 1; levels < 3; levels++) {
+        omp_set_max_active_levels(levels);
+#pragma omp parallel for num_threads(3) schedule(dynamic, 1)
+        for (int i = 0; i < USERS; i++)
+            smooth_often(&users[i]);
+    }
+    omp_set_max_active_levels(1);
+    destroy_users(users);
+}
+
+/** The caller's own number of threads is what 0 means, and stays. */
+static void the_number_of_threads_is_the_callers(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan;
+    planish_plan_info info;
+    planish_options options = defaults();
+    test_mesh_box(&box, 3, 16);
+    options.threads = 0;
+    omp_set_num_threads(3);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    planish_plan_get_info(plan, &info);
+    assert_int_equal(info.threads, 3);
+    planish_plan_destroy(plan);
+    assert_int_equal(omp_get_max_threads(), 3);
+    test_mesh_destroy(&box);
+
+    /* A small mesh is not worth more than one. */
+    test_mesh_box(&box, 3, 4);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    planish_plan_get_info(plan, &info);
+    assert_int_equal(info.threads, 1);
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&box);
+}
+#endif
+
+/* ---- left as found -------------------------------------------------------------------------- */
+
+static void count_signal(int number) {
+    (void)number;
+}
+
+static void the_process_is_left_as_found(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan;
+    planish_options options = defaults();
+    struct sigaction action = {.sa_handler = count_signal}, found;
+    fenv_t before, after;
+    options.bind = 1;
+    sigaction(SIGINT, &action, NULL);
+    setlocale(LC_ALL, "C.UTF-8");
+    const char *locale = setlocale(LC_ALL, NULL);
+    char *kept = strdup(locale);
+    fesetround(FE_TONEAREST);
+    feclearexcept(FE_ALL_EXCEPT);
+    fegetenv(&before);
+#ifdef __linux__
+    cpu_set_t places, now;
+    sched_getaffinity(0, sizeof places, &places);
+#endif
+    tangled_box(&box, 3);
+    double *x = copy_of(&box.mesh);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+    planish_plan_destroy(plan);
+    sigaction(SIGINT, NULL, &found);
+    assert_true(found.sa_handler == count_signal);
+    assert_string_equal(setlocale(LC_ALL, NULL), kept);
+    assert_int_equal(fegetround(), FE_TONEAREST);
+    fegetenv(&after);
+#if defined(__x86_64__)
+    assert_int_equal(before.__control_word, after.__control_word);
+    assert_int_equal(before.__mxcsr & ~0x3fu, after.__mxcsr & ~0x3fu); /* but for sticky flags */
+#endif
+#ifdef __linux__
+    sched_getaffinity(0, sizeof now, &now);
+    assert_true(CPU_EQUAL(&places, &now));
+#endif
+    signal(SIGINT, SIG_DFL);
+    free(kept);
+    free(x);
+    test_mesh_destroy(&box);
+}
+
+/* ---- what is said --------------------------------------------------------------------------- */
+
+typedef struct notes {
+    int n[3];
+    char all[4096];
+} notes;
+
+static void note(planish_log_level level, const char *text, void *user) {
+    notes *n = user;
+    assert_true(level == PLANISH_LOG_NOTE || level == PLANISH_LOG_DETAIL);
+    assert_null(strchr(text, '\n'));
+    n->n[level]++;
+    strncat(n->all, text, sizeof n->all - strlen(n->all) - 2);
+    strcat(n->all, "\n");
+}
+
+static void a_log_tells_what_is_done(void **state) {
+    (void)state;
+    test_mesh box;
+    notes n = {0};
+    planish_plan *plan;
+    planish_options options = defaults();
+    bad_box(&box, 3);
+    options.log = note;
+    options.log_user = &n;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    assert_non_null(strstr(n.all, "216 of 512 nodes may move"));
+    assert_int_equal(planish_smooth(plan, box.coordinates, &options, NULL, NULL), 0);
+    assert_non_null(strstr(n.all, "converged after"));
+    assert_int_equal(n.n[PLANISH_LOG_NOTE], 0);
+    planish_plan_destroy(plan);
+
+    box.elements[4] = box.elements[0]; /* two elements with the same nodes, and facets of three */
+    memcpy(box.elements + 4, box.elements, 4 * sizeof *box.elements);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    assert_true(n.n[PLANISH_LOG_NOTE] > 0);
+    assert_non_null(strstr(n.all, "have the nodes of an earlier one"));
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&box);
+}
+
+static void features_are_told(void **state) {
+    (void)state;
+    assert_string_equal(planish_version(), PLANISH_VERSION);
+#ifdef _OPENMP
+    assert_int_equal(planish_has(PLANISH_FEATURE_OPENMP), 1);
+#endif
+    assert_int_equal(planish_has((planish_feature)99), 0);
+    assert_true(planish_has(PLANISH_FEATURE_HWLOC) == 0 || planish_has(PLANISH_FEATURE_HWLOC) == 1);
+}
+
+/* ---- measures without a plan ---------------------------------------------------------------- */
+
+static void meshes_are_measured_without_a_plan(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int which = 0; which < 4; which++) {
+            test_mesh box;
+            planish_plan *plan;
+            planish_quality expected, quality;
+            (which == 1 ? tangled_box : bad_box)(&box, dim);
+            if (which == 2)
+                test_mesh_reverse_some(&box, 3, 5);
+            planish_mesh mesh = box.mesh;
+            uint8_t *constraint = calloc(1, (size_t)mesh.n_nodes);
+            for (int64_t i = 0; i < mesh.n_nodes; i += 3)
+                constraint[i] = PLANISH_FIXED;
+            mesh.constraint = which == 3 ? constraint : NULL;
+            assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
+            assert_int_equal(planish_measure(plan, mesh.coordinates, &expected, NULL), 0);
+            assert_int_equal(planish_measure_mesh(&mesh, NULL, &quality, NULL), 0);
+            assert_memory_equal(&quality, &expected, sizeof quality);
+            planish_plan_destroy(plan);
+            free(constraint);
+            test_mesh_destroy(&box);
+        }
+    planish_quality quality;
+    planish_error error;
+    assert_int_equal(planish_measure_mesh(NULL, NULL, &quality, &error), PLANISH_ERROR_ARGUMENT);
+}
+
+static void checksums_tell_bits_apart(void **state) {
+    (void)state;
+    test_mesh box;
+    bad_box(&box, 3);
+    planish_mesh mesh = box.mesh;
+    const int64_t n = mesh.n_nodes;
+    const uint64_t sum = planish_checksum(&mesh);
+    double *x = calloc((size_t)(4 * n), sizeof *x);
+    for (int form = 0; form < 2; form++) {
+        mesh = box.mesh;
+        mesh.coordinates = x;
+        mesh.node_stride = form ? 1 : 4;
+        mesh.component_stride = form ? n : 1;
+        for (int64_t i = 0; i < 3 * n; i++)
+            x[i / 3 * mesh.node_stride + i % 3 * mesh.component_stride] = box.coordinates[i];
+        assert_true(planish_checksum(&mesh) == sum);
+    }
+    assert_true(sum != 0);
+    for (int64_t i = 0; i < 3 * n; i++) {
+        const double was = box.coordinates[i];
+        box.coordinates[i] = was == 0 ? -0.0 : nextafter(was, 100);
+        assert_true(planish_checksum(&box.mesh) != sum);
+        box.coordinates[i] = was;
+    }
+    assert_true(planish_checksum(NULL) == 0);
+    free(x);
+    test_mesh_destroy(&box);
+}
+
+static void wrong_options_are_named(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan = NULL;
+    planish_error error;
+    planish_options options = defaults();
+    const planish_allocator half = {heap_allocate, NULL, NULL};
+    bad_box(&box, 2);
+    options.allocator = &half;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "allocator"));
+    assert_null(plan);
+    test_mesh_destroy(&box);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(calls_allocate_once),
+        cmocka_unit_test(allocators_may_fail),
+        cmocka_unit_test(callbacks_may_call_the_library),
+        cmocka_unit_test(threads_may_be_the_callers),
+        cmocka_unit_test(meshes_may_be_smoothed_at_once),
+#ifdef _OPENMP
+        cmocka_unit_test(regions_may_be_around),
+        cmocka_unit_test(the_number_of_threads_is_the_callers),
+#endif
+        cmocka_unit_test(the_process_is_left_as_found),
+        cmocka_unit_test(a_log_tells_what_is_done),
+        cmocka_unit_test(features_are_told),
+        cmocka_unit_test(meshes_are_measured_without_a_plan),
+        cmocka_unit_test(checksums_tell_bits_apart),
+        cmocka_unit_test(wrong_options_are_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
