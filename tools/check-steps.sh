@@ -126,6 +126,10 @@ check_races() {
             build-tsan/planish smooth build-tsan/cube.mesh -o build-tsan/smooth.mesh -j 4 -q
 }
 
+check_abi() {
+    tools/install/abi check
+}
+
 # finish FULL: the count as the last line, and the exit status.
 finish() {
     if [ "$1" = 1 ] && [ "$skipped" -gt 0 ]; then

@@ -8,4 +8,8 @@
 int pl_smooth_command(const pl_arguments *arguments);
 int pl_quality_command(const pl_arguments *arguments);
 
+/** Print what the options' table says as kind: man (a manual page), bash or zsh (completion). For
+ *  the installation. */
+int pl_generate_command(const char *kind);
+
 #endif

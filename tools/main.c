@@ -9,10 +9,15 @@
 #include <string.h>
 #include <unistd.h>
 
+static const char *with(planish_feature feature) {
+    return planish_has(feature) ? "with" : "without";
+}
+
 static int print_version(void) {
     printf("planish %s\nSmooths meshes of tetrahedra and triangles. BSD 3-clause licence; there is "
-           "no warranty.\n",
-           planish_version());
+           "no warranty.\nBuilt %s OpenMP, %s hwloc, %s kernels for AVX2 and AVX-512.\n",
+           planish_version(), with(PLANISH_FEATURE_OPENMP), with(PLANISH_FEATURE_HWLOC),
+           with(PLANISH_FEATURE_X86_KERNELS));
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
 }
 
@@ -69,5 +74,7 @@ int main(int argc, char **argv) {
         return print_help();
     if (strcmp(word, "--version") == 0)
         return print_version();
+    if (strcmp(word, "--generate") == 0 && argc == 3)
+        return pl_generate_command(argv[2]);
     return pl_complain_usage(NULL, "'%s' is neither smooth nor quality", word);
 }

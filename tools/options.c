@@ -580,6 +580,14 @@ static void print_row(const option_row *row) {
     putchar('\n');
 }
 
+int pl_option_describe(int i, pl_option_text *text) {
+    if (i >= N_OPTIONS)
+        return 0;
+    const option_row *row = &option_table[i];
+    *text = (pl_option_text){row->letter, row->name, row->value, row->commands & BOTH, row->help};
+    return 1;
+}
+
 void pl_help_print(pl_command command) {
     if (command == PL_COMMAND_SMOOTH)
         printf("Usage: planish smooth IN -o OUT [OPTION]...\n"

@@ -1,6 +1,7 @@
 /* options: the command line of `planish smooth` and `planish quality`.
  *
- * One table (options.c) says which options there are; it drives the parser and the help.
+ * One table (options.c) says which options there are; it drives the parser, the help, the manual page
+ * and the completion of shells (manual.c).
  */
 #ifndef PL_TOOLS_OPTIONS_H
 #define PL_TOOLS_OPTIONS_H
@@ -58,6 +59,18 @@ int pl_arguments_change_objective(const pl_arguments *arguments);
  *  To be released by pl_arguments_free in any case. */
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv);
 void pl_arguments_free(pl_arguments *arguments);
+
+/** What the table says of an option. */
+typedef struct pl_option_text {
+    int letter;        /* short option, or 0 */
+    const char *name;  /* long option */
+    const char *value; /* what its value is called, or NULL: takes none */
+    unsigned commands; /* bits of pl_command */
+    const char *help;  /* lines separated by '\n' */
+} pl_option_text;
+
+/** Describe option i, 0 and up; 0 if there is none. */
+int pl_option_describe(int i, pl_option_text *text);
 
 /** Print the help of command on standard output. */
 void pl_help_print(pl_command command);

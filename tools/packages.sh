@@ -14,16 +14,20 @@ packages_build=(
 packages_check=(
     libcmocka-dev # unit tests
     python3       # scripts of the tests: reads reports, measures meshes independently
+    python3-numpy # the Python module
+    pkg-config    # how other programs find the library
 )
 # shellcheck disable=SC2034
 packages_full=(
-    python3-numpy python3-meshio # independent figures on large meshes
+    python3-meshio               # independent figures on large meshes
     python3-vtk9                 # another program's quality measures
     coinor-libipopt-dev          # all nodes at once, to compare with
     gmsh tetgen                  # meshes as their generators write them
     clang libomp-dev             # the other compiler, its OpenMP
     libclang-rt-dev              # its sanitizers and the fuzzer
     valgrind                     # memory, independently of the sanitizers
+    abigail-tools                # the library's interface, compared with the last release
+    libtet1.5-dev libgmsh-dev libcgal-dev # meshers that the library is embedded in
 )
 
 is_installed() {
