@@ -1,0 +1,30 @@
+"""Print a program in C that compares the structures of the Python module with the header's."""
+
+import ctypes
+
+import planish
+
+STRUCTURES = {
+    "planish_error": planish._Error,
+    "planish_mesh": planish._Mesh,
+    "planish_progress": planish.Progress,
+    "planish_options": planish._Options,
+    "planish_spread": planish.Spread,
+    "planish_quality": planish.Quality,
+    "planish_result": planish.Result,
+}
+
+print("#include <planish/planish.h>\n#include <stdio.h>\nint main(void) {\n    int bad = 0;")
+for name, structure in STRUCTURES.items():
+    checks = [(f"sizeof({name})", ctypes.sizeof(structure))]
+    for field, *_ in structure._fields_:
+        at = getattr(structure, field)
+        c_field = field.lstrip("_")
+        checks.append((f"offsetof({name}, {c_field})", at.offset))
+        checks.append((f"sizeof((({name} *)0)->{c_field})", at.size))
+    for expression, value in checks:
+        print(
+            f'    if ({expression} != {value}) bad = printf("%s is %zu, not {value}\\n", '
+            f'"{expression}", (size_t)({expression}));'
+        )
+print("    return bad != 0;\n}")

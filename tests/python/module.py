@@ -1,0 +1,346 @@
+"""Tests of the Python module."""
+
+import ctypes
+import itertools
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+
+import numpy as np
+
+import planish
+
+try:
+    import meshio
+except ImportError:
+    meshio = None
+
+PROGRAM = os.environ.get("PLANISH_PROGRAM")
+
+
+def box(dim, cells=6, amount=0.14, seed=1):
+    """Points and cells of a box of unit cubes (squares) whose inner nodes are off their places."""
+    n = cells + 1
+    points = np.array(list(itertools.product(range(n), repeat=dim)), dtype=float)
+    found = []
+    for corner in itertools.product(range(cells), repeat=dim):
+        for order in itertools.permutations(range(dim)):
+            at = np.array(corner)
+            path = [at.copy()]
+            for axis in order:
+                at[axis] += 1
+                path.append(at.copy())
+            found.append([int(np.ravel_multi_index(tuple(p), (n,) * dim)) for p in path])
+    inside = np.all((points > 0) & (points < cells), axis=1)
+    random = np.random.default_rng(seed)
+    points[inside] += random.uniform(-amount, amount, (inside.sum(), dim))
+    return points, np.array(found, dtype=np.int32), inside
+
+
+class Smoothing(unittest.TestCase):
+    def test_in_place(self):
+        for dim, kind in itertools.product((2, 3), (np.int32, np.int64)):
+            points, cells, inside = box(dim)
+            start, address = points.copy(), points.ctypes.data
+            before = planish.quality(points, cells)
+            result = planish.smooth(points, cells.astype(kind))
+            after = planish.quality(points, cells)
+            self.assertEqual(points.ctypes.data, address)
+            self.assertEqual(result.stop, "converged")
+            self.assertLess(after.rms_radius_ratio, before.rms_radius_ratio)
+            self.assertLessEqual(after.max_radius_ratio, before.max_radius_ratio)
+            self.assertAlmostEqual(result.rms, after.rms_radius_ratio, 12)
+            np.testing.assert_array_equal(points[~inside], start[~inside])
+            self.assertEqual(result.moved_nodes, (points != start).any(axis=1).sum())
+
+    def test_layouts_have_the_same_bits(self):
+        points, cells, _ = box(3)
+        expected = points.copy()
+        planish.smooth(expected, cells)
+        n = len(points)
+        padded = np.full((n, 4), 7.0)
+        padded[:, :3] = points
+        planish.smooth(padded, cells)
+        np.testing.assert_array_equal(padded[:, :3], expected)
+        self.assertTrue((padded[:, 3] == 7).all())
+        columns = np.asfortranarray(points)
+        planish.smooth(columns, cells)
+        np.testing.assert_array_equal(columns, expected)
+        every_second = np.zeros((2 * n, 3))
+        every_second[::2] = points
+        planish.smooth(every_second[::2], cells)
+        np.testing.assert_array_equal(every_second[::2], expected)
+        self.assertTrue((every_second[1::2] == 0).all())
+        backward = points[::-1].copy()[::-1]
+        planish.smooth(backward, cells)
+        np.testing.assert_array_equal(backward, expected)
+        self.assertEqual(planish.checksum(padded, cells), planish.checksum(expected, cells))
+        self.assertNotEqual(planish.checksum(points, cells), planish.checksum(expected, cells))
+
+    def test_floats_stay_floats(self):
+        points, cells, _ = box(3)
+        single = points.astype(np.float32)
+        before = planish.quality(single, cells)
+        planish.smooth(single, cells)
+        self.assertEqual(single.dtype, np.float32)
+        self.assertLess(planish.quality(single, cells).rms_radius_ratio, before.rms_radius_ratio)
+        self.assertEqual(planish.quality(single, cells).inverted, 0)
+
+    def test_triangles_in_three_columns(self):
+        flat, cells, _ = box(2)
+        points = np.column_stack([flat, np.full(len(flat), 5.0)])
+        planish.smooth(points, cells)
+        planish.smooth(flat, cells)
+        np.testing.assert_array_equal(points[:, :2], flat)
+        self.assertTrue((points[:, 2] == 5).all())
+        points[3, 2] = 6
+        with self.assertRaisesRegex(ValueError, "constant z"):
+            planish.smooth(points, cells)
+
+    def test_options(self):
+        points, cells, inside = box(3)
+        fixed = np.flatnonzero(inside)[::2]
+        start = points.copy()
+        planish.smooth(points, cells, fixed=fixed)
+        np.testing.assert_array_equal(points[fixed], start[fixed])
+        mask = np.zeros(len(points), dtype=bool)
+        mask[fixed] = True
+        masked = start.copy()
+        planish.smooth(masked, cells, fixed=mask)
+        np.testing.assert_array_equal(points, masked)
+
+        worst = start.copy()
+        result = planish.smooth(worst, cells, objective="worst", worst_measure="dihedral")
+        self.assertGreater(result.worst_sweeps, 0)
+        self.assertGreaterEqual(result.worst_after, result.worst_before)
+
+        one = start.copy()
+        result = planish.smooth(one, cells, max_sweeps=1)
+        self.assertEqual((result.stop, result.sweeps), ("max-sweeps", 1))
+
+        node = int(np.flatnonzero(inside)[5])
+        local = start.copy()
+        result = planish.smooth(local, cells, around=[node])
+        self.assertEqual(np.flatnonzero((local != start).any(axis=1)).tolist(), [node])
+
+        low = start.copy()
+        least = np.full(len(cells), 0.1)
+        result = planish.smooth(low, cells, min_volumes=least)
+        self.assertEqual(result.below_min_volume, 0)
+        with self.assertRaisesRegex(ValueError, "one value for each cell"):
+            planish.smooth(start.copy(), cells, min_volumes=least[1:])
+
+    def test_tangled(self):
+        points, cells, inside = box(2, amount=0.8)
+        before = planish.quality(points, cells)
+        self.assertGreater(before.inverted, 0)
+        self.assertEqual(planish.smooth(points, cells).inverted, 0)
+
+    def test_threads_have_the_same_bits(self):
+        points, cells, _ = box(3)
+        results = []
+        for threads in (1, 2, 3):
+            copy = points.copy()
+            planish.smooth(copy, cells, threads=threads)
+            results.append(copy)
+        np.testing.assert_array_equal(results[0], results[1])
+        np.testing.assert_array_equal(results[0], results[2])
+
+
+class Plans(unittest.TestCase):
+    def test_many_positions(self):
+        points, cells, inside = box(3)
+        with planish.Plan(points, cells) as plan:
+            np.testing.assert_array_equal(plan.free(), inside)
+            for seed in range(3):
+                other, _, _ = box(3, seed=seed)
+                alone = other.copy()
+                before = plan.quality(other).rms_radius_ratio
+                plan.smooth(other)
+                planish.smooth(alone, cells)
+                np.testing.assert_array_equal(other, alone)
+                self.assertLess(plan.quality(other).rms_radius_ratio, before)
+            columns, padded = np.asfortranarray(points), np.zeros((len(points), 4))
+            padded[:, :3] = points
+            planish.smooth(points, cells)
+            plan.smooth(columns)
+            plan.smooth(padded)
+            np.testing.assert_array_equal(columns, points)
+            np.testing.assert_array_equal(padded[:, :3], points)
+            with self.assertRaisesRegex(ValueError, "rows"):
+                plan.smooth(points[1:])
+        for call in (plan.smooth, plan.quality, plan.free):
+            with self.assertRaisesRegex(ValueError, "closed"):
+                call()
+        plan.close()
+
+    def test_progress(self):
+        points, cells, _ = box(3)
+        seen = []
+        start = points.copy()
+        planish.smooth(points, cells, progress=lambda p: seen.append((p.sweep, p.rms)))
+        self.assertGreater(len(seen), 5)
+        self.assertLess(seen[-1][1], seen[0][1])
+        stopped = start.copy()
+        result = planish.smooth(stopped, cells, progress=lambda p: p.sweep_done)
+        self.assertEqual((result.stop, result.sweeps), ("interrupted", 1))
+
+        def fail(progress):
+            raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            planish.smooth(start.copy(), cells, progress=fail)
+
+    def test_several_threads(self):
+        meshes = [box(3, seed=seed) for seed in range(4)]
+        copies = [points.copy() for points, _, _ in meshes]
+        workers = [
+            threading.Thread(target=planish.smooth, args=(copy, mesh[1]))
+            for copy, mesh in zip(copies, meshes)
+        ]
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            worker.join()
+        for copy, (points, cells, _) in zip(copies, meshes):
+            planish.smooth(points, cells)
+            np.testing.assert_array_equal(copy, points)
+
+    def test_values_are_shown(self):
+        points, cells, _ = box(2)
+        quality = planish.quality(points, cells)
+        self.assertIn("rms_radius_ratio=", repr(quality))
+        values = quality.as_dict()
+        self.assertEqual(values["n_elements"], len(cells))
+        self.assertEqual(sum(values["histogram_counts"]), len(cells))
+        self.assertNotIn("reserved", values)
+        self.assertGreater(values["smallest_angle_deg"]["min"], 0)
+        self.assertEqual(planish.version(), "0.1.0")
+
+
+class Refusals(unittest.TestCase):
+    def refuse(self, error, text, *arguments, **options):
+        with self.assertRaisesRegex(error, text):
+            planish.smooth(*arguments, **options)
+
+    def test_wrong_arrays(self):
+        points, cells, _ = box(3, 3)
+        self.refuse(TypeError, "array of numpy", points.tolist(), cells)
+        self.refuse(TypeError, "float64 or float32", points.astype(int), cells)
+        self.refuse(ValueError, "columns", points[:, :2].copy(), cells)
+        self.refuse(ValueError, r"\[m, 3\]", points, cells[:, :2])
+        self.refuse(TypeError, "integers", points, cells.astype(float))
+        frozen = points.copy()
+        frozen.flags.writeable = False
+        self.refuse(ValueError, "read-only", frozen, cells)
+        self.refuse(planish.Error, "no elements", points, cells[:0])
+        self.refuse(TypeError, "meshio or pyvista", points)
+        self.refuse(ValueError, "objective must be", points, cells, objective="best")
+        self.refuse(ValueError, "worst_measure must be", points, cells, worst_measure="x")
+        self.refuse(TypeError, "unexpected keyword", points, cells, sweeps=3)
+        self.refuse(planish.Error, "n_around is 0", points, cells, around=[])
+
+    def test_wrong_meshes(self):
+        points, cells, _ = box(3, 3)
+        start = points.copy()
+        for kind, value in ((np.int32, -1), (np.int64, 1 << 40), (np.int32, len(points))):
+            wrong = cells.astype(kind)
+            wrong[5, 2] = value
+            with self.assertRaisesRegex(planish.Error, "element 5") as caught:
+                planish.smooth(points, wrong)
+            self.assertEqual((caught.exception.code, caught.exception.element), (-2, 5))
+        points[7, 1] = np.nan
+        with self.assertRaisesRegex(planish.Error, "node 7") as caught:
+            planish.smooth(points, cells)
+        self.assertEqual(caught.exception.node, 7)
+        points[7, 1] = start[7, 1]
+        np.testing.assert_array_equal(points, start)
+        self.refuse(planish.Error, "layers", points, cells, layers=-1)
+        self.refuse(planish.Error, "tolerance", points, cells, tolerance=-1.0)
+
+    def test_library_is_missing(self):
+        environment = dict(os.environ, PLANISH_LIBRARY="/nowhere/libplanish.so")
+        run = subprocess.run([sys.executable, "-c", "import planish"], env=environment,
+                             stderr=subprocess.PIPE, text=True, check=False)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("PLANISH_LIBRARY", run.stderr)
+
+
+class Block:
+    """What the module asks of meshio's cell blocks."""
+
+    def __init__(self, kind, data):
+        self.type, self.data = kind, data
+
+
+class Mesh:
+    """Stands in for meshes of other packages, which name the same things: meshio's cells are a list
+    of blocks; pyvista's cells_dict has VTK's numbers of kinds."""
+
+    def __init__(self, points, **more):
+        self.points = points
+        self.__dict__.update(more)
+
+
+class Meshes(unittest.TestCase):
+    def setUp(self):
+        self.points, self.cells, inside = box(3)
+        self.expected = self.points.copy()
+        held = np.flatnonzero(inside)[:3].reshape(1, 3)
+        self.held = held.astype(np.int64)
+        planish.smooth(self.expected, self.cells, fixed=held.ravel())
+
+    def check(self, mesh):
+        points = mesh.points
+        planish.smooth(mesh)
+        self.assertIs(mesh.points, points)
+        np.testing.assert_array_equal(mesh.points, self.expected)
+        self.assertEqual(planish.quality(mesh).n_elements, len(self.cells))
+
+    def test_blocks(self):
+        half = len(self.cells) // 2
+        self.check(Mesh(self.points, cells=[Block("tetra", self.cells[:half]),
+                                            Block("triangle", self.held),
+                                            Block("tetra", self.cells[half:])]))
+
+    def test_kinds_of_vtk(self):
+        self.check(Mesh(self.points, cells=np.zeros(5, dtype=int),
+                        cells_dict={10: self.cells.astype(np.int64), 5: self.held}))
+
+    def test_faces(self):
+        points, cells, _ = box(2)
+        flat = np.column_stack([points, np.zeros(len(points))])
+        planish.smooth(points, cells)
+        mesh = Mesh(flat, regular_faces=cells)
+        planish.smooth(mesh)
+        np.testing.assert_array_equal(mesh.points[:, :2], points)
+
+    def test_neither(self):
+        with self.assertRaisesRegex(ValueError, "neither"):
+            planish.smooth(Mesh(self.points, cells=[Block("hexahedron", self.cells[:, :1])]))
+
+    @unittest.skipIf(meshio is None, "without meshio")
+    def test_meshio(self):
+        self.check(meshio.Mesh(self.points, [("tetra", self.cells), ("triangle", self.held)]))
+
+    @unittest.skipIf(meshio is None or not PROGRAM, "without meshio, or the program")
+    def test_same_bits_as_the_program(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            mesh = meshio.Mesh(self.points, [("tetra", self.cells)])
+            mesh.write(path / "in.vtk", file_format="vtk42", binary=True)
+            subprocess.run([PROGRAM, "smooth", path / "in.vtk", "-o", path / "out.vtk", "-q"],
+                           check=True)
+            other = meshio.read(path / "in.vtk")
+            if not other.points.dtype.isnative:
+                other.points = other.points.astype(other.points.dtype.newbyteorder("="))
+            planish.smooth(other)
+            np.testing.assert_array_equal(other.points, meshio.read(path / "out.vtk").points)
+
+
+if __name__ == "__main__":
+    unittest.main()
