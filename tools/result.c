@@ -301,6 +301,13 @@ static char *finish(document *json, cJSON *root) {
     return line;
 }
 
+/** As they are written, or read: in full, whatever the format's digits. */
+static void add_checksum(document *json, cJSON *root, const pl_job *job) {
+    char text[17];
+    snprintf(text, sizeof text, "%016" PRIx64, planish_checksum(&job->mesh));
+    add_text(json, root, "checksum", text);
+}
+
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress) {
     document json = {0};
@@ -317,6 +324,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
+    add_checksum(&json, root, job);
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
     add_integer(&json, root, "put_back", result->smooth.put_back);
     add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
@@ -342,6 +350,7 @@ char *pl_result_quality_json(const pl_job *job, const planish_quality *quality,
     cJSON *root = cJSON_CreateObject();
     add_mesh(&json, root, job);
     add_quality(&json, root, "quality", quality, volumes->n_below);
+    add_checksum(&json, root, job);
     add_volumes(&json, root, job, volumes, NULL);
     return finish(&json, root);
 }

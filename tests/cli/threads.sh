@@ -10,6 +10,18 @@ for threads in 2 3 4 7; do
         fail "-j $threads: another number of threads"
 done
 
+# The report has a number for the bits, which that of the file is.
+expect_status 0 "$program" smooth "$sample" -o one.msh -j 1 -q --json one.json
+expect_status 0 "$program" smooth "$sample" -o many.msh -j 3 -q --json many.json
+expect_status 0 "$program" quality many.msh -q --json read.json
+expect_status 0 "$program" quality "$sample" -q --json before.json
+python3 - <<'CHECK' || fail "checksums"
+import json
+one, many, read, before = (json.load(open(f"{name}.json"))["checksum"]
+                           for name in ("one", "many", "read", "before"))
+assert one == many == read != before and len(one) == 16 and int(one, 16)
+CHECK
+
 # OMP_NUM_THREADS is respected, -j wins over it.
 expect_status 0 env OMP_NUM_THREADS=3 "$program" smooth "$sample" -o many.msh --json report.json -q
 python3 -c "import json; assert json.load(open('report.json'))['threads'] == 3" ||

@@ -24,6 +24,9 @@ bad smooth in.msh -o out.msh --frobnicate
 bad smooth in.msh -o out.msh -Z
 bad smooth in.msh -o out.msh --ignore-regions=1
 bad smooth in.msh -o out.msh --max-sweeps
+bad --generate
+bad --generate html
+bad --generate man more
 bad quality
 bad quality in.msh -o out.msh
 bad quality in.msh -v

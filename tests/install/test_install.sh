@@ -65,6 +65,14 @@ if command -v pkg-config >/dev/null; then
     expect_run "$work/c_static"
     readelf -d "$work/c_static" | grep -q libplanish && fail "it is not linked statically"
     pkg-config --exists planish_io || fail "planish_io.pc"
+    # Inside of parallel regions, of this OpenMP runtime and of another.
+    for compiler in cc clang; do
+        echo 'int main(void) { return 0; }' >"$work/empty.c"
+        $compiler -fopenmp "$work/empty.c" -o "$work/empty" 2>/dev/null || continue
+        # shellcheck disable=SC2086
+        run $compiler -fopenmp -O1 "$here/pkgconfig/regions.c" -o "$work/regions" $flags
+        expect_run "$work/regions"
+    done
 else
     echo "without pkg-config: its test is left out"
 fi

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# The code in README.md and docs/embedding.md: each piece is compiled as it stands, those with a main
+# are run.
+set -u
+source_dir=${PLANISH_SOURCE:?}
+build=${PLANISH_BUILD:?}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() {
+    echo "FAILED: $*" >&2
+    exit 1
+}
+
+awk -v folder="$work" '
+    /^```(c|python)$/ { n++; name = sprintf("%s/%02d.%s", folder, n, $0 == "```c" ? "c" : "py"); next }
+    /^```/ { name = "" }
+    name { print > name }' "$source_dir/README.md" "$source_dir/docs/embedding.md"
+ran=0
+for piece in "$work"/*.c; do
+    cc -std=c11 -Wall -Wextra -Werror -I"$source_dir/include" -c "$piece" -o "$piece.o" ||
+        fail "$(basename "$piece"): $(head -n 3 "$piece")"
+    grep -q '^int main' "$piece" || continue
+    cc "$piece.o" -o "$piece.run" -L"$build" -lplanish -Wl,-rpath,"$build" || fail "$piece"
+    "$piece.run" >"$work/out" 2>&1 || fail "$(cat "$work/out")"
+    # What it prints is in the text.
+    grep -qF "    $(cat "$work/out")" "$source_dir/docs/embedding.md" || fail "it prints $(cat "$work/out")"
+    ran=$((ran + 1))
+done
+[ "$(find "$work" -name '*.c' | wc -l)" -ge 7 ] && [ $ran -ge 1 ] || fail "the code was not found"
+if /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
+    for piece in "$work"/*.py; do
+        PLANISH_LIBRARY=$build/libplanish.so PYTHONPATH=$source_dir/tools/python \
+            PYTHONDONTWRITEBYTECODE=1 /usr/bin/python3 "$piece" || fail "$piece"
+    done
+fi
+echo "$(find "$work" -name '*.c' | wc -l) pieces"
