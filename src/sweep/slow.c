@@ -6,6 +6,7 @@
  */
 #include "sweep/lbfgs.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 
 #include <math.h>
@@ -216,6 +217,8 @@ int pl_run_help(pl_run *r, pl_help help, double fall) {
     if (r->plan->interior.stars.n_stars > LARGEST || unit > TINY ||
         (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
         return 0;
+    pl_log(PLANISH_LOG_DETAIL, "sweeps are slow: %s",
+           help == PL_CENTRING ? "nodes to the mean of their neighbours" : "L-BFGS");
     if (unit <= EXTREME && unit >= 1 / EXTREME)
         return try_help(r, help, fall);
     rescale(r, unit);

@@ -5,10 +5,12 @@
  */
 #include "sweep/tangle.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "sweep/patch.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
@@ -271,11 +273,14 @@ static int untangle(pl_run *r, int floors, const measures *ladder, int n, planis
 int pl_run_untangle(pl_run *r, planish_error *error) {
     if (pl_run_inverted(r) == 0 && !(worst_rr2(r) > FLAT_RR2))
         return PLANISH_OK;
+    pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", pl_run_inverted(r));
     return untangle(r, 0, LADDER, pl_run_inverted(r) > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }
 
 int pl_run_raise_volumes(pl_run *r, planish_error *error) {
     if (pl_run_below(r) == 0)
         return PLANISH_OK;
+    pl_log(PLANISH_LOG_DETAIL, "raising %" PRId64 " elements to their least volume",
+           pl_run_below(r));
     return untangle(r, 1, LADDER_OF_VOLUMES, N_RUNGS_OF_VOLUMES, error);
 }

@@ -7,6 +7,7 @@
  */
 #include "sweep/run.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -153,6 +154,7 @@ int pl_run_worst(pl_run *r, planish_error *error) {
     r->restoring = 0;
     r->is_for_worst = 1;
     const double objective = pl_run_objective(r), before = worst_of(r);
+    pl_log(PLANISH_LOG_DETAIL, "improving the worst elements");
     if (!status)
         run_stages(&p);
     if (r->result->worst_sweeps > 0) {

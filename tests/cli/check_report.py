@@ -17,7 +17,7 @@ SMOOTH = {
     "planish": str, "input": str, "output": str, "mesh": MESH, "method": str,
     "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},
     "before": QUALITY, "after": QUALITY, "sweeps": list, "untangling_sweeps": int, "stop": str,
-    "certified": bool, "max_displacement": NUMBER,
+    "certified": bool, "checksum": str, "max_displacement": NUMBER,
     "moved_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,
     "kkt": type(None), "threads": int, "binding": str, "isa": str,
     "seconds": dict.fromkeys(("read", "shape", "setup", "smooth", "write", "total"), NUMBER),
@@ -54,7 +54,7 @@ def same(a, b):
 
 smooth, quality, printed = (json.load(open(name)) for name in sys.argv[1:4])
 check(smooth, SMOOTH, "smooth")
-assert set(quality) == {"mesh", "quality", *VOLUMES}
+assert set(quality) == {"mesh", "quality", "checksum", *VOLUMES}
 check(quality, {"mesh": MESH, "quality": QUALITY, **VOLUMES}, "quality")
 
 before, after, mesh = smooth["before"], smooth["after"], smooth["mesh"]
@@ -67,6 +67,7 @@ assert 0 < mesh["free_nodes"] < mesh["nodes"] and 0 < mesh["colours"] <= 14
 for key in after:
     if key != "histogram":
         assert same(after[key], quality["quality"][key]), key
+assert smooth["checksum"] == quality["checksum"]
 
 # By default volumes only stay positive, and F is the RMS of the radius ratio.
 for report in (smooth, quality):

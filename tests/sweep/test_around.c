@@ -2,6 +2,7 @@
  * caller's arrays may have. */
 #include "support/allocations.h"
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -74,33 +75,9 @@ static int64_t *widened(const int32_t *values, int64_t n) {
     return wide;
 }
 
-/* ---- smoothing ------------------------------------------------------------------------------ */
+/* ---- parts of a mesh ------------------------------------------------------------------------ */
 
-typedef struct run {
-    double *coordinates; /* [n][dim] */
-    planish_plan_info info;
-    planish_result result;
-    planish_quality before, after;
-} run;
-
-static run smooth(const planish_mesh *mesh, const planish_options *options) {
-    run r;
-    planish_plan *plan;
-    planish_error error = {.text = ""};
-    const size_t bytes = (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
-    r.coordinates = malloc(bytes);
-    memcpy(r.coordinates, mesh->coordinates, bytes);
-    if (planish_plan_create(mesh, options, &plan, &error))
-        fail_msg("%s", error.text);
-    planish_plan_get_info(plan, &r.info);
-    assert_int_equal(planish_measure(plan, r.coordinates, &r.before, &error), 0);
-    assert_int_equal(planish_smooth(plan, r.coordinates, options, &r.result, &error), 0);
-    assert_int_equal(planish_measure(plan, r.coordinates, &r.after, &error), 0);
-    planish_plan_destroy(plan);
-    return r;
-}
-
-static int moved(const planish_mesh *mesh, const run *r, int64_t node) {
+static int moved(const planish_mesh *mesh, const test_run *r, int64_t node) {
     const size_t bytes = (size_t)mesh->dim * sizeof(double);
     return memcmp(r->coordinates + node * mesh->dim, mesh->coordinates + node * mesh->dim, bytes) !=
            0;
@@ -154,14 +131,15 @@ static const int64_t *some_nodes(const planish_mesh *mesh, int64_t *n) {
 }
 
 /** The same bits as with a plan for all of the mesh where the other nodes are fixed. */
-static void expect_same_as_fixed(const planish_mesh *mesh, const uint8_t *chosen, const run *r) {
+static void expect_same_as_fixed(const planish_mesh *mesh, const uint8_t *chosen,
+                                 const test_run *r) {
     planish_mesh other = *mesh;
     planish_options options = defaults();
     uint8_t *constraint = malloc((size_t)mesh->n_nodes);
     for (int64_t i = 0; i < mesh->n_nodes; i++)
         constraint[i] = chosen[i] ? PLANISH_FREE : PLANISH_FIXED;
     other.constraint = constraint;
-    run all = smooth(&other, &options);
+    test_run all = test_smooth(&other, &options);
     assert_int_equal(all.info.n_free, r->info.n_free);
     assert_int_equal(all.info.n_fixed_elements, r->info.n_fixed_elements);
     assert_memory_equal(all.coordinates, r->coordinates,
@@ -183,7 +161,7 @@ static void only_nodes_around_move(void **state) {
             options.around = some_nodes(mesh, &options.n_around);
             options.layers = layers;
             choose(mesh, options.around, options.n_around, layers, chosen);
-            run r = smooth(mesh, &options);
+            test_run r = test_smooth(mesh, &options);
             for (int64_t i = 0; i < mesh->n_nodes; i++) {
                 n_free += chosen[i] && is_inside(mesh, i);
                 n_moved += moved(mesh, &r, i);
@@ -223,7 +201,7 @@ static void neighbours_save_passes_alone(void **state) {
             options.layers = layers;
             for (int64_t i = 0; i < options.n_around; i++)
                 elements[i] = element_of(&box.mesh, options.around[i]);
-            run expected = smooth(&box.mesh, &options);
+            test_run expected = test_smooth(&box.mesh, &options);
             int32_t *neighbours = neighbours_of(&box.mesh);
             int64_t *wide = widened(neighbours, corners);
             int64_t *wide_elements = widened(box.mesh.elements, corners);
@@ -234,7 +212,7 @@ static void neighbours_save_passes_alone(void **state) {
                 mesh.neighbours64 = which == 0 ? NULL : wide;
                 mesh.elements64 = which == 2 ? wide_elements : NULL;
                 mesh.elements = which == 2 ? NULL : mesh.elements;
-                run r = smooth(&mesh, &options);
+                test_run r = test_smooth(&mesh, &options);
                 assert_memory_equal(r.coordinates, expected.coordinates,
                                     (size_t)(mesh.n_nodes * dim) * sizeof(double));
                 assert_int_equal(r.info.n_free, expected.info.n_free);
@@ -261,11 +239,11 @@ static void neighbours_of_bad_elements(void **state) {
     box.coordinates[3 * node] += 0.4;
     options.only_worse_than = 1.9;
     options.layers = 0;
-    run expected = smooth(&box.mesh, &options);
+    test_run expected = test_smooth(&box.mesh, &options);
     int32_t *neighbours = neighbours_of(&box.mesh);
     planish_mesh mesh = box.mesh;
     mesh.neighbours = neighbours;
-    run r = smooth(&mesh, &options);
+    test_run r = test_smooth(&mesh, &options);
     assert_true(expected.info.n_free > 0 && expected.info.n_free < 30);
     assert_true(r.result.moved_nodes > 0);
     assert_memory_equal(r.coordinates, expected.coordinates,
@@ -304,7 +282,7 @@ static void forms_do_not_matter(void **state) {
                 options.only_worse_than = dim == 3 ? 2 : 1.6;
             if (which == 2)
                 options.around = some_nodes(&mesh, &options.n_around);
-            run expected = smooth(&mesh, &options);
+            test_run expected = test_smooth(&mesh, &options);
             int64_t *wide = widened(mesh.elements, mesh.n_elements * (dim + 1));
             for (int form = 0; form < 2; form++) {
                 const int64_t step = form ? 1 : 5, apart = form ? n + 3 : 1;
@@ -371,7 +349,7 @@ static void numbers_are_the_callers(void **state) {
         for (int64_t i = 0; i < 3 * n; i++)
             lower[i] = i % 3 == 1 ? mesh->coordinates[i] : -INFINITY;
         options.lower = lower;
-        run r = smooth(mesh, &options);
+        test_run r = test_smooth(mesh, &options);
         int64_t n_moved = 0, n_free = 0, n_below, n_found = 0;
         for (int64_t i = 0; i < n; i++) {
             n_moved += moved(mesh, &r, i);

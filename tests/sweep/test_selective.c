@@ -1,6 +1,7 @@
 /* Plans made with only_worse_than: what they choose, and that nothing else moves. */
 #include "support/allocations.h"
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include "geometry/simplex.h"
 
@@ -20,30 +21,6 @@ static planish_options defaults(void) {
     planish_options_init(&options);
     options.threads = 1;
     return options;
-}
-
-/** A run with a plan of its own. */
-typedef struct run {
-    double *coordinates; /* [n][dim] */
-    planish_plan_info info;
-    planish_result result;
-    planish_quality before, after;
-} run;
-
-static run smooth(const planish_mesh *mesh, const planish_options *options) {
-    run r;
-    planish_plan *plan;
-    planish_error error = {.text = ""};
-    const size_t bytes = (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
-    r.coordinates = malloc(bytes);
-    memcpy(r.coordinates, mesh->coordinates, bytes);
-    assert_int_equal(planish_plan_create(mesh, options, &plan, &error), 0);
-    planish_plan_get_info(plan, &r.info);
-    assert_int_equal(planish_measure(plan, r.coordinates, &r.before, &error), 0);
-    assert_int_equal(planish_smooth(plan, r.coordinates, options, &r.result, &error), 0);
-    assert_int_equal(planish_measure(plan, r.coordinates, &r.after, &error), 0);
-    planish_plan_destroy(plan);
-    return r;
 }
 
 /** RR of an element; infinite if it is not positive. */
@@ -83,7 +60,7 @@ static int is_inside(const planish_mesh *mesh, const double *original, int64_t n
 }
 
 /** Only chosen interior nodes move, and are the free ones. Returns how many moved. */
-static int64_t expect_chosen(const planish_mesh *mesh, const run *r, const uint8_t *chosen) {
+static int64_t expect_chosen(const planish_mesh *mesh, const test_run *r, const uint8_t *chosen) {
     const int dim = mesh->dim;
     int64_t n = 0, moved = 0;
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
@@ -114,7 +91,7 @@ static void only_nodes_of_bad_elements_move(void **state) {
             options.only_worse_than = dim == 3 ? 1.8 : 1.4;
             options.layers = layers;
             choose(&box.mesh, options.only_worse_than, layers, chosen);
-            run r = smooth(&box.mesh, &options);
+            test_run r = test_smooth(&box.mesh, &options);
             const int64_t moved = expect_chosen(&box.mesh, &r, chosen);
             if (moved <= 3)
                 fail_msg("dim %d layers %d: %d of %d", dim, layers, (int)moved, (int)r.info.n_free);
@@ -125,7 +102,7 @@ static void only_nodes_of_bad_elements_move(void **state) {
             assert_int_equal(r.info.n_unused, 0);
             for (int threads = 2; threads < 4; threads++) {
                 options.threads = threads;
-                run s = smooth(&box.mesh, &options);
+                test_run s = test_smooth(&box.mesh, &options);
                 assert_memory_equal(r.coordinates, s.coordinates,
                                     (size_t)(box.mesh.n_nodes * dim) * sizeof(double));
                 free(s.coordinates);
@@ -142,7 +119,7 @@ static void nothing_bad_nothing_done(void **state) {
     planish_options options = defaults();
     bad_box(&box, 3);
     options.only_worse_than = 1e6;
-    run r = smooth(&box.mesh, &options);
+    test_run r = test_smooth(&box.mesh, &options);
     assert_int_equal(r.info.n_free, 0);
     assert_int_equal(r.result.moved_nodes, 0);
     assert_int_equal(r.result.stop, PLANISH_STOP_CONVERGED);
@@ -157,7 +134,7 @@ static void orientation_does_not_matter(void **state) {
     planish_options options = defaults();
     bad_box(&plain, 3);
     options.only_worse_than = 1.8;
-    run expected = smooth(&plain.mesh, &options);
+    test_run expected = test_smooth(&plain.mesh, &options);
     for (int which = 0; which < 2; which++) {
         test_mesh box;
         bad_box(&box, 3);
@@ -166,7 +143,7 @@ static void orientation_does_not_matter(void **state) {
         else
             for (int64_t i = 0; i < box.mesh.n_elements; i++)
                 test_mesh_reverse(&box, i);
-        run r = smooth(&box.mesh, &options);
+        test_run r = test_smooth(&box.mesh, &options);
         assert_int_equal(r.info.n_free, expected.info.n_free);
         assert_int_equal(r.before.inverted, 0);
         assert_true(fabs(r.after.rms_radius_ratio / expected.after.rms_radius_ratio - 1) < 1e-6);
@@ -192,7 +169,7 @@ static void tangles_are_chosen(void **state) {
         uint8_t *chosen = malloc((size_t)box.mesh.n_nodes);
         choose(&box.mesh, 1e6, 4, chosen);
         options.only_worse_than = 1e5;
-        run r = smooth(&box.mesh, &options);
+        test_run r = test_smooth(&box.mesh, &options);
         assert_true(r.before.inverted > 0);
         assert_int_equal(r.after.inverted, 0);
         assert_true(expect_chosen(&box.mesh, &r, chosen) > 0);
@@ -219,7 +196,7 @@ static void low_elements_are_chosen(void **state) {
         for (int64_t i = 0; which == 2 && i < mesh.n_elements; i++)
             least[i] = 0.1;
         mesh.min_volume = which == 2 ? least : NULL;
-        run r = smooth(&mesh, &options);
+        test_run r = test_smooth(&mesh, &options);
         assert_true(r.info.n_free > 10 && r.info.n_free < 6 * 6 * 6);
         assert_true(r.result.moved_nodes > 0);
         free(r.coordinates);
@@ -243,7 +220,7 @@ static void sliding_nodes_are_chosen_too(void **state) {
     mesh.direction = direction;
     options.only_worse_than = 1.8;
     choose(&mesh, 1.8, 0, chosen);
-    run r = smooth(&mesh, &options);
+    test_run r = test_smooth(&mesh, &options);
     int64_t sliding = 0;
     for (size_t i = 0; i < n; i++)
         sliding += chosen[i] && constraint[i] >= PLANISH_ON_PLANE;

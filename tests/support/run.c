@@ -1,0 +1,32 @@
+/* run: a mesh smoothed with a plan of its own, measured before and after. */
+#include "support/run.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void expect(int status, const planish_error *error) {
+    if (status)
+        fail_msg("%s", error->text);
+}
+
+test_run test_smooth(const planish_mesh *mesh, const planish_options *options) {
+    test_run r;
+    planish_plan *plan;
+    planish_error error = {.text = ""};
+    const size_t bytes = (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
+    r.coordinates = malloc(bytes);
+    assert_non_null(r.coordinates);
+    memcpy(r.coordinates, mesh->coordinates, bytes);
+    expect(planish_plan_create(mesh, options, &plan, &error), &error);
+    planish_plan_get_info(plan, &r.info);
+    expect(planish_measure(plan, r.coordinates, &r.before, &error), &error);
+    expect(planish_smooth(plan, r.coordinates, options, &r.result, &error), &error);
+    expect(planish_measure(plan, r.coordinates, &r.after, &error), &error);
+    planish_plan_destroy(plan);
+    return r;
+}
