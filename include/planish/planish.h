@@ -104,7 +104,7 @@ typedef struct planish_mesh {
                                   a plan keeps a copy of 32 bits of those that it works on */
     /* Coordinate d of node i is coordinates[i * node_stride + d * component_stride], here and in
        all that is given to a plan of this mesh: 4 and 1 for x y z padded, 1 and n_nodes for x x ..
-       y y .. z z .. 0: dim, and 1. */
+       y y .. z z .. 0: dim for the first, 1 for the second. */
     int64_t node_stride, component_stride;
     const int32_t *neighbours;   /* [n_elements][dim + 1] the element on the other side of the facet
                                     that has not that corner, -1: none. Or NULL; see
@@ -319,7 +319,7 @@ typedef struct planish_options {
                                least volume, or not positive; 0: all. In planish_smooth:
                                visit only stars with such an element. In planish_plan_create:
                                only nodes that have one there are free, which makes the plan
-                               as cheap as they are few */
+                               as cheap as they are few; sweeps end a little earlier then */
     int layers;             /* and those of so many layers of elements around; for plans made
                                with only_worse_than or around, 0 .. 100. Around elements that
                                are not positive there are 4 at least, with the former */
@@ -365,7 +365,7 @@ typedef struct planish_plan_info {
     int threads;
     const char *isa;     /* name of the kernel variant in use; static text */
     const char *binding; /* where the threads are; text of the plan */
-    int64_t bytes;       /* memory the plan holds */
+    int64_t bytes;       /* memory the plan holds, with what it keeps for the next call */
     int64_t reserved[8];
 } planish_plan_info;
 
@@ -380,10 +380,14 @@ typedef struct planish_plan_info {
  *  With options.around the plan is for the elements that have one of its nodes, and so is what is
  *  said of elements in its info, in results and by planish_measure; everything costs by these
  *  alone if around_elements and mesh->neighbours are given: nothing else of the mesh is read, or
- *  checked. Without them all elements are looked at while the plan is made. With neighbours, the
- *  elements of a node are those that it has together with the given one by facets at the node.
- *  Nodes of periodic pairs stay. With only_worse_than, neighbours save passes over the elements if
- *  few of them are bad; the bits are the same.
+ *  checked (but periodic pairs). Which order is the positive one is decided from these elements,
+ * too: where all of them are inverted nobody sees it. around excludes only_worse_than and
+ *  min_volume_fraction, which are about all of the mesh. The bits are those of a plan for all of it
+ *  with its other nodes fixed, as long as nothing is untangled, raised to a least volume or done
+ * for options.worst. Without them all elements are looked at while the plan is made. With
+ * neighbours, the elements of a node are those that it has together with the given one by facets at
+ * the node. Nodes of periodic pairs stay. With only_worse_than, neighbours save passes over the
+ * elements if few of them are bad; the bits are the same.
  *
  *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
@@ -442,8 +446,8 @@ typedef struct planish_quality {
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
-/** The same without a plan, for all of mesh: movable are the elements with a node that a plan would
- *  let move anywhere. options (NULL: defaults): threads. Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** The same with a plan for the occasion, for mesh->coordinates. Errors: _ARGUMENT, _MESH, _MEMORY.
+ */
 PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
                                      planish_quality *quality, planish_error *error);
 

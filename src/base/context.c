@@ -14,6 +14,15 @@ pl_context *pl_context_enter(pl_context *context) {
     return before;
 }
 
+void pl_context_begin(pl_context *context) {
+    context->call++;
+    context->failed = 0;
+}
+
+void pl_context_end(pl_context *context) {
+    pl_forget_unwanted(context, context->call - 1);
+}
+
 pl_context *pl_context_current(void) {
     return current;
 }

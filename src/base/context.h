@@ -15,7 +15,10 @@ typedef struct pl_context {
     void *parallel_user;
     planish_log_fn *log; /* or NULL */
     void *log_user;
-    int keeps;             /* blocks that are released are kept for the next that want some */
+    int keeps;     /* blocks that are released are kept for the next that want some */
+    int64_t bytes; /* of all blocks, those that are kept among them */
+    int failed;    /* an allocation has failed since this was 0 */
+    int call;      /* number of the call that is under way, or the last: see pl_context_begin */
     struct pl_block *kept; /* see memory.c */
     int lock;              /* of kept: 0 or 1 */
 } pl_context;
@@ -29,6 +32,11 @@ void pl_context_destroy(pl_context *context);
 /** Enter context (NULL: none) on this thread; the one before, to be entered again at the end.
  * Around every function of the caller's there is none. */
 pl_context *pl_context_enter(pl_context *context);
+
+/** A call that works on the plan begins; and ends: what it and the one before it did not want of
+ * the kept blocks is released. */
+void pl_context_begin(pl_context *context);
+void pl_context_end(pl_context *context);
 
 /** The one that this thread is in, or NULL. */
 pl_context *pl_context_current(void);

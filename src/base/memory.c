@@ -3,6 +3,8 @@
 
 #include "base/context.h"
 
+#include <limits.h>
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 #ifdef __linux__
@@ -42,6 +44,7 @@ typedef struct pl_block {
     pl_context *owner;     /* NULL: the system */
     void *start;           /* what the owner's allocator has given */
     size_t bytes;          /* room for the array */
+    int call;              /* of the context that wanted it last */
     struct pl_block *next; /* in the list of those that are kept */
 } pl_block;
 
@@ -51,13 +54,23 @@ static pl_block *block_of(void *array) {
     return (pl_block *)(void *)((char *)array - ALIGNMENT);
 }
 
+/** What the caller's allocator has. */
+static void *ask(pl_context *owner, size_t bytes) {
+    pl_context *before = pl_context_enter(NULL);
+    void *start = owner->allocator.allocate(bytes, owner->allocator.user);
+    pl_context_enter(before);
+    return start;
+}
+
 /** Fresh memory for bytes, a multiple of ALIGNMENT, and what stands before them. */
 static pl_block *fresh_block(pl_context *owner, size_t bytes) {
     const planish_allocator *allocator = owner ? &owner->allocator : NULL;
     pl_block *block;
     void *start;
     if (allocator && allocator->allocate) {
-        start = allocator->allocate(bytes + 2 * ALIGNMENT, allocator->user);
+        start = ask(owner, bytes + 2 * ALIGNMENT);
+        if (!start)
+            return NULL;
         block = (pl_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
     } else {
         start = aligned_alloc(ALIGNMENT, bytes + ALIGNMENT);
@@ -65,23 +78,30 @@ static pl_block *fresh_block(pl_context *owner, size_t bytes) {
     }
     if (!start)
         return NULL;
-    *block = (pl_block){owner, start, bytes, NULL};
+    *block = (pl_block){.owner = owner, .start = start, .bytes = bytes};
+    if (owner)
+        __atomic_fetch_add(&owner->bytes, (int64_t)bytes, __ATOMIC_RELAXED);
     return block;
 }
 
 static void release_block(pl_block *block) {
-    const planish_allocator *allocator = block->owner ? &block->owner->allocator : NULL;
-    if (allocator && allocator->allocate)
-        allocator->release(block->start, allocator->user);
-    else
+    pl_context *owner = block->owner;
+    if (owner)
+        __atomic_fetch_sub(&owner->bytes, (int64_t)block->bytes, __ATOMIC_RELAXED);
+    if (!owner || !owner->allocator.allocate) {
         free(block->start);
+        return;
+    }
+    pl_context *before = pl_context_enter(NULL);
+    owner->allocator.release(block->start, owner->allocator.user);
+    pl_context_enter(before);
 }
 
 /* ---- blocks that are kept: the next call wants the same again -------------------------------- */
 
 static void lock(pl_context *context) {
     while (__atomic_exchange_n(&context->lock, 1, __ATOMIC_ACQUIRE))
-        ;
+        sched_yield();
 }
 
 static void unlock(pl_context *context) {
@@ -126,6 +146,27 @@ void pl_forget_kept(pl_context *context) {
     }
 }
 
+void pl_forget_unwanted(pl_context *context, int call) {
+    pl_block *unwanted = NULL;
+    lock(context);
+    for (pl_block **at = &context->kept; *at;) {
+        pl_block *block = *at;
+        if (block->call < call) {
+            *at = block->next;
+            block->next = unwanted;
+            unwanted = block;
+        } else {
+            at = &block->next;
+        }
+    }
+    unlock(context);
+    while (unwanted) {
+        pl_block *block = unwanted;
+        unwanted = block->next;
+        release_block(block);
+    }
+}
+
 void pl_own_block(void *array, pl_context *context) {
     block_of(array)->owner = context;
 }
@@ -143,13 +184,22 @@ void *pl_alloc_scattered(int64_t count, size_t size, int64_t places) {
         bytes = kept_size(bytes);
         block = take_kept(context, bytes);
     }
-    if (block)
-        return (char *)block + ALIGNMENT;
-    block = fresh_block(context, bytes);
+    const int is_fresh = !block;
     if (!block)
+        block = fresh_block(context, bytes);
+    if (!block && context && context->keeps) { /* what is kept for later may help now */
+        pl_forget_unwanted(context, INT_MAX);
+        block = fresh_block(context, bytes);
+    }
+    if (!block) {
+        if (context)
+            __atomic_store_n(&context->failed, 1, __ATOMIC_RELAXED);
         return NULL;
+    }
     void *array = (char *)block + ALIGNMENT;
-    want_huge_pages(array, bytes, places);
+    block->call = context ? context->call : 0;
+    if (is_fresh)
+        want_huge_pages(array, bytes, places);
     return array;
 }
 

@@ -30,8 +30,10 @@ void pl_free(void *array);
 /** Say that array is context's. */
 void pl_own_block(void *array, struct pl_context *context);
 
-/** Release what context has kept. */
+/** Release what context has kept, and keep nothing more; or those blocks that no call since that
+ * one has wanted. */
 void pl_forget_kept(struct pl_context *context);
+void pl_forget_unwanted(struct pl_context *context, int call);
 
 /** What is in these bytes of an array is no longer wanted, and will not be read again: whole pages
  *  among them go back to the system, if it takes them. */

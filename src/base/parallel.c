@@ -74,12 +74,17 @@ static void run_thread(void *a_loop, int thread) {
 /** Call work(data, t) for all threads t, by the caller's means or by OpenMP's. */
 static void run_threads(const pl_context *context, int threads, planish_task_fn *work, void *data) {
     if (context && context->parallel) {
+        pl_context *before = pl_context_enter(NULL);
         context->parallel(threads, work, data, context->parallel_user);
+        pl_context_enter(before);
         return;
     }
 #ifdef _OPENMP
 #pragma omp parallel num_threads(threads)
     work(data, omp_get_thread_num());
+#else
+    for (int t = 0; t < threads; t++)
+        work(data, t);
 #endif
 }
 

@@ -148,22 +148,33 @@ static void any_chunk(void *context, int64_t begin, int64_t end, int thread) {
         base_chunk(context, begin, end);
 }
 
+static void sum_ratios(const pl_mesh_state *mesh, int threads, pl_ratio_sums *sums) {
+    pl_ratio_sums part[MAX_CHUNKS];
+    pass p = begin_pass(mesh);
+    p.basic = part;
+    pl_parallel_for(threads, mesh->n_elements, p.chunk, any_chunk, &p);
+    *sums = pl_total_basic(p.n_chunks, p.basic);
+    sums->acuteness = largest_so_far(&p);
+}
+
 void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
                          const uint8_t *is_free, const double *coordinates, int threads,
                          pl_ratio_sums *sums) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates};
-    pl_ratio_sums part[MAX_CHUNKS];
-    pass p = begin_pass(&mesh);
-    p.basic = part;
-    pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
-    *sums = pl_total_basic(p.n_chunks, p.basic);
-    sums->acuteness = largest_so_far(&p);
+    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
+    sum_ratios(&mesh, threads, sums);
+}
+
+void pl_sum_radius_ratio_by(int dim, int64_t n_elements, const int32_t *elements,
+                            const int8_t *sign, const uint8_t *is_movable,
+                            const double *coordinates, int threads, pl_ratio_sums *sums) {
+    const pl_mesh_state mesh = {dim, n_elements, elements, sign, NULL, coordinates, is_movable};
+    sum_ratios(&mesh, threads, sums);
 }
 
 void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
                    const uint8_t *is_free, const double *coordinates, double ratio,
                    double acuteness, int threads, uint8_t *state) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates};
+    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
     pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
     p.basic = part;
@@ -244,7 +255,7 @@ static void fill_histogram(int64_t n_valid, const pl_full_sums *full, planish_qu
 int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
                const uint8_t *is_free, const double *coordinates, int threads,
                planish_quality *quality, planish_error *error) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates};
+    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
     pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
     p.basic = part;

@@ -37,6 +37,12 @@ void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, c
                          const uint8_t *is_free, const double *coordinates, int threads,
                          pl_ratio_sums *sums);
 
+/** The same where is_movable [n_elements] says of each element what counts: 1 as with a free node.
+ */
+void pl_sum_radius_ratio_by(int dim, int64_t n_elements, const int32_t *elements,
+                            const int8_t *sign, const uint8_t *is_movable,
+                            const double *coordinates, int threads, pl_ratio_sums *sums);
+
 /** Of an element. */
 enum { PL_FINE = 0, PL_WORSE = 1, PL_INVERTED = 2 };
 

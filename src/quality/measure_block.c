@@ -24,7 +24,7 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
         int is_free = 0;
         for (int j = 0; j <= dim; j++) {
             const double *vertex = mesh->coordinates + (int64_t)node[j] * dim;
-            is_free |= mesh->is_free[node[j]];
+            is_free |= mesh->is_movable ? mesh->is_movable[element] : mesh->is_free[node[j]];
             for (int d = 0; d < dim; d++)
                 b->x[j][d][l] = vertex[d];
         }

@@ -114,6 +114,8 @@ static double aspect_square(const pl_objective_problem *problem, const double *c
 
 static int has_free_node(const pl_objective_problem *problem, int64_t index, const int dim) {
     int is_free = 0;
+    if (problem->is_movable)
+        return problem->is_movable[index] != 0;
     for (int j = 0; j <= dim; j++)
         is_free |= problem->is_free[problem->elements[index * (dim + 1) + j]];
     return is_free != 0;

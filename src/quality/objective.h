@@ -11,9 +11,11 @@
 typedef struct pl_objective_problem {
     int dim;
     int64_t n_elements;
-    const int32_t *elements;   /* [m][dim + 1] */
-    const int8_t *sign;        /* [m] +1 or -1, or NULL: all +1 */
-    const uint8_t *is_free;    /* [n] */
+    const int32_t *elements; /* [m][dim + 1] */
+    const int8_t *sign;      /* [m] +1 or -1, or NULL: all +1 */
+    const uint8_t *is_free;  /* [n], or */
+    const uint8_t
+        *is_movable; /* [m] 1: counts as having a free node; NULL: is_free says which do */
     const double *coordinates; /* [n][dim] */
     planish_objective objective;
     double min_volume;            /* of elements without their own; 0: none */

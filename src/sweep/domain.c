@@ -163,14 +163,16 @@ static int narrow_to_bad(planish_plan *plan, pl_draft *d, planish_error *error) 
     whole->own_elements = plan->own_elements;
     whole->min_volume = plan->min_volume;
     whole->sign = d->boundary.sign;
-    whole->is_selected = d->is_selected;
     plan->own_elements = NULL;
     plan->min_volume = NULL;
     d->boundary.sign = NULL;
-    d->is_selected = NULL;
     whole->is_free = pl_alloc_zero(mesh->n_nodes, sizeof *whole->is_free);
-    if (!whole->is_free)
-        return pl_fail_memory(error, "nodes");
+    whole->is_part = pl_alloc_zero(mesh->n_elements, sizeof *whole->is_part);
+    if (!whole->is_free || !whole->is_part)
+        return pl_fail_memory(error, "the part of the mesh that is worked on");
+    for (int64_t i = 0; i < d->part.n_elements; i++)
+        whole->is_part[d->part.element[i]] = 1;
+    plan->info.n_reversed = d->boundary.n_reversed;
     return narrow(plan, d, mesh, error);
 }
 

@@ -230,13 +230,14 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
 
 /* ---- the guard ----------------------------------------------------------------------------- */
 
-/** The first element without a least volume, or -1. */
+/** The first element without a least volume, by the caller's number, or -1. */
 static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
-    if (min_volume > 0)
-        return -1;
-    for (int64_t i = 0; i < plan->n_elements; i++)
-        if (!plan->min_volume || !(plan->min_volume[i] > 0))
-            return i;
+    const pl_whole *whole = &plan->whole;
+    const int64_t n = whole->elements ? whole->n_elements : plan->n_elements;
+    const double *least = whole->elements ? whole->min_volume : plan->min_volume;
+    for (int64_t i = 0; i < n && !(min_volume > 0); i++)
+        if (!least || !(least[i] > 0))
+            return plan->element_of && !whole->elements ? plan->element_of[i] : i;
     return -1;
 }
 

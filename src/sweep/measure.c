@@ -3,7 +3,6 @@
 
 #include "base/context.h"
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "base/status.h"
 #include "quality/measure.h"
 
@@ -53,75 +52,15 @@ int planish_measure(const planish_plan *plan, const double *coordinates, planish
 
 /* ---- without ------------------------------------------------------------------------------- */
 
-/** The work on all nodes. */
-typedef struct freedom {
-    const planish_mesh *mesh;
-    const pl_incidence *incidence;
-    uint8_t *on_boundary; /* becomes is_free */
-} freedom;
-
-enum { CHUNK_NODES = 4096 };
-
-static void find_free(void *context, int64_t begin, int64_t end, int thread) {
-    const freedom *f = context;
-    const uint8_t *constraint = f->mesh->constraint;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        const int64_t n = f->incidence->offset[i + 1] - f->incidence->offset[i];
-        f->on_boundary[i] = n > 0 && n <= PL_MAX_LINK && !f->on_boundary[i] &&
-                            (!constraint || constraint[i] == PLANISH_FREE);
-    }
-}
-
-/** mesh is dense and valid. */
-static int measure_dense(const planish_mesh *mesh, int threads, planish_quality *quality,
-                         planish_error *error) {
-    pl_boundary boundary = {0};
-    pl_incidence incidence = {0};
-    int status = pl_boundary_create(mesh, 0, threads, &boundary, error);
-    if (!status)
-        status = pl_incidence_create(mesh, NULL, threads, &incidence, error);
-    if (!status)
-        status = pl_boundary_find(mesh, &incidence, NULL, threads, &boundary, error);
-    if (!status) {
-        freedom f = {mesh, &incidence, boundary.on_boundary};
-        pl_parallel_for(threads, mesh->n_nodes, CHUNK_NODES, find_free, &f);
-        status = pl_measure(mesh->dim, mesh->n_elements, mesh->elements, boundary.sign,
-                            boundary.on_boundary, mesh->coordinates, threads, quality, error);
-    }
-    pl_incidence_destroy(&incidence);
-    pl_boundary_destroy(&boundary);
-    return status;
-}
-
-static int measure_mesh(const planish_mesh *mesh, int threads, planish_quality *quality,
-                        planish_error *error) {
-    pl_dense dense;
-    int status = pl_dense_create(mesh, threads, &dense, error);
-    if (status)
-        return status;
-    status = measure_dense(&dense.mesh, threads, quality, error);
-    pl_dense_destroy(&dense);
-    return status;
-}
-
 int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
                          planish_quality *quality, planish_error *error) {
-    planish_options defaults;
+    planish_plan *plan = NULL;
     if (!mesh || !quality)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and quality must not be NULL");
-    planish_options_init(&defaults);
-    options = options ? options : &defaults;
-    int status = pl_options_check(options, error);
-    if (status)
-        return status;
-    pl_context *context = pl_context_create(options);
-    if (!context)
-        return pl_fail_memory(error, "the measuring of a mesh");
-    pl_context *before = pl_context_enter(context);
-    status = measure_mesh(mesh, pl_thread_count(pl_threads_for(mesh, options)), quality, error);
-    pl_context_enter(before);
-    pl_context_destroy(context);
+    int status = planish_plan_create(mesh, options, &plan, error);
+    if (!status)
+        status = planish_measure(plan, mesh->coordinates, quality, error);
+    planish_plan_destroy(plan);
     return status;
 }
 

@@ -159,7 +159,9 @@ int pl_options_check(const planish_options *options, planish_error *error) {
 static int64_t elements_for(const planish_mesh *mesh, const planish_options *options) {
     enum { OF_A_NODE = 24 };
     const int64_t wide = options->layers + 1;
-    if (!options->around || options->n_around > mesh->n_elements / OF_A_NODE)
+    const int walks = options->around_elements && (mesh->neighbours || mesh->neighbours64);
+    if (!options->around || !walks || options->n_around < 1 ||
+        options->n_around > mesh->n_elements / OF_A_NODE)
         return mesh->n_elements;
     const int64_t n = options->n_around * OF_A_NODE * wide * wide * wide;
     return n < mesh->n_elements ? n : mesh->n_elements;

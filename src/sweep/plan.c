@@ -58,17 +58,6 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
     return plan->start ? PLANISH_OK : pl_fail_memory(error, "the working space of a plan");
 }
 
-static int64_t bytes_of(const planish_plan *plan, const pl_visits *visits) {
-    const pl_stars *stars = &visits->stars;
-    if (stars->n_stars == 0)
-        return 0;
-    const int64_t links = stars->link_offset[stars->n_stars];
-    return stars->n_stars * (int64_t)(2 * sizeof(int64_t) + sizeof(int32_t)) +
-           stars->ring_offset[stars->n_stars] * (int64_t)sizeof(int32_t) +
-           links * pl_link_positions(plan->dim) * (stars->link.high ? 2 : 1) +
-           (stars->min_volume ? links * (int64_t)sizeof(double) : 0);
-}
-
 /** Nodes that move with others. */
 static int64_t count_followers(const planish_plan *plan) {
     int64_t n = 0;
@@ -83,10 +72,11 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->n_sliding = plan->sliding.stars.n_stars + count_followers(plan);
     info->n_fixed_elements = (int64_t)pl_parallel_sum(
         plan->threads, plan->n_elements, CHUNK_ELEMENTS, count_fixed, plan, plan->partial);
-    if (plan->node_of)
+    if (plan->whole.elements)
         info->n_fixed_elements += plan->whole.n_elements - plan->n_elements;
     info->n_components = d->boundary.n_components;
-    info->n_reversed = d->boundary.n_reversed;
+    if (!plan->whole.elements)
+        info->n_reversed = d->boundary.n_reversed;
     info->n_boundary_facets = d->boundary.n_boundary_facets;
     info->n_nonmanifold_facets = d->boundary.n_nonmanifold_facets;
     info->n_duplicate_elements = d->boundary.n_duplicate_elements;
@@ -94,14 +84,6 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->threads = plan->threads;
     info->isa = plan->kernel->name;
     info->binding = pl_placement_text(plan->placement);
-    info->bytes =
-        plan->n_nodes * (int64_t)(2 * (size_t)plan->dim * sizeof(double) + sizeof(int32_t) + 3) +
-        (plan->sign ? plan->n_elements : 0) +
-        (plan->min_volume ? plan->n_elements * (int64_t)sizeof(double) : 0) +
-        bytes_of(plan, &plan->interior) + bytes_of(plan, &plan->sliding) +
-        plan->sliding.stars.n_stars * (int64_t)sizeof *plan->slide +
-        plan->sliding.n_followers * (int64_t)sizeof *plan->sliding.follower +
-        plan->scratch_stride * plan->threads * (int64_t)sizeof(double);
 }
 
 /** What planish_measure tells of all of the mesh. */
@@ -159,7 +141,7 @@ static void destroy(planish_plan *plan) {
     pl_free(plan->whole.sign);
     pl_free(plan->whole.min_volume);
     pl_free(plan->whole.is_free);
-    pl_free(plan->whole.is_selected);
+    pl_free(plan->whole.is_part);
     pl_free(plan->start);
     pl_free(plan->min_volume);
     pl_free(plan->sign);
@@ -175,7 +157,8 @@ static void destroy(planish_plan *plan) {
 }
 
 static void say_plan(const planish_plan *plan) {
-    const planish_plan_info *info = &plan->info;
+    planish_plan_info all, *info = &all;
+    planish_plan_get_info(plan, info);
     pl_log(PLANISH_LOG_DETAIL,
            "%" PRId64 " of %" PRId64 " nodes may move, %" PRId64
            " of them slide; %d colours; %d %s, "
@@ -356,4 +339,5 @@ const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, d
 
 void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info) {
     *info = plan->info;
+    info->bytes = __atomic_load_n(&plan->context->bytes, __ATOMIC_RELAXED);
 }

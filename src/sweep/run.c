@@ -104,30 +104,24 @@ void pl_run_measure(pl_run *r) {
 void pl_run_measure_rest(pl_run *r, const double *all) {
     const planish_plan *plan = r->plan;
     const pl_whole *whole = &plan->whole;
+    const int64_t n = whole->n_elements - plan->n_elements;
     pl_ratio_sums plain;
     pl_objective_sums sums;
     if (r->plain) {
-        pl_sum_radius_ratio(plan->dim, whole->n_elements, whole->elements, whole->sign,
-                            whole->is_selected, all, plan->threads, &plain);
-        r->rest =
-            (pl_rest){.ratio = plain.fixed, .n = (double)plain.n_fixed, .inverted = plain.inverted};
+        pl_sum_radius_ratio_by(plan->dim, whole->n_elements, whole->elements, whole->sign,
+                               whole->is_part, all, plan->threads, &plain);
+        r->rest = (pl_rest){
+            .ratio = plain.fixed, .n = (double)plain.n_fixed, .inverted = n - plain.n_fixed};
         return;
     }
-    const pl_objective_problem problem = {.dim = plan->dim,
-                                          .n_elements = whole->n_elements,
-                                          .elements = whole->elements,
-                                          .sign = whole->sign,
-                                          .is_free = whole->is_selected,
-                                          .coordinates = all,
-                                          .objective = r->options->objective,
-                                          .min_volume = r->guard.min_volume,
-                                          .own_min_volume = whole->min_volume,
-                                          .threads = plan->threads};
+    pl_objective_problem problem =
+        pl_objective_problem_of(plan, r->options, all, r->guard.min_volume);
+    problem.is_movable = whole->is_part;
     pl_sum_objective(&problem, &sums);
     r->rest = (pl_rest){.ratio = sums.ratio[0],
                         .volume = sums.volume[0],
                         .n = sums.n[0],
-                        .inverted = (int64_t)sums.inverted,
+                        .inverted = n - (int64_t)sums.n[0],
                         .below = (int64_t)sums.below};
 }
 

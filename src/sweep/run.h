@@ -47,7 +47,7 @@ typedef struct pl_run {
 void pl_run_measure(pl_run *r);
 
 /** Measure what is outside of the plan's part of the mesh, with the coordinates all [.][dim] of all
- *  of it. inverted and below are then those of all: what is in the part is to be taken off. */
+ *  of it, scaled as they are. below is then that of all: what is in the part is to be taken off. */
 void pl_run_measure_rest(pl_run *r, const double *all);
 
 /** F of all elements as measured or tracked last; how many are inverted or below. */

@@ -236,49 +236,46 @@ static int is_promised_angles(const pl_run *r) {
            !(o->area_weight > 0) && pl_run_inverted(r) == 0 && pl_run_below(r) == 0;
 }
 
-/** The guard, and what is outside of the plan's part of the mesh, whose coordinates all [.][dim]
- *  are. */
-static int look_around(pl_run *r, const double *all, planish_error *error) {
-    const planish_plan *plan = r->plan;
+/** Coordinates into the plan; the guard, with a delta that may be a fraction of the volume of all
+ * of the mesh, whose coordinates all [.][dim] are. */
+static int begin(pl_run *r, const double *all, planish_error *error) {
+    planish_plan *plan = r->plan;
+    pl_plan_order(plan, r->outside, plan->coordinates);
+    begin_sliding(plan);
     const double delta = pl_least_volume(plan, r->options, all);
     int status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
     if (status)
         return status;
     r->plain = !r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH;
     r->unit = r->plain ? pl_box_of_fixed(plan).scale : 1;
-    if (plan->whole.elements)
-        pl_run_measure_rest(r, all);
     return PLANISH_OK;
 }
 
-/** Coordinates into the plan; the first measurement. */
-static int begin(pl_run *r, planish_error *error) {
-    planish_plan *plan = r->plan;
-    const pl_points points = pl_plan_points(plan, r->coordinates);
-    const pl_points all = pl_plan_all_points(plan, r->coordinates);
-    r->outside = pl_plan_dense(plan, &points, plan->start);
-    pl_plan_order(plan, r->outside, plan->coordinates);
-    begin_sliding(plan);
-    if (!plan->whole.elements)
-        return look_around(r, r->outside, error);
-    double *room = pl_points_are_dense(&all) ? NULL : pl_alloc(all.n * all.dim, sizeof *room);
-    const int memory = room || pl_points_are_dense(&all);
-    int status = memory ? look_around(r, pl_plan_dense(plan, &all, room), error)
-                        : pl_fail_memory(error, "the coordinates");
-    pl_free(room);
+/** The same where all of the mesh is known, and measured. */
+static int begin_with_all(pl_run *r, planish_error *error) {
+    const pl_points points = pl_plan_all_points(r->plan, r->coordinates);
+    double *all = pl_alloc(points.n * points.dim, sizeof *all);
+    if (!all)
+        return pl_fail_memory(error, "the coordinates");
+    pl_points_gather(&points, r->plan->threads, all);
+    const int status = begin(r, all, error);
+    for (int64_t i = 0; !status && i < points.n * points.dim; i++)
+        all[i] *= r->unit;
+    if (!status)
+        pl_run_measure_rest(r, all);
+    pl_free(all);
     return status;
 }
 
 static int smooth(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
-    int status = begin(r, error);
+    const pl_points points = pl_plan_points(plan, r->coordinates);
+    r->outside = pl_plan_dense(plan, &points, plan->start);
+    int status = plan->whole.elements ? begin_with_all(r, error) : begin(r, r->outside, error);
     if (status)
         return status;
     pl_run_measure(r);
-    if (plan->whole.elements) {
-        r->rest.inverted -= pl_run_inverted(r);
-        r->rest.below -= pl_run_below(r);
-    }
+    r->rest.below -= plan->whole.elements ? pl_run_below(r) : 0;
     r->result->objective_before = pl_run_objective(r);
     r->at_start = is_promised_angles(r) ? pl_run_limits(r, 1) : pl_star_no_limits();
     prepare_problem(r);
@@ -289,6 +286,9 @@ static int smooth(pl_run *r, planish_error *error) {
         status = judge(r, error);
     if (!status)
         status = look_for_infeasible(r, error);
+    /* What helps is left out without memory, and the mesh would not be the one that it is with. */
+    if (!status && __atomic_load_n(&plan->context->failed, __ATOMIC_RELAXED))
+        status = pl_fail_memory(error, "the smoothing of a mesh");
     if (!status)
         transfer_out(r);
     return status;
@@ -331,6 +331,25 @@ static void say_result(const planish_result *r) {
                r->put_back);
 }
 
+static int smooth_in_context(planish_plan *plan, double *coordinates,
+                             const planish_options *options, planish_result *found,
+                             planish_error *error) {
+    pl_run r = {.plan = plan,
+                .coordinates = coordinates,
+                .options = options,
+                .start = pl_seconds(),
+                .result = found};
+    pl_placement_enter(plan->placement);
+    const int status = smooth(&r, error);
+    pl_placement_leave(plan->placement);
+    if (!status) {
+        fill_result(&r);
+        say_result(found);
+    }
+    pl_guard_destroy(&r.guard);
+    return status;
+}
+
 int planish_smooth(planish_plan *plan, double *coordinates, const planish_options *options,
                    planish_result *result, planish_error *error) {
     planish_options defaults;
@@ -341,26 +360,14 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
         planish_options_init(&defaults);
         options = &defaults;
     }
-    int status = pl_call_check(plan, coordinates, options, error);
-    if (status)
-        return status;
-
-    pl_run r = {.plan = plan,
-                .coordinates = coordinates,
-                .options = options,
-                .start = pl_seconds(),
-                .result = &found};
     pl_context *before = pl_context_enter(plan->context);
-    pl_placement_enter(plan->placement);
-    status = smooth(&r, error);
-    pl_placement_leave(plan->placement);
-    if (!status) {
-        fill_result(&r);
-        say_result(&found);
-        if (result)
-            *result = found;
-    }
-    pl_guard_destroy(&r.guard);
+    pl_context_begin(plan->context);
+    int status = pl_call_check(plan, coordinates, options, error);
+    if (!status)
+        status = smooth_in_context(plan, coordinates, options, &found, error);
+    pl_context_end(plan->context);
     pl_context_enter(before);
+    if (!status && result)
+        *result = found;
     return status;
 }

@@ -165,7 +165,17 @@ typedef struct room {
     int64_t n_of_all;
 } room;
 
-static int room_create(const planish_plan *plan, const double *coordinates, room *r) {
+static void room_destroy(room *r) {
+    if (r->of_part != r->state)
+        pl_free(r->of_part);
+    pl_free(r->state);
+    pl_free(r->ordered);
+    pl_free(r->own);
+    pl_free(r->all);
+}
+
+static int room_create(const planish_plan *plan, const double *coordinates, room *r,
+                       planish_error *error) {
     const int is_part = plan->whole.elements != NULL;
     *r = (room){.plan = plan,
                 .all_points = pl_plan_all_points(plan, coordinates),
@@ -178,16 +188,10 @@ static int room_create(const planish_plan *plan, const double *coordinates, room
     r->ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *r->ordered);
     r->state = pl_alloc(r->n_of_all, sizeof *r->state);
     r->of_part = is_part ? pl_alloc(plan->n_elements, sizeof *r->of_part) : r->state;
-    return (r->all || all_dense) && (r->own || own_dense) && r->ordered && r->state && r->of_part;
-}
-
-static void room_destroy(room *r) {
-    if (r->of_part != r->state)
-        pl_free(r->of_part);
-    pl_free(r->state);
-    pl_free(r->ordered);
-    pl_free(r->own);
-    pl_free(r->all);
+    if ((r->all || all_dense) && (r->own || own_dense) && r->ordered && r->state && r->of_part)
+        return PLANISH_OK;
+    room_destroy(r);
+    return pl_fail_memory(error, "the states of elements");
 }
 
 /** Turn _BELOW into _INFEASIBLE where that is so: in the plan's part by pl_mark_infeasible, and
@@ -256,18 +260,19 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
         planish_options_init(&defaults);
         options = &defaults;
     }
-    int status = pl_call_check(plan, coordinates, options, error);
-    if (status)
-        return status;
     pl_context *before = pl_context_enter(plan->context);
-    status = room_create(plan, coordinates, &r) ? check_volumes(&r, options, &n, error)
-                                                : pl_fail_memory(error, "the states of elements");
+    int status = pl_call_check(plan, coordinates, options, error);
+    if (!status)
+        status = room_create(plan, coordinates, &r, error);
     if (!status) {
-        *n_below = n;
-        hand_out(&r, 0, state);
+        status = check_volumes(&r, options, &n, error);
+        if (!status)
+            hand_out(&r, 0, state);
+        room_destroy(&r);
     }
-    room_destroy(&r);
     pl_context_enter(before);
+    if (!status)
+        *n_below = n;
     return status;
 }
 
@@ -291,18 +296,19 @@ int planish_find_unfixable(const planish_plan *plan, const double *coordinates, 
     room r;
     if (!plan || !coordinates || !n)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan, coordinates and n must not be NULL");
+    pl_context *before = pl_context_enter(plan->context);
     const pl_points points = pl_plan_all_points(plan, coordinates);
     int status = pl_points_check(&points, plan->threads, error);
-    if (status)
-        return status;
-    pl_context *before = pl_context_enter(plan->context);
-    status = room_create(plan, coordinates, &r) ? find_unfixable(&r, &found, error)
-                                                : pl_fail_memory(error, "the states of elements");
+    if (!status)
+        status = room_create(plan, coordinates, &r, error);
     if (!status) {
-        *n = found;
-        hand_out(&r, 1, unfixable);
+        status = find_unfixable(&r, &found, error);
+        if (!status)
+            hand_out(&r, 1, unfixable);
+        room_destroy(&r);
     }
-    room_destroy(&r);
     pl_context_enter(before);
+    if (!status)
+        *n = found;
     return status;
 }

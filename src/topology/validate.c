@@ -103,7 +103,8 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
     if (!strides_are_sound(mesh))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.node_stride is %" PRId64 " and component_stride %" PRId64
-                       ": coordinates would overlap; give how far apart they are, or 0",
+                       ": they must be positive, no more than 2^30 for nodes, and let no two "
+                       "coordinates overlap; or 0",
                        mesh->node_stride, mesh->component_stride);
     return PLANISH_OK;
 }

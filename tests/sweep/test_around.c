@@ -141,7 +141,8 @@ static void expect_same_as_fixed(const planish_mesh *mesh, const uint8_t *chosen
     other.constraint = constraint;
     test_run all = test_smooth(&other, &options);
     assert_int_equal(all.info.n_free, r->info.n_free);
-    assert_int_equal(all.info.n_fixed_elements, r->info.n_fixed_elements);
+    assert_int_equal(all.info.n_fixed_elements,
+                     r->info.n_fixed_elements + mesh->n_elements - r->before.n_elements);
     assert_memory_equal(all.coordinates, r->coordinates,
                         (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double));
     free(all.coordinates);
@@ -263,6 +264,49 @@ static void neighbours_of_bad_elements(void **state) {
     free(expected.coordinates);
     free(neighbours);
     test_mesh_destroy(&box);
+}
+
+/** What results say of all of the mesh is so where nothing is bad, where a node that is worked on
+ *  joins two fans, which neighbours do not tell, and at any scale. */
+static void results_are_of_all(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int which = 0; which < 4; which++) {
+            test_mesh box, other;
+            planish_options options = defaults();
+            test_mesh_box(&box, dim, 16);
+            test_mesh_perturb(&box, 0.08, 7);
+            test_mesh_box(&other, dim, 1);
+            test_mesh_append(&box, &other, 40);
+            const int32_t node = box.elements[5 * (dim + 1)];
+            if (which == 1) { /* a second fan at a node that has a bad element */
+                for (int d = 0; d < dim; d++)
+                    box.coordinates[node * dim + d] += 0.02;
+                test_mesh_join(&box, node, (int32_t)box.mesh.n_nodes - 1);
+            }
+            if (which == 3)
+                test_mesh_transform(&box, 0x1p-180, 0);
+            planish_mesh mesh = box.mesh;
+            int32_t *neighbours = neighbours_of(&mesh);
+            planish_quality all;
+            assert_int_equal(planish_measure_mesh(&mesh, NULL, &all, NULL), 0);
+            options.only_worse_than = which == 0 ? 1e6 : all.max_radius_ratio * 0.999;
+            test_run r = test_smooth(&mesh, &options);
+            mesh.neighbours = neighbours;
+            test_run s = test_smooth(&mesh, &options);
+            assert_memory_equal(r.coordinates, s.coordinates,
+                                (size_t)(mesh.n_nodes * dim) * sizeof(double));
+            assert_true(r.info.n_free < 60);
+            assert_true(fabs(r.result.objective_before / all.rms_radius_ratio - 1) < 1e-13);
+            assert_true(fabs(s.result.objective_before / all.rms_radius_ratio - 1) < 1e-13);
+            assert_true(fabs(r.result.rms / r.after.rms_radius_ratio - 1) < 1e-13);
+            assert_true(fabs(s.result.rms / s.after.rms_radius_ratio - 1) < 1e-13);
+            free(r.coordinates);
+            free(s.coordinates);
+            free(neighbours);
+            test_mesh_destroy(&box);
+            test_mesh_destroy(&other);
+        }
 }
 
 /* ---- forms of arrays ------------------------------------------------------------------------ */
@@ -560,6 +604,7 @@ int main(void) {
         cmocka_unit_test(only_nodes_around_move),
         cmocka_unit_test(neighbours_save_passes_alone),
         cmocka_unit_test(neighbours_of_bad_elements),
+        cmocka_unit_test(results_are_of_all),
         cmocka_unit_test(forms_do_not_matter),
         cmocka_unit_test(numbers_are_the_callers),
         cmocka_unit_test(wrong_arguments_are_named),

@@ -56,12 +56,13 @@ static void tangled_box(test_mesh *mesh, int dim) {
 /** An allocator that counts, and whose memory is aligned no better than malloc's. */
 typedef struct heap {
     _Atomic int64_t calls, live, left;
+    int64_t missing; /* this call and the next have no memory: one is asked again; or -1 */
 } heap;
 
 static void *heap_allocate(size_t bytes, void *user) {
     heap *h = user;
-    h->calls++;
-    if (h->left-- <= 0)
+    const int64_t call = h->calls++;
+    if ((h->missing >= 0 && (call == h->missing || call == h->missing + 1)) || h->left-- <= 0)
         return NULL;
     char *block = malloc(bytes + 16);
     h->live += block != NULL;
@@ -77,6 +78,7 @@ static void heap_release(void *block, void *user) {
 
 static planish_allocator allocator_of(heap *h) {
     h->left = INT64_MAX;
+    h->missing = -1;
     return (planish_allocator){heap_allocate, heap_release, h};
 }
 
@@ -164,6 +166,90 @@ static void allocators_may_fail(void **state) {
     }
     assert_true(failures > 40);
     free(copy);
+    test_mesh_destroy(&box);
+}
+
+/** An allocation that fails changes no bit: it is an error, or it did no harm. */
+static void results_do_not_depend_on_memory(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        heap h = {0};
+        const planish_allocator allocator = allocator_of(&h);
+        planish_options options = defaults();
+        planish_plan *plan;
+        tangled_box(&box, dim);
+        options.allocator = &allocator;
+        options.max_sweeps = 3;
+        double *expected = copy_of(&box.mesh), *x = copy_of(&box.mesh);
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+        const int64_t calls = h.calls;
+        assert_int_equal(planish_smooth(plan, expected, &options, NULL, NULL), 0);
+        const int64_t n = h.calls - calls;
+        planish_plan_destroy(plan);
+        assert_true(n > 10);
+        int failures = 0;
+        for (int64_t k = 0; k < n; k++) {
+            memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+            assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+            h.missing = h.calls + k;
+            const int status = planish_smooth(plan, x, &options, NULL, NULL);
+            h.missing = -1;
+            failures += status != 0;
+            if (status)
+                assert_memory_equal(x, box.mesh.coordinates, bytes_of(&box.mesh));
+            else
+                assert_memory_equal(x, expected, bytes_of(&box.mesh));
+            memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+            assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+            assert_memory_equal(x, expected, bytes_of(&box.mesh));
+            planish_plan_destroy(plan);
+        }
+        assert_true(failures > 5);
+        assert_int_equal(h.live, 0);
+        free(expected);
+        free(x);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Calls that want something else each time do not pile up what the ones before wanted. */
+static void kept_memory_is_bounded(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_options options = defaults();
+    planish_plan *plan;
+    planish_plan_info info;
+    test_mesh_box(&box, 3, CELLS);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    planish_plan_get_info(plan, &info);
+    const int64_t bytes = info.bytes;
+    double *x = copy_of(&box.mesh);
+    unsigned random = 1;
+    int64_t most = 0;
+    for (int i = 0; i < 60; i++) {
+        memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+        for (int k = 0; k <= i % 20; k++) {
+            const int64_t node = (int64_t)(test_random(&random) * (double)box.mesh.n_nodes);
+            int inside = 1;
+            for (int d = 0; d < 3; d++)
+                inside &= x[3 * node + d] > 0 && x[3 * node + d] < CELLS;
+            x[3 * node] += inside ? 1.2 : 0;
+        }
+        assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+        planish_plan_get_info(plan, &info);
+        if (i < 20)
+            most = info.bytes > most ? info.bytes : most;
+    }
+    assert_true(bytes > 0 && info.bytes <= most + most / 10);
+    for (int i = 0; i < 3; i++) {
+        memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+        assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+    }
+    planish_plan_get_info(plan, &info);
+    assert_true(info.bytes < bytes + bytes / 4);
+    planish_plan_destroy(plan);
+    free(x);
     test_mesh_destroy(&box);
 }
 
@@ -560,6 +646,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(calls_allocate_once),
         cmocka_unit_test(allocators_may_fail),
+        cmocka_unit_test(results_do_not_depend_on_memory),
+        cmocka_unit_test(kept_memory_is_bounded),
         cmocka_unit_test(callbacks_may_call_the_library),
         cmocka_unit_test(threads_may_be_the_callers),
         cmocka_unit_test(meshes_may_be_smoothed_at_once),
