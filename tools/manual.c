@@ -12,7 +12,9 @@
 /** Text for troff: nothing in it is a request, a minus is one. */
 static void put_troff(const char *text) {
     for (const char *c = text; *c; c++)
-        if (*c == '-')
+        if ((*c == '.' || *c == '\'') && (c == text || c[-1] == '\n'))
+            printf("\\&%c", *c);
+        else if (*c == '-')
             fputs("\\-", stdout);
         else if (*c == '\\')
             fputs("\\e", stdout);
@@ -83,42 +85,20 @@ static void put_man(void) {
 
 /* ---- completion ------------------------------------------------------------------------------ */
 
-/** Words that a value can be, separated by blanks; "file": names of files; NULL: unknown. */
-static const char *values_of(const pl_option_text *o) {
-    static const struct {
-        const char *name, *values;
-    } known[] = {
-        {"output", "file"},
-        {"json", "file"},
-        {"format", "gmsh medit vtk tetgen"},
-        {"method", "planish laplacian area-laplacian length-laplacian"},
-        {"objective", "radius-ratio mean-ratio edge-ratio worst"},
-        {"worst-measure", "dihedral radius-ratio"},
-        {"direction", "newton fletcher-reeves"},
-        {"slide", "auto none"},
-        {"bind", "auto none"},
-    };
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
-        if (strcmp(known[i].name, o->name) == 0)
-            return known[i].values;
-    return NULL;
-}
-
 static void put_bash_values(void) {
     pl_option_text o;
     for (int i = 0; pl_option_describe(i, &o); i++) {
-        const char *values = values_of(&o);
         if (!o.value)
             continue;
         printf("    --%s", o.name);
         if (o.letter)
             printf("|-%c", o.letter);
-        if (!values)
+        if (!o.values)
             printf(") return ;;\n");
-        else if (strcmp(values, "file") == 0)
-            printf(") COMPREPLY=($(compgen -f -- \"$word\")); return ;;\n");
+        else if (strcmp(o.values, "file") == 0)
+            printf(") mapfile -t COMPREPLY < <(compgen -f -- \"$word\"); return ;;\n");
         else
-            printf(") COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n", values);
+            printf(") COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n", o.values);
     }
 }
 
@@ -146,7 +126,7 @@ static void put_bash(void) {
            "    if [[ $word == -* ]]; then\n"
            "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
            "    else\n"
-           "        COMPREPLY=($(compgen -f -- \"$word\"))\n"
+           "        mapfile -t COMPREPLY < <(compgen -f -- \"$word\")\n"
            "    fi\n}\ncomplete -o filenames -F _planish planish\n");
 }
 
@@ -163,19 +143,18 @@ static void put_zsh_text(const char *text) {
 }
 
 static void put_zsh_option(const pl_option_text *o) {
-    const char *values = values_of(o);
     printf(" \\\n        '*--%s%s[", o->name, o->value ? "=" : "");
     put_zsh_text(o->help);
     printf("]");
     if (o->value) {
         printf(":");
         put_zsh_text(o->value);
-        if (!values)
+        if (!o->values)
             printf(": ");
-        else if (strcmp(values, "file") == 0)
+        else if (strcmp(o->values, "file") == 0)
             printf(":_files");
         else
-            printf(":(%s)", values);
+            printf(":(%s)", o->values);
     }
     printf("'");
 }

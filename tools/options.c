@@ -334,7 +334,9 @@ typedef struct option_row {
     const char *value; /* what its value is called, or NULL: takes none */
     unsigned commands; /* bits of pl_command, and OPTIMISES: heeded by no Laplacian method */
     option_setter *set;
-    const char *help; /* lines separated by '\n' */
+    const char *help;   /* lines separated by '\n' */
+    const char *values; /* words that the value may be, separated by blanks; "file": a file's name;
+                           NULL: anything else */
 } option_row;
 
 enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY, OPTIMISES = 4 };
@@ -342,69 +344,82 @@ enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY
 static const option_row option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_output,
      "write the smoothed mesh to OUT, which may be IN; same\nformat as IN, only coordinates "
-     "change"},
+     "change",
+     "file"},
     {0, "format", "NAME", BOTH, set_format,
      "format of the input: gmsh, medit, vtk or tetgen\n(default: told by its content, then its "
-     "name)"},
+     "name)",
+     "gmsh medit vtk tetgen"},
     {0, "method", "NAME", SMOOTH, set_method,
      "how nodes are moved: planish (default), or to compare\nwith laplacian, area-laplacian, "
-     "length-laplacian,\nwhich may invert elements"},
+     "length-laplacian,\nwhich may invert elements",
+     "planish laplacian area-laplacian length-laplacian"},
     {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective,
      "what is made small, as RMS over the elements:\nradius-ratio (default), mean-ratio or "
-     "edge-ratio; or\nworst: radius-ratio, and then the worst elements"},
+     "edge-ratio; or\nworst: radius-ratio, and then the worst elements",
+     "radius-ratio mean-ratio edge-ratio worst"},
     {0, "worst-measure", "NAME", SMOOTH | OPTIMISES, set_worst_measure,
      "what --objective worst improves in the end: dihedral\n(default; the smallest and largest "
-     "angles), or\nradius-ratio"},
+     "angles), or\nradius-ratio",
+     "dihedral radius-ratio"},
     {0, "worst-rise", "R", SMOOTH | OPTIMISES, set_worst_rise,
-     "by how much of itself the RMS may rise for that\n(default 0.01)"},
+     "by how much of itself the RMS may rise for that\n(default 0.01)", NULL},
     {0, "direction", "NAME", SMOOTH | OPTIMISES, set_direction,
-     "search direction: newton (default) or fletcher-reeves"},
+     "search direction: newton (default) or fletcher-reeves", "newton fletcher-reeves"},
     {0, "min-volume", "[TAG=]V", BOTH, set_min_volume,
      "no element (of group TAG) may have less volume (area\nin 2-D) than V; TAG=V may be given "
-     "more than once"},
+     "more than once",
+     NULL},
     {0, "min-volume-fraction", "F", BOTH, set_min_volume_fraction,
-     "the same with V = F times the volume of all elements"},
+     "the same with V = F times the volume of all elements", NULL},
     {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_area_weight,
-     "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)"},
+     "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)", NULL},
     {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box,
-     "keep all nodes in the box; those outside stay put"},
+     "keep all nodes in the box; those outside stay put", NULL},
     {0, "max-displacement", "D", SMOOTH, set_max_displacement,
      "move no node farther than D from where it was; Dh:\nthan D times the mean length of its "
-     "edges"},
+     "edges",
+     NULL},
     {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_no_untangle,
-     "leave inverted elements alone (default: make them\nvalid first where that can be done)"},
+     "leave inverted elements alone (default: make them\nvalid first where that can be done)",
+     NULL},
     {0, "max-sweeps", "N", SMOOTH, set_max_sweeps,
-     "at most N sweeps over the mesh once it is untangled\n(default 200)"},
+     "at most N sweeps over the mesh once it is untangled\n(default 200)", NULL},
     {0, "tolerance", "T", SMOOTH, set_tolerance,
-     "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)"},
+     "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)", NULL},
     {0, "time-limit", "S", SMOOTH, set_time_limit,
-     "stop after S seconds; the mesh is written and the\nexit status is 1"},
+     "stop after S seconds; the mesh is written and the\nexit status is 1", NULL},
     {0, "fix", "TAG", BOTH, set_fix,
-     "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once"},
+     "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once", NULL},
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
-     "let nodes between regions (materials) move"},
+     "let nodes between regions (materials) move", NULL},
     {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,
      "let boundary nodes slide where the shape stays what\nit is: auto (on planes and straight "
      "edges), none\n(default), or on group TAG only (NAME, N or DIM:N;\nmay be given more than "
-     "once)"},
+     "once)",
+     "auto none"},
     {0, "slide-tolerance", "T", SMOOTH, set_slide_tolerance,
      "how far off a plane or line its nodes may be, times\nthe diagonal of the bounding box "
-     "(default 1e-8, more\nfor files of few digits)"},
+     "(default 1e-8, more\nfor files of few digits)",
+     NULL},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
-     "move only nodes of elements whose radius ratio\nexceeds RR"},
+     "move only nodes of elements whose radius ratio\nexceeds RR", NULL},
     {0, "layers", "K", SMOOTH | OPTIMISES, set_layers,
-     "with --only-worse-than: and of K layers of elements\naround these (default 0)"},
+     "with --only-worse-than: and of K layers of elements\naround these (default 0)", NULL},
     {'j', "threads", "N", BOTH, set_threads,
-     "run on N threads (default: OMP_NUM_THREADS, else one\nper core)"},
+     "run on N threads (default: OMP_NUM_THREADS, else one\nper core)", NULL},
     {0, "bind", "HOW", BOTH, set_bind,
      "auto (default): bind one thread to each core if there\nare as many, and OpenMP's variables "
      "say nothing;\n"
-     "none: leave them where the system puts them"},
-    {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output"},
-    {'v', "verbose", NULL, SMOOTH, set_verbose, "one line per sweep, and where the threads run"},
-    {'q', "quiet", NULL, BOTH, set_quiet, "print nothing but errors"},
-    {0, "help", NULL, BOTH, set_help, "show this help and exit"},
-    {0, "version", NULL, BOTH, set_version, "show the version and exit"},
+     "none: leave them where the system puts them",
+     "auto none"},
+    {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output",
+     "file"},
+    {'v', "verbose", NULL, SMOOTH, set_verbose, "one line per sweep, and where the threads run",
+     NULL},
+    {'q', "quiet", NULL, BOTH, set_quiet, "print nothing but errors", NULL},
+    {0, "help", NULL, BOTH, set_help, "show this help and exit", NULL},
+    {0, "version", NULL, BOTH, set_version, "show the version and exit", NULL},
 };
 
 enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
@@ -584,7 +599,8 @@ int pl_option_describe(int i, pl_option_text *text) {
     if (i >= N_OPTIONS)
         return 0;
     const option_row *row = &option_table[i];
-    *text = (pl_option_text){row->letter, row->name, row->value, row->commands & BOTH, row->help};
+    *text = (pl_option_text){row->letter,          row->name, row->value,
+                             row->commands & BOTH, row->help, row->values};
     return 1;
 }
 

@@ -1,7 +1,7 @@
 /* options: the command line of `planish smooth` and `planish quality`.
  *
- * One table (options.c) says which options there are; it drives the parser, the help, the manual page
- * and the completion of shells (manual.c).
+ * One table (options.c) says which options there are; it drives the parser, the help, the manual
+ * page and the completion of shells (manual.c).
  */
 #ifndef PL_TOOLS_OPTIONS_H
 #define PL_TOOLS_OPTIONS_H
@@ -67,6 +67,8 @@ typedef struct pl_option_text {
     const char *value; /* what its value is called, or NULL: takes none */
     unsigned commands; /* bits of pl_command */
     const char *help;  /* lines separated by '\n' */
+    const char
+        *values; /* words that the value may be; "file": a file's name; NULL: anything else */
 } pl_option_text;
 
 /** Describe option i, 0 and up; 0 if there is none. */

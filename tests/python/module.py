@@ -113,6 +113,17 @@ class Smoothing(unittest.TestCase):
         planish.smooth(masked, cells, fixed=mask)
         np.testing.assert_array_equal(points, masked)
 
+        none, all_of_them = start.copy(), start.copy()
+        planish.smooth(none, cells, fixed=[])
+        planish.smooth(all_of_them, cells)
+        np.testing.assert_array_equal(none, all_of_them)
+        mask[:] = False
+        mask[fixed[0]] = True
+        some, few = start.copy(), start.copy()
+        planish.smooth(some, cells, around=mask)
+        planish.smooth(few, cells, around=fixed[:1].astype(np.uint8))
+        np.testing.assert_array_equal(some, few)
+
         worst = start.copy()
         result = planish.smooth(worst, cells, objective="worst", worst_measure="dihedral")
         self.assertGreater(result.worst_sweeps, 0)
@@ -173,6 +184,13 @@ class Plans(unittest.TestCase):
             np.testing.assert_array_equal(padded[:, :3], points)
             with self.assertRaisesRegex(ValueError, "rows"):
                 plan.smooth(points[1:])
+            cells[:] = -1  # the plan has its own
+            frozen = points.copy()
+            frozen.flags.writeable = False
+            self.assertEqual(plan.quality(frozen).inverted, 0)
+            with self.assertRaisesRegex(ValueError, "read-only"):
+                plan.smooth(frozen)
+            plan.smooth(points)
         for call in (plan.smooth, plan.quality, plan.free):
             with self.assertRaisesRegex(ValueError, "closed"):
                 call()
@@ -182,9 +200,10 @@ class Plans(unittest.TestCase):
         points, cells, _ = box(3)
         seen = []
         start = points.copy()
-        planish.smooth(points, cells, progress=lambda p: seen.append((p.sweep, p.rms)))
+        planish.smooth(points, cells, progress=seen.append)
         self.assertGreater(len(seen), 5)
-        self.assertLess(seen[-1][1], seen[0][1])
+        self.assertLess(seen[-1].rms, seen[0].rms)
+        self.assertEqual((seen[0].sweep, seen[0].colour), (1, 1))
         stopped = start.copy()
         result = planish.smooth(stopped, cells, progress=lambda p: p.sweep_done)
         self.assertEqual((result.stop, result.sweeps), ("interrupted", 1))
@@ -218,6 +237,7 @@ class Plans(unittest.TestCase):
         self.assertEqual(values["n_elements"], len(cells))
         self.assertEqual(sum(values["histogram_counts"]), len(cells))
         self.assertNotIn("reserved", values)
+        self.assertEqual(planish.smooth(points, cells).as_dict()["stop"], "converged")
         self.assertGreater(values["smallest_angle_deg"]["min"], 0)
         self.assertEqual(planish.version(), "0.1.0")
 
@@ -241,8 +261,12 @@ class Refusals(unittest.TestCase):
         self.refuse(TypeError, "meshio or pyvista", points)
         self.refuse(ValueError, "objective must be", points, cells, objective="best")
         self.refuse(ValueError, "worst_measure must be", points, cells, worst_measure="x")
-        self.refuse(TypeError, "unexpected keyword", points, cells, sweeps=3)
+        self.refuse(TypeError, "sweeps is no option", points, cells, sweeps=3)
         self.refuse(planish.Error, "n_around is 0", points, cells, around=[])
+        self.refuse(ValueError, "fixed has a number", points, cells, fixed=[-1])
+        self.refuse(ValueError, "around has a number", points, cells, around=[len(points)])
+        self.refuse(TypeError, "fixed must be numbers", points, cells, fixed=[0.5])
+        self.refuse(ValueError, "fixed is a mask", points, cells, fixed=np.ones(3, dtype=bool))
 
     def test_wrong_meshes(self):
         points, cells, _ = box(3, 3)

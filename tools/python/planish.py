@@ -128,7 +128,8 @@ class _Printed(ctypes.Structure):
 
     def as_dict(self) -> dict[str, Any]:
         """Its values by name; arrays as lists."""
-        values = {name: getattr(self, name) for name, *_ in self._fields_ if name != "reserved"}
+        names = [name.lstrip("_") for name, *_ in self._fields_ if name != "reserved"]
+        values = {name: getattr(self, name) for name in names}
         return {
             name: list(value)
             if isinstance(value, ctypes.Array)
@@ -240,13 +241,14 @@ class Error(ValueError):
 _NAME = "libplanish.so.0.1"
 
 
+# How the installed library is reached from this file's folder; cmake --install fills it in.
+_BESIDE = ""
+
+
 def _candidates() -> list[str]:
     if "PLANISH_LIBRARY" in os.environ:
         return [os.environ["PLANISH_LIBRARY"]]
-    here = pathlib.Path(__file__).resolve()
-    prefixes = list(here.parents)[:6]
-    beside = [str(p) for prefix in prefixes for p in sorted(prefix.glob("lib*/**/" + _NAME))[:1]
-              if prefix != pathlib.Path("/")]
+    beside = [str(pathlib.Path(__file__).resolve().parent / _BESIDE / _NAME)] if _BESIDE else []
     return beside + [_NAME, ctypes.util.find_library("planish") or _NAME]
 
 
@@ -310,9 +312,11 @@ def _take_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     cells = [data for name, data in blocks if name == kind]
     held = np.zeros(len(mesh.points), dtype=np.uint8)
     for name, data in blocks:
-        if name != kind:
+        if name != kind and data.dtype != object:
+            held[data.ravel()] = 1
+        elif name != kind:  # polygons, polyhedra
             for nodes in data:
-                held[np.asarray(nodes, dtype=np.int64)] = 1
+                held[np.hstack(nodes).astype(np.int64)] = 1
     points = mesh.points
     return points, cells[0] if len(cells) == 1 else np.concatenate(cells), held
 
@@ -320,22 +324,24 @@ def _take_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 class _Points:
     """Coordinates as the library takes them: the caller's array, or a copy to be written back.
 
-    strides: those that the array must have, in doubles; None: any will do.
+    strides: those that the array must have, in doubles; None: any will do. writes: it will change.
     """
 
-    def __init__(self, points: Any, dim: int, strides: Optional[tuple[int, int]] = None) -> None:
+    def __init__(
+        self, points: Any, dim: int, strides: Optional[tuple[int, int]] = None, writes: bool = False
+    ) -> None:
         if not isinstance(points, np.ndarray) or points.ndim != 2:
             raise TypeError("points must be an array of numpy of two dimensions")
         if points.shape[1] < dim:
             raise ValueError(f"points has {points.shape[1]} columns, but cells need {dim}")
-        if points.dtype not in (np.float64, np.float32):
+        if points.dtype.newbyteorder("=") not in (np.float64, np.float32):
             raise TypeError(f"points must be of float64 or float32, not {points.dtype}")
-        if not points.flags.writeable:
+        if writes and not points.flags.writeable:
             raise ValueError("points is read-only; give a copy")
         if dim == 2 and points.shape[1] == 3 and len(points) and np.ptp(points[:, 2]) != 0:
             raise ValueError("triangles must lie in a plane of constant z")
         self.points = points[:, :dim]
-        self.is_float = points.dtype == np.float32
+        self.is_float = points.dtype.itemsize == 4
         self.array = self.points
         if not self._fits(strides):
             self.array = self._room(strides or (dim, 1))
@@ -345,7 +351,8 @@ class _Points:
     def _fits(self, strides: Optional[tuple[int, int]]) -> bool:
         steps = self.points.strides
         return (
-            not self.is_float
+            self.points.dtype == np.float64
+            and self.points.dtype.isnative
             and self.points.flags.aligned
             and all(step > 0 and step % 8 == 0 for step in steps)
             and strides in (None, tuple(step // 8 for step in steps))
@@ -368,8 +375,23 @@ def _cells(cells: Any) -> np.ndarray:
         raise ValueError(f"cells must be [m, 3] (triangles) or [m, 4] (tetrahedra), not {cells.shape}")
     if cells.dtype.kind not in "iu":
         raise TypeError(f"cells must be integers, not {cells.dtype}")
-    kind = np.int32 if cells.dtype == np.int32 else np.int64
-    return np.ascontiguousarray(cells, dtype=kind)
+    return np.require(cells, np.int32 if cells.dtype.itemsize <= 4 and cells.dtype.kind == "i"
+                      else np.int64, "CA")
+
+
+def _nodes(nodes: Any, n: int, what: str) -> np.ndarray:
+    """Numbers of nodes, from numbers or a mask [n]."""
+    nodes = np.asarray(nodes)
+    if nodes.dtype == bool:
+        if nodes.shape != (n,):
+            raise ValueError(f"{what} is a mask of shape {nodes.shape}, not ({n},)")
+        return np.flatnonzero(nodes)
+    if nodes.size and nodes.dtype.kind not in "iu":
+        raise TypeError(f"{what} must be numbers of nodes or a mask, not {nodes.dtype}")
+    nodes = nodes.astype(np.int64).ravel()
+    if nodes.size and not (0 <= nodes.min() and nodes.max() < n):
+        raise ValueError(f"{what} has a number that is not in 0 .. {n - 1}")
+    return nodes
 
 
 def _address(array: Optional[np.ndarray]) -> Optional[int]:
@@ -398,10 +420,10 @@ class _View:
         if fixed is not None or (held is not None and held.any()):
             self.constraint = held if held is not None else np.zeros(n, dtype=np.uint8)
             if fixed is not None:
-                self.constraint[np.asarray(fixed)] = 1
+                self.constraint[_nodes(fixed, n, "fixed")] = 1
         self.min_volumes = None
         if min_volumes is not None:
-            self.min_volumes = np.ascontiguousarray(min_volumes, dtype=np.float64)
+            self.min_volumes = np.require(min_volumes, np.float64, "CA")
             if self.min_volumes.shape != (len(self.cells),):
                 raise ValueError("min_volumes must have one value for each cell")
         wide = self.cells.dtype == np.int64
@@ -417,6 +439,12 @@ class _View:
             node_stride=self.points.strides[0],
             component_stride=self.points.strides[1],
         )
+
+    def own_cells(self) -> None:
+        """Make the cells a copy that nobody changes; of 64 bits the library has its own."""
+        if self.cells.dtype == np.int32:
+            self.cells = self.cells.copy()
+            self.mesh.elements = _address(self.cells)
 
 
 # ---- what people call ----------------------------------------------------------------------------
@@ -450,12 +478,13 @@ class Plan:
     ) -> None:
         self._plan = c_void_p()
         self._view = _View(points, cells, fixed, min_volumes)
+        self._view.own_cells()  # the plan reads them as long as it lives
         self._options = _Options()
         _library.planish_options_init(byref(self._options))
         self._options.threads = threads
         self._options.only_worse_than = only_worse_than
         self._options.layers = layers
-        self._around = None if around is None else np.ascontiguousarray(around, dtype=np.int64)
+        self._around = None if around is None else _nodes(around, self._view.n, "around")
         if self._around is not None:
             self._options.around = _address(self._around) or 1
             self._options.n_around = self._around.size
@@ -483,14 +512,14 @@ class Plan:
         if getattr(self, "_plan", None):
             self.close()
 
-    def _coordinates(self, points: Any) -> _Points:
+    def _coordinates(self, points: Any, writes: bool = False) -> _Points:
         """points (a mesh, or None: those given at first), laid out as the plan's mesh is."""
         if not self._plan:
             raise ValueError("the plan is closed")
         if points is None:
             points = self._view.given
         points = getattr(points, "points", points)
-        taken = _Points(points, self._view.dim, self._view.points.strides)
+        taken = _Points(points, self._view.dim, self._view.points.strides, writes)
         if len(points) != self._view.n:
             raise ValueError(f"points has {len(points)} rows, but the plan is for {self._view.n}")
         return taken
@@ -543,7 +572,7 @@ class Plan:
             raise ValueError(f"objective must be one of {', '.join(_OBJECTIVES)}, not {objective!r}")
         if worst_measure not in _WORST:
             raise ValueError(f"worst_measure must be one of {', '.join(_WORST)}, not {worst_measure!r}")
-        taken = self._coordinates(points)
+        taken = self._coordinates(points, writes=True)
         options, error, result = self._options, _Error(), Result()
         options.objective = _OBJECTIVES[objective]
         options.worst = _WORST[worst_measure] if objective == "worst" else 0
@@ -561,7 +590,7 @@ class Plan:
 
         def call(seen: Any, _user: Any) -> int:
             try:
-                return bool(progress(seen.contents))  # type: ignore[misc]
+                return bool(progress(Progress.from_buffer_copy(seen.contents)))  # type: ignore[misc]
             except BaseException as exception:  # pylint: disable=broad-except
                 raised.append(exception)
                 return 1
@@ -585,6 +614,9 @@ _OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "layers", "aro
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
     """Smooth a mesh in place: points and cells as for Plan, options those of Plan and Plan.smooth."""
+    known = {*_OF_PLAN, *Plan.smooth.__kwdefaults__}
+    if not known.issuperset(options):
+        raise TypeError(f"{min(set(options) - known)} is no option of smooth: {', '.join(sorted(known))}")
     of_plan = {name: options.pop(name) for name in _OF_PLAN if name in options}
     with Plan(points, cells, **of_plan) as plan:
         return plan.smooth(**options)
