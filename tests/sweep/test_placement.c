@@ -33,6 +33,8 @@ static int has_hwloc(void) {
 
 static void threads_asked_for_are_given(void **state) {
     (void)state;
+    if (!planish_has(PLANISH_FEATURE_OPENMP))
+        skip();
     for (int threads = 1; threads < 9; threads++) {
         pl_placement *placement = pl_placement_create(threads, 0);
         assert_int_equal(pl_placement_threads(placement), threads);
@@ -45,6 +47,8 @@ static void threads_asked_for_are_given(void **state) {
  *  socket before the other; and only if there are as many threads as cores. */
 static void cores_come_before_hardware_threads(void **state) {
     (void)state;
+    if (!planish_has(PLANISH_FEATURE_OPENMP))
+        skip();
     const int hwloc = has_hwloc();
     change_machine("package:2 numanode:1 core:4 pu:2");
     for (int threads = 1; threads < 12; threads++) {
