@@ -17,7 +17,7 @@ static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planis
         return pl_fail_memory(error, "the least volumes of the elements");
     for (int64_t i = 0; i < plan->n_elements; i++) {
         double least = mesh->min_volume[i];
-        const int64_t element = plan->element_of ? plan->element_of[i] : i;
+        const int64_t element = pl_plan_element(plan, i);
         if (!(least >= 0) || !isfinite(least))
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
                               "element %" PRId64 " has the least volume %g; give a finite number, "
@@ -30,7 +30,8 @@ static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planis
 
 /** From now on the plan is for the part of the mesh that has been found; of all of it is known what
  *  is in plan->whole. */
-static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, planish_error *error) {
+static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, pl_scope scope,
+                  planish_error *error) {
     plan->whole.n_nodes = mesh->n_nodes;
     plan->whole.n_elements = mesh->n_elements;
     int status = pl_part_mesh_create(mesh, &d->part, plan->threads, &d->part_mesh, error);
@@ -39,6 +40,7 @@ static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, pla
     d->mesh = &d->part_mesh.mesh;
     pl_free(d->is_selected);
     d->is_selected = d->part.is_selected;
+    plan->scope = scope;
     plan->n_nodes = d->part.n_nodes;
     plan->n_elements = d->part.n_elements;
     plan->elements = plan->own_elements = d->part.elements;
@@ -136,7 +138,7 @@ static int take_around(planish_plan *plan, const planish_mesh *mesh, pl_draft *d
     if (status)
         return status;
     const pl_part part = d->part;
-    status = narrow(plan, d, mesh, error);
+    status = narrow(plan, d, mesh, PL_PART_ALONE, error);
     return status ? status : hold_paired(mesh, &part, &d->part_mesh, error);
 }
 
@@ -173,7 +175,7 @@ static int narrow_to_bad(planish_plan *plan, pl_draft *d, planish_error *error) 
     for (int64_t i = 0; i < d->part.n_elements; i++)
         whole->is_part[d->part.element[i]] = 1;
     plan->info.n_reversed = d->boundary.n_reversed;
-    return narrow(plan, d, mesh, error);
+    return narrow(plan, d, mesh, PL_PART_OF_ALL, error);
 }
 
 int pl_draft_select(planish_plan *plan, pl_draft *d, int *all_positive, planish_error *error) {

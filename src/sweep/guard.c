@@ -22,7 +22,7 @@ pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                              const planish_options *options, const double *all,
                                              double delta) {
     const pl_whole *whole = &plan->whole;
-    const int is_part = whole->elements != NULL;
+    const int is_part = plan->scope == PL_PART_OF_ALL;
     return (pl_objective_problem){.dim = plan->dim,
                                   .n_elements = is_part ? whole->n_elements : plan->n_elements,
                                   .elements = is_part ? whole->elements : plan->elements,
@@ -233,11 +233,12 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
 /** The first element without a least volume, by the caller's number, or -1. */
 static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
     const pl_whole *whole = &plan->whole;
-    const int64_t n = whole->elements ? whole->n_elements : plan->n_elements;
-    const double *least = whole->elements ? whole->min_volume : plan->min_volume;
+    const int is_part = plan->scope == PL_PART_OF_ALL;
+    const int64_t n = is_part ? whole->n_elements : plan->n_elements;
+    const double *least = is_part ? whole->min_volume : plan->min_volume;
     for (int64_t i = 0; i < n && !(min_volume > 0); i++)
         if (!least || !(least[i] > 0))
-            return plan->element_of && !whole->elements ? plan->element_of[i] : i;
+            return is_part ? i : pl_plan_element(plan, i);
     return -1;
 }
 

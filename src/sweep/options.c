@@ -180,7 +180,7 @@ int pl_call_check(const planish_plan *plan, const double *coordinates,
     int status = pl_options_check(options, error);
     if (status)
         return status;
-    if (options->min_volume_fraction > 0 && plan->node_of && !plan->whole.elements)
+    if (options->min_volume_fraction > 0 && plan->scope == PL_PART_ALONE)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.min_volume_fraction is of the domain's volume, which a plan made "
                        "with options.around does not know; give min_volume");

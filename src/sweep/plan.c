@@ -72,10 +72,10 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->n_sliding = plan->sliding.stars.n_stars + count_followers(plan);
     info->n_fixed_elements = (int64_t)pl_parallel_sum(
         plan->threads, plan->n_elements, CHUNK_ELEMENTS, count_fixed, plan, plan->partial);
-    if (plan->whole.elements)
+    if (plan->scope == PL_PART_OF_ALL)
         info->n_fixed_elements += plan->whole.n_elements - plan->n_elements;
     info->n_components = d->boundary.n_components;
-    if (!plan->whole.elements)
+    if (plan->scope != PL_PART_OF_ALL)
         info->n_reversed = d->boundary.n_reversed;
     info->n_boundary_facets = d->boundary.n_boundary_facets;
     info->n_nonmanifold_facets = d->boundary.n_nonmanifold_facets;
@@ -258,7 +258,7 @@ void planish_plan_destroy(planish_plan *plan) {
 }
 
 void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {
-    if (plan->node_of)
+    if (plan->scope != PL_ALL)
         memset(is_free, 0, (size_t)plan->whole.n_nodes);
     for (int64_t i = 0; i < plan->n_nodes; i++)
         is_free[pl_plan_node(plan, i)] = plan->is_free[i] == PL_INTERIOR;
@@ -323,7 +323,7 @@ pl_points pl_plan_points(const planish_plan *plan, const double *coordinates) {
 
 pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates) {
     pl_points points = pl_plan_points(plan, coordinates);
-    if (plan->whole.elements) {
+    if (plan->scope == PL_PART_OF_ALL) {
         points.n = plan->whole.n_nodes;
         points.node_of = NULL;
     }

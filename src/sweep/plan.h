@@ -22,10 +22,17 @@ typedef struct pl_visits {
 /** What is_free says of a node. */
 enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
 
-/** The caller's mesh, where the plan works on a part of it. Everything is owned but elements. */
+/** What a plan works on, and what is measured. */
+typedef enum pl_scope {
+    PL_ALL,         /* all of the mesh */
+    PL_PART_OF_ALL, /* a part, and all is measured */
+    PL_PART_ALONE   /* a part, of which alone is known */
+} pl_scope;
+
+/** The caller's mesh; but for the counts for PL_PART_OF_ALL. Everything is owned but elements. */
 typedef struct pl_whole {
     int64_t n_nodes, n_elements;
-    const int32_t *elements; /* [n_elements][dim + 1]; NULL: no more is known than the part */
+    const int32_t *elements; /* [n_elements][dim + 1] */
     int32_t *own_elements;   /* a copy that these are, or NULL */
     int8_t *sign;            /* [n_elements] or NULL, */
     double *min_volume;      /* likewise */
@@ -48,6 +55,7 @@ struct planish_plan {
     int is_selective;        /* only nodes of bad elements are free, see pl_select */
     int32_t *node_of;        /* [n] the caller's number of each node; NULL: the same */
     int32_t *element_of;     /* [m] likewise of each element */
+    pl_scope scope;
     pl_whole whole;
     int64_t node_stride, component_stride; /* of the caller's coordinates */
     pl_visits interior;                    /* of the nodes that may go anywhere, */
@@ -87,7 +95,11 @@ pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates
 /** points as [n][dim]: where they are, or in room, which is needed if not pl_points_are_dense. */
 const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, double *room);
 
-/** The caller's number of a node. */
+/** The caller's number of an element; and of a node. */
+static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element) {
+    return plan->element_of ? plan->element_of[element] : element;
+}
+
 static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
     return plan->node_of ? plan->node_of[node] : node;
 }

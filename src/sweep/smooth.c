@@ -271,11 +271,12 @@ static int smooth(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
     const pl_points points = pl_plan_points(plan, r->coordinates);
     r->outside = pl_plan_dense(plan, &points, plan->start);
-    int status = plan->whole.elements ? begin_with_all(r, error) : begin(r, r->outside, error);
+    int status =
+        plan->scope == PL_PART_OF_ALL ? begin_with_all(r, error) : begin(r, r->outside, error);
     if (status)
         return status;
     pl_run_measure(r);
-    r->rest.below -= plan->whole.elements ? pl_run_below(r) : 0;
+    r->rest.below -= plan->scope == PL_PART_OF_ALL ? pl_run_below(r) : 0;
     r->result->objective_before = pl_run_objective(r);
     r->at_start = is_promised_angles(r) ? pl_run_limits(r, 1) : pl_star_no_limits();
     prepare_problem(r);

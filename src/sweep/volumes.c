@@ -176,7 +176,7 @@ static void room_destroy(room *r) {
 
 static int room_create(const planish_plan *plan, const double *coordinates, room *r,
                        planish_error *error) {
-    const int is_part = plan->whole.elements != NULL;
+    const int is_part = plan->scope == PL_PART_OF_ALL;
     *r = (room){.plan = plan,
                 .all_points = pl_plan_all_points(plan, coordinates),
                 .points = pl_plan_points(plan, coordinates),
@@ -221,11 +221,11 @@ static int mark_states(room *r, const pl_star_guard *guard, int64_t *n, planish_
 /** The states as the caller wants them: of each element of the mesh. */
 static void hand_out(const room *r, int only_infeasible, uint8_t *out) {
     const planish_plan *plan = r->plan;
-    const int is_local = plan->element_of && !plan->whole.elements;
-    if (out && is_local)
+    const int is_alone = plan->scope == PL_PART_ALONE;
+    if (out && is_alone)
         memset(out, PLANISH_VOLUME_MET, (size_t)plan->whole.n_elements);
     for (int64_t i = 0; out && i < r->n_of_all; i++)
-        out[is_local ? plan->element_of[i] : i] =
+        out[is_alone ? plan->element_of[i] : i] =
             only_infeasible ? r->state[i] == PLANISH_VOLUME_INFEASIBLE : r->state[i];
 }
 

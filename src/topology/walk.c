@@ -20,7 +20,6 @@ typedef struct list {
 /** The walk under way. */
 typedef struct walk {
     const planish_mesh *mesh;
-
     list nodes; /* other: an element of each */
     list elements;
     list star; /* elements of the node that is looked at */

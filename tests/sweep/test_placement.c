@@ -3,6 +3,8 @@
 #define _GNU_SOURCE /* cpu_set_t */
 #include "sweep/placement.h"
 
+#include <planish/planish.h>
+
 #include <sched.h>
 #include <setjmp.h>
 #include <stdarg.h>
