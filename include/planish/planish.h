@@ -394,6 +394,7 @@ PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_opti
                                     planish_plan **plan, planish_error *error);
 /** plan may be NULL. */
 PLANISH_API void planish_plan_destroy(planish_plan *plan);
+/** Of no plan (NULL) all is 0. */
 PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
 /** is_free [n_nodes of the mesh] is filled with 1 for the nodes that may move anywhere, 0 for all
  *  others. */

@@ -38,6 +38,8 @@ int planish_has(planish_feature feature) {
 }
 
 void planish_options_init(planish_options *options) {
+    if (!options)
+        return;
     memset(options, 0, sizeof *options);
     options->struct_size = sizeof *options;
     options->max_sweeps = DEFAULT_MAX_SWEEPS;

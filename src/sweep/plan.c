@@ -258,6 +258,8 @@ void planish_plan_destroy(planish_plan *plan) {
 }
 
 void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {
+    if (!plan || !is_free)
+        return;
     if (plan->scope != PL_ALL)
         memset(is_free, 0, (size_t)plan->whole.n_nodes);
     for (int64_t i = 0; i < plan->n_nodes; i++)
@@ -338,6 +340,9 @@ const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, d
 }
 
 void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info) {
-    *info = plan->info;
-    info->bytes = __atomic_load_n(&plan->context->bytes, __ATOMIC_RELAXED);
+    if (!info)
+        return;
+    *info = plan ? plan->info : (planish_plan_info){0};
+    if (plan)
+        info->bytes = __atomic_load_n(&plan->context->bytes, __ATOMIC_RELAXED);
 }

@@ -626,6 +626,109 @@ static void checksums_tell_bits_apart(void **state) {
     test_mesh_destroy(&box);
 }
 
+/** Arrays may be one and the same where one of them is only read. */
+static void arrays_may_be_the_same(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan;
+    planish_options options = defaults();
+    planish_result result;
+    bad_box(&box, 3);
+    double *start = copy_of(&box.mesh);
+    options.lower = options.upper = box.coordinates; /* every node stays where it is */
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    assert_int_equal(planish_smooth(plan, box.coordinates, &options, &result, NULL), 0);
+    assert_int_equal(result.moved_nodes, 0);
+    assert_memory_equal(box.coordinates, start, bytes_of(&box.mesh));
+    planish_plan_destroy(plan);
+
+    planish_mesh mesh = box.mesh;
+    const size_t n = (size_t)mesh.n_nodes;
+    uint8_t *expected = malloc(n), *constraint = calloc(1, n);
+    double *direction = malloc(3 * n * sizeof *direction);
+    constraint[5] = PLANISH_FIXED;
+    mesh.constraint = constraint;
+    assert_int_equal(planish_find_slides(&mesh, NULL, 1, expected, direction, NULL, NULL), 0);
+    assert_int_equal(planish_find_slides(&mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
+    assert_memory_equal(constraint, expected, n);
+    free(expected);
+    free(constraint);
+    free(direction);
+    free(start);
+    test_mesh_destroy(&box);
+}
+
+static int cancel(const planish_progress *progress, void *user) {
+    (void)progress;
+    (*(int *)user)++;
+    return 1;
+}
+
+/** A callback that cancels at once leaves a mesh that is no worse. */
+static void cancelling_at_once_is_safe(void **state) {
+    (void)state;
+    for (int which = 0; which < 2; which++) {
+        test_mesh box;
+        planish_plan *plan;
+        planish_options options = defaults();
+        planish_result result;
+        planish_quality before, after;
+        int calls = 0;
+        (which ? tangled_box : bad_box)(&box, 3);
+        options.progress = cancel;
+        options.progress_user = &calls;
+        assert_int_equal(planish_measure_mesh(&box.mesh, NULL, &before, NULL), 0);
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+        assert_int_equal(planish_smooth(plan, box.coordinates, &options, &result, NULL), 0);
+        assert_int_equal(result.stop, PLANISH_STOP_INTERRUPTED);
+        assert_true(calls == 1 || calls == 2); /* and once more at the end of the sweep */
+        assert_int_equal(planish_measure_mesh(&box.mesh, NULL, &after, NULL), 0);
+        assert_true(after.inverted <= before.inverted);
+        assert_true(which || after.rms_radius_ratio <= before.rms_radius_ratio);
+        planish_plan_destroy(plan);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Without what it needs every function says so. */
+static void nothing_is_an_argument(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan, *none = NULL;
+    planish_plan_info info;
+    planish_quality quality;
+    int64_t n;
+    bad_box(&box, 2);
+    double *x = box.coordinates;
+    assert_int_equal(planish_plan_create(&box.mesh, NULL, &plan, NULL), 0);
+    const int refusals[] = {planish_plan_create(NULL, NULL, &none, NULL),
+                            planish_plan_create(&box.mesh, NULL, NULL, NULL),
+                            planish_smooth(NULL, x, NULL, NULL, NULL),
+                            planish_smooth(plan, NULL, NULL, NULL, NULL),
+                            planish_measure(NULL, x, &quality, NULL),
+                            planish_measure(plan, NULL, &quality, NULL),
+                            planish_measure(plan, x, NULL, NULL),
+                            planish_measure_mesh(NULL, NULL, &quality, NULL),
+                            planish_measure_mesh(&box.mesh, NULL, NULL, NULL),
+                            planish_check_volumes(NULL, x, NULL, NULL, &n, NULL),
+                            planish_check_volumes(plan, x, NULL, NULL, NULL, NULL),
+                            planish_find_unfixable(NULL, x, NULL, &n, NULL),
+                            planish_find_unfixable(plan, NULL, NULL, &n, NULL),
+                            planish_find_slides(NULL, NULL, 1, NULL, NULL, NULL, NULL),
+                            planish_find_slides(&box.mesh, NULL, 1, NULL, x, NULL, NULL)};
+    for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++)
+        assert_int_equal(refusals[i], PLANISH_ERROR_ARGUMENT);
+    planish_plan_get_info(NULL, &info);
+    assert_int_equal(info.n_free, 0);
+    planish_plan_get_info(plan, NULL);
+    planish_plan_get_free(plan, NULL);
+    planish_plan_get_free(NULL, (uint8_t *)x);
+    planish_options_init(NULL);
+    planish_plan_destroy(NULL);
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&box);
+}
+
 static void wrong_options_are_named(void **state) {
     (void)state;
     test_mesh box;
@@ -660,6 +763,9 @@ int main(void) {
         cmocka_unit_test(features_are_told),
         cmocka_unit_test(meshes_are_measured_without_a_plan),
         cmocka_unit_test(checksums_tell_bits_apart),
+        cmocka_unit_test(arrays_may_be_the_same),
+        cmocka_unit_test(cancelling_at_once_is_safe),
+        cmocka_unit_test(nothing_is_an_argument),
         cmocka_unit_test(wrong_options_are_named),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
