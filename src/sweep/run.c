@@ -169,7 +169,9 @@ static int ask(const pl_run *r, const planish_progress *progress) {
     if (!r->options->progress)
         return 0;
     pl_context *before = pl_context_enter(NULL);
+    const int failed = before->failed; /* not what the caller asks of the plan meanwhile */
     const int answer = r->options->progress(progress, r->options->progress_user);
+    before->failed = failed;
     pl_context_enter(before);
     return answer;
 }

@@ -95,6 +95,8 @@ static int judge(pl_run *r, planish_error *error) {
 /** Say so if it has converged with elements that cannot reach their least volume. */
 static int look_for_infeasible(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
+    if (r->stop == PLANISH_STOP_CONVERGED && r->rest.below > 0) /* no node of theirs is free */
+        r->stop = PLANISH_STOP_INFEASIBLE;
     if (r->stop != PLANISH_STOP_CONVERGED || pl_run_below(r) == 0)
         return PLANISH_OK;
     int64_t n_infeasible = 0;

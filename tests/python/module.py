@@ -208,6 +208,14 @@ class Plans(unittest.TestCase):
         result = planish.smooth(stopped, cells, progress=lambda p: p.sweep_done)
         self.assertEqual((result.stop, result.sweeps), ("interrupted", 1))
 
+        with planish.Plan(start.copy(), cells) as plan:
+            values = []
+            plan.smooth(progress=lambda p: values.append(plan.quality().inverted))
+            self.assertEqual(set(values), {0})
+            for call in (plan.close, plan.smooth):
+                with self.assertRaisesRegex(RuntimeError, "at work"):
+                    plan.smooth(progress=lambda p: call())
+
         def fail(progress):
             raise KeyboardInterrupt
 

@@ -448,6 +448,24 @@ static void numbers_are_the_callers(void **state) {
     }
 }
 
+/** What is outside of the part and below its least volume stays so, and smoothing says it. */
+static void what_is_outside_is_infeasible(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan;
+    planish_result result;
+    planish_options options = defaults();
+    test_mesh_box(&box, 3, 5);
+    options.only_worse_than = 50;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    options.min_volume = 1;
+    assert_int_equal(planish_smooth(plan, box.coordinates, &options, &result, NULL), 0);
+    assert_int_equal(result.below_min_volume, box.mesh.n_elements);
+    assert_int_equal(result.stop, PLANISH_STOP_INFEASIBLE);
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&box);
+}
+
 /* ---- wrong arguments ------------------------------------------------------------------------ */
 
 static void expect_refusal(const planish_mesh *mesh, const planish_options *options, int code,
@@ -607,6 +625,7 @@ int main(void) {
         cmocka_unit_test(results_are_of_all),
         cmocka_unit_test(forms_do_not_matter),
         cmocka_unit_test(numbers_are_the_callers),
+        cmocka_unit_test(what_is_outside_is_infeasible),
         cmocka_unit_test(wrong_arguments_are_named),
         cmocka_unit_test(memory_may_run_out),
     };

@@ -253,6 +253,49 @@ static void kept_memory_is_bounded(void **state) {
     test_mesh_destroy(&box);
 }
 
+typedef struct asker {
+    planish_plan *plan;
+    const double *coordinates;
+    heap *heap;
+    int failures;
+} asker;
+
+static int ask_without_memory(const planish_progress *progress, void *user) {
+    asker *a = user;
+    int64_t n;
+    (void)progress;
+    a->heap->left = 0;
+    a->failures += planish_check_volumes(a->plan, a->coordinates, NULL, NULL, &n, NULL) != 0;
+    a->heap->left = INT64_MAX;
+    return 0;
+}
+
+/** What fails in a callback is no failure of what called it. */
+static void failures_in_callbacks_stay_there(void **state) {
+    (void)state;
+    test_mesh box;
+    heap h = {0};
+    const planish_allocator allocator = allocator_of(&h);
+    planish_options options = defaults();
+    asker a = {.heap = &h};
+    bad_box(&box, 3);
+    options.allocator = &allocator;
+    double *x = copy_of(&box.mesh), *expected = copy_of(&box.mesh);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &a.plan, NULL), 0);
+    a.coordinates = box.coordinates;
+    options.progress = ask_without_memory;
+    options.progress_user = &a;
+    assert_int_equal(planish_smooth(a.plan, x, &options, NULL, NULL), 0);
+    assert_true(a.failures > 0);
+    options.progress = NULL;
+    assert_int_equal(planish_smooth(a.plan, expected, &options, NULL, NULL), 0);
+    assert_memory_equal(x, expected, bytes_of(&box.mesh));
+    planish_plan_destroy(a.plan);
+    free(x);
+    free(expected);
+    test_mesh_destroy(&box);
+}
+
 /** What a callback allocates is not the plan's, and may outlive it. */
 typedef struct inner {
     planish_plan *plan;
@@ -751,6 +794,7 @@ int main(void) {
         cmocka_unit_test(allocators_may_fail),
         cmocka_unit_test(results_do_not_depend_on_memory),
         cmocka_unit_test(kept_memory_is_bounded),
+        cmocka_unit_test(failures_in_callbacks_stay_there),
         cmocka_unit_test(callbacks_may_call_the_library),
         cmocka_unit_test(threads_may_be_the_callers),
         cmocka_unit_test(meshes_may_be_smoothed_at_once),

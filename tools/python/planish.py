@@ -477,6 +477,7 @@ class Plan:
         around: Optional[Sequence[int]] = None,
     ) -> None:
         self._plan = c_void_p()
+        self._is_busy = False
         self._view = _View(points, cells, fixed, min_volumes)
         self._view.own_cells()  # the plan reads them as long as it lives
         self._options = _Options()
@@ -498,9 +499,14 @@ class Plan:
 
     def close(self) -> None:
         """Release what the plan holds. It cannot be used any more then."""
+        self._check_idle()
         if self._plan:
             _library.planish_plan_destroy(self._plan)
             self._plan = c_void_p()
+
+    def _check_idle(self) -> None:
+        if self._is_busy:
+            raise RuntimeError("the plan is at work: smooth calls progress, where only quality may be used")
 
     def __enter__(self) -> Plan:
         return self
@@ -572,6 +578,7 @@ class Plan:
             raise ValueError(f"objective must be one of {', '.join(_OBJECTIVES)}, not {objective!r}")
         if worst_measure not in _WORST:
             raise ValueError(f"worst_measure must be one of {', '.join(_WORST)}, not {worst_measure!r}")
+        self._check_idle()
         taken = self._coordinates(points, writes=True)
         options, error, result = self._options, _Error(), Result()
         options.objective = _OBJECTIVES[objective]
@@ -596,11 +603,13 @@ class Plan:
                 return 1
 
         options.progress = _PROGRESS(call) if progress else _PROGRESS()
+        self._is_busy = True
         try:
             status = _library.planish_smooth(
                 self._plan, c_void_p(_address(taken.array)), byref(options), byref(result), byref(error)
             )
         finally:
+            self._is_busy = False
             options.progress = _PROGRESS()
         _check(status, error)
         taken.write_back()
