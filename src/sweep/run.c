@@ -10,9 +10,9 @@
 
 enum { CHUNK_NODES = 4096 };
 
-/* Where the tracked sum has fallen below this fraction of the one measured last, rounding could
- * show in it: measure again. */
-#define MEASURE_AGAIN 0.5
+/* Where the tracked sum has fallen below this fraction of the one measured last, rounding, of some
+ * 1e-15 of that one, could come near to the tolerance: measure again. */
+#define MEASURE_AGAIN 0.01
 
 /** The present coordinates by the caller's numbers, for measuring. */
 static void transfer_measured(void *context, int64_t begin, int64_t end, int thread) {
