@@ -378,16 +378,18 @@ typedef struct planish_plan_info {
  *  are held. A mesh without elements is an error.
  *
  *  With options.around the plan is for the elements that have one of its nodes, and so is what is
- *  said of elements in its info, in results and by planish_measure; everything costs by these
- *  alone if around_elements and mesh->neighbours are given: nothing else of the mesh is read, or
- *  checked (but periodic pairs). Which order is the positive one is decided from these elements,
- * too: where all of them are inverted nobody sees it. around excludes only_worse_than and
+ *  said of elements in its info, in results and by planish_measure. Everything costs by these alone
+ *  if around_elements and mesh->neighbours are given: nothing else of the mesh is read, or checked
+ *  (but periodic pairs); the elements of a node are then those that it has together with the given
+ *  one by facets at the node. Without them all elements are looked at while the plan is made. Which
+ *  order is the positive one is decided from the plan's elements, too: where all of them are
+ *  inverted nobody sees it. Nodes of periodic pairs stay. around excludes only_worse_than and
  *  min_volume_fraction, which are about all of the mesh. The bits are those of a plan for all of it
  *  with its other nodes fixed, as long as nothing is untangled, raised to a least volume or done
- * for options.worst. Without them all elements are looked at while the plan is made. With
- * neighbours, the elements of a node are those that it has together with the given one by facets at
- * the node. Nodes of periodic pairs stay. With only_worse_than, neighbours save passes over the
- * elements if few of them are bad; the bits are the same.
+ *  for options.worst.
+ *
+ *  With only_worse_than, neighbours save passes over the elements if few of them are bad; the bits
+ *  are the same.
  *
  *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
@@ -447,8 +449,8 @@ typedef struct planish_quality {
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
-/** The same with a plan for the occasion, for mesh->coordinates. Errors: _ARGUMENT, _MESH, _MEMORY.
- */
+/** The same for mesh->coordinates, with a plan for the occasion, made with options (NULL:
+ * defaults). Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
                                      planish_quality *quality, planish_error *error);
 

@@ -195,7 +195,7 @@ static int room_create(const planish_plan *plan, const double *coordinates, room
 }
 
 /** Turn _BELOW into _INFEASIBLE where that is so: in the plan's part by pl_mark_infeasible, and
- *  outside of it, where no node is free. *n counts the latter. */
+ *  outside of it, where no node is free. *n counts them. */
 static int mark_states(room *r, const pl_star_guard *guard, int64_t *n, planish_error *error) {
     const planish_plan *plan = r->plan;
     pl_star_problem problem = pl_plan_problem(plan);
