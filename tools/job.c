@@ -129,6 +129,8 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments) {
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     planish_file_get_info(job->file, &job->file_info);
     job->options.precision = job->file_info.precision;
+    job->options.round = job->file_info.round;
+    job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
     int status = find_constraints(job);
     if (!status)

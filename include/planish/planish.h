@@ -203,7 +203,11 @@ typedef enum planish_direction {
 /** What a coordinate is stored as in the end: positions of nodes that move are rounded to it before
  *  they are judged. With PLANISH_FLOAT the coordinates given should be floats, too: those of nodes
  *  that do not move are taken as they are. */
-typedef enum planish_precision { PLANISH_DOUBLE = 0, PLANISH_FLOAT = 1 } planish_precision;
+typedef enum planish_precision {
+    PLANISH_DOUBLE = 0,
+    PLANISH_FLOAT = 1,
+    PLANISH_ROUNDED = 2 /* what planish_options.round says */
+} planish_precision;
 
 /** Kernel variants; all of them give the same bits. */
 typedef enum planish_isa {
@@ -254,6 +258,12 @@ typedef int planish_progress_fn(const planish_progress *progress, void *user);
  *  same bits on any number of them need answers that depend on node and point alone. */
 typedef planish_constraint planish_project_fn(int64_t node, double *point, double *direction,
                                               void *user);
+
+/** The number nearest to value that can be stored, of those with the few digits of a field of text,
+ *  say; round(round(x)) is round(x), and round(x) <= round(y) for x <= y. Called from several
+ *  threads at a time; the same bits on any number of them need answers that depend on value alone.
+ */
+typedef double planish_round_fn(double value, void *user);
 
 /** Where a plan gets its memory, the system's by default. Called from any of the threads that work
  *  for the plan, several at a time. */
@@ -339,6 +349,8 @@ typedef struct planish_options {
     void *parallel_user;                /* handed to parallel */
     planish_log_fn *log;                /* or NULL */
     void *log_user;                     /* handed to log */
+    planish_round_fn *round;            /* with PLANISH_ROUNDED */
+    void *round_user;                   /* handed to round */
 } planish_options;
 
 /** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel; radius

@@ -29,7 +29,9 @@ PLANISH_API const char *const *planish_file_formats(void);
 
 typedef struct planish_file_info {
     const char *format;          /* name of the format, static text */
-    planish_precision precision; /* what the file stores coordinates as */
+    planish_precision precision; /* what the file stores coordinates as, */
+    planish_round_fn *round;     /* and what that rounds to, for planish_options: of the file, */
+    void *round_user;            /* as long as that is open */
     int64_t n_other_elements;    /* elements that are passed through (hexahedra, pyramids, ...) */
     int64_t n_lower_elements;    /* elements of lower dimension */
     int64_t n_regions;           /* distinct regions among the elements smoothed */

@@ -2,12 +2,14 @@
 #include "io/file.h"
 
 #include "io/bytes.h"
+#include "io/number.h"
 #include "io/output.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -20,6 +22,15 @@ enum { N_FORMATS = sizeof formats / sizeof *formats };
 const char *const *planish_file_formats(void) {
     static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", NULL};
     return names;
+}
+
+/** "gmsh, medit, ..." */
+static void list_formats(char *text, size_t size) {
+    size_t length = 0;
+    text[0] = '\0';
+    for (int i = 0; i < N_FORMATS && length < size; i++)
+        length +=
+            (size_t)snprintf(text + length, size - length, "%s%s", i ? ", " : "", formats[i]->name);
 }
 
 const io_format *io_format_by_name(const char *name) {
@@ -62,13 +73,15 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
     if (file->format)
         return PLANISH_OK;
+    char names[128];
+    list_formats(names, sizeof names);
     if (name)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "unknown format '%s'; there are gmsh, medit, vtk and tetgen", name);
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "unknown format '%s'; there are %s", name,
+                       names);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: neither content nor extension is of a known mesh format (Gmsh .msh, Medit "
-                   ".mesh, VTK legacy .vtk, TetGen .node and .ele)",
-                   input->path);
+                   "%s: neither content nor extension is of a known mesh format; there are %s "
+                   "(docs/formats.md)",
+                   input->path, names);
 }
 
 static int read_model(planish_file *file, planish_error *error) {
@@ -124,6 +137,8 @@ int io_file_from_memory(const io_format *format, const char *path, const char *d
 void planish_file_close(planish_file *file) {
     if (!file)
         return;
+    if (file->format && file->format->release)
+        file->format->release(&file->model);
     io_model_destroy(&file->model);
     pl_free(file);
 }
@@ -148,9 +163,16 @@ static int64_t count_regions(const planish_file *file) {
     return count;
 }
 
+static double round_to_field(double value, void *user) {
+    const io_model *model = user;
+    return io_round_to_field(value, model->field_width, model->implied_exponent);
+}
+
 void planish_file_get_info(const planish_file *file, planish_file_info *info) {
     *info = (planish_file_info){.format = file->format->name,
                                 .precision = file->model.precision,
+                                .round = round_to_field,
+                                .round_user = (void *)(uintptr_t)&file->model,
                                 .n_other_elements = file->model.n_other,
                                 .n_lower_elements = file->model.n_lower,
                                 .n_regions = count_regions(file),

@@ -65,9 +65,11 @@ int gmsh2_nodes(gmsh_reader *reader) {
         status = io_text_records(&reader->text, &reader->cursor, n, 4, read_text_nodes, reader,
                                  reader->error);
     } else {
-        io_span span = {
-            0,        n, IO_FLOAT64, reader->swapped, reader->cursor.at - model->input.data + 4,
-            NODE_SIZE};
+        io_span span = {.n_nodes = n,
+                        .encoding = IO_FLOAT64,
+                        .swapped = reader->swapped,
+                        .offset = reader->cursor.at - model->input.data + 4,
+                        .stride = NODE_SIZE};
         status = io_model_span(model, span, reader->error);
         if (status == 0)
             status = io_binary_records(model->threads, &reader->cursor, n, NODE_SIZE,

@@ -299,8 +299,12 @@ static int read_binary_block(gmsh_reader *reader, node_block *block, int64_t n) 
         io_binary_records(model->threads, cursor, n, 8, read_binary_tags, block, reader->error);
     if (status != 0)
         return status;
-    io_span span = {block->first, n, IO_FLOAT64, reader->swapped, cursor->at - model->input.data,
-                    size};
+    io_span span = {.first_node = block->first,
+                    .n_nodes = n,
+                    .encoding = IO_FLOAT64,
+                    .swapped = reader->swapped,
+                    .offset = cursor->at - model->input.data,
+                    .stride = size};
     status = io_model_span(model, span, reader->error);
     if (status == 0)
         status = io_binary_records(model->threads, cursor, n, size, read_binary_points, block,

@@ -49,6 +49,26 @@ int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error) 
     return PLANISH_OK;
 }
 
+/* ---- edits ----------------------------------------------------------------------------------- */
+
+int io_edits_add(io_edits *edits, io_edit edit, planish_error *error) {
+    io_edit *grown = pl_grow(edits->edit, edits->n, edits->n + 1, &edits->capacity, sizeof *grown);
+    if (!grown) {
+        pl_free(edit.text);
+        return pl_fail_memory(error, "the coordinates to be written");
+    }
+    edits->edit = grown;
+    edits->edit[edits->n++] = edit;
+    return PLANISH_OK;
+}
+
+void io_edits_destroy(io_edits *edits) {
+    for (int64_t i = 0; i < edits->n; i++)
+        pl_free(edits->edit[i].text);
+    pl_free(edits->edit);
+    *edits = (io_edits){0};
+}
+
 /* ---- cells -------------------------------------------------------------------------------- */
 
 int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,

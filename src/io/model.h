@@ -10,6 +10,11 @@
 
 #include <planish/planish_io.h>
 
+/** A position in the file; every function stops at end and never reads behind it. */
+typedef struct io_cursor {
+    const char *at, *end;
+} io_cursor;
+
 /** The bytes of a file: mapped, or read when it is no regular file. */
 typedef struct io_bytes {
     char *path;
@@ -31,10 +36,34 @@ typedef enum io_encoding {
 typedef struct io_span {
     int64_t first_node, n_nodes;
     io_encoding encoding;
-    int swapped;    /* binary: not this machine's byte order */
-    int64_t offset; /* binary: byte of the first node's first coordinate */
-    int64_t stride; /* binary: bytes from node to node */
+    int swapped;      /* binary: not this machine's byte order */
+    int64_t offset;   /* binary: byte of the first node's first coordinate */
+    int64_t stride;   /* binary: bytes from node to node */
+    int component;    /* binary: the first coordinate there, most often 0, */
+    int n_components; /* and how many stand side by side; 0: all */
 } io_span;
+
+/** Where a coordinate stands in text, and what may take its place. */
+typedef struct io_field {
+    const char *begin, *end; /* its characters; blanks around it are some of these where fields
+                                have a fixed width */
+    double value;            /* 0 where the field is empty */
+    int width;               /* characters that a number may have there; 0: any number */
+    int is_fixed;            /* blanks fill up what a number leaves of end - begin */
+} io_field;
+
+/** Bytes of the input that others take the place of. */
+typedef struct io_edit {
+    int64_t begin, end; /* in the input */
+    char *text;         /* [length] owned; NULL with length 0 */
+    int64_t length;
+} io_edit;
+
+/** Edits in the file's order, none within another. */
+typedef struct io_edits {
+    io_edit *edit; /* [n] */
+    int64_t n, capacity;
+} io_edits;
 
 /** Simplices of one dimension in the file's order. */
 typedef struct io_cells {
@@ -79,7 +108,9 @@ typedef struct io_model {
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
     int n_companions;
     int threads;
-    planish_precision precision; /* PLANISH_FLOAT: values are rounded to float */
+    planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */
+    int field_width;             /* narrowest field of a coordinate, with PLANISH_ROUNDED */
+    int implied_exponent;        /* exponents are written without an e (Nastran) */
     int columns;                 /* coordinates of a node in the file: 2 or 3 */
     int64_t n_nodes;
     double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2) */
@@ -100,6 +131,8 @@ typedef struct io_model {
     io_group *group;      /* [n_groups] */
     int32_t n_groups, group_capacity;
     int64_t n_other, n_lower;
+    void *encoding; /* of the format that has read it, released by that: how coordinates stand in
+                       the file where no span says so, or NULL */
     /* Set by io_model_finish: */
     int dim;
     double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */
@@ -128,6 +161,10 @@ int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);
 
+/** An edit behind all others: takes over text, which is released on failure, too. */
+int io_edits_add(io_edits *edits, io_edit edit, planish_error *error);
+void io_edits_destroy(io_edits *edits);
+
 /** Table from the file's node numbers to indices, for files whose numbers are not 1 .. n. */
 typedef struct io_numbers io_numbers;
 /** numbers [n]; fails on a number that occurs twice (error names it). Any order, any gaps. */
@@ -153,6 +190,15 @@ typedef struct io_format {
     int (*read)(io_model *model, planish_error *error); /* model->input is there */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */
+    /** Text: the field of coordinate d of a node, from a cursor that stands at its place
+     *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
+     *  NULL: numbers apart by white space and comments. */
+    int (*field)(const io_model *model, io_cursor *cursor, int d, io_field *field);
+    /** What the bytes at model->encoding become with coordinates [n_nodes][dim]; NULL if spans say
+     *  all. */
+    int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
+                  planish_error *error);
+    void (*release)(io_model *model); /* of model->encoding; NULL: there is none */
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_tetgen;

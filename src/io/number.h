@@ -26,6 +26,14 @@ enum { IO_REAL_SIZE = 32 };
  *  length, at most IO_REAL_SIZE; no terminator. */
 int io_format_real(char *text, double value, int is_float);
 
+/** The text of at most width characters (8 or more, less than IO_REAL_SIZE) that is nearest to
+ *  value, with a point in it; the shortest of these. implied_exponent: exponents follow the
+ * mantissa without an e (Nastran's 1.5-3). Returns its length, or 0: value is too large for it. */
+int io_format_field(char *text, double value, int width, int implied_exponent);
+
+/** What that text reads as; value itself where there is none. */
+double io_round_to_field(double value, int width, int implied_exponent);
+
 #ifdef __cplusplus
 }
 #endif

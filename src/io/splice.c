@@ -31,12 +31,15 @@ typedef struct piece {
 } piece;
 
 typedef struct splice {
+    const io_format *format;
     const io_model *model;
     const double *coordinates; /* [n_nodes][dim] */
     const io_span *span;
     int64_t first; /* node of the span where the wave of pieces begins */
     piece *pieces; /* [threads] */
     int threads;
+    const io_edits *edits; /* besides the pieces, and */
+    int64_t next_edit;     /* the first that has not been written */
 } splice;
 
 /* ---- one node ----------------------------------------------------------------------------- */
@@ -51,22 +54,48 @@ static char *append(char *to, const char *from, const char *end) {
     return to + (end - from);
 }
 
+static int plain_field(io_cursor *cursor, io_field *field) {
+    *field = (io_field){.width = 0};
+    io_skip_space_comments(cursor, '#');
+    field->begin = cursor->at;
+    if (io_parse_real(&cursor->at, cursor->end, &field->value))
+        return -1;
+    field->end = cursor->at;
+    return 0;
+}
+
+/** The field of coordinate d; it was read before, so that it cannot fail. */
+static int next_field(const splice *s, io_cursor *cursor, int d, io_field *field) {
+    return s->format->field ? s->format->field(s->model, cursor, d, field)
+                            : plain_field(cursor, field);
+}
+
+static char *append_number(const splice *s, const io_field *field, double value, char *to) {
+    if (field->width == 0)
+        return to + io_format_real(to, value, s->model->precision == PLANISH_FLOAT);
+    const int64_t length = io_format_field(to, value, field->width, s->model->implied_exponent);
+    if (length == 0) /* no such text: what is there stays */
+        return append(to, field->begin, field->end);
+    for (int64_t i = length; field->is_fixed && i < field->end - field->begin; i++)
+        to[i] = ' ';
+    return to + (field->is_fixed ? field->end - field->begin : length);
+}
+
 /** Copy one node's text with changed components replaced; at: behind what has been copied. */
 static char *splice_text_node(const splice *s, int64_t node, const char **at, char *to) {
     const io_model *model = s->model;
     io_cursor cursor = {model->input.data + model->text_offset[node],
                         model->input.data + model->input.size};
     for (int d = 0; d < model->dim; d++) {
-        double value, wanted = s->coordinates[node * model->dim + d];
-        io_skip_space_comments(&cursor, '#');
-        const char *token = cursor.at;
-        if (io_parse_real(&cursor.at, cursor.end, &value))
-            break; /* it was read before: cannot be */
-        if (as_read(model, value) == wanted)
+        double wanted = s->coordinates[node * model->dim + d];
+        io_field field;
+        if (next_field(s, &cursor, d, &field))
+            break;
+        if (as_read(model, field.value) == wanted)
             continue;
-        to = append(to, *at, token);
-        to += io_format_real(to, wanted, model->precision == PLANISH_FLOAT);
-        *at = cursor.at;
+        to = append(to, *at, field.begin);
+        to = append_number(s, &field, wanted, to);
+        *at = field.end;
     }
     return to;
 }
@@ -79,11 +108,19 @@ static void swap_bytes(char *bytes, int size) {
     }
 }
 
+/** Coordinates of a node that stand side by side and are wanted. */
+static int components_of(const splice *s) {
+    const int dim = s->model->dim, of_span = s->span->n_components;
+    const int left = dim > s->span->component ? dim - s->span->component : 0;
+    return of_span > 0 && of_span < left ? of_span : left;
+}
+
 /** Replace the changed components of one node in a copy of its bytes. */
 static void splice_binary_node(const splice *s, int64_t node, char *bytes) {
     const int is_float = s->span->encoding == IO_FLOAT32;
     const int size = is_float ? (int)sizeof(float) : (int)sizeof(double);
-    for (int d = 0; d < s->model->dim; d++, bytes += size) {
+    const int last = s->span->component + components_of(s);
+    for (int d = s->span->component; d < last; d++, bytes += size) {
         double wanted = s->coordinates[node * s->model->dim + d], value = wanted;
         float single = (float)wanted;
         char now[sizeof(double)];
@@ -115,13 +152,12 @@ static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
     const io_model *model = s->model;
     io_cursor cursor = {model->input.data + model->text_offset[last - 1],
                         model->input.data + model->input.size};
-    double value;
+    io_field field = {.end = cursor.at};
     p->begin = model->input.data + model->text_offset[first];
-    for (int d = 0; d < model->dim; d++) {
-        io_skip_space_comments(&cursor, '#');
-        io_parse_real(&cursor.at, cursor.end, &value);
-    }
-    p->end = cursor.at;
+    for (int d = 0; d < model->dim; d++)
+        if (next_field(s, &cursor, d, &field))
+            break;
+    p->end = field.end;
     p->text = pl_alloc(p->end - p->begin + (last - first) * model->dim * IO_REAL_SIZE, 1);
     if (!p->text) {
         p->failed = 1;
@@ -140,7 +176,7 @@ static void make_binary(const splice *s, int64_t first, int64_t last, piece *p) 
     int size = span->encoding == IO_FLOAT32 ? (int)sizeof(float) : (int)sizeof(double);
     const char *data = s->model->input.data + span->offset;
     p->begin = data + (first - span->first_node) * span->stride;
-    p->end = data + (last - 1 - span->first_node) * span->stride + s->model->dim * size;
+    p->end = data + (last - 1 - span->first_node) * span->stride + components_of(s) * size;
     p->length = p->end - p->begin;
     p->text = pl_alloc(p->length, 1);
     if (!p->text) {
@@ -169,6 +205,23 @@ static void make_piece(void *context, int64_t begin, int64_t end, int thread) {
 
 /* ---- the file ----------------------------------------------------------------------------- */
 
+/** Write the input's bytes from at to end, with the edits among them made. */
+static int copy_input(splice *s, const char *at, const char *end, io_output *output,
+                      planish_error *error) {
+    const char *data = s->model->input.data;
+    int status = PLANISH_OK;
+    for (; !status && s->next_edit < s->edits->n; s->next_edit++) {
+        const io_edit *edit = &s->edits->edit[s->next_edit];
+        if (data + edit->begin >= end)
+            break;
+        status = io_output_write(output, at, data + edit->begin - at, error);
+        if (!status)
+            status = io_output_write(output, edit->text, edit->length, error);
+        at = data + edit->end;
+    }
+    return status ? status : io_output_write(output, at, end - at, error);
+}
+
 /** Make and write the pieces of one wave; *at: how far the input has been written. */
 static int write_wave(splice *s, int64_t n_pieces, const char **at, io_output *output,
                       planish_error *error) {
@@ -179,7 +232,7 @@ static int write_wave(splice *s, int64_t n_pieces, const char **at, io_output *o
         if (!status && p->failed)
             status = pl_fail_memory(error, "the text of coordinates");
         if (!status)
-            status = io_output_write(output, *at, p->begin - *at, error);
+            status = copy_input(s, *at, p->begin, output, error);
         if (!status)
             status = io_output_write(output, p->text, p->length, error);
         *at = p->end;
@@ -202,17 +255,24 @@ static int write_spans(splice *s, io_output *output, planish_error *error) {
                 write_wave(s, n_pieces - done < wave ? n_pieces - done : wave, &at, output, error);
         }
     }
-    return status ? status : io_output_write(output, at, end - at, error);
+    return status ? status : copy_input(s, at, end, output, error);
 }
 
 static int write_main(const planish_file *file, const double *coordinates, int threads,
                       io_output *output, planish_error *error) {
-    splice s = {.model = &file->model,
+    io_edits edits = {0};
+    splice s = {.format = file->format,
+                .model = &file->model,
                 .coordinates = coordinates,
                 .threads = threads,
-                .pieces = pl_alloc(threads, sizeof *s.pieces)};
-    int status = s.pieces ? write_spans(&s, output, error)
-                          : pl_fail_memory(error, "the text of coordinates");
+                .pieces = pl_alloc(threads, sizeof *s.pieces),
+                .edits = &edits};
+    int status = s.pieces ? PLANISH_OK : pl_fail_memory(error, "the text of coordinates");
+    if (!status && file->model.encoding)
+        status = file->format->encode(&file->model, coordinates, threads, &edits, error);
+    if (!status)
+        status = write_spans(&s, output, error);
+    io_edits_destroy(&edits);
     pl_free(s.pieces);
     return status ? status : io_output_finish(output, error);
 }

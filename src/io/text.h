@@ -4,11 +4,6 @@
 
 #include "io/model.h"
 
-/** A position in the file; every function stops at end and never reads behind it. */
-typedef struct io_cursor {
-    const char *at, *end;
-} io_cursor;
-
 /** Skip blanks, tabs, line ends (\n, \r\n, \r). */
 void io_skip_space(io_cursor *cursor);
 /** Skip the same and comments that run from mark ('#') to the end of the line. */

@@ -59,12 +59,11 @@ static int read_points_data(vtk_reader *reader, int64_t n, int size) {
     struct points points = {reader, size};
     io_span span = {.n_nodes = n, .encoding = IO_TEXT};
     if (reader->binary)
-        span = (io_span){0,
-                         n,
-                         size == 4 ? IO_FLOAT32 : IO_FLOAT64,
-                         reader->swapped,
-                         reader->cursor.at - model->input.data,
-                         3 * size};
+        span = (io_span){.n_nodes = n,
+                         .encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64,
+                         .swapped = reader->swapped,
+                         .offset = reader->cursor.at - model->input.data,
+                         .stride = 3 * size};
     int status = io_model_nodes(model, n, !reader->binary, reader->error);
     if (status == 0)
         status = io_model_span(model, span, reader->error);

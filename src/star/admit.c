@@ -6,7 +6,7 @@ int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double 
     const bounds none = {.any = 0};
     const bounds b = problem->guard ? bounds_of(problem, node, 1, dim) : none;
     clamp(&b, x, dim);
-    for (int d = 0; problem->to_float && d < dim; d++)
-        x[d] = pl_round_to_float(x[d]);
-    return within_bounds(&b, x, dim); /* rounding to float may have left them */
+    for (int d = 0; d < dim; d++)
+        x[d] = pl_store(&problem->storage, x[d]);
+    return within_bounds(&b, x, dim); /* rounding may have left them */
 }

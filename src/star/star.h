@@ -12,6 +12,7 @@
 #define PL_STAR_H
 
 #include "base/link.h"
+#include "base/round.h"
 
 #include <planish/planish.h>
 
@@ -93,7 +94,7 @@ typedef struct pl_star_problem {
     double still;               /* a move shorter than this fraction of the star's size changes
                                    nothing for the stars around */
     double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */
-    int to_float;               /* positions are rounded to float before they are judged */
+    pl_storage storage;         /* positions are rounded to it before they are judged */
     const pl_star_guard *guard; /* NULL: the sum of RR^2, volumes positive, no bounds */
     const pl_star_slide *slide; /* [n_stars] with a guard: where the nodes slide, their links may be
                                    open; NULL: the nodes may go anywhere */

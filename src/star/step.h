@@ -108,12 +108,12 @@ typedef struct trial {
     objective value;
 } trial;
 
-/** The position as the mesh will hold it: rounded to float if need be, and to what is left of a
+/** The position as the mesh will hold it: rounded if need be, and to what is left of a
  *  double where coordinates are subnormal. */
 static inline double as_stored(const pl_star_problem *problem, const star *s, double position) {
     double stored = position * s->unscale;
-    if (problem->to_float)
-        stored = pl_round_to_float(stored);
+    if (problem->storage.precision != PLANISH_DOUBLE)
+        stored = pl_store(&problem->storage, stored);
     return stored * s->scale;
 }
 

@@ -83,14 +83,17 @@ typedef struct work {
     int64_t held; /* shared */
 } work;
 
-/** x, or where only floats can be stored the next one that is not below (above) it. */
+/** x, or where less than doubles can be stored the next such value that is not below (above) it:
+ *  looked for in growing steps. */
 static double storable(const planish_options *options, double x, double towards) {
-    if (options->precision != PLANISH_FLOAT || !isfinite(x))
-        return x;
-    float rounded = (float)pl_round_to_float(x);
-    int inside = towards > 0 ? (double)rounded >= x : (double)rounded <= x;
-    return inside ? (double)rounded
-                  : (double)nextafterf(rounded, towards > 0 ? INFINITY : -INFINITY);
+    const pl_storage storage = pl_storage_of(options);
+    double rounded = isfinite(x) ? pl_store(&storage, x) : x;
+    double step = fabs(nextafter(x, INFINITY) - x);
+    while (isfinite(step) && (towards > 0 ? rounded < x : rounded > x)) {
+        rounded = pl_store(&storage, towards > 0 ? x + step : x - step);
+        step *= 2;
+    }
+    return rounded;
 }
 
 /** The bounds of coordinate d of the caller's node i. */

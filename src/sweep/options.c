@@ -69,9 +69,12 @@ static int check_choices(const planish_options *options, planish_error *error) {
     if (options->direction != PLANISH_NEWTON && options->direction != PLANISH_FLETCHER_REEVES)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.direction %d is unknown",
                        (int)options->direction);
-    if (options->precision != PLANISH_DOUBLE && options->precision != PLANISH_FLOAT)
+    if (options->precision < PLANISH_DOUBLE || options->precision > PLANISH_ROUNDED)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.precision %d is unknown",
                        (int)options->precision);
+    if (options->precision == PLANISH_ROUNDED && !options->round)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.precision is PLANISH_ROUNDED: give options.round");
     if (options->displacement_unit != PLANISH_UNIT_MESH &&
         options->displacement_unit != PLANISH_UNIT_EDGE)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "options.displacement_unit %d is unknown",

@@ -219,7 +219,7 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     problem.direction = r->problem.direction;
     problem.limits = r->problem.limits;
     problem.rr2_skip = r->problem.rr2_skip;
-    problem.to_float = r->problem.to_float;
+    problem.storage = r->problem.storage;
     problem.project = r->options->project;
     problem.project_user = r->options->project_user;
     return problem;

@@ -65,7 +65,7 @@ static void prepare_problem(pl_run *r) {
     r->problem.limits.rr2 = pl_run_limits(r, PL_LIMIT_MARGIN).rr2;
     /* In layers around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->layers > 0 ? 0 : worse * worse;
-    r->problem.to_float = r->options->precision == PLANISH_FLOAT;
+    r->problem.storage = pl_storage_of(r->options);
     r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
     memset(plan->changed, 1, (size_t)plan->n_nodes);
 }

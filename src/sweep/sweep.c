@@ -3,7 +3,6 @@
 #include "sweep/sweep.h"
 
 #include "base/parallel.h"
-#include "base/round.h"
 
 /** One colour under way. */
 typedef struct colour_pass {
@@ -38,19 +37,20 @@ static double visit_chunk(void *context, int64_t begin, int64_t end, int thread)
 }
 
 /** Where a follower is. What it follows may not have moved: then it is where it was, as it was. */
-static void place_follower(const planish_plan *plan, const pl_follower *f, int to_float) {
+static void place_follower(const planish_plan *plan, const pl_follower *f,
+                           const pl_storage *storage) {
     const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
     double *x = plan->coordinates + (int64_t)f->node * plan->dim;
     for (int d = 0; d < plan->dim; d++) {
         const double way = of[d] - f->origin[d], place = f->start[d] + way;
-        x[d] = way != 0 && to_float ? pl_round_to_float(place) : place;
+        x[d] = way != 0 && storage ? pl_store(storage, place) : place;
     }
 }
 
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        place_follower(plan, f, problem->to_float && f->node < plan->n_nodes);
+        place_follower(plan, f, f->node < plan->n_nodes ? &problem->storage : NULL);
         plan->changed[f->of] |= plan->changed[f->node];
         plan->changed[f->node] = 0;
     }

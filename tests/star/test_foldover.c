@@ -469,7 +469,7 @@ static void compare_variant(planish_isa isa, int dim, unsigned seed) {
         if (seed & 1)
             ask_for_more(both[i], seed);
         bound(both[i], seed / 3);
-        both[i]->s.problem.to_float = seed % 7 == 0;
+        both[i]->s.problem.storage.precision = seed % 7 == 0 ? PLANISH_FLOAT : PLANISH_DOUBLE;
     }
     for (int i = 0; i < 5; i++) {
         const pl_star_energy a = energy(&plain, PLANISH_ISA_PLAIN, &p), b = energy(&other, isa, &q);
@@ -564,7 +564,8 @@ static void bounds_are_kept(void **state) {
         create(&t, dim, seed);
         t.asked.epsilon = epsilons[seed % N_EPSILONS];
         bound(&t, 2 + seed % 6);
-        t.s.problem.to_float = seed % 3 == 0; /* the bounds are no floats */
+        t.s.problem.storage.precision =
+            seed % 3 == 0 ? PLANISH_FLOAT : PLANISH_DOUBLE; /* the bounds are no floats */
         const tangled_star before = t;
         for (int i = 0; i < 10; i++) {
             check_visit(&t);
@@ -593,7 +594,7 @@ static void positions_are_floats_where_asked(void **state) {
         tangled_star t;
         create(&t, dim, seed);
         t.asked.epsilon = epsilons[seed % N_EPSILONS];
-        t.s.problem.to_float = 1;
+        t.s.problem.storage.precision = PLANISH_FLOAT;
         assert_true(are_floats(t.s.coordinates, dim));
         for (int i = 0; i < 10; i++) {
             check_visit(&t);
@@ -618,7 +619,7 @@ static void places_are_admitted(void **state) {
     assert_true(pl_star_admit(&t.s.problem, 0, dim, x));
     for (int d = 0; d < dim; d++)
         assert_true(x[d] == t.upper[d]);
-    t.s.problem.to_float = 1;
+    t.s.problem.storage.precision = PLANISH_FLOAT;
     for (int d = 0; d < dim; d++) {
         t.lower[d] = 1 + 0x1p-40;
         t.upper[d] = 1 + 0x1p-39;

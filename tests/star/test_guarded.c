@@ -250,7 +250,7 @@ static void set_scene(guarded_star *g, int scene, unsigned seed) {
         memcpy(g->start, g->s.coordinates, sizeof g->start);
         g->radius[0] = 0.02;
     }
-    g->s.problem.to_float = scene == TO_FLOAT;
+    g->s.problem.storage.precision = scene == TO_FLOAT ? PLANISH_FLOAT : PLANISH_DOUBLE;
 }
 
 static void compare_variant(planish_isa isa, int dim, int scene, unsigned seed) {

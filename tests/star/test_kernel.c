@@ -190,7 +190,7 @@ static void float_positions_are_floats(void **state) {
     int dim = *(int *)*state;
     hand_star s;
     hand_star_create(&s, dim, 0.3, 3);
-    s.problem.to_float = 1;
+    s.problem.storage.precision = PLANISH_FLOAT;
     double before = s.coordinates[0];
     pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
     assert_true(s.coordinates[0] != before);

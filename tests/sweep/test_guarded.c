@@ -886,7 +886,8 @@ SPOIL(method_small, method = (planish_method)-1)
 SPOIL(objective_large, objective = (planish_objective)3)
 SPOIL(objective_small, objective = (planish_objective)-1)
 SPOIL(direction_large, direction = (planish_direction)2)
-SPOIL(precision_large, precision = (planish_precision)2)
+SPOIL(precision_large, precision = (planish_precision)3)
+SPOIL(precision_without_round, precision = PLANISH_ROUNDED)
 SPOIL(unit_large, displacement_unit = (planish_length_unit)2)
 SPOIL(volume_negative, min_volume = -1)
 SPOIL(volume_nan, min_volume = NAN)
@@ -915,6 +916,7 @@ static void wrong_options_are_refused(void **state) {
         {"objective", objective_small},
         {"direction", direction_large},
         {"precision", precision_large},
+        {"round", precision_without_round},
         {"unit", unit_large},
         {"min_volume", volume_negative},
         {"min_volume", volume_nan},

@@ -240,6 +240,49 @@ static void floats_stay_floats(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Three digits behind the point; how often it was asked. */
+static double to_thousandths(double value, void *user) {
+    __atomic_fetch_add((int64_t *)user, 1, __ATOMIC_RELAXED);
+    return rint(value * 1000) / 1000;
+}
+
+static void coordinates_are_rounded_as_the_caller_says(void **state) {
+    int dim = *(int *)*state;
+    int64_t asked = 0;
+    test_mesh mesh;
+    smoothed s, alone, bounded;
+    bad_box(&mesh, dim);
+    planish_options options = defaults();
+    options.precision = PLANISH_ROUNDED;
+    options.round = to_thousandths;
+    options.round_user = &asked;
+    smooth(&mesh.mesh, &options, &s);
+    for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
+        assert_true(s.coordinates[i] == mesh.coordinates[i] ||
+                    s.coordinates[i] == to_thousandths(s.coordinates[i], &asked));
+    assert_true(asked > 0 && s.result.moved_nodes > s.info.n_free / 2);
+    assert_int_equal(s.after.inverted, 0);
+    assert_true(s.after.rms_radius_ratio < s.before.rms_radius_ratio);
+    options.threads = 1;
+    smooth(&mesh.mesh, &options, &alone);
+    assert_memory_equal(alone.coordinates, s.coordinates,
+                        (size_t)(mesh.mesh.n_nodes * dim) * sizeof *s.coordinates);
+    /* Bounds between two such numbers: what is rounded to does not leave them. */
+    for (int d = 0; d < dim; d++) {
+        options.box_lower[d] = 0.9004;
+        options.box_upper[d] = CELLS - 0.9004;
+    }
+    smooth(&mesh.mesh, &options, &bounded);
+    for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
+        assert_true(bounded.coordinates[i] == mesh.coordinates[i] ||
+                    (bounded.coordinates[i] >= 0.9004 && bounded.coordinates[i] <= CELLS - 0.9004));
+    assert_true(bounded.result.moved_nodes > 0);
+    free(s.coordinates);
+    free(alone.coordinates);
+    free(bounded.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
 /** Two boxes whose sizes differ by a factor of 2^400, and a node of no element far away: each star
  * is seen in its own scale. */
 static void sizes_do_not_disturb_one_another(void **state) {
@@ -545,6 +588,7 @@ int main(void) {
         BOTH(far_from_the_origin_it_works),
         BOTH(element_order_does_not_invert),
         BOTH(floats_stay_floats),
+        BOTH(coordinates_are_rounded_as_the_caller_says),
         BOTH(sizes_do_not_disturb_one_another),
         BOTH(subnormal_meshes_stay_valid),
         BOTH(flat_meshes_keep_the_promises),

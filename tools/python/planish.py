@@ -120,6 +120,8 @@ class _Options(ctypes.Structure):
         ("parallel_user", c_void_p),
         ("log", c_void_p),
         ("log_user", c_void_p),
+        ("round", c_void_p),
+        ("round_user", c_void_p),
     ]
 
 
