@@ -39,6 +39,8 @@ typedef struct vtk_reader {
     int32_t *type;    /* [n_cells], owned: VTK's cell types */
     int64_t n_tuples; /* of the attributes of POINT_DATA or CELL_DATA; -1: in neither */
     int on_points;    /* in POINT_DATA */
+    int32_t *region;  /* [n_cells], owned: which region each cell is of, or NULL */
+    int region_rank;  /* of the array that says so (vtk_region_rank) */
 } vtk_reader;
 
 /* ---- vtk.c: words and lines --------------------------------------------------------------- */
@@ -77,7 +79,7 @@ int vtk_cells(vtk_reader *reader);
 int vtk_cell_types(vtk_reader *reader);
 
 /** Release the lists that CELLS and CELL_TYPES were read to. */
-void vtk_release(vtk_reader *reader);
+void vtk_release_lists(vtk_reader *reader);
 
 /* ---- vtk_data.c ---------------------------------------------------------------------------- */
 

@@ -1,11 +1,14 @@
-/* vtk_data: the attributes of legacy VTK files: "fixed" holds nodes, all others are passed over.
+/* vtk_data: the attributes of legacy VTK files: "fixed" holds nodes, some tell the regions of
+ * cells, all others are passed over.
  *
  * Their extent must be known all the same, to find the keyword behind them.
  */
 #include "io/vtk.h"
 
+#include "base/memory.h"
 #include "base/status.h"
 #include "io/binary.h"
+#include "io/vtk_cells.h"
 
 /* One array of attributes. */
 struct array {
@@ -90,8 +93,44 @@ static int skip_strings(vtk_reader *reader, int64_t n) {
     return 0;
 }
 
-/* The numbers of an array at the cursor: the nodes it fixes, or nothing. */
-static int read_array(const struct array *array, int fixes) {
+/* What an array is to planish. */
+enum { NOTHING, FIXES, TELLS_REGIONS };
+
+/* Number i of an array, which text has at the cursor; 0 or -1. */
+static int take_number(const struct array *array, int64_t i, double *value) {
+    vtk_reader *reader = array->reader;
+    if (!reader->binary)
+        return io_real(&reader->cursor, value);
+    *value = load_number(reader->cursor.at + i * array->type->size, array->type, reader->swapped);
+    return 0;
+}
+
+/* The regions of cells, unless they are no whole numbers. Binary: the cursor stays. */
+static int read_regions(const struct array *array, int rank) {
+    vtk_reader *reader = array->reader;
+    int32_t *region = pl_alloc(array->n, sizeof *region);
+    int whole = 1;
+    if (region == NULL)
+        return pl_fail_memory(reader->error, "the regions of cells");
+    for (int64_t i = 0; i < array->n; i++) {
+        double value;
+        if (take_number(array, i, &value) != 0) {
+            pl_free(region);
+            return vtk_fail_here(reader, "cell data: number expected (the file may be cut short)");
+        }
+        whole &= vtk_region_of(value, &region[i]) == 0;
+    }
+    pl_free(whole ? reader->region : region);
+    if (whole) {
+        reader->region = region;
+        reader->region_rank = rank;
+    }
+    return 0;
+}
+
+/* The numbers of an array at the cursor: the nodes it fixes, regions, or nothing. rank: of an array
+ * that tells regions. */
+static int read_array(const struct array *array, int use, int rank) {
     vtk_reader *reader = array->reader;
     const vtk_type *type = array->type;
     if (array->n < 0 || array->width < 0 ||
@@ -100,21 +139,39 @@ static int read_array(const struct array *array, int fixes) {
     int64_t values = array->n * array->width;
     if (type->kind == VTK_STRING)
         return skip_strings(reader, values);
+    if (!reader->binary && use != TELLS_REGIONS)
+        return use == FIXES ? hold_text(array) : skip_numbers(reader, values);
     if (!reader->binary)
-        return fixes ? hold_text(array) : skip_numbers(reader, values);
+        return read_regions(array, rank);
     int64_t bytes = type->kind == VTK_BIT ? (values + 7) / 8 : values * type->size;
     if (bytes > io_left(&reader->cursor))
         return vtk_fail_here(reader, "attributes are cut short");
-    if (fixes)
+    int status = 0;
+    if (use == FIXES)
         hold_binary(array);
+    if (use == TELLS_REGIONS)
+        status = read_regions(array, rank);
     reader->cursor.at += bytes;
-    return 0;
+    return status;
 }
 
 /* Whether an array of n tuples called name fixes nodes. */
 static int is_fixed(const vtk_reader *reader, vtk_word name, int64_t n) {
     return reader->on_points && n == reader->model->n_nodes &&
            io_word_is(name.at, name.length, "fixed", 0);
+}
+
+/* The same for an array called name: whether it fixes nodes, or tells regions better than those
+ * before it, is seen. */
+static int read_named_array(const struct array *array, vtk_word name) {
+    const vtk_reader *reader = array->reader;
+    const int of_cells = !reader->on_points && reader->n_tuples >= 0 &&
+                         array->n == reader->n_cells && array->width == 1 &&
+                         array->type->kind != VTK_BIT;
+    const int rank = of_cells ? vtk_region_rank(name.at, name.length) : 0;
+    if (rank > 0 && (reader->region == NULL || rank < reader->region_rank))
+        return read_array(array, TELLS_REGIONS, rank);
+    return read_array(array, is_fixed(reader, name, array->n) ? FIXES : NOTHING, 0);
 }
 
 /* Unknown: what follows cannot be understood, but the mesh is there. */
@@ -131,7 +188,7 @@ static int read_attribute(vtk_reader *reader, const vtk_word *words, int n_words
     if (type == NULL || reader->n_tuples < 0)
         return vtk_stop(reader);
     struct array array = {reader, type, reader->n_tuples, width};
-    return read_array(&array, is_fixed(reader, words[0], reader->n_tuples));
+    return read_named_array(&array, words[0]);
 }
 
 int vtk_scalars(vtk_reader *reader) {
@@ -182,7 +239,7 @@ int vtk_texture(vtk_reader *reader) {
 static int skip_colours(vtk_reader *reader, int64_t n, int64_t width) {
     static const vtk_type byte = {"unsigned_char", VTK_UNSIGNED, 1};
     struct array array = {reader, &byte, n, width};
-    return read_array(&array, 0);
+    return read_array(&array, NOTHING, 0);
 }
 
 int vtk_colours(vtk_reader *reader) {
@@ -232,7 +289,7 @@ int vtk_field(vtk_reader *reader) {
             vtk_word_number(words[2], &tuples) != 0)
             return vtk_stop(reader);
         struct array array = {reader, type, tuples, width};
-        int status = read_array(&array, is_fixed(reader, words[0], tuples));
+        int status = read_named_array(&array, words[0]);
         if (status != 0)
             return status;
     }

@@ -5,6 +5,8 @@
  */
 #include "io/vtk.h"
 
+#include "io/vtk_cells.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -234,182 +236,7 @@ int vtk_cells(vtk_reader *reader) {
     return read_integers(reader, reader->n_connectivity, 4, &reader->connectivity, NULL);
 }
 
-typedef enum cell_class {
-    CELL_LINE,
-    CELL_LOWER,
-    CELL_OTHER,
-    CELL_TRIANGLE,
-    CELL_TETRAHEDRON,
-    CELL_REFUSED
-} cell_class;
-
-enum { VTK_LINE = 3, VTK_TRIANGLE = 5, VTK_TETRAHEDRON = 10, VTK_LAST_TYPE = 81 };
-
-static cell_class class_of(int32_t type) {
-    switch (type) {
-    case VTK_TRIANGLE:
-        return CELL_TRIANGLE;
-    case VTK_TETRAHEDRON:
-        return CELL_TETRAHEDRON;
-    case VTK_LINE:
-        return CELL_LINE;
-    case 1: /* vertices and lines, of any order */
-    case 2:
-    case 4:
-    case 21:
-    case 35:
-    case 51:
-    case 60:
-    case 68:
-    case 75:
-        return CELL_LOWER;
-    case 22: /* triangles and tetrahedra of higher order */
-    case 24:
-    case 34:
-    case 61:
-    case 64:
-    case 69:
-    case 71:
-    case 76:
-    case 78:
-        return CELL_REFUSED;
-    default:
-        return CELL_OTHER;
-    }
-}
-
-/* A walk over the cells; nodes and n are those of the cell that next_cell came to. */
-struct cell_walk {
-    const vtk_reader *reader;
-    int64_t index; /* of the next cell */
-    int64_t place; /* of its nodes in connectivity */
-    const int32_t *nodes;
-    int64_t n;
-};
-
-static int fail_cell(const vtk_reader *reader, int64_t cell, const char *text) {
-    return pl_fail_at(reader->error, PLANISH_ERROR_FORMAT, cell, -1, "%s: cell %lld (from 0): %s",
-                      reader->model->input.path, (long long)cell, text);
-}
-
-static int next_cell(struct cell_walk *walk) {
-    const vtk_reader *reader = walk->reader;
-    if (reader->offset != NULL) {
-        walk->nodes = reader->connectivity + reader->offset[walk->index];
-        walk->n = reader->offset[walk->index + 1] - reader->offset[walk->index];
-    } else {
-        int64_t left = reader->n_connectivity - walk->place;
-        walk->n = left > 0 ? reader->connectivity[walk->place] : -1;
-        if (walk->n < 0 || walk->n > left - 1)
-            return fail_cell(reader, walk->index, "its nodes are not in the list of CELLS");
-        walk->nodes = reader->connectivity + walk->place + 1;
-        walk->place += 1 + walk->n;
-    }
-    walk->index++;
-    return 0;
-}
-
-/* What was found of one class: how many, and the first and last of them. */
-struct tally {
-    int64_t n, first, last;
-};
-
-/* A line of another number of nodes than two is a polyline. */
-static cell_class class_at(const vtk_reader *reader, const struct cell_walk *walk, int64_t cell) {
-    cell_class class = class_of(reader->type[cell]);
-    return class == CELL_LINE && walk->n != 2 ? CELL_LOWER : class;
-}
-
-static void count_in(struct tally *tally, int64_t cell) {
-    if (tally->n++ == 0)
-        tally->first = cell;
-    tally->last = cell;
-}
-
-static int check_cell(const vtk_reader *reader, const struct cell_walk *walk, int64_t cell) {
-    int32_t type = reader->type[cell];
-    int64_t n_nodes = reader->model->n_nodes;
-    if (type < 0 || type > VTK_LAST_TYPE || type == 42)
-        return fail_cell(reader, cell, "cells of this type are not read");
-    if (class_of(type) == CELL_REFUSED)
-        return fail_cell(reader, cell,
-                         "triangles and tetrahedra of higher order are not smoothed, only straight "
-                         "ones; mesh again with first order");
-    if ((type == VTK_TRIANGLE && walk->n != 3) || (type == VTK_TETRAHEDRON && walk->n != 4))
-        return fail_cell(reader, cell, "it has not as many nodes as its type");
-    for (int64_t i = 0; i < walk->n; i++)
-        if (walk->nodes[i] < 0 || walk->nodes[i] >= n_nodes)
-            return fail_cell(reader, cell, "one of its nodes is not among the points");
-    return 0;
-}
-
-/* Check all cells, count the simplices, hold the nodes of all others. */
-static int survey_cells(const vtk_reader *reader, struct tally *lines, struct tally *triangles,
-                        struct tally *tetrahedra) {
-    io_model *model = reader->model;
-    struct cell_walk walk = {.reader = reader};
-    for (int64_t cell = 0; cell < reader->n_cells; cell++) {
-        int status = next_cell(&walk);
-        if (status == 0)
-            status = check_cell(reader, &walk, cell);
-        if (status != 0)
-            return status;
-        cell_class class = class_at(reader, &walk, cell);
-        if (class == CELL_TETRAHEDRON) {
-            count_in(tetrahedra, cell);
-        } else if (class == CELL_TRIANGLE) {
-            count_in(triangles, cell);
-        } else if (class == CELL_LINE) {
-            count_in(lines, cell);
-        } else {
-            *(class == CELL_LOWER ? &model->n_lower : &model->n_other) += 1;
-            for (int64_t i = 0; i < walk.n; i++)
-                io_hold_node(model, walk.nodes[i],
-                             class == CELL_LOWER ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER);
-        }
-    }
-    return 0;
-}
-
-/* Room for the cells counted, numbered by VTK's count of all cells. */
-static int reserve(io_cells *cells, int dim, const struct tally *tally, planish_error *error) {
-    int gaps = tally->n > 0 && tally->last - tally->first + 1 != tally->n;
-    cells->first_number = tally->first;
-    return io_cells_reserve(cells, dim, tally->n, 0, gaps, error);
-}
-
-static void store(io_cells *cells, int corners, const int32_t *nodes, int64_t number) {
-    memcpy(cells->nodes + cells->n * corners, nodes, (size_t)corners * sizeof *nodes);
-    if (cells->number != NULL)
-        cells->number[cells->n] = number;
-    cells->n++;
-}
-
-static int store_cells(const vtk_reader *reader) {
-    io_model *model = reader->model;
-    struct tally lines = {0, 0, 0}, triangles = {0, 0, 0}, tetrahedra = {0, 0, 0};
-    struct cell_walk walk = {.reader = reader};
-    int status = survey_cells(reader, &lines, &triangles, &tetrahedra);
-    if (status == 0)
-        status = reserve(&model->line, 1, &lines, reader->error);
-    if (status == 0)
-        status = reserve(&model->triangle, 2, &triangles, reader->error);
-    if (status == 0)
-        status = reserve(&model->tetrahedron, 3, &tetrahedra, reader->error);
-    for (int64_t cell = 0; status == 0 && cell < reader->n_cells; cell++) {
-        status = next_cell(&walk);
-        cell_class class = class_at(reader, &walk, cell);
-        if (status == 0 && class == CELL_TRIANGLE)
-            store(&model->triangle, 3, walk.nodes, cell);
-        else if (status == 0 && class == CELL_LINE)
-            store(&model->line, 2, walk.nodes, cell);
-        else if (status == 0 && class == CELL_TETRAHEDRON)
-            store(&model->tetrahedron, 4, walk.nodes, cell);
-    }
-    return status;
-}
-
-void vtk_release(vtk_reader *reader) {
+void vtk_release_lists(vtk_reader *reader) {
     pl_free(reader->connectivity);
     pl_free(reader->offset);
     pl_free(reader->type);
@@ -427,9 +254,15 @@ int vtk_cell_types(vtk_reader *reader) {
     if (reader->binary)
         vtk_end_line(&reader->cursor);
     int status = read_integers(reader, n, 4, &reader->type, NULL);
+    const vtk_grid cells = {.n = reader->n_cells,
+                            .connectivity = reader->connectivity,
+                            .n_connectivity = reader->n_connectivity,
+                            .offset = reader->offset,
+                            .type = reader->type,
+                            .n_points = reader->model->n_nodes};
     if (status == 0)
-        status = store_cells(reader);
+        status = vtk_cells_store(reader->model, &cells, reader->error);
     reader->have_types = 1;
-    vtk_release(reader);
+    vtk_release_lists(reader);
     return status;
 }

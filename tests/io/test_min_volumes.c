@@ -164,14 +164,29 @@ static void regions_of_tetgen(void **state) {
     planish_file_close(file);
 }
 
+#define VTK_OF_TWO                                                                                 \
+    "# vtk DataFile Version 3.0\nof two\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n"      \
+    "0 0 0 1 0 0 0 1 0 0 0 1 0 0 -1\nCELLS 2 10\n4 0 1 2 3 4 0 2 1 4\nCELL_TYPES 2\n10 10\n"
+
 static void files_without_regions(void **state) {
     (void)state;
-    char path[TEST_PATH_SIZE];
-    planish_file *file = NULL;
-    assert_int_equal(planish_file_open(test_path_from(path, "PLANISH_TEST_DATA", "ascii.vtk"), NULL,
-                                       1, &file, NULL),
-                     0);
-    refuse(file, "1=1", "the file has: none", NULL);
+    static const char *const text[] = {VTK_OF_TWO, VTK_OF_TWO "CELL_DATA 2\nSCALARS region double\n"
+                                                              "LOOKUP_TABLE default\n1.5 2\n"};
+    for (int i = 0; i < 2; i++) {
+        planish_file *file = reading_text(&io_format_vtk, text[i]);
+        refuse(file, "1=1", "the file has: none", NULL);
+        planish_file_close(file);
+    }
+}
+
+/** The array whose name tells most, wherever it stands. */
+static void regions_of_vtk(void **state) {
+    (void)state;
+    planish_file *file =
+        reading_text(&io_format_vtk, VTK_OF_TWO "CELL_DATA 2\nFIELD data 3\nmaterial 1 2 int\n9 9\n"
+                                                "region 1 2 double\n-1 5\nBlockId 1 2 int\n1 2\n");
+    check(file, "-1=3 3:5=1", "31");
+    refuse(file, "9=1", "3:-1, 3:5", NULL);
     planish_file_close(file);
 }
 
@@ -203,6 +218,7 @@ int main(void) {
         cmocka_unit_test(parts_of_the_cube),
         cmocka_unit_test_setup_teardown(regions_of_tetgen, test_folder_create, test_folder_remove),
         cmocka_unit_test(files_without_regions),
+        cmocka_unit_test(regions_of_vtk),
         cmocka_unit_test(arguments_are_checked),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,242 @@
+/* vtk_cells: the cells of VTK's grids, whatever file they stand in. */
+#include "io/vtk_cells.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "io/records.h"
+
+#include <string.h>
+
+typedef enum cell_class {
+    CELL_LINE,
+    CELL_LOWER,
+    CELL_OTHER,
+    CELL_TRIANGLE,
+    CELL_TETRAHEDRON,
+    CELL_REFUSED
+} cell_class;
+
+enum { VTK_LINE = 3, VTK_TRIANGLE = 5, VTK_TETRAHEDRON = 10, VTK_LAST_TYPE = 81 };
+
+static cell_class class_of(int32_t type) {
+    switch (type) {
+    case VTK_TRIANGLE:
+        return CELL_TRIANGLE;
+    case VTK_TETRAHEDRON:
+        return CELL_TETRAHEDRON;
+    case VTK_LINE:
+        return CELL_LINE;
+    case 1: /* vertices and lines, of any order */
+    case 2:
+    case 4:
+    case 21:
+    case 35:
+    case 51:
+    case 60:
+    case 68:
+    case 75:
+        return CELL_LOWER;
+    case 22: /* triangles and tetrahedra of higher order */
+    case 24:
+    case 34:
+    case 61:
+    case 64:
+    case 69:
+    case 71:
+    case 76:
+    case 78:
+        return CELL_REFUSED;
+    default:
+        return CELL_OTHER;
+    }
+}
+
+/* A walk over the cells; nodes and n are those of the cell that next_cell came to. */
+struct cell_walk {
+    const io_model *model;
+    const vtk_grid *cells;
+    planish_error *error;
+    int64_t index; /* of the next cell */
+    int64_t place; /* of its nodes in connectivity */
+    const int32_t *nodes;
+    int64_t n;
+};
+
+/* About the cell that next_cell came to. */
+static int fail_cell(const struct cell_walk *walk, const char *text) {
+    const int64_t cell = walk->cells->first_cell + walk->index - 1;
+    return pl_fail_at(walk->error, PLANISH_ERROR_FORMAT, cell, -1, "%s: cell %lld (from 0): %s",
+                      walk->model->input.path, (long long)cell, text);
+}
+
+static int next_cell(struct cell_walk *walk) {
+    const vtk_grid *cells = walk->cells;
+    const int64_t cell = walk->index++;
+    if (cells->offset != NULL) {
+        walk->nodes = cells->connectivity + cells->offset[cell];
+        walk->n = cells->offset[cell + 1] - cells->offset[cell];
+        return 0;
+    }
+    int64_t left = cells->n_connectivity - walk->place;
+    walk->n = left > 0 ? cells->connectivity[walk->place] : -1;
+    if (walk->n < 0 || walk->n > left - 1)
+        return fail_cell(walk, "its nodes are not in the list of CELLS");
+    walk->nodes = cells->connectivity + walk->place + 1;
+    walk->place += 1 + walk->n;
+    return 0;
+}
+
+/* What was found of one class: how many, and the first and last of them. */
+struct tally {
+    int64_t n, first, last;
+};
+
+/* A line of another number of nodes than two is a polyline. */
+static cell_class class_at(const struct cell_walk *walk) {
+    cell_class class = class_of(walk->cells->type[walk->index - 1]);
+    return class == CELL_LINE && walk->n != 2 ? CELL_LOWER : class;
+}
+
+static void count_in(struct tally *tally, int64_t cell) {
+    if (tally->n++ == 0)
+        tally->first = cell;
+    tally->last = cell;
+}
+
+static int check_cell(const struct cell_walk *walk) {
+    const int32_t type = walk->cells->type[walk->index - 1];
+    if (type < 0 || type > VTK_LAST_TYPE || type == 42)
+        return fail_cell(walk, "cells of this type are not read");
+    if (class_of(type) == CELL_REFUSED)
+        return fail_cell(walk, "triangles and tetrahedra of higher order are not smoothed, only "
+                               "straight ones; mesh again with first order");
+    if ((type == VTK_TRIANGLE && walk->n != 3) || (type == VTK_TETRAHEDRON && walk->n != 4))
+        return fail_cell(walk, "it has not as many nodes as its type");
+    for (int64_t i = 0; i < walk->n; i++)
+        if (walk->nodes[i] < 0 || walk->nodes[i] >= walk->cells->n_points)
+            return fail_cell(walk, "one of its nodes is not among the points");
+    return 0;
+}
+
+/* Check all cells, count the simplices, hold the nodes of all others. */
+static int survey_cells(io_model *model, struct cell_walk walk, struct tally *lines,
+                        struct tally *triangles, struct tally *tetrahedra) {
+    while (walk.index < walk.cells->n) {
+        const int64_t cell = walk.cells->first_cell + walk.index;
+        int status = next_cell(&walk);
+        if (status == 0)
+            status = check_cell(&walk);
+        if (status != 0)
+            return status;
+        cell_class class = class_at(&walk);
+        if (class == CELL_TETRAHEDRON) {
+            count_in(tetrahedra, cell);
+        } else if (class == CELL_TRIANGLE) {
+            count_in(triangles, cell);
+        } else if (class == CELL_LINE) {
+            count_in(lines, cell);
+        } else {
+            *(class == CELL_LOWER ? &model->n_lower : &model->n_other) += 1;
+            for (int64_t i = 0; i < walk.n; i++)
+                io_hold_node(model, walk.cells->first_point + walk.nodes[i],
+                             class == CELL_LOWER ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER);
+        }
+    }
+    return 0;
+}
+
+/* Room for the cells counted, numbered by VTK's count of all cells. */
+static int reserve(const vtk_grid *cells, io_cells *to, int dim, const struct tally *tally,
+                   planish_error *error) {
+    int gaps = tally->n > 0 && tally->last - tally->first + 1 != tally->n;
+    if (to->n == 0)
+        to->first_number = tally->first;
+    return io_cells_reserve(to, dim, tally->n, 0, gaps || cells->is_piece, error);
+}
+
+static void store(io_cells *to, int corners, const struct cell_walk *walk) {
+    int32_t *nodes = to->nodes + to->n * corners;
+    for (int k = 0; k < corners; k++)
+        nodes[k] = (int32_t)(walk->cells->first_point + walk->nodes[k]);
+    if (to->number != NULL)
+        to->number[to->n] = walk->cells->first_cell + walk->index - 1;
+    to->n++;
+}
+
+int vtk_cells_store(io_model *model, const vtk_grid *cells, planish_error *error) {
+    struct tally lines = {0, 0, 0}, triangles = {0, 0, 0}, tetrahedra = {0, 0, 0};
+    struct cell_walk walk = {.model = model, .cells = cells, .error = error};
+    int status = survey_cells(model, walk, &lines, &triangles, &tetrahedra);
+    if (status == 0)
+        status = reserve(cells, &model->line, 1, &lines, error);
+    if (status == 0)
+        status = reserve(cells, &model->triangle, 2, &triangles, error);
+    if (status == 0)
+        status = reserve(cells, &model->tetrahedron, 3, &tetrahedra, error);
+    while (status == 0 && walk.index < cells->n) {
+        status = next_cell(&walk);
+        cell_class class = class_at(&walk);
+        if (status == 0 && class == CELL_TRIANGLE)
+            store(&model->triangle, 3, &walk);
+        else if (status == 0 && class == CELL_LINE)
+            store(&model->line, 2, &walk);
+        else if (status == 0 && class == CELL_TETRAHEDRON)
+            store(&model->tetrahedron, 4, &walk);
+    }
+    return status;
+}
+
+/* ---- regions ------------------------------------------------------------------------------ */
+
+int vtk_region_rank(const char *name, int64_t length) {
+    /* What writes them: this program; Gmsh's mesh and meshio's; Medit's by meshio; Gmsh's own VTK
+     * files; dolfinx; ParaView, OpenGeoSys and MOOSE. */
+    static const char *const names[] = {
+        "region",    "gmsh:geometrical", "gmsh:physical", "medit:ref", "CellEntityIds",
+        "cell_tags", "MaterialIDs",      "MaterialId",    "material",  "regionId",
+        "RegionIds", "subdomain_id",     "BlockId",       "attribute"};
+    for (int i = 0; i < (int)(sizeof names / sizeof *names); i++)
+        if (io_word_is(name, length, names[i], 1))
+            return i + 1;
+    return 0;
+}
+
+int vtk_region_of(double value, int32_t *region) {
+    if (!(value >= INT32_MIN && value <= INT32_MAX) || (double)(int32_t)value != value)
+        return -1;
+    *region = (int32_t)value;
+    return 0;
+}
+
+static int store_regions(io_model *model, io_cells *cells, int dim, const int32_t *region,
+                         int64_t n_cells, planish_error *error) {
+    int32_t last = 0, entity = -1;
+    pl_free(cells->entity);
+    cells->entity = pl_alloc(cells->n, sizeof *cells->entity);
+    if (!cells->entity)
+        return pl_fail_memory(error, "the regions of cells");
+    for (int64_t i = 0; i < cells->n; i++) {
+        const int64_t cell = cells->number ? cells->number[i] : cells->first_number + i;
+        if (cell >= n_cells)
+            return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: cell %lld has no region",
+                           model->input.path, (long long)cell);
+        if (entity < 0 || region[cell] != last) {
+            last = region[cell];
+            entity = io_model_entity(model, dim, last, 0, NULL, error);
+            if (entity < 0)
+                return entity;
+        }
+        cells->entity[i] = entity;
+    }
+    return PLANISH_OK;
+}
+
+int vtk_regions_store(io_model *model, const int32_t *region, int64_t n_cells,
+                      planish_error *error) {
+    int status = store_regions(model, &model->line, 1, region, n_cells, error);
+    if (!status)
+        status = store_regions(model, &model->triangle, 2, region, n_cells, error);
+    if (!status)
+        status = store_regions(model, &model->tetrahedron, 3, region, n_cells, error);
+    return status;
+}

@@ -1,0 +1,39 @@
+/* vtk_cells: the cells of VTK's grids, whatever file they stand in: simplices go to the model, all
+ * others hold their nodes. Cells and points are numbered from 0, as VTK does.
+ */
+#ifndef PL_IO_VTK_CELLS_H
+#define PL_IO_VTK_CELLS_H
+
+#include "io/model.h"
+#include "io/text.h"
+
+/** Cells as a file lists them, or those of a piece of it. */
+typedef struct vtk_grid {
+    int64_t n;             /* cells */
+    int32_t *connectivity; /* [n_connectivity] nodes of the cells, one after the other; without
+                              offset each cell's are led by their count */
+    int64_t n_connectivity;
+    int64_t *offset;     /* [n + 1] first node of each cell in connectivity, or NULL */
+    const int32_t *type; /* [n] VTK's cell types */
+    int64_t n_points;    /* nodes are 0 .. n_points - 1, */
+    int64_t first_point; /* which are the model's from this one on */
+    int64_t first_cell;  /* number of the first cell */
+    int is_piece;        /* there are more pieces */
+} vtk_grid;
+
+/** Store the lines, triangles and tetrahedra, hold the nodes of all other cells. Called for each
+ *  piece of a file. Error: _FORMAT, names the cell. */
+int vtk_cells_store(io_model *model, const vtk_grid *cells, planish_error *error);
+
+/** Whether an array of cell data of that name says which region cells are of; the most telling of
+ *  several has the lowest number, from 1; 0: it does not. */
+int vtk_region_rank(const char *name, int64_t length);
+
+/** The region that a value of such an array is; -1: it is none, being no whole number. */
+int vtk_region_of(double value, int32_t *region);
+
+/** Values of such an array: region [n_cells] for all cells of the file. */
+int vtk_regions_store(io_model *model, const int32_t *region, int64_t n_cells,
+                      planish_error *error);
+
+#endif
