@@ -9,6 +9,8 @@ packages_build=(
     make cmake    # the build
     libhwloc-dev  # where threads run
     libcjson-dev  # the report of the program
+    libexpat1-dev # XML of VTK's .vtu
+    zlib1g-dev liblz4-dev liblzma-dev # and what packs their arrays
 )
 # shellcheck disable=SC2034
 packages_check=(

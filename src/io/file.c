@@ -16,11 +16,11 @@
 /* ---- the table of formats ----------------------------------------------------------------- */
 
 static const io_format *const formats[] = {&io_format_gmsh, &io_format_medit, &io_format_vtk,
-                                           &io_format_tetgen};
+                                           &io_format_vtu, &io_format_tetgen};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", NULL};
+    static const char *const names[] = {"gmsh", "medit", "vtk", "vtu", "tetgen", NULL};
     return names;
 }
 

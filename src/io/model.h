@@ -201,7 +201,8 @@ typedef struct io_format {
     void (*release)(io_model *model); /* of model->encoding; NULL: there is none */
 } io_format;
 
-extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_tetgen;
+extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
+    io_format_tetgen;
 
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,

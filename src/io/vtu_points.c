@@ -1,0 +1,427 @@
+/* vtu_points: the points of VTK's XML files, read, and written where they stand.
+ *
+ * Text and raw bytes are replaced in place by the splice that all formats share. What is base64
+ * keeps its characters but for those of bytes that change. Of packed points those blocks are packed
+ * again in which something changed, and what follows them in appended data moves: the offsets in
+ * the markup say where to.
+ */
+#include "io/vtu.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/round.h"
+#include "base/status.h"
+#include "io/base64.h"
+#include "io/binary.h"
+#include "io/number.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK_POINTS = 1 << 14, CHUNK_BLOCKS = 1 };
+
+/* ---- reading ------------------------------------------------------------------------------- */
+
+static int is_encoded(const vtu_document *document, const vtu_array *array) {
+    return array->form == VTU_BASE64 ||
+           (array->form == VTU_RAW && document->compression != IO_PLAIN);
+}
+
+static const vtu_piece *piece_of(const vtu_document *document, const vtu_array *array) {
+    return &document->piece[array->piece];
+}
+
+static int check_points(const io_model *model, const vtu_document *document, const vtu_array *array,
+                        planish_error *error) {
+    if (!array->type || array->type->kind != VTK_REAL)
+        return vtu_fail(model, array, error, "Float32 or Float64 expected");
+    if (array->n_components != 3)
+        return vtu_fail(model, array, error, "NumberOfComponents must be 3");
+    for (const vtu_array *other = document->array; other < array; other++)
+        if (other->role == VTU_POINTS && other->piece == array->piece)
+            return vtu_fail(model, array, error, "there is a second array of points");
+    if (model->xyz && (array->type->size == 4) != (model->precision == PLANISH_FLOAT))
+        return vtu_fail(model, array, error,
+                        "some pieces are of Float32 and some of Float64: write them as one");
+    return PLANISH_OK;
+}
+
+/** The texts of points, read by several threads. */
+typedef struct text_points {
+    io_model *model;
+    int64_t first;
+} text_points;
+
+static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                            planish_error *error) {
+    const text_points *p = context;
+    int status = PLANISH_OK;
+    for (int64_t i = begin; i < end && !status; i++)
+        status = io_read_point(p->model, cursor, p->first + i, error);
+    return status;
+}
+
+static int read_ascii(io_model *model, const vtu_array *array, const vtu_piece *piece,
+                      planish_error *error) {
+    const char *data = model->input.data;
+    io_cursor cursor = {data + array->begin, data + array->end};
+    io_text text;
+    io_text_init(&text, model);
+    text.begin = cursor.at;
+    text.end = cursor.end;
+    text_points p = {model, piece->first_point};
+    int status = io_text_records(&text, &cursor, piece->n_points, 3, read_text_points, &p, error);
+    io_text_release(&text);
+    io_skip_space(&cursor);
+    if (!status && cursor.at < cursor.end)
+        status = vtu_fail(model, array, error, "more numbers than three for each point");
+    if (!status)
+        status = io_model_span(model,
+                               (io_span){.first_node = piece->first_point,
+                                         .n_nodes = piece->n_points,
+                                         .encoding = IO_TEXT},
+                               error);
+    return status;
+}
+
+static int read_binary(io_model *model, vtu_document *document, const vtu_array *array,
+                       const vtu_piece *piece, planish_error *error) {
+    vtu_values values;
+    int status = vtu_decode(model, document, array, 3 * piece->n_points, &values, error);
+    if (status)
+        return status;
+    double *xyz = model->xyz + 3 * piece->first_point;
+    for (int64_t i = 0; i < values.n && !status; i++) {
+        xyz[i] = vtu_real(&values, i);
+        if (!isfinite(xyz[i]))
+            status = pl_fail_at(error, PLANISH_ERROR_FORMAT, -1, piece->first_point + i / 3,
+                                "%s: point %lld has a coordinate that is not finite",
+                                model->input.path, (long long)(piece->first_point + i / 3));
+    }
+    if (!status && !values.owned)
+        status =
+            io_model_span(model,
+                          (io_span){.first_node = piece->first_point,
+                                    .n_nodes = piece->n_points,
+                                    .encoding = array->type->size == 4 ? IO_FLOAT32 : IO_FLOAT64,
+                                    .swapped = document->swapped,
+                                    .offset = values.data - model->input.data,
+                                    .stride = 3 * array->type->size},
+                          error);
+    vtu_values_release(&values);
+    return status;
+}
+
+/** Refuse more points than the file can hold before there is room for them. */
+static int make_nodes(io_model *model, const vtu_document *document, planish_error *error) {
+    const vtu_piece *last = &document->piece[document->n_pieces - 1];
+    const int64_t n = last->first_point + last->n_points;
+    int64_t most = vtu_most_unpacked(model, document) / (3 * (int64_t)sizeof(float));
+    int with_text = 0;
+    for (int64_t i = 0; i < document->n_arrays; i++)
+        with_text |= document->array[i].role == VTU_POINTS && document->array[i].form == VTU_ASCII;
+    if (with_text) /* three numbers of two characters */
+        most = most > model->input.size / 6 ? most : model->input.size / 6;
+    if (n > most)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: %lld points cannot be in this file (a wrong NumberOfPoints, no Points, "
+                       "or it is cut short)",
+                       model->input.path, (long long)n);
+    return io_model_nodes(model, n, with_text, error);
+}
+
+int vtu_read_points(io_model *model, vtu_document *document, planish_error *error) {
+    int64_t found = 0;
+    int status = make_nodes(model, document, error);
+    if (status)
+        return status;
+    model->precision = PLANISH_DOUBLE;
+    for (int64_t i = 0; i < document->n_arrays && !status; i++) {
+        const vtu_array *array = &document->array[i];
+        if (array->role != VTU_POINTS || array->piece < 0)
+            continue;
+        if (found == 0 && array->type && array->type->size == 4)
+            model->precision = PLANISH_FLOAT;
+        status = check_points(model, document, array, error);
+        if (status)
+            return status;
+        const vtu_piece *piece = piece_of(document, array);
+        status = array->form == VTU_ASCII ? read_ascii(model, array, piece, error)
+                                          : read_binary(model, document, array, piece, error);
+        found++;
+    }
+    if (!status && found < document->n_pieces)
+        status = io_fail_text(model, model->input.data + model->input.size, error,
+                              "a Piece has no Points (the file may be cut short)");
+    return status;
+}
+
+/* ---- writing: bytes ------------------------------------------------------------------------ */
+
+/** The new bytes of one array of points. */
+typedef struct rewrite {
+    const io_model *model;
+    const vtu_document *document;
+    const vtu_array *array;
+    const vtu_piece *piece;
+    const double *coordinates; /* [n_nodes][dim] of the model */
+    char *bytes;               /* those of the file, decoded, then the new ones */
+    int64_t size;
+    int changed;
+    /* Packed: */
+    vtu_blocks blocks;
+    uint8_t *dirty;       /* [blocks.n] something changed in it */
+    char **packed;        /* [blocks.n] owned; NULL: as it was */
+    int64_t *packed_size; /* [blocks.n] */
+    int failed;
+} rewrite;
+
+static void store_real(char *at, double value, int size, int swapped) {
+    char bytes[8];
+    const float single = (float)value;
+    if (size == 4)
+        memcpy(bytes, &single, sizeof single);
+    else
+        memcpy(bytes, &value, sizeof value);
+    for (int k = 0; k < size; k++)
+        at[k] = bytes[swapped ? size - 1 - k : k];
+}
+
+static void mark(rewrite *r, int64_t at, int size) {
+    __atomic_store_n(&r->changed, 1, __ATOMIC_RELAXED);
+    for (int64_t end = at + size - 1; r->dirty; at = end) {
+        __atomic_store_n(&r->dirty[r->blocks.size > 0 ? at / r->blocks.size : 0], 1,
+                         __ATOMIC_RELAXED);
+        if (at == end)
+            break;
+    }
+}
+
+static void replace_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    rewrite *r = context;
+    const int dim = r->model->dim, size = r->array->type->size, swapped = r->document->swapped;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        for (int d = 0; d < dim; d++) {
+            const int64_t at = (3 * i + d) * size;
+            const double now = size == 4 ? (double)io_load_f32(r->bytes + at, swapped)
+                                         : io_load_f64(r->bytes + at, swapped);
+            double wanted = r->coordinates[(r->piece->first_point + i) * dim + d];
+            wanted = size == 4 ? pl_round_to_float(wanted) : wanted;
+            if (now == wanted)
+                continue;
+            store_real(r->bytes + at, wanted, size, swapped);
+            mark(r, at, size);
+        }
+}
+
+/* ---- writing: base64 ----------------------------------------------------------------------- */
+
+/** The array's text with other characters where bytes changed. */
+static int rewrite_base64(rewrite *r, io_edits *edits, planish_error *error) {
+    const vtu_array *array = r->array;
+    const int64_t header = r->document->header_size;
+    int64_t length = array->end - array->begin;
+    /* Of appended text no more than the array's own: twice its length where lines are short. */
+    const int64_t most = 2 * io_base64_length(header + r->size) + 64;
+    if (array->is_appended && length > most)
+        length = most;
+    char *text = pl_alloc(length, 1);
+    if (!text)
+        return pl_fail_memory(error, "the points to be written");
+    memcpy(text, r->model->input.data + array->begin, (size_t)length);
+    length = io_base64_replace(text, length, header, r->size, r->bytes);
+    return io_edits_add(edits, (io_edit){array->begin, array->begin + length, text, length}, error);
+}
+
+/* ---- writing: packed blocks ---------------------------------------------------------------- */
+
+static void pack_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    rewrite *r = context;
+    const vtu_blocks *b = &r->blocks;
+    const io_compression compression = r->document->compression;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t size = i + 1 < b->n ? b->size : b->last_size;
+        r->packed[i] = NULL;
+        r->packed_size[i] = b->packed[i + 1] - b->packed[i];
+        if (!r->dirty[i])
+            continue;
+        r->packed[i] = pl_alloc(io_pack_bound(compression, size), 1);
+        if (r->packed[i])
+            r->packed_size[i] = io_pack(compression, r->bytes + i * b->size, size,
+                                        b->data + b->packed[i], r->packed[i]);
+        if (!r->packed[i] || r->packed_size[i] < 0)
+            __atomic_store_n(&r->failed, 1, __ATOMIC_RELAXED);
+    }
+}
+
+static void store_header(const vtu_document *document, char *at, int64_t value) {
+    for (int k = 0; k < document->header_size; k++) {
+        const int place =
+            io_machine_is_little() == !document->swapped ? k : document->header_size - 1 - k;
+        at[place] = (char)(unsigned char)((uint64_t)value >> 8 * k);
+    }
+}
+
+/** Header and blocks, one after the other: text [*length]; NULL without memory. */
+static char *join_blocks(const rewrite *r, int64_t *header, int64_t *length) {
+    const vtu_blocks *b = &r->blocks;
+    const int word = r->document->header_size;
+    *header = (VTU_HEADER_NUMBERS + b->n) * word;
+    *length = *header;
+    for (int64_t i = 0; i < b->n; i++)
+        *length += r->packed_size[i];
+    char *joined = pl_alloc(*length, 1);
+    if (!joined)
+        return NULL;
+    store_header(r->document, joined, b->n);
+    store_header(r->document, joined + word, b->size);
+    store_header(r->document, joined + 2 * word, b->last_size == b->size ? 0 : b->last_size);
+    char *to = joined + *header;
+    for (int64_t i = 0; i < b->n; i++) {
+        store_header(r->document, joined + (VTU_HEADER_NUMBERS + i) * word, r->packed_size[i]);
+        memcpy(to, r->packed[i] ? r->packed[i] : b->data + b->packed[i], (size_t)r->packed_size[i]);
+        to += r->packed_size[i];
+    }
+    return joined;
+}
+
+/** As text of two segments. */
+static char *blocks_to_base64(char *joined, int64_t header, int64_t *length) {
+    const int64_t room = io_base64_length(header) + io_base64_length(*length - header);
+    char *text = joined ? pl_alloc(room, 1) : NULL;
+    if (text) {
+        const int64_t first = io_base64_write(joined, header, text);
+        *length = first + io_base64_write(joined + header, *length - header, text + first);
+    }
+    pl_free(joined);
+    return text;
+}
+
+static int pack_blocks(rewrite *r, io_edits *edits, int threads, planish_error *error) {
+    const vtu_array *array = r->array;
+    const char *data = r->model->input.data;
+    int64_t header, length, begin = array->begin;
+    pl_parallel_for(threads, r->blocks.n, CHUNK_BLOCKS, pack_chunk, r);
+    if (r->failed)
+        return pl_fail_memory(error, "the packed points");
+    char *text = join_blocks(r, &header, &length);
+    if (array->form == VTU_BASE64) {
+        text = blocks_to_base64(text, header, &length);
+        while ((unsigned char)data[begin] <= ' ')
+            begin++;
+    }
+    if (!text)
+        return pl_fail_memory(error, "the packed points");
+    return io_edits_add(edits, (io_edit){begin, r->blocks.text_end, text, length}, error);
+}
+
+static void release_packed(rewrite *r) {
+    for (int64_t i = 0; r->packed && i < r->blocks.n; i++)
+        pl_free(r->packed[i]);
+    pl_free(r->packed);
+    pl_free(r->packed_size);
+    pl_free(r->dirty);
+    vtu_blocks_release(&r->blocks);
+}
+
+/* ---- writing: the arrays ------------------------------------------------------------------- */
+
+static int prepare_packed(rewrite *r, vtu_document *document, planish_error *error) {
+    int status = vtu_find_blocks(r->model, document, r->array, r->size, &r->blocks, error);
+    if (status)
+        return status;
+    const int64_t n = r->blocks.n;
+    r->dirty = pl_alloc_zero(n, 1);
+    r->packed = pl_alloc_zero(n, sizeof *r->packed);
+    r->packed_size = pl_alloc(n, sizeof *r->packed_size);
+    return r->dirty && r->packed && r->packed_size ? PLANISH_OK
+                                                   : pl_fail_memory(error, "the packed points");
+}
+
+static int rewrite_array(rewrite *r, vtu_document *document, int threads, io_edits *edits,
+                         planish_error *error) {
+    const int is_packed = document->compression != IO_PLAIN;
+    vtu_values values;
+    int status = vtu_decode(r->model, document, r->array, 3 * r->piece->n_points, &values, error);
+    if (status)
+        return status;
+    r->bytes = values.owned;
+    r->size = values.n * values.type->size;
+    if (is_packed)
+        status = prepare_packed(r, document, error);
+    if (!status) {
+        pl_parallel_for(threads, r->piece->n_points, CHUNK_POINTS, replace_chunk, r);
+        if (r->changed)
+            status =
+                is_packed ? pack_blocks(r, edits, threads, error) : rewrite_base64(r, edits, error);
+    }
+    release_packed(r);
+    vtu_values_release(&values);
+    return status;
+}
+
+/* ---- writing: offsets ---------------------------------------------------------------------- */
+
+/** How much later what stands at byte at of the input stands in the output. */
+static int64_t shift_at(const io_edits *edits, int64_t n, int64_t at) {
+    int64_t shift = 0;
+    for (int64_t i = 0; i < n; i++)
+        if (edits->edit[i].end <= at)
+            shift += edits->edit[i].length - (edits->edit[i].end - edits->edit[i].begin);
+    return shift;
+}
+
+/** The new offset of an array of appended data, in as many characters where blanks follow. */
+static int edit_offset(const io_model *model, const vtu_document *document, const vtu_array *array,
+                       int64_t n_points, io_edits *edits, planish_error *error) {
+    const int64_t shift = shift_at(edits, n_points, document->appended + array->offset);
+    if (shift == 0)
+        return PLANISH_OK;
+    const char *old = model->input.data + array->offset_begin;
+    const int64_t room = array->offset_end - array->offset_begin;
+    const int has_blanks = room > 0 && old[room - 1] == ' ';
+    char digits[24];
+    int64_t length = snprintf(digits, sizeof digits, "%lld", (long long)(array->offset + shift));
+    char *text = pl_alloc(length > room ? length : room, 1);
+    if (!text)
+        return pl_fail_memory(error, "the offsets of arrays");
+    memcpy(text, digits, (size_t)length);
+    while (has_blanks && length < room)
+        text[length++] = ' ';
+    return io_edits_add(edits, (io_edit){array->offset_begin, array->offset_end, text, length},
+                        error);
+}
+
+static int compare_edits(const void *a, const void *b) {
+    const int64_t p = ((const io_edit *)a)->begin, q = ((const io_edit *)b)->begin;
+    return (p > q) - (p < q);
+}
+
+int vtu_encode_points(const io_model *model, const double *coordinates, int threads,
+                      io_edits *edits, planish_error *error) {
+    vtu_document document = *(const vtu_document *)model->encoding;
+    int status = PLANISH_OK;
+    document.unpacked = 0;
+    for (int64_t i = 0; i < document.n_arrays && !status; i++) {
+        const vtu_array *array = &document.array[i];
+        if (array->role != VTU_POINTS || array->piece < 0 || !is_encoded(&document, array))
+            continue;
+        rewrite r = {.model = model,
+                     .document = &document,
+                     .array = array,
+                     .piece = piece_of(&document, array),
+                     .coordinates = coordinates};
+        status = rewrite_array(&r, &document, threads, edits, error);
+    }
+    const int64_t n_points = edits->n;
+    for (int64_t i = 0; i < document.n_arrays && !status; i++)
+        if (document.array[i].is_appended)
+            status = edit_offset(model, &document, &document.array[i], n_points, edits, error);
+    if (!status && edits->n > 0)
+        qsort(edits->edit, (size_t)edits->n, sizeof *edits->edit, compare_edits);
+    return status;
+}
