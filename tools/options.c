@@ -344,12 +344,13 @@ enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY
 static const option_row option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_output,
      "write the smoothed mesh to OUT, which may be IN; same\nformat as IN, only coordinates "
-     "change",
+     "change; with the\nextension .vtu or .vtk a copy for viewing",
      "file"},
     {0, "format", "NAME", BOTH, set_format,
-     "format of the input: gmsh, medit, vtk or tetgen\n(default: told by its content, then its "
+     "format of the input: gmsh, medit, vtk, vtu or tetgen\n(default: told by its content, then "
+     "its "
      "name)",
-     "gmsh medit vtk tetgen"},
+     "gmsh medit vtk vtu tetgen"},
     {0, "method", "NAME", SMOOTH, set_method,
      "how nodes are moved: planish (default), or to compare\nwith laplacian, area-laplacian, "
      "length-laplacian,\nwhich may invert elements",
