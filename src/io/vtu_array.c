@@ -371,8 +371,10 @@ static int check_count(const io_model *model, const vtu_document *document, cons
     if (!array->type)
         return vtu_fail(model, array, error, "numbers of this type are not read");
     if (document->compression == IO_PLAIN)
-        return n * array->type->size <= left ? PLANISH_OK : fail_cut(model, array, error);
-    return check_expansion(model, document, array, n * array->type->size, error);
+        return n <= left / array->type->size ? PLANISH_OK : fail_cut(model, array, error);
+    /* So many that their bytes could not be counted are as many too many. */
+    const int64_t bytes = n < INT64_MAX / 8 ? n * array->type->size : INT64_MAX;
+    return check_expansion(model, document, array, bytes, error);
 }
 
 int vtu_read_integers(io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
