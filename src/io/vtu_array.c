@@ -100,15 +100,15 @@ static int take_shape(const io_model *model, vtu_document *document, const vtu_a
         return fail_cut(model, array, error);
     if (n > (uint64_t)most_bytes(s) / (uint64_t)document->header_size)
         return fail_cut(model, array, error);
-    if (size > INT64_MAX / 2 || last > size || (n > 1 && size > (uint64_t)bytes))
+    if (size > INT64_MAX || last > size)
         return fail_size(model, array, error);
     blocks->n = (int64_t)n;
     blocks->size = (int64_t)size;
     blocks->last_size = (int64_t)(last > 0 ? last : size);
     /* With this no product overflows: n - 1 blocks of size are bytes at most. */
     const int fits = n == 0 ? bytes == 0
-                            : blocks->last_size <= bytes &&
-                                  (blocks->n == 1 || blocks->n - 1 <= bytes / blocks->size) &&
+                            : size > 0 && blocks->last_size <= bytes &&
+                                  blocks->n - 1 <= bytes / blocks->size &&
                                   (blocks->n - 1) * blocks->size == bytes - blocks->last_size;
     return fits ? PLANISH_OK : fail_size(model, array, error);
 }
