@@ -192,7 +192,7 @@ static int check_expansion(const io_model *model, const vtu_document *document,
                     "no mesh is: refused");
 }
 
-static int decode_packed(const io_model *model, vtu_document *document, const vtu_array *array,
+static int decode_packed(const io_model *model, vtu_document *document, vtu_array *array,
                          int64_t bytes, vtu_values *values, planish_error *error) {
     vtu_blocks blocks;
     int status = check_expansion(model, document, array, bytes, error);
@@ -209,13 +209,14 @@ static int decode_packed(const io_model *model, vtu_document *document, const vt
             status = vtu_fail(model, array, error,
                               "a packed block cannot be unpacked to what its header says");
     }
+    array->data_end = blocks.text_end;
     vtu_blocks_release(&blocks);
     return status;
 }
 
 /* ---- arrays -------------------------------------------------------------------------------- */
 
-static int decode_plain(const io_model *model, vtu_document *document, const vtu_array *array,
+static int decode_plain(const io_model *model, const vtu_document *document, vtu_array *array,
                         int64_t bytes, vtu_values *values, planish_error *error) {
     source s = open_source(model, array);
     uint64_t size;
@@ -226,17 +227,22 @@ static int decode_plain(const io_model *model, vtu_document *document, const vtu
     /* Pending bytes of the group in which the header ends are in the text already. */
     if (bytes > most_bytes(&s) + 3)
         return fail_cut(model, array, error);
+    const char *data = model->input.data;
     if (s.form == VTU_RAW) {
         values->data = s.text.cursor.at;
+        array->data_end = values->data + bytes - data;
         return bytes > io_left(&s.text.cursor) ? fail_cut(model, array, error) : PLANISH_OK;
     }
     values->owned = pl_alloc(bytes, 1);
     if (!values->owned)
         return pl_fail_memory(error, "an array of the file");
-    return take_bytes(&s, bytes, values->owned) ? fail_cut(model, array, error) : PLANISH_OK;
+    if (take_bytes(&s, bytes, values->owned))
+        return fail_cut(model, array, error);
+    array->data_end = s.text.cursor.at - data;
+    return PLANISH_OK;
 }
 
-int vtu_decode(const io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_decode(const io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                vtu_values *values, planish_error *error) {
     *values = (vtu_values){.n = n, .type = array->type, .swapped = document->swapped};
     if (!array->type)
@@ -287,7 +293,7 @@ double vtu_real(const vtu_values *values, int64_t i) {
 /** Where numbers of text and binary go. */
 typedef struct target {
     io_model *model;
-    const vtu_array *array;
+    vtu_array *array;
     const vtu_values *values; /* binary */
     int64_t *wide;            /* [n] one of these three is not NULL */
     int32_t *narrow;
@@ -377,7 +383,7 @@ static int check_count(const io_model *model, const vtu_document *document, cons
     return check_expansion(model, document, array, bytes, error);
 }
 
-int vtu_read_integers(io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_read_integers(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                       int64_t **wide, int32_t **narrow, planish_error *error) {
     target t = {.model = model, .array = array};
     if (array->type && array->type->kind == VTK_REAL)
@@ -392,7 +398,7 @@ int vtu_read_integers(io_model *model, vtu_document *document, const vtu_array *
     return read_target(&t, document, n, error);
 }
 
-int vtu_read_reals(io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_read_reals(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                    double **values, planish_error *error) {
     int status = check_count(model, document, array, n, error);
     if (status)

@@ -380,6 +380,55 @@ static void pieces_are_one_mesh(void **state) {
     planish_file_close(file);
 }
 
+/** Two pieces of three appended points each, at those offsets. */
+static file_builder appended_pieces(int64_t first, int64_t second, int size) {
+    const int64_t offset[] = {first, second};
+    file_builder f = {.swapped = !io_machine_is_little()};
+    builder_text(&f, GRID(" header_type=\"UInt32\""));
+    for (int i = 0; i < 2; i++) {
+        builder_text(&f, PIECE("3", "1") CELLS("0 1 2", "3", "5"));
+        builder_text(&f,
+                     "<Points><DataArray type=\"Float%d\" NumberOfComponents=\"3\" "
+                     "format=\"appended\" offset=\"%" PRId64 "\"/></Points></Piece>",
+                     8 * size, offset[i]);
+    }
+    builder_text(&f, "</UnstructuredGrid><AppendedData encoding=\"raw\">_");
+    f.binary = 1;
+    for (int i = 0; i < 2; i++) {
+        builder_integer(&f, 9 * size, 4);
+        for (int k = 0; k < 9; k++)
+            builder_real(&f, k == 3 || k == 7 ? 1 + i : 0, size);
+    }
+    f.binary = 0;
+    builder_text(&f, "</AppendedData></VTKFile>");
+    return f;
+}
+
+/** Whatever order their points have in the file; not, if they share some. */
+static void pieces_in_any_order(void **state) {
+    for (int size = 4; size <= 8; size += 4) {
+        char path[TEST_PATH_SIZE];
+        planish_file *file;
+        file_builder f = appended_pieces(4 + 9 * size, 0, size);
+        read_file(&f, &file);
+        double *x = planish_file_coordinates(file);
+        assert_true(x[2] == 2 && x[5] == 2 && x[8] == 1);
+        x[2] = 2.5;
+        x[8] = 1.5;
+        assert_int_equal(
+            planish_file_write(file, test_path(path, *state, "out.vtu"), x, 1, NULL, 0, NULL), 0);
+        planish_file_close(file);
+        assert_int_equal(planish_file_open(path, NULL, 1, &file, NULL), 0);
+        x = planish_file_coordinates(file);
+        assert_true(x[2] == 2.5 && x[5] == 2 && x[8] == 1.5);
+        planish_file_close(file);
+        builder_release(&f);
+        f = appended_pieces(0, 0, size);
+        builder_expect_error(&f, &io_format_vtu, "share bytes");
+        builder_release(&f);
+    }
+}
+
 /* ---- bad files ----------------------------------------------------------------------------- */
 
 static void what_is_wrong_is_said(void **state) {
@@ -505,6 +554,8 @@ int main(void) {
                                         test_folder_remove),
         cmocka_unit_test(cut_short_or_without_memory),
         cmocka_unit_test_setup_teardown(pieces_are_one_mesh, test_folder_create,
+                                        test_folder_remove),
+        cmocka_unit_test_setup_teardown(pieces_in_any_order, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(what_is_wrong_is_said),
         cmocka_unit_test(packed_lies_are_refused),
