@@ -386,7 +386,9 @@ static file_builder appended_pieces(int64_t first, int64_t second, int size) {
     file_builder f = {.swapped = !io_machine_is_little()};
     builder_text(&f, GRID(" header_type=\"UInt32\""));
     for (int i = 0; i < 2; i++) {
-        builder_text(&f, PIECE("3", "1") CELLS("0 1 2", "3", "5"));
+        builder_text(&f, PIECE("3", "1") "<Cells>");
+        builder_text(&f, ARRAY("Int32", "connectivity", "0 1 2") ARRAY("Int32", "offsets", "3"));
+        builder_text(&f, ARRAY("UInt8", "types", "5") "</Cells>");
         builder_text(&f,
                      "<Points><DataArray type=\"Float%d\" NumberOfComponents=\"3\" "
                      "format=\"appended\" offset=\"%" PRId64 "\"/></Points></Piece>",
