@@ -333,15 +333,13 @@ int io_hdf5_attribute(io_hdf5 *file, const char *path, const char *name, int64_t
 }
 
 static int read_fixed_text(hid_t attribute, hid_t type, char *text, size_t size) {
-    size_t length = H5Tget_size(type);
-    char *copy = length > 0 && length < SMALL_DATA ? pl_alloc((int64_t)length + 1, 1) : NULL;
-    int read = copy && H5Aread(attribute, type, copy) >= 0;
-    if (read) {
-        copy[length] = '\0';
-        snprintf(text, size, "%s", copy);
-    }
-    pl_free(copy);
-    return read;
+    char copy[IO_HDF5_PATH_SIZE];
+    const size_t length = H5Tget_size(type);
+    if (length == 0 || length >= sizeof copy || H5Aread(attribute, type, copy) < 0)
+        return 0;
+    copy[length] = '\0';
+    snprintf(text, size, "%s", copy);
+    return 1;
 }
 
 static int read_variable_text(hid_t attribute, hid_t type, char *text, size_t size) {
