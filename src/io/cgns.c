@@ -207,11 +207,14 @@ static int read_nodes(cgns_reader *r, int64_t n_nodes) {
 
 /* ---- the format --------------------------------------------------------------------------- */
 
-static const char adf_mark[] = "@(#)ADF Database Version";
+/* Behind four characters that have their highest bit set. */
+static const char adf_mark[] = "ADF Database Version";
+enum { BEFORE_ADF_MARK = 4 };
 
 static int is_adf(const char *data, int64_t size) {
     const int64_t length = (int64_t)sizeof adf_mark - 1;
-    return size >= length && memcmp(data, adf_mark, (size_t)length) == 0;
+    return size >= BEFORE_ADF_MARK + length &&
+           memcmp(data + BEFORE_ADF_MARK, adf_mark, (size_t)length) == 0;
 }
 
 static int read_all(cgns_reader *r) {

@@ -296,7 +296,7 @@ static void wrong_files_are_refused(void **state) {
     refuse(((void)(m.last = 3), m), "are left behind");
     refuse(((void)(m.last = 4, m.has_offsets = 1, m.offset = 1), m), "ElementStartOffset says 6");
     refuse(((void)(m.last = 4, m.offset = 0, m.node = 0), m), "node 0");
-    reading_fails(&io_format_cgns, "@(#)ADF Database Version A02011>", "adf2hdf");
+    reading_fails(&io_format_cgns, "\300\250\243\251ADF Database Version A02011>", "adf2hdf");
 }
 
 static void nothing_breaks_it(void **state) {
