@@ -282,9 +282,14 @@ static int write_main(const planish_file *file, const double *coordinates, int t
 /** What the format changes in the finished copy itself. */
 static int amend_main(const planish_file *file, const double *coordinates, const io_output *output,
                       planish_error *error) {
-    if (!file->format->amend || !output->temporary)
+    if (!file->format->amend || !file->model.encoding || !output->temporary)
         return PLANISH_OK;
+    struct stat about; /* it may have the mode of a file that must not be written */
+    const int is_closed = stat(output->temporary, &about) == 0 && !(about.st_mode & S_IWUSR) &&
+                          chmod(output->temporary, (about.st_mode & 07777) | S_IWUSR) == 0;
     int status = file->format->amend(&file->model, coordinates, output->temporary, error);
+    if (is_closed)
+        chmod(output->temporary, about.st_mode & 07777);
     return status ? status : io_output_sync(output, error);
 }
 
