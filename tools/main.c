@@ -29,7 +29,8 @@ static int print_help(void) {
            "  planish quality FILE [OPTION]...        measure FILE\n"
            "  planish COMMAND --help                  options of a command\n"
            "  planish --help, planish --version\n\n"
-           "Formats: Gmsh MSH 2.2 and 4.1, Medit .mesh, VTK legacy .vtk, TetGen .node/.ele.\n");
+           "Formats: Gmsh .msh, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, TetGen\n"
+           ".node/.ele, Netgen .vol, Abaqus .inp, Nastran .bdf, CGNS, MED, OFF.\n");
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
 }
 

@@ -56,8 +56,11 @@ static void put_man(void) {
            "bits on any number\nof threads.\n.I OUT\nis\n.I IN\nwith the coordinates of the moved "
            "nodes replaced, and every other byte as it was.\n.PP\n"
            ".B planish quality\nmeasures a mesh and changes nothing.\n.PP\n"
-           "Formats: Gmsh MSH 2.2 and 4.1 (text and binary), Medit .mesh, VTK legacy .vtk, TetGen "
-           ".node and .ele; found\nby content, then by name.\n");
+           "Formats: Gmsh MSH 2.2 and 4.1, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, "
+           "TetGen .node and .ele,\nNetgen .vol, Abaqus .inp, Nastran bulk data, CGNS, MED, OFF; "
+           "found by content, then by name. If\n.I OUT\nhas the extension .vtu or .vtk, and\n"
+           ".I IN\nis of another format, it is a copy for viewing, with the elements' radius "
+           "ratios, regions and groups.\n");
     printf(".SH OPTIONS\n");
     for (int i = 0; pl_option_describe(i, &o); i++)
         put_option(&o);

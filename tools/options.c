@@ -119,7 +119,7 @@ static const char *set_format(pl_arguments *arguments, const char *value) {
             arguments->format = *name;
             return NULL;
         }
-    return "must be gmsh, medit, vtk or tetgen";
+    return "must be one of those that --help lists";
 }
 
 static const char *set_direction(pl_arguments *arguments, const char *value) {
@@ -344,12 +344,12 @@ enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY
 static const option_row option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_output,
      "write the smoothed mesh to OUT, which may be IN; same\nformat as IN, only coordinates "
-     "change",
+     "change; with the\nextension .vtu or .vtk a copy for viewing",
      "file"},
     {0, "format", "NAME", BOTH, set_format,
-     "format of the input: gmsh, medit, vtk or tetgen\n(default: told by its content, then its "
-     "name)",
-     "gmsh medit vtk tetgen"},
+     "format of the input: gmsh, medit, vtk, vtu, vtkhdf,\ntetgen, netgen, abaqus, nastran, cgns, "
+     "med or off\n(default: told by its content, then its name)",
+     "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med off"},
     {0, "method", "NAME", SMOOTH, set_method,
      "how nodes are moved: planish (default), or to compare\nwith laplacian, area-laplacian, "
      "length-laplacian,\nwhich may invert elements",

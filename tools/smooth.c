@@ -45,14 +45,14 @@ static int check_outputs(const pl_arguments *arguments) {
     return pl_output_check(output);
 }
 
-/** Another extension than the input's would ask for a conversion. */
+/** Another extension than the input's asks for a conversion. */
 static int check_extension(const pl_job *job) {
     const char *output = job->arguments->output;
-    if (planish_file_can_write(job->file, output))
+    if (planish_file_can_write(job->file, output) || planish_file_can_convert(job->file, output))
         return 0;
     return pl_complain_usage("smooth",
-                             "'%s' does not have the extension of a %s file, and the format cannot "
-                             "be changed: name the output like the input",
+                             "'%s' does not have the extension of a %s file, and there is "
+                             "conversion to .vtu and .vtk only",
                              output, job->file_info.format);
 }
 
@@ -114,12 +114,36 @@ static int check_promises(const pl_job *job, const pl_result *result) {
     return 0;
 }
 
+/** To another format: what is left out is said. */
+static int convert_mesh(const pl_job *job, planish_error *error) {
+    const char *output = job->arguments->output;
+    const double *coordinates = job->mesh.coordinates;
+    char lost[512];
+    double *ratio = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *ratio);
+    if (!ratio) {
+        snprintf(error->text, sizeof error->text, "out of memory for the radius ratios");
+        return error->code = PLANISH_ERROR_MEMORY;
+    }
+    int code = planish_measure_elements(job->plan, coordinates, ratio, error);
+    if (!code)
+        code = planish_file_convert(job->file, output, coordinates, job->constraint, ratio,
+                                    pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE,
+                                    lost, sizeof lost, error);
+    free(ratio);
+    if (!code && job->arguments->verbosity != PL_QUIET)
+        fprintf(stderr, "note: %s is for viewing; left out of it: %s\n", output, lost);
+    return code;
+}
+
 static int write_mesh(const pl_job *job, pl_result *result) {
     planish_error error;
+    const char *output = job->arguments->output;
     const double begin = pl_seconds();
-    const int code = planish_file_write(
-        job->file, job->arguments->output, job->mesh.coordinates, job->options.threads,
-        pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, &error);
+    const int code =
+        planish_file_can_write(job->file, output)
+            ? planish_file_write(job->file, output, job->mesh.coordinates, job->options.threads,
+                                 pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, &error)
+            : convert_mesh(job, &error);
     result->write_seconds = pl_seconds() - begin;
     return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
 }

@@ -461,8 +461,15 @@ typedef struct planish_quality {
 PLANISH_API int planish_measure(const planish_plan *plan, const double *coordinates,
                                 planish_quality *quality, planish_error *error);
 
-/** The same for mesh->coordinates, with a plan for the occasion, made with options (NULL:
- * defaults). Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** The radius ratio of each of the mesh's elements, 1 or more, at coordinates [n_nodes][dim] (or as
+ *  the mesh's strides say): radius_ratio [n_elements] is filled with it, with 0 for elements that
+ *  are not positive, and with NAN for those that a plan with options.around does not know.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY; radius_ratio is then untouched. */
+PLANISH_API int planish_measure_elements(const planish_plan *plan, const double *coordinates,
+                                         double *radius_ratio, planish_error *error);
+
+/** The same as planish_measure for mesh->coordinates, with a plan for the occasion, made with
+ * options (NULL: defaults). Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
                                      planish_quality *quality, planish_error *error);
 

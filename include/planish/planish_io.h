@@ -103,6 +103,22 @@ PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);
 
+/** Whether path has the extension of another format that the mesh can be converted to: .vtu or
+ *  .vtk. */
+PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
+
+/** Write what planish understands of the file, at coordinates [n_nodes][dim], to path in the format
+ *  of its extension, for viewing: nodes, tetrahedra, triangles and lines with their numbers,
+ * regions and groups (docs/formats.md), `fixed` where constraint [n_nodes] (may be NULL) says so,
+ * and radius_ratio [n_elements] (may be NULL; planish_measure_elements). temporary as for
+ *  planish_file_write. lost [lost_size] (may be NULL) is filled with what is left out, as a list in
+ *  words. Errors: _FILE, _MEMORY, _ARGUMENT; nothing is left behind then. */
+PLANISH_API int planish_file_convert(const planish_file *file, const char *path,
+                                     const double *coordinates, const uint8_t *constraint,
+                                     const double *radius_ratio, char *temporary,
+                                     size_t temporary_size, char *lost, size_t lost_size,
+                                     planish_error *error);
+
 #ifdef __cplusplus
 }
 #endif

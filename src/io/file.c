@@ -58,6 +58,9 @@ const char *io_extension(const char *path) {
 }
 
 const io_format *io_format_find(const char *path, const char *data, int64_t size) {
+    enum { LOOKED_AT = 1 << 16 }; /* what begins a file of any format is not farther */
+    if (size > LOOKED_AT)
+        size = LOOKED_AT;
     for (int i = 0; i < N_FORMATS; i++)
         if (formats[i]->recognise(data, size))
             return formats[i];

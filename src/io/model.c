@@ -256,6 +256,21 @@ static int check_plane(const io_model *model, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** z is not smoothed, but shown (view.c). */
+static int keep_z(io_model *model, planish_error *error) {
+    int any = 0;
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        any |= model->xyz[3 * i + 2] != 0;
+    if (!any)
+        return PLANISH_OK;
+    model->z = pl_alloc(model->n_nodes, sizeof *model->z);
+    if (!model->z)
+        return pl_fail_memory(error, "coordinates");
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        model->z[i] = model->xyz[3 * i + 2];
+    return PLANISH_OK;
+}
+
 static int finish_plane(io_model *model, planish_error *error) {
     int status = check_plane(model, error);
     if (status)
@@ -268,9 +283,10 @@ static int finish_plane(io_model *model, planish_error *error) {
         model->coordinates[2 * i] = model->xyz[3 * i];
         model->coordinates[2 * i + 1] = model->xyz[3 * i + 1];
     }
+    status = keep_z(model, error);
     pl_free(model->xyz);
     model->xyz = NULL;
-    return PLANISH_OK;
+    return status;
 }
 
 int io_model_finish(io_model *model, planish_error *error) {
@@ -299,6 +315,7 @@ void io_model_destroy(io_model *model) {
     if (model->coordinates != model->xyz)
         pl_free(model->coordinates);
     pl_free(model->xyz);
+    pl_free(model->z);
     pl_free(model->node_number);
     pl_free(model->span);
     pl_free(model->text_offset);

@@ -114,6 +114,7 @@ typedef struct io_model {
     int columns;                 /* coordinates of a node in the file: 2 or 3 */
     int64_t n_nodes;
     double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2) */
+    double *z;            /* [n_nodes] of a mesh in a plane, or NULL: 0 */
     int64_t *node_number; /* [n_nodes] the file's numbers, or NULL: consecutive */
     int64_t first_number; /* of the nodes if node_number is NULL */
     io_span *span;        /* [n_spans] */

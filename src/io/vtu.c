@@ -13,10 +13,9 @@
 #include <string.h>
 
 /** The array of a piece with that role (and rank, if not 0), or NULL. */
-static const vtu_array *find_array(const vtu_document *document, int64_t piece, vtu_role role,
-                                   int rank) {
+static vtu_array *find_array(const vtu_document *document, int64_t piece, vtu_role role, int rank) {
     for (int64_t i = 0; i < document->n_arrays; i++) {
-        const vtu_array *array = &document->array[i];
+        vtu_array *array = &document->array[i];
         if (array->piece == piece && array->role == role && (rank == 0 || array->rank == rank))
             return array;
     }
@@ -26,8 +25,8 @@ static const vtu_array *find_array(const vtu_document *document, int64_t piece, 
 /* ---- cells --------------------------------------------------------------------------------- */
 
 /** Offsets of the file are ends of cells; ours begin with 0. */
-static int read_offsets(io_model *model, vtu_document *document, const vtu_array *array,
-                        vtk_grid *cells, planish_error *error) {
+static int read_offsets(io_model *model, vtu_document *document, vtu_array *array, vtk_grid *cells,
+                        planish_error *error) {
     int64_t *ends = NULL;
     int status = vtu_read_integers(model, document, array, cells->n, &ends, NULL, error);
     cells->offset = status ? NULL : pl_alloc(cells->n + 1, sizeof *cells->offset);
@@ -50,9 +49,9 @@ static int read_offsets(io_model *model, vtu_document *document, const vtu_array
 static int read_piece_cells(io_model *model, vtu_document *document, int64_t index,
                             planish_error *error) {
     const vtu_piece *piece = &document->piece[index];
-    const vtu_array *connectivity = find_array(document, index, VTU_CONNECTIVITY, 0);
-    const vtu_array *offsets = find_array(document, index, VTU_OFFSETS, 0);
-    const vtu_array *types = find_array(document, index, VTU_TYPES, 0);
+    vtu_array *connectivity = find_array(document, index, VTU_CONNECTIVITY, 0);
+    vtu_array *offsets = find_array(document, index, VTU_OFFSETS, 0);
+    vtu_array *types = find_array(document, index, VTU_TYPES, 0);
     int32_t *type = NULL;
     vtk_grid cells = {.n = piece->n_cells,
                       .n_points = piece->n_points,
@@ -85,7 +84,7 @@ static int read_piece_cells(io_model *model, vtu_document *document, int64_t ind
 static int read_fixed(io_model *model, vtu_document *document, int64_t index,
                       planish_error *error) {
     const vtu_piece *piece = &document->piece[index];
-    const vtu_array *array = find_array(document, index, VTU_FIXED, 0);
+    vtu_array *array = find_array(document, index, VTU_FIXED, 0);
     double *values = NULL;
     if (!array || array->n_components < 1 || array->n_components > 9)
         return PLANISH_OK;
@@ -102,7 +101,7 @@ static int read_fixed(io_model *model, vtu_document *document, int64_t index,
 static int read_piece_regions(io_model *model, vtu_document *document, int64_t index, int rank,
                               int32_t *region, int *whole, planish_error *error) {
     const vtu_piece *piece = &document->piece[index];
-    const vtu_array *array = find_array(document, index, VTU_REGION, rank);
+    vtu_array *array = find_array(document, index, VTU_REGION, rank);
     double *values = NULL;
     if (!array || array->n_components != 1) {
         *whole &= piece->n_cells == 0;
@@ -157,7 +156,9 @@ static int read_document(io_model *model, vtu_document *document, planish_error 
         status = read_piece_cells(model, document, i, error);
     for (int64_t i = 0; i < document->n_pieces && !status; i++)
         status = read_fixed(model, document, i, error);
-    return status ? status : read_regions(model, document, error);
+    if (!status)
+        status = read_regions(model, document, error);
+    return status ? status : vtu_check_overlaps(model, document, error);
 }
 
 static int read_vtu(io_model *model, planish_error *error) {

@@ -40,7 +40,8 @@ typedef struct vtu_array {
     vtu_form form;
     int is_appended;
     int64_t tag;        /* byte of the file where its tag begins, for messages */
-    int64_t begin, end; /* bytes of its text; appended: of what follows its first byte */
+    int64_t begin, end; /* bytes of its text; appended: from its first byte to the file's end, */
+    int64_t data_end;   /* and where it ends, if it has been decoded; else 0 */
     int64_t offset;     /* appended: from the beginning of the appended data, */
     int64_t offset_begin, offset_end; /* as the file says there */
 } vtu_array;
@@ -94,8 +95,8 @@ void vtu_document_release(vtu_document *document);
 
 /* ---- vtu_array.c --------------------------------------------------------------------------- */
 
-/** Decode the n numbers of a binary array. */
-int vtu_decode(const io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+/** Decode the n numbers of a binary array; tells its data_end. */
+int vtu_decode(const io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                vtu_values *values, planish_error *error);
 void vtu_values_release(vtu_values *values);
 
@@ -105,11 +106,11 @@ int64_t vtu_integer(const vtu_values *values, int64_t i);
 
 /** All n integers of an array of any form, as int64_t or (those that do not fit are an error)
  *  int32_t: *wide or *narrow is allocated, the other is NULL. */
-int vtu_read_integers(io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_read_integers(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                       int64_t **wide, int32_t **narrow, planish_error *error);
 
 /** An array of point or cell data: n numbers as doubles, allocated. */
-int vtu_read_reals(io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_read_reals(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                    double **values, planish_error *error);
 
 /** The blocks of a packed array of bytes bytes. */
@@ -128,6 +129,9 @@ int vtu_fail(const io_model *model, const vtu_array *array, planish_error *error
 
 /** Read the points of all pieces, note where they stand. */
 int vtu_read_points(io_model *model, vtu_document *document, planish_error *error);
+
+/** Whether the bytes of appended points are theirs alone, so that they can be replaced. */
+int vtu_check_overlaps(const io_model *model, const vtu_document *document, planish_error *error);
 
 /** What the points that no span tells the place of become (io_format.encode). */
 int vtu_encode_points(const io_model *model, const double *coordinates, int threads,

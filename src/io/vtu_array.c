@@ -100,15 +100,15 @@ static int take_shape(const io_model *model, vtu_document *document, const vtu_a
         return fail_cut(model, array, error);
     if (n > (uint64_t)most_bytes(s) / (uint64_t)document->header_size)
         return fail_cut(model, array, error);
-    if (size > INT64_MAX / 2 || last > size || (n > 1 && size > (uint64_t)bytes))
+    if (size > INT64_MAX || last > size)
         return fail_size(model, array, error);
     blocks->n = (int64_t)n;
     blocks->size = (int64_t)size;
     blocks->last_size = (int64_t)(last > 0 ? last : size);
     /* With this no product overflows: n - 1 blocks of size are bytes at most. */
     const int fits = n == 0 ? bytes == 0
-                            : blocks->last_size <= bytes &&
-                                  (blocks->n == 1 || blocks->n - 1 <= bytes / blocks->size) &&
+                            : size > 0 && blocks->last_size <= bytes &&
+                                  blocks->n - 1 <= bytes / blocks->size &&
                                   (blocks->n - 1) * blocks->size == bytes - blocks->last_size;
     return fits ? PLANISH_OK : fail_size(model, array, error);
 }
@@ -192,7 +192,7 @@ static int check_expansion(const io_model *model, const vtu_document *document,
                     "no mesh is: refused");
 }
 
-static int decode_packed(const io_model *model, vtu_document *document, const vtu_array *array,
+static int decode_packed(const io_model *model, vtu_document *document, vtu_array *array,
                          int64_t bytes, vtu_values *values, planish_error *error) {
     vtu_blocks blocks;
     int status = check_expansion(model, document, array, bytes, error);
@@ -209,13 +209,14 @@ static int decode_packed(const io_model *model, vtu_document *document, const vt
             status = vtu_fail(model, array, error,
                               "a packed block cannot be unpacked to what its header says");
     }
+    array->data_end = blocks.text_end;
     vtu_blocks_release(&blocks);
     return status;
 }
 
 /* ---- arrays -------------------------------------------------------------------------------- */
 
-static int decode_plain(const io_model *model, vtu_document *document, const vtu_array *array,
+static int decode_plain(const io_model *model, const vtu_document *document, vtu_array *array,
                         int64_t bytes, vtu_values *values, planish_error *error) {
     source s = open_source(model, array);
     uint64_t size;
@@ -226,17 +227,22 @@ static int decode_plain(const io_model *model, vtu_document *document, const vtu
     /* Pending bytes of the group in which the header ends are in the text already. */
     if (bytes > most_bytes(&s) + 3)
         return fail_cut(model, array, error);
+    const char *data = model->input.data;
     if (s.form == VTU_RAW) {
         values->data = s.text.cursor.at;
+        array->data_end = values->data + bytes - data;
         return bytes > io_left(&s.text.cursor) ? fail_cut(model, array, error) : PLANISH_OK;
     }
     values->owned = pl_alloc(bytes, 1);
     if (!values->owned)
         return pl_fail_memory(error, "an array of the file");
-    return take_bytes(&s, bytes, values->owned) ? fail_cut(model, array, error) : PLANISH_OK;
+    if (take_bytes(&s, bytes, values->owned))
+        return fail_cut(model, array, error);
+    array->data_end = s.text.cursor.at - data;
+    return PLANISH_OK;
 }
 
-int vtu_decode(const io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_decode(const io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                vtu_values *values, planish_error *error) {
     *values = (vtu_values){.n = n, .type = array->type, .swapped = document->swapped};
     if (!array->type)
@@ -287,7 +293,7 @@ double vtu_real(const vtu_values *values, int64_t i) {
 /** Where numbers of text and binary go. */
 typedef struct target {
     io_model *model;
-    const vtu_array *array;
+    vtu_array *array;
     const vtu_values *values; /* binary */
     int64_t *wide;            /* [n] one of these three is not NULL */
     int32_t *narrow;
@@ -371,11 +377,13 @@ static int check_count(const io_model *model, const vtu_document *document, cons
     if (!array->type)
         return vtu_fail(model, array, error, "numbers of this type are not read");
     if (document->compression == IO_PLAIN)
-        return n * array->type->size <= left ? PLANISH_OK : fail_cut(model, array, error);
-    return check_expansion(model, document, array, n * array->type->size, error);
+        return n <= left / array->type->size ? PLANISH_OK : fail_cut(model, array, error);
+    /* So many that their bytes could not be counted are as many too many. */
+    const int64_t bytes = n < INT64_MAX / 8 ? n * array->type->size : INT64_MAX;
+    return check_expansion(model, document, array, bytes, error);
 }
 
-int vtu_read_integers(io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_read_integers(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                       int64_t **wide, int32_t **narrow, planish_error *error) {
     target t = {.model = model, .array = array};
     if (array->type && array->type->kind == VTK_REAL)
@@ -390,7 +398,7 @@ int vtu_read_integers(io_model *model, vtu_document *document, const vtu_array *
     return read_target(&t, document, n, error);
 }
 
-int vtu_read_reals(io_model *model, vtu_document *document, const vtu_array *array, int64_t n,
+int vtu_read_reals(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                    double **values, planish_error *error) {
     int status = check_count(model, document, array, n, error);
     if (status)

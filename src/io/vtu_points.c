@@ -81,12 +81,13 @@ static int read_ascii(io_model *model, const vtu_array *array, const vtu_piece *
         status = io_model_span(model,
                                (io_span){.first_node = piece->first_point,
                                          .n_nodes = piece->n_points,
-                                         .encoding = IO_TEXT},
+                                         .encoding = IO_TEXT,
+                                         .offset = array->begin},
                                error);
     return status;
 }
 
-static int read_binary(io_model *model, vtu_document *document, const vtu_array *array,
+static int read_binary(io_model *model, vtu_document *document, vtu_array *array,
                        const vtu_piece *piece, planish_error *error) {
     vtu_values values;
     int status = vtu_decode(model, document, array, 3 * piece->n_points, &values, error);
@@ -132,6 +133,11 @@ static int make_nodes(io_model *model, const vtu_document *document, planish_err
     return io_model_nodes(model, n, with_text, error);
 }
 
+static int compare_spans(const void *a, const void *b) {
+    const int64_t p = ((const io_span *)a)->offset, q = ((const io_span *)b)->offset;
+    return (p > q) - (p < q);
+}
+
 int vtu_read_points(io_model *model, vtu_document *document, planish_error *error) {
     int64_t found = 0;
     int status = make_nodes(model, document, error);
@@ -139,7 +145,7 @@ int vtu_read_points(io_model *model, vtu_document *document, planish_error *erro
         return status;
     model->precision = PLANISH_DOUBLE;
     for (int64_t i = 0; i < document->n_arrays && !status; i++) {
-        const vtu_array *array = &document->array[i];
+        vtu_array *array = &document->array[i];
         if (array->role != VTU_POINTS || array->piece < 0)
             continue;
         if (found == 0 && array->type && array->type->size == 4)
@@ -152,9 +158,52 @@ int vtu_read_points(io_model *model, vtu_document *document, planish_error *erro
                                           : read_binary(model, document, array, piece, error);
         found++;
     }
+    /* The writer goes through the file, whatever the order of the pieces is. */
+    if (!status && model->n_spans > 1)
+        qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
     if (!status && found < document->n_pieces)
         status = io_fail_text(model, model->input.data + model->input.size, error,
                               "a Piece has no Points (the file may be cut short)");
+    return status;
+}
+
+/* ---- places -------------------------------------------------------------------------------- */
+
+/** Bytes of the file that an array has. */
+typedef struct range {
+    int64_t begin, end;
+    const vtu_array *array;
+} range;
+
+static int compare_ranges(const void *a, const void *b) {
+    const int64_t p = ((const range *)a)->begin, q = ((const range *)b)->begin;
+    return (p > q) - (p < q);
+}
+
+int vtu_check_overlaps(const io_model *model, const vtu_document *document, planish_error *error) {
+    range *all = pl_alloc(document->n_arrays, sizeof *all);
+    int64_t n = 0, end = 0, points_end = 0;
+    int status = all ? PLANISH_OK : pl_fail_memory(error, "the arrays of the file");
+    for (int64_t i = 0; i < document->n_arrays && !status; i++) {
+        const vtu_array *array = &document->array[i];
+        /* Of those that were not read it is known where they begin. */
+        if (array->is_appended)
+            all[n++] = (range){array->begin,
+                               array->data_end > 0 ? array->data_end : array->begin + 1, array};
+    }
+    if (!status && n > 0)
+        qsort(all, (size_t)n, sizeof *all, compare_ranges);
+    for (int64_t i = 0; i < n && !status; i++) {
+        const int is_points = all[i].array->role == VTU_POINTS && all[i].array->piece >= 0;
+        if (all[i].begin < (is_points ? end : points_end))
+            status = vtu_fail(model, all[i].array, error,
+                              "appended points share bytes with another array, so that they cannot "
+                              "be moved alone");
+        end = all[i].end > end ? all[i].end : end;
+        if (is_points)
+            points_end = end;
+    }
+    pl_free(all);
     return status;
 }
 
@@ -164,7 +213,7 @@ int vtu_read_points(io_model *model, vtu_document *document, planish_error *erro
 typedef struct rewrite {
     const io_model *model;
     const vtu_document *document;
-    const vtu_array *array;
+    vtu_array *array;
     const vtu_piece *piece;
     const double *coordinates; /* [n_nodes][dim] of the model */
     char *bytes;               /* those of the file, decoded, then the new ones */
@@ -407,7 +456,7 @@ int vtu_encode_points(const io_model *model, const double *coordinates, int thre
     int status = PLANISH_OK;
     document.unpacked = 0;
     for (int64_t i = 0; i < document.n_arrays && !status; i++) {
-        const vtu_array *array = &document.array[i];
+        vtu_array *array = &document.array[i];
         if (array->role != VTU_POINTS || array->piece < 0 || !is_encoded(&document, array))
             continue;
         rewrite r = {.model = model,

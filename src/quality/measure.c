@@ -28,6 +28,7 @@ typedef struct pass {
     pl_ratio_sums *basic; /* [n_chunks] */
     pl_full_sums *full;   /* [n_chunks], or NULL: not wanted */
     uint8_t *state;       /* [n_elements] PL_FINE, ..., or NULL: not wanted */
+    double *ratio;        /* [n_elements] RR, 0 of elements that are not valid; NULL: not wanted */
     double limit2;        /* RR^2 above which an element is worse, */
     double acute_limit;   /* or the acuteness of an angle, */
     double blunt;         /* and RR^2 up to which it has no such angle */
@@ -77,6 +78,11 @@ static inline void put_states(const pass *p, const pl_block *b, int64_t first, i
     }
 }
 
+static inline void put_ratios(const pass *p, const pl_block *b, int64_t first, int count) {
+    for (int l = 0; l < count; l++)
+        p->ratio[first + l] = b->valid[l] != 0 ? sqrt(b->square[l]) : 0;
+}
+
 /** Evaluate elements begin .. end - 1 of the pass. */
 PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim, const int full) {
     pl_basic_lanes basic;
@@ -93,7 +99,9 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
         if (!pl_block_is_certain(&b))
             pl_block_resolve(p->mesh, first, count, &b);
         pl_add_basic(&b, &basic);
-        if (!full && !p->state && pl_block_largest_square(&b) > blunt)
+        if (!full && p->ratio)
+            put_ratios(p, &b, first, count);
+        else if (!full && !p->state && pl_block_largest_square(&b) > blunt)
             take_angles(p, &b, &blunt, dim);
         if (!full && p->state)
             put_states(p, &b, first, count, dim);
@@ -182,6 +190,16 @@ void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const i
     p.limit2 = ratio * ratio;
     p.acute_limit = acuteness;
     p.blunt = pl_blunt_ratio_square(dim, acuteness);
+    pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
+}
+
+void pl_find_ratios(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+                    const uint8_t *is_free, const double *coordinates, int threads, double *ratio) {
+    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
+    pl_ratio_sums part[MAX_CHUNKS];
+    pass p = begin_pass(&mesh);
+    p.basic = part;
+    p.ratio = ratio;
     pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
 }
 

@@ -52,4 +52,8 @@ void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const i
                    const uint8_t *is_free, const double *coordinates, double ratio,
                    double acuteness, int threads, uint8_t *state);
 
+/** RR of each element, 0 of those that are not positive: ratio [n_elements]. */
+void pl_find_ratios(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+                    const uint8_t *is_free, const double *coordinates, int threads, double *ratio);
+
 #endif

@@ -24,8 +24,34 @@ static int measure(const planish_plan *plan, const double *coordinates, planish_
     return status;
 }
 
+/** RR of all elements that the plan knows, NAN of the others. */
+static int find_ratios(const planish_plan *plan, const double *coordinates, double *ratio,
+                       planish_error *error) {
+    const pl_whole *whole = &plan->whole;
+    const int64_t n = plan->n_elements;
+    if (plan->scope == PL_PART_OF_ALL) {
+        pl_find_ratios(plan->dim, whole->n_elements, whole->elements, whole->sign, whole->is_free,
+                       coordinates, plan->threads, ratio);
+        return PLANISH_OK;
+    }
+    double *of_part = plan->element_of ? pl_alloc(n, sizeof *of_part) : ratio;
+    if (!of_part)
+        return pl_fail_memory(error, "the radius ratios");
+    pl_find_ratios(plan->dim, n, plan->elements, plan->sign, plan->is_free, coordinates,
+                   plan->threads, of_part);
+    if (of_part != ratio) {
+        for (int64_t i = 0; i < whole->n_elements; i++)
+            ratio[i] = (double)NAN;
+        for (int64_t i = 0; i < n; i++)
+            ratio[pl_plan_element(plan, i)] = of_part[i];
+        pl_free(of_part);
+    }
+    return PLANISH_OK;
+}
+
+/** quality or ratio is NULL. */
 static int check_and_measure(const planish_plan *plan, const double *coordinates,
-                             planish_quality *quality, planish_error *error) {
+                             planish_quality *quality, double *ratio, planish_error *error) {
     const pl_points points = pl_plan_all_points(plan, coordinates);
     const int is_dense = pl_points_are_dense(&points);
     int status = pl_points_check(&points, plan->threads, error);
@@ -34,7 +60,8 @@ static int check_and_measure(const planish_plan *plan, const double *coordinates
     double *room = is_dense ? NULL : pl_alloc(points.n * points.dim, sizeof *room);
     if (!is_dense && !room)
         return pl_fail_memory(error, "the coordinates");
-    status = measure(plan, pl_plan_dense(plan, &points, room), quality, error);
+    const double *x = pl_plan_dense(plan, &points, room);
+    status = quality ? measure(plan, x, quality, error) : find_ratios(plan, x, ratio, error);
     pl_free(room);
     return status;
 }
@@ -45,7 +72,18 @@ int planish_measure(const planish_plan *plan, const double *coordinates, planish
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and quality must not be NULL");
     pl_context *before = pl_context_enter(plan->context);
-    const int status = check_and_measure(plan, coordinates, quality, error);
+    const int status = check_and_measure(plan, coordinates, quality, NULL, error);
+    pl_context_enter(before);
+    return status;
+}
+
+int planish_measure_elements(const planish_plan *plan, const double *coordinates,
+                             double *radius_ratio, planish_error *error) {
+    if (!plan || !coordinates || !radius_ratio)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "plan, coordinates and radius_ratio must not be NULL");
+    pl_context *before = pl_context_enter(plan->context);
+    const int status = check_and_measure(plan, coordinates, NULL, radius_ratio, error);
     pl_context_enter(before);
     return status;
 }

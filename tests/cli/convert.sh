@@ -1,0 +1,104 @@
+#!/usr/bin/env bash
+# Another extension for the output: a copy for viewing with what planish understands; what is left out
+# is said.
+. "$(dirname "$0")/common.sh"
+
+python=/usr/bin/python3
+data=$source_folder/tests/data
+
+# What is written is read again: the same mesh, with the same nodes to move.
+for out in view.vtu view.vtk VIEW.VTU; do
+    expect_status 0 "$program" smooth "$data/binary41.msh" -o $out --json report.json
+    expect_text "note: $out is for viewing; left out of it: "
+    expect_text "data, parameters and comments"
+    expect_status 0 "$program" quality $out --json quality.json -q
+    python3 - <<'END' || fail "$out"
+import json
+r, q = json.load(open("report.json")), json.load(open("quality.json"))
+assert r["moved_nodes"] > 0
+for name in ("elements", "nodes", "free_nodes", "dimension"):
+    assert r["mesh"][name] == q["mesh"][name], name
+assert r["after"]["rms_radius_ratio"] == q["quality"]["rms_radius_ratio"]
+END
+done
+cmp -s view.vtu VIEW.VTU || fail "two conversions differ"
+expect_status 0 "$program" smooth "$data/binary41.msh" -o back.msh -q
+
+# From any format; of a plane mesh, its z.
+for in in medit.mesh tetgen.node square.msh binary22.msh zlib.vtu binary.vtk; do
+    for out in out.vtk out.vtu; do
+        [ "${in##*.}" != "${out##*.}" ] || continue
+        expect_status 0 "$program" smooth "$data/$in" -o $out -q
+        expect_status 0 "$program" quality $out -q
+    done
+done
+sed 's/ 0$/ 0.75/' "$data/square.msh" >lifted.msh
+if "$program" quality lifted.msh -q 2>/dev/null; then
+    expect_status 0 "$program" smooth lifted.msh -o lifted.vtk -q
+fi
+
+# No conversion to others, none to a pipe; an error leaves what is there.
+expect_status 64 "$program" smooth "$data/medit.mesh" -o out.msh -q
+expect_text "there is conversion to .vtu and .vtk only"
+expect_status 64 "$program" smooth "$data/medit.mesh" -o out.xyz -q
+expect_no_file out.msh out.xyz
+echo old >kept.vtu
+expect_status 2 "$program" smooth missing.mesh -o kept.vtu -q
+[ "$(cat kept.vtu)" = old ] || fail "kept.vtu was touched"
+if [ -e /dev/full ]; then
+    expect_status 2 "$program" smooth "$data/medit.mesh" -o /dev/full -q
+fi
+
+"$python" -c "import meshio, numpy, vtk" 2>/dev/null || finish
+# VTK and meshio see what was in the file.
+"$python" - "$data/binary41.msh" <<'END' || fail "as others read it"
+import sys
+import meshio
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+before = meshio.read(sys.argv[1])
+smooth = meshio.read("back.msh")
+regions = np.concatenate([r for c, r in zip(before.cells, before.cell_data["gmsh:geometrical"])
+                          if c.type == "tetra"])
+groups = np.concatenate([r for c, r in zip(before.cells, before.cell_data["gmsh:physical"])
+                         if c.type == "tetra"])
+tetrahedra = np.concatenate([c.data for c in before.cells if c.type == "tetra"])
+for name in "view.vtu", "view.vtk":
+    mesh = meshio.read(name)
+    assert (mesh.points == smooth.points).all(), name
+    assert mesh.cells[0].type == "tetra" and (mesh.cells[0].data == tetrahedra).all(), name
+    flat = {key: np.asarray(values[0]).ravel() for key, values in mesh.cell_data.items()}
+    assert (flat["region"] == regions).all() and (flat["group"] == groups).all(), name
+    assert (flat["radius_ratio"] >= 1).all() and len(set(flat["radius_ratio"])) > 100, name
+    assert set(np.asarray(mesh.point_data["fixed"]).ravel()) == {0, 1}, name
+    reader = vtk.vtkXMLUnstructuredGridReader() if name == "view.vtu" else \
+        vtk.vtkUnstructuredGridReader()
+    reader.SetFileName(name)
+    if name == "view.vtk":
+        reader.ReadAllFieldsOn()
+    reader.Update()
+    grid = reader.GetOutput()
+    quality = vtk.vtkMeshQuality()
+    quality.SetInputData(grid)
+    quality.SetTetQualityMeasureToRadiusRatio()
+    quality.Update()
+    theirs = vtk_to_numpy(quality.GetOutput().GetCellData().GetArray("Quality"))
+    ours = vtk_to_numpy(grid.GetCellData().GetArray("radius_ratio"))
+    tetra = vtk_to_numpy(grid.GetCellTypesArray()) == 10
+    assert np.allclose(theirs[tetra], ours[tetra], rtol=1e-9), name
+    assert np.isnan(ours[~tetra]).all(), name
+names = {name: list(value) for name, value in meshio.read("view.vtu").field_data.items()}
+assert names == {name: list(value) for name, value in before.field_data.items()}, names
+assert b"3:1 lower part" in open("view.vtk", "rb").read().split(b"\n")[1]
+END
+if command -v gmsh >/dev/null; then
+    gmsh -v 1 -save view.vtk -format msh41 -o again.msh >/dev/null
+    "$python" -c "
+import meshio
+a, b = meshio.read('view.vtk'), meshio.read('again.msh')
+count = lambda m: sum(len(c.data) for c in m.cells if c.type == 'tetra')
+assert len(a.points) == len(b.points) and count(a) == count(b) > 0" || fail "gmsh reads view.vtk"
+fi
+finish

@@ -1,0 +1,564 @@
+/* Tests of the reader of VTK's XML files: the same small mesh in every encoding, written back, and
+ * files that lie. */
+#include <inttypes.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include "io/base64.h"
+#include "io/binary.h"
+#include "io/compression.h"
+#include "support/file_builder.h"
+#include "support/files.h"
+#include "support/reading.h"
+
+enum { N_NODES = 6, N_CELLS = 6, N_ARRAYS = 7, MOST_VALUES = 32 };
+static const double points[N_NODES][3] = {{0, 0, 0}, {1, 0, 0},         {0, 1, 0},
+                                          {0, 0, 1}, {0.1, 0.125, 0.2}, {5, 5, 5}};
+/* A line, a tetrahedron, a triangle, and the other tetrahedra: nodes, and VTK's types. */
+static const int cells[N_CELLS][4] = {{0, 1, -1, -1}, {0, 1, 2, 4}, {0, 1, 2, -1},
+                                      {0, 1, 3, 4},   {0, 2, 3, 4}, {1, 2, 3, 4}};
+static const int types[N_CELLS] = {3, 10, 5, 10, 10, 10};
+static const int regions[N_CELLS] = {1, 7, 2, 7, 8, 8};
+
+typedef enum form { ASCII, INLINE, APPENDED_RAW, APPENDED_BASE64 } form;
+
+/** How a test file is written. */
+typedef struct variant {
+    form form;
+    int is_float, header_size, is_big;
+    io_compression compression;
+    int block; /* bytes of a block, if packed */
+    int keys;  /* information keys in the elements: 1 before the numbers, 2 behind them */
+} variant;
+
+/** An array of the file. */
+typedef struct array {
+    const char *section, *name, *type;
+    int size, is_real, n;
+    double value[MOST_VALUES];
+} array;
+
+/* ---- the file ------------------------------------------------------------------------------ */
+
+static void make_arrays(const variant *v, array a[N_ARRAYS]) {
+    memset(a, 0, N_ARRAYS * sizeof *a);
+    a[0] = (array){"PointData", "fixed", "UInt8", 1, 0, N_NODES, {0, 0, 0, 1}};
+    a[1] = (array){.section = "Points",
+                   .name = "Points",
+                   .type = v->is_float ? "Float32" : "Float64",
+                   .size = v->is_float ? 4 : 8,
+                   .is_real = 1,
+                   .n = 3 * N_NODES};
+    memcpy(a[1].value, points, sizeof points);
+    a[2] = (array){"Cells", "connectivity", "Int64", 8, 0, 0, {0}};
+    a[3] = (array){"Cells", "offsets", "Int32", 4, 0, N_CELLS, {0}};
+    a[4] = (array){"Cells", "types", "UInt8", 1, 0, N_CELLS, {0}};
+    a[5] = (array){"CellData", "material", "Int16", 2, 0, N_CELLS, {0}};
+    a[6] = (array){"CellData", "region", "Float64", 8, 1, N_CELLS, {0}};
+    for (int c = 0; c < N_CELLS; c++) {
+        for (int k = 0; k < 4 && cells[c][k] >= 0; k++)
+            a[2].value[a[2].n++] = cells[c][k];
+        a[3].value[c] = a[2].n;
+        a[4].value[c] = types[c];
+        a[5].value[c] = c;
+        a[6].value[c] = regions[c];
+    }
+}
+
+static void put_values(file_builder *f, const array *a) {
+    for (int i = 0; i < a->n; i++)
+        if (a->is_real)
+            builder_real(f, a->value[i], a->size);
+        else
+            builder_integer(f, (int64_t)a->value[i], a->size);
+}
+
+/** Raw bytes, whatever they are. */
+static void put_bytes(file_builder *f, const char *data, int64_t n) {
+    const int binary = f->binary;
+    f->binary = 1;
+    for (int64_t i = 0; i < n; i++)
+        builder_integer(f, data[i], 1);
+    f->binary = binary;
+}
+
+/** Header and data of a binary array: blocks with compression. *header: bytes of the header. */
+static file_builder encode(const variant *v, const array *a, int64_t *header) {
+    file_builder values = {.binary = 1, .swapped = io_machine_is_little() == v->is_big};
+    file_builder out = {.binary = 1, .swapped = values.swapped};
+    put_values(&values, a);
+    if (v->compression == IO_PLAIN) {
+        builder_integer(&out, values.size, v->header_size);
+        *header = out.size;
+        put_bytes(&out, values.data, values.size);
+    } else {
+        char packed[4096];
+        const int64_t n = (values.size + v->block - 1) / v->block;
+        int64_t size[64], total = 0;
+        for (int64_t i = 0; i < n; i++) {
+            const int64_t left = values.size - i * v->block;
+            size[i] = io_pack(v->compression, values.data + i * v->block,
+                              left < v->block ? left : v->block, "\x78\x9c", packed + total);
+            assert_true(size[i] > 0);
+            total += size[i];
+        }
+        builder_integer(&out, n, v->header_size);
+        builder_integer(&out, v->block, v->header_size);
+        builder_integer(&out, values.size % v->block, v->header_size);
+        for (int64_t i = 0; i < n; i++)
+            builder_integer(&out, size[i], v->header_size);
+        *header = out.size;
+        put_bytes(&out, packed, total);
+    }
+    builder_release(&values);
+    return out;
+}
+
+/** As it stands in the file. */
+static file_builder written(const variant *v, const array *a) {
+    int64_t header;
+    if (v->form == ASCII) {
+        file_builder text = {0};
+        put_values(&text, a);
+        return text;
+    }
+    file_builder bytes = encode(v, a, &header);
+    if (v->form == APPENDED_RAW)
+        return bytes;
+    /* Packed arrays have their header apart. */
+    if (v->compression == IO_PLAIN)
+        header = 0;
+    file_builder text = {0};
+    char *out = malloc((size_t)(io_base64_length(header) + io_base64_length(bytes.size)) + 1);
+    int64_t length = io_base64_write(bytes.data, header, out);
+    length += io_base64_write(bytes.data + header, bytes.size - header, out + length);
+    put_bytes(&text, out, length);
+    free(out);
+    builder_release(&bytes);
+    return text;
+}
+
+static int is_appended(const variant *v) {
+    return v->form >= APPENDED_RAW;
+}
+
+static const char *compressor(const variant *v) {
+    static const char *const names[] = {"", " compressor=\"vtkZLibDataCompressor\"",
+                                        " compressor='vtkLZ4DataCompressor'",
+                                        " compressor = \"vtkLZMADataCompressor\""};
+    return names[v->compression];
+}
+
+static file_builder make_file(const variant *v) {
+    static const char key[] = "<InformationKey name=\"x\"><Value index=\"0\">1</Value>"
+                              "</InformationKey>\n";
+    array a[N_ARRAYS];
+    file_builder f = {0}, data = {0};
+    make_arrays(v, a);
+    builder_text(
+        &f,
+        "<?xml version=\"1.0\"?>\n<!-- <DataArray offset=\"7\"> -->\n<VTKFile "
+        "type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" header_type=\"%s\"%s>\n",
+        v->is_big ? "BigEndian" : "LittleEndian", v->header_size == 8 ? "UInt64" : "UInt32",
+        compressor(v));
+    builder_text(&f, "<UnstructuredGrid><Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n",
+                 N_NODES, N_CELLS);
+    for (int i = 0; i < N_ARRAYS; i++) {
+        file_builder values = written(v, &a[i]);
+        builder_text(&f, "<%s><DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" ",
+                     a[i].section, a[i].type, a[i].name, i == 1 ? 3 : 1);
+        if (is_appended(v)) {
+            builder_text(&f,
+                         "RangeMin=\"a 'b' offset=0\" format='appended' offset=\"%" PRId64
+                         "%s\"></DataArray>",
+                         data.size, i == 6 ? "    " : "");
+            put_bytes(&data, values.data, values.size);
+        } else {
+            builder_text(&f, "format=\"%s\">\n", v->form == ASCII ? "ascii" : "binary");
+            if (v->keys == 1)
+                builder_text(&f, key);
+            put_bytes(&f, values.data, values.size);
+            if (v->keys == 2)
+                builder_text(&f, key);
+            builder_text(&f, "</DataArray>");
+        }
+        builder_text(&f, "</%s>\n", a[i].section);
+        builder_release(&values);
+    }
+    builder_text(&f, "</Piece></UnstructuredGrid>\n");
+    if (is_appended(v)) {
+        builder_text(&f, "<AppendedData encoding=\"%s\">\n  _",
+                     v->form == APPENDED_RAW ? "raw" : "base64");
+        put_bytes(&f, data.data, data.size);
+        builder_text(&f, "\n</AppendedData>\n");
+    }
+    builder_text(&f, "</VTKFile>\n");
+    builder_release(&data);
+    return f;
+}
+
+/* ---- the mesh ------------------------------------------------------------------------------ */
+
+static void expect_mesh(const planish_file *file, const variant *v) {
+    static const int64_t numbers[4] = {1, 3, 4, 5};
+    const io_model *model = &file->model;
+    assert_int_equal(model->dim, 3);
+    assert_int_equal(model->n_nodes, N_NODES);
+    assert_int_equal(model->precision, v->is_float ? PLANISH_FLOAT : PLANISH_DOUBLE);
+    assert_int_equal(model->tetrahedron.n, 4);
+    assert_int_equal(model->triangle.n, 1);
+    assert_int_equal(model->line.n, 1);
+    for (int i = 0; i < 4; i++) {
+        const int cell = (int)numbers[i];
+        assert_memory_equal(&model->tetrahedron.nodes[4 * i], cells[cell], sizeof cells[0]);
+        assert_int_equal(planish_file_element_number(file, i), cell);
+        assert_int_equal(model->entity[model->tetrahedron.entity[i]].tag, regions[cell]);
+    }
+    assert_int_equal(model->entity[model->triangle.entity[0]].tag, regions[2]);
+    for (int k = 0; k < N_NODES; k++)
+        assert_int_equal((model->hold[k] & IO_HELD_MARKED) != 0, k == 3);
+}
+
+static void expect_points(const planish_file *file, const double *expected) {
+    for (int i = 0; i < 3 * N_NODES; i++)
+        assert_true(file->model.coordinates[i] == expected[i]);
+}
+
+static void stored_points(const variant *v, double scale, double out[3 * N_NODES]) {
+    for (int i = 0; i < 3 * N_NODES; i++) {
+        const double value = points[i / 3][i % 3] * (i / 3 == 4 ? scale : 1);
+        volatile float rounded = (float)value;
+        out[i] = v->is_float ? (double)rounded : value;
+    }
+}
+
+static void read_file(const file_builder *f, planish_file **file) {
+    planish_error error = {0};
+    if (builder_read(f, &io_format_vtu, 1, file, &error) != 0)
+        fail_msg("%s", error.text);
+}
+
+/** Call visit for every way to write the file. */
+static void each_variant(void (*visit)(const variant *v, void *context), void *context) {
+    static const io_compression packers[] = {IO_PLAIN, IO_ZLIB, IO_LZ4, IO_LZMA};
+    for (int how = ASCII; how <= APPENDED_BASE64; how++)
+        for (int bits = 0; bits < (how == ASCII ? 2 : 8); bits++)
+            for (int p = 0; p < (how == ASCII ? 1 : 4); p++)
+                for (int keys = 0; keys < (how < APPENDED_RAW ? 3 : 1); keys++) {
+                    const variant v = {(form)how, bits & 1,   bits & 2 ? 8 : 4,
+                                       bits >> 2, packers[p], bits & 1 ? 20 : 48,
+                                       keys};
+                    if (io_compression_is_built(v.compression))
+                        visit(&v, context);
+                }
+}
+
+static void read_one(const variant *v, void *context) {
+    double expected[3 * N_NODES];
+    planish_file *file;
+    file_builder f = make_file(v);
+    ++*(int *)context;
+    assert_true(io_format_vtu.recognise(f.data, f.size));
+    stored_points(v, 1, expected);
+    read_file(&f, &file);
+    expect_mesh(file, v);
+    expect_points(file, expected);
+    planish_file_close(file);
+    builder_expect_same_on_threads(&f, &io_format_vtu);
+    builder_release(&f);
+}
+
+static void every_encoding_is_read(void **state) {
+    int n = 0;
+    (void)state;
+    each_variant(read_one, &n);
+    assert_true(n > 30);
+}
+
+/** The same bytes if nothing moved; else a file that differs in the points alone. */
+static void write_one(const variant *v, void *context) {
+    char path[TEST_PATH_SIZE];
+    double moved[3 * N_NODES];
+    size_t size;
+    planish_file *file, *again;
+    planish_error error = {.text = ""};
+    file_builder f = make_file(v);
+    read_file(&f, &file);
+    test_path(path, context, "out.vtu");
+    assert_int_equal(
+        planish_file_write(file, path, planish_file_coordinates(file), 2, NULL, 0, NULL), 0);
+    char *same = test_read(path, &size);
+    assert_int_equal(size, f.size);
+    assert_memory_equal(same, f.data, size);
+    free(same);
+    stored_points(v, 1.0 / 3, moved);
+    assert_int_equal(planish_file_write(file, path, moved, 2, NULL, 0, NULL), 0);
+    if (planish_file_open(path, NULL, 1, &again, &error))
+        fail_msg("%s", error.text);
+    expect_mesh(again, v);
+    expect_points(again, moved);
+    /* And back: the points' blocks are packed as before, so that these are the first bytes. */
+    stored_points(v, 1, moved);
+    assert_int_equal(planish_file_write(again, path, moved, 1, NULL, 0, NULL), 0);
+    char *back = test_read(path, &size);
+    if (v->form != ASCII) { /* of numbers there are more texts than one */
+        assert_int_equal(size, f.size);
+        assert_memory_equal(back, f.data, size);
+    }
+    free(back);
+    planish_file_close(again);
+    planish_file_close(file);
+    builder_release(&f);
+}
+
+static void every_encoding_is_written(void **state) {
+    each_variant(write_one, *state);
+}
+
+static void break_one(const variant *v, void *context) {
+    (void)context;
+    if (v->header_size == 8 && v->is_big != v->is_float && v->keys == 0) {
+        file_builder f = make_file(v);
+        builder_try_to_break(&f, &io_format_vtu);
+        builder_release(&f);
+    }
+}
+
+static void cut_short_or_without_memory(void **state) {
+    (void)state;
+    each_variant(break_one, NULL);
+}
+
+/* ---- several pieces ------------------------------------------------------------------------ */
+
+#define GRID(attributes)     "<VTKFile type=\"UnstructuredGrid\"" attributes "><UnstructuredGrid>"
+#define PIECE(points, cells) "<Piece NumberOfPoints=\"" points "\" NumberOfCells=\"" cells "\">"
+#define END                  "</Piece></UnstructuredGrid></VTKFile>"
+#define ARRAY(type, name, text)                                                                    \
+    "<DataArray type=\"" type "\" Name=\"" name "\" format=\"ascii\">" text "</DataArray>"
+#define POINTS(text)                                                                               \
+    "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">" text          \
+    "</DataArray></Points>"
+#define CELLS(connectivity, offsets, types)                                                        \
+    "<Cells>" ARRAY("Int32", "connectivity", connectivity) ARRAY("Int32", "offsets", offsets)      \
+        ARRAY("UInt8", "types", types) "</Cells>"
+#define TRIANGLE POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "5")
+
+static void pieces_are_one_mesh(void **state) {
+    static const int32_t expected[] = {0, 1, 2, 5, 3, 4};
+    char path[TEST_PATH_SIZE];
+    planish_file *file = reading_text(
+        &io_format_vtu,
+        GRID("") PIECE("3", "1") TRIANGLE "<CellData>" ARRAY("Int32", "region", "4")
+            ARRAY("Int32", "material", "1") "</CellData></Piece>" PIECE("0", "0")
+                POINTS("") "</Piece>" PIECE("3", "2") POINTS("2 0 0 3 0 0 2 1.5 0")
+                    CELLS("0 1 2 0 1", "2 5", "3 5") "<CellData>" ARRAY("Int32", "material", "0 3")
+                        ARRAY("Int32", "region", "6 5") "</CellData>" END);
+    const io_model *model = &file->model;
+    assert_int_equal(model->dim, 2);
+    assert_int_equal(model->triangle.n, 2);
+    assert_memory_equal(model->triangle.nodes, expected, sizeof expected);
+    assert_int_equal(planish_file_element_number(file, 0), 0);
+    assert_int_equal(planish_file_element_number(file, 1), 2);
+    assert_int_equal(model->entity[model->triangle.entity[0]].tag, 4);
+    assert_int_equal(model->entity[model->triangle.entity[1]].tag, 5);
+    double *x = planish_file_coordinates(file);
+    x[1] = 0.25;
+    x[11] = 2.5;
+    assert_int_equal(
+        planish_file_write(file, test_path(path, *state, "out.vtu"), x, 1, NULL, 0, NULL), 0);
+    char *content = test_read(path, NULL);
+    assert_non_null(strstr(content, ">0 0.25 0 1 0 0 0 1 0<"));
+    assert_non_null(strstr(content, ">2 0 0 3 0 0 2 2.5 0<"));
+    free(content);
+    planish_file_close(file);
+}
+
+/** Two pieces of three appended points each, at those offsets. */
+static file_builder appended_pieces(int64_t first, int64_t second, int size) {
+    const int64_t offset[] = {first, second};
+    file_builder f = {.swapped = !io_machine_is_little()};
+    builder_text(&f, GRID(" header_type=\"UInt32\""));
+    for (int i = 0; i < 2; i++) {
+        builder_text(&f, PIECE("3", "1") CELLS("0 1 2", "3", "5"));
+        builder_text(&f,
+                     "<Points><DataArray type=\"Float%d\" NumberOfComponents=\"3\" "
+                     "format=\"appended\" offset=\"%" PRId64 "\"/></Points></Piece>",
+                     8 * size, offset[i]);
+    }
+    builder_text(&f, "</UnstructuredGrid><AppendedData encoding=\"raw\">_");
+    f.binary = 1;
+    for (int i = 0; i < 2; i++) {
+        builder_integer(&f, 9 * size, 4);
+        for (int k = 0; k < 9; k++)
+            builder_real(&f, k == 3 || k == 7 ? 1 + i : 0, size);
+    }
+    f.binary = 0;
+    builder_text(&f, "</AppendedData></VTKFile>");
+    return f;
+}
+
+/** Whatever order their points have in the file; not, if they share some. */
+static void pieces_in_any_order(void **state) {
+    for (int size = 4; size <= 8; size += 4) {
+        char path[TEST_PATH_SIZE];
+        planish_file *file;
+        file_builder f = appended_pieces(4 + 9 * size, 0, size);
+        read_file(&f, &file);
+        double *x = planish_file_coordinates(file);
+        assert_true(x[2] == 2 && x[5] == 2 && x[8] == 1);
+        x[2] = 2.5;
+        x[8] = 1.5;
+        assert_int_equal(
+            planish_file_write(file, test_path(path, *state, "out.vtu"), x, 1, NULL, 0, NULL), 0);
+        planish_file_close(file);
+        assert_int_equal(planish_file_open(path, NULL, 1, &file, NULL), 0);
+        x = planish_file_coordinates(file);
+        assert_true(x[2] == 2.5 && x[5] == 2 && x[8] == 1.5);
+        planish_file_close(file);
+        builder_release(&f);
+        f = appended_pieces(0, 0, size);
+        builder_expect_error(&f, &io_format_vtu, "share bytes");
+        builder_release(&f);
+    }
+}
+
+/* ---- bad files ----------------------------------------------------------------------------- */
+
+static void what_is_wrong_is_said(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *word;
+    } bad[] = {
+        {"<VTKFile type=\"PolyData\"><PolyData/></VTKFile>", "test:1: type is not Unstruct"},
+        {"<!DOCTYPE a [<!ENTITY b \"c\"><!ENTITY d \"&b;&b;\">]><VTKFile/>", "document type"},
+        {"<other/>", "VTKFile expected"},
+        {"<VTKFile", "test:1: XML: "},
+        {GRID(" byte_order=\"Middle\""), "byte_order must be"},
+        {GRID(" header_type=\"UInt16\""), "header_type"},
+        {GRID(" compressor=\"vtkOther\""), "this compressor is unknown"},
+        {"<VTKFile type=\"UnstructuredGrid\"></VTKFile>", "no UnstructuredGrid"},
+        {"<VTKFile type=\"UnstructuredGrid\">\n<UnstructuredGrid>\n</VTKFile>",
+         "test:3: XML: mismatched tag"},
+        {GRID("") "</UnstructuredGrid></VTKFile>", "no Piece"},
+        {GRID("") PIECE("-1", "1") TRIANGLE END, "NumberOfPoints"},
+        {GRID("") PIECE("3000000000", "1") TRIANGLE END, "below 2^31"},
+        {GRID("") PIECE("2000000000", "1") TRIANGLE END, "2000000000 points cannot be"},
+        {GRID("") PIECE("3", "x") TRIANGLE END, "NumberOfCells"},
+        {GRID("") PIECE("4", "1") TRIANGLE END, "coordinate expected"},
+        {GRID("") PIECE("2", "1") TRIANGLE END, "more numbers than three"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 nan 0") CELLS("0 1 2", "3", "5") END,
+         "not finite"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 &#49; 0") CELLS("0 1 2", "3", "5") END,
+         "coordinate expected"},
+        {GRID("") PIECE("3", "1") TRIANGLE POINTS("1 2 3") END, "second array of points"},
+        {GRID("") PIECE("3", "1") CELLS("0 1 2", "3", "5") END, "has no Points"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") END, "must have connectivity"},
+        {GRID("") PIECE("3", "2") TRIANGLE END, "not as many values"},
+        {GRID("") PIECE("3", "100") TRIANGLE END, "not as many values"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1", "3", "5") END,
+         "not as many values"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2 1", "3", "5") END,
+         "not as many values"},
+        {GRID("") PIECE("3", "2") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3 1", "5 5") END,
+         "do not rise"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 3", "3", "5") END,
+         "not among the points"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "22") END,
+         "higher order"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "42") END,
+         "of this type"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 99999999999", "3", "5")
+             END,
+         "in range"},
+        {GRID("")
+             PIECE("3", "1") "<Points><DataArray type=\"Int32\" NumberOfComponents=\"3\">0 0 0 "
+                             "1 0 0 0 1 0</DataArray></Points>" END,
+         "Float32 or Float64"},
+        {GRID("") PIECE("3", "1") "<Points><DataArray type=\"Float32\" "
+                                  "NumberOfComponents=\"2\">0</DataArray></Points>" END,
+         "NumberOfComponents must be 3"},
+        {GRID("") PIECE("3", "1") "<Points><DataArray type=\"Float32\" format=\"odd\"/>",
+         "format must be"},
+        {GRID("") PIECE("3", "1") "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+                                  "format=\"appended\" offset=\"0\"/></Points>" END,
+         "cut short"},
+        {GRID("") PIECE("3", "1") "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+                                  "format=\"appended\" offset=\"-4\"/></Points>" END,
+         "offset must be"},
+        {GRID("") PIECE("3", "1") "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+                                  "format=\"binary\">JAAAAA==</DataArray></Points>" END,
+         "cut short"},
+        {GRID("") PIECE("3", "1") "<Points><DataArray type=\"Float32\" NumberOfComponents=\"3\" "
+                                  "format=\"binary\">IwAAAA==</DataArray></Points>" END,
+         "not as many values"},
+        {GRID("") PIECE("3", "1") "</Piece></UnstructuredGrid><AppendedData>x",
+         "must begin with '_'"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        reading_fails(&io_format_vtu, bad[i].text, bad[i].word);
+}
+
+/** Headers of packed points that promise what is not there, or a small file that expands without
+ *  bound: nothing is made room for. */
+static void packed_lies_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        int64_t points, blocks, size, last, packed;
+        const char *word;
+    } lies[] = {{6, 1, 144, 0, 9, "cannot be unpacked"},
+                {6, 1, 100, 0, 9, "not as many values"},
+                {6, 2, 144, 0, 9, "not as many values"},
+                {6, 1, 144, 145, 9, "not as many values"},
+                {6, 0, 0, 0, 0, "not as many values"},
+                {6, 2, 0, 0, 1, "not as many values"},
+                {6, 1, 144, 0, 1 << 20, "cut short"},
+                {6, INT32_MAX, 144, 0, 9, "cut short"},
+                {90000, 1, 2160000, 0, 9, "256 times"},
+                {200000000, 1, 4800000000, 0, 9, "cannot be in this file"}};
+    for (size_t i = 0; i < sizeof lies / sizeof *lies; i++) {
+        file_builder f = {.swapped = !io_machine_is_little()};
+        builder_text(
+            &f,
+            GRID(" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\"") "<Piece "
+                                                                                 "NumberOfPoints="
+                                                                                 "\"%lld\" "
+                                                                                 "NumberOfCells="
+                                                                                 "\"0\">",
+            (long long)lies[i].points);
+        builder_text(&f, "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+                         "format=\"appended\" offset=\"0\"/></Points></Piece></UnstructuredGrid>"
+                         "<AppendedData encoding=\"raw\">_");
+        f.binary = 1;
+        builder_integer(&f, lies[i].blocks, 8);
+        builder_integer(&f, lies[i].size, 8);
+        builder_integer(&f, lies[i].last, 8);
+        builder_integer(&f, lies[i].packed, 8);
+        put_bytes(&f, "x\x9c-7-7-7-7-", 12);
+        if (io_compression_is_built(IO_ZLIB))
+            builder_expect_error(&f, &io_format_vtu, lies[i].word);
+        builder_release(&f);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_encoding_is_read),
+        cmocka_unit_test_setup_teardown(every_encoding_is_written, test_folder_create,
+                                        test_folder_remove),
+        cmocka_unit_test(cut_short_or_without_memory),
+        cmocka_unit_test_setup_teardown(pieces_are_one_mesh, test_folder_create,
+                                        test_folder_remove),
+        cmocka_unit_test_setup_teardown(pieces_in_any_order, test_folder_create,
+                                        test_folder_remove),
+        cmocka_unit_test(what_is_wrong_is_said),
+        cmocka_unit_test(packed_lies_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
