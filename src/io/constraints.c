@@ -90,13 +90,23 @@ static int listed_before(const io_model *model, int32_t i, int dim, int32_t numb
     return 0;
 }
 
+/** Whether a group before that of index i has the same name: one of several entities, or of elements
+ *  of several dimensions. */
+static int named_before(const io_model *model, int32_t i, int dim) {
+    for (int32_t k = 0; k < i; k++)
+        if ((dim < 0 || model->group[k].dim == dim) &&
+            strcmp(model->group[k].name, model->group[i].name) == 0)
+            return 1;
+    return 0;
+}
+
 /** "a, b, 3:1, ..." of what there is of dimension dim (-1: any). */
 static void list_tags(const io_model *model, int dim, char *text, size_t size) {
     size_t used = 0;
     int listed = 0;
     text[0] = '\0';
     for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++)
-        if (dim < 0 || model->group[i].dim == dim)
+        if ((dim < 0 || model->group[i].dim == dim) && !named_before(model, i, dim))
             used += (size_t)snprintf(text + used, size - used, "%s%s", listed++ ? ", " : "",
                                      model->group[i].name);
     for (int32_t i = 0; i < model->n_entities && i < LOOKED_AT; i++) {

@@ -15,12 +15,14 @@
 
 /* ---- the table of formats ----------------------------------------------------------------- */
 
-static const io_format *const formats[] = {&io_format_gmsh, &io_format_medit, &io_format_vtk,
-                                           &io_format_vtu, &io_format_tetgen};
+static const io_format *const formats[] = {&io_format_gmsh, &io_format_medit,  &io_format_vtk,
+                                           &io_format_vtu,  &io_format_tetgen, &io_format_med,
+                                           &io_format_cgns, &io_format_vtkhdf};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh", "medit", "vtk", "vtu", "tetgen", NULL};
+    static const char *const names[] = {"gmsh", "medit", "vtk",    "vtu", "tetgen",
+                                        "med",  "cgns",  "vtkhdf", NULL};
     return names;
 }
 
@@ -76,7 +78,7 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
     if (file->format)
         return PLANISH_OK;
-    char names[128];
+    char names[256];
     list_formats(names, sizeof names);
     if (name)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "unknown format '%s'; there are %s", name,

@@ -185,6 +185,10 @@ int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
     return *slot = model->n_entities++;
 }
 
+int io_model_has_entity(const io_model *model, int dim, int32_t tag) {
+    return model->n_slots > 0 && *entity_find_slot(model, dim, tag, 0, NULL) >= 0;
+}
+
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error) {
     int64_t capacity = model->group_capacity;

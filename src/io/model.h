@@ -159,6 +159,9 @@ int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int w
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
                         const int32_t *physical, planish_error *error);
 
+/** Whether there is an entity of dim and tag without physical groups. */
+int io_model_has_entity(const io_model *model, int dim, int32_t tag);
+
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);
 
@@ -199,11 +202,16 @@ typedef struct io_format {
      *  all. */
     int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
                   planish_error *error);
+    /** Change in the finished copy at path what neither spans nor encode can say (compressed
+     *  coordinates). path NULL: it goes to a pipe or device, fail if there is any such change.
+     * NULL: there is nothing of the kind. */
+    int (*amend)(const io_model *model, const double *coordinates, const char *path,
+                 planish_error *error);
     void (*release)(io_model *model); /* of model->encoding; NULL: there is none */
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
-    io_format_tetgen;
+    io_format_tetgen, io_format_med, io_format_cgns, io_format_vtkhdf;
 
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,

@@ -190,16 +190,31 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
     return PLANISH_OK;
 }
 
+/** What it replaces may be the only copy: then the bytes must be on the disk before the rename. Not
+ *  0: errno says why they are not. EINVAL: this file system knows no such thing. */
+static int settle(const io_output *output, int fd) {
+    return output->replaces && fsync(fd) && errno != EINVAL;
+}
+
 int io_output_finish(io_output *output, planish_error *error) {
-    /* What it replaces may be the only copy: then the bytes must be on the disk before the rename.
-     * EINVAL: this file system knows no such thing. */
-    int failed = output->replaces && fsync(output->fd) && errno != EINVAL;
+    int failed = settle(output, output->fd);
     int reason = errno;
     if (close(output->fd) == 0)
         errno = reason;
     else
         failed = 1;
     output->fd = -1;
+    return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
+}
+
+int io_output_sync(const io_output *output, planish_error *error) {
+    if (!output->replaces)
+        return PLANISH_OK;
+    int fd = open(output->temporary, O_RDONLY | O_CLOEXEC);
+    int failed = fd < 0 || settle(output, fd), reason = errno;
+    if (fd >= 0)
+        close(fd);
+    errno = reason;
     return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
 }
 

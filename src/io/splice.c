@@ -268,13 +268,29 @@ static int write_main(const planish_file *file, const double *coordinates, int t
                 .pieces = pl_alloc(threads, sizeof *s.pieces),
                 .edits = &edits};
     int status = s.pieces ? PLANISH_OK : pl_fail_memory(error, "the text of coordinates");
-    if (!status && file->model.encoding)
+    if (!status && file->format->amend && !output->temporary)
+        status = file->format->amend(&file->model, coordinates, NULL, error);
+    if (!status && file->model.encoding && file->format->encode)
         status = file->format->encode(&file->model, coordinates, threads, &edits, error);
     if (!status)
         status = write_spans(&s, output, error);
     io_edits_destroy(&edits);
     pl_free(s.pieces);
     return status ? status : io_output_finish(output, error);
+}
+
+/** What the format changes in the finished copy itself. */
+static int amend_main(const planish_file *file, const double *coordinates, const io_output *output,
+                      planish_error *error) {
+    if (!file->format->amend || !file->model.encoding || !output->temporary)
+        return PLANISH_OK;
+    struct stat about; /* it may have the mode of a file that must not be written */
+    const int is_closed = stat(output->temporary, &about) == 0 && !(about.st_mode & S_IWUSR) &&
+                          chmod(output->temporary, (about.st_mode & 07777) | S_IWUSR) == 0;
+    int status = file->format->amend(&file->model, coordinates, output->temporary, error);
+    if (is_closed)
+        chmod(output->temporary, about.st_mode & 07777);
+    return status ? status : io_output_sync(output, error);
 }
 
 /* ---- the file and its companions ----------------------------------------------------------- */
@@ -360,6 +376,8 @@ static int write_all(const planish_file *file, const char *path, const char *mai
         status = check_not_input(&file->model.input, &output[0], error);
     if (!status)
         status = write_main(file, coordinates, threads, &output[0], error);
+    if (!status)
+        status = amend_main(file, coordinates, &output[0], error);
     for (int i = 0; i < n_companions && !status; i++)
         status =
             write_companion(&file->model.companion[i], path, temporaries, &output[i + 1], error);

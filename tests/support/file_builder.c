@@ -130,6 +130,12 @@ void builder_try_to_break(const file_builder *builder, const io_format *format) 
         planish_file_close(file);
         free(cut.data);
     }
+    builder_let_allocations_fail(builder, format);
+}
+
+void builder_let_allocations_fail(const file_builder *builder, const io_format *format) {
+    planish_file *file;
+    planish_error error;
     int status = PLANISH_ERROR_MEMORY;
     for (int permitted = 0; status == PLANISH_ERROR_MEMORY; permitted++) {
         allocations_permit(permitted);

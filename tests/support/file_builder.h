@@ -43,6 +43,9 @@ void builder_expect_error(const file_builder *builder, const io_format *format, 
  *  fail once: nothing but an error or a mesh may come of it. */
 void builder_try_to_break(const file_builder *builder, const io_format *format);
 
+/** The second half of that: every allocation fails once. */
+void builder_let_allocations_fail(const file_builder *builder, const io_format *format);
+
 /** Fails the test unless one and several threads read the same model. */
 void builder_expect_same_on_threads(const file_builder *builder, const io_format *format);
 

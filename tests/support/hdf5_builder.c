@@ -1,0 +1,105 @@
+/* hdf5_builder: files of HDF5 in memory, for tests of the formats in it. */
+#ifdef PL_HDF5
+#include "support/hdf5_builder.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static hid_t must(hid_t result) {
+    if (result < 0)
+        fail_msg("the HDF5 library failed");
+    return result;
+}
+
+void hdf5_begin(hdf5_builder *builder, hsize_t user_block) {
+    *builder = (hdf5_builder){.file = -1};
+    hid_t access = must(H5Pcreate(H5P_FILE_ACCESS)), create = must(H5Pcreate(H5P_FILE_CREATE));
+    must(H5Pset_fapl_core(access, 1 << 12, 0));
+    must(H5Pset_userblock(create, user_block));
+    builder->file = must(H5Fcreate("memory", H5F_ACC_TRUNC, create, access));
+    H5Pclose(create);
+    H5Pclose(access);
+}
+
+void hdf5_group(const hdf5_builder *builder, const char *path) {
+    hid_t links = must(H5Pcreate(H5P_LINK_CREATE));
+    must(H5Pset_create_intermediate_group(links, 1));
+    H5Gclose(must(H5Gcreate2(builder->file, path, links, H5P_DEFAULT, H5P_DEFAULT)));
+    H5Pclose(links);
+}
+
+static hid_t storage(const hdf5_builder *builder, int rank) {
+    hid_t list = must(H5Pcreate(H5P_DATASET_CREATE));
+    if (builder->is_compact)
+        must(H5Pset_layout(list, H5D_COMPACT));
+    if (builder->chunk[0])
+        must(H5Pset_chunk(list, rank, builder->chunk));
+    if (builder->chunk[0] && builder->is_packed) {
+        must(H5Pset_shuffle(list));
+        must(H5Pset_deflate(list, 6));
+    }
+    return list;
+}
+
+void hdf5_array(const hdf5_builder *builder, const char *path, hid_t file_type, hid_t memory_type,
+                hsize_t rows, hsize_t columns, const void *data) {
+    const hsize_t dims[2] = {rows, columns};
+    const int rank = columns ? 2 : 1;
+    hid_t space = must(H5Screate_simple(rank, dims, NULL)), list = storage(builder, rank);
+    hid_t set =
+        must(H5Dcreate2(builder->file, path, file_type, space, H5P_DEFAULT, list, H5P_DEFAULT));
+    must(H5Dwrite(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));
+    H5Dclose(set);
+    H5Pclose(list);
+    H5Sclose(space);
+}
+
+void hdf5_integers(const hdf5_builder *builder, const char *path, hsize_t n, const int *data) {
+    hdf5_array(builder, path, H5T_STD_I32LE, H5T_NATIVE_INT, n, 0, data);
+}
+
+void hdf5_reals(const hdf5_builder *builder, const char *path, hsize_t n, const double *data) {
+    hdf5_array(builder, path, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, n, 0, data);
+}
+
+static void write_attribute(const hdf5_builder *builder, const char *path, const char *name,
+                            hid_t file_type, hid_t memory_type, const void *value) {
+    hid_t space = must(H5Screate(H5S_SCALAR));
+    hid_t attribute = must(H5Acreate_by_name(builder->file, path, name, file_type, space,
+                                             H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    must(H5Awrite(attribute, memory_type, value));
+    H5Aclose(attribute);
+    H5Sclose(space);
+}
+
+void hdf5_attribute(const hdf5_builder *builder, const char *path, const char *name, int value) {
+    write_attribute(builder, path, name, H5T_STD_I32LE, H5T_NATIVE_INT, &value);
+}
+
+void hdf5_text_attribute(const hdf5_builder *builder, const char *path, const char *name,
+                         const char *text) {
+    hid_t type = must(H5Tcopy(H5T_C_S1));
+    must(H5Tset_size(type, strlen(text) + 1));
+    write_attribute(builder, path, name, type, type, text);
+    H5Tclose(type);
+}
+
+file_builder hdf5_end(hdf5_builder *builder) {
+    must(H5Fflush(builder->file, H5F_SCOPE_GLOBAL));
+    ssize_t size = H5Fget_file_image(builder->file, NULL, 0);
+    must((hid_t)size);
+    file_builder result = {.data = malloc((size_t)size), .size = size, .capacity = size};
+    assert_non_null(result.data);
+    assert_true(H5Fget_file_image(builder->file, result.data, (size_t)size) == size);
+    H5Fclose(builder->file);
+    return result;
+}
+
+#else
+typedef int planish_without_hdf5;
+#endif
