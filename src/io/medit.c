@@ -152,13 +152,15 @@ static inline int take_real(const medit_reader *r, io_cursor *cursor, double *va
 /** Index from 1 .. limit, to 0 .. limit-1. */
 static int take_index(const medit_reader *r, io_cursor *cursor, int64_t limit, const char *what,
                       int64_t record, planish_error *error, int64_t *index) {
+    const char *at = cursor->at;
     if (take_integer(r, cursor, index))
         return medit_fail(r, cursor->at, error,
                           "%s %lld: a whole number expected (the file may be cut short)", what,
                           (long long)record + 1);
     if (*index < 1 || *index > limit)
-        return medit_fail(r, cursor->at, error, "%s %lld: number %lld is not in 1 .. %lld", what,
-                          (long long)record + 1, (long long)*index, (long long)limit);
+        return medit_fail(r, r->binary ? at : cursor->at, error,
+                          "%s %lld: number %lld is not in 1 .. %lld", what, (long long)record + 1,
+                          (long long)*index, (long long)limit);
     --*index;
     return PLANISH_OK;
 }
