@@ -190,6 +190,9 @@ typedef struct io_format {
     int (*read)(io_model *model, planish_error *error); /* model->input is there */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */
+    /** Whether the content of a file with such an extension is of a mesh as a companion is; NULL:
+     *  always. */
+    int (*is_companion)(const io_model *model, const io_bytes *file);
     /** Text: the field of coordinate d of a node, from a cursor that stands at its place
      *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
      *  NULL: numbers apart by white space and comments. */
