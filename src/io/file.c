@@ -15,12 +15,12 @@
 
 /* ---- the table of formats ----------------------------------------------------------------- */
 
-static const io_format *const formats[] = {&io_format_gmsh, &io_format_medit, &io_format_vtk,
-                                           &io_format_tetgen};
+static const io_format *const formats[] = {&io_format_gmsh,   &io_format_medit,  &io_format_vtk,
+                                           &io_format_tetgen, &io_format_netgen, &io_format_off};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", NULL};
+    static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", "netgen", "off", NULL};
     return names;
 }
 
@@ -67,8 +67,16 @@ const io_format *io_format_find(const char *path, const char *data, int64_t size
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
+static int is_gzip(const io_bytes *input) {
+    return input->size > 2 && memcmp(input->data, "\x1f\x8b", 2) == 0;
+}
+
 static int choose_format(planish_file *file, const char *name, planish_error *error) {
     const io_bytes *input = &file->model.input;
+    if (is_gzip(input))
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is compressed; unpack it first: gunzip -c %s > OUT", input->path,
+                       input->path);
     file->format =
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
     if (file->format)

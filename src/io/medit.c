@@ -274,21 +274,6 @@ static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t 
 
 /* ---- sections ----------------------------------------------------------------------------- */
 
-/** References to entities, in place: most often one number for long stretches. */
-static int index_references(medit_reader *r, int dim, int32_t *reference, int64_t n) {
-    int32_t last = 0, entity = -1;
-    for (int64_t i = 0; i < n; i++) {
-        if (entity < 0 || reference[i] != last) {
-            last = reference[i];
-            entity = io_model_entity(r->model, dim, last, 0, NULL, r->error);
-            if (entity < 0)
-                return entity;
-        }
-        reference[i] = entity;
-    }
-    return PLANISH_OK;
-}
-
 static int read_text_records(medit_reader *r, const medit_section *s, io_records_fn *read) {
     const int tokens =
         medit_integers_of(s->keyword) + (s->keyword->kind == MEDIT_VERTICES ? r->dim : 0);
@@ -339,7 +324,8 @@ static int read_vertex_section(medit_reader *r, const medit_section *s) {
     status = io_model_span(model, span_of(r, s), r->error);
     if (!status)
         status = read_records(r, s, read_vertices);
-    return status ? status : index_references(r, 0, model->node_entity, s->count);
+    return status ? status
+                  : io_model_index_tags(r->model, 0, model->node_entity, s->count, r->error);
 }
 
 static int read_cell_section(medit_reader *r, const medit_section *s) {
@@ -351,7 +337,8 @@ static int read_cell_section(medit_reader *r, const medit_section *s) {
     if (!status)
         status = read_records(r, s, read_cells);
     if (!status)
-        status = index_references(r, k->dim, cells->entity + r->first_cell, s->count);
+        status = io_model_index_tags(r->model, k->dim, cells->entity + r->first_cell, s->count,
+                                     r->error);
     if (!status)
         cells->n += s->count;
     return status;

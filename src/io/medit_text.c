@@ -2,44 +2,6 @@
  * comment. The walk goes from keyword to keyword, over what is between them. */
 #include "io/medit.h"
 
-static int is_letter(char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-}
-
-/** Skip blocks of bytes that hold nothing but numbers and white space. */
-static void skip_numbers(io_cursor *cursor) {
-    enum { BLOCK = 64 };
-    while (cursor->end - cursor->at >= BLOCK) {
-        int other = 0;
-        for (int i = 0; i < BLOCK; i++)
-            other |= (cursor->at[i] >= 'A') | (cursor->at[i] == '#') | (cursor->at[i] < 0);
-        if (other)
-            return;
-        cursor->at += BLOCK;
-    }
-}
-
-/** Skip to the next word that begins with a letter; nan and inf are no keywords. The cursor stands
- *  behind a word. */
-static void skip_to_keyword(io_cursor *cursor) {
-    while (cursor->at < cursor->end) {
-        int64_t length;
-        const char *block = cursor->at;
-        skip_numbers(cursor);
-        while (cursor->at > block && cursor->at < cursor->end && (unsigned char)*cursor->at > ' ' &&
-               (unsigned char)cursor->at[-1] > ' ')
-            cursor->at++; /* the rest of a number */
-        io_skip_space_comments(cursor, '#');
-        io_cursor before = *cursor;
-        const char *word = io_word(cursor, &length);
-        if (length && is_letter(*word) && !io_word_is(word, length, "nan", 1) &&
-            !io_word_is(word, length, "inf", 1)) {
-            *cursor = before;
-            return;
-        }
-    }
-}
-
 /** A number that belongs to a keyword. */
 static int take_number(medit_reader *r, io_cursor *cursor, const char *name, int64_t *value) {
     io_skip_space_comments(cursor, '#');
@@ -67,7 +29,7 @@ static int read_section(medit_reader *r, const medit_keyword *k, io_cursor *curs
                             "or the file is cut short",
                             (long long)count, k->name, (long long)left);
     const char *data = cursor->at;
-    skip_to_keyword(cursor);
+    io_skip_numbers(cursor);
     return medit_add_section(r, k, count, data, cursor->at);
 }
 
@@ -78,7 +40,7 @@ static int read_header(medit_reader *r, const char *word, int64_t length, io_cur
     if (!status)
         status = is_version ? medit_set_version(r, cursor->at, value)
                             : medit_set_dimension(r, cursor->at, value);
-    skip_to_keyword(cursor);
+    io_skip_numbers(cursor);
     return status;
 }
 
@@ -95,7 +57,7 @@ static int walk_keyword(medit_reader *r, io_cursor *cursor, int *done) {
         return read_header(r, word, length, cursor);
     const medit_keyword *k = medit_find_name(word, length);
     if (!k) {
-        skip_to_keyword(cursor);
+        io_skip_numbers(cursor);
         return PLANISH_OK;
     }
     int status = medit_check_keyword(r, word, k);
@@ -105,7 +67,7 @@ static int walk_keyword(medit_reader *r, io_cursor *cursor, int *done) {
 int medit_text_walk(medit_reader *r) {
     io_cursor cursor = {r->model->input.data, r->model->input.data + r->model->input.size};
     int status = PLANISH_OK, done = 0;
-    skip_to_keyword(&cursor);
+    io_skip_numbers(&cursor);
     while (!status && !done && cursor.at < cursor.end)
         status = walk_keyword(r, &cursor, &done);
     if (!status && !r->version)

@@ -158,6 +158,9 @@ int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int w
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
                         const int32_t *physical, planish_error *error);
 
+/** Replace tags [n] by the entities of dim that have them. */
+int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error);
+
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);
 
@@ -205,6 +208,7 @@ typedef struct io_format {
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_tetgen;
+extern const io_format io_format_netgen, io_format_off;
 
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,

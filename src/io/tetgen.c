@@ -208,22 +208,6 @@ static int read_rows(rows *r, io_records_fn *read, int64_t words, planish_error 
     return status;
 }
 
-/** Replace tags [n] by the entities of dim that have them. */
-static int tags_to_entities(io_model *model, int dim, int32_t *tags, int64_t n,
-                            planish_error *error) {
-    int32_t tag = 0, entity = -1;
-    for (int64_t i = 0; i < n; i++) {
-        if (entity < 0 || tags[i] != tag) {
-            tag = tags[i];
-            entity = io_model_entity(model, dim, tag, 0, NULL, error);
-            if (entity < 0)
-                return entity;
-        }
-        tags[i] = entity;
-    }
-    return PLANISH_OK;
-}
-
 /* ---- the files --------------------------------------------------------------------------- */
 
 static int read_node_file(io_model *model, int *dim, planish_error *error) {
@@ -260,7 +244,7 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
               .tag = model->node_entity};
     status = read_rows(&r, read_nodes, words, error);
     if (!status && model->node_entity)
-        status = tags_to_entities(model, 0, model->node_entity, p.n, error);
+        status = io_model_index_tags(model, 0, model->node_entity, p.n, error);
     return status;
 }
 
@@ -302,7 +286,7 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
         pl_free(cells->entity);
         cells->entity = NULL;
     }
-    return cells->entity ? tags_to_entities(model, dim, cells->entity, p.n, error) : PLANISH_OK;
+    return cells->entity ? io_model_index_tags(model, dim, cells->entity, p.n, error) : PLANISH_OK;
 }
 
 /** Leave of the cells those that are marked; marker [n]. */
@@ -341,7 +325,7 @@ static int read_face_file(io_model *model, const io_bytes *file, int dim, planis
     if (!status) {
         keep_marked(cells, dim, marker, p.n);
         model->n_lower += p.n - cells->n; /* those that are kept are counted with the others */
-        status = tags_to_entities(model, dim, cells->entity, cells->n, error);
+        status = io_model_index_tags(model, dim, cells->entity, cells->n, error);
     }
     pl_free(marker);
     return status;
