@@ -141,14 +141,24 @@ static int64_t words_of_line(io_cursor cursor) {
     }
 }
 
+static int has_line_end(const char *begin, const char *end) {
+    const size_t size = (size_t)(end - begin);
+    return memchr(begin, '\n', size) || memchr(begin, '\r', size);
+}
+
 static int read_text_vertices(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                               planish_error *error) {
     const reader *r = context;
     for (int64_t i = begin; i < end; i++) {
         io_skip_space_comments(cursor, '#');
+        const char *begin = cursor->at;
         int status = io_read_point(r->model, cursor, i, error);
         if (status)
             return status;
+        if (has_line_end(begin, cursor->at))
+            return io_fail_text(r->model, begin, error,
+                                "vertex %lld: three coordinates expected in one line",
+                                (long long)i);
         io_skip_line(cursor);
     }
     return PLANISH_OK;
