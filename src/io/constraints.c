@@ -90,13 +90,22 @@ static int listed_before(const io_model *model, int32_t i, int dim, int32_t numb
     return 0;
 }
 
+/** Whether a group before that of index i has the same name: several numbers may have one. */
+static int named_before(const io_model *model, int32_t i) {
+    for (int32_t k = 0; k < i; k++)
+        if (model->group[k].dim == model->group[i].dim &&
+            strcmp(model->group[k].name, model->group[i].name) == 0)
+            return 1;
+    return 0;
+}
+
 /** "a, b, 3:1, ..." of what there is of dimension dim (-1: any). */
 static void list_tags(const io_model *model, int dim, char *text, size_t size) {
     size_t used = 0;
     int listed = 0;
     text[0] = '\0';
     for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++)
-        if (dim < 0 || model->group[i].dim == dim)
+        if ((dim < 0 || model->group[i].dim == dim) && !named_before(model, i))
             used += (size_t)snprintf(text + used, size - used, "%s%s", listed++ ? ", " : "",
                                      model->group[i].name);
     for (int32_t i = 0; i < model->n_entities && i < LOOKED_AT; i++) {

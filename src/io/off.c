@@ -116,12 +116,14 @@ static int read_counts(reader *r, int64_t counts[2]) {
         cursor->at += N_COUNTS * WORD_SIZE;
         return PLANISH_OK;
     }
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < N_COUNTS; i++) {
+        int64_t count;
         io_skip_space_comments(cursor, '#');
-        if (io_integer(cursor, &counts[i]))
-            return fail_at(r, cursor->at, "the numbers of vertices and faces are expected");
+        if (io_integer(cursor, &count))
+            return fail_at(r, cursor->at, "the numbers of vertices, faces and edges are expected");
+        if (i < 2)
+            counts[i] = count;
     }
-    io_skip_line(cursor); /* that of edges */
     return PLANISH_OK;
 }
 
@@ -151,12 +153,12 @@ static int read_text_vertices(void *context, io_cursor *cursor, int64_t begin, i
     const reader *r = context;
     for (int64_t i = begin; i < end; i++) {
         io_skip_space_comments(cursor, '#');
-        const char *begin = cursor->at;
+        const char *row = cursor->at;
         int status = io_read_point(r->model, cursor, i, error);
         if (status)
             return status;
-        if (has_line_end(begin, cursor->at))
-            return io_fail_text(r->model, begin, error,
+        if (has_line_end(row, cursor->at))
+            return io_fail_text(r->model, row, error,
                                 "vertex %lld: three coordinates expected in one line",
                                 (long long)i);
         io_skip_line(cursor);

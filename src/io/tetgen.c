@@ -415,7 +415,8 @@ static int is_companion(const io_model *model, const io_bytes *file) {
     io_skip_space_comments(&cursor, '#');
     if (io_integer(&cursor, &count))
         return 0;
-    return count == (is_boundary ? 0 : model->tetrahedron.n + model->triangle.n);
+    const io_cells *elements = model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
+    return count == (is_boundary ? 0 : elements->n);
 }
 
 /** Companions that are not read; number of elements is known. */

@@ -88,6 +88,7 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, "C4nOFF\n2 4 2 0\n", "nOFF");
     reading_fails(f, "OFF\nx 2 0\n", "numbers of vertices");
     reading_fails(f, "OFF\n4", "numbers of vertices");
+    reading_fails(f, "OFF\n4 2\n0.5 0 0\n", "faces and edges");
     reading_fails(f, "OFF\n4 0 0\n" SQUARE, "nothing to smooth");
     reading_fails(f, "OFF\n-4 1 0\n" SQUARE, "cannot be in");
     reading_fails(f, "OFF\n4611686018427387904 1 0\n" SQUARE, "cannot be in");

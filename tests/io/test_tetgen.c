@@ -301,6 +301,7 @@ static void files_that_stay_right_are_written_along(void **state) {
     planish_error error = {.text = ""};
     put(state, "a.node", nodes_from_0);
     put(state, "a.ele", elements_from_0);
+    put(state, "a.face", "1 1\n0 0 1 2 1\n"); /* a triangle is no element */
     for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
         char path[TEST_PATH_SIZE], from[16], to[16];
         snprintf(from, sizeof from, "a%s", others[i].extension);
