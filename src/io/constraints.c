@@ -90,8 +90,8 @@ static int listed_before(const io_model *model, int32_t i, int dim, int32_t numb
     return 0;
 }
 
-/** Whether a group before that of index i has the same name: one of several entities, or of elements
- *  of several dimensions. */
+/** Whether a group before that of index i has the same name: one of several entities, or of
+ * elements of several dimensions. */
 static int named_before(const io_model *model, int32_t i, int dim) {
     for (int32_t k = 0; k < i; k++)
         if ((dim < 0 || model->group[k].dim == dim) &&

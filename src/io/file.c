@@ -15,14 +15,14 @@
 
 /* ---- the table of formats ----------------------------------------------------------------- */
 
-static const io_format *const formats[] = {&io_format_gmsh, &io_format_medit,  &io_format_vtk,
-                                           &io_format_vtu,  &io_format_tetgen, &io_format_med,
-                                           &io_format_cgns, &io_format_vtkhdf};
+static const io_format *const formats[] = {
+    &io_format_gmsh,   &io_format_medit,  &io_format_vtk,  &io_format_vtu, &io_format_vtkhdf,
+    &io_format_tetgen, &io_format_netgen, &io_format_cgns, &io_format_med, &io_format_off};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh", "medit", "vtk",    "vtu", "tetgen",
-                                        "med",  "cgns",  "vtkhdf", NULL};
+    static const char *const names[] = {"gmsh",   "medit", "vtk", "vtu", "vtkhdf", "tetgen",
+                                        "netgen", "cgns",  "med", "off", NULL};
     return names;
 }
 
@@ -72,8 +72,16 @@ const io_format *io_format_find(const char *path, const char *data, int64_t size
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
+static int is_gzip(const io_bytes *input) {
+    return input->size > 2 && memcmp(input->data, "\x1f\x8b", 2) == 0;
+}
+
 static int choose_format(planish_file *file, const char *name, planish_error *error) {
     const io_bytes *input = &file->model.input;
+    if (is_gzip(input))
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is compressed; unpack it first: gunzip -c %s > OUT", input->path,
+                       input->path);
     file->format =
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
     if (file->format)

@@ -189,6 +189,21 @@ int io_model_has_entity(const io_model *model, int dim, int32_t tag) {
     return model->n_slots > 0 && *entity_find_slot(model, dim, tag, 0, NULL) >= 0;
 }
 
+/** Most often tags are one number for long stretches. */
+int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error) {
+    int32_t tag = 0, entity = -1;
+    for (int64_t i = 0; i < n; i++) {
+        if (entity < 0 || tags[i] != tag) {
+            tag = tags[i];
+            entity = io_model_entity(model, dim, tag, 0, NULL, error);
+            if (entity < 0)
+                return entity;
+        }
+        tags[i] = entity;
+    }
+    return PLANISH_OK;
+}
+
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error) {
     int64_t capacity = model->group_capacity;

@@ -162,6 +162,9 @@ int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
 /** Whether there is an entity of dim and tag without physical groups. */
 int io_model_has_entity(const io_model *model, int dim, int32_t tag);
 
+/** Replace tags [n] by the entities of dim that have them. */
+int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error);
+
 int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
                    planish_error *error);
 
@@ -194,6 +197,9 @@ typedef struct io_format {
     int (*read)(io_model *model, planish_error *error); /* model->input is there */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */
+    /** Whether the content of a file with such an extension is of a mesh as a companion is; NULL:
+     *  always. */
+    int (*is_companion)(const io_model *model, const io_bytes *file);
     /** Text: the field of coordinate d of a node, from a cursor that stands at its place
      *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
      *  NULL: numbers apart by white space and comments. */
@@ -211,7 +217,8 @@ typedef struct io_format {
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
-    io_format_tetgen, io_format_med, io_format_cgns, io_format_vtkhdf;
+    io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_cgns, io_format_med,
+    io_format_off;
 
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,

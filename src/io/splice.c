@@ -329,7 +329,34 @@ static int write_companion(const io_bytes *companion, const char *path, io_tempo
     return status;
 }
 
-/** Files of another mesh that would be read along with what is written are an error. */
+/** Whether the file at path is such that it would be read as a companion; unreadable ones are. */
+static int is_companion(const planish_file *file, const char *path) {
+    io_bytes bytes;
+    planish_error ignored;
+    if (!file->format->is_companion)
+        return 1;
+    if (io_bytes_open(path, &bytes, &ignored))
+        return ignored.code != PLANISH_ERROR_FORMAT; /* empty: neither */
+    const int is = file->format->is_companion(&file->model, &bytes);
+    io_bytes_close(&bytes);
+    return is;
+}
+
+/** A file at the place of a companion: one that would be read along with what is written, or one of
+ *  another kind that a companion would take the place of. */
+static int check_stranger(const planish_file *file, const char *path, int is_written,
+                          planish_error *error) {
+    if (access(path, F_OK) != 0 || is_companion(file, path) == is_written)
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_FILE,
+                   is_written ? "%s: is no such file of this mesh and would be overwritten; remove "
+                                "it, or choose another name"
+                              : "%s: is of another mesh and would be read along with the one to be "
+                                "written; remove it, or choose another name",
+                   path);
+}
+
+/** Files of another mesh are neither read along nor overwritten. */
 static int check_strangers(const planish_file *file, const char *path, planish_error *error) {
     const io_model *model = &file->model;
     int status = PLANISH_OK;
@@ -337,13 +364,9 @@ static int check_strangers(const planish_file *file, const char *path, planish_e
         int known = 0;
         for (int i = 0; i < model->n_companions; i++)
             known |= strcmp(io_extension(model->companion[i].path), *kind) == 0;
-        char *stranger = known ? NULL : with_extension_of(path, *kind);
-        if (stranger && access(stranger, F_OK) == 0)
-            status = pl_fail(error, PLANISH_ERROR_FILE,
-                             "%s: is of another mesh and would be read along with the one to be "
-                             "written; remove it, or choose another name",
-                             stranger);
-        pl_free(stranger);
+        char *place = with_extension_of(path, *kind);
+        status = place ? check_stranger(file, place, known, error) : pl_fail_memory(error, path);
+        pl_free(place);
     }
     return status;
 }

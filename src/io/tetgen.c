@@ -3,10 +3,11 @@
  *
  * Either file may be named; the other is found beside it. The .node file
  * becomes the model's input, as it holds the coordinates; .ele, and .face and
- * .edge if they are there, become its companions. All of these are read by
- * lines: a first line of counts, then one line for each node, element, face or
- * edge, which begins with its number; '#' begins a comment. Numbers run in
- * sequence from that of the first line (0 or 1, as a rule).
+ * .edge if they are there, become its companions, as do files that are not read
+ * here and stay right when nodes move (neighbours, volume constraints, a .poly
+ * without nodes of its own). All that are read are read by lines: a first line of counts, then one
+ * line for each node, element, face or edge, which begins with its number; '#' begins a comment.
+ * Numbers run in sequence from that of the first line (0 or 1, as a rule).
  *
  * A .face or .edge file may list every face or edge of the mesh: only those
  * with a marker that is not zero hold their nodes. The first attribute of
@@ -14,6 +15,7 @@
  * may be any quantity.
  */
 #include "io/bytes.h"
+#include "io/file.h"
 #include "io/records.h"
 
 #include "base/memory.h"
@@ -206,22 +208,6 @@ static int read_rows(rows *r, io_records_fn *read, int64_t words, planish_error 
     return status;
 }
 
-/** Replace tags [n] by the entities of dim that have them. */
-static int tags_to_entities(io_model *model, int dim, int32_t *tags, int64_t n,
-                            planish_error *error) {
-    int32_t tag = 0, entity = -1;
-    for (int64_t i = 0; i < n; i++) {
-        if (entity < 0 || tags[i] != tag) {
-            tag = tags[i];
-            entity = io_model_entity(model, dim, tag, 0, NULL, error);
-            if (entity < 0)
-                return entity;
-        }
-        tags[i] = entity;
-    }
-    return PLANISH_OK;
-}
-
 /* ---- the files --------------------------------------------------------------------------- */
 
 static int read_node_file(io_model *model, int *dim, planish_error *error) {
@@ -258,7 +244,7 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
               .tag = model->node_entity};
     status = read_rows(&r, read_nodes, words, error);
     if (!status && model->node_entity)
-        status = tags_to_entities(model, 0, model->node_entity, p.n, error);
+        status = io_model_index_tags(model, 0, model->node_entity, p.n, error);
     return status;
 }
 
@@ -300,7 +286,7 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
         pl_free(cells->entity);
         cells->entity = NULL;
     }
-    return cells->entity ? tags_to_entities(model, dim, cells->entity, p.n, error) : PLANISH_OK;
+    return cells->entity ? io_model_index_tags(model, dim, cells->entity, p.n, error) : PLANISH_OK;
 }
 
 /** Leave of the cells those that are marked; marker [n]. */
@@ -339,7 +325,7 @@ static int read_face_file(io_model *model, const io_bytes *file, int dim, planis
     if (!status) {
         keep_marked(cells, dim, marker, p.n);
         model->n_lower += p.n - cells->n; /* those that are kept are counted with the others */
-        status = tags_to_entities(model, dim, cells->entity, cells->n, error);
+        status = io_model_index_tags(model, dim, cells->entity, cells->n, error);
     }
     pl_free(marker);
     return status;
@@ -380,15 +366,23 @@ static int open_beside(const char *path, const char *extension, int needed, io_b
     return status;
 }
 
+/* .ele, .face and .edge are read; */
+static const char *const read_extensions[] = {".ele", ".face", ".edge"};
+enum { N_READ = sizeof read_extensions / sizeof *read_extensions };
+
+/* these are written along only. Of .poly, .smesh and .vol, see is_companion. */
+static const char *const other_extensions[] = {".neigh", ".t2f", ".t2e", ".f2t",  ".f2e",  ".e2t",
+                                               ".mtr",   ".var", ".vol", ".poly", ".smesh"};
+enum { N_OTHER = sizeof other_extensions / sizeof *other_extensions };
+
 /** model->input: .node; model->companion: .ele and, if they are there, .face
  * and .edge. dim_of [n_companions] of their elements, -1 for .ele. */
 static int gather_files(io_model *model, int *dim_of, planish_error *error) {
-    static const char *const extensions[] = {".ele", ".face", ".edge"};
-    static const int dims[] = {-1, 2, 1};
+    static const int dims[N_READ] = {-1, 2, 1};
     io_bytes named = model->input, other;
     size_t length = strlen(named.path), base = base_length(named.path);
     int is_ele = length - base == 4;
-    model->companion = pl_alloc(3, sizeof *model->companion);
+    model->companion = pl_alloc(N_READ + N_OTHER, sizeof *model->companion);
     if (!model->companion)
         return pl_fail_memory(error, named.path);
     int status = open_beside(named.path, is_ele ? ".node" : ".ele", 1, &other, error);
@@ -398,8 +392,8 @@ static int gather_files(io_model *model, int *dim_of, planish_error *error) {
     model->companion[0] = is_ele ? named : other;
     dim_of[0] = dims[0];
     model->n_companions = 1;
-    for (int i = 1; i < 3 && !status; i++) {
-        status = open_beside(model->input.path, extensions[i], 0, &other, error);
+    for (int i = 1; i < N_READ && !status; i++) {
+        status = open_beside(model->input.path, read_extensions[i], 0, &other, error);
         if (!status && other.data) {
             dim_of[model->n_companions] = dims[i];
             model->companion[model->n_companions++] = other;
@@ -408,8 +402,43 @@ static int gather_files(io_model *model, int *dim_of, planish_error *error) {
     return status;
 }
 
+/** Whether a file of such a name beside .node belongs to it: a .poly or .smesh that has nodes of
+ *  its own is a mesh's source, and a .vol may be Netgen's mesh: volume constraints begin with the
+ *  number of elements. */
+static int is_companion(const io_model *model, const io_bytes *file) {
+    const char *extension = io_extension(file->path);
+    const int is_boundary = strcmp(extension, ".poly") == 0 || strcmp(extension, ".smesh") == 0;
+    int64_t count;
+    if (!is_boundary && strcmp(extension, ".vol") != 0)
+        return 1;
+    io_cursor cursor = {file->data, file->data + file->size};
+    io_skip_space_comments(&cursor, '#');
+    if (io_integer(&cursor, &count))
+        return 0;
+    const io_cells *elements = model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
+    return count == (is_boundary ? 0 : elements->n);
+}
+
+/** Companions that are not read; number of elements is known. */
+static int gather_others(io_model *model, planish_error *error) {
+    int status = PLANISH_OK;
+    for (int i = 0; i < N_OTHER && !status; i++) {
+        io_bytes other;
+        status = open_beside(model->input.path, other_extensions[i], 0, &other, error);
+        if (status == PLANISH_ERROR_FORMAT) /* empty: nothing that could be written along */
+            status = PLANISH_OK;
+        if (status || !other.data)
+            continue;
+        if (is_companion(model, &other))
+            model->companion[model->n_companions++] = other;
+        else
+            io_bytes_close(&other);
+    }
+    return status;
+}
+
 static int read_tetgen(io_model *model, planish_error *error) {
-    int dim_of[3], dim = 0;
+    int dim_of[N_READ], dim = 0;
     int status = gather_files(model, dim_of, error);
     if (!status)
         status = read_node_file(model, &dim, error);
@@ -418,7 +447,7 @@ static int read_tetgen(io_model *model, planish_error *error) {
     for (int i = 1; i < model->n_companions && !status; i++)
         if (dim_of[i] < dim)
             status = read_face_file(model, &model->companion[i], dim_of[i], error);
-    return status;
+    return status ? status : gather_others(model, error);
 }
 
 /* Nothing but numbers: any table looks like that. */
@@ -429,10 +458,13 @@ static int recognise_tetgen(const char *data, int64_t size) {
 }
 
 static const char *const tetgen_extensions[] = {".node", ".ele", NULL};
-static const char *const tetgen_companions[] = {".ele", ".face", ".edge", NULL};
+static const char *const tetgen_companions[] = {".ele", ".face", ".edge", ".neigh", ".t2f",
+                                                ".t2e", ".f2t",  ".f2e",  ".e2t",   ".mtr",
+                                                ".var", ".vol",  ".poly", ".smesh", NULL};
 
 const io_format io_format_tetgen = {.name = "tetgen",
                                     .extensions = tetgen_extensions,
                                     .recognise = recognise_tetgen,
                                     .read = read_tetgen,
-                                    .companions = tetgen_companions};
+                                    .companions = tetgen_companions,
+                                    .is_companion = is_companion};

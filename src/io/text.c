@@ -86,3 +86,39 @@ const char *io_find_line(const char *from, const char *end, const char *name) {
     }
     return end;
 }
+
+static int is_letter(char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+}
+
+/** Skip blocks of bytes that hold nothing but numbers and white space. */
+static void skip_number_blocks(io_cursor *cursor) {
+    enum { BLOCK = 64 };
+    while (cursor->end - cursor->at >= BLOCK) {
+        int other = 0;
+        for (int i = 0; i < BLOCK; i++)
+            other |= (cursor->at[i] >= 'A') | (cursor->at[i] == '#') | (cursor->at[i] < 0);
+        if (other)
+            return;
+        cursor->at += BLOCK;
+    }
+}
+
+void io_skip_numbers(io_cursor *cursor) {
+    while (cursor->at < cursor->end) {
+        int64_t length;
+        const char *block = cursor->at;
+        skip_number_blocks(cursor);
+        while (cursor->at > block && cursor->at < cursor->end && (unsigned char)*cursor->at > ' ' &&
+               (unsigned char)cursor->at[-1] > ' ')
+            cursor->at++; /* the rest of a number */
+        io_skip_space_comments(cursor, '#');
+        io_cursor before = *cursor;
+        const char *word = io_word(cursor, &length);
+        if (length && is_letter(*word) && !io_word_is(word, length, "nan", 1) &&
+            !io_word_is(word, length, "inf", 1)) {
+            *cursor = before;
+            return;
+        }
+    }
+}

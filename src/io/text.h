@@ -10,6 +10,9 @@ void io_skip_space(io_cursor *cursor);
 void io_skip_space_comments(io_cursor *cursor, char mark);
 /** To the beginning of the next line (or the end). */
 void io_skip_line(io_cursor *cursor);
+/** To the next word that begins with a letter (nan and inf are numbers), over comments ('#'). The
+ *  cursor stands behind a word. */
+void io_skip_numbers(io_cursor *cursor);
 /** The next word (no white space in it) after white space: its start, *length 0 at the end. */
 const char *io_word(io_cursor *cursor, int64_t *length);
 /** Whether the word is name, letter case ignored if fold. */

@@ -1,6 +1,10 @@
 /* Medit: what is read, what is held, what is refused. */
+#include "support/file_builder.h"
+#include "support/files.h"
 #include "support/reading.h"
+#include "support/rewriting.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -206,6 +210,289 @@ static void comments_do_not_misplace_records(void **state) {
     free(text);
 }
 
+/* ---- binary ------------------------------------------------------------------------------- */
+
+/** A binary file of some version. */
+typedef struct meshb {
+    file_builder b;
+    int version;
+} meshb;
+
+static int integer_size(const meshb *m) {
+    return m->version < 4 ? 4 : 8;
+}
+
+static int position_size(const meshb *m) {
+    return m->version < 3 ? 4 : 8;
+}
+
+static int real_size(const meshb *m) {
+    return m->version == 1 ? 4 : 8;
+}
+
+static void meshb_begin(meshb *m, int version, int swapped, int dim) {
+    *m = (meshb){.b = {.binary = 1, .swapped = swapped}, .version = version};
+    builder_integer(&m->b, 1, 4);
+    builder_integer(&m->b, version, 4);
+    builder_integer(&m->b, 3, 4);
+    builder_integer(&m->b, builder_place(&m->b) + position_size(m) + 4, position_size(m));
+    builder_integer(&m->b, dim, 4);
+}
+
+/** A keyword with count records of size bytes: the next is at where this ends and gap further. */
+static void meshb_keyword(meshb *m, int code, int64_t count, int64_t size, int64_t gap) {
+    builder_integer(&m->b, code, 4);
+    builder_integer(&m->b,
+                    builder_place(&m->b) + position_size(m) + integer_size(m) + count * size + gap,
+                    position_size(m));
+    builder_integer(&m->b, count, integer_size(m));
+}
+
+static void meshb_vertices(meshb *m, int64_t n, int dim, const double *xyz) {
+    meshb_keyword(m, 4, n, dim * real_size(m) + integer_size(m), 0);
+    for (int64_t i = 0; i < n; i++) {
+        for (int d = 0; d < dim; d++)
+            builder_real(&m->b, xyz[dim * i + d], real_size(m));
+        builder_integer(&m->b, i % 3 - 1, integer_size(m));
+    }
+}
+
+static void meshb_integers(meshb *m, int code, int64_t n, int width, const int *numbers) {
+    meshb_keyword(m, code, n, width * integer_size(m), 0);
+    for (int64_t i = 0; i < n * width; i++)
+        builder_integer(&m->b, numbers[i], integer_size(m));
+}
+
+static void meshb_end(meshb *m) {
+    builder_integer(&m->b, 54, 4);
+    builder_integer(&m->b, 0, position_size(m));
+}
+
+static const double points[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0,   0, 1, 1, 1, 1.5,
+                                9, 9, 9, 8, 8, 8, 7, 7, 7, 0.1, 6, 6, 5, 5, 5};
+enum { N_POINTS = 10 };
+
+/** Everything: tetrahedra before vertices, regions, an unknown keyword, bytes between sections. */
+static void build_solid(meshb *m, int version, int swapped) {
+    static const int tetrahedra[] = {1, 2, 3, 4, 7, 2, 3, 4, 5, -8}, triangle[] = {1, 2, 3, 4};
+    static const int edge[] = {1, 2, 0}, required[] = {6}, of_tetrahedra[] = {2}, corner[] = {7};
+    static const int pyramid[] = {5, 6, 7, 8, 9, 1}, pair[] = {9, 10}, ridge[] = {1};
+    meshb_begin(m, version, swapped, 3);
+    meshb_integers(m, 8, 2, 5, tetrahedra);
+    meshb_vertices(m, N_POINTS, 3, points);
+    meshb_integers(m, 6, 1, 4, triangle);
+    meshb_keyword(m, 60, 1, 12, 5); /* normals, and what nobody knows of */
+    builder_text(&m->b, "twelve bytesabcde");
+    meshb_integers(m, 5, 1, 3, edge);
+    meshb_integers(m, 14, 1, 1, ridge);
+    meshb_integers(m, 15, 1, 1, required);
+    meshb_integers(m, 12, 1, 1, of_tetrahedra);
+    meshb_integers(m, 13, 1, 1, corner);
+    meshb_integers(m, 49, 1, 6, pyramid);
+    meshb_integers(m, 82, 1, 2, pair);
+    meshb_end(m);
+}
+
+static void check_solid(const planish_file *file, int version) {
+    static const int32_t elements[] = {0, 1, 2, 3, 1, 2, 3, 4};
+    static const uint8_t held[N_POINTS] = {IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE,
+                                           IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_REQUIRED,
+                                           IO_HELD_BY_TRIANGLE | IO_HELD_REQUIRED,
+                                           IO_HELD_REQUIRED,
+                                           IO_HELD_REQUIRED | IO_HELD_BY_OTHER,
+                                           IO_HELD_REQUIRED | IO_HELD_BY_OTHER,
+                                           IO_HELD_REQUIRED | IO_HELD_BY_OTHER,
+                                           IO_HELD_BY_OTHER,
+                                           IO_HELD_BY_OTHER | IO_HELD_PERIODIC,
+                                           IO_HELD_PERIODIC};
+    planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(mesh.dim, 3);
+    assert_int_equal(mesh.n_nodes, N_POINTS);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    for (int i = 0; i < 3 * N_POINTS; i++) {
+        volatile float single = (float)points[i];
+        assert_true(mesh.coordinates[i] == (version == 1 ? (double)single : points[i]));
+    }
+    assert_memory_equal(file->model.hold, held, sizeof held);
+    assert_int_equal(info.precision, version == 1 ? PLANISH_FLOAT : PLANISH_DOUBLE);
+    assert_int_equal(info.n_regions, 2);
+    assert_int_equal(info.n_lower_elements, 2);
+    assert_int_equal(info.n_other_elements, 1);
+    assert_int_equal(mesh.n_periodic, 1);
+    assert_int_equal(mesh.periodic[0], 8);
+    assert_int_equal(mesh.periodic[1], 9);
+    assert_int_equal(file->model.entity[file->model.tetrahedron.entity[1]].tag, -8);
+    assert_int_equal(file->model.entity[file->model.node_entity[3]].tag, -1);
+    assert_int_equal(planish_file_node_number(file, 5), 6);
+}
+
+static void binary_files_are_read_and_written(void **state) {
+    for (int version = 1; version <= 4; version++)
+        for (int swapped = 0; swapped < 2; swapped++) {
+            meshb m;
+            planish_file *file;
+            planish_error error;
+            build_solid(&m, version, swapped);
+            assert_true(io_format_medit.recognise(m.b.data, m.b.size));
+            assert_int_equal(builder_read(&m.b, &io_format_medit, 1, &file, &error), 0);
+            check_solid(file, version);
+            planish_file_close(file);
+            builder_try_to_break(&m.b, &io_format_medit);
+            rewriting_keeps_the_rest(&io_format_medit, m.b.data, m.b.size, *state);
+            builder_release(&m.b);
+        }
+}
+
+static void a_binary_plane_is_read_and_written(void **state) {
+    static const double square[] = {0, 0, 1, 0, 1, 1, 0, 1};
+    static const int triangles[] = {1, 2, 3, 1, 1, 3, 4, 1};
+    for (int version = 1; version <= 4; version++) {
+        meshb m;
+        planish_file *file;
+        planish_error error;
+        meshb_begin(&m, version, 0, 2);
+        meshb_vertices(&m, 4, 2, square);
+        meshb_integers(&m, 6, 2, 4, triangles);
+        assert_int_equal(builder_read(&m.b, &io_format_medit, 1, &file, &error), 0); /* no End */
+        assert_int_equal(planish_file_mesh(file).dim, 2);
+        assert_memory_equal(planish_file_mesh(file).coordinates, square, sizeof square);
+        planish_file_close(file);
+        rewriting_keeps_the_rest(&io_format_medit, m.b.data, m.b.size, *state);
+        builder_release(&m.b);
+    }
+}
+
+static void the_last_section_may_point_nowhere(void **state) {
+    (void)state;
+    static const int tetrahedron[] = {1, 2, 3, 4, 0};
+    meshb m;
+    planish_file *file;
+    planish_error error;
+    meshb_begin(&m, 2, 0, 3);
+    meshb_vertices(&m, 4, 3, points);
+    builder_integer(&m.b, 8, 4);
+    builder_integer(&m.b, 0, 4);
+    builder_integer(&m.b, 1, 4);
+    for (int i = 0; i < 5; i++)
+        builder_integer(&m.b, tetrahedron[i], 4);
+    assert_int_equal(builder_read(&m.b, &io_format_medit, 1, &file, &error), 0);
+    assert_int_equal(planish_file_mesh(file).n_elements, 1);
+    planish_file_close(file);
+    builder_release(&m.b);
+}
+
+/** A file of four vertices, and what is added to it, is refused. */
+static void refused(int version, int code, int64_t next, int64_t count, const char *word) {
+    meshb m;
+    meshb_begin(&m, version, 0, 3);
+    meshb_vertices(&m, 4, 3, points);
+    builder_integer(&m.b, code, 4);
+    const int64_t size = position_size(&m) + integer_size(&m) + 40;
+    builder_integer(&m.b,
+                    next < 0 ? next
+                    : next   ? next
+                             : builder_place(&m.b) + size,
+                    position_size(&m));
+    builder_integer(&m.b, count, integer_size(&m));
+    for (int i = 0; i < 10; i++)
+        builder_integer(&m.b, i + 1, 4);
+    meshb_end(&m);
+    builder_expect_error(&m.b, &io_format_medit, word);
+    builder_release(&m.b);
+}
+
+static void wrong_binary_files_are_refused(void **state) {
+    (void)state;
+    refused(2, 8, 0, 2, "byte 176: Tetrahedra 2: number 6 is not in 1 .. 4");
+    refused(2, 8, 0, 3, "3 Tetrahedra cannot be in the 40 bytes");
+    refused(2, 8, 0, -1, "cannot be in");
+    refused(2, 8, 0, INT32_MAX, "cannot be in");
+    refused(4, 8, 0, INT64_MAX, "cannot be in");
+    refused(4, 8, 0, INT64_MIN, "cannot be in");
+    refused(4, 8, INT64_MAX, 1, "behind the end");
+    refused(4, 8, INT64_MIN, 1, "not behind this one");
+    refused(2, 8, 1000000, 1, "behind the end");
+    refused(2, 8, 20, 1, "not behind this one");  /* round and round */
+    refused(2, 60, 20, 1, "not behind this one"); /* and by what is passed over */
+    refused(2, 60, -1, 1, "not behind this one");
+    refused(2, 4, 0, 1, "second time");
+    refused(2, 30, 0, 1, "first order");
+    refused(2, 97, 0, 1, "TetrahedraP4");
+    refused(2, 54, 0, 1, "nothing to smooth");
+    refused(2, 99999, 0, 1, "nothing to smooth");
+    refused(4, 13, 0, 1, "Corners 1: number 8589934593 is not in 1 .. 4");
+}
+
+static void binary_values_that_cannot_be(void **state) {
+    (void)state;
+    static const double not_finite[] = {0, 0, 0, 1, NAN, 0, 0, 1, 0, 0, 0, 1};
+    meshb m;
+    meshb_begin(&m, 1, 1, 3);
+    meshb_vertices(&m, 4, 3, not_finite);
+    meshb_end(&m);
+    /* 20 bytes of the header, 12 of the keyword, a vertex of 16 and a coordinate */
+    builder_expect_error(&m.b, &io_format_medit, "file: byte 52: vertex 2");
+    builder_release(&m.b);
+    meshb_begin(&m, 4, 0, 3);
+    meshb_keyword(&m, 4, 1, 32, 0);
+    for (int i = 0; i < 3; i++)
+        builder_real(&m.b, 0, 8);
+    builder_integer(&m.b, INT64_C(1) << 40, 8);
+    meshb_end(&m);
+    builder_expect_error(&m.b, &io_format_medit, "reference of 32 bits");
+    builder_release(&m.b);
+    meshb_begin(&m, 2, 0, 4);
+    builder_expect_error(&m.b, &io_format_medit, "Dimension 4");
+    builder_release(&m.b);
+    meshb_begin(&m, 5, 0, 3);
+    assert_false(io_format_medit.recognise(m.b.data, m.b.size));
+    builder_release(&m.b);
+}
+
+/** Large enough for the parallel path. */
+static void threads_read_binary_files(void **state) {
+    (void)state;
+    enum { N = 120000 };
+    double *xyz = malloc(3 * N * sizeof *xyz);
+    int *nodes = malloc(5 * N * sizeof *nodes);
+    meshb m;
+    for (int i = 0; i < 3 * N; i++)
+        xyz[i] = i * 7 % 1000 + 0.1 * (i % 13);
+    for (int i = 0; i < 5 * N; i++)
+        nodes[i] = i % 5 == 4 ? 1 + i % 3 : 1 + (i / 5 + i % 5) % N;
+    for (int version = 1; version <= 4; version += 3) {
+        meshb_begin(&m, version, version == 1, 3);
+        meshb_vertices(&m, N, 3, xyz);
+        meshb_integers(&m, 8, N, 5, nodes);
+        meshb_integers(&m, 6, N, 4, nodes);
+        meshb_end(&m);
+        builder_expect_same_on_threads(&m.b, &io_format_medit);
+        builder_release(&m.b);
+    }
+    free(xyz);
+    free(nodes);
+}
+
+static void text_is_written(void **state) {
+    rewriting_keeps_the_rest(&io_format_medit, solid, (int64_t)strlen(solid), *state);
+}
+
+static void elements_and_pairs_that_text_holds(void **state) {
+    (void)state;
+    planish_file *file =
+        reading_text(&io_format_medit, HEAD NODES "Tetrahedra 1 1 2 3 4 0 PeriodicVertices 1 1 2 "
+                                                  "QuadrilateralsQ2 1 3 3 3 3 3 3 3 3 3 5 End");
+    assert_int_equal(file->model.n_periodic, 1);
+    assert_int_equal(file->model.hold[0], IO_HELD_PERIODIC);
+    assert_int_equal(file->model.hold[2], IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[3], 0);
+    planish_file_close(file);
+    reading_fails(&io_format_medit, HEAD NODES "PeriodicVertices 1 1 5 End", "not in 1 .. 4");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_solid_is_read),
@@ -217,6 +504,14 @@ int main(void) {
         cmocka_unit_test(every_beginning_is_survived),
         cmocka_unit_test(many_threads_read_the_same),
         cmocka_unit_test(comments_do_not_misplace_records),
+        cmocka_unit_test(binary_files_are_read_and_written),
+        cmocka_unit_test(a_binary_plane_is_read_and_written),
+        cmocka_unit_test(the_last_section_may_point_nowhere),
+        cmocka_unit_test(wrong_binary_files_are_refused),
+        cmocka_unit_test(binary_values_that_cannot_be),
+        cmocka_unit_test(threads_read_binary_files),
+        cmocka_unit_test(text_is_written),
+        cmocka_unit_test(elements_and_pairs_that_text_holds),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);
 }

@@ -256,6 +256,101 @@ static void written_over_itself(void **state) {
     assert_int_equal(test_count_files(*state), 2);
 }
 
+/** Write the mesh a to NAME.node; what planish_file_write returns. */
+static int write_as(void **state, const char *name, planish_error *error) {
+    char path[TEST_PATH_SIZE];
+    planish_file *file = open_mesh(state, "a.node");
+    planish_file_coordinates(file)[14] = 2.5;
+    int status = planish_file_write(file, test_path(path, *state, name),
+                                    planish_file_coordinates(file), 1, NULL, 0, error);
+    planish_file_close(file);
+    return status;
+}
+
+/** The content of a file, or NULL: there is none. */
+static void check_file(void **state, const char *name, const char *expected) {
+    char path[TEST_PATH_SIZE];
+    test_path(path, *state, name);
+    if (!expected) {
+        assert_int_not_equal(access(path, F_OK), 0);
+        return;
+    }
+    char *content = test_read(path, NULL);
+    assert_string_equal(content, expected);
+    free(content);
+}
+
+static void files_that_stay_right_are_written_along(void **state) {
+    static const struct {
+        const char *extension, *text;
+        int written;
+    } others[] = {
+        {".neigh", "2 4\n0 1 -1 -1 -1\n1 0 -1 -1 -1\n", 1},
+        {".t2f", "0 1 2 3 4\n", 1},
+        {".mtr", "5 1\n1\n1\n1\n1\n1\n", 1},
+        {".vol", "# of TetGen\n2\n0 0.5\n1 -1\n", 1},
+        {".vol", "3\n0 0.5\n1 -1\n2 -1\n", 0}, /* three elements */
+        {".vol", "mesh3d\ndimension\n3\n", 0}, /* Netgen's */
+        {".poly", "# of Triangle or TetGen\n0 3 0 1\n0 1\n0\n", 1},
+        {".poly", "4 3 0 0\n1 0 0 0\n", 0}, /* has nodes: it is a source */
+        {".smesh", "0 3 0 0\n0\n0\n", 1},
+        {".smesh", "x", 0},
+        {".neigh", "", 0},
+        {".vtk", "2\n", 0},
+    };
+    planish_error error = {.text = ""};
+    put(state, "a.node", nodes_from_0);
+    put(state, "a.ele", elements_from_0);
+    put(state, "a.face", "1 1\n0 0 1 2 1\n"); /* a triangle is no element */
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++) {
+        char path[TEST_PATH_SIZE], from[16], to[16];
+        snprintf(from, sizeof from, "a%s", others[i].extension);
+        snprintf(to, sizeof to, "b%s", others[i].extension);
+        put(state, from, others[i].text);
+        if (write_as(state, "b.node", &error))
+            fail_msg("%s", error.text);
+        check_file(state, to, others[i].written ? others[i].text : NULL);
+        check_file(state, "b.ele", elements_from_0);
+        unlink(test_path(path, *state, from));
+        unlink(test_path(path, *state, to));
+    }
+}
+
+static void files_of_others_are_not_taken_for_ours(void **state) {
+    static const char of_two[] = "2\n0 0.5\n1 -1\n", source[] = "4 3 0 0\n1 0 0 0\n";
+    static const char netgen[] = "mesh3d\n", boundary[] = "0 3 0 1\n0 1\n0\n";
+    char path[TEST_PATH_SIZE];
+    planish_error error = {.text = ""};
+    put(state, "a.node", nodes_from_0);
+    put(state, "a.ele", elements_from_0);
+    /* What would be read along with the output: */
+    put(state, "b.vol", of_two);
+    assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
+    assert_non_null(strstr(error.text, "b.vol: is of another mesh"));
+    unlink(test_path(path, *state, "b.vol"));
+    put(state, "b.neigh", "7 4\n");
+    assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
+    assert_non_null(strstr(error.text, "b.neigh: is of another mesh"));
+    unlink(test_path(path, *state, "b.neigh"));
+    /* What would not, stays: */
+    put(state, "b.vol", netgen);
+    put(state, "b.poly", source);
+    put(state, "b.smesh", "");
+    assert_int_equal(write_as(state, "b.node", &error), 0);
+    check_file(state, "b.vol", netgen);
+    check_file(state, "b.poly", source);
+    /* and is not overwritten. */
+    put(state, "a.poly", boundary);
+    assert_int_equal(write_as(state, "b.node", &error), PLANISH_ERROR_FILE);
+    assert_non_null(strstr(error.text, "b.poly: is no such file of this mesh"));
+    check_file(state, "b.poly", source);
+    put(state, "b.poly", "0 7 7 7\n");
+    assert_int_equal(write_as(state, "b.node", &error), 0);
+    check_file(state, "b.poly", boundary);
+    assert_int_equal(write_as(state, "a.node", &error), 0); /* in place */
+    check_file(state, "a.poly", boundary);
+}
+
 static void a_real_mesh(void **state) {
     char path[TEST_PATH_SIZE];
     planish_file *file = NULL;
@@ -285,6 +380,8 @@ int main(void) {
         IN_A_FOLDER(truncation),
         IN_A_FOLDER(written_with_all_its_files),
         IN_A_FOLDER(written_over_itself),
+        IN_A_FOLDER(files_that_stay_right_are_written_along),
+        IN_A_FOLDER(files_of_others_are_not_taken_for_ours),
         cmocka_unit_test(a_real_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,317 @@
+/* Netgen: what is read, what is held, what is refused, what is written. */
+#include "support/file_builder.h"
+#include "support/files.h"
+#include "support/reading.h"
+#include "support/rewriting.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define HEAD  "mesh3d\ndimension\n3\ngeomtype\n0\n"
+#define NODES "points\n4\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n"
+#define TET   "volumeelements\n1\n1 4 1 2 3 4\n"
+#define TAIL  "endmesh\n"
+
+/* Everything, with names that are keywords, sections in another order, and what nobody knows. */
+static const char solid[] =
+    "# written by hand\n\nmesh3d\ndimension\n3\ngeomtype\n0\n"
+    "# surfnr domin domout tlosurf bcprop\nfacedescriptors\n2\n0 1 0 -1 5\n1 1 0 -1 6\n"
+    "# surfnr    bcnr   domin  domout      np      p1      p2      p3\n"
+    "surfaceelementsuv\n2\n 1 5 1 0 3 1 2 3 0 0.5 1 0 0.5 1e-3\n 2 6 1 0 4 6 7 8 9 0 0 0 0 0 0 0 "
+    "0\n"
+    "volumeelements\n3\n7 4 1 2 3 4\n8 4 2 3 4 5\n9 5 6 7 8 9 10\n"
+    "edgesegmentsgi2\n2\n 1 0 1 2 -1839530944 -3 1 5 11 0 0 0.5\n 1 0 2 3 0 0 1 5 12 0 0 0.25\n"
+    "# X Y Z\npoints\n14\n  0.00  0.0 0\n 1 0 0\n0 1 0\n0 0 1\n1 1 1.5\n9 0 0\n9 1 0\n9 1 1\n9 0 "
+    "1\n"
+    "8 0 0\n7 0 0\n6 0 0\n5 0 0\n4 0 0\n"
+    "pointelements\n1\n 11 3\n"
+    "identifications\n3\n 12 13 2\n 1 2 1\n 4 4 2\nidentificationtypes\n2\n 1 2\n"
+    "identificationnames\n2\npoints\ndefault\n"
+    "materials\n2\n7 in ner\n8 points\n\n\nbcnames\n3\n5\touter\n6\t\n7 endmesh\n"
+    "cd2names\n1\n12 rim\ncd3names\n1\n3 tip\n"
+    "singular_points\n1\n14\t1.5\nsingular_edge_left\n1\n1\t1\n"
+    "# Surfnr Red\nface_colours\n1\n 1 0.5 0.25 1.0\nendmesh\n\ncsgsurfaces 8\npoints 3 0\n";
+enum { N_POINTS = 14 };
+
+static const io_group *group_of(const planish_file *file, const char *name) {
+    for (int32_t i = 0; i < file->model.n_groups; i++)
+        if (strcmp(file->model.group[i].name, name) == 0)
+            return &file->model.group[i];
+    fail_msg("no group %s", name);
+    return NULL;
+}
+
+static void group_is(const planish_file *file, const char *name, int dim, int tag) {
+    assert_int_equal(group_of(file, name)->dim, dim);
+    assert_int_equal(group_of(file, name)->tag, tag);
+}
+
+static int tag_of(const planish_file *file, const io_cells *cells, int64_t i) {
+    return file->model.entity[cells->entity[i]].tag;
+}
+
+static void a_solid_is_read(void **state) {
+    (void)state;
+    static const int32_t elements[] = {0, 1, 2, 3, 1, 2, 3, 4};
+    planish_file *file = reading_text(&io_format_netgen, solid);
+    const io_model *model = &file->model;
+    planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_string_equal(info.format, "netgen");
+    assert_int_equal(mesh.dim, 3);
+    assert_int_equal(mesh.n_nodes, N_POINTS);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_true(mesh.coordinates[14] == 1.5);
+    assert_int_equal(info.precision, PLANISH_DOUBLE);
+    assert_int_equal(info.n_regions, 2);
+    assert_int_equal(info.n_other_elements, 2);
+    assert_int_equal(info.n_lower_elements, 1 + 2 + 1);
+    assert_int_equal(planish_file_node_number(file, 4), 5);
+    assert_int_equal(planish_file_element_number(file, 1), 2);
+    assert_int_equal(tag_of(file, &model->tetrahedron, 0), 7);
+    assert_int_equal(tag_of(file, &model->tetrahedron, 1), 8);
+    assert_int_equal(tag_of(file, &model->triangle, 0), 5);
+    assert_int_equal(tag_of(file, &model->line, 0), 11);
+    assert_int_equal(tag_of(file, &model->line, 1), 12);
+    group_is(file, "in ner", 3, 7);
+    group_is(file, "points", 3, 8);
+    group_is(file, "outer", 2, 5);
+    group_is(file, "endmesh", 2, 7);
+    group_is(file, "rim", 1, 12);
+    group_is(file, "tip", 0, 3);
+    assert_int_equal(model->n_groups, 6);
+    planish_file_close(file);
+}
+
+/** Constraints: 0 free, 1 fixed, of the nodes as digits. */
+static void constraints_are(const planish_file *file, const char *tag, int slide,
+                            const char *expected) {
+    uint8_t constraint[32];
+    char found[32] = "";
+    planish_error error;
+    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .slide = slide};
+    if (planish_file_constraints(file, &hold, constraint, &error))
+        fail_msg("%s", error.text);
+    for (int64_t i = 0; i < file->model.n_nodes; i++)
+        found[i] = (char)('0' + constraint[i]);
+    assert_string_equal(found, expected);
+}
+
+static void nodes_are_held(void **state) {
+    (void)state;
+    planish_file *file = reading_text(&io_format_netgen, solid);
+    /* 1 2 3 4: between regions, on lines, triangles; 5: free; others hold 6 to 10, a point element
+     * 11, identifications 12 and 13, a singular point 14 */
+    constraints_are(file, NULL, 0, "11110111111111");
+    constraints_are(file, "points", 0, "11111111111111");
+    /* Sliding leaves those of close surfaces (1 2), of a singular edge (2 3), of others. */
+    constraints_are(file, NULL, 1, "11100111111001");
+    assert_int_equal(planish_file_mesh(file).n_periodic, 1);
+    assert_int_equal(planish_file_mesh(file).periodic[0], 11);
+    assert_int_equal(planish_file_mesh(file).periodic[1], 12);
+    planish_file_close(file);
+}
+
+static const char flat[] =
+    "mesh3d\ndimension\n2\ngeomtype\n0\n\nsurfaceelements\n3\n 2 1 0 0 3 1 2 3\n 2 2 0 0 0 1 3 4\n"
+    " 2 2 0 0 4 5 6 7 8\nvolumeelements\n0\n\n\n"
+    "edgesegmentsgi2\n1\n 6 0 1 2 305642640 306785616 1 0 9 0 1 0.2\n"
+    "points\n8\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 3 0\n4 3 0\n4 4 0\n3 4 0\n"
+    "materials\n2\n1 one\n2 two\nbcnames\n1\n6 bottom\ncd2names\n1\n1 corner\ncd3names\n1\n1 no\n"
+    "endmesh\n";
+
+static void a_plane_is_read(void **state) {
+    (void)state;
+    static const int32_t elements[] = {0, 1, 2, 0, 2, 3};
+    planish_file *file = reading_text(&io_format_netgen, flat);
+    planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(mesh.dim, 2);
+    assert_int_equal(mesh.n_elements, 2);
+    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_int_equal(tag_of(file, &file->model.triangle, 1), 2);
+    assert_int_equal(tag_of(file, &file->model.line, 0), 6);
+    group_is(file, "two", 2, 2);
+    group_is(file, "bottom", 1, 6);
+    group_is(file, "corner", 0, 1);
+    assert_int_equal(file->model.n_groups, 4);
+    constraints_are(file, NULL, 0, "11101111");
+    constraints_are(file, "two", 0, "11111111");
+    planish_file_close(file);
+}
+
+static void segments_of_every_kind(void **state) {
+    (void)state;
+    static const struct {
+        const char *text;
+        int tag;
+    } cases[] = {{"edgesegments\n1\n5 0 2 3\n", 5},
+                 {"edgesegmentsgi\n1\n5 0 2 3 9 9\n", 5},
+                 {"edgesegmentsgi2\n1\n5 0 2 3\n9 9 1 2 6 0 0 0\n", 6}, /* on two lines */
+                 {"edgesegmentsgi3\n1\n2 3 9 9 0.5 0.25 6\n", 7}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text, HEAD "%s" NODES TET TAIL, cases[i].text);
+        planish_file *file = reading_text(&io_format_netgen, text);
+        assert_int_equal(tag_of(file, &file->model.line, 0), cases[i].tag);
+        constraints_are(file, NULL, 0, "0110");
+        planish_file_close(file);
+    }
+}
+
+static void two_sections_of_elements_are_one_list(void **state) {
+    (void)state;
+    planish_file *file = reading_text(&io_format_netgen, HEAD NODES TET TET TAIL);
+    assert_int_equal(planish_file_mesh(file).n_elements, 2);
+    planish_file_close(file);
+}
+
+static void pairs_without_types_are_periodic(void **state) {
+    (void)state;
+    planish_file *file =
+        reading_text(&io_format_netgen, HEAD NODES TET "identifications\n1\n1 2 1\n" TAIL);
+    assert_int_equal(planish_file_mesh(file).n_periodic, 1);
+    planish_file_close(file);
+}
+
+static void line_ends_of_every_kind(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 3; kind++) {
+        char text[2 * sizeof solid];
+        size_t used = 0;
+        for (size_t i = 0; i + 1 < sizeof solid; i++) {
+            if (solid[i] == '\n' && kind == 0)
+                text[used++] = '\r';
+            text[used++] = solid[i] == '\n' && kind == 1 ? '\r' : solid[i];
+        }
+        if (kind == 2) /* no newline at the end */
+            used = (size_t)(strstr(solid, "endmesh\n\n") - solid) + strlen("endmesh");
+        text[used] = '\0';
+        planish_file *file = reading_text(&io_format_netgen, text);
+        assert_int_equal(file->model.n_groups, 6);
+        group_is(file, "in ner", 3, 7);
+        constraints_are(file, NULL, 0, "11110111111111");
+        planish_file_close(file);
+    }
+}
+
+static void wrong_files_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *word;
+    } cases[] = {
+        {"mesh2d\n", "no mesh3d"},
+        {HEAD NODES TET, "no endmesh"},
+        {HEAD NODES TAIL, "nothing to smooth"},
+        {HEAD TET TAIL, "no points"},
+        {HEAD NODES NODES TET TAIL, "second time"},
+        {"mesh3d\ndimension\n1\n" TAIL, "dimension 1"},
+        {"mesh3d\ndimension\nx\n" TAIL, "after dimension"},
+        {HEAD NODES "volumeelements\n1\n1 4 1 2 3 5\n" TAIL, "test:14: volumeelements 1: number 5"},
+        {HEAD NODES "volumeelements\n1\n1 4 1 2 3 0\n" TAIL, "not in 1 .. 4"},
+        {HEAD NODES "volumeelements\n2\n1 4 1 2 3 4\n1 4 1 2 3\n" TAIL, "whole number"},
+        {HEAD NODES "volumeelements\n1\n1 4 1 2 3 4\n1 4 1 2 3 4\n" TAIL, "more than 1"},
+        {HEAD NODES "volumeelements\n1\n1 4 1 2 3 4 4\n" TAIL, "more than 1"},
+        {HEAD NODES "volumeelements\n1\n1 10 1 2 3 4 1 2 3 4 1 2\n" TAIL, "SecondOrder"},
+        {HEAD NODES "surfaceelements\n1\n1 1 1 1 6 1 2 3 4 1 2\n" TAIL, "second order (6"},
+        {HEAD NODES TET "curvedelements\n3\n" TAIL, "Curve()"},
+        {HEAD NODES "volumeelements\n1\n1 2 1 2\n" TAIL, "2 nodes are unknown"},
+        {HEAD NODES "volumeelements\n1\n1 99 1 2 3 4 5 6\n" TAIL, "99 nodes"},
+        {HEAD NODES "volumeelements\n1\n1 -4 1 2 3 4 5 6\n" TAIL, "-4 nodes"},
+        {HEAD NODES "volumeelements\n1\n99999999999 4 1 2 3 4\n" TAIL, "out of range"},
+        {HEAD NODES "volumeelements\n4611686018427387904\n1 4 1 2 3 4\n" TAIL, "cannot be in"},
+        {HEAD NODES "volumeelements\n-1\n1 4 1 2 3 4\n" TAIL, "cannot be in"},
+        {HEAD "points\n2\n0 0 nan\n0 0 0\n" TET TAIL, "not finite"},
+        {HEAD "points\n2\n0 0 1e999\n0 0 0\n" TET TAIL, "not finite"},
+        {HEAD "points\n2\n0 0 0\n0 0\n" TET TAIL, "coordinate"},
+        {HEAD NODES TET "edgesegments\n1\n1 0 1 5\n" TAIL, "not in 1 .. 4"},
+        {HEAD NODES TET "pointelements\n1\n5 1\n" TAIL, "not in 1 .. 4"},
+        {HEAD NODES TET "identifications\n1\n5 1 1\n" TAIL, "not in 1 .. 4"},
+        {HEAD NODES TET "singular_edge_left\n1\n0 1\n" TAIL, "number 0 is not in"},
+        {HEAD NODES TET "materials\n2\n1 a\n" TAIL, "line 2 of 2"},
+        {HEAD NODES TET "bcnames\n1\n99999999999 a\n" TAIL, "out of range"},
+        {HEAD NODES TET "identificationnames\n2\na\n", "line 2 of 2"},
+        {HEAD NODES "surfaceelements\n1\n1 1 0 0 3 2 3 4\n" TAIL, "triangles in space"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        reading_fails(&io_format_netgen, cases[i].text, cases[i].word);
+}
+
+static void files_are_cut_anywhere(void **state) {
+    (void)state;
+    file_builder solid_file = {.data = (char *)(uintptr_t)solid, .size = sizeof solid - 1};
+    file_builder flat_file = {.data = (char *)(uintptr_t)flat, .size = sizeof flat - 1};
+    builder_try_to_break(&solid_file, &io_format_netgen);
+    builder_try_to_break(&flat_file, &io_format_netgen);
+    /* Without its end no file is taken for whole. */
+    const int64_t whole = strstr(solid, "endmesh\n\n") - solid + (int64_t)strlen("endmesh");
+    for (int64_t size = 0; size < whole; size++) {
+        planish_file *file = NULL;
+        planish_error error;
+        assert_true(io_file_from_memory(&io_format_netgen, "test", solid, size, 1, &file, &error) <
+                    0);
+    }
+}
+
+static void nothing_but_coordinates_changes(void **state) {
+    rewriting_keeps_the_rest(&io_format_netgen, solid, sizeof solid - 1, *state);
+    rewriting_keeps_the_rest(&io_format_netgen, flat, sizeof flat - 1, *state);
+}
+
+/** Large enough for the parallel path; with an element of another kind in the middle, which needs
+ *  the serial one. */
+static void threads_read_the_same(void **state) {
+    (void)state;
+    enum { N = 60000 };
+    for (int mixed = 0; mixed < 2; mixed++) {
+        file_builder b = {0};
+        planish_file *file;
+        planish_error error;
+        builder_text(&b, HEAD "surfaceelementsgi\n%d\n", N);
+        for (int i = 0; i < N; i++)
+            builder_text(&b, "%d %d 1 0 3 %d %d %d 0 0 0\n", i % 5, i % 7, i + 1, i + 2, i + 3);
+        builder_text(&b, "volumeelements\n%d\n", N);
+        for (int i = 0; i < N; i++)
+            if (mixed && i == N / 2)
+                builder_text(&b, "1 5 1 2 3 4 5\n");
+            else
+                builder_text(&b, "%d 4 %d %d %d %d\n", i % 3, i + 1, i + 2, i + 3, i + 4);
+        builder_text(&b, "edgesegmentsgi2\n%d\n", N);
+        for (int i = 0; i < N; i++)
+            builder_text(&b, "1 0 %d %d 0 0 1 5 %d 0 0 0.5\n", i + 1, i + 2, i % 9);
+        builder_text(&b, "points\n%d\n", N + 4);
+        for (int i = 0; i < N + 4; i++)
+            builder_text(&b, "%d.5 %d 1e-%d\n", i, i * 7 % 1000, i % 20);
+        builder_text(&b, TAIL);
+        builder_expect_same_on_threads(&b, &io_format_netgen);
+        assert_int_equal(builder_read(&b, &io_format_netgen, 3, &file, &error), 0);
+        assert_int_equal(planish_file_mesh(file).n_elements, N - mixed);
+        assert_int_equal(file->model.n_other, mixed);
+        planish_file_close(file);
+        builder_release(&b);
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(a_solid_is_read),
+        cmocka_unit_test(nodes_are_held),
+        cmocka_unit_test(a_plane_is_read),
+        cmocka_unit_test(segments_of_every_kind),
+        cmocka_unit_test(two_sections_of_elements_are_one_list),
+        cmocka_unit_test(pairs_without_types_are_periodic),
+        cmocka_unit_test(line_ends_of_every_kind),
+        cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(files_are_cut_anywhere),
+        cmocka_unit_test(nothing_but_coordinates_changes),
+        cmocka_unit_test(threads_read_the_same),
+    };
+    return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);
+}

@@ -1,0 +1,115 @@
+/* rewriting: what is written of a mesh file, for tests of readers. */
+#include "support/rewriting.h"
+
+#include "io/text.h"
+#include "support/files.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static planish_file *read_bytes(const io_format *format, const char *data, int64_t size) {
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    if (io_file_from_memory(format, "test", data, size, 1, &file, &error))
+        fail_msg("%s", error.text);
+    return file;
+}
+
+/** What is written with these coordinates; to be freed. */
+static char *write_bytes(const planish_file *file, const double *coordinates, const char *folder,
+                         int64_t *size) {
+    char path[TEST_PATH_SIZE];
+    planish_error error;
+    size_t written;
+    test_path(path, folder, "written");
+    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
+        fail_msg("%s", error.text);
+    char *data = test_read(path, &written);
+    unlink(path);
+    *size = (int64_t)written;
+    return data;
+}
+
+/** Every other coordinate, with values that floats have and that are longer and shorter as text. */
+static double *move_some(const planish_file *file) {
+    planish_mesh mesh = planish_file_mesh(file);
+    const int64_t n = mesh.n_nodes * mesh.dim;
+    double *moved = malloc(((size_t)n + 1) * sizeof *moved);
+    assert_non_null(moved);
+    for (int64_t i = 0; i < n; i++)
+        moved[i] = i % 2 ? mesh.coordinates[i] : (double)(i % 7) + (i % 4 ? 0.000244140625 : 0);
+    return moved;
+}
+
+/** The file without the coordinates that may move; to be freed. */
+static char *cut_coordinates(const io_model *model, int64_t *size) {
+    const char *at = model->input.data, *end = at + model->input.size;
+    char *rest = malloc((size_t)model->input.size + 1), *to = rest;
+    assert_non_null(rest);
+    for (int64_t s = 0; s < model->n_spans; s++) {
+        const io_span *span = &model->span[s];
+        const int width = span->encoding == IO_FLOAT32 ? 4 : 8;
+        for (int64_t i = 0; i < span->n_nodes; i++) {
+            const int is_text = span->encoding == IO_TEXT;
+            io_cursor cursor = {model->input.data + (is_text
+                                                         ? model->text_offset[span->first_node + i]
+                                                         : span->offset + i * span->stride),
+                                end};
+            for (int d = 0; d < model->dim; d++) {
+                int64_t length = width;
+                if (is_text)
+                    io_skip_space_comments(&cursor, '#');
+                memcpy(to, at, (size_t)(cursor.at - at));
+                to += cursor.at - at;
+                if (is_text)
+                    io_word(&cursor, &length);
+                else
+                    cursor.at += width;
+                at = cursor.at;
+            }
+        }
+    }
+    memcpy(to, at, (size_t)(end - at));
+    *size = to - rest + (end - at);
+    return rest;
+}
+
+static void expect_same_rest(const io_model *a, const io_model *b) {
+    int64_t size, other_size;
+    char *rest = cut_coordinates(a, &size), *other = cut_coordinates(b, &other_size);
+    assert_int_equal(size, other_size);
+    assert_true(size < a->input.size);
+    assert_memory_equal(rest, other, (size_t)size);
+    free(rest);
+    free(other);
+}
+
+void rewriting_keeps_the_rest(const io_format *format, const char *data, int64_t size,
+                              const char *folder) {
+    planish_file *file = read_bytes(format, data, size);
+    planish_mesh mesh = planish_file_mesh(file);
+    const size_t bytes = (size_t)(mesh.n_nodes * mesh.dim) * sizeof(double);
+    int64_t same_size, moved_size;
+    char *same = write_bytes(file, mesh.coordinates, folder, &same_size);
+    assert_int_equal(same_size, size);
+    assert_memory_equal(same, data, (size_t)size);
+    double *coordinates = move_some(file);
+    char *moved = write_bytes(file, coordinates, folder, &moved_size);
+    planish_file *again = read_bytes(format, moved, moved_size);
+    assert_int_equal(again->model.dim, mesh.dim);
+    assert_int_equal(again->model.n_nodes, mesh.n_nodes);
+    assert_memory_not_equal(moved, data, (size_t)(moved_size < size ? moved_size : size));
+    assert_memory_equal(again->model.coordinates, coordinates, bytes);
+    expect_same_rest(&file->model, &again->model);
+    planish_file_close(again);
+    planish_file_close(file);
+    free(coordinates);
+    free(same);
+    free(moved);
+}
