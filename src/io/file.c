@@ -15,12 +15,13 @@
 
 /* ---- the table of formats ----------------------------------------------------------------- */
 
-static const io_format *const formats[] = {&io_format_gmsh, &io_format_medit, &io_format_vtk,
-                                           &io_format_tetgen};
+static const io_format *const formats[] = {&io_format_nastran, /* first: its comments may look like Gmsh's sections */
+                                           &io_format_gmsh, &io_format_medit, &io_format_vtk,
+                                           &io_format_tetgen, &io_format_abaqus};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", NULL};
+    static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", "abaqus", "nastran", NULL};
     return names;
 }
 
@@ -151,13 +152,15 @@ const io_cells *io_file_elements(const planish_file *file) {
 
 static int64_t count_regions(const planish_file *file) {
     const io_cells *cells = io_file_elements(file);
-    if (!cells->entity)
-        return 1;
-    uint8_t *seen = pl_alloc_zero(file->model.n_entities, 1);
-    int64_t count = 0;
+    const int32_t *region = io_cells_regions(cells);
+    int32_t last = 0;
+    for (int64_t i = 0; region && i < cells->n; i++)
+        last = region[i] > last ? region[i] : last;
+    uint8_t *seen = region ? pl_alloc_zero((int64_t)last + 1, 1) : NULL;
+    int64_t count = region ? 0 : 1;
     for (int64_t i = 0; seen && i < cells->n; i++) {
-        count += !seen[cells->entity[i]];
-        seen[cells->entity[i]] = 1;
+        count += !seen[region[i]];
+        seen[region[i]] = 1;
     }
     pl_free(seen);
     return count;
