@@ -108,12 +108,12 @@ int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *v
 
 /* ---- blocks ------------------------------------------------------------------------------- */
 
-typedef struct keyword {
+typedef struct known_keyword {
     const char *name; /* without blanks */
     abaqus_keyword keyword;
-} keyword;
+} known_keyword;
 
-static const keyword keywords[] = {
+static const known_keyword keywords[] = {
     {"NODE", ABAQUS_NODE},
     {"ELEMENT", ABAQUS_ELEMENT},
     {"NSET", ABAQUS_NSET},
@@ -179,9 +179,12 @@ static int add_block(abaqus_reader *r, abaqus_block block) {
 
 /** The keyword line at line, with the lines that it goes on in behind a comma at its end. */
 static abaqus_span whole_keyword_line(io_cursor *cursor, abaqus_span line) {
-    abaqus_span next = line;
-    while (line.end[-1] == ',' && abaqus_line(cursor, &next))
+    io_cursor ahead = *cursor;
+    abaqus_span next;
+    while (line.end[-1] == ',' && abaqus_line(&ahead, &next) && *next.begin != '*') {
         line.end = next.end;
+        *cursor = ahead;
+    }
     return line;
 }
 
@@ -404,12 +407,11 @@ typedef struct family {
 } family;
 
 static const family families[] = {
-    {"C3D", 3},    {"AC3D", 3}, {"DC3D", 3},   {"DCC3D", 3}, {"EMC3D", 3},  {"FC3D", 3},
-    {"Q3D", 3},    {"COH3D", 3}, {"SC", 3},    {"CPS", 2},   {"CPE", 2},    {"CPEG", 2},
-    {"CAX", 2},    {"CGAX", 2}, {"DCAX", 2},   {"ACAX", 2},  {"DC2D", 2},   {"AC2D", 2},
-    {"EMC2D", 2},  {"M3D", 2},  {"SFM3D", 2},  {"R3D", 2},   {"F3D", 2},    {"S", 2},
-    {"DS", 2},     {"STRI", 2}, {"T2D", 1},    {"T3D", 1},   {"R2D", 1},    {"DC1D", 1},
-    {"AC1D", 1},   {"RB2D", 1}, {"RB3D", 1},
+    {"C3D", 3},   {"AC3D", 3}, {"DC3D", 3}, {"DCC3D", 3}, {"EMC3D", 3}, {"FC3D", 3}, {"Q3D", 3},
+    {"COH3D", 3}, {"SC", 3},   {"CPS", 2},  {"CPE", 2},   {"CPEG", 2},  {"CAX", 2},  {"CGAX", 2},
+    {"DCAX", 2},  {"ACAX", 2}, {"DC2D", 2}, {"AC2D", 2},  {"EMC2D", 2}, {"M3D", 2},  {"SFM3D", 2},
+    {"R3D", 2},   {"F3D", 2},  {"S", 2},    {"DS", 2},    {"STRI", 2},  {"T2D", 1},  {"T3D", 1},
+    {"R2D", 1},   {"DC1D", 1}, {"AC1D", 1}, {"RB2D", 1},  {"RB3D", 1},
 };
 
 /** B31 and the like: lines of two nodes; B32 has three. */
@@ -519,10 +521,7 @@ static void hold_element(abaqus_reader *r, const abaqus_block *b, io_cursor *cur
     int64_t number;
     abaqus_item(&line, &item); /* its own number */
     for (int i = 0; nodes == 0 || i < nodes; i++) {
-        const int is_last = !line.begin;
-        if (nodes == 0 ? is_last : 0)
-            break;
-        if (!element_item(cursor, &line, &item))
+        if ((nodes == 0 && !line.begin) || !element_item(cursor, &line, &item))
             break;
         if (!abaqus_local(r, b, &item) || abaqus_integer(item, &number))
             continue;
@@ -533,8 +532,10 @@ static void hold_element(abaqus_reader *r, const abaqus_block *b, io_cursor *cur
     r->model->n_other++;
 }
 
+/** dim: 0, the block has no cells that are kept, but its set has a name. */
 static int add_range(abaqus_reader *r, const abaqus_block *b, int dim, int64_t begin) {
-    abaqus_range range = {dim, begin, abaqus_cells(r->model, dim)->n, {NULL, NULL}};
+    const int64_t end = dim ? abaqus_cells(r->model, dim)->n : begin;
+    abaqus_range range = {dim, begin, end, {NULL, NULL}};
     abaqus_parameter(b, "ELSET", &range.set);
     abaqus_range *grown =
         pl_grow(r->range, r->n_ranges, r->n_ranges + 1, &r->range_capacity, sizeof *grown);
@@ -553,21 +554,21 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     if (!abaqus_parameter(b, "TYPE", &type_item) || length_of(type_item) == 0)
         return fail_block(r, b, "*ELEMENT without TYPE=");
     squeeze(type_item, type);
-    const shape shape = shape_of(type);
+    const shape kind = shape_of(type);
     const int is_here = b->scope == r->scope;
-    if (shape.is_second_order)
+    if (kind.is_second_order)
         return io_fail_text(r->model, b->parameters.begin, r->error,
                             "elements of second order (%s) cannot be smoothed; export the mesh "
                             "with straight elements of first order",
                             type);
-    const int64_t first = shape.dim ? abaqus_cells(r->model, shape.dim)->n : 0;
+    const int64_t first = kind.dim ? abaqus_cells(r->model, kind.dim)->n : 0;
     while (!status && abaqus_line(&cursor, &line)) {
-        if (shape.dim && is_here)
-            status = read_cell(r, &cursor, line, shape.dim);
+        if (kind.dim && is_here)
+            status = read_cell(r, &cursor, line, kind.dim);
         else
-            hold_element(r, b, &cursor, line, shape.nodes);
+            hold_element(r, b, &cursor, line, kind.nodes);
     }
-    return status || !is_here ? status : add_range(r, b, shape.dim ? shape.dim : 1, shape.dim ? first : r->model->line.n);
+    return status || !is_here ? status : add_range(r, b, kind.dim, first);
 }
 
 static int read_elements(abaqus_reader *r) {

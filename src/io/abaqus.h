@@ -58,7 +58,8 @@ int abaqus_line(io_cursor *cursor, abaqus_span *line);
 /** The next item of a line, up to a comma, without blanks around it; line->begin is NULL behind the
  *  last. 0 at the end. */
 int abaqus_item(abaqus_span *line, abaqus_span *item);
-/** The value of the parameter name of a keyword line, without quotes; 0 if it has none of that name.
+/** The value of the parameter name of a keyword line, without quotes; 0 if it has none of that
+ * name.
  */
 int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value);
 /** A whole number that is all of the item. 0 or -1. */

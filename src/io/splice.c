@@ -107,14 +107,16 @@ static char *splice_text_node(const splice *s, int64_t node, const char **at, ch
                         model->input.data + model->input.size};
     gap before;
     before.length = 0;
+    const char *line_end = NULL; /* if the field before has not its full width */
     for (int d = 0; d < model->dim; d++) {
         double wanted = s->coordinates[node * model->dim + d];
         io_field field;
         if (next_field(s, &cursor, d, &field))
             break;
         int64_t filled = field.end - field.begin;
-        if (!field.lead)
+        if (!field.lead || field.begin != line_end)
             before.length = 0;
+        line_end = field.end;
         gap_add(&before, field.lead, field.n_lead, 0);
         if (as_read(model, field.value) != wanted) {
             to = append(to, *at, field.begin);
