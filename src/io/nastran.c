@@ -546,11 +546,12 @@ static int check_first_order(const reader *r, const card_kind *k, card *c) {
     return PLANISH_OK;
 }
 
-/** Number and property of a cell; the number if it has no property of its own. */
+/** Number and property of a cell; 0 if it has none. Nastran takes a property of the element's
+ * number then, but who leaves it out means one region. */
 static int take_property(reader *r, const card_kind *k, card *c, int64_t *number,
                          int64_t *property) {
     int status = take_number(r, c, "its number", number);
-    *property = k->first == 2 ? *number : 0;
+    *property = 0;
     if (status || k->first < 2)
         return status;
     card peek = *c;

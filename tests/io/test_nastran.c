@@ -112,6 +112,12 @@ static void regions_are_properties(void **state) {
     assert_int_equal(planish_file_constraints(file, NULL, constraint, &error), 0);
     assert_int_equal(constraint[4], PLANISH_FIXED);
     planish_file_close(file);
+    /* None is one. */
+    file = reading_text(format, NINE "CTETRA,2,,2,3,4,5\nCTETRA,3,,2,4,5,6\n");
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_regions, 2);
+    planish_file_close(file);
 }
 
 static void systems_are_looked_at(void **state) {
