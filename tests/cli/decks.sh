@@ -34,7 +34,7 @@ bare = meshio.Mesh(mesh.points, cells)
 bare.write("meshio.inp")
 for width in ("small", "large"):
     meshio.nastran.write(f"meshio_{width}.bdf", bare, point_format=f"fixed-{width}",
-                         cell_format=f"fixed-{width}")
+                         cell_format="fixed-small")
 END
 
 for file in gmsh.inp meshio.inp gmsh0.bdf gmsh1.bdf gmsh2.bdf meshio_small.bdf meshio_large.bdf; do
