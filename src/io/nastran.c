@@ -253,13 +253,18 @@ static int take_number(const reader *r, card *c, const char *what, int64_t *valu
     return PLANISH_OK;
 }
 
-static int walk(reader *r, visit_fn *visit) {
+/** Visit the cards whose names begin with one of the letters. */
+static int walk(reader *r, const char *letters, visit_fn *visit) {
     io_cursor cursor = r->bulk;
     int status = PLANISH_OK;
     card c;
-    while (!status && cursor.at < cursor.end)
-        if (take_card(&cursor, &c))
+    while (!status && cursor.at < cursor.end) {
+        const char *end;
+        if (!*cursor.at || !strchr(letters, upper(*cursor.at)))
+            io_line(&cursor, &end);
+        else if (take_card(&cursor, &c))
             status = visit(r, &c);
+    }
     return status;
 }
 
@@ -281,7 +286,8 @@ static const char *find_line(io_cursor cursor, const char *word, const char **af
         span text;
         text.begin = io_line(&cursor, &text.end);
         *after = cursor.at;
-        if (text.begin < text.end && *text.begin != '$' && line_begins(text, word))
+        if (text.begin < text.end && (upper(*text.begin) == *word || is_blank(*text.begin)) &&
+            line_begins(text, word))
             return text.begin;
     }
     return *after = cursor.end;
@@ -407,7 +413,7 @@ static int look_at_system(reader *r, card *c) {
 static int check_system(reader *r) {
     if (r->system == 0)
         return PLANISH_OK;
-    int status = walk(r, look_at_system);
+    int status = walk(r, "C", look_at_system);
     if (status || r->system_is_rectangular)
         return status;
     return pl_fail(r->error, PLANISH_ERROR_FORMAT,
@@ -446,7 +452,7 @@ static int read_grids(reader *r) {
     status = io_model_span(model, (io_span){.n_nodes = r->n_grids, .encoding = IO_TEXT}, r->error);
     model->n_nodes = 0;
     if (!status)
-        status = walk(r, read_grid_card);
+        status = walk(r, "G", read_grid_card);
     if (!status)
         status = check_system(r);
     return status ? status : settle_node_numbers(r);
@@ -510,8 +516,6 @@ static const card_kind other_element = {"C...", LISTED, 2, 0, 0, 0};
 /** What is done with a card; NULL: nothing. */
 static const card_kind *find_kind(const card *c) {
     const char *name = c->name;
-    if (name[0] != 'C' && name[0] != 'R' && name[0] != 'M' && name[0] != 'P')
-        return NULL;
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(name, kinds[i].name) == 0)
             return &kinds[i];
@@ -706,7 +710,7 @@ static int read_names(reader *r) {
 
 static int read_all(reader *r) {
     io_model *model = r->model;
-    int status = walk(r, count_card);
+    int status = walk(r, "GIB", count_card);
     if (status)
         return status;
     if (r->n_grids == 0)
@@ -715,7 +719,7 @@ static int read_all(reader *r) {
     decide_width(r);
     status = read_grids(r);
     if (!status)
-        status = walk(r, read_element);
+        status = walk(r, "CRMP", read_element);
     if (!status)
         status = read_names(r);
     settle_cell_numbers(&model->line);
