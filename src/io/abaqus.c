@@ -138,7 +138,6 @@ static const known_keyword keywords[] = {
     {"ELGEN", ABAQUS_REFUSED},
     {"ELCOPY", ABAQUS_REFUSED},
     {"IMPORT", ABAQUS_REFUSED},
-    {"PARAMETER", ABAQUS_REFUSED},
 };
 
 static abaqus_keyword find_keyword(const char *name) {
@@ -173,6 +172,8 @@ static int add_block(abaqus_reader *r, abaqus_block block) {
     if (!grown)
         return pl_fail_memory(r->error, "the keywords of the file");
     r->block = grown;
+    abaqus_span instance;
+    block.has_instance = abaqus_parameter(&block, "INSTANCE", &instance);
     r->block[r->n_blocks++] = block;
     return PLANISH_OK;
 }
@@ -236,7 +237,7 @@ static int find_blocks(abaqus_reader *r) {
             continue;
         if (!rest.begin)
             rest.begin = rest.end;
-        status = add_block(r, (abaqus_block){keyword, rest, {cursor.at, end}, scope});
+        status = add_block(r, (abaqus_block){keyword, rest, {cursor.at, end}, scope, 0});
         open = &r->block[r->n_blocks - 1];
     }
     return status;
@@ -464,12 +465,11 @@ int abaqus_local(const abaqus_reader *r, const abaqus_block *b, abaqus_span *ite
     const char *dot = NULL;
     for (const char *c = item->begin; c < item->end; c++)
         dot = *c == '.' ? c : dot;
-    abaqus_span instance;
     if (b->scope == r->scope)
         return 1;
     if (dot)
         item->begin = dot + 1;
-    return dot != NULL || abaqus_parameter(b, "INSTANCE", &instance);
+    return dot != NULL || b->has_instance;
 }
 
 /** The next item of an element, from the next line if this one ends. */

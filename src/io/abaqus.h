@@ -32,6 +32,7 @@ typedef struct abaqus_block {
     abaqus_keyword keyword;
     abaqus_span parameters, data;
     int32_t scope;
+    int has_instance; /* INSTANCE= says whose numbers they are */
 } abaqus_block;
 
 /** Cells of one dimension that an *ELEMENT puts into an ELSET. */

@@ -23,6 +23,8 @@ typedef struct named_set {
     abaqus_span name;
     int32_t *member; /* [n] owned */
     int64_t n, capacity;
+    int32_t last_into; /* 1 + the set that it was put into last, */
+    int64_t last_n;    /* and with how many members */
 } named_set;
 
 typedef struct sets {
@@ -170,9 +172,14 @@ static int add_number(sets *s, int32_t set, int64_t number) {
 }
 
 static int add_set(sets *s, int32_t set, int32_t from) {
+    named_set *f = &s->set[from];
     int status = PLANISH_OK;
-    for (int64_t i = 0; from != set && i < s->set[from].n && !status; i++)
-        status = add_member(s, set, s->set[from].member[i]);
+    if (from == set || (f->last_into == set + 1 && f->last_n == f->n))
+        return PLANISH_OK;
+    for (int64_t i = 0; i < f->n && !status; i++)
+        status = add_member(s, set, f->member[i]);
+    f->last_into = set + 1;
+    f->last_n = f->n;
     return status;
 }
 
