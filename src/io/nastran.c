@@ -796,7 +796,9 @@ static void field_of_commas(const io_model *model, const card *c, int d, int abs
 
 /** The third coordinate of a long GRID is in the next line; where there is none, it is made. */
 static void field_of_next_line(const card *c, io_field *field) {
-    field->begin = field->end = c->line.text.end;
+    io_cursor from = {c->line.text.begin, c->rest.at};
+    io_line(&from, &field->end);
+    field->begin = field->end;
     field->width = LONG_FIELD;
     field->is_fixed = !c->line.is_free;
     field->lead = c->line.is_free ? "\n*," : "\n*       ";

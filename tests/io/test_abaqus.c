@@ -150,6 +150,17 @@ static void regions_are_blocks_and_sections(void **state) {
                "000000000");
 }
 
+/** Sets that the file comes back to name a member once. */
+static void members_are_counted_once(void **state) {
+    (void)state;
+    planish_file *file =
+        reading_text(format, PAIR "*ELSET,ELSET=A\n1,1\n*ELSET,ELSET=B\n1\n*ELSET,ELSET=A\n1\n");
+    const io_entity *entity = &file->model.entity[file->model.tetrahedron.entity[0]];
+    assert_int_equal(entity->n_physical, 2);
+    assert_int_equal(file->model.entity[file->model.tetrahedron.entity[1]].n_physical, 0);
+    planish_file_close(file);
+}
+
 static void types_are_known(void **state) {
     (void)state;
     static const char *const tetrahedra[] = {"C3D4", "c3d4h", "DC3D4", "AC3D4", "C3D4T", "Q3D4"};
@@ -325,6 +336,7 @@ int main(void) {
         cmocka_unit_test(sets_are_groups),
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(regions_are_blocks_and_sections),
+        cmocka_unit_test(members_are_counted_once),
         cmocka_unit_test(types_are_known),
         cmocka_unit_test(parts_are_understood),
         cmocka_unit_test(wrong_files_are_refused),

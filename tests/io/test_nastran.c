@@ -96,7 +96,7 @@ static void nodes_are_held(void **state) {
     assert_true(constraints_are(NINE "CONM2,2,9,0,1.5\n", NULL, "000000001"));
     assert_true(constraints_are(NINE "RBE2,2,5,3,6,7,8\n", NULL, "000011110"));
     assert_true(constraints_are(NINE "RBE3,2,,5,3,1.,4,6,7,\n,8,1.,2,9\n", NULL, "000011111"));
-    assert_true(constraints_are(NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.\n", NULL, "000011100"));
+    assert_true(constraints_are(NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.,8,1,1.\n", NULL, "000011110"));
     assert_true(constraints_are(NINE "COTHER,2,1,9\n", NULL, "000000001"));
     assert_true(constraints_are(NINE "CORD2R,9,8,7,6,5,4,3,2\n", NULL, "000000000"));
     assert_true(
@@ -287,6 +287,12 @@ static void fields_that_are_not_there_are_made(void **state) {
         {"GRID*   5\n*\n", "z", "GRID*   5\n*       123456.789\n"},
         {"GRID*   5                               1.\n", "yz",
          "GRID*   5                               1.              -.33333333333333\n"
+         "*       123456.789\n"},
+        {"GRID*   5                               1.              2.              M\r\n", "z",
+         "GRID*   5                               1.              2.              M\n"
+         "*       123456.789\r\n"},
+        {"GRID*   5                               1.      $ c\n", "yz",
+         "GRID*   5                               1.              -.33333333333333$ c\n"
          "*       123456.789\n"},
         {"GRID*   5                               1.              2.              \n", "xz",
          "GRID*   5                               .125            2.              \n"
