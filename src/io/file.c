@@ -15,13 +15,14 @@
 
 /* ---- the table of formats ----------------------------------------------------------------- */
 
-static const io_format *const formats[] = {&io_format_nastran, /* first: its comments may look like Gmsh's sections */
-                                           &io_format_gmsh, &io_format_medit, &io_format_vtk,
-                                           &io_format_tetgen, &io_format_abaqus};
+static const io_format *const formats[] = {
+    &io_format_nastran, /* first: its comments may look like Gmsh's sections */
+    &io_format_gmsh,    &io_format_medit, &io_format_vtk, &io_format_tetgen, &io_format_abaqus};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh", "medit", "vtk", "tetgen", "abaqus", "nastran", NULL};
+    static const char *const names[] = {"gmsh",   "medit",   "vtk", "tetgen",
+                                        "abaqus", "nastran", NULL};
     return names;
 }
 

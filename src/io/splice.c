@@ -83,8 +83,7 @@ static char *append_number(const splice *s, const io_field *field, double value,
     const int64_t length = io_format_field(to, value, field->width, s->model->implied_exponent);
     if (length == 0) /* no such text: what is there stays */
         return append(to, field->begin, field->end);
-    return append_blanks(to + length,
-                         field->is_fixed ? field->end - field->begin - length : 0);
+    return append_blanks(to + length, field->is_fixed ? field->end - field->begin - length : 0);
 }
 
 /** What has to be written before a number behind fields that the file cuts short or has not. */
@@ -191,7 +190,8 @@ static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
         if (next_field(s, &cursor, d, &field))
             break;
     p->end = field.end;
-    p->text = pl_alloc(p->end - p->begin + (last - first) * model->dim * (IO_REAL_SIZE + IO_LEAD_SIZE), 1);
+    p->text = pl_alloc(
+        p->end - p->begin + (last - first) * model->dim * (IO_REAL_SIZE + IO_LEAD_SIZE), 1);
     if (!p->text) {
         p->failed = 1;
         return;

@@ -10,8 +10,8 @@ void io_skip_space(io_cursor *cursor);
 void io_skip_space_comments(io_cursor *cursor, char mark);
 /** To the beginning of the next line (or the end). */
 void io_skip_line(io_cursor *cursor);
-/** The line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes: its first
- *  byte, *end behind its last. */
+/** The line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes: its
+ * first byte, *end behind its last. */
 const char *io_line(io_cursor *cursor, const char **end);
 /** The next word (no white space in it) after white space: its start, *length 0 at the end. */
 const char *io_word(io_cursor *cursor, int64_t *length);

@@ -265,6 +265,29 @@ static void contents_are_recognised(void **state) {
         assert_false(format->recognise(no[i], (int64_t)strlen(no[i])));
 }
 
+/** Line ends of every kind, none at the end. */
+static void line_ends_may_be_any(void **state) {
+    (void)state;
+    char *text = malloc(2 * sizeof solid);
+    for (int kind = 0; kind < 3; kind++) {
+        size_t n = 0;
+        for (const char *c = solid; *c; c++) {
+            if (*c == '\n' && kind > 0)
+                text[n++] = '\r';
+            if (*c != '\n' || kind < 2)
+                text[n++] = *c;
+        }
+        text[n] = '\0';
+        text[n - (kind == 1 ? 2 : 1)] = '\0';
+        planish_file *file = reading_text(format, text);
+        assert_int_equal(planish_file_mesh(file).n_elements, 4);
+        assert_true(planish_file_mesh(file).coordinates[14] == .25);
+        assert_int_equal(file->model.n_groups, 13);
+        planish_file_close(file);
+    }
+    free(text);
+}
+
 static void build(file_builder *builder, const char *text) {
     for (const char *line = text, *end; *line; line = end + 1) {
         end = strchr(line, '\n');
@@ -341,6 +364,7 @@ int main(void) {
         cmocka_unit_test(parts_are_understood),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(contents_are_recognised),
+        cmocka_unit_test(line_ends_may_be_any),
         cmocka_unit_test(bad_files_do_no_harm),
         cmocka_unit_test_setup_teardown(only_what_changed_is_written, test_folder_create,
                                         test_folder_remove),
