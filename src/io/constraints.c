@@ -196,8 +196,9 @@ static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_
 }
 
 static int one_region(const io_cells *cells) {
+    const int32_t *region = io_cells_regions(cells);
     for (int64_t i = 1; i < cells->n; i++)
-        if (cells->entity[i] != cells->entity[0])
+        if (region[i] != region[0])
             return 0;
     return 1;
 }
@@ -205,8 +206,9 @@ static int one_region(const io_cells *cells) {
 /** Nodes of elements of different regions. */
 static int hold_interfaces(const planish_file *file, uint8_t *constraint, planish_error *error) {
     const io_cells *cells = io_file_elements(file);
+    const int32_t *of_cell = io_cells_regions(cells);
     const int corners = file->model.dim + 1;
-    if (!cells->entity || one_region(cells))
+    if (!of_cell || one_region(cells))
         return PLANISH_OK;
     int32_t *region = pl_alloc(file->model.n_nodes, sizeof *region);
     if (!region)
@@ -214,10 +216,10 @@ static int hold_interfaces(const planish_file *file, uint8_t *constraint, planis
     for (int64_t i = 0; i < file->model.n_nodes; i++)
         region[i] = -1;
     for (int64_t i = 0; i < cells->n * corners; i++) {
-        int32_t node = cells->nodes[i], entity = cells->entity[i / corners];
+        int32_t node = cells->nodes[i], here = of_cell[i / corners];
         if (region[node] < 0)
-            region[node] = entity;
-        else if (region[node] != entity)
+            region[node] = here;
+        else if (region[node] != here)
             constraint[node] = PLANISH_FIXED;
     }
     pl_free(region);
@@ -265,10 +267,28 @@ static int significant_digits(const char *text, const char *end) {
     return digits;
 }
 
+/** Those of coordinate d of a node, at which the cursor stands, as in io_format.field. */
+static int digits_of_coordinate(const planish_file *file, io_cursor *cursor, int d) {
+    io_field field;
+    if (file->format->field) {
+        if (file->format->field(&file->model, cursor, d, &field))
+            return 0;
+        while (field.begin < field.end && *field.begin == ' ')
+            field.begin++;
+        return significant_digits(field.begin, field.end);
+    }
+    io_skip_space(cursor);
+    const int digits = significant_digits(cursor->at, cursor->end);
+    while (cursor->at < cursor->end && (unsigned char)*cursor->at > ' ')
+        cursor->at++;
+    return digits;
+}
+
 /** How far nodes of a plane may be off it by the digits that the file gives them. Of text the
  *  longest numbers of the first nodes tell; whole numbers and the like may be exact with few, so
  *  that there is a limit. */
-static double tolerance_of_digits(const io_model *model) {
+static double tolerance_of_digits(const planish_file *file) {
+    const io_model *model = &file->model;
     enum { LOOKED_AT_NODES = 4096 };
     const char *end = model->input.data + model->input.size;
     int most = 0;
@@ -277,11 +297,8 @@ static double tolerance_of_digits(const io_model *model) {
     for (int64_t i = 0; model->text_offset && i < model->n_nodes && i < LOOKED_AT_NODES; i++) {
         io_cursor cursor = {model->input.data + model->text_offset[i], end};
         for (int d = 0; d < model->columns; d++) {
-            io_skip_space(&cursor);
-            const int digits = significant_digits(cursor.at, end);
+            const int digits = digits_of_coordinate(file, &cursor, d);
             most = digits > most ? digits : most;
-            while (cursor.at < end && (unsigned char)*cursor.at > ' ')
-                cursor.at++;
         }
     }
     if (most == 0)
@@ -298,16 +315,16 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
     const io_model *model = &file->model;
     const io_cells *facets = facet_cells(model);
     planish_surface surface = {
-        .region = hold && hold->ignore_regions ? NULL : io_file_elements(file)->entity,
+        .region = hold && hold->ignore_regions ? NULL : io_cells_regions(io_file_elements(file)),
         .n_facets = facets->n,
         .facets = facets->nodes,
-        .facet_tag = facets->entity,
+        .facet_tag = io_cells_regions(facets),
         .tagged_only = hold && hold->n_slide_tags > 0,
-        .tolerance = tolerance_of_digits(model)};
+        .tolerance = tolerance_of_digits(file)};
     if (model->dim == 3) {
         surface.n_edges = model->line.n;
         surface.edges = model->line.nodes;
-        surface.edge_tag = model->line.entity;
+        surface.edge_tag = io_cells_regions(&model->line);
     }
     return surface;
 }

@@ -16,13 +16,16 @@
 /* ---- the table of formats ----------------------------------------------------------------- */
 
 static const io_format *const formats[] = {
-    &io_format_gmsh,   &io_format_medit,  &io_format_vtk,  &io_format_vtu, &io_format_vtkhdf,
-    &io_format_tetgen, &io_format_netgen, &io_format_cgns, &io_format_med, &io_format_off};
+    &io_format_nastran, /* first: its comments may look like Gmsh's sections */
+    &io_format_gmsh,    &io_format_medit,  &io_format_vtk,    &io_format_vtu,
+    &io_format_vtkhdf,  &io_format_tetgen, &io_format_netgen, &io_format_abaqus,
+    &io_format_cgns,    &io_format_med,    &io_format_off};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
-    static const char *const names[] = {"gmsh",   "medit", "vtk", "vtu", "vtkhdf", "tetgen",
-                                        "netgen", "cgns",  "med", "off", NULL};
+    static const char *const names[] = {"gmsh",   "medit",  "vtk",    "vtu",     "vtkhdf",
+                                        "tetgen", "netgen", "abaqus", "nastran", "cgns",
+                                        "med",    "off",    NULL};
     return names;
 }
 
@@ -164,13 +167,15 @@ const io_cells *io_file_elements(const planish_file *file) {
 
 static int64_t count_regions(const planish_file *file) {
     const io_cells *cells = io_file_elements(file);
-    if (!cells->entity)
-        return 1;
-    uint8_t *seen = pl_alloc_zero(file->model.n_entities, 1);
-    int64_t count = 0;
+    const int32_t *region = io_cells_regions(cells);
+    int32_t last = 0;
+    for (int64_t i = 0; region && i < cells->n; i++)
+        last = region[i] > last ? region[i] : last;
+    uint8_t *seen = region ? pl_alloc_zero((int64_t)last + 1, 1) : NULL;
+    int64_t count = region ? 0 : 1;
     for (int64_t i = 0; seen && i < cells->n; i++) {
-        count += !seen[cells->entity[i]];
-        seen[cells->entity[i]] = 1;
+        count += !seen[region[i]];
+        seen[region[i]] = 1;
     }
     pl_free(seen);
     return count;

@@ -320,6 +320,7 @@ static void cells_destroy(io_cells *cells) {
     pl_free(cells->nodes);
     pl_free(cells->entity);
     pl_free(cells->number);
+    pl_free(cells->region);
 }
 
 void io_model_destroy(io_model *model) {

@@ -50,7 +50,12 @@ typedef struct io_field {
     double value;            /* 0 where the field is empty */
     int width;               /* characters that a number may have there; 0: any number */
     int is_fixed;            /* blanks fill up what a number leaves of end - begin */
+    const char *lead;        /* [n_lead] what must stand before a number where the file has no field
+                                for it, behind the fields before it in full width; or NULL */
+    int n_lead;              /* IO_LEAD_SIZE at most */
 } io_field;
+
+enum { IO_LEAD_SIZE = 64 };
 
 /** Bytes of the input that others take the place of. */
 typedef struct io_edit {
@@ -72,7 +77,14 @@ typedef struct io_cells {
     int32_t *entity; /* [n] index into io_model.entity, or NULL: the file has none */
     int64_t *number; /* [n] the file's element numbers, or NULL: 1, 2, 3 ... from first_number */
     int64_t first_number;
+    int32_t *region; /* [n] which region each is of, where entities say more than that; or NULL: the
+                        entity. A reader that wants it allocates it */
 } io_cells;
+
+/** What tells the regions of cells apart: [n], or NULL: there is one. */
+static inline const int32_t *io_cells_regions(const io_cells *cells) {
+    return cells->region ? cells->region : cells->entity;
+}
 
 /** A region or surface, line, point that cells belong to: cells of different tags are of different
  *  entities. tag: Gmsh's elementary entity, Medit's reference, TetGen's attribute. */
@@ -176,6 +188,9 @@ void io_edits_destroy(io_edits *edits);
 typedef struct io_numbers io_numbers;
 /** numbers [n]; fails on a number that occurs twice (error names it). Any order, any gaps. */
 int io_numbers_create(const int64_t *numbers, int64_t n, io_numbers **table, planish_error *error);
+/** The same for the numbers of other things than nodes: what ("element") is for the error. */
+int io_numbers_create_of(const char *what, const int64_t *numbers, int64_t n, io_numbers **table,
+                         planish_error *error);
 /** Index of number, or -1. */
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);
@@ -217,8 +232,8 @@ typedef struct io_format {
 } io_format;
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
-    io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_cgns, io_format_med,
-    io_format_off;
+    io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_abaqus, io_format_nastran,
+    io_format_cgns, io_format_med, io_format_off;
 
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,

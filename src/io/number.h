@@ -1,7 +1,7 @@
 /* number: numbers from text and back, independent of the locale, exact.
  *
- * Implemented in number.cpp with <charconv> of the C++ standard library (correctly rounded
- * reading, shortest text that restores the value); the only C++ of the project.
+ * Implemented in number.cpp and field.cpp with <charconv> of the C++ standard library (correctly
+ * rounded reading, shortest text that restores the value); the only C++ of the project.
  */
 #ifndef PL_IO_NUMBER_H
 #define PL_IO_NUMBER_H
@@ -27,12 +27,18 @@ enum { IO_REAL_SIZE = 32 };
 int io_format_real(char *text, double value, int is_float);
 
 /** The text of at most width characters (8 or more, less than IO_REAL_SIZE) that is nearest to
- *  value, with a point in it; the shortest of these. implied_exponent: exponents follow the
- * mantissa without an e (Nastran's 1.5-3). Returns its length, or 0: value is too large for it. */
+ *  value, with a point in it; without an exponent where that is as near. implied_exponent:
+ * exponents follow the mantissa without an e (Nastran's 1.5-3). Returns its length, or 0: value is
+ * not finite. -0 is written as 0. */
 int io_format_field(char *text, double value, int width, int implied_exponent);
 
-/** What that text reads as; value itself where there is none. */
+/** What that text reads as: the nearest of the numbers that a field can hold. value itself if it is
+ *  not finite. Much faster than to write and to read it. */
 double io_round_to_field(double value, int width, int implied_exponent);
+
+/** The whole of the text begin .. end (no white space in it) as a real number whose exponent may
+ *  follow without an e. 0 or -1. */
+int io_parse_packed_real(const char *begin, const char *end, double *value);
 
 #ifdef __cplusplus
 }

@@ -15,13 +15,15 @@ typedef struct numbered {
 } numbered;
 
 struct io_numbers {
+    const char *what;       /* has numbers */
     int64_t n, first, last; /* numbers first .. last occur */
     int32_t *place;         /* [last - first + 1] index or -1; NULL: see sorted */
     numbered *sorted;       /* [n] by number */
 };
 
-static int fail_twice(int64_t number, planish_error *error) {
-    return pl_fail(error, PLANISH_ERROR_FORMAT, "node number %lld occurs twice", (long long)number);
+static int fail_twice(const io_numbers *table, int64_t number, planish_error *error) {
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s number %lld occurs twice", table->what,
+                   (long long)number);
 }
 
 static int fill_table(io_numbers *table, const int64_t *numbers, planish_error *error) {
@@ -34,7 +36,7 @@ static int fill_table(io_numbers *table, const int64_t *numbers, planish_error *
     for (int64_t i = 0; i < table->n; i++) {
         int32_t *place = &table->place[numbers[i] - table->first];
         if (*place >= 0)
-            return fail_twice(numbers[i], error);
+            return fail_twice(table, numbers[i], error);
         *place = (int32_t)i;
     }
     return PLANISH_OK;
@@ -54,14 +56,20 @@ static int fill_sorted(io_numbers *table, const int64_t *numbers, planish_error 
     qsort(table->sorted, (size_t)table->n, sizeof *table->sorted, compare);
     for (int64_t i = 1; i < table->n; i++)
         if (table->sorted[i].number == table->sorted[i - 1].number)
-            return fail_twice(table->sorted[i].number, error);
+            return fail_twice(table, table->sorted[i].number, error);
     return PLANISH_OK;
 }
 
-int io_numbers_create(const int64_t *numbers, int64_t n, io_numbers **out, planish_error *error) {
+int io_numbers_create(const int64_t *numbers, int64_t n, io_numbers **table, planish_error *error) {
+    return io_numbers_create_of("node", numbers, n, table, error);
+}
+
+int io_numbers_create_of(const char *what, const int64_t *numbers, int64_t n, io_numbers **out,
+                         planish_error *error) {
     io_numbers *table = pl_alloc_zero(1, sizeof *table);
     if (!table)
         return pl_fail_memory(error, "node numbers");
+    table->what = what;
     table->n = n;
     table->first = n ? INT64_MAX : 0;
     table->last = n ? INT64_MIN : -1;

@@ -70,15 +70,33 @@ static int next_field(const splice *s, io_cursor *cursor, int d, io_field *field
                             : plain_field(cursor, field);
 }
 
+static char *append_blanks(char *to, int64_t n) {
+    for (int64_t i = 0; i < n; i++)
+        *to++ = ' ';
+    return to;
+}
+
+/** The number in place of what the field has. */
 static char *append_number(const splice *s, const io_field *field, double value, char *to) {
     if (field->width == 0)
         return to + io_format_real(to, value, s->model->precision == PLANISH_FLOAT);
     const int64_t length = io_format_field(to, value, field->width, s->model->implied_exponent);
     if (length == 0) /* no such text: what is there stays */
         return append(to, field->begin, field->end);
-    for (int64_t i = length; field->is_fixed && i < field->end - field->begin; i++)
-        to[i] = ' ';
-    return to + (field->is_fixed ? field->end - field->begin : length);
+    return append_blanks(to + length, field->is_fixed ? field->end - field->begin - length : 0);
+}
+
+/** What has to be written before a number behind fields that the file cuts short or has not. */
+typedef struct gap {
+    char text[3 * (IO_LEAD_SIZE + IO_REAL_SIZE)];
+    int64_t length;
+} gap;
+
+static void gap_add(gap *g, const char *lead, int n_lead, int64_t blanks) {
+    char *to = g->text + g->length;
+    if (n_lead > 0)
+        to = append(to, lead, lead + n_lead);
+    g->length = append_blanks(to, blanks) - g->text;
 }
 
 /** Copy one node's text with changed components replaced; at: behind what has been copied. */
@@ -86,16 +104,30 @@ static char *splice_text_node(const splice *s, int64_t node, const char **at, ch
     const io_model *model = s->model;
     io_cursor cursor = {model->input.data + model->text_offset[node],
                         model->input.data + model->input.size};
+    gap before;
+    before.length = 0;
+    const char *line_end = NULL; /* if the field before has not its full width */
     for (int d = 0; d < model->dim; d++) {
         double wanted = s->coordinates[node * model->dim + d];
         io_field field;
         if (next_field(s, &cursor, d, &field))
             break;
-        if (as_read(model, field.value) == wanted)
-            continue;
-        to = append(to, *at, field.begin);
-        to = append_number(s, &field, wanted, to);
-        *at = field.end;
+        int64_t filled = field.end - field.begin;
+        if (!field.lead || field.begin != line_end)
+            before.length = 0;
+        line_end = field.end;
+        gap_add(&before, field.lead, field.n_lead, 0);
+        if (as_read(model, field.value) != wanted) {
+            to = append(to, *at, field.begin);
+            to = append(to, before.text, before.text + before.length);
+            before.length = 0;
+            char *number = to;
+            to = append_number(s, &field, wanted, to);
+            filled = to - number;
+            *at = field.end;
+        }
+        if (field.is_fixed && filled < field.width)
+            gap_add(&before, NULL, 0, field.width - filled);
     }
     return to;
 }
@@ -158,7 +190,8 @@ static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
         if (next_field(s, &cursor, d, &field))
             break;
     p->end = field.end;
-    p->text = pl_alloc(p->end - p->begin + (last - first) * model->dim * IO_REAL_SIZE, 1);
+    p->text = pl_alloc(
+        p->end - p->begin + (last - first) * model->dim * (IO_REAL_SIZE + IO_LEAD_SIZE), 1);
     if (!p->text) {
         p->failed = 1;
         return;

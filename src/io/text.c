@@ -35,6 +35,18 @@ void io_skip_line(io_cursor *cursor) {
         cursor->at++;
 }
 
+const char *io_line(io_cursor *cursor, const char **end) {
+    const char *line = cursor->at;
+    if (line == cursor->end)
+        return *end = line;
+    const char *feed = memchr(line, '\n', (size_t)(cursor->end - line));
+    const char *stop = feed ? feed : cursor->end;
+    const char *carriage = memchr(line, '\r', (size_t)(stop - line));
+    *end = carriage ? carriage : stop;
+    cursor->at = carriage && carriage + 1 < stop ? carriage + 1 : feed ? feed + 1 : cursor->end;
+    return line;
+}
+
 const char *io_word(io_cursor *cursor, int64_t *length) {
     io_skip_space(cursor);
     const char *word = cursor->at;

@@ -13,6 +13,9 @@ void io_skip_line(io_cursor *cursor);
 /** To the next word that begins with a letter (nan and inf are numbers), over comments ('#'). The
  *  cursor stands behind a word. */
 void io_skip_numbers(io_cursor *cursor);
+/** The line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes: its
+ * first byte, *end behind its last. */
+const char *io_line(io_cursor *cursor, const char **end);
 /** The next word (no white space in it) after white space: its start, *length 0 at the end. */
 const char *io_word(io_cursor *cursor, int64_t *length);
 /** Whether the word is name, letter case ignored if fold. */

@@ -202,8 +202,9 @@ static const io_entity *entity_at(const io_view *view, int64_t number) {
 static void fill_regions(const io_view *view, int64_t begin, int64_t end, void *out) {
     int32_t *to = out;
     for (int64_t i = begin; i < end; i++) {
+        const cell c = cell_at(view, i);
         const io_entity *entity = entity_at(view, i);
-        *to++ = entity ? entity->tag : 0;
+        *to++ = c.of.cells->region ? c.of.cells->region[c.index] : entity ? entity->tag : 0;
     }
 }
 

@@ -1,0 +1,79 @@
+/* abaqus: what the reader of Abaqus input files and its sets share. */
+#ifndef PL_IO_ABAQUS_H
+#define PL_IO_ABAQUS_H
+
+#include "io/model.h"
+
+typedef struct abaqus_span {
+    const char *begin, *end;
+} abaqus_span;
+
+typedef enum abaqus_keyword {
+    ABAQUS_NODE,
+    ABAQUS_ELEMENT,
+    ABAQUS_NSET,
+    ABAQUS_ELSET,
+    ABAQUS_SECTION, /* gives a material to an ELSET */
+    ABAQUS_EQUATION,
+    ABAQUS_MPC,
+    ABAQUS_PART,
+    ABAQUS_END_PART,
+    ABAQUS_ASSEMBLY,
+    ABAQUS_END_ASSEMBLY,
+    ABAQUS_REFUSED,
+    ABAQUS_OTHER
+} abaqus_keyword;
+
+/** Where nodes and elements are numbered: outside of parts, in a part (1, 2, ...), or: */
+enum { ABAQUS_IN_ASSEMBLY = -1 };
+
+/** A keyword line, which may be several, and its data lines. */
+typedef struct abaqus_block {
+    abaqus_keyword keyword;
+    abaqus_span parameters, data;
+    int32_t scope;
+    int has_instance; /* INSTANCE= says whose numbers they are */
+} abaqus_block;
+
+/** Cells of one dimension that an *ELEMENT puts into an ELSET. */
+typedef struct abaqus_range {
+    int dim;
+    int64_t begin, end; /* in the cells of dim */
+    abaqus_span set;    /* name, empty: none */
+} abaqus_range;
+
+typedef struct abaqus_reader {
+    io_model *model;
+    planish_error *error;
+    abaqus_block *block; /* [n_blocks] */
+    int64_t n_blocks, block_capacity;
+    abaqus_range *range; /* [n_ranges] */
+    int64_t n_ranges, range_capacity;
+    int32_t scope;       /* of the mesh */
+    io_numbers *numbers; /* of nodes; NULL: consecutive */
+} abaqus_reader;
+
+/** The next line of data that is neither empty nor a comment, without blanks around it; 0 at the
+ *  end. */
+int abaqus_line(io_cursor *cursor, abaqus_span *line);
+/** The next item of a line, up to a comma, without blanks around it; line->begin is NULL behind the
+ *  last. 0 at the end. */
+int abaqus_item(abaqus_span *line, abaqus_span *item);
+/** The value of the parameter name of a keyword line, without quotes; 0 if it has none of that
+ * name.
+ */
+int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value);
+/** A whole number that is all of the item. 0 or -1. */
+int abaqus_integer(abaqus_span item, int64_t *value);
+/** Index of a node, or -1. */
+int64_t abaqus_node(const abaqus_reader *reader, int64_t number);
+/** What an item of a block names: INSTANCE.NAME without its instance. 0 if numbers there are of
+ *  another numbering than the mesh's. */
+int abaqus_local(const abaqus_reader *reader, const abaqus_block *block, abaqus_span *item);
+io_cells *abaqus_cells(io_model *model, int dim);
+
+/** Sets of elements and nodes: entities, regions and groups of the model; nodes of equations are
+ *  held. Everything else has been read. */
+int abaqus_read_sets(abaqus_reader *reader);
+
+#endif

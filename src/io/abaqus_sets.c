@@ -1,0 +1,653 @@
+/* abaqus_sets: sets of elements and nodes in an Abaqus input file.
+ *
+ * An element or node may be in any number of sets, so that what it is of is an entity with one
+ * physical group for each of them. Regions are told by less: by the ELSET= of *ELEMENT and by the
+ * section that has the element, as sets are also made for loads and for output.
+ */
+#include "io/abaqus.h"
+
+#include "io/number.h"
+#include "io/records.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/** Things that sets have: nodes; or cells, first lines, then triangles, then tetrahedra. */
+typedef enum set_kind { NODES, ELEMENTS } set_kind;
+
+typedef struct named_set {
+    set_kind things;
+    abaqus_span name;
+    int32_t *member; /* [n] owned */
+    int64_t n, capacity;
+    int32_t last_into; /* 1 + the set that it was put into last, */
+    int64_t last_n;    /* and with how many members */
+} named_set;
+
+typedef struct sets {
+    abaqus_reader *reader;
+    named_set *set; /* [n_sets] */
+    int64_t n_sets, capacity;
+    int32_t *slot; /* [n_slots] hash table of the names: index or -1 */
+    int64_t n_slots;
+    int64_t n[2];          /* things: nodes, cells */
+    int64_t first_cell[4]; /* of each dimension among the cells */
+    int32_t *stamp[2];     /* [n] 1 + the set that had the thing last */
+    io_numbers *elements;  /* the numbers of cells, made when they are wanted */
+    int64_t n_members;
+} sets;
+
+static char upper(char c) {
+    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
+}
+
+/* ---- names -------------------------------------------------------------------------------- */
+
+static int same_name(abaqus_span a, abaqus_span b) {
+    if (a.end - a.begin != b.end - b.begin)
+        return 0;
+    for (int64_t i = 0; i < a.end - a.begin; i++)
+        if (upper(a.begin[i]) != upper(b.begin[i]))
+            return 0;
+    return 1;
+}
+
+static uint64_t hash_name(set_kind things, abaqus_span name) {
+    uint64_t hash = 14695981039346656037u + (uint64_t)things;
+    for (const char *c = name.begin; c < name.end; c++)
+        hash = (hash ^ (uint64_t)(unsigned char)upper(*c)) * 1099511628211u;
+    return hash ^ hash >> 29;
+}
+
+/** The slot of the set, or the free one where it belongs. */
+static int32_t *find_slot(const sets *s, set_kind things, abaqus_span name) {
+    const uint64_t mask = (uint64_t)s->n_slots - 1;
+    uint64_t at = hash_name(things, name) & mask;
+    while (s->slot[at] >= 0 &&
+           (s->set[s->slot[at]].things != things || !same_name(s->set[s->slot[at]].name, name)))
+        at = (at + 1) & mask;
+    return &s->slot[at];
+}
+
+static int grow_slots(sets *s) {
+    enum { FIRST_SLOTS = 64 };
+    if (2 * s->n_sets < s->n_slots)
+        return PLANISH_OK;
+    const int64_t n_slots = s->n_slots ? 2 * s->n_slots : FIRST_SLOTS;
+    int32_t *slot = pl_alloc(n_slots, sizeof *slot);
+    if (!slot)
+        return pl_fail_memory(s->reader->error, "the sets of the file");
+    memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    pl_free(s->slot);
+    s->slot = slot;
+    s->n_slots = n_slots;
+    for (int64_t i = 0; i < s->n_sets; i++)
+        *find_slot(s, s->set[i].things, s->set[i].name) = (int32_t)i;
+    return PLANISH_OK;
+}
+
+/** Index of the set of that name, or -1. */
+static int32_t find_set(const sets *s, set_kind things, abaqus_span name) {
+    return s->n_slots ? *find_slot(s, things, name) : -1;
+}
+
+/** The same, made if new; negative on failure. */
+static int32_t make_set(sets *s, set_kind things, abaqus_span name) {
+    int status = grow_slots(s);
+    if (status)
+        return status;
+    int32_t *slot = find_slot(s, things, name);
+    if (*slot >= 0)
+        return *slot;
+    named_set *grown = pl_grow(s->set, s->n_sets, s->n_sets + 1, &s->capacity, sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(s->reader->error, "the sets of the file");
+    s->set = grown;
+    s->set[s->n_sets] = (named_set){.things = things, .name = name};
+    return *slot = (int32_t)s->n_sets++;
+}
+
+/* ---- members ------------------------------------------------------------------------------ */
+
+static int add_member(sets *s, int32_t set, int32_t member) {
+    named_set *to = &s->set[set];
+    int32_t *stamp = &s->stamp[to->things][member];
+    if (*stamp == set + 1)
+        return PLANISH_OK;
+    int32_t *grown = pl_grow(to->member, to->n, to->n + 1, &to->capacity, sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(s->reader->error, "the members of sets");
+    to->member = grown;
+    to->member[to->n++] = member;
+    *stamp = set + 1;
+    s->n_members++;
+    return PLANISH_OK;
+}
+
+static int64_t cell_number(const io_cells *cells, int64_t cell) {
+    return cells->number ? cells->number[cell] : cells->first_number + cell;
+}
+
+/** Dimension of a cell; *local: its index among those. */
+static int dim_of(const sets *s, int64_t cell, int64_t *local) {
+    int dim = 3;
+    while (dim > 1 && cell < s->first_cell[dim])
+        dim--;
+    *local = cell - s->first_cell[dim];
+    return dim;
+}
+
+static int64_t number_of(const sets *s, set_kind things, int64_t thing) {
+    io_model *model = s->reader->model;
+    int64_t local;
+    if (things == NODES)
+        return model->node_number ? model->node_number[thing] : model->first_number + thing;
+    const int dim = dim_of(s, thing, &local);
+    return cell_number(abaqus_cells(model, dim), local);
+}
+
+static int number_elements(sets *s) {
+    int64_t *number = pl_alloc(s->n[ELEMENTS], sizeof *number);
+    if (!number)
+        return pl_fail_memory(s->reader->error, "the numbers of elements");
+    for (int64_t i = 0; i < s->n[ELEMENTS]; i++)
+        number[i] = number_of(s, ELEMENTS, i);
+    int status =
+        io_numbers_create_of("element", number, s->n[ELEMENTS], &s->elements, s->reader->error);
+    pl_free(number);
+    return status;
+}
+
+/** Index of the thing of that number, or -1: there is none, or it is no cell that is kept. */
+static int64_t find_thing(const sets *s, set_kind things, int64_t number) {
+    return things == NODES ? abaqus_node(s->reader, number) : io_numbers_find(s->elements, number);
+}
+
+static int add_number(sets *s, int32_t set, int64_t number) {
+    const int64_t thing = find_thing(s, s->set[set].things, number);
+    return thing < 0 ? PLANISH_OK : add_member(s, set, (int32_t)thing);
+}
+
+static int add_set(sets *s, int32_t set, int32_t from) {
+    named_set *f = &s->set[from];
+    int status = PLANISH_OK;
+    if (from == set || (f->last_into == set + 1 && f->last_n == f->n))
+        return PLANISH_OK;
+    for (int64_t i = 0; i < f->n && !status; i++)
+        status = add_member(s, set, f->member[i]);
+    f->last_into = set + 1;
+    f->last_n = f->n;
+    return status;
+}
+
+static int fail_item(const sets *s, abaqus_span item, const char *text) {
+    const int64_t length = item.end - item.begin;
+    return io_fail_text(s->reader->model, item.begin, s->reader->error, "'%.*s': %s",
+                        (int)(length < 32 ? length : 32), item.begin, text);
+}
+
+static abaqus_span without_quotes(abaqus_span s) {
+    if (s.end - s.begin > 1 && *s.begin == '"' && s.end[-1] == '"')
+        return (abaqus_span){s.begin + 1, s.end - 1};
+    return s;
+}
+
+/** A whole number that is written as a real one, as meshio does it. */
+static int whole_real(abaqus_span item, int64_t *number) {
+    const char *at = item.begin;
+    double value;
+    if (io_parse_real(&at, item.end, &value) || at != item.end || !(value >= 0) ||
+        value > INT32_MAX || value != (double)(int64_t)value)
+        return -1;
+    *number = (int64_t)value;
+    return 0;
+}
+
+/** A number, or the name of a set that is there already. */
+static int add_item(sets *s, const abaqus_block *b, int32_t set, abaqus_span item) {
+    int64_t number;
+    abaqus_span local = item;
+    const int is_here = abaqus_local(s->reader, b, &local);
+    if (abaqus_integer(local, &number) == 0)
+        return is_here ? add_number(s, set, number) : PLANISH_OK;
+    int32_t from = find_set(s, s->set[set].things, without_quotes(item));
+    if (from < 0)
+        from = find_set(s, s->set[set].things, without_quotes(local));
+    if (from < 0 && whole_real(item, &number) == 0)
+        return is_here ? add_number(s, set, number) : PLANISH_OK;
+    if (from < 0)
+        return fail_item(s, item,
+                         "neither a number nor the name of a set that is defined before (sets "
+                         "must stand before those that they are part of)");
+    return add_set(s, set, from);
+}
+
+/** GENERATE: first, last, step. */
+static int add_sequence(sets *s, const abaqus_block *b, int32_t set, abaqus_span line) {
+    int64_t number[3] = {0, 0, 1};
+    abaqus_span item = line, rest = line;
+    const set_kind things = s->set[set].things;
+    int is_here = 1, status = PLANISH_OK;
+    for (int i = 0; i < 3 && abaqus_item(&rest, &item); i++) {
+        if (i > 0 && item.begin == item.end)
+            continue;
+        is_here = abaqus_local(s->reader, b, &item);
+        if (abaqus_integer(item, &number[i]) || number[i] < 0 || number[i] > INT32_MAX)
+            return fail_item(s, item, "a number was expected (GENERATE: first, last, step)");
+    }
+    const int64_t first = number[0], last = number[1], step = number[2] > 0 ? number[2] : 1;
+    if (!is_here || last < first)
+        return PLANISH_OK;
+    if ((last - first) / step < s->n[things]) {
+        for (int64_t i = first; i <= last && !status; i += step)
+            status = add_number(s, set, i);
+        return status;
+    }
+    for (int64_t i = 0; i < s->n[things] && !status; i++) {
+        const int64_t here = number_of(s, things, i);
+        if (here >= first && here <= last && (here - first) % step == 0)
+            status = add_member(s, set, (int32_t)i);
+    }
+    return status;
+}
+
+/** *NSET, ELSET=: the nodes of these cells. */
+static int add_nodes_of(sets *s, int32_t set, abaqus_span name) {
+    const int32_t from = find_set(s, ELEMENTS, name);
+    int status = PLANISH_OK;
+    for (int64_t i = 0; from >= 0 && i < s->set[from].n && !status; i++) {
+        int64_t local;
+        const int dim = dim_of(s, s->set[from].member[i], &local);
+        const int32_t *nodes = abaqus_cells(s->reader->model, dim)->nodes + local * (dim + 1);
+        for (int j = 0; j <= dim && !status; j++)
+            status = add_member(s, set, nodes[j]);
+    }
+    return status;
+}
+
+static int read_set(sets *s, const abaqus_block *b, set_kind things) {
+    abaqus_span name = {NULL, NULL}, other, line, item;
+    if (!abaqus_parameter(b, things == NODES ? "NSET" : "ELSET", &name))
+        return io_fail_text(s->reader->model, b->parameters.begin, s->reader->error,
+                            "a set without a name: %s= was expected",
+                            things == NODES ? "NSET" : "ELSET");
+    int status = things == ELEMENTS && !s->elements ? number_elements(s) : PLANISH_OK;
+    const int32_t set = status ? status : make_set(s, things, name);
+    if (set < 0)
+        return set;
+    if (things == NODES && abaqus_parameter(b, "ELSET", &other))
+        return add_nodes_of(s, set, other);
+    const int is_sequence = abaqus_parameter(b, "GENERATE", &other);
+    io_cursor cursor = {b->data.begin, b->data.end};
+    while (!status && abaqus_line(&cursor, &line)) {
+        if (is_sequence)
+            status = add_sequence(s, b, set, line);
+        while (!is_sequence && !status && abaqus_item(&line, &item))
+            if (item.begin < item.end)
+                status = add_item(s, b, set, item);
+    }
+    return status;
+}
+
+/** *NODE, NSET=: nodes stand in the file in their order, so that the place of the first tells which
+ *  they are. */
+static int read_node_sets(sets *s) {
+    const io_model *model = s->reader->model;
+    int64_t node = 0;
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < s->reader->n_blocks && !status; i++) {
+        const abaqus_block *b = &s->reader->block[i];
+        abaqus_span name;
+        if (b->keyword != ABAQUS_NODE || b->scope != s->reader->scope)
+            continue;
+        const int64_t end = b->data.end - model->input.data;
+        const int32_t set = abaqus_parameter(b, "NSET", &name) ? make_set(s, NODES, name) : -1;
+        if (set < -1)
+            return set;
+        for (; node < model->n_nodes && model->text_offset[node] <= end && !status; node++)
+            status = set < 0 ? PLANISH_OK : add_member(s, set, (int32_t)node);
+    }
+    return status;
+}
+
+/** *ELEMENT, ELSET=. */
+static int read_element_sets(sets *s) {
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < s->reader->n_ranges && !status; i++) {
+        const abaqus_range *range = &s->reader->range[i];
+        if (!range->set.begin)
+            continue;
+        const int32_t set = make_set(s, ELEMENTS, range->set);
+        if (set < 0)
+            return set;
+        for (int64_t k = range->begin; k < range->end && !status; k++)
+            status = add_member(s, set, (int32_t)(s->first_cell[range->dim] + k));
+    }
+    return status;
+}
+
+static int read_set_blocks(sets *s) {
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < s->reader->n_blocks && !status; i++) {
+        const abaqus_block *b = &s->reader->block[i];
+        if (b->keyword == ABAQUS_NSET || b->keyword == ABAQUS_ELSET)
+            status = read_set(s, b, b->keyword == ABAQUS_NSET ? NODES : ELEMENTS);
+    }
+    return status;
+}
+
+/* ---- nodes of equations ------------------------------------------------------------------- */
+
+static void hold_item(sets *s, const abaqus_block *b, abaqus_span item) {
+    io_model *model = s->reader->model;
+    abaqus_span local = item;
+    int64_t number;
+    const int is_here = abaqus_local(s->reader, b, &local);
+    if (abaqus_integer(local, &number) == 0) {
+        const int64_t node = is_here ? abaqus_node(s->reader, number) : -1;
+        if (node >= 0)
+            io_hold_node(model, node, IO_HELD_REQUIRED);
+        return;
+    }
+    int32_t set = find_set(s, NODES, item);
+    set = set < 0 ? find_set(s, NODES, local) : set;
+    for (int64_t i = 0; set >= 0 && i < s->set[set].n; i++)
+        io_hold_node(model, s->set[set].member[i], IO_HELD_REQUIRED);
+}
+
+/** *EQUATION: the number of terms, then node (or set), component and factor of each. */
+static void hold_equation(sets *s, const abaqus_block *b) {
+    io_cursor cursor = {b->data.begin, b->data.end};
+    abaqus_span line, item;
+    int64_t left = 0;
+    while (abaqus_line(&cursor, &line)) {
+        if (left <= 0) {
+            abaqus_item(&line, &item);
+            if (abaqus_integer(item, &left))
+                return;
+            continue;
+        }
+        for (int i = 0; left > 0 && abaqus_item(&line, &item); i++) {
+            if (i % 3 == 0 && item.begin < item.end)
+                hold_item(s, b, item);
+            left -= i % 3 == 2;
+        }
+    }
+}
+
+/** *MPC: a type, then nodes (or sets). */
+static void hold_mpc(sets *s, const abaqus_block *b) {
+    io_cursor cursor = {b->data.begin, b->data.end};
+    abaqus_span line, item;
+    while (abaqus_line(&cursor, &line))
+        for (int i = 0; abaqus_item(&line, &item); i++)
+            if (item.begin < item.end)
+                hold_item(s, b, item);
+}
+
+static void hold_equations(sets *s) {
+    for (int64_t i = 0; i < s->reader->n_blocks; i++) {
+        const abaqus_block *b = &s->reader->block[i];
+        if (b->keyword == ABAQUS_EQUATION)
+            hold_equation(s, b);
+        else if (b->keyword == ABAQUS_MPC)
+            hold_mpc(s, b);
+    }
+}
+
+/* ---- regions ------------------------------------------------------------------------------ */
+
+/** The sets that tell regions apart, as one number: of *ELEMENT, of the section. */
+static int64_t region_key(const sets *s, int32_t block_set, int32_t section_set) {
+    return (int64_t)(block_set + 1) * (s->n_sets + 1) + section_set + 1;
+}
+
+static void choose_by_blocks(const sets *s, int32_t *block_set) {
+    for (int64_t i = 0; i < s->reader->n_ranges; i++) {
+        const abaqus_range *range = &s->reader->range[i];
+        const int32_t set = range->set.begin ? find_set(s, ELEMENTS, range->set) : -1;
+        for (int64_t k = range->begin; k < range->end; k++)
+            block_set[s->first_cell[range->dim] + k] = set;
+    }
+}
+
+static void choose_by_sections(const sets *s, int32_t *section_set) {
+    for (int64_t i = 0; i < s->reader->n_blocks; i++) {
+        const abaqus_block *b = &s->reader->block[i];
+        abaqus_span name;
+        if (b->keyword != ABAQUS_SECTION || !abaqus_parameter(b, "ELSET", &name))
+            continue;
+        const int32_t set = find_set(s, ELEMENTS, name);
+        for (int64_t k = 0; set >= 0 && k < s->set[set].n; k++)
+            section_set[s->set[set].member[k]] = set;
+    }
+}
+
+static int compare(const void *a, const void *b) {
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    return (p > q) - (p < q);
+}
+
+/** Replace key [n] by numbers from 0; different [n] is scratch. */
+static void number_keys(int64_t *key, int64_t n, int64_t *different, int32_t *region) {
+    int64_t count = 0, unique = 0;
+    for (int64_t i = 0; i < n; i++)
+        if (i == 0 || key[i] != key[i - 1])
+            different[count++] = key[i];
+    qsort(different, (size_t)count, sizeof *different, compare);
+    for (int64_t i = 0; i < count; i++)
+        if (i == 0 || different[i] != different[i - 1])
+            different[unique++] = different[i];
+    for (int64_t i = 0; i < n; i++) {
+        if (i > 0 && key[i] == key[i - 1]) {
+            region[i] = region[i - 1];
+            continue;
+        }
+        const int64_t *found =
+            bsearch(&key[i], different, (size_t)unique, sizeof *different, compare);
+        region[i] = (int32_t)(found - different);
+    }
+}
+
+/** region [cells]: which region each is of. */
+static int find_regions(sets *s, int32_t *region) {
+    const int64_t n = s->n[ELEMENTS];
+    int32_t *block_set = pl_alloc(n, sizeof *block_set);
+    int32_t *section_set = pl_alloc(n, sizeof *section_set);
+    int64_t *key = pl_alloc(n, sizeof *key), *different = pl_alloc(n, sizeof *different);
+    int status = block_set && section_set && key && different
+                     ? PLANISH_OK
+                     : pl_fail_memory(s->reader->error, "the regions of the file");
+    if (!status) {
+        memset(section_set, -1, (size_t)n * sizeof *section_set);
+        choose_by_blocks(s, block_set);
+        choose_by_sections(s, section_set);
+        for (int64_t i = 0; i < n; i++)
+            key[i] = region_key(s, block_set[i], section_set[i]);
+        number_keys(key, n, different, region);
+    }
+    pl_free(block_set);
+    pl_free(section_set);
+    pl_free(key);
+    pl_free(different);
+    return status;
+}
+
+/* ---- entities ----------------------------------------------------------------------------- */
+
+/** The sets of each thing: of thing i list[start[i]] .. list[start[i + 1] - 1], in order. */
+typedef struct memberships {
+    int64_t *start; /* [n + 1] */
+    int32_t *list;
+} memberships;
+
+static int collect(const sets *s, set_kind things, memberships *m) {
+    const int64_t n = s->n[things];
+    m->start = pl_alloc_zero(n + 2, sizeof *m->start);
+    m->list = pl_alloc(s->n_members, sizeof *m->list);
+    if (!m->start || !m->list)
+        return pl_fail_memory(s->reader->error, "the sets of the file");
+    for (int64_t i = 0; i < s->n_sets; i++)
+        for (int64_t k = 0; s->set[i].things == things && k < s->set[i].n; k++)
+            m->start[s->set[i].member[k] + 2]++;
+    for (int64_t i = 0; i < n; i++)
+        m->start[i + 2] += m->start[i + 1];
+    for (int64_t i = 0; i < s->n_sets; i++)
+        for (int64_t k = 0; s->set[i].things == things && k < s->set[i].n; k++)
+            m->list[m->start[s->set[i].member[k] + 1]++] = (int32_t)i + 1;
+    return PLANISH_OK;
+}
+
+/** A set that the file goes on with later may have a thing twice. */
+static int without_repeats(int32_t *list, int64_t n) {
+    int count = 0;
+    for (int64_t i = 0; i < n; i++)
+        if (count == 0 || list[i] != list[count - 1])
+            list[count++] = list[i];
+    return count;
+}
+
+/** The entity of a thing; last: that of the thing before it, which most often is the same. */
+static int32_t entity_of(const sets *s, memberships *m, int64_t thing, int dim, int32_t tag,
+                         int32_t last) {
+    io_model *model = s->reader->model;
+    int32_t *list = m->list + m->start[thing];
+    const int n = without_repeats(list, m->start[thing + 1] - m->start[thing]);
+    const io_entity *e = last >= 0 ? &model->entity[last] : NULL;
+    if (e && e->dim == dim && e->tag == tag && e->n_physical == n &&
+        (n == 0 || memcmp(e->physical, list, (size_t)n * sizeof *list) == 0))
+        return last;
+    return io_model_entity(model, dim, tag, n, list, s->reader->error);
+}
+
+static int make_cell_entities(sets *s, memberships *m, const int32_t *region) {
+    io_model *model = s->reader->model;
+    int32_t last = -1;
+    for (int dim = 1; dim <= 3; dim++) {
+        io_cells *cells = abaqus_cells(model, dim);
+        if (cells->n == 0)
+            continue;
+        cells->region = pl_alloc(cells->n, sizeof *cells->region);
+        if (!cells->region)
+            return pl_fail_memory(s->reader->error, "the regions of the file");
+        for (int64_t i = 0; i < cells->n; i++) {
+            const int64_t cell = s->first_cell[dim] + i;
+            last = entity_of(s, m, cell, dim, region[cell] + 1, last);
+            if (last < 0)
+                return last;
+            cells->entity[i] = last;
+            cells->region[i] = region[cell];
+        }
+    }
+    return PLANISH_OK;
+}
+
+static int make_node_entities(sets *s, memberships *m) {
+    io_model *model = s->reader->model;
+    int32_t last = -1;
+    model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
+    if (!model->node_entity)
+        return pl_fail_memory(s->reader->error, "the sets of nodes");
+    for (int64_t i = 0; i < model->n_nodes; i++) {
+        model->node_entity[i] = -1;
+        if (m->start[i] == m->start[i + 1])
+            continue;
+        last = entity_of(s, m, i, 0, 0, last);
+        if (last < 0)
+            return last;
+        model->node_entity[i] = last;
+    }
+    return PLANISH_OK;
+}
+
+/** A set is a group of each dimension that its members have. */
+static int make_groups(sets *s) {
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < s->n_sets && !status; i++) {
+        const named_set *set = &s->set[i];
+        unsigned dims = 0;
+        for (int64_t k = 0; set->things == ELEMENTS && k < set->n; k++) {
+            int64_t local;
+            dims |= 1u << dim_of(s, set->member[k], &local);
+        }
+        dims = dims ? dims : 1; /* nodes; or elements that are not kept, which hold theirs */
+        for (int dim = 0; dim <= 3 && !status; dim++)
+            if (dims >> dim & 1)
+                status = io_model_group(s->reader->model, dim, (int32_t)i + 1, set->name.begin,
+                                        set->name.end - set->name.begin, s->reader->error);
+    }
+    return status;
+}
+
+static int make_entities(sets *s, set_kind things) {
+    memberships m = {NULL, NULL};
+    int32_t *region = things == ELEMENTS ? pl_alloc(s->n[ELEMENTS], sizeof *region) : NULL;
+    int status = collect(s, things, &m);
+    if (!status && things == ELEMENTS)
+        status = region ? find_regions(s, region)
+                        : pl_fail_memory(s->reader->error, "the regions of the file");
+    if (!status)
+        status = things == ELEMENTS ? make_cell_entities(s, &m, region) : make_node_entities(s, &m);
+    pl_free(region);
+    pl_free(m.start);
+    pl_free(m.list);
+    return status;
+}
+
+/* ---- all ---------------------------------------------------------------------------------- */
+
+static int prepare(sets *s) {
+    io_model *model = s->reader->model;
+    s->n[NODES] = model->n_nodes;
+    for (int dim = 1; dim <= 3; dim++) {
+        s->first_cell[dim] = s->n[ELEMENTS];
+        s->n[ELEMENTS] += abaqus_cells(model, dim)->n;
+    }
+    if (s->n[ELEMENTS] > INT32_MAX)
+        return pl_fail(s->reader->error, PLANISH_ERROR_FORMAT, "%s: too many elements",
+                       model->input.path);
+    for (int i = 0; i < 2; i++)
+        if (!(s->stamp[i] = pl_alloc_zero(s->n[i], sizeof *s->stamp[i])))
+            return pl_fail_memory(s->reader->error, "the sets of the file");
+    return PLANISH_OK;
+}
+
+static int has_set_of(const sets *s, set_kind things) {
+    for (int64_t i = 0; i < s->n_sets; i++)
+        if (s->set[i].things == things)
+            return 1;
+    return 0;
+}
+
+static int read_all(sets *s) {
+    int status = prepare(s);
+    if (!status)
+        status = read_node_sets(s);
+    if (!status)
+        status = read_element_sets(s);
+    if (!status)
+        status = read_set_blocks(s);
+    if (!status)
+        hold_equations(s);
+    if (!status)
+        status = make_entities(s, ELEMENTS);
+    if (!status && has_set_of(s, NODES))
+        status = make_entities(s, NODES);
+    return status ? status : make_groups(s);
+}
+
+int abaqus_read_sets(abaqus_reader *reader) {
+    sets s = {.reader = reader};
+    const int status = read_all(&s);
+    for (int64_t i = 0; i < s.n_sets; i++)
+        pl_free(s.set[i].member);
+    pl_free(s.set);
+    pl_free(s.slot);
+    pl_free(s.stamp[NODES]);
+    pl_free(s.stamp[ELEMENTS]);
+    io_numbers_destroy(s.elements);
+    return status;
+}

@@ -1,0 +1,373 @@
+/* Abaqus input files: nodes, elements, sets, what is held, what is refused, what is written. */
+#include "support/file_builder.h"
+#include "support/files.h"
+#include "support/reading.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const io_format *const format = &io_format_abaqus;
+
+/* A cube's corner in four tetrahedra about node 50, in two sections; nodes in two blocks. */
+static const char solid[] =
+    "** made by hand\n*Heading\n 1, 2, 3 is no node\n*Preprint, echo=NO\n"
+    "*nOdE , NSET = \"Some Nodes\"\n"
+    "  10, 0., 0., 0.\n** a comment\n12,1.,0.\n\n\t13 ,, 1.0D0 ,\n"
+    "*NODE\n7,0,0,+1E0, 0., 0., 1.\n50,.25,.25,.25\n"
+    "*ELEMENT, TYPE=C3D4,\n ELSET=Inner\n"
+    "11, 10, 12, 13, 50\n 12, 10, 12,\n 7, 50\n"
+    "*Element,Type = c3d4h\n13,10,13,7,50\n14,12,13,7,50,\n"
+    "*ELEMENT, TYPE=S3R, ELSET=Skin\n21,10,12,13\n"
+    "*ELEMENT, TYPE=B31, ELSET=Rib\n31, 10, 12\n"
+    "*ELSET, ELSET=Outer\n13, 14\n"
+    "*ELSET, ELSET=All\nINNER, outer, 21\n"
+    "*ELSET, ELSET=Odd, GENERATE\n 11, 31, 2\n"
+    "*NSET, NSET=Top, GENERATE\n 7, 12\n"
+    "*NSET, NSET=both\n\"SOME nodes\", Top, 50\n"
+    "*NSET, NSET=ofrib, ELSET=Rib\n"
+    "*SOLID SECTION, ELSET=Inner, MATERIAL=A\n*SOLID SECTION, ELSET=Outer, MATERIAL=A\n"
+    "*BOUNDARY\n50, 1, 3\n*STEP\n*STATIC\n*NODE PRINT\nU\n*NODE FILE\nU\n*END STEP\n";
+
+static void everything_is_read(void **state) {
+    (void)state;
+    planish_file *file = reading_text(format, solid);
+    const planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    static const double xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, .25, .25, .25};
+    static const int32_t elements[] = {0, 1, 2, 4, 0, 1, 3, 4, 0, 2, 3, 4, 1, 2, 3, 4};
+    assert_int_equal(mesh.dim, 3);
+    assert_int_equal(mesh.n_nodes, 5);
+    assert_int_equal(mesh.n_elements, 4);
+    assert_memory_equal(mesh.coordinates, xyz, sizeof xyz);
+    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_int_equal(planish_file_node_number(file, 4), 50);
+    assert_int_equal(planish_file_element_number(file, 3), 14);
+    assert_int_equal(info.precision, PLANISH_ROUNDED);
+    assert_true(info.round(1.0 / 300, info.round_user) == 1.0 / 300);
+    assert_true(info.round(-1.0 / 3e7, info.round_user) == -3.33333333333333e-8);
+    assert_int_equal(info.n_regions, 2);
+    assert_int_equal(info.n_lower_elements, 2);
+    assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE);
+    assert_int_equal(file->model.hold[4], 0);
+    planish_file_close(file);
+}
+
+/** Nodes that tag holds besides what the file holds, as digits. */
+static void check_held(const char *text, const char *tag, int ignore_regions,
+                       const char *expected) {
+    planish_file *file = reading_text(format, text);
+    uint8_t constraint[32];
+    char held[33] = "";
+    planish_error error = {.text = ""};
+    const planish_hold hold = {
+        .tags = &tag, .n_tags = tag != NULL, .ignore_regions = ignore_regions};
+    if (planish_file_constraints(file, &hold, constraint, &error))
+        fail_msg("%s", error.text);
+    for (int64_t i = 0; i < planish_file_mesh(file).n_nodes; i++)
+        held[i] = (char)('0' + constraint[i]);
+    assert_string_equal(held, expected);
+    planish_file_close(file);
+}
+
+/* Two tetrahedra that share a face, and nodes 6 to 9 of none. */
+#define PAIR                                                                                       \
+    "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n6,6,0,0\n7,7,0,0\n8,8,0,0\n9,9,0,0\n"     \
+    "*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n2,2,3,4,5\n"
+
+static void sets_are_groups(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *tag, *held;
+    } cases[] = {
+        {PAIR, NULL, "000000000"},
+        {PAIR "*ELSET,ELSET=A\n1\n", "A", "111100000"},
+        {PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n*ELSET,ELSET=a\n2", "A", "111110000"},
+        {PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n*ELSET,ELSET=C\n2,A", "B", "011110000"},
+        {PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n*ELSET,ELSET=C\n2,A", "C", "111110000"},
+        {PAIR "*ELSET,ELSET=A,GENERATE\n2,2000000000\n", "A", "011110000"},
+        {PAIR "*ELSET,ELSET=A,GENERATE\n1,2,1\n", "A", "111110000"},
+        {PAIR "*ELSET,ELSET=A,GENERATE\n1,9,3\n", "A", "111100000"},
+        {PAIR "*ELSET,ELSET=A\n1.0, 77\n", "A", "111100000"},
+        {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "N", "100000001"},
+        {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "M", "010000000"},
+        {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "O", "111000001"},
+        {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "0:1", "100000001"},
+        {PAIR "*ELSET,ELSET=A\n2\n*NSET,NSET=N,ELSET=A\n", "N", "011110000"},
+        {PAIR "*ELEMENT,TYPE=S4,ELSET=Q\n3,6,7,8,9\n", "Q", "000001111"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
+    check_held(solid, "both", 1, "11111");
+    check_held(solid, "Some Nodes", 1, "11100");
+    check_held(solid, "Top", 1, "11110");
+    check_held(solid, "ofrib", 1, "11100");
+    check_held(solid, "Outer", 1, "11111");
+    check_held(solid, "Odd", 1, "11111");
+}
+
+static void nodes_are_held(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *held;
+    } cases[] = {
+        {PAIR "*ELEMENT,TYPE=S3R\n3,6,7,8\n", "000001110"},
+        {PAIR "*ELEMENT,TYPE=SFM3D3\n3,6,7,8\n", "000001110"},
+        {PAIR "*ELEMENT,TYPE=STRI3\n3,6,7,8\n", "000001110"},
+        {PAIR "*ELEMENT,TYPE=CPS4R\n3,6,7,8,9\n", "000001111"},
+        {PAIR "*ELEMENT,TYPE=C3D8R\n3,1,2,3,4,5,\n6,7,8\n4,9,9,9,9,9,9,9,9\n", "111111111"},
+        {PAIR "*ELEMENT,TYPE=C3D6\n3,1,2,3\n6,7,8\n", "111001110"}, /* no comma: six there are */
+        {PAIR "*ELEMENT,TYPE=T3D2\n3,6,7\n", "000001100"},
+        {PAIR "*ELEMENT,TYPE=B31\n3,6,7,8\n", "000001100"}, /* 8 tells a direction */
+        {PAIR "*ELEMENT,TYPE=B32\n3,6,7,8\n", "000001110"},
+        {PAIR "*ELEMENT,TYPE=MASS\n3,9\n", "000000001"},
+        {PAIR "*ELEMENT,TYPE=U1\n3,6,\n7\n4,9", "000001101"},
+        {PAIR "*EQUATION\n2\n6,1,1.,7,1,-1.\n3\n8,1,1.,9,2,1.\n1,3,5.\n", "100001111"},
+        {PAIR "*NSET,NSET=N\n6,8\n*EQUATION\n2\nN,1,1.,7,1,-1.\n", "000001110"},
+        {PAIR "*MPC\nTIE,6,7\nBEAM,9,8\n", "000001111"},
+        {PAIR "*BOUNDARY\n6,1,3\n*CLOAD\n7,1,2.\n", "000000000"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_held(cases[i].text, NULL, 0, cases[i].held);
+}
+
+static void regions_are_blocks_and_sections(void **state) {
+    (void)state;
+    static const char two[] = "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
+                              "*ELEMENT,TYPE=C3D4,ELSET=A\n1,1,2,3,4\n"
+                              "*ELEMENT,TYPE=C3D4,ELSET=B\n2,2,3,4,5\n";
+    check_held(two, NULL, 0, "01110");
+    check_held(two, NULL, 1, "00000");
+    check_held(PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n", NULL, 0, "000000000");
+    check_held(PAIR "*ELSET,ELSET=A\n1\n*SOLID SECTION,ELSET=A\n1.\n", NULL, 0, "011100000");
+    check_held(PAIR "*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2\n*Solid Section,elset=a\n1.\n", NULL, 0,
+               "000000000");
+}
+
+/** Sets that the file comes back to name a member once. */
+static void members_are_counted_once(void **state) {
+    (void)state;
+    planish_file *file =
+        reading_text(format, PAIR "*ELSET,ELSET=A\n1,1\n*ELSET,ELSET=B\n1\n*ELSET,ELSET=A\n1\n");
+    const io_entity *entity = &file->model.entity[file->model.tetrahedron.entity[0]];
+    assert_int_equal(entity->n_physical, 2);
+    assert_int_equal(file->model.entity[file->model.tetrahedron.entity[1]].n_physical, 0);
+    planish_file_close(file);
+}
+
+static void types_are_known(void **state) {
+    (void)state;
+    static const char *const tetrahedra[] = {"C3D4", "c3d4h", "DC3D4", "AC3D4", "C3D4T", "Q3D4"};
+    static const char *const triangles[] = {"CPS3", "CPE3",  "S3",   "S3R",   "STRI3", "M3D3",
+                                            "CAX3", "DC2D3", "R3D3", "CPE3H", "DS3",   "CPEG3"};
+    static const char *const refused[] = {"C3D10",  "C3D10M", "C3D10HS", "DC3D10", "CPS6",
+                                          "STRI65", "CAX6M",  "S6",      "M3D6"};
+    char text[512];
+    for (size_t i = 0; i < sizeof tetrahedra / sizeof *tetrahedra; i++) {
+        snprintf(text, sizeof text,
+                 "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=%s\n1,1,2,3,4\n",
+                 tetrahedra[i]);
+        planish_file *file = reading_text(format, text);
+        assert_int_equal(planish_file_mesh(file).dim, 3);
+        planish_file_close(file);
+    }
+    for (size_t i = 0; i < sizeof triangles / sizeof *triangles; i++) {
+        snprintf(text, sizeof text, "*NODE\n1,0,0\n2,1,0\n3,0,1\n*ELEMENT,TYPE=%s\n1,1,2,3\n",
+                 triangles[i]);
+        planish_file *file = reading_text(format, text);
+        assert_int_equal(planish_file_mesh(file).dim, 2);
+        assert_int_equal(planish_file_mesh(file).n_elements, 1);
+        planish_file_close(file);
+    }
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
+        snprintf(text, sizeof text, "*NODE\n1,0,0\n*ELEMENT,TYPE=%s\n", refused[i]);
+        reading_fails(format, text, "second order");
+    }
+}
+
+/* As Abaqus/CAE writes it: a part, an instance, sets and a reference point of the assembly. */
+static const char parts[] =
+    "*Heading\n*Part, name=P\n*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
+    "*Element, type=C3D4\n1,1,2,3,4\n2,2,3,4,5\n*Nset, nset=S\n1,\n*End Part\n"
+    "*Part, name=Empty\n*End Part\n"
+    "*Assembly, name=A\n*Instance, name=P-1, part=P\n 1., 2., 3.\n*End Instance\n"
+    "*Node\n1, 9., 9., 9.\n*Nset, nset=Ref\n1,\n*Nset, nset=T, instance=P-1\n 4,\n"
+    "*Nset, nset=Dotted\nP-1.5, P-1.S\n*Elset, elset=E, instance=P-1\n 2,\n"
+    "*Element, type=CONN3D2\n1, P-1.2, 1\n"
+    "*End Assembly\n*Material, name=M\n";
+
+static void parts_are_understood(void **state) {
+    (void)state;
+    check_held(parts, NULL, 0, "01000");
+    check_held(parts, "S", 0, "11000");
+    check_held(parts, "Ref", 0, "01000");
+    check_held(parts, "T", 0, "01010");
+    check_held(parts, "Dotted", 0, "11001");
+    check_held(parts, "E", 0, "01111");
+    reading_fails(format,
+                  "*PART,NAME=A\n*NODE\n1,0,0\n*END PART\n*PART,NAME=B\n*NODE\n1,0,0\n*END PART\n",
+                  "test:6: several parts have nodes");
+}
+
+static void wrong_files_are_refused(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *word;
+    } cases[] = {
+        {"", "no *NODE"},
+        {"*NODE\n*ELEMENT,TYPE=C3D4\n", "no *NODE"},
+        {"*NODE\n1,0,0,0\n", "nothing to smooth"},
+        {PAIR "*NODE\n3,1,1,1\n", "node number 3 occurs twice"},
+        {PAIR "*ELEMENT,TYPE=C3D4\n1,1,2,3,5\n*ELSET,ELSET=A\n1\n",
+         "element number 1 occurs twice"},
+        {PAIR "*ELEMENT,TYPE=C3D4\n3,1,2,3,10\n", "test:15: element 3: there is no node 10"},
+        {PAIR "*ELEMENT,TYPE=C3D4\n3,1,2,3\n", "number of a node"},
+        {PAIR "*ELEMENT,TYPE=C3D4\n3,1,2,3,4,5\n", "more than the 4 nodes"},
+        {PAIR "*ELEMENT,TYPE=C3D4\n3,1,2,x,4\n", "'x'"},
+        {PAIR "*ELEMENT,TYPE=C3D4\nx,1,2,3,4\n", "'x'"},
+        {PAIR "*ELEMENT\n", "without TYPE"},
+        {"*NODE\n1,0,x,0\n", "test:2: 'x'"},
+        {"*NODE\n1,0,nan,0\n", "finite"},
+        {"*NODE\n1,0,1e999,0\n", "finite"},
+        {"*NODE\n-1,0,0,0\n", "'-1'"},
+        {"*NODE\n99999999999,0,0,0\n", "'99999999999'"},
+        {PAIR "*ELSET,ELSET=A\nB\n", "defined before"},
+        {PAIR "*ELSET\n1\n", "without a name"},
+        {PAIR "*ELSET,ELSET=A,GENERATE\n1,x\n", "GENERATE"},
+        {"*NODE,SYSTEM=C\n1,0,0,0\n", "cylindrical"},
+        {"*SYSTEM\n1,2,3\n", "*SYSTEM"},
+        {"*NODE,INPUT=nodes.txt\n", "INPUT="},
+        {PAIR "*ELEMENT,TYPE=C3D4,INPUT=e.txt\n", "INPUT="},
+        {PAIR "*INCLUDE,INPUT=more.inp\n", "test:14: *INCLUDE"},
+        {PAIR "*NGEN\n1,9,1\n", "*NGEN"},
+        {PAIR "*n fill\n1,9,1\n", "*NFILL"},
+        {PAIR "*ELGEN\n1,9,1\n", "*ELGEN"},
+        {PAIR "*NCOPY,OLD SET=A\n", "*NCOPY"},
+        {"*NODE\n1,0,0,0\n2,1\n3,0,1,1\n*ELEMENT,TYPE=S3\n1,1,2,3\n", "in space"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        reading_fails(format, cases[i].text, cases[i].word);
+}
+
+static void contents_are_recognised(void **state) {
+    (void)state;
+    static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n"};
+    static const char *const no[] = {"", "**\n", "*KEYWORD\n*NODE\n", "1 2 3\n", "*nodes\n", "*\n"};
+    for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
+        assert_true(format->recognise(yes[i], (int64_t)strlen(yes[i])));
+    for (size_t i = 0; i < sizeof no / sizeof *no; i++)
+        assert_false(format->recognise(no[i], (int64_t)strlen(no[i])));
+}
+
+/** Line ends of every kind, none at the end. */
+static void line_ends_may_be_any(void **state) {
+    (void)state;
+    char *text = malloc(2 * sizeof solid);
+    for (int kind = 0; kind < 3; kind++) {
+        size_t n = 0;
+        for (const char *c = solid; *c; c++) {
+            if (*c == '\n' && kind > 0)
+                text[n++] = '\r';
+            if (*c != '\n' || kind < 2)
+                text[n++] = *c;
+        }
+        text[n] = '\0';
+        text[n - (kind == 1 ? 2 : 1)] = '\0';
+        planish_file *file = reading_text(format, text);
+        assert_int_equal(planish_file_mesh(file).n_elements, 4);
+        assert_true(planish_file_mesh(file).coordinates[14] == .25);
+        assert_int_equal(file->model.n_groups, 13);
+        planish_file_close(file);
+    }
+    free(text);
+}
+
+static void build(file_builder *builder, const char *text) {
+    for (const char *line = text, *end; *line; line = end + 1) {
+        end = strchr(line, '\n');
+        builder_text(builder, "%.*s\n", (int)(end - line), line);
+    }
+}
+
+static void bad_files_do_no_harm(void **state) {
+    (void)state;
+    file_builder builder = {.data = NULL};
+    build(&builder, solid);
+    builder_try_to_break(&builder, format);
+    builder_release(&builder);
+    build(&builder, parts);
+    builder_try_to_break(&builder, format);
+    builder_release(&builder);
+}
+
+/** Writes the file whose *NODE has this line for node 9 with the components that move names changed
+ *  (x: 0.125, y: -1/3, z: 123456.789): line must become after, and nothing else anything else. */
+static void check_writing(void **state, const char *before, const char *move, const char *after) {
+    static const char tail[] = "1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1.0\n*ELEMENT,TYPE=C3D4\n"
+                               "1,1,2,3,4\n*NODE\n77,1e0\n";
+    static const double moved[] = {0.125, -1.0 / 3, 123456.789};
+    char path[TEST_PATH_SIZE], text[512], expected[512];
+    planish_error error = {.text = ""};
+    planish_file_info info;
+    snprintf(text, sizeof text, "*NODE\n%s%s", before, tail);
+    snprintf(expected, sizeof expected, "*NODE\n%s%s", after, tail);
+    planish_file *file = reading_text(format, text);
+    planish_file_get_info(file, &info);
+    double *coordinates = planish_file_coordinates(file);
+    for (int d = 0; d < 3; d++)
+        if (strchr(move, "xyz"[d]))
+            coordinates[d] = info.round(moved[d], info.round_user);
+    test_path(path, *state, "out.inp");
+    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
+        fail_msg("%s", error.text);
+    char *written = test_read(path, NULL);
+    assert_string_equal(written, expected);
+    free(written);
+    planish_file *again = reading_text(format, expected);
+    assert_memory_equal(planish_file_coordinates(again), coordinates, 18 * sizeof *coordinates);
+    planish_file_close(again);
+    planish_file_close(file);
+}
+
+static void only_what_changed_is_written(void **state) {
+    static const char *const cases[][3] = {
+        {"9, 1., 2., 3.\n", "xyz", "9, .125, -.3333333333333333, 123456.789\n"},
+        {" 9 , 1.\t, 2. , 3. \n", "y", " 9 , 1.\t, -.3333333333333333 , 3. \n"},
+        {"9,1.,2.,3.,0.,0.,1.\n", "z", "9,1.,2.,123456.789,0.,0.,1.\n"},
+        {"9, , 2.,\r\n", "xz", "9, .125, 2.,123456.789\r\n"},
+        {"9,1.,2.,\n", "", "9,1.,2.,\n"},
+        {"9,1.,2.\n", "z", "9,1.,2., 123456.789\n"},
+        {"9\n", "z", "9, , , 123456.789\n"},
+        {"9,\n", "y", "9,, -.3333333333333333\n"},
+        {"9,\n", "xyz", "9,.125, -.3333333333333333, 123456.789\n"},
+        {"9,1. \n", "yz", "9,1. , -.3333333333333333, 123456.789\n"},
+        {"9,0.12345678901234567890123,0,0\n", "z", "9,0.12345678901234567890123,0,123456.789\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_writing(state, cases[i][0], cases[i][1], cases[i][2]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(everything_is_read),
+        cmocka_unit_test(sets_are_groups),
+        cmocka_unit_test(nodes_are_held),
+        cmocka_unit_test(regions_are_blocks_and_sections),
+        cmocka_unit_test(members_are_counted_once),
+        cmocka_unit_test(types_are_known),
+        cmocka_unit_test(parts_are_understood),
+        cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(contents_are_recognised),
+        cmocka_unit_test(line_ends_may_be_any),
+        cmocka_unit_test(bad_files_do_no_harm),
+        cmocka_unit_test_setup_teardown(only_what_changed_is_written, test_folder_create,
+                                        test_folder_remove),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

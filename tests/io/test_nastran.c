@@ -1,0 +1,340 @@
+/* Nastran bulk data: fields of every kind, what is held, what is refused, what is written. */
+#include "support/file_builder.h"
+#include "support/files.h"
+#include "support/reading.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static const io_format *const format = &io_format_nastran;
+
+/* A tetrahedron about node 20, in fields of all kinds. */
+static const char solid[] =
+    "SOL 101\nCEND\nTITLE = a GRID in a title\nINCLUDE 'case.inc'\nBEGIN BULK\n"
+    "$ a comment\n"
+    "$HMNAME PROP                   7\"core part\" 5\n"
+    "CTETRA  11      7       10      12      13      20\n"
+    "GRID    10              0.      0.      0.\n"
+    "GRID*   12                              1.              0.              MARK\n"
+    "*MARK   0.              \n"
+    "GRID,13,,0.,1.0+0,0.\n"
+    "grid*,14,,.0,0.D0,*\n"
+    "*,1000.-3\n"
+    "GRID    20              .25     .25     .25$ inside\n"
+    "\n"
+    "CTETRA*,12,7,10,12,\n*,14,20\n"
+    "CTETRA* 13              8               10              13\n"
+    "$ between\n"
+    "*       14              20\n"
+    "CTETRA  14      8       12      13      14      20\n+\n"
+    "CTRIA3  21      3       10      12      13\n"
+    "CBAR    31      4       10      12      0.      0.      1.\n"
+    "FORCE   1       20      0       1.      1.      0.      0.\n"
+    "ENDDATA\nGRID    10\n";
+
+static void every_kind_of_field_is_read(void **state) {
+    (void)state;
+    planish_file *file = reading_text(format, solid);
+    const planish_mesh mesh = planish_file_mesh(file);
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    static const double xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, .25, .25, .25};
+    static const int32_t elements[] = {0, 1, 2, 4, 0, 1, 3, 4, 0, 2, 3, 4, 1, 2, 3, 4};
+    assert_int_equal(mesh.dim, 3);
+    assert_int_equal(mesh.n_nodes, 5);
+    assert_int_equal(mesh.n_elements, 4);
+    assert_memory_equal(mesh.coordinates, xyz, sizeof xyz);
+    assert_memory_equal(mesh.elements, elements, sizeof elements);
+    assert_int_equal(planish_file_node_number(file, 4), 20);
+    assert_int_equal(planish_file_element_number(file, 3), 14);
+    assert_int_equal(info.precision, PLANISH_ROUNDED);
+    assert_true(info.round(1.0 / 3, info.round_user) == .3333333);
+    assert_int_equal(info.n_regions, 2);
+    assert_int_equal(info.n_lower_elements, 2);
+    assert_int_equal(file->model.line.n, 1);
+    assert_int_equal(file->model.n_groups, 1);
+    assert_string_equal(file->model.group[0].name, "core part");
+    planish_file_close(file);
+}
+
+/** Constraints of all nodes as digits. */
+static int constraints_are(const char *text, const char *tag, const char *expected) {
+    planish_file *file = reading_text(format, text);
+    uint8_t constraint[32];
+    planish_error error;
+    const planish_hold hold = {.tags = &tag, .n_tags = tag != NULL, .ignore_regions = 1};
+    assert_int_equal(planish_file_constraints(file, &hold, constraint, &error), 0);
+    int same = planish_file_mesh(file).n_nodes == (int64_t)strlen(expected);
+    for (int64_t i = 0; same && expected[i]; i++)
+        same = constraint[i] == expected[i] - '0';
+    planish_file_close(file);
+    return same;
+}
+
+#define NINE                                                                                       \
+    "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nGRID,4,,0.,0.,1.\nGRID,5,,5.,0.,1.\n"   \
+    "GRID,6,,6.,0.,1.\nGRID,7,,7.,0.,1.\nGRID,8,,8.,0.,1.\nGRID,9,,9.,0.,1.\n"                     \
+    "CTETRA,1,1,1,2,3,4\n"
+
+static void nodes_are_held(void **state) {
+    (void)state;
+    assert_true(constraints_are(NINE, NULL, "000000000"));
+    assert_true(constraints_are(NINE, "1", "111100000"));
+    assert_true(constraints_are(NINE "CTRIA3,2,1,5,6,7\n", NULL, "000011100"));
+    assert_true(constraints_are(NINE "CTRIA3,2,1,5,6,7\n", "2:1", "000011100"));
+    assert_true(constraints_are(NINE "CQUAD4,2,1,5,6,7,8,3,.5\n", NULL, "000011110"));
+    assert_true(constraints_are(NINE "CHEXA,2,1,1,2,3,4,5,6\n,7,8\n", NULL, "111111110"));
+    assert_true(constraints_are(NINE "CBAR,2,1,5,6,1.,0.,0.\n", NULL, "000011000"));
+    assert_true(constraints_are(NINE "CONROD,2,5,6,7,1.\n", NULL, "000011000"));
+    assert_true(constraints_are(NINE "CELAS1,2,1,5,1,6,3\n", NULL, "000011000"));
+    assert_true(constraints_are(NINE "CONM2,2,9,0,1.5\n", NULL, "000000001"));
+    assert_true(constraints_are(NINE "RBE2,2,5,3,6,7,8\n", NULL, "000011110"));
+    assert_true(constraints_are(NINE "RBE3,2,,5,3,1.,4,6,7,\n,8,1.,2,9\n", NULL, "000011111"));
+    assert_true(constraints_are(NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.,8,1,1.\n", NULL, "000011110"));
+    assert_true(constraints_are(NINE "COTHER,2,1,9\n", NULL, "000000001"));
+    assert_true(constraints_are(NINE "CORD2R,9,8,7,6,5,4,3,2\n", NULL, "000000000"));
+    assert_true(
+        constraints_are(NINE "SPC1,9,123,1,2\nFORCE,1,3,0,1.\nTEMP,1,5,20.\n", NULL, "000000000"));
+    assert_true(constraints_are(NINE "$HMNAME PROP 1\"one\"\n", "one", "111100000"));
+}
+
+static void regions_are_properties(void **state) {
+    (void)state;
+    planish_file *file = reading_text(format, solid);
+    uint8_t constraint[5];
+    planish_error error;
+    assert_int_equal(planish_file_constraints(file, NULL, constraint, &error), 0);
+    assert_int_equal(constraint[4], PLANISH_FIXED);
+    planish_file_close(file);
+    /* None is one. */
+    file = reading_text(format, NINE "CTETRA,2,,2,3,4,5\nCTETRA,3,,2,4,5,6\n");
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.n_regions, 2);
+    planish_file_close(file);
+}
+
+static void systems_are_looked_at(void **state) {
+    (void)state;
+    planish_file_close(reading_text(
+        format,
+        "GRID,1,5,0.,0.\nGRID,2,5,1.\nGRID,3,5,,1.\nCTRIA3,1,1,1,2,3\nCORD2R,5,,0.,0.,0.\n"));
+    planish_file_close(reading_text(format, "GRDSET,,5\nGRID,1,,0.,0.\nGRID,2,,1.\nGRID,3,5,,1.\n"
+                                            "CTRIA3,1,1,1,2,3\nCORD1R,4,1,2,3,5,1,2,3\n"));
+    reading_fails(format, "GRID,1,5,0.,0.\nGRID,2,,1.\nGRID,3,5,,1.\nCTRIA3,1,1,1,2,3\n",
+                  "test:2: GRIDs are in coordinate systems 5 and 0");
+    reading_fails(format,
+                  "GRID,1,5,0.,0.\nGRID,2,5,1.\nGRID,3,5,,1.\nCTRIA3,1,1,1,2,3\n"
+                  "CORD2C,5,,0.,0.,0.\n",
+                  "no CORD1R or CORD2R");
+}
+
+static void wrong_files_are_refused(void **state) {
+    (void)state;
+    reading_fails(format, "", "no GRID");
+    reading_fails(format, "BEGIN BULK\nENDDATA\n", "no GRID");
+    reading_fails(format, "GRID,1\nGRID,2,,1.\n", "nothing to smooth");
+    reading_fails(format, NINE "GRID,3,,0.,0.,2.\nGRID,77\n", "node number 3 occurs twice");
+    reading_fails(format, NINE "CTETRA,2,1,1,2,3,10\n", "test:11: CTETRA 2: there is no GRID 10");
+    reading_fails(format, NINE "CTETRA,2,1,1,2,3\n", "a node is missing");
+    reading_fails(format, NINE "CTETRA,2,1,1,2,x,4\n", "'x'");
+    reading_fails(format, NINE "CTETRA,2,1,1,2,3,4,5,6\n,7,8,9,1\n", "second order");
+    reading_fails(format, NINE "CTRIA6,2,1,1,2,3,4,5,6\n", "second order");
+    reading_fails(format, NINE "GRID,x\n", "'x'");
+    reading_fails(format, NINE "GRID,-1\n", "'-1'");
+    reading_fails(format, NINE "GRID,99999999999\n", "'99999999999'");
+    reading_fails(format, NINE "GRID,10,,1.x\n", "GRID 10: '1.x' is no coordinate");
+    reading_fails(format, NINE "GRID,10,,nan\n", "finite");
+    reading_fails(format, NINE "GRID,10,,1.+999\n", "finite");
+    reading_fails(format, NINE "GRID    10\t\t1.\n", "expand");
+    reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "test:11: INCLUDE");
+    reading_fails(format, "BEGIN BULK\n" NINE "BEGIN SUPER=1\n", "superelements");
+    reading_fails(format, "GRID,1\nGRID,2,,1.\nGRID,3,,,1.,1.\nCTRIA3,1,1,1,2,3\n", "in space");
+}
+
+static void contents_are_recognised(void **state) {
+    (void)state;
+    static const char *const yes[] = {solid, NINE, "$Comment\nGRID*   1       \n", "begin bulk\n",
+                                      "  BEGIN   BULK $ x"};
+    static const char *const no[] = {"",          "$MeshFormat\n4.1 0 8\n", "GRID\n", "GRIDS 1\n",
+                                     "BEGINBULK", "*NODE\n1,2\n",           "BEGIN\n"};
+    for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
+        assert_true(format->recognise(yes[i], (int64_t)strlen(yes[i])));
+    for (size_t i = 0; i < sizeof no / sizeof *no; i++)
+        assert_false(format->recognise(no[i], (int64_t)strlen(no[i])));
+    assert_ptr_equal(io_format_find("x.dat", solid, sizeof solid - 1), format);
+}
+
+static void bad_files_do_no_harm(void **state) {
+    (void)state;
+    file_builder builder = {.data = NULL};
+    for (const char *line = solid, *end; *line; line = end + 1) {
+        end = strchr(line, '\n');
+        builder_text(&builder, "%.*s\n", (int)(end - line), line);
+    }
+    builder_try_to_break(&builder, format);
+    builder_release(&builder);
+}
+
+/** Line ends of every kind, none at the end. */
+static void line_ends_may_be_any(void **state) {
+    (void)state;
+    char *text = malloc(2 * sizeof solid);
+    for (int kind = 0; kind < 3; kind++) {
+        size_t n = 0;
+        for (const char *c = solid; *c; c++) {
+            if (*c == '\n' && kind > 0)
+                text[n++] = '\r';
+            if (*c != '\n' || kind < 2)
+                text[n++] = *c;
+        }
+        text[n] = '\0';
+        *strstr(text, "ENDDATA") = '\0';
+        planish_file *file = reading_text(format, text);
+        assert_int_equal(planish_file_mesh(file).n_elements, 4);
+        assert_true(planish_file_mesh(file).coordinates[14] == .25);
+        planish_file_close(file);
+    }
+    free(text);
+}
+
+/* ---- writing ------------------------------------------------------------------------------ */
+
+/* A mesh of long fields, so that a GRID before it decides how wide the narrowest is. */
+static const char four[] =
+    "GRID*   1                               0.              0.              \n*       0.\n"
+    "GRID*   2                               1.              0.              \n*       0.\n"
+    "GRID*   3                               0.              1.              \n*       0.\n"
+    "GRID*   4                               0.              0.              \n*       1.\n"
+    "CTETRA  1       1       1       2       3       4\n";
+
+/** Writes a file that begins with the lines before, with the components that move names of node 0
+ *  (x: 0.125, y: -1/3, z: 123456.789); fails the test unless it begins with after then, all else is
+ *  as it was, and it is read as what was written. */
+static void check_writing(void **state, const char *before, const char *move, const char *after) {
+    char path[TEST_PATH_SIZE], text[1024], expected[1024];
+    static const double moved[] = {0.125, -1.0 / 3, 123456.789};
+    planish_error error = {.text = ""};
+    planish_file_info info;
+    snprintf(text, sizeof text, "%s%s", before, four);
+    snprintf(expected, sizeof expected, "%s%s", after, four);
+    planish_file *file = reading_text(format, text);
+    planish_file_get_info(file, &info);
+    double *coordinates = planish_file_coordinates(file);
+    for (int d = 0; d < 3; d++)
+        if (strchr(move, "xyz"[d]))
+            coordinates[d] = info.round(moved[d], info.round_user);
+    test_path(path, *state, "out.bdf");
+    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
+        fail_msg("%s", error.text);
+    char *written = test_read(path, NULL);
+    assert_string_equal(written, expected);
+    free(written);
+    planish_file *again = reading_text(format, expected);
+    assert_memory_equal(planish_file_coordinates(again), coordinates, 15 * sizeof *coordinates);
+    planish_file_close(again);
+    planish_file_close(file);
+}
+
+static void numbers_are_put_into_their_columns(void **state) {
+    static const char *const cases[][3] = {
+        {"GRID    5       0       1.      2.      3.      \n", "xyz",
+         "GRID    5       0       .125    -.333333123456.8\n"},
+        {"GRID    5       0       1.      2.      3.      7\n", "y",
+         "GRID    5       0       1.      -.3333333.      7\n"},
+        {"GRID    5       0            1.      2.       3\n", "xz",
+         "GRID    5       0       .125         2. 123456.8\n"},
+        {"GRID    5       0       1.      2.      3.\n", "y",
+         "GRID    5       0       1.      -.3333333.\n"},
+        {"GRID    5       0       1.      2.      3.\n", "",
+         "GRID    5       0       1.      2.      3.\n"},
+        {"GRID    5       0       1.      2.      3.\n", "z",
+         "GRID    5       0       1.      2.      123456.8\n"},
+        {"GRID    5       0       1.      2.      123456.78\n", "x",
+         "GRID    5       0       .125    2.      123456.78\n"},
+        {"GRID*   5               0               1.              2.              M\n*M      3.\n",
+         "xyz",
+         "GRID*   5               0               .125            -.33333333333333M\n"
+         "*M      123456.789\n"},
+        {"GRID*   5               0               1.              2.\n$ c\n\n*       3.      \n",
+         "z",
+         "GRID*   5               0               1.              2.\n$ c\n\n"
+         "*       123456.789\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_writing(state, cases[i][0], cases[i][1], cases[i][2]);
+}
+
+static void fields_that_are_not_there_are_made(void **state) {
+    static const char *const cases[][3] = {
+        {"GRID    5\n", "x", "GRID    5               .125\n"},
+        {"GRID    5\n", "z", "GRID    5                               123456.8\n"},
+        {"GRID    5\n", "xyz", "GRID    5               .125    -.333333123456.8\n"},
+        {"GRID    5               1.\n", "z", "GRID    5               1.              123456.8\n"},
+        {"GRID    5               1.\r\n", "xz",
+         "GRID    5               .125            123456.8\r\n"},
+        {"GRID    5               1.$ c\n", "y", "GRID    5               1.      -.333333$ c\n"},
+        {"GRID    5               1.      2\n", "z",
+         "GRID    5               1.      2       123456.8\n"},
+        {"GRID    5                       2.      \n", "x",
+         "GRID    5               .125    2.      \n"},
+        {"GRID*   5\n*\n", "z", "GRID*   5\n*       123456.789\n"},
+        {"GRID*   5                               1.\n", "yz",
+         "GRID*   5                               1.              -.33333333333333\n"
+         "*       123456.789\n"},
+        {"GRID*   5                               1.              2.              M\r\n", "z",
+         "GRID*   5                               1.              2.              M\n"
+         "*       123456.789\r\n"},
+        {"GRID*   5                               1.      $ c\n", "yz",
+         "GRID*   5                               1.              -.33333333333333$ c\n"
+         "*       123456.789\n"},
+        {"GRID*   5                               1.              2.              \n", "xz",
+         "GRID*   5                               .125            2.              \n"
+         "*       123456.789\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_writing(state, cases[i][0], cases[i][1], cases[i][2]);
+}
+
+static void free_fields_keep_their_commas(void **state) {
+    static const char *const cases[][3] = {
+        {"GRID,5,,1.,2.,3.,7\n", "xyz", "GRID,5,,.125,-.333333,123456.8,7\n"},
+        {"GRID, 5 ,, 1. , 2. ,3. $ c\n", "y", "GRID, 5 ,, 1. , -.333333 ,3. $ c\n"},
+        {"GRID,5,,,2.\n", "xz", "GRID,5,,.125,2.,123456.8\n"},
+        {"GRID,5\n", "z", "GRID,5,,,,123456.8\n"},
+        {"GRID,5\n", "x", "GRID,5,,.125\n"},
+        {"GRID,5,,\n", "y", "GRID,5,,,-.333333\n"},
+        {"GRID,5,,1.23456789,2.,3.\n", "yz", "GRID,5,,1.23456789,-.33333333333333,123456.789\n"},
+        {"GRID*,5,,1.\n*,3.\n", "y", "GRID*,5,,1.,-.33333333333333\n*,3.\n"},
+        {"GRID*,5,,1.,2.\n", "z", "GRID*,5,,1.,2.\n*,123456.789\n"},
+        {"GRID*,5,,1.,2.,*\n*,3.,7\n", "xz", "GRID*,5,,.125,2.,*\n*,123456.789,7\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_writing(state, cases[i][0], cases[i][1], cases[i][2]);
+}
+
+#define IN_A_FOLDER(test)                                                                          \
+    cmocka_unit_test_setup_teardown(test, test_folder_create, test_folder_remove)
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_kind_of_field_is_read),
+        cmocka_unit_test(nodes_are_held),
+        cmocka_unit_test(regions_are_properties),
+        cmocka_unit_test(systems_are_looked_at),
+        cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(contents_are_recognised),
+        cmocka_unit_test(bad_files_do_no_harm),
+        cmocka_unit_test(line_ends_may_be_any),
+        IN_A_FOLDER(numbers_are_put_into_their_columns),
+        IN_A_FOLDER(fields_that_are_not_there_are_made),
+        IN_A_FOLDER(free_fields_keep_their_commas),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
