@@ -30,6 +30,7 @@ packages_full=(
     libclang-rt-dev              # its sanitizers and the fuzzer
     valgrind                     # memory, independently of the sanitizers
     abigail-tools                # the library's interface, compared with the last release
+    libcgns-dev libmedc-dev python3-h5py # owners of formats in HDF5
     libtet1.5-dev libgmsh-dev libcgal-dev # meshers that the library is embedded in
 )
 
