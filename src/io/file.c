@@ -224,6 +224,9 @@ int64_t planish_file_node_number(const planish_file *file, int64_t node) {
 }
 
 int planish_file_can_write(const planish_file *file, const char *path) {
-    return io_output_is_stream(path) || io_format_has_extension(file->format, path) ||
+    const io_format *format = file->format;
+    const int is_name = io_format_has_extension(format, path) &&
+                        (!format->may_be_called || format->may_be_called(&file->model, path));
+    return io_output_is_stream(path) || is_name ||
            strcasecmp(io_extension(path), io_extension(file->model.input.path)) == 0;
 }

@@ -13,10 +13,12 @@
 #include "base/round.h"
 #include "base/status.h"
 #include "io/binary.h"
+#include "io/file.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <strings.h>
 
 /* ---- keywords ----------------------------------------------------------------------------- */
 
@@ -434,7 +436,16 @@ static int medit_recognise(const char *data, int64_t size) {
            medit_binary_recognise(data, size);
 }
 
+/** Other programs tell text from binary by the name. */
+static int medit_may_be_called(const io_model *model, const char *path) {
+    const int is_text = model->text_offset != NULL;
+    return (strcasecmp(io_extension(path), ".mesh") == 0) == is_text;
+}
+
 static const char *const extensions[] = {".mesh", ".meshb", NULL};
 
-const io_format io_format_medit = {
-    .name = "medit", .extensions = extensions, .recognise = medit_recognise, .read = medit_read};
+const io_format io_format_medit = {.name = "medit",
+                                   .extensions = extensions,
+                                   .recognise = medit_recognise,
+                                   .read = medit_read,
+                                   .may_be_called = medit_may_be_called};

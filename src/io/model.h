@@ -215,6 +215,9 @@ typedef struct io_format {
     /** Whether the content of a file with such an extension is of a mesh as a companion is; NULL:
      *  always. */
     int (*is_companion)(const io_model *model, const io_bytes *file);
+    /** Whether what is written may have that name, whose extension is one of the format's; NULL: it
+     *  may. */
+    int (*may_be_called)(const io_model *model, const char *path);
     /** Text: the field of coordinate d of a node, from a cursor that stands at its place
      *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
      *  NULL: numbers apart by white space and comments. */

@@ -238,8 +238,14 @@ static int read_pairs(void *context, io_cursor *cursor, int64_t begin, int64_t e
 
 /* ---- sections ----------------------------------------------------------------------------- */
 
-/** Nothing but comments is between the last record and the next word. */
+/** Nothing but comments is between the last record and the next word; nor is that word, which may
+ *  have been passed over, a part of the record. */
 static int check_end(const netgen_reader *r, const netgen_section *s, io_cursor *cursor) {
+    if (cursor->at > s->end)
+        return io_fail_text(r->model, s->end, r->error,
+                            "the next section begins within the last of %lld %s (the file may be "
+                            "damaged)",
+                            (long long)s->count, s->keyword->name);
     io_skip_space_comments(cursor, '#');
     if (cursor->at < s->end)
         return io_fail_text(r->model, cursor->at, r->error, "more than %lld %s follow",

@@ -48,6 +48,10 @@ cp v3.meshb binary.mesh
 cp text.mesh text.meshb
 expect_status 0 "$program" quality binary.mesh -q
 expect_status 0 "$program" quality text.meshb -q
+expect_status 64 "$program" smooth v3.meshb -o other.mesh -q
+expect_one_line
+expect_no_file other.mesh
+expect_status 0 "$program" smooth binary.mesh -o other.mesh -q
 head -c 3000 v3.meshb >cut.meshb
 expect_status 2 "$program" smooth cut.meshb -o out2.meshb
 expect_one_line

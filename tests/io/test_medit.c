@@ -365,6 +365,23 @@ static void a_binary_plane_is_read_and_written(void **state) {
     }
 }
 
+/** Other programs go by the extension. */
+static void text_and_binary_have_their_names(void **state) {
+    (void)state;
+    meshb m;
+    planish_file *binary, *text = reading_text(&io_format_medit, solid);
+    planish_error error;
+    build_solid(&m, 2, 0);
+    assert_int_equal(builder_read(&m.b, &io_format_medit, 1, &binary, &error), 0);
+    assert_true(planish_file_can_write(text, "out.mesh"));
+    assert_false(planish_file_can_write(text, "out.meshb"));
+    assert_true(planish_file_can_write(binary, "out.MESHB"));
+    assert_false(planish_file_can_write(binary, "out.mesh"));
+    planish_file_close(text);
+    planish_file_close(binary);
+    builder_release(&m.b);
+}
+
 static void the_last_section_may_point_nowhere(void **state) {
     (void)state;
     static const int tetrahedron[] = {1, 2, 3, 4, 0};
@@ -506,6 +523,7 @@ int main(void) {
         cmocka_unit_test(comments_do_not_misplace_records),
         cmocka_unit_test(binary_files_are_read_and_written),
         cmocka_unit_test(a_binary_plane_is_read_and_written),
+        cmocka_unit_test(text_and_binary_have_their_names),
         cmocka_unit_test(the_last_section_may_point_nowhere),
         cmocka_unit_test(wrong_binary_files_are_refused),
         cmocka_unit_test(binary_values_that_cannot_be),

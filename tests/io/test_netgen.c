@@ -232,6 +232,9 @@ static void wrong_files_are_refused(void **state) {
         {HEAD "points\n2\n0 0 1e999\n0 0 0\n" TET TAIL, "not finite"},
         {HEAD "points\n2\n0 0 0\n0 0\n" TET TAIL, "coordinate"},
         {HEAD NODES TET "edgesegments\n1\n1 0 1 5\n" TAIL, "not in 1 .. 4"},
+        {HEAD NODES TET
+         "edgesegmentsgi2\n1\n1 0 1 2 0 0\nmaterials\n1\n1 a\nbcnames\n1\n5 b\n" TAIL,
+         "test:18: the next section begins within"},
         {HEAD NODES TET "pointelements\n1\n5 1\n" TAIL, "not in 1 .. 4"},
         {HEAD NODES TET "identifications\n1\n5 1 1\n" TAIL, "not in 1 .. 4"},
         {HEAD NODES TET "singular_edge_left\n1\n0 1\n" TAIL, "number 0 is not in"},
