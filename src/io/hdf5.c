@@ -11,6 +11,7 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* What a filter may make of the bytes of a file. */
@@ -279,17 +280,27 @@ static herr_t add_name(hid_t group, const char *name, const H5L_info_t *info, vo
     return l->status ? -1 : 0;
 }
 
+static int compare_names(const void *a, const void *b) {
+    char *const *x = a, *const *y = b;
+    return strcmp(*x, *y);
+}
+
+/* In the order of the file: for any other the library makes a table first, and in a damaged file
+ * releases entries of it that it has not filled in (1.10). */
 int io_hdf5_list(io_hdf5 *file, const char *path, io_hdf5_names *names) {
     listing l = {file, path, names, PLANISH_OK};
     *names = (io_hdf5_names){0};
     hid_t group = H5Oopen(file->id, path, file->access);
     if (group < 0 || H5Iget_type(group) != H5I_GROUP) {
         l.status = io_hdf5_fail(file, path, "there is no such group");
-    } else if (H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, NULL, add_name, &l) < 0 && !l.status) {
+    } else if (H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, NULL, add_name, &l) < 0 &&
+               !l.status) {
         l.status = hdf5_fail_library(file, path, "this group cannot be read");
     }
     if (group >= 0)
         H5Oclose(group);
+    if (names->n > 0)
+        qsort(names->name, (size_t)names->n, sizeof *names->name, compare_names);
     return l.status;
 }
 

@@ -22,6 +22,7 @@ typedef struct mesh {
     int dim;     /* of space; 2: triangles alone */
     int axis, structured, second_mesh, second_step, descending, nodes_said, elements_said, node;
     int has_numbers, is_packed;
+    int is_chunked;    /* without packing; a chunk has coordinates of two directions */
     const char *extra; /* a type of elements besides */
     double x;
 } mesh;
@@ -75,8 +76,8 @@ static void put_mesh(hdf5_builder *b, const mesh *m, const char *step) {
     snprintf(path, sizeof path, "%s/NOE", step);
     hdf5_group(b, path);
     snprintf(path, sizeof path, "%s/NOE/COO", step);
-    b->chunk[0] = m->is_packed ? 4 : 0;
-    b->is_packed = 1;
+    b->chunk[0] = m->is_packed || m->is_chunked ? 4 : 0;
+    b->is_packed = m->is_packed;
     hdf5_reals(b, path, (hsize_t)(m->dim * N), xyz);
     b->chunk[0] = 0;
     hdf5_attribute(b, path, "NBR", m->nodes_said);
@@ -295,14 +296,14 @@ static void nothing_breaks_it(void **state) {
 
 /* ---- writing ------------------------------------------------------------------------------- */
 
-static void coordinates_come_back(void **state) {
+static void check_writing(const char *folder, const mesh *m) {
     char in[TEST_PATH_SIZE], out[TEST_PATH_SIZE];
-    file_builder b = make(&right);
+    file_builder b = make(m);
     planish_error error = {.text = ""};
     planish_file *file, *again;
-    test_write(*state, "in.med", b.data, (size_t)b.size);
-    test_path(in, *state, "in.med");
-    test_path(out, *state, "out.med");
+    test_write(folder, "in.med", b.data, (size_t)b.size);
+    test_path(in, folder, "in.med");
+    test_path(out, folder, "out.med");
     assert_int_equal(planish_file_open(in, NULL, 1, &file, &error), 0);
     double *xyz = planish_file_coordinates(file), before[3 * N];
     memcpy(before, xyz, sizeof before);
@@ -327,6 +328,13 @@ static void coordinates_come_back(void **state) {
     planish_file_close(again);
     planish_file_close(file);
     builder_release(&b);
+}
+
+static void coordinates_come_back(void **state) {
+    mesh m = right;
+    check_writing(*state, &m);
+    m.is_chunked = 1;
+    check_writing(*state, &m);
 }
 
 int main(void) {
