@@ -116,9 +116,9 @@ bad smooth in.msh -o out.msh --no-untangle=1
 bad quality in.msh --no-untangle
 
 # Outputs that make no sense.
-bad smooth in.msh -o out.vtk
+bad smooth in.msh -o out.xyz
 bad smooth in.msh -o out
-expect_no_file out.vtk
+expect_no_file out.xyz
 bad smooth in.msh -o out.msh --json out.msh
 bad smooth in.msh -o out.msh --json in.msh
 bad quality in.msh --json in.msh
