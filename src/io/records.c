@@ -196,6 +196,8 @@ int io_binary_records(int threads, io_cursor *cursor, int64_t n, int64_t size, i
 
 int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_error *error) {
     double *xyz = model->xyz + 3 * node;
+    const int64_t number =
+        model->node_number ? model->node_number[node] : model->first_number + node;
     io_skip_space(cursor);
     model->text_offset[node] = cursor->at - model->input.data;
     for (int i = 0; i < 3; i++) {
@@ -203,12 +205,12 @@ int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_erro
         if (io_real(cursor, &value) != 0)
             return io_fail_text(model, cursor->at, error,
                                 "node %lld: coordinate expected (the file may be cut short)",
-                                (long long)node + 1);
+                                (long long)number);
         xyz[i] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
         if (!isfinite(xyz[i]))
             return io_fail_text(model, cursor->at, error,
                                 "node %lld has a coordinate that is not finite",
-                                (long long)node + 1);
+                                (long long)number);
     }
     return 0;
 }

@@ -32,36 +32,11 @@ int __lsan_is_turned_off(void) {
     return 1;
 }
 
-static inline int fuzz_hdf5(const io_format *format, const uint8_t *data, size_t size) {
-    char path[FUZZ_PATH_SIZE];
-    planish_file *file;
-    planish_error error = {.code = 0};
-    int status =
-        io_file_from_memory(format, "fuzz", (const char *)data, (int64_t)size, 1, &file, &error);
-    format->recognise((const char *)data, (int64_t)size);
-    if (status) {
-        fuzz_require(error.code == status && error.text[0], "a failure has a code and a text");
-        return 0;
-    }
-    fuzz_check_mesh(file);
-    fuzz_check_questions(file);
-    fuzz_path(path, format->extensions[0]);
-    if (planish_file_write(file, path, planish_file_mesh(file).coordinates, 1, NULL, 0, &error))
-        fuzz_require(0, error.text);
-    fuzz_require(fuzz_same_bytes(path, data, size), "unchanged coordinates give the same bytes");
-    double *moved = fuzz_move(file);
-    planish_file_write(file, path, moved, 1, NULL, 0, &error);
-    unlink(path);
-    free(moved);
-    planish_file_close(file);
-    return 0;
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define FUZZ_HDF5(format)                                                                          \
     int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {                                 \
-        return fuzz_hdf5(&format, data, size);                                                     \
+        return fuzz_reader(&format, data, size, 0);                                                \
     }
 
 #endif

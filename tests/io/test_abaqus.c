@@ -2,6 +2,7 @@
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
+#include "support/rewriting.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -306,33 +307,14 @@ static void bad_files_do_no_harm(void **state) {
     builder_release(&builder);
 }
 
-/** Writes the file whose *NODE has this line for node 9 with the components that move names changed
- *  (x: 0.125, y: -1/3, z: 123456.789): line must become after, and nothing else anything else. */
+/** The file whose *NODE has this line for node 9, its first: rewriting_gives. */
 static void check_writing(void **state, const char *before, const char *move, const char *after) {
     static const char tail[] = "1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1.0\n*ELEMENT,TYPE=C3D4\n"
                                "1,1,2,3,4\n*NODE\n77,1e0\n";
-    static const double moved[] = {0.125, -1.0 / 3, 123456.789};
-    char path[TEST_PATH_SIZE], text[512], expected[512];
-    planish_error error = {.text = ""};
-    planish_file_info info;
+    char text[512], expected[512];
     snprintf(text, sizeof text, "*NODE\n%s%s", before, tail);
     snprintf(expected, sizeof expected, "*NODE\n%s%s", after, tail);
-    planish_file *file = reading_text(format, text);
-    planish_file_get_info(file, &info);
-    double *coordinates = planish_file_coordinates(file);
-    for (int d = 0; d < 3; d++)
-        if (strchr(move, "xyz"[d]))
-            coordinates[d] = info.round(moved[d], info.round_user);
-    test_path(path, *state, "out.inp");
-    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
-        fail_msg("%s", error.text);
-    char *written = test_read(path, NULL);
-    assert_string_equal(written, expected);
-    free(written);
-    planish_file *again = reading_text(format, expected);
-    assert_memory_equal(planish_file_coordinates(again), coordinates, 18 * sizeof *coordinates);
-    planish_file_close(again);
-    planish_file_close(file);
+    rewriting_gives(format, text, move, expected, *state);
 }
 
 static void only_what_changed_is_written(void **state) {

@@ -2,6 +2,7 @@
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
+#include "support/rewriting.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -214,32 +215,12 @@ static const char four[] =
     "GRID*   4                               0.              0.              \n*       1.\n"
     "CTETRA  1       1       1       2       3       4\n";
 
-/** Writes a file that begins with the lines before, with the components that move names of node 0
- *  (x: 0.125, y: -1/3, z: 123456.789); fails the test unless it begins with after then, all else is
- *  as it was, and it is read as what was written. */
+/** The file that begins with these lines, which have node 0: rewriting_gives. */
 static void check_writing(void **state, const char *before, const char *move, const char *after) {
-    char path[TEST_PATH_SIZE], text[1024], expected[1024];
-    static const double moved[] = {0.125, -1.0 / 3, 123456.789};
-    planish_error error = {.text = ""};
-    planish_file_info info;
+    char text[1024], expected[1024];
     snprintf(text, sizeof text, "%s%s", before, four);
     snprintf(expected, sizeof expected, "%s%s", after, four);
-    planish_file *file = reading_text(format, text);
-    planish_file_get_info(file, &info);
-    double *coordinates = planish_file_coordinates(file);
-    for (int d = 0; d < 3; d++)
-        if (strchr(move, "xyz"[d]))
-            coordinates[d] = info.round(moved[d], info.round_user);
-    test_path(path, *state, "out.bdf");
-    if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
-        fail_msg("%s", error.text);
-    char *written = test_read(path, NULL);
-    assert_string_equal(written, expected);
-    free(written);
-    planish_file *again = reading_text(format, expected);
-    assert_memory_equal(planish_file_coordinates(again), coordinates, 15 * sizeof *coordinates);
-    planish_file_close(again);
-    planish_file_close(file);
+    rewriting_gives(format, text, move, expected, *state);
 }
 
 static void numbers_are_put_into_their_columns(void **state) {

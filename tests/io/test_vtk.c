@@ -333,7 +333,7 @@ static void test_errors(void **state) {
         {HEAD "POINTS 4611686018427387904 float\n0 0 0\n", "file:5: the rest of the file"},
         {HEAD "POINTS -1 float\n0 0 0\n", "the rest of the file"},
         {HEAD "POINTS 2 double\n0 0 0 1 0\n" CELLS, "coordinate expected"},
-        {HEAD "POINTS 2 double\n0 0 0 1\nnan 0\n", "file:7: node 2 has a coordinate"},
+        {HEAD "POINTS 2 double\n0 0 0 1\nnan 0\n", "file:7: node 1 has a coordinate"},
         {HEAD "POINTS 2 float\n0 0 0 1 1e39 0\n", "not finite"},
         {HEAD POINTS POINTS, "second POINTS"},
         {HEAD POINTS "CELLS 1 4611686018427387904\n3 0 1 2\n", "the rest of the file"},

@@ -113,3 +113,63 @@ void rewriting_keeps_the_rest(const io_format *format, const char *data, int64_t
     free(same);
     free(moved);
 }
+
+static int64_t count_changes(const char *a, const char *b, int64_t size) {
+    int64_t changes = 0;
+    for (int64_t i = 0; i < size; i++)
+        changes += a[i] != b[i];
+    return changes;
+}
+
+void rewriting_in_place(const char *data, int64_t size, int is_packed, const char *folder,
+                        const char *name) {
+    enum { FIRST = 2, SECOND = 12 };
+    char path[TEST_PATH_SIZE];
+    planish_error error = {.text = ""};
+    planish_file *file, *again;
+    int64_t written;
+    test_write(folder, name, data, (size_t)size);
+    if (planish_file_open(test_path(path, folder, name), NULL, 1, &file, &error))
+        fail_msg("%s", error.text);
+    double *xyz = planish_file_coordinates(file);
+    char *content = write_bytes(file, xyz, folder, &written);
+    assert_int_equal(written, size);
+    assert_memory_equal(content, data, (size_t)size);
+    free(content);
+    xyz[FIRST] = 8;
+    xyz[SECOND] = -3;
+    content = write_bytes(file, xyz, folder, &written);
+    if (!is_packed) {
+        assert_int_equal(written, size);
+        assert_in_range(count_changes(content, data, size), 2, 2 * sizeof(double));
+    }
+    again = read_bytes(file->format, content, written);
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_memory_equal(planish_file_coordinates(again), xyz,
+                        (size_t)(mesh.n_nodes * mesh.dim) * sizeof *xyz);
+    free(content);
+    planish_file_close(again);
+    planish_file_close(file);
+}
+
+void rewriting_gives(const io_format *format, const char *text, const char *move,
+                     const char *expected, const char *folder) {
+    static const double moved[] = {0.125, -1.0 / 3, 123456.789};
+    planish_file_info info;
+    int64_t size;
+    planish_file *file = read_bytes(format, text, (int64_t)strlen(text));
+    planish_file_get_info(file, &info);
+    double *coordinates = planish_file_coordinates(file);
+    for (int d = 0; d < 3; d++)
+        if (strchr(move, "xyz"[d]))
+            coordinates[d] = info.round(moved[d], info.round_user);
+    char *written = write_bytes(file, coordinates, folder, &size);
+    assert_string_equal(written, expected);
+    free(written);
+    planish_file *again = read_bytes(format, expected, (int64_t)strlen(expected));
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_memory_equal(planish_file_coordinates(again), coordinates,
+                        (size_t)(mesh.n_nodes * mesh.dim) * sizeof *coordinates);
+    planish_file_close(again);
+    planish_file_close(file);
+}
