@@ -8,6 +8,8 @@
  * A number takes 8 or 16 characters, so that coordinates are rounded to the narrowest field that a
  * GRID of the file has before they are judged.
  */
+#include "io/nastran.h"
+
 #include "io/number.h"
 #include "io/records.h"
 
@@ -16,189 +18,6 @@
 
 #include <math.h>
 #include <string.h>
-
-enum {
-    NAME_COLUMNS = 8,
-    NAME_SIZE = NAME_COLUMNS + 1,
-    SHORT_FIELD = 8,
-    LONG_FIELD = 16,
-    SHORT_FIELDS = 8,    /* of a line; it is a row, to which fields belong by their place */
-    LONG_FIELDS = 4,     /* two such lines are a row */
-    LAST_COLUMN = 72,    /* behind it stands the mark of the continuation */
-    COMMA_BEFORE = 10,   /* a line with a comma in its first columns is of free fields */
-    FIRST_COORDINATE = 2 /* field of a GRID, from 0: number, system, coordinates */
-};
-
-/* ---- lines -------------------------------------------------------------------------------- */
-
-typedef struct span {
-    const char *begin, *end;
-} span;
-
-/** A line of bulk data. */
-typedef struct line {
-    span text; /* before a comment and the continuation's mark */
-    span name; /* its first field, with the star */
-    int is_free, is_long;
-} line;
-
-static int is_blank(char c) {
-    return c == ' ' || c == '\t';
-}
-
-static char upper(char c) {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
-}
-
-static span trim(span s) {
-    while (s.begin < s.end && is_blank(*s.begin))
-        s.begin++;
-    while (s.begin < s.end && is_blank(s.end[-1]))
-        s.end--;
-    return s;
-}
-
-/** The first place of what, or the end. */
-static const char *find(span s, char what) {
-    const char *found = s.begin < s.end ? memchr(s.begin, what, (size_t)(s.end - s.begin)) : NULL;
-    return found ? found : s.end;
-}
-
-/** At most the first n bytes. */
-static span head(span s, int64_t n) {
-    return s.end - s.begin > n ? (span){s.begin, s.begin + n} : s;
-}
-
-static line take_line(io_cursor *cursor) {
-    line l = {.is_free = 0};
-    l.text.begin = io_line(cursor, &l.text.end);
-    l.text.end = find(l.text, '$');
-    const span start = head(l.text, COMMA_BEFORE);
-    const char *comma = find(start, ',');
-    l.is_free = comma < start.end;
-    l.name = l.is_free ? (span){l.text.begin, comma} : head(l.text, NAME_COLUMNS);
-    l.is_long = find(l.name, '*') < l.name.end;
-    if (!l.is_free)
-        l.text = head(l.text, LAST_COLUMN);
-    return l;
-}
-
-static int says_nothing(const line *l) {
-    const span s = trim(l->text);
-    return s.begin == s.end;
-}
-
-/** Whether the line goes on with the card before it. */
-static int is_continuation(const line *l) {
-    const char first = *l->text.begin;
-    return first == '+' || first == '*' || first == ',' || is_blank(first);
-}
-
-/* ---- cards -------------------------------------------------------------------------------- */
-
-/** A card while its fields are taken one after the other. They are numbered from 0, the one behind
- *  the name. */
-typedef struct card {
-    io_cursor rest; /* the lines behind the current one */
-    line line;
-    const char *at;       /* free: where the next field begins, or NULL: the line has no more */
-    int n_of_line;        /* fields taken from the line */
-    int64_t n;            /* fields taken */
-    char name[NAME_SIZE]; /* in capitals, without the star */
-} card;
-
-static int fields_of(const line *l) {
-    return l->is_long ? LONG_FIELDS : SHORT_FIELDS;
-}
-
-static int width_of(const line *l) {
-    return l->is_long ? LONG_FIELD : SHORT_FIELD;
-}
-
-static void enter_line(card *c, line l) {
-    c->line = l;
-    c->at = l.is_free ? l.name.end + 1 : NULL;
-    c->n_of_line = 0;
-}
-
-/** The card at the cursor, which goes behind its first line. 0: a comment, an empty line, or one
- *  that goes on with a card that is passed over. */
-static int take_card(io_cursor *cursor, card *c) {
-    const line l = take_line(cursor);
-    if (l.text.begin == l.text.end || is_continuation(&l))
-        return 0;
-    int n = 0;
-    for (const char *at = l.name.begin; at < l.name.end && n < NAME_COLUMNS; at++) {
-        if (is_blank(*at) || *at == '*')
-            break;
-        c->name[n++] = upper(*at);
-    }
-    c->name[n] = '\0';
-    c->n = 0;
-    c->rest = *cursor;
-    enter_line(c, l);
-    return 1;
-}
-
-/** To the next line, if it goes on with the card. */
-static int continue_card(card *c) {
-    io_cursor cursor = c->rest;
-    line l;
-    do {
-        if (cursor.at == cursor.end)
-            return 0;
-        l = take_line(&cursor);
-    } while (says_nothing(&l));
-    if (!is_continuation(&l))
-        return 0;
-    c->rest = cursor;
-    enter_line(c, l);
-    return 1;
-}
-
-/** The next field of the line with the blanks around it; where the line ends before, the line's
- *  end. */
-static span line_field(const card *c) {
-    const span text = c->line.text;
-    if (c->line.is_free)
-        return c->at ? (span){c->at, find((span){c->at, text.end}, ',')}
-                     : (span){text.end, text.end};
-    const int64_t length = text.end - text.begin;
-    const int64_t from = NAME_COLUMNS + c->n_of_line * width_of(&c->line);
-    const int64_t to = from + width_of(&c->line);
-    return (span){text.begin + (from < length ? from : length),
-                  text.begin + (to < length ? to : length)};
-}
-
-/** Whether the line has the next field, be it empty. */
-static int has_field(const card *c) {
-    const span text = c->line.text;
-    return c->line.is_free
-               ? c->at != NULL
-               : text.end - text.begin > NAME_COLUMNS + c->n_of_line * width_of(&c->line);
-}
-
-static void pass_field(card *c) {
-    if (c->at) {
-        const char *end = line_field(c).end;
-        c->at = end < c->line.text.end ? end + 1 : NULL;
-    }
-    c->n_of_line++;
-    c->n++;
-}
-
-/** The card's next field without blanks; 0 where the card ends. */
-static int take_field(card *c, span *field) {
-    if (c->n_of_line == fields_of(&c->line) && !continue_card(c))
-        return 0;
-    *field = trim(line_field(c));
-    pass_field(c);
-    return 1;
-}
-
-static int is_empty(span s) {
-    return s.begin == s.end;
-}
 
 /* ---- reading ------------------------------------------------------------------------------ */
 
@@ -242,7 +61,7 @@ static int parse_number(span field, int64_t *value) {
 static int take_number(const reader *r, card *c, const char *what, int64_t *value) {
     span field = {NULL, NULL};
     *value = 0;
-    if (!take_field(c, &field) || is_empty(field))
+    if (!nastran_take_field(c, &field) || is_empty(field))
         return io_fail_text(r->model, c->line.text.begin, r->error,
                             "%s: %s is missing (the file may be cut short)", c->name, what);
     if (parse_number(field, value) || *value < 0 || *value > INT32_MAX)
@@ -262,45 +81,10 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
         const char *end;
         if (!*cursor.at || !strchr(letters, upper(*cursor.at)))
             io_line(&cursor, &end);
-        else if (take_card(&cursor, &c))
+        else if (nastran_take_card(&cursor, &c))
             status = visit(r, &c);
     }
     return status;
-}
-
-/* ---- where bulk data are ------------------------------------------------------------------ */
-
-/** Whether the text begins with that word, in any letter case. */
-static int line_begins(span text, const char *name) {
-    const span s = trim(text);
-    const int64_t length = (int64_t)strlen(name);
-    for (int64_t i = 0; i < length; i++)
-        if (s.begin + i >= s.end || upper(s.begin[i]) != name[i])
-            return 0;
-    return s.begin + length == s.end || is_blank(s.begin[length]);
-}
-
-/** The next line that begins with word, or the end. *after: behind it. */
-static const char *find_line(io_cursor cursor, const char *word, const char **after) {
-    while (cursor.at < cursor.end) {
-        span text;
-        text.begin = io_line(&cursor, &text.end);
-        *after = cursor.at;
-        if (text.begin < text.end && (upper(*text.begin) == *word || is_blank(*text.begin)) &&
-            line_begins(text, word))
-            return text.begin;
-    }
-    return *after = cursor.end;
-}
-
-/** The lines between BEGIN BULK, if there is one, and ENDDATA. */
-static io_cursor find_bulk(const char *data, int64_t size) {
-    io_cursor bulk = {data, data + size};
-    const char *after, *begin = find_line(bulk, "BEGIN", &after);
-    if (begin < bulk.end)
-        bulk.at = after;
-    bulk.end = find_line(bulk, "ENDDATA", &after);
-    return bulk;
 }
 
 /* ---- first walk: counting ----------------------------------------------------------------- */
@@ -315,7 +99,8 @@ static int count_grid(reader *r, card *c) {
     r->n_grids++;
     if (!c->line.is_long)
         *(c->line.is_free ? &r->has_free : &r->has_short) = 1;
-    while (!status && c->line.is_free && c->n < FIRST_COORDINATE + 3 && take_field(c, &field))
+    while (!status && c->line.is_free && c->n < FIRST_COORDINATE + 3 &&
+           nastran_take_field(c, &field))
         if (c->n > FIRST_COORDINATE && field.end - field.begin > SHORT_FIELD)
             r->has_wide = 1;
     return status;
@@ -334,7 +119,7 @@ static int count_card(reader *r, card *c) {
         return PLANISH_OK;
     span field;
     int status = check_tabs(r, c);
-    for (int i = 0; !status && i < FIRST_COORDINATE && take_field(c, &field); i++)
+    for (int i = 0; !status && i < FIRST_COORDINATE && nastran_take_field(c, &field); i++)
         if (i == 1 && parse_number(field, &r->default_system))
             status = fail_card(r, c, "the coordinate system is no whole number");
     return status;
@@ -353,7 +138,7 @@ static void decide_width(reader *r) {
 static int read_system(reader *r, card *c) {
     span field = {NULL, NULL};
     int64_t system = 0;
-    if (take_field(c, &field) && parse_number(field, &system))
+    if (nastran_take_field(c, &field) && parse_number(field, &system))
         return fail_card(r, c, "the coordinate system is no whole number");
     system = is_empty(field) ? r->default_system : system;
     if (r->model->n_nodes == 0)
@@ -374,12 +159,12 @@ static int read_grid(reader *r, card *c) {
         status = read_system(r, c);
     if (status)
         return status;
-    model->text_offset[node] = line_field(c).begin - model->input.data;
+    model->text_offset[node] = nastran_line_field(c).begin - model->input.data;
     for (int d = 0; d < 3; d++) {
         span field = {NULL, NULL};
         double *value = &model->xyz[3 * node + d];
         *value = 0;
-        if (!take_field(c, &field) || is_empty(field))
+        if (!nastran_take_field(c, &field) || is_empty(field))
             continue;
         if (io_parse_packed_real(field.begin, field.end, value) || !isfinite(*value))
             return io_fail_text(model, field.begin, r->error,
@@ -403,7 +188,7 @@ static int look_at_system(reader *r, card *c) {
         return PLANISH_OK;
     span field;
     int64_t number;
-    while (c->n < (by_grids ? SHORT_FIELDS : 1) && take_field(c, &field))
+    while (c->n < (by_grids ? SHORT_FIELDS : 1) && nastran_take_field(c, &field))
         if ((c->n - 1) % 4 == 0 && !is_empty(field) && !parse_number(field, &number))
             r->system_is_rectangular |= number == r->system;
     return PLANISH_OK;
@@ -542,7 +327,7 @@ static io_cells *cells_of(io_model *model, int dim) {
 /** Nodes behind the corners. */
 static int check_first_order(const reader *r, const card_kind *k, card *c) {
     span field;
-    while (c->n < k->first + k->most && take_field(c, &field))
+    while (c->n < k->first + k->most && nastran_take_field(c, &field))
         if (!is_empty(field))
             return fail_card(r, c,
                              "elements of second order cannot be smoothed; export the mesh with "
@@ -560,7 +345,7 @@ static int take_property(reader *r, const card_kind *k, card *c, int64_t *number
         return status;
     card peek = *c;
     span field;
-    if (take_field(&peek, &field) && is_empty(field)) {
+    if (nastran_take_field(&peek, &field) && is_empty(field)) {
         *c = peek;
         return PLANISH_OK;
     }
@@ -634,7 +419,7 @@ static void hold_fields(reader *r, const card_kind *k, card *c) {
     const int is_element = c->name[0] == 'C';
     int follows_real = 0;
     span field;
-    while ((k->nodes == 0 || c->n < k->first + k->nodes) && take_field(c, &field)) {
+    while ((k->nodes == 0 || c->n < k->first + k->nodes) && nastran_take_field(c, &field)) {
         if (names_node(k, c->n - 1, follows_real))
             hold_field(r, field, is_element ? IO_HELD_BY_OTHER : IO_HELD_REQUIRED);
         follows_real = find(field, '.') < field.end;
@@ -729,8 +514,9 @@ static int read_all(reader *r) {
 }
 
 static int nastran_read(io_model *model, planish_error *error) {
-    reader r = {
-        .model = model, .error = error, .bulk = find_bulk(model->input.data, model->input.size)};
+    reader r = {.model = model,
+                .error = error,
+                .bulk = nastran_find_bulk(model->input.data, model->input.size)};
     const int status = read_all(&r);
     io_numbers_destroy(r.numbers);
     return status;
@@ -741,7 +527,7 @@ static int nastran_recognise(const char *data, int64_t size) {
     enum { LOOKED_AT = 1 << 18 };
     io_cursor cursor = {data, data + (size < LOOKED_AT ? size : LOOKED_AT)};
     while (cursor.at < cursor.end) {
-        const line l = take_line(&cursor);
+        const line l = nastran_take_line(&cursor);
         const span name = trim(l.name);
         if (name.begin == name.end)
             continue;
@@ -749,88 +535,13 @@ static int nastran_recognise(const char *data, int64_t size) {
         if (first != 'G' && first != 'B')
             continue;
         span rest = trim((span){l.name.end, l.text.end});
-        if (line_begins(name, "GRID") || line_begins(name, "GRID*"))
+        if (nastran_line_begins(name, "GRID") || nastran_line_begins(name, "GRID*"))
             return rest.begin < rest.end;
-        if (line_begins(l.text, "BEGIN") && l.text.end - trim(l.text).begin > 5 &&
-            line_begins((span){trim(l.text).begin + 5, l.text.end}, "BULK"))
+        if (nastran_line_begins(l.text, "BEGIN") && l.text.end - trim(l.text).begin > 5 &&
+            nastran_line_begins((span){trim(l.text).begin + 5, l.text.end}, "BULK"))
             return 1;
     }
     return 0;
-}
-
-/* ---- writing ------------------------------------------------------------------------------ */
-
-/** Where the line that holds at begins. */
-static const char *line_of(const char *data, const char *at) {
-    while (at > data && at[-1] != '\n' && at[-1] != '\r')
-        at--;
-    return at;
-}
-
-static void field_of_columns(const card *c, int d, io_field *field) {
-    static const char blanks[IO_LEAD_SIZE + 1] =
-        "                                                                ";
-    field->width = width_of(&c->line);
-    field->is_fixed = 1;
-    if (has_field(c))
-        return;
-    /* Coordinates before it in the line are written in full width. */
-    const int64_t from = NAME_COLUMNS + c->n_of_line * field->width;
-    const int follows = d > 0 && c->n_of_line > 0;
-    field->lead = blanks;
-    field->n_lead = follows ? 0 : (int)(from - (c->line.text.end - c->line.text.begin));
-}
-
-/** absent: fields of the line that are not there before this one. */
-static void field_of_commas(const io_model *model, const card *c, int d, int absent,
-                            io_field *field) {
-    const span text = trim((span){field->begin, field->end});
-    field->begin = text.begin;
-    field->end = text.end;
-    field->width = model->field_width;
-    if (has_field(c))
-        return;
-    field->lead = ",,,";
-    field->n_lead = d == 0 ? absent + 1 : 1;
-}
-
-/** The third coordinate of a long GRID is in the next line; where there is none, it is made. */
-static void field_of_next_line(const card *c, io_field *field) {
-    io_cursor from = {c->line.text.begin, c->rest.at};
-    io_line(&from, &field->end);
-    field->begin = field->end;
-    field->width = LONG_FIELD;
-    field->is_fixed = !c->line.is_free;
-    field->lead = c->line.is_free ? "\n*," : "\n*       ";
-    field->n_lead = (int)strlen(field->lead);
-}
-
-static int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *field) {
-    io_cursor from = {line_of(model->input.data, cursor->at), cursor->end};
-    card c;
-    span skipped;
-    int absent = 0;
-    *field = (io_field){.width = 0};
-    if (!take_card(&from, &c))
-        return -1;
-    for (int i = 0; i < FIRST_COORDINATE + d; i++) {
-        absent += !has_field(&c);
-        take_field(&c, &skipped);
-    }
-    if (c.n_of_line == fields_of(&c.line) && !continue_card(&c)) {
-        field_of_next_line(&c, field);
-        cursor->at = field->end;
-        return 0;
-    }
-    const span text = line_field(&c), number = trim(text);
-    field->begin = text.begin;
-    field->end = text.end;
-    if (c.line.is_free)
-        field_of_commas(model, &c, d, absent, field);
-    else
-        field_of_columns(&c, d, field);
-    cursor->at = field->end;
-    return is_empty(number) ? 0 : io_parse_packed_real(number.begin, number.end, &field->value);
 }
 
 static const char *const extensions[] = {".bdf", ".nas", ".fem", NULL};
