@@ -184,6 +184,10 @@ class Plans(unittest.TestCase):
             np.testing.assert_array_equal(padded[:, :3], points)
             with self.assertRaisesRegex(ValueError, "rows"):
                 plan.smooth(points[1:])
+            ratios, found = plan.radius_ratios(padded), plan.quality(padded)
+            self.assertEqual(ratios.shape, (len(cells),))
+            self.assertAlmostEqual(ratios.max(), found.max_radius_ratio)
+            self.assertAlmostEqual(np.sqrt((ratios**2).mean()), found.rms_radius_ratio)
             cells[:] = -1  # the plan has its own
             frozen = points.copy()
             frozen.flags.writeable = False
@@ -191,7 +195,7 @@ class Plans(unittest.TestCase):
             with self.assertRaisesRegex(ValueError, "read-only"):
                 plan.smooth(frozen)
             plan.smooth(points)
-        for call in (plan.smooth, plan.quality, plan.free):
+        for call in (plan.smooth, plan.quality, plan.radius_ratios, plan.free):
             with self.assertRaisesRegex(ValueError, "closed"):
                 call()
         plan.close()

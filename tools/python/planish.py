@@ -275,7 +275,8 @@ _library.planish_plan_destroy.restype = None
 _library.planish_plan_destroy.argtypes = [c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
-for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_mesh"):
+for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
+              "planish_measure_mesh"):
     getattr(_library, _name).restype = c_int
 
 
@@ -550,6 +551,19 @@ class Plan:
             error,
         )
         return found
+
+    def radius_ratios(self, points: Any = None) -> np.ndarray:
+        """Radius ratio [m] of each element at points: 1 is best, 0 inverted or flat; nan of those
+        that a plan around some nodes does not know."""
+        taken, error = self._coordinates(points), _Error()
+        ratios = np.empty(self._view.mesh.n_elements)
+        _check(
+            _library.planish_measure_elements(
+                self._plan, c_void_p(_address(taken.array)), c_void_p(_address(ratios)), byref(error)
+            ),
+            error,
+        )
+        return ratios
 
     def smooth(
         self,
