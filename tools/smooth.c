@@ -51,8 +51,8 @@ static int check_extension(const pl_job *job) {
     if (planish_file_can_write(job->file, output) || planish_file_can_convert(job->file, output))
         return 0;
     return pl_complain_usage("smooth",
-                             "'%s' does not have the extension of a %s file, and there is "
-                             "conversion to .vtu and .vtk only",
+                             "'%s' does not have an extension of the input's format, %s, and there "
+                             "is conversion to .vtu and .vtk only",
                              output, job->file_info.format);
 }
 

@@ -1,7 +1,9 @@
 /* planish_io: mesh files for planish. Read one, smooth its coordinates, write it back with every
  * byte but the coordinates of the moved nodes as it was.
  *
- * Formats: Gmsh MSH 2.2 and 4.1, Medit .mesh, VTK legacy, TetGen .node/.ele; see docs/formats.md.
+ * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED and OFF;
+ * see docs/formats.md. Calls on different files may run at the same time, but of files in HDF5
+ * (CGNS, MED, VTKHDF) one at a time, unless the HDF5 library is built for threads.
  * Error convention as in planish.h; the text says file, line or byte, and what to do.
  */
 #ifndef PLANISH_IO_H
@@ -24,7 +26,7 @@ PLANISH_API int planish_file_open(const char *path, const char *format, int thre
                                   planish_file **file, planish_error *error);
 PLANISH_API void planish_file_close(planish_file *file);
 
-/** NULL-terminated list of the formats' names: "gmsh", "medit", "vtk", "tetgen". */
+/** NULL-terminated list of the formats' names: "gmsh", "medit", "vtk", "vtu", ... */
 PLANISH_API const char *const *planish_file_formats(void);
 
 typedef struct planish_file_info {
@@ -97,14 +99,15 @@ PLANISH_API int planish_file_can_write(const planish_file *file, const char *pat
  *  temporary (may be NULL): a buffer of temporary_size bytes, zeroed, that holds the paths of the
  *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
  *  signal handler that removes them. TetGen's .ele, .face and .edge are written along with .node.
- *  Errors: _FILE, _MEMORY, _ARGUMENT; nothing is left behind then (but if one of TetGen's files
+ *  Errors: _FILE, _MEMORY, _ARGUMENT, _FORMAT (the input is not what was read any more); nothing is
+ *  left behind then (but if one of TetGen's files
  *  could not be renamed after another had been, that one is in its place). */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);
 
 /** Whether path has the extension of another format that the mesh can be converted to: .vtu or
- *  .vtk. */
+ *  .vtk, but for that of the file's own format (planish_file_can_write). */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
 
 /** Write what planish understands of the file, at coordinates [n_nodes][dim], to path in the format

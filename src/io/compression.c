@@ -78,8 +78,10 @@ static const packer lz4_packer = {lz4_unpack, lz4_bound, lz4_pack};
 #endif
 
 #ifdef PL_LZMA
+enum { MOST_MEMORY = 1 << 27 }; /* of a decoder; the hardest preset wants half of it */
+
 static int lzma_unpack(const char *data, int64_t size, char *out, int64_t out_size) {
-    uint64_t memory = (uint64_t)1 << 30;
+    uint64_t memory = MOST_MEMORY;
     size_t taken = 0, got = 0;
     const lzma_ret status =
         lzma_stream_buffer_decode(&memory, 0, NULL, (const uint8_t *)data, &taken, (size_t)size,

@@ -33,9 +33,8 @@ const char *const *planish_file_formats(void) {
 static void list_formats(char *text, size_t size) {
     size_t length = 0;
     text[0] = '\0';
-    for (int i = 0; i < N_FORMATS && length < size; i++)
-        length +=
-            (size_t)snprintf(text + length, size - length, "%s%s", i ? ", " : "", formats[i]->name);
+    for (const char *const *name = planish_file_formats(); *name && length < size; name++)
+        length += (size_t)snprintf(text + length, size - length, "%s%s", length ? ", " : "", *name);
 }
 
 const io_format *io_format_by_name(const char *name) {
@@ -60,9 +59,18 @@ const char *io_extension(const char *path) {
     return dot && !strchr(dot, '/') ? dot : path + strlen(path);
 }
 
+int io_is_hdf5(const char *data, int64_t size) {
+    static const char mark[] = "\211HDF\r\n\032\n";
+    const int64_t length = (int64_t)sizeof mark - 1;
+    for (int64_t at = 0; at <= size - length; at = at ? 2 * at : 512)
+        if (memcmp(data + at, mark, (size_t)length) == 0)
+            return 1;
+    return 0;
+}
+
 const io_format *io_format_find(const char *path, const char *data, int64_t size) {
-    enum { LOOKED_AT = 1 << 16 }; /* what begins a file of any format is not farther */
-    if (size > LOOKED_AT)
+    enum { LOOKED_AT = 1 << 16 }; /* what begins a file of any format but HDF5 is not farther */
+    if (size > LOOKED_AT && !io_is_hdf5(data, size))
         size = LOOKED_AT;
     for (int i = 0; i < N_FORMATS; i++)
         if (formats[i]->recognise(data, size))
@@ -94,6 +102,11 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
     if (name)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "unknown format '%s'; there are %s", name,
                        names);
+    if (io_is_hdf5(input->data, input->size))
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is an HDF5 file, but neither CGNS nor MED nor VTKHDF, which alone are "
+                       "read of these",
+                       input->path);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: neither content nor extension is of a known mesh format; there are %s "
                    "(docs/formats.md)",

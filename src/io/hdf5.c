@@ -149,16 +149,6 @@ hid_t hdf5_open_bytes(const char *data, int64_t size) {
     return file;
 }
 
-/** The library's mark, at the start or behind a block of the user's. */
-static int has_mark(const char *data, int64_t size) {
-    static const char mark[] = "\211HDF\r\n\032\n";
-    const int64_t length = (int64_t)sizeof mark - 1;
-    for (int64_t at = 0; at <= size - length; at = at ? 2 * at : 512)
-        if (memcmp(data + at, mark, (size_t)length) == 0)
-            return 1;
-    return 0;
-}
-
 /** Links to other files lead nowhere. */
 static herr_t refuse_link(const char *parent_file, const char *parent_group, const char *child_file,
                           const char *child_object, unsigned *flags, hid_t access, void *data) {
@@ -191,7 +181,7 @@ static io_hdf5_kind kind_in(hid_t file, hid_t access, const char *path) {
 }
 
 int io_hdf5_recognise(const char *data, int64_t size, const char *path) {
-    if (!has_mark(data, size))
+    if (!io_is_hdf5(data, size))
         return 0;
     hdf5_voice voice = hdf5_silence();
     hid_t file = hdf5_open_bytes(data, size), access = hdf5_link_access();
@@ -206,7 +196,7 @@ int io_hdf5_recognise(const char *data, int64_t size, const char *path) {
 
 int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
     *out = NULL;
-    if (!has_mark(model->input.data, model->input.size))
+    if (!io_is_hdf5(model->input.data, model->input.size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: this is no HDF5 file (its mark is not there), and the format is one "
                        "in HDF5",

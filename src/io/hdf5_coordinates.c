@@ -5,6 +5,7 @@
 #include "io/hdf5_object.h"
 
 #include "base/memory.h"
+#include "base/round.h"
 #include "base/status.h"
 #include "io/bytes.h"
 
@@ -275,7 +276,7 @@ static int put_values(const amendment *a, const io_hdf5_place *place, int is_flo
         for (int64_t i = 0; i < model->n_nodes; i++) {
             double *value = &values[c * place->component_step + i * place->node_step];
             double wanted = a->coordinates[i * model->dim + place->component + c];
-            wanted = is_float ? (double)(float)wanted : wanted;
+            wanted = is_float ? pl_round_to_float(wanted) : wanted;
             if (*value != wanted) {
                 *value = wanted;
                 changed = 1;

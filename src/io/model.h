@@ -203,6 +203,10 @@ void io_numbers_destroy(io_numbers *table);
 int io_model_finish(io_model *model, planish_error *error);
 void io_model_destroy(io_model *model);
 
+/** Whether the bytes are a file of HDF5: its mark is at the start, or behind a block of the user's.
+ */
+int io_is_hdf5(const char *data, int64_t size);
+
 /* ---- the formats -------------------------------------------------------------------------- */
 
 typedef struct io_format {

@@ -209,8 +209,7 @@ int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_erro
         xyz[i] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
         if (!isfinite(xyz[i]))
             return io_fail_text(model, cursor->at, error,
-                                "node %lld has a coordinate that is not finite",
-                                (long long)number);
+                                "node %lld has a coordinate that is not finite", (long long)number);
     }
     return 0;
 }

@@ -28,12 +28,12 @@ static int make_title(const io_model *model, char title[MOST_TITLE]) {
         const int of_group = io_view_group(model, i, text, sizeof text);
         if (of_group < 0 || length + (size_t)of_group + 2 >= MOST_TITLE - 1)
             return 0;
+        for (char *c = text; *c; c++) /* the title is one line */
+            if ((unsigned char)*c < ' ')
+                *c = ' ';
         length +=
             (size_t)snprintf(title + length, MOST_TITLE - length, "%s%s", i ? ", " : ": ", text);
     }
-    for (char *c = title; *c; c++)
-        if ((unsigned char)*c < ' ')
-            *c = ' ';
     return 1;
 }
 

@@ -63,18 +63,53 @@ static void put_section(markup *m, const char *name, const io_view_array *arrays
     put(m, "</%s>\n", name);
 }
 
-/** A name as an attribute's value. Bytes that are no UTF-8 text are up to who reads it. */
+/** Bytes of the UTF-8 character at text, 0 if there is none (RFC 3629). */
+static int utf8_length(const unsigned char *text) {
+    const int length = text[0] < 0x80   ? 1
+                       : text[0] < 0xC2 ? 0
+                       : text[0] < 0xE0 ? 2
+                       : text[0] < 0xF0 ? 3
+                       : text[0] < 0xF5 ? 4
+                                        : 0;
+    for (int i = 1; i < length; i++)
+        if ((text[i] & 0xC0) != 0x80)
+            return 0;
+    if ((text[0] == 0xE0 && text[1] < 0xA0) || (text[0] == 0xED && text[1] > 0x9F) ||
+        (text[0] == 0xF0 && text[1] < 0x90) || (text[0] == 0xF4 && text[1] > 0x8F))
+        return 0;
+    return length;
+}
+
+/** A name as an attribute's value. What is no UTF-8 is taken for Latin-1, which older files have.
+ */
 static void put_name(markup *m, const char *name) {
-    for (const char *c = name; *c; c++) {
-        const char *special = *c == '"'   ? "&quot;"
-                              : *c == '<' ? "&lt;"
-                              : *c == '&' ? "&amp;"
-                                          : NULL;
-        if (special || (unsigned char)*c < ' ')
-            put(m, "%s", special ? special : " ");
+    static const struct {
+        char character;
+        const char *text;
+    } special[] = {{'"', "&quot;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}};
+    const unsigned char *c = (const unsigned char *)name;
+    while (*c) {
+        const int length = utf8_length(c);
+        const char *text = NULL;
+        for (size_t i = 0; i < sizeof special / sizeof *special; i++)
+            if (*c == (unsigned char)special[i].character)
+                text = special[i].text;
+        if (text)
+            put(m, "%s", text);
+        else if (length == 0)
+            put(m, "%c%c", 0xC0 | *c >> 6, 0x80 | (*c & 0x3F));
         else
-            put(m, "%c", *c);
+            put(m, "%.*s", length, *c < ' ' ? " " : (const char *)c);
+        c += length > 0 ? length : 1;
     }
+}
+
+/** Whether a group before that of index i has its name: what follows the name then tells it. */
+static int is_named_before(const io_model *model, int32_t i) {
+    for (int32_t k = 0; k < i; k++)
+        if (strcmp(model->group[k].name, model->group[i].name) == 0)
+            return 1;
+    return 0;
 }
 
 /** Groups as field data called by their names, with tag and dimension, as meshio has them. */
@@ -87,6 +122,8 @@ static void put_groups(markup *m) {
         const io_group *group = &model->group[i];
         put(m, "<DataArray type=\"Int32\" Name=\"");
         put_name(m, group->name);
+        if (is_named_before(model, i)) /* arrays of one name would be one */
+            put(m, " %d:%ld", group->dim, (long)group->tag);
         put(m, "\" NumberOfTuples=\"2\" format=\"ascii\">%ld %d</DataArray>\n", (long)group->tag,
             group->dim);
     }

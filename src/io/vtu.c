@@ -14,7 +14,9 @@
 
 /** The array of a piece with that role (and rank, if not 0), or NULL. */
 static vtu_array *find_array(const vtu_document *document, int64_t piece, vtu_role role, int rank) {
-    for (int64_t i = 0; i < document->n_arrays; i++) {
+    const int64_t end = piece + 1 < document->n_pieces ? document->piece[piece + 1].first_array
+                                                       : document->n_arrays;
+    for (int64_t i = document->piece[piece].first_array; i < end; i++) {
         vtu_array *array = &document->array[i];
         if (array->piece == piece && array->role == role && (rank == 0 || array->rank == rank))
             return array;

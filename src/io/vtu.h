@@ -49,6 +49,7 @@ typedef struct vtu_array {
 typedef struct vtu_piece {
     int64_t n_points, n_cells;
     int64_t first_point, first_cell; /* in the file's count of all */
+    int64_t first_array;             /* of the document's; its own end before the next piece's */
 } vtu_piece;
 
 /** A file, as its markup tells. */

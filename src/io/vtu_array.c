@@ -183,10 +183,15 @@ int64_t vtu_most_unpacked(const io_model *model, const vtu_document *document) {
                                                              : INT64_MAX;
 }
 
+/** Arrays are not the same bytes, so that all that are not packed are no more than the file is. */
 static int check_expansion(const io_model *model, const vtu_document *document,
                            const vtu_array *array, int64_t bytes, planish_error *error) {
     if (bytes <= vtu_most_unpacked(model, document) - document->unpacked)
         return PLANISH_OK;
+    if (document->compression == IO_PLAIN)
+        return vtu_fail(model, array, error,
+                        "the arrays would be larger than the file is (cut short, wrong counts, or "
+                        "several arrays in the same bytes)");
     return vtu_fail(model, array, error,
                     "unpacked the arrays would be more than 256 times as large as the file, which "
                     "no mesh is: refused");
@@ -203,7 +208,6 @@ static int decode_packed(const io_model *model, vtu_document *document, vtu_arra
         status = pl_fail_memory(error, "an array of the file");
     if (!status) {
         unpacking u = {document, &blocks, values->owned, 0};
-        document->unpacked += bytes;
         pl_parallel_for(model->threads, blocks.n, 1, unpack_chunk, &u);
         if (atomic_load(&u.failed))
             status = vtu_fail(model, array, error,
@@ -251,6 +255,8 @@ int vtu_decode(const io_model *model, vtu_document *document, vtu_array *array, 
     int status = document->compression == IO_PLAIN
                      ? decode_plain(model, document, array, bytes, values, error)
                      : decode_packed(model, document, array, bytes, values, error);
+    if (!status)
+        document->unpacked += bytes;
     if (values->owned)
         values->data = values->owned;
     if (status)
@@ -376,8 +382,8 @@ static int check_count(const io_model *model, const vtu_document *document, cons
         return n <= (left + 1) / 2 ? PLANISH_OK : fail_size(model, array, error);
     if (!array->type)
         return vtu_fail(model, array, error, "numbers of this type are not read");
-    if (document->compression == IO_PLAIN)
-        return n <= left / array->type->size ? PLANISH_OK : fail_cut(model, array, error);
+    if (document->compression == IO_PLAIN && n > left / array->type->size)
+        return fail_cut(model, array, error);
     /* So many that their bytes could not be counted are as many too many. */
     const int64_t bytes = n < INT64_MAX / 8 ? n * array->type->size : INT64_MAX;
     return check_expansion(model, document, array, bytes, error);

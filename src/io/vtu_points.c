@@ -39,10 +39,12 @@ static int check_points(const io_model *model, const vtu_document *document, con
         return vtu_fail(model, array, error, "Float32 or Float64 expected");
     if (array->n_components != 3)
         return vtu_fail(model, array, error, "NumberOfComponents must be 3");
-    for (const vtu_array *other = document->array; other < array; other++)
+    const int64_t first = piece_of(document, array)->first_array;
+    for (const vtu_array *other = document->array + first; other < array; other++)
         if (other->role == VTU_POINTS && other->piece == array->piece)
             return vtu_fail(model, array, error, "there is a second array of points");
-    if (model->xyz && (array->type->size == 4) != (model->precision == PLANISH_FLOAT))
+    if (piece_of(document, array)->n_points > 0 &&
+        (array->type->size == 4) != (model->precision == PLANISH_FLOAT))
         return vtu_fail(model, array, error,
                         "some pieces are of Float32 and some of Float64: write them as one");
     return PLANISH_OK;
@@ -139,7 +141,7 @@ static int compare_spans(const void *a, const void *b) {
 }
 
 int vtu_read_points(io_model *model, vtu_document *document, planish_error *error) {
-    int64_t found = 0;
+    int64_t found = 0, n_points = 0;
     int status = make_nodes(model, document, error);
     if (status)
         return status;
@@ -148,12 +150,13 @@ int vtu_read_points(io_model *model, vtu_document *document, planish_error *erro
         vtu_array *array = &document->array[i];
         if (array->role != VTU_POINTS || array->piece < 0)
             continue;
-        if (found == 0 && array->type && array->type->size == 4)
+        const vtu_piece *piece = piece_of(document, array);
+        if (n_points == 0 && piece->n_points > 0 && array->type && array->type->size == 4)
             model->precision = PLANISH_FLOAT;
+        n_points += piece->n_points;
         status = check_points(model, document, array, error);
         if (status)
             return status;
-        const vtu_piece *piece = piece_of(document, array);
         status = array->form == VTU_ASCII ? read_ascii(model, array, piece, error)
                                           : read_binary(model, document, array, piece, error);
         found++;
@@ -238,14 +241,13 @@ static void store_real(char *at, double value, int size, int swapped) {
         at[k] = bytes[swapped ? size - 1 - k : k];
 }
 
+/** Something changed in size bytes at at: in all blocks that they are in. */
 static void mark(rewrite *r, int64_t at, int size) {
+    const int64_t of_block = r->blocks.size;
     __atomic_store_n(&r->changed, 1, __ATOMIC_RELAXED);
-    for (int64_t end = at + size - 1; r->dirty; at = end) {
-        __atomic_store_n(&r->dirty[r->blocks.size > 0 ? at / r->blocks.size : 0], 1,
-                         __ATOMIC_RELAXED);
-        if (at == end)
-            break;
-    }
+    for (int64_t k = of_block > 0 ? at / of_block : 0;
+         r->dirty && of_block > 0 && k <= (at + size - 1) / of_block; k++)
+        __atomic_store_n(&r->dirty[k], 1, __ATOMIC_RELAXED);
 }
 
 static void replace_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -271,18 +273,13 @@ static void replace_chunk(void *context, int64_t begin, int64_t end, int thread)
 /** The array's text with other characters where bytes changed. */
 static int rewrite_base64(rewrite *r, io_edits *edits, planish_error *error) {
     const vtu_array *array = r->array;
-    const int64_t header = r->document->header_size;
-    int64_t length = array->end - array->begin;
-    /* Of appended text no more than the array's own: twice its length where lines are short. */
-    const int64_t most = 2 * io_base64_length(header + r->size) + 64;
-    if (array->is_appended && length > most)
-        length = most;
+    const int64_t length = array->data_end - array->begin;
     char *text = pl_alloc(length, 1);
     if (!text)
         return pl_fail_memory(error, "the points to be written");
     memcpy(text, r->model->input.data + array->begin, (size_t)length);
-    length = io_base64_replace(text, length, header, r->size, r->bytes);
-    return io_edits_add(edits, (io_edit){array->begin, array->begin + length, text, length}, error);
+    io_base64_replace(text, length, r->document->header_size, r->size, r->bytes);
+    return io_edits_add(edits, (io_edit){array->begin, array->data_end, text, length}, error);
 }
 
 /* ---- writing: packed blocks ---------------------------------------------------------------- */
@@ -415,19 +412,40 @@ static int rewrite_array(rewrite *r, vtu_document *document, int threads, io_edi
 
 /* ---- writing: offsets ---------------------------------------------------------------------- */
 
-/** How much later what stands at byte at of the input stands in the output. */
-static int64_t shift_at(const io_edits *edits, int64_t n, int64_t at) {
-    int64_t shift = 0;
-    for (int64_t i = 0; i < n; i++)
-        if (edits->edit[i].end <= at)
-            shift += edits->edit[i].length - (edits->edit[i].end - edits->edit[i].begin);
+static int compare_edits(const void *a, const void *b) {
+    const int64_t p = ((const io_edit *)a)->begin, q = ((const io_edit *)b)->begin;
+    return (p > q) - (p < q);
+}
+
+/** How much later, in appended data, what follows each edit of these stands: shift [edits->n] by
+ *  all edits up to there. Offsets count from where appended data begin. */
+static int64_t *sum_shifts(const vtu_document *document, const io_edits *edits) {
+    int64_t *shift = pl_alloc(edits->n, sizeof *shift), sum = 0;
+    for (int64_t i = 0; shift && i < edits->n; i++) {
+        const io_edit *edit = &edits->edit[i];
+        if (document->appended >= 0 && edit->begin >= document->appended)
+            sum += edit->length - (edit->end - edit->begin);
+        shift[i] = sum;
+    }
     return shift;
 }
 
+/** Number of edits, of the first n, that end at byte at or before. */
+static int64_t count_before(const io_edits *edits, int64_t n, int64_t at) {
+    int64_t low = 0, high = n;
+    while (low < high) {
+        const int64_t middle = low + (high - low) / 2;
+        if (edits->edit[middle].end <= at)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
 /** The new offset of an array of appended data, in as many characters where blanks follow. */
-static int edit_offset(const io_model *model, const vtu_document *document, const vtu_array *array,
-                       int64_t n_points, io_edits *edits, planish_error *error) {
-    const int64_t shift = shift_at(edits, n_points, document->appended + array->offset);
+static int edit_offset(const io_model *model, const vtu_array *array, int64_t shift,
+                       io_edits *edits, planish_error *error) {
     if (shift == 0)
         return PLANISH_OK;
     const char *old = model->input.data + array->offset_begin;
@@ -445,9 +463,20 @@ static int edit_offset(const io_model *model, const vtu_document *document, cons
                         error);
 }
 
-static int compare_edits(const void *a, const void *b) {
-    const int64_t p = ((const io_edit *)a)->begin, q = ((const io_edit *)b)->begin;
-    return (p > q) - (p < q);
+/** The offsets of arrays behind points that became longer or shorter. */
+static int edit_offsets(const io_model *model, const vtu_document *document, io_edits *edits,
+                        planish_error *error) {
+    const int64_t n = edits->n;
+    int64_t *shift = sum_shifts(document, edits);
+    int status = shift ? PLANISH_OK : pl_fail_memory(error, "the offsets of arrays");
+    for (int64_t i = 0; i < document->n_arrays && !status; i++) {
+        const vtu_array *array = &document->array[i];
+        const int64_t before = array->is_appended ? count_before(edits, n, array->begin) : 0;
+        if (before > 0)
+            status = edit_offset(model, array, shift[before - 1], edits, error);
+    }
+    pl_free(shift);
+    return status;
 }
 
 int vtu_encode_points(const io_model *model, const double *coordinates, int threads,
@@ -466,11 +495,10 @@ int vtu_encode_points(const io_model *model, const double *coordinates, int thre
                      .coordinates = coordinates};
         status = rewrite_array(&r, &document, threads, edits, error);
     }
-    const int64_t n_points = edits->n;
-    for (int64_t i = 0; i < document.n_arrays && !status; i++)
-        if (document.array[i].is_appended)
-            status = edit_offset(model, &document, &document.array[i], n_points, edits, error);
-    if (!status && edits->n > 0)
+    if (!status && edits->n > 0) {
         qsort(edits->edit, (size_t)edits->n, sizeof *edits->edit, compare_edits);
+        status = edit_offsets(model, &document, edits, error);
+        qsort(edits->edit, (size_t)edits->n, sizeof *edits->edit, compare_edits);
+    }
     return status;
 }

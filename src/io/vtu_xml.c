@@ -177,7 +177,7 @@ static void begin_file(walk *w, const char **attributes) {
 static void begin_piece(walk *w, const char **attributes) {
     vtu_document *document = w->document;
     vtu_piece piece = {number(attribute(attributes, "NumberOfPoints")),
-                       number(attribute(attributes, "NumberOfCells")), 0, 0};
+                       number(attribute(attributes, "NumberOfCells")), 0, 0, document->n_arrays};
     if (piece.n_points < 0 || piece.n_cells < 0 || piece.n_points > INT32_MAX ||
         piece.n_cells > INT32_MAX) {
         fail_here(w, "NumberOfPoints and NumberOfCells must be whole numbers below 2^31");

@@ -311,6 +311,30 @@ static void results_are_of_all(void **state) {
 
 /* ---- forms of arrays ------------------------------------------------------------------------ */
 
+/** Ratios of the elements that the plan knows are those that it measures, by the caller's numbers.
+ */
+static void check_ratios(const planish_plan *plan, const double *x, int64_t n_elements,
+                         const planish_quality *quality) {
+    double *ratio = malloc((size_t)n_elements * sizeof *ratio), squares = 0, largest = 0;
+    int64_t known = 0, inverted = 0;
+    assert_int_equal(planish_measure_elements(plan, x, ratio, NULL), 0);
+    for (int64_t i = 0; i < n_elements; i++) {
+        if (isnan(ratio[i]))
+            continue;
+        known++;
+        inverted += ratio[i] == 0;
+        squares += ratio[i] * ratio[i];
+        largest = fmax(largest, ratio[i]);
+        assert_true(ratio[i] == 0 || ratio[i] >= 1);
+    }
+    assert_int_equal(inverted, quality->inverted);
+    assert_true(fabs(largest / quality->max_radius_ratio - 1) < 1e-14);
+    assert_true(ratio[quality->worst_element] == largest);
+    const double rms = sqrt(squares / (double)(known - inverted));
+    assert_true(fabs(rms / quality->rms_radius_ratio - 1) < 1e-12);
+    free(ratio);
+}
+
 /** The same bits for padded coordinates, for one array per component, and for elements of 64 bits;
  *  what is between them is not touched. */
 static void forms_do_not_matter(void **state) {
@@ -353,6 +377,7 @@ static void forms_do_not_matter(void **state) {
                 assert_int_equal(planish_smooth(plan, x, &options, &result, &error), 0);
                 assert_int_equal(planish_measure(plan, x, &quality, &error), 0);
                 assert_memory_equal(&quality, &expected.after, sizeof quality);
+                check_ratios(plan, x, mesh.n_elements, &quality);
                 assert_int_equal(
                     planish_check_volumes(plan, x, &options, state_of, &n_below, &error), 0);
                 assert_int_equal(planish_find_unfixable(plan, x, state_of, &n_unfixable, &error),

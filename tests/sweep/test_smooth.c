@@ -240,6 +240,35 @@ static void floats_stay_floats(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+static void ratios_of_inverted_elements_are_none(void **state) {
+    int dim = *(int *)*state;
+    planish_plan *plan;
+    planish_quality quality;
+    test_mesh box;
+    bad_box(&box, dim);
+    planish_options options = defaults();
+    for (int64_t i = 0; i < box.mesh.n_nodes; i++)
+        if (is_inside(box.coordinates + i * dim, dim))
+            box.coordinates[i * dim] += i % 7 ? 0 : 1.3;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    assert_int_equal(planish_measure(plan, box.coordinates, &quality, NULL), 0);
+    double *ratio = malloc((size_t)box.mesh.n_elements * sizeof *ratio);
+    assert_int_equal(planish_measure_elements(plan, box.coordinates, ratio, NULL), 0);
+    int64_t none = 0;
+    for (int64_t i = 0; i < box.mesh.n_elements; i++)
+        none += ratio[i] == 0;
+    assert_true(none > 0);
+    assert_int_equal(none, quality.inverted);
+    assert_int_equal(planish_measure_elements(NULL, box.coordinates, ratio, NULL),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_measure_elements(plan, NULL, ratio, NULL), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_measure_elements(plan, box.coordinates, NULL, NULL),
+                     PLANISH_ERROR_ARGUMENT);
+    planish_plan_destroy(plan);
+    free(ratio);
+    test_mesh_destroy(&box);
+}
+
 /** Three digits behind the point; how often it was asked. */
 static double to_thousandths(double value, void *user) {
     __atomic_fetch_add((int64_t *)user, 1, __ATOMIC_RELAXED);
@@ -589,6 +618,7 @@ int main(void) {
         BOTH(element_order_does_not_invert),
         BOTH(floats_stay_floats),
         BOTH(coordinates_are_rounded_as_the_caller_says),
+        BOTH(ratios_of_inverted_elements_are_none),
         BOTH(sizes_do_not_disturb_one_another),
         BOTH(subnormal_meshes_stay_valid),
         BOTH(flat_meshes_keep_the_promises),
