@@ -149,8 +149,9 @@ typedef struct planish_slide_info {
  *  such pieces. constraint [n_nodes] and direction [n_nodes][dim] are filled with what
  *  planish_mesh asks for. Nodes that mesh->constraint (NULL: all FREE) does not call FREE stay what
  *  they are there; nodes of the surface that cannot slide, among them those of interfaces and of
- *  tagged facets and edges that the mesh has not, become FIXED. surface and info may be NULL.
- *  threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  tagged facets and edges that the mesh has not, and those at the place of another one (of parts
+ *  side by side that have the nodes between them twice), become FIXED. surface and info may be
+ * NULL. threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface,
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);

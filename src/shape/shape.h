@@ -33,6 +33,10 @@ int pl_planes_create(const pl_surface *surface, const planish_surface *tags, dou
                      pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed, planish_error *error);
 void pl_planes_destroy(pl_planes *planes);
 
+/** is_fixed [nodes of the mesh] becomes 1 for nodes of the surface at the place of another one.
+ *  Errors: _MEMORY. */
+int pl_hold_twins(const pl_surface *surface, uint8_t *is_fixed, planish_error *error);
+
 /** The edges of the shape in 2-D. Errors: _MEMORY. */
 int pl_ridges_of_plane_mesh(const pl_surface *surface, pl_ridges *ridges, planish_error *error);
 

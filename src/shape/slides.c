@@ -179,7 +179,9 @@ static int find_slides(const planish_mesh *mesh, const planish_surface *tags, in
     int status = pl_surface_create(mesh, tags, threads, &surface, is_fixed, error);
     if (!status) {
         info->n_surface = surface.n_nodes;
-        status = find_shape(&d, tags, &surface, is_fixed, error);
+        status = pl_hold_twins(&surface, is_fixed, error);
+        if (!status)
+            status = find_shape(&d, tags, &surface, is_fixed, error);
         pl_surface_destroy(&surface);
     }
     for (int64_t i = 0; i < mesh->n_nodes && !status; i++)

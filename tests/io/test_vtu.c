@@ -98,9 +98,9 @@ static file_builder encode(const variant *v, const array *a, int64_t *header) {
         *header = out.size;
         put_bytes(&out, values.data, values.size);
     } else {
-        char packed[4096];
+        char packed[1 << 14];
         const int64_t n = (values.size + v->block - 1) / v->block;
-        int64_t size[64], total = 0;
+        int64_t size[1 << 9], total = 0;
         for (int64_t i = 0; i < n; i++) {
             const int64_t left = values.size - i * v->block;
             size[i] = io_pack(v->compression, values.data + i * v->block,
@@ -348,6 +348,8 @@ static void cut_short_or_without_memory(void **state) {
 #define CELLS(connectivity, offsets, types)                                                        \
     "<Cells>" ARRAY("Int32", "connectivity", connectivity) ARRAY("Int32", "offsets", offsets)      \
         ARRAY("UInt8", "types", types) "</Cells>"
+#define ARRAY_AT(type, name, offset)                                                               \
+    "<DataArray type=\"" type "\" Name=\"" name "\" format=\"appended\" offset=\"" offset "\"/>"
 #define TRIANGLE POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "5")
 
 static void pieces_are_one_mesh(void **state) {
@@ -378,6 +380,61 @@ static void pieces_are_one_mesh(void **state) {
     assert_non_null(strstr(content, ">2 0 0 3 0 0 2 2.5 0<"));
     free(content);
     planish_file_close(file);
+}
+
+/** Blocks of any size, less than a number's even, and what is not packed beside. */
+static void blocks_of_any_size(void **state) {
+    for (int block = 1; block <= 30; block += block < 9 ? 1 : 7) {
+        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0};
+        if (io_compression_is_built(IO_ZLIB))
+            write_one(&v, *state);
+    }
+}
+
+/** Packed points in their element, all else appended: offsets stay. */
+static void points_in_the_element(void **state) {
+    char path[TEST_PATH_SIZE];
+    double moved[3 * N_NODES];
+    array a[N_ARRAYS];
+    planish_file *file;
+    const variant v = {INLINE, 0, 8, 0, IO_ZLIB, 48, 0},
+                  raw = {APPENDED_RAW, 0, 8, 0, IO_ZLIB, 48, 0};
+    file_builder f = {0}, data = {0};
+    if (!io_compression_is_built(IO_ZLIB))
+        skip();
+    make_arrays(&v, a);
+    builder_text(&f, "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" "
+                     "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">");
+    builder_text(&f, "<UnstructuredGrid><Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">",
+                 N_NODES, N_CELLS);
+    for (int i = 0; i < N_ARRAYS; i++) {
+        builder_text(&f, "<%s><DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" ",
+                     a[i].section, a[i].type, a[i].name, i == 1 ? 3 : 1);
+        file_builder values = written(i == 1 ? &v : &raw, &a[i]);
+        if (i == 1) {
+            builder_text(&f, "format=\"binary\">");
+            put_bytes(&f, values.data, values.size);
+        } else {
+            builder_text(&f, "format=\"appended\" offset=\"%" PRId64 "\">", data.size);
+            put_bytes(&data, values.data, values.size);
+        }
+        builder_text(&f, "</DataArray></%s>", a[i].section);
+        builder_release(&values);
+    }
+    builder_text(&f, "</Piece></UnstructuredGrid><AppendedData encoding=\"raw\">_");
+    put_bytes(&f, data.data, data.size);
+    builder_text(&f, "</AppendedData></VTKFile>");
+    read_file(&f, &file);
+    stored_points(&v, 1.0 / 7, moved);
+    assert_int_equal(
+        planish_file_write(file, test_path(path, *state, "out.vtu"), moved, 1, NULL, 0, NULL), 0);
+    planish_file_close(file);
+    assert_int_equal(planish_file_open(path, NULL, 1, &file, NULL), 0);
+    expect_mesh(file, &v);
+    expect_points(file, moved);
+    planish_file_close(file);
+    builder_release(&data);
+    builder_release(&f);
 }
 
 /** Two pieces of three appended points each, at those offsets. */
@@ -429,6 +486,50 @@ static void pieces_in_any_order(void **state) {
         builder_expect_error(&f, &io_format_vtu, "share bytes");
         builder_release(&f);
     }
+}
+
+static void empty_pieces_may_be_of_any_type(void **state) {
+    (void)state;
+    static const char empty[] = PIECE("0", "0") "<Points><DataArray type=\"Float32\" "
+                                                "NumberOfComponents=\"3\"/></Points></Piece>";
+    char text[1024];
+    for (int last = 0; last < 2; last++) {
+        snprintf(text, sizeof text,
+                 GRID("") "%s" PIECE("3", "1") TRIANGLE "</Piece>%s"
+                                                        "</UnstructuredGrid></VTKFile>",
+                 last ? "" : empty, last ? empty : "");
+        planish_file *file = reading_text(&io_format_vtu, text);
+        assert_int_equal(file->model.precision, PLANISH_DOUBLE);
+        assert_int_equal(file->model.triangle.n, 1);
+        planish_file_close(file);
+    }
+}
+
+/** Many pieces whose cells are the same appended bytes would be more than the file is. */
+static void arrays_of_the_same_bytes_are_refused(void **state) {
+    (void)state;
+    enum { PIECES = 40, CELLS_OF_PIECE = 200 };
+    file_builder f = {.swapped = !io_machine_is_little()};
+    builder_text(&f, GRID(" header_type=\"UInt32\""));
+    for (int i = 0; i < PIECES; i++) {
+        builder_text(&f, PIECE("3", "200") POINTS("0 0 0 1 0 0 0 1 0") "<Cells>");
+        builder_text(&f, ARRAY_AT("Int32", "connectivity", "0"));
+        builder_text(&f, ARRAY_AT("Int32", "offsets", "2404"));
+        builder_text(&f, ARRAY_AT("UInt8", "types", "3208") "</Cells></Piece>");
+    }
+    builder_text(&f, "</UnstructuredGrid><AppendedData encoding=\"raw\">_");
+    f.binary = 1;
+    builder_integer(&f, 3 * CELLS_OF_PIECE * 4, 4);
+    for (int i = 0; i < 3 * CELLS_OF_PIECE; i++)
+        builder_integer(&f, i % 3, 4);
+    builder_integer(&f, CELLS_OF_PIECE * 4, 4);
+    for (int i = 1; i <= CELLS_OF_PIECE; i++)
+        builder_integer(&f, 3 * i, 4);
+    builder_integer(&f, CELLS_OF_PIECE, 4);
+    for (int i = 0; i < CELLS_OF_PIECE; i++)
+        builder_integer(&f, 5, 1);
+    builder_expect_error(&f, &io_format_vtu, "larger than the file");
+    builder_release(&f);
 }
 
 /* ---- bad files ----------------------------------------------------------------------------- */
@@ -557,6 +658,11 @@ int main(void) {
         cmocka_unit_test(cut_short_or_without_memory),
         cmocka_unit_test_setup_teardown(pieces_are_one_mesh, test_folder_create,
                                         test_folder_remove),
+        cmocka_unit_test_setup_teardown(blocks_of_any_size, test_folder_create, test_folder_remove),
+        cmocka_unit_test_setup_teardown(points_in_the_element, test_folder_create,
+                                        test_folder_remove),
+        cmocka_unit_test(empty_pieces_may_be_of_any_type),
+        cmocka_unit_test(arrays_of_the_same_bytes_are_refused),
         cmocka_unit_test_setup_teardown(pieces_in_any_order, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(what_is_wrong_is_said),

@@ -389,6 +389,43 @@ static void numbers_do_not_matter(void **state) {
 
 /** Two bodies that touch at a node in the flat top of one and the flat bottom of the other, however
  *  little that is tilted: no direction keeps both. */
+/** Two boxes side by side that do not share the nodes between them: these stay, and all others
+ * slide as those of a box alone. */
+static void nodes_at_one_place_stay(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box, other, alone;
+        test_mesh_box(&box, dim, CELLS);
+        test_mesh_box(&other, dim, CELLS);
+        test_mesh_box(&alone, dim, CELLS);
+        const int64_t n = box.mesh.n_nodes;
+        for (int64_t i = 0; i < n; i++)
+            other.coordinates[i * dim] += CELLS;
+        test_mesh_append(&box, &other, 0);
+        for (int64_t i = 0; i < n; i++) /* -0 is 0 */
+            if (box.coordinates[(n + i) * dim + 1] == 0)
+                box.coordinates[(n + i) * dim + 1] = -0.0;
+        found f = find(&box.mesh, NULL), of_one = find(&alone.mesh, NULL);
+        int64_t shared = 0;
+        for (int64_t i = 0; i < n; i++) {
+            const double x = box.coordinates[i * dim];
+            shared += x == CELLS;
+            assert_int_equal(f.constraint[i], x == CELLS ? PLANISH_FIXED : of_one.constraint[i]);
+        }
+        for (int64_t i = n; i < 2 * n; i++)
+            if (box.coordinates[i * dim] == CELLS)
+                assert_int_equal(f.constraint[i], PLANISH_FIXED);
+            else
+                assert_int_equal(f.constraint[i], of_one.constraint[i - n]);
+        assert_true(shared > 4);
+        release(&f);
+        release(&of_one);
+        test_mesh_destroy(&box);
+        test_mesh_destroy(&other);
+        test_mesh_destroy(&alone);
+    }
+}
+
 static void touching_sheets_stay(void **state) {
     (void)state;
     static const double corner[4][2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
@@ -516,6 +553,7 @@ int main(void) {
         cmocka_unit_test(curved_sides_stay),
         cmocka_unit_test(gentle_curves_are_no_planes),
         cmocka_unit_test(numbers_do_not_matter),
+        cmocka_unit_test(nodes_at_one_place_stay),
         cmocka_unit_test(touching_sheets_stay),
         cmocka_unit_test(garbage_does_no_harm),
         cmocka_unit_test(wrong_arguments_are_refused),
