@@ -243,4 +243,9 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         fprintf(stream,
                 "note: %" PRId64 " elements of other types pass through; their nodes are held\n",
                 job->file_info.n_other_elements);
+    if (job->file_info.ends_open)
+        fprintf(stream,
+                "note: the last line of %s has no end: if the file was cut short there, its last "
+                "number may be wrong\n",
+                job->arguments->input);
 }

@@ -38,6 +38,8 @@ typedef struct planish_file_info {
     int64_t n_lower_elements;    /* elements of lower dimension */
     int64_t n_regions;           /* distinct regions among the elements smoothed */
     int64_t bytes;               /* size of the input */
+    int ends_open; /* not 0: the format has no mark at its end, and the last line no end:
+                      if it was cut short there, nothing tells */
 } planish_file_info;
 
 PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_info *info);

@@ -667,6 +667,7 @@ static const char *const extensions[] = {".inp", NULL};
 
 const io_format io_format_abaqus = {.name = "abaqus",
                                     .extensions = extensions,
+                                    .has_no_end = 1,
                                     .recognise = recognise,
                                     .read = read_abaqus,
                                     .field = abaqus_field};

@@ -199,6 +199,20 @@ static double round_to_field(double value, void *user) {
     return io_round_to_field(value, model->field_width, model->implied_exponent);
 }
 
+/** Whether the last line of a text has no end. */
+static int ends_open(const io_bytes *bytes) {
+    const char last = bytes->data[bytes->size - 1];
+    return last != '\n' && last != '\r';
+}
+
+static int any_ends_open(const planish_file *file) {
+    const io_model *model = &file->model;
+    int open = model->text_offset && ends_open(&model->input);
+    for (int i = 0; i < model->n_companions; i++)
+        open |= ends_open(&model->companion[i]);
+    return file->format->has_no_end && open;
+}
+
 void planish_file_get_info(const planish_file *file, planish_file_info *info) {
     *info = (planish_file_info){.format = file->format->name,
                                 .precision = file->model.precision,
@@ -207,7 +221,8 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                                 .n_other_elements = file->model.n_other,
                                 .n_lower_elements = file->model.n_lower,
                                 .n_regions = count_regions(file),
-                                .bytes = file->model.input.size};
+                                .bytes = file->model.input.size,
+                                .ends_open = any_ends_open(file)};
 }
 
 planish_mesh planish_file_mesh(const planish_file *file) {

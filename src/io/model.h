@@ -214,6 +214,7 @@ typedef struct io_format {
     const char *const *extensions;                      /* with the dot, NULL-terminated */
     int (*recognise)(const char *data, int64_t size);   /* by content: 1 sure, 0 no */
     int (*read)(io_model *model, planish_error *error); /* model->input is there */
+    int has_no_end;                                     /* text that nothing tells the end of */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */
     /** Whether the content of a file with such an extension is of a mesh as a companion is; NULL:

@@ -405,5 +405,8 @@ static int recognise_off(const char *data, int64_t size) {
 
 static const char *const extensions[] = {".off", NULL};
 
-const io_format io_format_off = {
-    .name = "off", .extensions = extensions, .recognise = recognise_off, .read = read_off};
+const io_format io_format_off = {.name = "off",
+                                 .extensions = extensions,
+                                 .has_no_end = 1,
+                                 .recognise = recognise_off,
+                                 .read = read_off};

@@ -464,6 +464,7 @@ static const char *const tetgen_companions[] = {".ele", ".face", ".edge", ".neig
 
 const io_format io_format_tetgen = {.name = "tetgen",
                                     .extensions = tetgen_extensions,
+                                    .has_no_end = 1,
                                     .recognise = recognise_tetgen,
                                     .read = read_tetgen,
                                     .companions = tetgen_companions,

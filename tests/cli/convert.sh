@@ -37,6 +37,19 @@ if "$program" quality lifted.msh -q 2>/dev/null; then
     expect_status 0 "$program" smooth lifted.msh -o lifted.vtk -q
 fi
 
+# Names of groups of any kind: markup, bytes that are no UTF-8, one name twice, and very long.
+sed 's/"skin"/"a<b> \& c"/; s/"lower part"/"Fronti\xe8re"/; s/"upper part"/"a<b> \& c"/' \
+    "$data/ascii41.msh" >names.msh
+cmp -s names.msh "$data/ascii41.msh" && fail "the names were to be changed"
+expect_status 0 "$program" smooth names.msh -o names.vtu -q
+expect_status 0 "$program" quality names.vtu -q
+long=$(printf 'x%.0s' {1..120})
+sed "s/\"skin\"/\"$long\"/; s/\"lower part\"/\"y$long\"/; s/\"upper part\"/\"z$long\"/" \
+    "$data/ascii41.msh" >long.msh
+expect_status 0 "$program" smooth long.msh -o long.vtk
+expect_text "names of groups (there are too many)"
+expect_status 0 "$program" quality long.vtk -q
+
 # No conversion to others, none to a pipe; an error leaves what is there.
 expect_status 64 "$program" smooth "$data/medit.mesh" -o out.msh -q
 expect_text "there is conversion to .vtu and .vtk only"
@@ -89,6 +102,15 @@ for name in "view.vtu", "view.vtk":
     tetra = vtk_to_numpy(grid.GetCellTypesArray()) == 10
     assert np.allclose(theirs[tetra], ours[tetra], rtol=1e-9), name
     assert np.isnan(ours[~tetra]).all(), name
+reader = vtk.vtkXMLUnstructuredGridReader()
+reader.SetFileName("names.vtu")
+reader.Update()
+fields = reader.GetOutput().GetFieldData()
+found = {fields.GetArrayName(i): [int(x) for x in vtk_to_numpy(fields.GetArray(i))]
+         for i in range(fields.GetNumberOfArrays())}
+assert reader.GetOutput().GetNumberOfCells() > 800
+assert sorted(found.values()) == [[1, 3], [2, 3], [3, 2]], found
+assert "Frontière" in found and len(found) == 3 and any("a<b> & c " in n for n in found), found
 names = {name: list(value) for name, value in meshio.read("view.vtu").field_data.items()}
 assert names == {name: list(value) for name, value in before.field_data.items()}, names
 assert b"3:1 lower part" in open("view.vtk", "rb").read().split(b"\n")[1]

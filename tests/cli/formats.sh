@@ -58,6 +58,14 @@ for name, report in zip(names, reports):
     assert report["mesh"]["free_nodes"] == reports[0]["mesh"]["free_nodes"], name
 END
 
+# What has no mark at its end may be cut short, and nobody can tell: that is said.
+head -c -1 tetgen.ele >cut.ele
+cp tetgen.node cut.node
+expect_status 0 "$program" quality cut.node
+expect_text "note: the last line of cut.node has no end"
+expect_status 0 "$program" quality tetgen.node
+[ ! -s err ] || fail "$(cat err)"
+
 # A format that is named is the one that is read.
 expect_status 0 "$program" quality medit.mesh --format medit -q
 expect_status 2 "$program" quality medit.mesh --format gmsh -q
