@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""phases: run planish from file to file.   phases.py PROGRAMS RESULT.json BOX ... -- FILE ..."""
+"""phases: run planish from file to file.   phases.py PROGRAMS RESULT.json BOX ..."""
 import json
 import os
 import subprocess
@@ -40,26 +40,17 @@ def best(runs):
 
 def main():
     programs, result = sys.argv[1:3]
-    split = sys.argv.index("--")
     about = machine.description()
     threads = sorted({1, about["cpus"]})
-    growth, formats = [], []
-    for mesh in sys.argv[3:split]:
+    growth = []
+    for mesh in sys.argv[3:]:
         for n in threads:
             warm(mesh)
             first = smooth(programs, mesh, n)
             again = 0 if first["elements"] > MANY else REPEATS - 1
             growth.append(best([first] + [smooth(programs, mesh, n) for _ in range(again)]))
-    for mesh in sys.argv[split + 1:]:
-        warm(mesh)
-        for n in threads:
-            runs = [smooth(programs, mesh, n, "--max-sweeps", "1") for _ in range(REPEATS)]
-            run = runs[0]
-            for phase in ("read", "write"):  # each the best by itself
-                run["seconds"][phase] = min(r["seconds"][phase] for r in runs)
-            formats.append(run)
     with open(result, "w") as file:
-        json.dump({"machine": about, "growth": growth, "formats": formats}, file, indent=1)
+        json.dump({"machine": about, "growth": growth}, file, indent=1)
 
 
 if __name__ == "__main__":

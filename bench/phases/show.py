@@ -26,16 +26,6 @@ def growth_table(rows):
               f"| {time['total'] / row['elements'] * 1e6:.2f} | {row['peak_bytes'] / row['elements']:.0f} |")
 
 
-def format_table(rows):
-    print("| file | MB | threads | read s | MB/s | write s | MB/s |")
-    print("| --- | --: | --: | --: | --: | --: | --: |")
-    for row in rows:
-        megabytes, time = row["bytes"] / 1e6, row["seconds"]
-        print(f"| {row['file']} | {megabytes:.0f} | {row['threads']} "
-              + "".join(f"| {time[phase]:.3f} | {megabytes / time[phase]:.0f} "
-                        for phase in ("read", "write")) + "|")
-
-
 def count_of(threads):
     return f"{threads} thread" + "s" * (threads > 1)
 
@@ -68,8 +58,6 @@ def main():
     print(machine.line(result["machine"]))
     print("\n#### Sizes: binary MSH 4.1, until converged\n")
     growth_table(result["growth"])
-    print("\n#### Formats\n")
-    format_table(result["formats"])
     plot(result, sys.argv[2])
 
 
