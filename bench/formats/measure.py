@@ -11,6 +11,13 @@ import machine
 REPEATS = 5
 
 
+def size_of(path):
+    """Bytes of a file, TetGen's two together."""
+    beside = os.path.splitext(path)[0] + ".ele"
+    both = path.endswith(".node") and os.path.exists(beside)
+    return os.path.getsize(path) + (os.path.getsize(beside) if both else 0)
+
+
 def smooth(programs, path, threads, extension):
     """The seconds that the program reports of one sweep, written with an extension."""
     with tempfile.TemporaryDirectory(dir=os.path.dirname(path)) as folder:
@@ -18,7 +25,7 @@ def smooth(programs, path, threads, extension):
         done = subprocess.run([f"{programs}/planish", "smooth", path, "-o", out, "-j", str(threads),
                                "-q", "--max-sweeps", "1", "--json", "-"],
                               stdout=subprocess.PIPE, check=True)
-        size = os.path.getsize(out)
+        size = size_of(out)
     return {**json.loads(done.stdout)["seconds"], "bytes": size}
 
 
@@ -35,7 +42,7 @@ def measure(programs, path, threads, extension=None):
     runs = [smooth(programs, path, threads, extension or own) for _ in range(REPEATS)]
     name = os.path.basename(path)
     return {"file": f"{name} to {extension}" if extension else name, "threads": threads,
-            "bytes": os.path.getsize(path), "written_bytes": runs[0]["bytes"],
+            "bytes": size_of(path), "written_bytes": runs[0]["bytes"],
             "read": min(run["read"] for run in runs), "write": min(run["write"] for run in runs)}
 
 

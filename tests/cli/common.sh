@@ -72,6 +72,11 @@ wait_for() {
     return 1
 }
 
+# lacks FILE: planish was built without what the file needs.
+lacks() {
+    ! "$program" quality "$1" -q >/dev/null 2>lacks && grep -q "was built without\|packed by" lacks
+}
+
 finish() {
     [ "$failures" -eq 0 ] || echo "$failures expectations did not hold"
     [ "$failures" -eq 0 ]

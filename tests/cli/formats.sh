@@ -8,6 +8,7 @@ cp "$data"/*.msh "$data"/*.mesh "$data"/*.vtk "$data"/*.vtu "$data"/tetgen.* .
 
 for file in ascii22.msh binary22.msh ascii41.msh binary41.msh medit.mesh ascii.vtk binary.vtk \
     ascii.vtu base64.vtu raw.vtu zlib.vtu tetgen.node square.msh; do
+    ! lacks $file || continue
     out=smooth.${file##*.}
     expect_status 0 "$program" smooth $file -o "$out" --json $file.json -q
     [ "$file" != tetgen.node ] || cmp tetgen.ele smooth.ele || fail "the companion of $file"
@@ -48,8 +49,10 @@ done
 
 python3 - <<'END' || fail "the formats differ"
 import json
+import os
 names = ("ascii22.msh binary22.msh ascii41.msh binary41.msh medit.mesh ascii.vtk binary.vtk "
          "ascii.vtu base64.vtu raw.vtu zlib.vtu").split()
+names = [name for name in names if os.path.exists(name + ".json")]
 reports = [json.load(open(name + ".json")) for name in names]
 for name, report in zip(names, reports):
     for state in ("before", "after"):
