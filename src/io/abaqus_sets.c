@@ -2,7 +2,8 @@
  *
  * An element or node may be in any number of sets, so that what it is of is an entity with one
  * physical group for each of them. Regions are told by less: by the ELSET= of *ELEMENT and by the
- * section that has the element, as sets are also made for loads and for output.
+ * section that has the element, as sets are also made for loads and for output. Names are those of
+ * a part or of the assembly: a set of the same name there is another.
  */
 #include "io/abaqus.h"
 
@@ -20,6 +21,7 @@ typedef enum set_kind { NODES, ELEMENTS } set_kind;
 
 typedef struct named_set {
     set_kind things;
+    int32_t scope; /* that the name is of, as of blocks */
     abaqus_span name;
     int32_t *member; /* [n] owned */
     int64_t n, capacity;
@@ -46,6 +48,12 @@ static char upper(char c) {
 
 /* ---- names -------------------------------------------------------------------------------- */
 
+static abaqus_span without_quotes(abaqus_span s) {
+    if (s.end - s.begin > 1 && *s.begin == '"' && s.end[-1] == '"')
+        return (abaqus_span){s.begin + 1, s.end - 1};
+    return s;
+}
+
 static int same_name(abaqus_span a, abaqus_span b) {
     if (a.end - a.begin != b.end - b.begin)
         return 0;
@@ -55,19 +63,22 @@ static int same_name(abaqus_span a, abaqus_span b) {
     return 1;
 }
 
-static uint64_t hash_name(set_kind things, abaqus_span name) {
-    uint64_t hash = 14695981039346656037u + (uint64_t)things;
+static uint64_t hash_name(set_kind things, int32_t scope, abaqus_span name) {
+    uint64_t hash = 14695981039346656037u + 2 * (uint64_t)(uint32_t)scope + (uint64_t)things;
     for (const char *c = name.begin; c < name.end; c++)
         hash = (hash ^ (uint64_t)(unsigned char)upper(*c)) * 1099511628211u;
     return hash ^ hash >> 29;
 }
 
+static int is_set(const named_set *set, set_kind things, int32_t scope, abaqus_span name) {
+    return set->things == things && set->scope == scope && same_name(set->name, name);
+}
+
 /** The slot of the set, or the free one where it belongs. */
-static int32_t *find_slot(const sets *s, set_kind things, abaqus_span name) {
+static int32_t *find_slot(const sets *s, set_kind things, int32_t scope, abaqus_span name) {
     const uint64_t mask = (uint64_t)s->n_slots - 1;
-    uint64_t at = hash_name(things, name) & mask;
-    while (s->slot[at] >= 0 &&
-           (s->set[s->slot[at]].things != things || !same_name(s->set[s->slot[at]].name, name)))
+    uint64_t at = hash_name(things, scope, name) & mask;
+    while (s->slot[at] >= 0 && !is_set(&s->set[s->slot[at]], things, scope, name))
         at = (at + 1) & mask;
     return &s->slot[at];
 }
@@ -85,28 +96,43 @@ static int grow_slots(sets *s) {
     s->slot = slot;
     s->n_slots = n_slots;
     for (int64_t i = 0; i < s->n_sets; i++)
-        *find_slot(s, s->set[i].things, s->set[i].name) = (int32_t)i;
+        *find_slot(s, s->set[i].things, s->set[i].scope, s->set[i].name) = (int32_t)i;
     return PLANISH_OK;
 }
 
-/** Index of the set of that name, or -1. */
-static int32_t find_set(const sets *s, set_kind things, abaqus_span name) {
-    return s->n_slots ? *find_slot(s, things, name) : -1;
+/** Index of the set of that name in a scope, or -1. */
+static int32_t find_set(const sets *s, set_kind things, int32_t scope, abaqus_span name) {
+    return s->n_slots ? *find_slot(s, things, scope, name) : -1;
 }
 
-/** The same, made if new; negative on failure. */
-static int32_t make_set(sets *s, set_kind things, abaqus_span name) {
+/** Index of the set that an item of a block names, or -1. INSTANCE.NAME, and any name behind
+ *  INSTANCE=, is the mesh's own; other names are of where the block is, or else, as some programs
+ *  write them, the mesh's or the assembly's. */
+static int32_t find_named(const sets *s, const abaqus_block *b, set_kind things, abaqus_span item) {
+    const int32_t mesh = s->reader->scope;
+    abaqus_span local = item;
+    const int is_of_mesh = abaqus_local(s->reader, b, &local);
+    item = without_quotes(item);
+    local = without_quotes(local);
+    int32_t set = is_of_mesh ? find_set(s, things, mesh, local) : -1;
+    set = set < 0 ? find_set(s, things, b->scope, item) : set;
+    set = set < 0 ? find_set(s, things, mesh, local) : set;
+    return set < 0 ? find_set(s, things, ABAQUS_IN_ASSEMBLY, local) : set;
+}
+
+/** The same as find_set, made if new; negative on failure. */
+static int32_t make_set(sets *s, set_kind things, int32_t scope, abaqus_span name) {
     int status = grow_slots(s);
     if (status)
         return status;
-    int32_t *slot = find_slot(s, things, name);
+    int32_t *slot = find_slot(s, things, scope, name);
     if (*slot >= 0)
         return *slot;
     named_set *grown = pl_grow(s->set, s->n_sets, s->n_sets + 1, &s->capacity, sizeof *grown);
     if (!grown)
         return pl_fail_memory(s->reader->error, "the sets of the file");
     s->set = grown;
-    s->set[s->n_sets] = (named_set){.things = things, .name = name};
+    s->set[s->n_sets] = (named_set){.things = things, .scope = scope, .name = name};
     return *slot = (int32_t)s->n_sets++;
 }
 
@@ -189,12 +215,6 @@ static int fail_item(const sets *s, abaqus_span item, const char *text) {
                         (int)(length < 32 ? length : 32), item.begin, text);
 }
 
-static abaqus_span without_quotes(abaqus_span s) {
-    if (s.end - s.begin > 1 && *s.begin == '"' && s.end[-1] == '"')
-        return (abaqus_span){s.begin + 1, s.end - 1};
-    return s;
-}
-
 /** A whole number that is written as a real one, as meshio does it. */
 static int whole_real(abaqus_span item, int64_t *number) {
     const char *at = item.begin;
@@ -213,9 +233,7 @@ static int add_item(sets *s, const abaqus_block *b, int32_t set, abaqus_span ite
     const int is_here = abaqus_local(s->reader, b, &local);
     if (abaqus_integer(local, &number) == 0)
         return is_here ? add_number(s, set, number) : PLANISH_OK;
-    int32_t from = find_set(s, s->set[set].things, without_quotes(item));
-    if (from < 0)
-        from = find_set(s, s->set[set].things, without_quotes(local));
+    const int32_t from = find_named(s, b, s->set[set].things, item);
     if (from < 0 && whole_real(item, &number) == 0)
         return is_here ? add_number(s, set, number) : PLANISH_OK;
     if (from < 0)
@@ -255,8 +273,8 @@ static int add_sequence(sets *s, const abaqus_block *b, int32_t set, abaqus_span
 }
 
 /** *NSET, ELSET=: the nodes of these cells. */
-static int add_nodes_of(sets *s, int32_t set, abaqus_span name) {
-    const int32_t from = find_set(s, ELEMENTS, name);
+static int add_nodes_of(sets *s, const abaqus_block *b, int32_t set, abaqus_span name) {
+    const int32_t from = find_named(s, b, ELEMENTS, name);
     int status = PLANISH_OK;
     for (int64_t i = 0; from >= 0 && i < s->set[from].n && !status; i++) {
         int64_t local;
@@ -275,11 +293,11 @@ static int read_set(sets *s, const abaqus_block *b, set_kind things) {
                             "a set without a name: %s= was expected",
                             things == NODES ? "NSET" : "ELSET");
     int status = things == ELEMENTS && !s->elements ? number_elements(s) : PLANISH_OK;
-    const int32_t set = status ? status : make_set(s, things, name);
+    const int32_t set = status ? status : make_set(s, things, b->scope, name);
     if (set < 0)
         return set;
     if (things == NODES && abaqus_parameter(b, "ELSET", &other))
-        return add_nodes_of(s, set, other);
+        return add_nodes_of(s, b, set, other);
     const int is_sequence = abaqus_parameter(b, "GENERATE", &other);
     io_cursor cursor = {b->data.begin, b->data.end};
     while (!status && abaqus_line(&cursor, &line)) {
@@ -304,7 +322,8 @@ static int read_node_sets(sets *s) {
         if (b->keyword != ABAQUS_NODE || b->scope != s->reader->scope)
             continue;
         const int64_t end = b->data.end - model->input.data;
-        const int32_t set = abaqus_parameter(b, "NSET", &name) ? make_set(s, NODES, name) : -1;
+        const int32_t set =
+            abaqus_parameter(b, "NSET", &name) ? make_set(s, NODES, b->scope, name) : -1;
         if (set < -1)
             return set;
         for (; node < model->n_nodes && model->text_offset[node] <= end && !status; node++)
@@ -320,7 +339,7 @@ static int read_element_sets(sets *s) {
         const abaqus_range *range = &s->reader->range[i];
         if (!range->set.begin)
             continue;
-        const int32_t set = make_set(s, ELEMENTS, range->set);
+        const int32_t set = make_set(s, ELEMENTS, s->reader->scope, range->set);
         if (set < 0)
             return set;
         for (int64_t k = range->begin; k < range->end && !status; k++)
@@ -352,8 +371,7 @@ static void hold_item(sets *s, const abaqus_block *b, abaqus_span item) {
             io_hold_node(model, node, IO_HELD_REQUIRED);
         return;
     }
-    int32_t set = find_set(s, NODES, item);
-    set = set < 0 ? find_set(s, NODES, local) : set;
+    const int32_t set = find_named(s, b, NODES, item);
     for (int64_t i = 0; set >= 0 && i < s->set[set].n; i++)
         io_hold_node(model, s->set[set].member[i], IO_HELD_REQUIRED);
 }
@@ -408,19 +426,27 @@ static int64_t region_key(const sets *s, int32_t block_set, int32_t section_set)
 static void choose_by_blocks(const sets *s, int32_t *block_set) {
     for (int64_t i = 0; i < s->reader->n_ranges; i++) {
         const abaqus_range *range = &s->reader->range[i];
-        const int32_t set = range->set.begin ? find_set(s, ELEMENTS, range->set) : -1;
+        const int32_t set =
+            range->set.begin ? find_set(s, ELEMENTS, s->reader->scope, range->set) : -1;
         for (int64_t k = range->begin; k < range->end; k++)
             block_set[s->first_cell[range->dim] + k] = set;
     }
 }
 
+/** The set that a section is of. A section in the assembly is one of an instance, so that its sets
+ *  are the mesh's; or those that the instance adds. */
+static int32_t set_of_section(const sets *s, const abaqus_block *b) {
+    abaqus_span name;
+    if (b->keyword != ABAQUS_SECTION || !abaqus_parameter(b, "ELSET", &name))
+        return -1;
+    const int is_of_mesh = b->scope <= 0 || b->scope == s->reader->scope;
+    const int32_t set = is_of_mesh ? find_set(s, ELEMENTS, s->reader->scope, name) : -1;
+    return set < 0 ? find_set(s, ELEMENTS, b->scope, name) : set;
+}
+
 static void choose_by_sections(const sets *s, int32_t *section_set) {
     for (int64_t i = 0; i < s->reader->n_blocks; i++) {
-        const abaqus_block *b = &s->reader->block[i];
-        abaqus_span name;
-        if (b->keyword != ABAQUS_SECTION || !abaqus_parameter(b, "ELSET", &name))
-            continue;
-        const int32_t set = find_set(s, ELEMENTS, name);
+        const int32_t set = set_of_section(s, &s->reader->block[i]);
         for (int64_t k = 0; set >= 0 && k < s->set[set].n; k++)
             section_set[s->set[set].member[k]] = set;
     }

@@ -216,6 +216,31 @@ static void parts_are_understood(void **state) {
                   "test:6: several parts have nodes");
 }
 
+/* Sets of the part, sections of these, and sets of the assembly that have the same names. */
+#define NAMES(more)                                                                                \
+    "*PART,NAME=P\n" PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n*NSET,NSET=N\n1\n"                \
+    "*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n*END PART\n"                                  \
+    "*PART,NAME=Q\n*ELSET,ELSET=A\n*SOLID SECTION,ELSET=A\n*END PART\n"                            \
+    "*ASSEMBLY,NAME=X\n*INSTANCE,NAME=P-1,PART=P\n*END INSTANCE\n" more "*END ASSEMBLY\n"
+
+static void names_are_of_part_or_assembly(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *tag, *held;
+    } cases[] = {
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1,GENERATE\n1,2\n"), NULL, "011100000"},
+        {NAMES("*ELSET,ELSET=A,INSTANCE=P-1\n2\n"), "A", "111110000"},
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1\n1\n*ELSET,ELSET=C\nB\n"), "C", "111100000"},
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1\n1\n*ELSET,ELSET=C\nP-1.B\n"), "C", "011110000"},
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1\n1\n*ELSET,ELSET=C,INSTANCE=P-1\nB\n"), "C",
+         "011110000"},
+        {NAMES("*NSET,NSET=N,INSTANCE=P-1\n9\n*EQUATION\n1\nN,1,1.\n"), NULL, "011100001"},
+        {NAMES("*NSET,NSET=N,INSTANCE=P-1\n9\n*MPC\nTIE,P-1.N\n"), NULL, "111100000"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
+}
+
 static void wrong_files_are_refused(void **state) {
     (void)state;
     static const struct {
@@ -344,6 +369,7 @@ int main(void) {
         cmocka_unit_test(members_are_counted_once),
         cmocka_unit_test(types_are_known),
         cmocka_unit_test(parts_are_understood),
+        cmocka_unit_test(names_are_of_part_or_assembly),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(contents_are_recognised),
         cmocka_unit_test(line_ends_may_be_any),
