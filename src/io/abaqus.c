@@ -91,10 +91,10 @@ static abaqus_span without_quotes(abaqus_span s) {
     return s;
 }
 
-int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value) {
-    abaqus_span rest = block->parameters, item;
+static int parameter_of_line(abaqus_span line, const char *name, abaqus_span *value) {
+    abaqus_span item;
     char found[NAME_SIZE];
-    while (abaqus_item(&rest, &item)) {
+    while (abaqus_item(&line, &item)) {
         const char *equals = memchr(item.begin, '=', (size_t)length_of(item));
         squeeze((abaqus_span){item.begin, equals ? equals : item.end}, found);
         if (strcmp(found, name) != 0)
@@ -103,6 +103,15 @@ int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *v
                         : (abaqus_span){item.end, item.end};
         return 1;
     }
+    return 0;
+}
+
+int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value) {
+    io_cursor cursor = {block->parameters.begin, block->parameters.end};
+    abaqus_span line; /* comments may stand between those of a keyword */
+    while (abaqus_line(&cursor, &line))
+        if (parameter_of_line(line, name, value))
+            return 1;
     return 0;
 }
 

@@ -145,6 +145,11 @@ static void regions_are_blocks_and_sections(void **state) {
                               "*ELEMENT,TYPE=C3D4,ELSET=B\n2,2,3,4,5\n";
     check_held(two, NULL, 0, "01110");
     check_held(two, NULL, 1, "00000");
+    static const char commented[] =
+        "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
+        "*ELEMENT,TYPE=C3D4,\n** a comment, and more\n\nELSET=A\n1,1,2,3,4\n"
+        "*ELEMENT,\n**\n TYPE=C3D4,\n** ELSET=A,\n** one more\nELSET=B\n2,2,3,4,5\n";
+    check_held(commented, NULL, 0, "01110");
     check_held(PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n", NULL, 0, "000000000");
     check_held(PAIR "*ELSET,ELSET=A\n1\n*SOLID SECTION,ELSET=A\n1.\n", NULL, 0, "011100000");
     check_held(PAIR "*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2\n*Solid Section,elset=a\n1.\n", NULL, 0,
