@@ -56,10 +56,26 @@ int abaqus_line(io_cursor *cursor, abaqus_span *line) {
     return 0;
 }
 
+/** The first comma that is not between quotes, or NULL. */
+static const char *find_comma(abaqus_span line) {
+    const char *at = line.begin;
+    const char *comma = memchr(at, ',', (size_t)(line.end - at));
+    while (comma) {
+        const char *open = memchr(at, '"', (size_t)(comma - at));
+        const char *close = open ? memchr(open + 1, '"', (size_t)(line.end - open - 1)) : NULL;
+        if (!close)
+            return comma;
+        at = close + 1;
+        if (comma < at)
+            comma = memchr(at, ',', (size_t)(line.end - at));
+    }
+    return NULL;
+}
+
 int abaqus_item(abaqus_span *line, abaqus_span *item) {
     if (!line->begin)
         return 0;
-    const char *comma = memchr(line->begin, ',', (size_t)length_of(*line));
+    const char *comma = find_comma(*line);
     *item = trim((abaqus_span){line->begin, comma ? comma : line->end});
     line->begin = comma ? comma + 1 : NULL;
     return 1;
@@ -85,10 +101,12 @@ static void squeeze(abaqus_span item, char name[NAME_SIZE]) {
     name[n] = '\0';
 }
 
-static abaqus_span without_quotes(abaqus_span s) {
-    if (length_of(s) > 1 && *s.begin == '"' && s.end[-1] == '"')
-        return (abaqus_span){s.begin + 1, s.end - 1};
-    return s;
+int abaqus_is_quoted(abaqus_span s) {
+    return length_of(s) > 1 && *s.begin == '"' && s.end[-1] == '"';
+}
+
+abaqus_span abaqus_unquoted(abaqus_span s) {
+    return abaqus_is_quoted(s) ? (abaqus_span){s.begin + 1, s.end - 1} : s;
 }
 
 static int parameter_of_line(abaqus_span line, const char *name, abaqus_span *value) {
@@ -99,8 +117,8 @@ static int parameter_of_line(abaqus_span line, const char *name, abaqus_span *va
         squeeze((abaqus_span){item.begin, equals ? equals : item.end}, found);
         if (strcmp(found, name) != 0)
             continue;
-        *value = equals ? without_quotes(trim((abaqus_span){equals + 1, item.end}))
-                        : (abaqus_span){item.end, item.end};
+        *value =
+            equals ? trim((abaqus_span){equals + 1, item.end}) : (abaqus_span){item.end, item.end};
         return 1;
     }
     return 0;
@@ -293,8 +311,10 @@ static int find_scope(abaqus_reader *r) {
 
 static int check_system(const abaqus_reader *r, const abaqus_block *b) {
     abaqus_span system;
-    if (!abaqus_parameter(b, "SYSTEM", &system) || length_of(system) == 0 ||
-        upper(*system.begin) == 'R')
+    if (!abaqus_parameter(b, "SYSTEM", &system))
+        return PLANISH_OK;
+    system = abaqus_unquoted(system);
+    if (length_of(system) == 0 || upper(*system.begin) == 'R')
         return PLANISH_OK;
     return fail_block(r, b,
                       "*NODE, SYSTEM=: cylindrical and spherical coordinates are not read; write "
@@ -562,7 +582,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     int status = PLANISH_OK;
     if (!abaqus_parameter(b, "TYPE", &type_item) || length_of(type_item) == 0)
         return fail_block(r, b, "*ELEMENT without TYPE=");
-    squeeze(type_item, type);
+    squeeze(abaqus_unquoted(type_item), type);
     const shape kind = shape_of(type);
     const int is_here = b->scope == r->scope;
     if (kind.is_second_order)

@@ -33,7 +33,8 @@ typedef struct sets {
     abaqus_reader *reader;
     named_set *set; /* [n_sets] */
     int64_t n_sets, capacity;
-    int32_t *slot; /* [n_slots] hash table of the names: index or -1 */
+    int32_t *slot[2]; /* [n_slots] hash tables of the names: index or -1; of names with fold the
+                         first set that has it */
     int64_t n_slots;
     int64_t n[2];          /* things: nodes, cells */
     int64_t first_cell[4]; /* of each dimension among the cells */
@@ -48,39 +49,52 @@ static char upper(char c) {
 
 /* ---- names -------------------------------------------------------------------------------- */
 
-static abaqus_span without_quotes(abaqus_span s) {
-    if (s.end - s.begin > 1 && *s.begin == '"' && s.end[-1] == '"')
-        return (abaqus_span){s.begin + 1, s.end - 1};
-    return s;
+/** Letters in quotes are what they are; other names are read as if in capitals. fold: all are. */
+static char letter(const char *at, int is_quoted, int fold) {
+    return is_quoted && !fold ? *at : upper(*at);
 }
 
-static int same_name(abaqus_span a, abaqus_span b) {
+static int same_name(abaqus_span a, abaqus_span b, int fold) {
+    const int a_quoted = abaqus_is_quoted(a), b_quoted = abaqus_is_quoted(b);
+    a = abaqus_unquoted(a);
+    b = abaqus_unquoted(b);
     if (a.end - a.begin != b.end - b.begin)
         return 0;
     for (int64_t i = 0; i < a.end - a.begin; i++)
-        if (upper(a.begin[i]) != upper(b.begin[i]))
+        if (letter(a.begin + i, a_quoted, fold) != letter(b.begin + i, b_quoted, fold))
             return 0;
     return 1;
 }
 
-static uint64_t hash_name(set_kind things, int32_t scope, abaqus_span name) {
+static uint64_t hash_name(set_kind things, int32_t scope, abaqus_span name, int fold) {
     uint64_t hash = 14695981039346656037u + 2 * (uint64_t)(uint32_t)scope + (uint64_t)things;
+    const int is_quoted = abaqus_is_quoted(name);
+    name = abaqus_unquoted(name);
     for (const char *c = name.begin; c < name.end; c++)
-        hash = (hash ^ (uint64_t)(unsigned char)upper(*c)) * 1099511628211u;
+        hash = (hash ^ (uint64_t)(unsigned char)letter(c, is_quoted, fold)) * 1099511628211u;
     return hash ^ hash >> 29;
 }
 
-static int is_set(const named_set *set, set_kind things, int32_t scope, abaqus_span name) {
-    return set->things == things && set->scope == scope && same_name(set->name, name);
+/** The slot of the set, or the free one where it belongs. */
+static int32_t *find_slot(const sets *s, set_kind things, int32_t scope, abaqus_span name,
+                          int fold) {
+    const uint64_t mask = (uint64_t)s->n_slots - 1;
+    uint64_t at = hash_name(things, scope, name, fold) & mask;
+    for (;; at = (at + 1) & mask) {
+        int32_t *slot = &s->slot[fold][at];
+        const named_set *set = *slot < 0 ? NULL : &s->set[*slot];
+        if (!set ||
+            (set->things == things && set->scope == scope && same_name(set->name, name, fold)))
+            return slot;
+    }
 }
 
-/** The slot of the set, or the free one where it belongs. */
-static int32_t *find_slot(const sets *s, set_kind things, int32_t scope, abaqus_span name) {
-    const uint64_t mask = (uint64_t)s->n_slots - 1;
-    uint64_t at = hash_name(things, scope, name) & mask;
-    while (s->slot[at] >= 0 && !is_set(&s->set[s->slot[at]], things, scope, name))
-        at = (at + 1) & mask;
-    return &s->slot[at];
+static void put_into_slots(sets *s, int32_t index) {
+    const named_set *set = &s->set[index];
+    for (int fold = 0; fold < 2; fold++) {
+        int32_t *slot = find_slot(s, set->things, set->scope, set->name, fold);
+        *slot = *slot < 0 ? index : *slot;
+    }
 }
 
 static int grow_slots(sets *s) {
@@ -88,21 +102,26 @@ static int grow_slots(sets *s) {
     if (2 * s->n_sets < s->n_slots)
         return PLANISH_OK;
     const int64_t n_slots = s->n_slots ? 2 * s->n_slots : FIRST_SLOTS;
-    int32_t *slot = pl_alloc(n_slots, sizeof *slot);
-    if (!slot)
-        return pl_fail_memory(s->reader->error, "the sets of the file");
-    memset(slot, -1, (size_t)n_slots * sizeof *slot);
-    pl_free(s->slot);
-    s->slot = slot;
+    for (int fold = 0; fold < 2; fold++) {
+        pl_free(s->slot[fold]);
+        s->slot[fold] = pl_alloc(n_slots, sizeof *s->slot[fold]);
+        if (!s->slot[fold])
+            return pl_fail_memory(s->reader->error, "the sets of the file");
+        memset(s->slot[fold], -1, (size_t)n_slots * sizeof *s->slot[fold]);
+    }
     s->n_slots = n_slots;
     for (int64_t i = 0; i < s->n_sets; i++)
-        *find_slot(s, s->set[i].things, s->set[i].scope, s->set[i].name) = (int32_t)i;
+        put_into_slots(s, (int32_t)i);
     return PLANISH_OK;
 }
 
-/** Index of the set of that name in a scope, or -1. */
+/** Index of the set of that name in a scope, or of one that differs by the case of its letters; or
+ *  -1. */
 static int32_t find_set(const sets *s, set_kind things, int32_t scope, abaqus_span name) {
-    return s->n_slots ? *find_slot(s, things, scope, name) : -1;
+    if (s->n_slots == 0)
+        return -1;
+    const int32_t set = *find_slot(s, things, scope, name, 0);
+    return set >= 0 ? set : *find_slot(s, things, scope, name, 1);
 }
 
 /** Index of the set that an item of a block names, or -1. INSTANCE.NAME, and any name behind
@@ -112,28 +131,27 @@ static int32_t find_named(const sets *s, const abaqus_block *b, set_kind things,
     const int32_t mesh = s->reader->scope;
     abaqus_span local = item;
     const int is_of_mesh = abaqus_local(s->reader, b, &local);
-    item = without_quotes(item);
-    local = without_quotes(local);
     int32_t set = is_of_mesh ? find_set(s, things, mesh, local) : -1;
     set = set < 0 ? find_set(s, things, b->scope, item) : set;
     set = set < 0 ? find_set(s, things, mesh, local) : set;
     return set < 0 ? find_set(s, things, ABAQUS_IN_ASSEMBLY, local) : set;
 }
 
-/** The same as find_set, made if new; negative on failure. */
+/** Index of the set of just that name, made if new; negative on failure. */
 static int32_t make_set(sets *s, set_kind things, int32_t scope, abaqus_span name) {
     int status = grow_slots(s);
     if (status)
         return status;
-    int32_t *slot = find_slot(s, things, scope, name);
-    if (*slot >= 0)
-        return *slot;
+    const int32_t found = *find_slot(s, things, scope, name, 0);
+    if (found >= 0)
+        return found;
     named_set *grown = pl_grow(s->set, s->n_sets, s->n_sets + 1, &s->capacity, sizeof *grown);
     if (!grown)
         return pl_fail_memory(s->reader->error, "the sets of the file");
     s->set = grown;
     s->set[s->n_sets] = (named_set){.things = things, .scope = scope, .name = name};
-    return *slot = (int32_t)s->n_sets++;
+    put_into_slots(s, (int32_t)s->n_sets);
+    return (int32_t)s->n_sets++;
 }
 
 /* ---- members ------------------------------------------------------------------------------ */
@@ -594,6 +612,7 @@ static int make_groups(sets *s) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < s->n_sets && !status; i++) {
         const named_set *set = &s->set[i];
+        const abaqus_span name = abaqus_unquoted(set->name);
         unsigned dims = 0;
         for (int64_t k = 0; set->things == ELEMENTS && k < set->n; k++) {
             int64_t local;
@@ -602,8 +621,8 @@ static int make_groups(sets *s) {
         dims = dims ? dims : 1; /* nodes; or elements that are not kept, which hold theirs */
         for (int dim = 0; dim <= 3 && !status; dim++)
             if (dims >> dim & 1)
-                status = io_model_group(s->reader->model, dim, (int32_t)i + 1, set->name.begin,
-                                        set->name.end - set->name.begin, s->reader->error);
+                status = io_model_group(s->reader->model, dim, (int32_t)i + 1, name.begin,
+                                        name.end - name.begin, s->reader->error);
     }
     return status;
 }
@@ -671,7 +690,8 @@ int abaqus_read_sets(abaqus_reader *reader) {
     for (int64_t i = 0; i < s.n_sets; i++)
         pl_free(s.set[i].member);
     pl_free(s.set);
-    pl_free(s.slot);
+    pl_free(s.slot[0]);
+    pl_free(s.slot[1]);
     pl_free(s.stamp[NODES]);
     pl_free(s.stamp[ELEMENTS]);
     io_numbers_destroy(s.elements);

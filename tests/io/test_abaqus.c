@@ -156,6 +156,34 @@ static void regions_are_blocks_and_sections(void **state) {
                "000000000");
 }
 
+/* Quotes keep commas, blanks and the case of letters. */
+#define QUOTED(a, b, more)                                                                         \
+    "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"                                         \
+    "*ELEMENT,TYPE=\"C3D4\",ELSET=" a "\n1,1,2,3,4\n"                                              \
+    "*ELEMENT,TYPE=C3D4, ELSET = " b "\n2,2,3,4,5\n" more
+
+static void names_may_be_quoted(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *tag, *held;
+    } cases[] = {
+        {QUOTED("\"st, 1\"", "\"st, 2\"", ""), NULL, "01110"},
+        {QUOTED("\"st, 1\"", "\"st, 2\"", ""), "st, 2", "01111"},
+        {QUOTED("\"st, 1\"", "\"ST, 1\"", ""), NULL, "01110"},
+        {QUOTED("\"st, 1\"", "\"st, 1\"", ""), NULL, "00000"},
+        {QUOTED("st", "ST", ""), NULL, "00000"},
+        {QUOTED("\"ST\"", "st", ""), NULL, "00000"},
+        {QUOTED("\"st\"", "st", ""), NULL, "01110"},
+        {QUOTED("\"st", "\"st", ""), NULL, "00000"},
+        {QUOTED("\"a\"\"b\"", "\"a\"\"c\"", ""), NULL, "01110"},
+        {QUOTED("\"a, 1\"", "B", "*ELSET,ELSET=C\n\"a, 1\",\n"), "C", "11110"},
+        {QUOTED("\"a\"", "\"A\"", "*ELSET,ELSET=C\nA\n"), "C", "01111"},
+        {QUOTED("\"a\"", "B", "*ELSET,ELSET=C\nA\n"), "C", "11110"}, /* there is no other */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
+}
+
 /** Sets that the file comes back to name a member once. */
 static void members_are_counted_once(void **state) {
     (void)state;
@@ -371,6 +399,7 @@ int main(void) {
         cmocka_unit_test(sets_are_groups),
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(regions_are_blocks_and_sections),
+        cmocka_unit_test(names_may_be_quoted),
         cmocka_unit_test(members_are_counted_once),
         cmocka_unit_test(types_are_known),
         cmocka_unit_test(parts_are_understood),
