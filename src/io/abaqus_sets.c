@@ -41,6 +41,8 @@ typedef struct sets {
     int32_t *stamp[2];     /* [n] 1 + the set that had the thing last */
     io_numbers *elements;  /* the numbers of cells, made when they are wanted */
     int64_t n_members;
+    int64_t n_asked; /* members that sequences and sets of sets asked for, those included that were
+                        there already */
 } sets;
 
 static char upper(char c) {
@@ -210,16 +212,31 @@ static int64_t find_thing(const sets *s, set_kind things, int64_t number) {
     return things == NODES ? abaqus_node(s->reader, number) : io_numbers_find(s->elements, number);
 }
 
+/** A line at that place asks for n members. A few bytes can ask for all things that there are, and
+ *  a file that does so again and again for the square of its size. */
+static int ask_for(sets *s, const char *at, int64_t n) {
+    enum { PER_BYTE = 8, SMALLEST = 1000000 };
+    const int64_t most = SMALLEST + PER_BYTE * s->reader->model->input.size;
+    s->n_asked += n;
+    if (s->n_asked <= most)
+        return PLANISH_OK;
+    return io_fail_text(s->reader->model, at, s->reader->error,
+                        "the sets have more than %lld members, too many for a file of this size: "
+                        "sets or sequences stand in others over and over",
+                        (long long)most);
+}
+
 static int add_number(sets *s, int32_t set, int64_t number) {
     const int64_t thing = find_thing(s, s->set[set].things, number);
     return thing < 0 ? PLANISH_OK : add_member(s, set, (int32_t)thing);
 }
 
-static int add_set(sets *s, int32_t set, int32_t from) {
+/** at: where the file says so. */
+static int add_set(sets *s, int32_t set, int32_t from, const char *at) {
     named_set *f = &s->set[from];
-    int status = PLANISH_OK;
     if (from == set || (f->last_into == set + 1 && f->last_n == f->n))
         return PLANISH_OK;
+    int status = ask_for(s, at, f->n);
     for (int64_t i = 0; i < f->n && !status; i++)
         status = add_member(s, set, f->member[i]);
     f->last_into = set + 1;
@@ -258,7 +275,7 @@ static int add_item(sets *s, const abaqus_block *b, int32_t set, abaqus_span ite
         return fail_item(s, item,
                          "neither a number nor the name of a set that is defined before (sets "
                          "must stand before those that they are part of)");
-    return add_set(s, set, from);
+    return add_set(s, set, from, item.begin);
 }
 
 /** GENERATE: first, last, step. */
@@ -277,7 +294,9 @@ static int add_sequence(sets *s, const abaqus_block *b, int32_t set, abaqus_span
     const int64_t first = number[0], last = number[1], step = number[2] > 0 ? number[2] : 1;
     if (!is_here || last < first)
         return PLANISH_OK;
-    if ((last - first) / step < s->n[things]) {
+    const int64_t n_numbers = (last - first) / step + 1;
+    status = ask_for(s, line.begin, n_numbers < s->n[things] ? n_numbers : s->n[things]);
+    if (n_numbers <= s->n[things]) {
         for (int64_t i = first; i <= last && !status; i += step)
             status = add_number(s, set, i);
         return status;
@@ -293,8 +312,10 @@ static int add_sequence(sets *s, const abaqus_block *b, int32_t set, abaqus_span
 /** *NSET, ELSET=: the nodes of these cells. */
 static int add_nodes_of(sets *s, const abaqus_block *b, int32_t set, abaqus_span name) {
     const int32_t from = find_named(s, b, ELEMENTS, name);
-    int status = PLANISH_OK;
-    for (int64_t i = 0; from >= 0 && i < s->set[from].n && !status; i++) {
+    if (from < 0)
+        return PLANISH_OK;
+    int status = ask_for(s, name.begin, s->set[from].n);
+    for (int64_t i = 0; i < s->set[from].n && !status; i++) {
         int64_t local;
         const int dim = dim_of(s, s->set[from].member[i], &local);
         const int32_t *nodes = abaqus_cells(s->reader->model, dim)->nodes + local * (dim + 1);

@@ -314,6 +314,43 @@ static void wrong_files_are_refused(void **state) {
         reading_fails(format, cases[i].text, cases[i].word);
 }
 
+/** The file of n nodes in the set N and n elements in the set A, and n times what repeated says
+ *  (a format for a number). */
+static char *repeating(int n, const char *more, const char *repeated) {
+    file_builder builder = {.data = NULL};
+    builder_text(&builder, "*NODE,NSET=N\n1,0,0\n2,1,0\n3,0,1\n");
+    for (int i = 3; i < n; i++)
+        builder_text(&builder, "%d,0,0\n", i + 1);
+    builder_text(&builder, "*ELEMENT,TYPE=CPS3,ELSET=A\n");
+    for (int i = 0; i < n; i++)
+        builder_text(&builder, "%d,1,2,3\n", i + 1);
+    builder_text(&builder, "%s", more);
+    for (int i = 0; i < n; i++)
+        builder_text(&builder, repeated, i);
+    builder_text(&builder, "\n%c", '\0');
+    return builder.data;
+}
+
+/** Sets that a small file makes large again and again. */
+static void sets_have_a_limit(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"", "*ELSET,ELSET=X%d\nA\n"},
+        {"", "*NSET,NSET=X%d,ELSET=A\n"},
+        {"", "*ELSET,ELSET=X\nA\n*ELSET,ELSET=Y\nA\n** %d\n"},
+        {"*ELSET,ELSET=X,GENERATE\n", "1,2000,1\n** %d\n"},
+        {"*NSET,NSET=X,GENERATE\n", "1,999999,1\n** %d\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char *text = repeating(2000, cases[i][0], cases[i][1]);
+        reading_fails(format, text, "too many for a file of this size");
+        free(text);
+        text = repeating(200, cases[i][0], cases[i][1]);
+        planish_file_close(reading_text(format, text));
+        free(text);
+    }
+}
+
 static void contents_are_recognised(void **state) {
     (void)state;
     static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n"};
@@ -405,6 +442,7 @@ int main(void) {
         cmocka_unit_test(parts_are_understood),
         cmocka_unit_test(names_are_of_part_or_assembly),
         cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(sets_have_a_limit),
         cmocka_unit_test(contents_are_recognised),
         cmocka_unit_test(line_ends_may_be_any),
         cmocka_unit_test(bad_files_do_no_harm),
