@@ -25,8 +25,9 @@ typedef struct named_set {
     abaqus_span name;
     int32_t *member; /* [n] owned */
     int64_t n, capacity;
-    int32_t last_into; /* 1 + the set that it was put into last, */
-    int64_t last_n;    /* and with how many members */
+    int32_t last_into;          /* 1 + the set that it was put into last, */
+    int64_t last_n;             /* and with how many members */
+    int is_held, is_of_section; /* its members have been told so */
 } named_set;
 
 typedef struct sets {
@@ -411,8 +412,11 @@ static void hold_item(sets *s, const abaqus_block *b, abaqus_span item) {
         return;
     }
     const int32_t set = find_named(s, b, NODES, item);
-    for (int64_t i = 0; set >= 0 && i < s->set[set].n; i++)
+    if (set < 0 || s->set[set].is_held)
+        return;
+    for (int64_t i = 0; i < s->set[set].n; i++)
         io_hold_node(model, s->set[set].member[i], IO_HELD_REQUIRED);
+    s->set[set].is_held = 1;
 }
 
 /** *EQUATION: the number of terms, then node (or set), component and factor of each. */
@@ -483,11 +487,18 @@ static int32_t set_of_section(const sets *s, const abaqus_block *b) {
     return set < 0 ? find_set(s, ELEMENTS, b->scope, name) : set;
 }
 
-static void choose_by_sections(const sets *s, int32_t *section_set) {
-    for (int64_t i = 0; i < s->reader->n_blocks; i++) {
-        const int32_t set = set_of_section(s, &s->reader->block[i]);
-        for (int64_t k = 0; set >= 0 && k < s->set[set].n; k++)
-            section_set[s->set[set].member[k]] = set;
+/** The last section that has a cell tells: from the last to the first, so that no set is walked
+ *  twice. section_set: -1 as yet. */
+static void choose_by_sections(sets *s, int32_t *section_set) {
+    for (int64_t i = s->reader->n_blocks - 1; i >= 0; i--) {
+        const int32_t index = set_of_section(s, &s->reader->block[i]);
+        named_set *set = index < 0 ? NULL : &s->set[index];
+        if (!set || set->is_of_section)
+            continue;
+        for (int64_t k = 0; k < set->n; k++)
+            if (section_set[set->member[k]] < 0)
+                section_set[set->member[k]] = index;
+        set->is_of_section = 1;
     }
 }
 

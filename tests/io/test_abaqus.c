@@ -351,6 +351,42 @@ static void sets_have_a_limit(void **state) {
     }
 }
 
+/** Sets that a file names very often, as constraints and sections do: none of these is walked more
+ *  than once (that would take minutes). */
+static void sets_may_be_named_often(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"*MPC\n", "BEAM,N,N,N,N,N,N,N,N\n** %d\n"},
+        {"*EQUATION\n", "4\nN,1,1.,N,2,1.,N,3,1.,N,1,1.\n** %d\n"},
+        {"", "*SOLID SECTION,ELSET=A\n** %d\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char *text = repeating(300000, cases[i][0], cases[i][1]);
+        planish_file *file = reading_text(format, text);
+        assert_int_equal(file->model.hold[299999], i < 2 ? IO_HELD_REQUIRED : 0);
+        planish_file_close(file);
+        free(text);
+    }
+}
+
+/** Of sections that have the same element the last tells. */
+static void sections_may_overlap(void **state) {
+    (void)state;
+    static const char sets[] = PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n1,2\n";
+    static const struct {
+        const char *sections, *held;
+    } cases[] = {
+        {"*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n", "000000000"},
+        {"*SOLID SECTION,ELSET=B\n*SOLID SECTION,ELSET=A\n", "011100000"},
+        {"*SOLID SECTION,ELSET=B\n*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n", "000000000"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "%s%s", sets, cases[i].sections);
+        check_held(text, NULL, 0, cases[i].held);
+    }
+}
+
 static void contents_are_recognised(void **state) {
     (void)state;
     static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n"};
@@ -443,6 +479,8 @@ int main(void) {
         cmocka_unit_test(names_are_of_part_or_assembly),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(sets_have_a_limit),
+        cmocka_unit_test(sets_may_be_named_often),
+        cmocka_unit_test(sections_may_overlap),
         cmocka_unit_test(contents_are_recognised),
         cmocka_unit_test(line_ends_may_be_any),
         cmocka_unit_test(bad_files_do_no_harm),
