@@ -133,6 +133,14 @@ int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *v
     return 0;
 }
 
+/** Behind the mark (U+FEFF) that some editors put before text in UTF-8. */
+static io_cursor behind_mark(const char *data, int64_t size) {
+    static const char mark[] = "\xEF\xBB\xBF";
+    const int64_t n = sizeof mark - 1;
+    const int is_there = size >= n && memcmp(data, mark, (size_t)n) == 0;
+    return (io_cursor){is_there ? data + n : data, data + size};
+}
+
 /* ---- blocks ------------------------------------------------------------------------------- */
 
 typedef struct known_keyword {
@@ -237,7 +245,7 @@ static int is_of_mesh(abaqus_keyword keyword) {
 
 static int find_blocks(abaqus_reader *r) {
     const char *data = r->model->input.data, *end = data + r->model->input.size;
-    io_cursor cursor = {data, end};
+    io_cursor cursor = behind_mark(data, r->model->input.size);
     int status = PLANISH_OK;
     int32_t scope = 0, n_parts = 0;
     abaqus_block *open = NULL;
@@ -424,8 +432,8 @@ static int read_nodes(abaqus_reader *r) {
 int64_t abaqus_node(const abaqus_reader *r, int64_t number) {
     if (r->numbers)
         return io_numbers_find(r->numbers, number);
-    const int64_t index = number - r->model->first_number;
-    return index >= 0 && index < r->model->n_nodes ? index : -1;
+    const int64_t first = r->model->first_number; /* not negative */
+    return number >= first && number - first < r->model->n_nodes ? number - first : -1;
 }
 
 /* ---- types of elements -------------------------------------------------------------------- */
@@ -646,7 +654,7 @@ static int read_abaqus(io_model *model, planish_error *error) {
 /** The first keyword is one that such files begin with, and few others do. */
 static int recognise(const char *data, int64_t size) {
     static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT"};
-    io_cursor cursor = {data, data + size};
+    io_cursor cursor = behind_mark(data, size);
     abaqus_span line, item;
     char name[NAME_SIZE];
     if (!abaqus_line(&cursor, &line) || *line.begin != '*')

@@ -129,6 +129,7 @@ static void nodes_are_held(void **state) {
         {PAIR "*ELEMENT,TYPE=B32\n3,6,7,8\n", "000001110"},
         {PAIR "*ELEMENT,TYPE=MASS\n3,9\n", "000000001"},
         {PAIR "*ELEMENT,TYPE=U1\n3,6,\n7\n4,9", "000001101"},
+        {PAIR "*ELEMENT,TYPE=U1\n3,-9223372036854775808,9223372036854775807,6\n", "000001000"},
         {PAIR "*EQUATION\n2\n6,1,1.,7,1,-1.\n3\n8,1,1.,9,2,1.\n1,3,5.\n", "100001111"},
         {PAIR "*NSET,NSET=N\n6,8\n*EQUATION\n2\nN,1,1.,7,1,-1.\n", "000001110"},
         {PAIR "*MPC\nTIE,6,7\nBEAM,9,8\n", "000001111"},
@@ -389,7 +390,8 @@ static void sections_may_overlap(void **state) {
 
 static void contents_are_recognised(void **state) {
     (void)state;
-    static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n"};
+    static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n",
+                                      "\xEF\xBB\xBF*Node\n"};
     static const char *const no[] = {"", "**\n", "*KEYWORD\n*NODE\n", "1 2 3\n", "*nodes\n", "*\n"};
     for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
         assert_true(format->recognise(yes[i], (int64_t)strlen(yes[i])));
@@ -418,6 +420,15 @@ static void line_ends_may_be_any(void **state) {
         planish_file_close(file);
     }
     free(text);
+}
+
+/** A byte order mark before the first keyword. */
+static void text_may_begin_with_a_mark(void **state) {
+    (void)state;
+    check_held("\xEF\xBB\xBF" PAIR "*ELSET,ELSET=A\n1\n", "A", 0, "111100000");
+    check_held("\xEF\xBB\xBF** a comment\n" PAIR, NULL, 0, "000000000");
+    reading_fails(format, "\xEF\xBB\xBF", "no *NODE");
+    reading_fails(format, "\xEF\xBB", "no *NODE");
 }
 
 static void build(file_builder *builder, const char *text) {
@@ -483,6 +494,7 @@ int main(void) {
         cmocka_unit_test(sections_may_overlap),
         cmocka_unit_test(contents_are_recognised),
         cmocka_unit_test(line_ends_may_be_any),
+        cmocka_unit_test(text_may_begin_with_a_mark),
         cmocka_unit_test(bad_files_do_no_harm),
         cmocka_unit_test_setup_teardown(only_what_changed_is_written, test_folder_create,
                                         test_folder_remove),
