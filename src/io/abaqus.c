@@ -498,12 +498,25 @@ io_cells *abaqus_cells(io_model *model, int dim) {
     return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
 }
 
+/** The last point between INSTANCE and NAME, or NULL: none that is in quotes or behind nothing but
+ *  digits, as in a real number. */
+static const char *find_point(abaqus_span item) {
+    const char *point = NULL;
+    int is_quoted = 0, is_number = 0;
+    for (const char *c = item.begin; c < item.end; c++) {
+        is_quoted ^= *c == '"';
+        if (*c == '.' && !is_quoted && !is_number)
+            point = c;
+        const int begins = c == item.begin || c[-1] == '.';
+        is_number = is_digit(*c) && (is_number || begins);
+    }
+    return point;
+}
+
 int abaqus_local(const abaqus_reader *r, const abaqus_block *b, abaqus_span *item) {
-    const char *dot = NULL;
-    for (const char *c = item->begin; c < item->end; c++)
-        dot = *c == '.' ? c : dot;
     if (b->scope == r->scope)
         return 1;
+    const char *dot = find_point(*item);
     if (dot)
         item->begin = dot + 1;
     return dot != NULL || b->has_instance;

@@ -251,10 +251,12 @@ static int fail_item(const sets *s, abaqus_span item, const char *text) {
                         (int)(length < 32 ? length : 32), item.begin, text);
 }
 
-/** A whole number that is written as a real one, as meshio does it. */
-static int whole_real(abaqus_span item, int64_t *number) {
+/** A whole number, also one that is written as a real one, as meshio does it. 0 or -1. */
+static int whole_number(abaqus_span item, int64_t *number) {
     const char *at = item.begin;
     double value;
+    if (abaqus_integer(item, number) == 0)
+        return 0;
     if (io_parse_real(&at, item.end, &value) || at != item.end || !(value >= 0) ||
         value > INT32_MAX || value != (double)(int64_t)value)
         return -1;
@@ -267,10 +269,9 @@ static int add_item(sets *s, const abaqus_block *b, int32_t set, abaqus_span ite
     int64_t number;
     abaqus_span local = item;
     const int is_here = abaqus_local(s->reader, b, &local);
-    if (abaqus_integer(local, &number) == 0)
-        return is_here ? add_number(s, set, number) : PLANISH_OK;
-    const int32_t from = find_named(s, b, s->set[set].things, item);
-    if (from < 0 && whole_real(item, &number) == 0)
+    const int is_integer = abaqus_integer(local, &number) == 0;
+    const int32_t from = is_integer ? -1 : find_named(s, b, s->set[set].things, item);
+    if (is_integer || (from < 0 && whole_number(local, &number) == 0))
         return is_here ? add_number(s, set, number) : PLANISH_OK;
     if (from < 0)
         return fail_item(s, item,
@@ -289,7 +290,7 @@ static int add_sequence(sets *s, const abaqus_block *b, int32_t set, abaqus_span
         if (i > 0 && item.begin == item.end)
             continue;
         is_here = abaqus_local(s->reader, b, &item);
-        if (abaqus_integer(item, &number[i]) || number[i] < 0 || number[i] > INT32_MAX)
+        if (whole_number(item, &number[i]) || number[i] < 0 || number[i] > INT32_MAX)
             return fail_item(s, item, "a number was expected (GENERATE: first, last, step)");
     }
     const int64_t first = number[0], last = number[1], step = number[2] > 0 ? number[2] : 1;
@@ -400,23 +401,27 @@ static int read_set_blocks(sets *s) {
 
 /* ---- nodes of equations ------------------------------------------------------------------- */
 
+static void hold_set(const sets *s, named_set *set) {
+    for (int64_t i = 0; i < set->n; i++)
+        io_hold_node(s->reader->model, set->member[i], IO_HELD_REQUIRED);
+    set->is_held = 1;
+}
+
 static void hold_item(sets *s, const abaqus_block *b, abaqus_span item) {
     io_model *model = s->reader->model;
     abaqus_span local = item;
     int64_t number;
     const int is_here = abaqus_local(s->reader, b, &local);
-    if (abaqus_integer(local, &number) == 0) {
+    const int is_integer = abaqus_integer(local, &number) == 0;
+    const int32_t set = is_integer ? -1 : find_named(s, b, NODES, item);
+    if (is_integer || (set < 0 && whole_number(local, &number) == 0)) {
         const int64_t node = is_here ? abaqus_node(s->reader, number) : -1;
         if (node >= 0)
             io_hold_node(model, node, IO_HELD_REQUIRED);
         return;
     }
-    const int32_t set = find_named(s, b, NODES, item);
-    if (set < 0 || s->set[set].is_held)
-        return;
-    for (int64_t i = 0; i < s->set[set].n; i++)
-        io_hold_node(model, s->set[set].member[i], IO_HELD_REQUIRED);
-    s->set[set].is_held = 1;
+    if (set >= 0 && !s->set[set].is_held)
+        hold_set(s, &s->set[set]);
 }
 
 /** *EQUATION: the number of terms, then node (or set), component and factor of each. */

@@ -96,6 +96,7 @@ static void sets_are_groups(void **state) {
         {PAIR "*ELSET,ELSET=A,GENERATE\n1,2,1\n", "A", "111110000"},
         {PAIR "*ELSET,ELSET=A,GENERATE\n1,9,3\n", "A", "111100000"},
         {PAIR "*ELSET,ELSET=A\n1.0, 77\n", "A", "111100000"},
+        {PAIR "*NSET,NSET=2E0\n9\n*NSET,NSET=A\n2e0\n", "A", "000000001"}, /* a name */
         {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "N", "100000001"},
         {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "M", "010000000"},
         {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "O", "111000001"},
@@ -245,6 +246,23 @@ static void parts_are_understood(void **state) {
     check_held(parts, "T", 0, "01010");
     check_held(parts, "Dotted", 0, "11001");
     check_held(parts, "E", 0, "01111");
+    static const struct {
+        const char *lines, *held;
+    } cases[] = {
+        {"*NSET,NSET=X,INSTANCE=P-1\n2.0, 4.\n", "010100000"},
+        {"*NSET,NSET=X\nP-1.2.0, 4., P-1.5\n", "010010000"},
+        {"*NSET,NSET=X,GENERATE,INSTANCE=P-1\n2.0, 4.0\n", "011100000"},
+        {"*NSET,NSET=\"a 2.5\",INSTANCE=P-1\n2\n*NSET,NSET=X\n\"a 2.5\"\n", "010000000"},
+        {"*NSET,NSET=\"5\",INSTANCE=P-1\n2\n*NSET,NSET=X\nP-1.\"5\"\n", "010000000"},
+        {"*NSET,NSET=X\n*MPC\nTIE,P-1.2.,P-1.5\n", "010010000"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "*PART,NAME=P\n" PAIR "*END PART\n*ASSEMBLY,NAME=A\n%s*END ASSEMBLY\n",
+                 cases[i].lines);
+        check_held(text, "X", 0, cases[i].held);
+    }
     reading_fails(format,
                   "*PART,NAME=A\n*NODE\n1,0,0\n*END PART\n*PART,NAME=B\n*NODE\n1,0,0\n*END PART\n",
                   "test:6: several parts have nodes");
