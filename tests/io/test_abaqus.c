@@ -397,6 +397,8 @@ static void sections_may_overlap(void **state) {
     } cases[] = {
         {"*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n", "000000000"},
         {"*SOLID SECTION,ELSET=B\n*SOLID SECTION,ELSET=A\n", "011100000"},
+        {"*SOLID SECTION,ELSET=B\n*Surface Section,ELSET=A\n", "011100000"},
+        {"*SOLID SECTION,ELSET=B\n*SURFACE,ELSET=A\n", "000000000"},
         {"*SOLID SECTION,ELSET=B\n*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n", "000000000"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
