@@ -683,6 +683,7 @@ static int make_entities(sets *s, set_kind things) {
 
 static int prepare(sets *s) {
     io_model *model = s->reader->model;
+    model->groups_by_name = 1;
     s->n[NODES] = model->n_nodes;
     for (int dim = 1; dim <= 3; dim++) {
         s->first_cell[dim] = s->n[ELEMENTS];

@@ -227,6 +227,31 @@ static void types_are_known(void **state) {
     }
 }
 
+/** What can be given instead of a name that the file has not: names, and each of them once. */
+static void names_are_listed(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *end;
+    } cases[] = {
+        {PAIR "*ELSET,ELSET=A\n1\n*NSET,NSET=\"b c\"\n2\n", "the file has: A, b c"},
+        {PAIR "*ELSET,ELSET=A\n1\n*NSET,NSET=A\n2\n*SOLID SECTION,ELSET=A\n", "the file has: A"},
+        {PAIR, "the file has: none"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        planish_file *file = reading_text(format, cases[i].text);
+        const char *const tag = "wrong";
+        const planish_hold hold = {.tags = &tag, .n_tags = 1};
+        uint8_t constraint[9];
+        planish_error error = {.text = ""};
+        assert_int_equal(planish_file_constraints(file, &hold, constraint, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        const size_t length = strlen(error.text), end = strlen(cases[i].end);
+        assert_true(length > end);
+        assert_string_equal(error.text + length - end, cases[i].end);
+        planish_file_close(file);
+    }
+}
+
 /* As Abaqus/CAE writes it: a part, an instance, sets and a reference point of the assembly. */
 static const char parts[] =
     "*Heading\n*Part, name=P\n*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
@@ -505,6 +530,7 @@ int main(void) {
         cmocka_unit_test(regions_are_blocks_and_sections),
         cmocka_unit_test(names_may_be_quoted),
         cmocka_unit_test(members_are_counted_once),
+        cmocka_unit_test(names_are_listed),
         cmocka_unit_test(types_are_known),
         cmocka_unit_test(parts_are_understood),
         cmocka_unit_test(names_are_of_part_or_assembly),
