@@ -274,7 +274,7 @@ static int find_blocks(abaqus_reader *r) {
         if (!rest.begin)
             rest.begin = rest.end;
         status = add_block(r, (abaqus_block){keyword, rest, {cursor.at, end}, scope, 0});
-        open = &r->block[r->n_blocks - 1];
+        open = status ? NULL : &r->block[r->n_blocks - 1];
     }
     return status;
 }
