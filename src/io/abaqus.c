@@ -56,10 +56,26 @@ int abaqus_line(io_cursor *cursor, abaqus_span *line) {
     return 0;
 }
 
+/** The first comma that is not between quotes, or NULL. */
+static const char *find_comma(abaqus_span line) {
+    const char *at = line.begin;
+    const char *comma = memchr(at, ',', (size_t)(line.end - at));
+    while (comma) {
+        const char *open = memchr(at, '"', (size_t)(comma - at));
+        const char *close = open ? memchr(open + 1, '"', (size_t)(line.end - open - 1)) : NULL;
+        if (!close)
+            return comma;
+        at = close + 1;
+        if (comma < at)
+            comma = memchr(at, ',', (size_t)(line.end - at));
+    }
+    return NULL;
+}
+
 int abaqus_item(abaqus_span *line, abaqus_span *item) {
     if (!line->begin)
         return 0;
-    const char *comma = memchr(line->begin, ',', (size_t)length_of(*line));
+    const char *comma = find_comma(*line);
     *item = trim((abaqus_span){line->begin, comma ? comma : line->end});
     line->begin = comma ? comma + 1 : NULL;
     return 1;
@@ -85,25 +101,44 @@ static void squeeze(abaqus_span item, char name[NAME_SIZE]) {
     name[n] = '\0';
 }
 
-static abaqus_span without_quotes(abaqus_span s) {
-    if (length_of(s) > 1 && *s.begin == '"' && s.end[-1] == '"')
-        return (abaqus_span){s.begin + 1, s.end - 1};
-    return s;
+int abaqus_is_quoted(abaqus_span s) {
+    return length_of(s) > 1 && *s.begin == '"' && s.end[-1] == '"';
 }
 
-int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value) {
-    abaqus_span rest = block->parameters, item;
+abaqus_span abaqus_unquoted(abaqus_span s) {
+    return abaqus_is_quoted(s) ? (abaqus_span){s.begin + 1, s.end - 1} : s;
+}
+
+static int parameter_of_line(abaqus_span line, const char *name, abaqus_span *value) {
+    abaqus_span item;
     char found[NAME_SIZE];
-    while (abaqus_item(&rest, &item)) {
+    while (abaqus_item(&line, &item)) {
         const char *equals = memchr(item.begin, '=', (size_t)length_of(item));
         squeeze((abaqus_span){item.begin, equals ? equals : item.end}, found);
         if (strcmp(found, name) != 0)
             continue;
-        *value = equals ? without_quotes(trim((abaqus_span){equals + 1, item.end}))
-                        : (abaqus_span){item.end, item.end};
+        *value =
+            equals ? trim((abaqus_span){equals + 1, item.end}) : (abaqus_span){item.end, item.end};
         return 1;
     }
     return 0;
+}
+
+int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value) {
+    io_cursor cursor = {block->parameters.begin, block->parameters.end};
+    abaqus_span line; /* comments may stand between those of a keyword */
+    while (abaqus_line(&cursor, &line))
+        if (parameter_of_line(line, name, value))
+            return 1;
+    return 0;
+}
+
+/** Behind the mark (U+FEFF) that some editors put before text in UTF-8. */
+static io_cursor behind_mark(const char *data, int64_t size) {
+    static const char mark[] = "\xEF\xBB\xBF";
+    const int64_t n = sizeof mark - 1;
+    const int is_there = size >= n && memcmp(data, mark, (size_t)n) == 0;
+    return (io_cursor){is_there ? data + n : data, data + size};
 }
 
 /* ---- blocks ------------------------------------------------------------------------------- */
@@ -122,6 +157,7 @@ static const known_keyword keywords[] = {
     {"SHELLSECTION", ABAQUS_SECTION},
     {"SHELLGENERALSECTION", ABAQUS_SECTION},
     {"MEMBRANESECTION", ABAQUS_SECTION},
+    {"SURFACESECTION", ABAQUS_SECTION},
     {"EULERIANSECTION", ABAQUS_SECTION},
     {"EQUATION", ABAQUS_EQUATION},
     {"MPC", ABAQUS_MPC},
@@ -210,7 +246,7 @@ static int is_of_mesh(abaqus_keyword keyword) {
 
 static int find_blocks(abaqus_reader *r) {
     const char *data = r->model->input.data, *end = data + r->model->input.size;
-    io_cursor cursor = {data, end};
+    io_cursor cursor = behind_mark(data, r->model->input.size);
     int status = PLANISH_OK;
     int32_t scope = 0, n_parts = 0;
     abaqus_block *open = NULL;
@@ -238,7 +274,7 @@ static int find_blocks(abaqus_reader *r) {
         if (!rest.begin)
             rest.begin = rest.end;
         status = add_block(r, (abaqus_block){keyword, rest, {cursor.at, end}, scope, 0});
-        open = &r->block[r->n_blocks - 1];
+        open = status ? NULL : &r->block[r->n_blocks - 1];
     }
     return status;
 }
@@ -284,8 +320,10 @@ static int find_scope(abaqus_reader *r) {
 
 static int check_system(const abaqus_reader *r, const abaqus_block *b) {
     abaqus_span system;
-    if (!abaqus_parameter(b, "SYSTEM", &system) || length_of(system) == 0 ||
-        upper(*system.begin) == 'R')
+    if (!abaqus_parameter(b, "SYSTEM", &system))
+        return PLANISH_OK;
+    system = abaqus_unquoted(system);
+    if (length_of(system) == 0 || upper(*system.begin) == 'R')
         return PLANISH_OK;
     return fail_block(r, b,
                       "*NODE, SYSTEM=: cylindrical and spherical coordinates are not read; write "
@@ -395,8 +433,8 @@ static int read_nodes(abaqus_reader *r) {
 int64_t abaqus_node(const abaqus_reader *r, int64_t number) {
     if (r->numbers)
         return io_numbers_find(r->numbers, number);
-    const int64_t index = number - r->model->first_number;
-    return index >= 0 && index < r->model->n_nodes ? index : -1;
+    const int64_t first = r->model->first_number; /* not negative */
+    return number >= first && number - first < r->model->n_nodes ? number - first : -1;
 }
 
 /* ---- types of elements -------------------------------------------------------------------- */
@@ -461,12 +499,25 @@ io_cells *abaqus_cells(io_model *model, int dim) {
     return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
 }
 
+/** The last point between INSTANCE and NAME, or NULL: none that is in quotes or behind nothing but
+ *  digits, as in a real number. */
+static const char *find_point(abaqus_span item) {
+    const char *point = NULL;
+    int is_quoted = 0, is_number = 0;
+    for (const char *c = item.begin; c < item.end; c++) {
+        is_quoted ^= *c == '"';
+        if (*c == '.' && !is_quoted && !is_number)
+            point = c;
+        const int begins = c == item.begin || c[-1] == '.';
+        is_number = is_digit(*c) && (is_number || begins);
+    }
+    return point;
+}
+
 int abaqus_local(const abaqus_reader *r, const abaqus_block *b, abaqus_span *item) {
-    const char *dot = NULL;
-    for (const char *c = item->begin; c < item->end; c++)
-        dot = *c == '.' ? c : dot;
     if (b->scope == r->scope)
         return 1;
+    const char *dot = find_point(*item);
     if (dot)
         item->begin = dot + 1;
     return dot != NULL || b->has_instance;
@@ -553,7 +604,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     int status = PLANISH_OK;
     if (!abaqus_parameter(b, "TYPE", &type_item) || length_of(type_item) == 0)
         return fail_block(r, b, "*ELEMENT without TYPE=");
-    squeeze(type_item, type);
+    squeeze(abaqus_unquoted(type_item), type);
     const shape kind = shape_of(type);
     const int is_here = b->scope == r->scope;
     if (kind.is_second_order)
@@ -617,7 +668,7 @@ static int read_abaqus(io_model *model, planish_error *error) {
 /** The first keyword is one that such files begin with, and few others do. */
 static int recognise(const char *data, int64_t size) {
     static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT"};
-    io_cursor cursor = {data, data + size};
+    io_cursor cursor = behind_mark(data, size);
     abaqus_span line, item;
     char name[NAME_SIZE];
     if (!abaqus_line(&cursor, &line) || *line.begin != '*')

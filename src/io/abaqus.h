@@ -39,7 +39,7 @@ typedef struct abaqus_block {
 typedef struct abaqus_range {
     int dim;
     int64_t begin, end; /* in the cells of dim */
-    abaqus_span set;    /* name, empty: none */
+    abaqus_span set;    /* name as it stands there, empty: none */
 } abaqus_range;
 
 typedef struct abaqus_reader {
@@ -56,13 +56,15 @@ typedef struct abaqus_reader {
 /** The next line of data that is neither empty nor a comment, without blanks around it; 0 at the
  *  end. */
 int abaqus_line(io_cursor *cursor, abaqus_span *line);
-/** The next item of a line, up to a comma, without blanks around it; line->begin is NULL behind the
- *  last. 0 at the end. */
+/** The next item of a line, up to a comma that is not between quotes, without blanks around it;
+ *  line->begin is NULL behind the last. 0 at the end. */
 int abaqus_item(abaqus_span *line, abaqus_span *item);
-/** The value of the parameter name of a keyword line, without quotes; 0 if it has none of that
- * name.
- */
+/** The value of the parameter name of a keyword line, as it stands there; 0 if it has none of that
+ *  name. */
 int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value);
+/** Whether a name is in quotes, which keep the case of its letters. */
+int abaqus_is_quoted(abaqus_span name);
+abaqus_span abaqus_unquoted(abaqus_span name);
 /** A whole number that is all of the item. 0 or -1. */
 int abaqus_integer(abaqus_span item, int64_t *value);
 /** Index of a node, or -1. */

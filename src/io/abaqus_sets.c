@@ -2,7 +2,8 @@
  *
  * An element or node may be in any number of sets, so that what it is of is an entity with one
  * physical group for each of them. Regions are told by less: by the ELSET= of *ELEMENT and by the
- * section that has the element, as sets are also made for loads and for output.
+ * section that has the element, as sets are also made for loads and for output. Names are those of
+ * a part or of the assembly: a set of the same name there is another.
  */
 #include "io/abaqus.h"
 
@@ -20,24 +21,29 @@ typedef enum set_kind { NODES, ELEMENTS } set_kind;
 
 typedef struct named_set {
     set_kind things;
+    int32_t scope; /* that the name is of, as of blocks */
     abaqus_span name;
     int32_t *member; /* [n] owned */
     int64_t n, capacity;
-    int32_t last_into; /* 1 + the set that it was put into last, */
-    int64_t last_n;    /* and with how many members */
+    int32_t last_into;          /* 1 + the set that it was put into last, */
+    int64_t last_n;             /* and with how many members */
+    int is_held, is_of_section; /* its members have been told so */
 } named_set;
 
 typedef struct sets {
     abaqus_reader *reader;
     named_set *set; /* [n_sets] */
     int64_t n_sets, capacity;
-    int32_t *slot; /* [n_slots] hash table of the names: index or -1 */
+    int32_t *slot[2]; /* [n_slots] hash tables of the names: index or -1; of names with fold the
+                         first set that has it */
     int64_t n_slots;
     int64_t n[2];          /* things: nodes, cells */
     int64_t first_cell[4]; /* of each dimension among the cells */
     int32_t *stamp[2];     /* [n] 1 + the set that had the thing last */
     io_numbers *elements;  /* the numbers of cells, made when they are wanted */
     int64_t n_members;
+    int64_t n_asked; /* members that sequences and sets of sets asked for, those included that were
+                        there already */
 } sets;
 
 static char upper(char c) {
@@ -46,30 +52,52 @@ static char upper(char c) {
 
 /* ---- names -------------------------------------------------------------------------------- */
 
-static int same_name(abaqus_span a, abaqus_span b) {
+/** Letters in quotes are what they are; other names are read as if in capitals. fold: all are. */
+static char letter(const char *at, int is_quoted, int fold) {
+    return is_quoted && !fold ? *at : upper(*at);
+}
+
+static int same_name(abaqus_span a, abaqus_span b, int fold) {
+    const int a_quoted = abaqus_is_quoted(a), b_quoted = abaqus_is_quoted(b);
+    a = abaqus_unquoted(a);
+    b = abaqus_unquoted(b);
     if (a.end - a.begin != b.end - b.begin)
         return 0;
     for (int64_t i = 0; i < a.end - a.begin; i++)
-        if (upper(a.begin[i]) != upper(b.begin[i]))
+        if (letter(a.begin + i, a_quoted, fold) != letter(b.begin + i, b_quoted, fold))
             return 0;
     return 1;
 }
 
-static uint64_t hash_name(set_kind things, abaqus_span name) {
-    uint64_t hash = 14695981039346656037u + (uint64_t)things;
+static uint64_t hash_name(set_kind things, int32_t scope, abaqus_span name, int fold) {
+    uint64_t hash = 14695981039346656037u + 2 * (uint64_t)(uint32_t)scope + (uint64_t)things;
+    const int is_quoted = abaqus_is_quoted(name);
+    name = abaqus_unquoted(name);
     for (const char *c = name.begin; c < name.end; c++)
-        hash = (hash ^ (uint64_t)(unsigned char)upper(*c)) * 1099511628211u;
+        hash = (hash ^ (uint64_t)(unsigned char)letter(c, is_quoted, fold)) * 1099511628211u;
     return hash ^ hash >> 29;
 }
 
 /** The slot of the set, or the free one where it belongs. */
-static int32_t *find_slot(const sets *s, set_kind things, abaqus_span name) {
+static int32_t *find_slot(const sets *s, set_kind things, int32_t scope, abaqus_span name,
+                          int fold) {
     const uint64_t mask = (uint64_t)s->n_slots - 1;
-    uint64_t at = hash_name(things, name) & mask;
-    while (s->slot[at] >= 0 &&
-           (s->set[s->slot[at]].things != things || !same_name(s->set[s->slot[at]].name, name)))
-        at = (at + 1) & mask;
-    return &s->slot[at];
+    uint64_t at = hash_name(things, scope, name, fold) & mask;
+    for (;; at = (at + 1) & mask) {
+        int32_t *slot = &s->slot[fold][at];
+        const named_set *set = *slot < 0 ? NULL : &s->set[*slot];
+        if (!set ||
+            (set->things == things && set->scope == scope && same_name(set->name, name, fold)))
+            return slot;
+    }
+}
+
+static void put_into_slots(sets *s, int32_t index) {
+    const named_set *set = &s->set[index];
+    for (int fold = 0; fold < 2; fold++) {
+        int32_t *slot = find_slot(s, set->things, set->scope, set->name, fold);
+        *slot = *slot < 0 ? index : *slot;
+    }
 }
 
 static int grow_slots(sets *s) {
@@ -77,37 +105,56 @@ static int grow_slots(sets *s) {
     if (2 * s->n_sets < s->n_slots)
         return PLANISH_OK;
     const int64_t n_slots = s->n_slots ? 2 * s->n_slots : FIRST_SLOTS;
-    int32_t *slot = pl_alloc(n_slots, sizeof *slot);
-    if (!slot)
-        return pl_fail_memory(s->reader->error, "the sets of the file");
-    memset(slot, -1, (size_t)n_slots * sizeof *slot);
-    pl_free(s->slot);
-    s->slot = slot;
+    for (int fold = 0; fold < 2; fold++) {
+        pl_free(s->slot[fold]);
+        s->slot[fold] = pl_alloc(n_slots, sizeof *s->slot[fold]);
+        if (!s->slot[fold])
+            return pl_fail_memory(s->reader->error, "the sets of the file");
+        memset(s->slot[fold], -1, (size_t)n_slots * sizeof *s->slot[fold]);
+    }
     s->n_slots = n_slots;
     for (int64_t i = 0; i < s->n_sets; i++)
-        *find_slot(s, s->set[i].things, s->set[i].name) = (int32_t)i;
+        put_into_slots(s, (int32_t)i);
     return PLANISH_OK;
 }
 
-/** Index of the set of that name, or -1. */
-static int32_t find_set(const sets *s, set_kind things, abaqus_span name) {
-    return s->n_slots ? *find_slot(s, things, name) : -1;
+/** Index of the set of that name in a scope, or of one that differs by the case of its letters; or
+ *  -1. */
+static int32_t find_set(const sets *s, set_kind things, int32_t scope, abaqus_span name) {
+    if (s->n_slots == 0)
+        return -1;
+    const int32_t set = *find_slot(s, things, scope, name, 0);
+    return set >= 0 ? set : *find_slot(s, things, scope, name, 1);
 }
 
-/** The same, made if new; negative on failure. */
-static int32_t make_set(sets *s, set_kind things, abaqus_span name) {
+/** Index of the set that an item of a block names, or -1. INSTANCE.NAME, and any name behind
+ *  INSTANCE=, is the mesh's own; other names are of where the block is, or else, as some programs
+ *  write them, the mesh's or the assembly's. */
+static int32_t find_named(const sets *s, const abaqus_block *b, set_kind things, abaqus_span item) {
+    const int32_t mesh = s->reader->scope;
+    abaqus_span local = item;
+    const int is_of_mesh = abaqus_local(s->reader, b, &local);
+    int32_t set = is_of_mesh ? find_set(s, things, mesh, local) : -1;
+    set = set < 0 ? find_set(s, things, b->scope, item) : set;
+    set = set < 0 ? find_set(s, things, mesh, local) : set;
+    return set < 0 ? find_set(s, things, ABAQUS_IN_ASSEMBLY, local) : set;
+}
+
+/** Index of the set of just that name, made if new; negative on failure. */
+static int32_t make_set(sets *s, set_kind things, int32_t scope, abaqus_span name) {
     int status = grow_slots(s);
     if (status)
         return status;
-    int32_t *slot = find_slot(s, things, name);
-    if (*slot >= 0)
-        return *slot;
+    const int32_t found = *find_slot(s, things, scope, name, 0);
+    if (found >= 0)
+        return found;
     named_set *grown = pl_grow(s->set, s->n_sets, s->n_sets + 1, &s->capacity, sizeof *grown);
     if (!grown)
         return pl_fail_memory(s->reader->error, "the sets of the file");
     s->set = grown;
-    s->set[s->n_sets] = (named_set){.things = things, .name = name};
-    return *slot = (int32_t)s->n_sets++;
+    s->set[s->n_sets] = (named_set){.things = things, .scope = scope, .name = name};
+    put_into_slots(s, (int32_t)s->n_sets);
+    return (int32_t)s->n_sets++;
 }
 
 /* ---- members ------------------------------------------------------------------------------ */
@@ -166,16 +213,31 @@ static int64_t find_thing(const sets *s, set_kind things, int64_t number) {
     return things == NODES ? abaqus_node(s->reader, number) : io_numbers_find(s->elements, number);
 }
 
+/** A line at that place asks for n members. A few bytes can ask for all things that there are, and
+ *  a file that does so again and again for the square of its size. */
+static int ask_for(sets *s, const char *at, int64_t n) {
+    enum { PER_BYTE = 8, SMALLEST = 1000000 };
+    const int64_t most = SMALLEST + PER_BYTE * s->reader->model->input.size;
+    s->n_asked += n;
+    if (s->n_asked <= most)
+        return PLANISH_OK;
+    return io_fail_text(s->reader->model, at, s->reader->error,
+                        "the sets have more than %lld members, too many for a file of this size: "
+                        "sets or sequences stand in others over and over",
+                        (long long)most);
+}
+
 static int add_number(sets *s, int32_t set, int64_t number) {
     const int64_t thing = find_thing(s, s->set[set].things, number);
     return thing < 0 ? PLANISH_OK : add_member(s, set, (int32_t)thing);
 }
 
-static int add_set(sets *s, int32_t set, int32_t from) {
+/** at: where the file says so. */
+static int add_set(sets *s, int32_t set, int32_t from, const char *at) {
     named_set *f = &s->set[from];
-    int status = PLANISH_OK;
     if (from == set || (f->last_into == set + 1 && f->last_n == f->n))
         return PLANISH_OK;
+    int status = ask_for(s, at, f->n);
     for (int64_t i = 0; i < f->n && !status; i++)
         status = add_member(s, set, f->member[i]);
     f->last_into = set + 1;
@@ -189,16 +251,12 @@ static int fail_item(const sets *s, abaqus_span item, const char *text) {
                         (int)(length < 32 ? length : 32), item.begin, text);
 }
 
-static abaqus_span without_quotes(abaqus_span s) {
-    if (s.end - s.begin > 1 && *s.begin == '"' && s.end[-1] == '"')
-        return (abaqus_span){s.begin + 1, s.end - 1};
-    return s;
-}
-
-/** A whole number that is written as a real one, as meshio does it. */
-static int whole_real(abaqus_span item, int64_t *number) {
+/** A whole number, also one that is written as a real one, as meshio does it. 0 or -1. */
+static int whole_number(abaqus_span item, int64_t *number) {
     const char *at = item.begin;
     double value;
+    if (abaqus_integer(item, number) == 0)
+        return 0;
     if (io_parse_real(&at, item.end, &value) || at != item.end || !(value >= 0) ||
         value > INT32_MAX || value != (double)(int64_t)value)
         return -1;
@@ -211,18 +269,15 @@ static int add_item(sets *s, const abaqus_block *b, int32_t set, abaqus_span ite
     int64_t number;
     abaqus_span local = item;
     const int is_here = abaqus_local(s->reader, b, &local);
-    if (abaqus_integer(local, &number) == 0)
-        return is_here ? add_number(s, set, number) : PLANISH_OK;
-    int32_t from = find_set(s, s->set[set].things, without_quotes(item));
-    if (from < 0)
-        from = find_set(s, s->set[set].things, without_quotes(local));
-    if (from < 0 && whole_real(item, &number) == 0)
+    const int is_integer = abaqus_integer(local, &number) == 0;
+    const int32_t from = is_integer ? -1 : find_named(s, b, s->set[set].things, item);
+    if (is_integer || (from < 0 && whole_number(local, &number) == 0))
         return is_here ? add_number(s, set, number) : PLANISH_OK;
     if (from < 0)
         return fail_item(s, item,
                          "neither a number nor the name of a set that is defined before (sets "
                          "must stand before those that they are part of)");
-    return add_set(s, set, from);
+    return add_set(s, set, from, item.begin);
 }
 
 /** GENERATE: first, last, step. */
@@ -235,13 +290,15 @@ static int add_sequence(sets *s, const abaqus_block *b, int32_t set, abaqus_span
         if (i > 0 && item.begin == item.end)
             continue;
         is_here = abaqus_local(s->reader, b, &item);
-        if (abaqus_integer(item, &number[i]) || number[i] < 0 || number[i] > INT32_MAX)
+        if (whole_number(item, &number[i]) || number[i] < 0 || number[i] > INT32_MAX)
             return fail_item(s, item, "a number was expected (GENERATE: first, last, step)");
     }
     const int64_t first = number[0], last = number[1], step = number[2] > 0 ? number[2] : 1;
     if (!is_here || last < first)
         return PLANISH_OK;
-    if ((last - first) / step < s->n[things]) {
+    const int64_t n_numbers = (last - first) / step + 1;
+    status = ask_for(s, line.begin, n_numbers < s->n[things] ? n_numbers : s->n[things]);
+    if (n_numbers <= s->n[things]) {
         for (int64_t i = first; i <= last && !status; i += step)
             status = add_number(s, set, i);
         return status;
@@ -255,10 +312,12 @@ static int add_sequence(sets *s, const abaqus_block *b, int32_t set, abaqus_span
 }
 
 /** *NSET, ELSET=: the nodes of these cells. */
-static int add_nodes_of(sets *s, int32_t set, abaqus_span name) {
-    const int32_t from = find_set(s, ELEMENTS, name);
-    int status = PLANISH_OK;
-    for (int64_t i = 0; from >= 0 && i < s->set[from].n && !status; i++) {
+static int add_nodes_of(sets *s, const abaqus_block *b, int32_t set, abaqus_span name) {
+    const int32_t from = find_named(s, b, ELEMENTS, name);
+    if (from < 0)
+        return PLANISH_OK;
+    int status = ask_for(s, name.begin, s->set[from].n);
+    for (int64_t i = 0; i < s->set[from].n && !status; i++) {
         int64_t local;
         const int dim = dim_of(s, s->set[from].member[i], &local);
         const int32_t *nodes = abaqus_cells(s->reader->model, dim)->nodes + local * (dim + 1);
@@ -275,11 +334,11 @@ static int read_set(sets *s, const abaqus_block *b, set_kind things) {
                             "a set without a name: %s= was expected",
                             things == NODES ? "NSET" : "ELSET");
     int status = things == ELEMENTS && !s->elements ? number_elements(s) : PLANISH_OK;
-    const int32_t set = status ? status : make_set(s, things, name);
+    const int32_t set = status ? status : make_set(s, things, b->scope, name);
     if (set < 0)
         return set;
     if (things == NODES && abaqus_parameter(b, "ELSET", &other))
-        return add_nodes_of(s, set, other);
+        return add_nodes_of(s, b, set, other);
     const int is_sequence = abaqus_parameter(b, "GENERATE", &other);
     io_cursor cursor = {b->data.begin, b->data.end};
     while (!status && abaqus_line(&cursor, &line)) {
@@ -304,7 +363,8 @@ static int read_node_sets(sets *s) {
         if (b->keyword != ABAQUS_NODE || b->scope != s->reader->scope)
             continue;
         const int64_t end = b->data.end - model->input.data;
-        const int32_t set = abaqus_parameter(b, "NSET", &name) ? make_set(s, NODES, name) : -1;
+        const int32_t set =
+            abaqus_parameter(b, "NSET", &name) ? make_set(s, NODES, b->scope, name) : -1;
         if (set < -1)
             return set;
         for (; node < model->n_nodes && model->text_offset[node] <= end && !status; node++)
@@ -320,7 +380,7 @@ static int read_element_sets(sets *s) {
         const abaqus_range *range = &s->reader->range[i];
         if (!range->set.begin)
             continue;
-        const int32_t set = make_set(s, ELEMENTS, range->set);
+        const int32_t set = make_set(s, ELEMENTS, s->reader->scope, range->set);
         if (set < 0)
             return set;
         for (int64_t k = range->begin; k < range->end && !status; k++)
@@ -341,21 +401,27 @@ static int read_set_blocks(sets *s) {
 
 /* ---- nodes of equations ------------------------------------------------------------------- */
 
+static void hold_set(const sets *s, named_set *set) {
+    for (int64_t i = 0; i < set->n; i++)
+        io_hold_node(s->reader->model, set->member[i], IO_HELD_REQUIRED);
+    set->is_held = 1;
+}
+
 static void hold_item(sets *s, const abaqus_block *b, abaqus_span item) {
     io_model *model = s->reader->model;
     abaqus_span local = item;
     int64_t number;
     const int is_here = abaqus_local(s->reader, b, &local);
-    if (abaqus_integer(local, &number) == 0) {
+    const int is_integer = abaqus_integer(local, &number) == 0;
+    const int32_t set = is_integer ? -1 : find_named(s, b, NODES, item);
+    if (is_integer || (set < 0 && whole_number(local, &number) == 0)) {
         const int64_t node = is_here ? abaqus_node(s->reader, number) : -1;
         if (node >= 0)
             io_hold_node(model, node, IO_HELD_REQUIRED);
         return;
     }
-    int32_t set = find_set(s, NODES, item);
-    set = set < 0 ? find_set(s, NODES, local) : set;
-    for (int64_t i = 0; set >= 0 && i < s->set[set].n; i++)
-        io_hold_node(model, s->set[set].member[i], IO_HELD_REQUIRED);
+    if (set >= 0 && !s->set[set].is_held)
+        hold_set(s, &s->set[set]);
 }
 
 /** *EQUATION: the number of terms, then node (or set), component and factor of each. */
@@ -408,21 +474,36 @@ static int64_t region_key(const sets *s, int32_t block_set, int32_t section_set)
 static void choose_by_blocks(const sets *s, int32_t *block_set) {
     for (int64_t i = 0; i < s->reader->n_ranges; i++) {
         const abaqus_range *range = &s->reader->range[i];
-        const int32_t set = range->set.begin ? find_set(s, ELEMENTS, range->set) : -1;
+        const int32_t set =
+            range->set.begin ? find_set(s, ELEMENTS, s->reader->scope, range->set) : -1;
         for (int64_t k = range->begin; k < range->end; k++)
             block_set[s->first_cell[range->dim] + k] = set;
     }
 }
 
-static void choose_by_sections(const sets *s, int32_t *section_set) {
-    for (int64_t i = 0; i < s->reader->n_blocks; i++) {
-        const abaqus_block *b = &s->reader->block[i];
-        abaqus_span name;
-        if (b->keyword != ABAQUS_SECTION || !abaqus_parameter(b, "ELSET", &name))
+/** The set that a section is of. A section in the assembly is one of an instance, so that its sets
+ *  are the mesh's; or those that the instance adds. */
+static int32_t set_of_section(const sets *s, const abaqus_block *b) {
+    abaqus_span name;
+    if (b->keyword != ABAQUS_SECTION || !abaqus_parameter(b, "ELSET", &name))
+        return -1;
+    const int is_of_mesh = b->scope <= 0 || b->scope == s->reader->scope;
+    const int32_t set = is_of_mesh ? find_set(s, ELEMENTS, s->reader->scope, name) : -1;
+    return set < 0 ? find_set(s, ELEMENTS, b->scope, name) : set;
+}
+
+/** The last section that has a cell tells: from the last to the first, so that no set is walked
+ *  twice. section_set: -1 as yet. */
+static void choose_by_sections(sets *s, int32_t *section_set) {
+    for (int64_t i = s->reader->n_blocks - 1; i >= 0; i--) {
+        const int32_t index = set_of_section(s, &s->reader->block[i]);
+        named_set *set = index < 0 ? NULL : &s->set[index];
+        if (!set || set->is_of_section)
             continue;
-        const int32_t set = find_set(s, ELEMENTS, name);
-        for (int64_t k = 0; set >= 0 && k < s->set[set].n; k++)
-            section_set[s->set[set].member[k]] = set;
+        for (int64_t k = 0; k < set->n; k++)
+            if (section_set[set->member[k]] < 0)
+                section_set[set->member[k]] = index;
+        set->is_of_section = 1;
     }
 }
 
@@ -568,6 +649,7 @@ static int make_groups(sets *s) {
     int status = PLANISH_OK;
     for (int64_t i = 0; i < s->n_sets && !status; i++) {
         const named_set *set = &s->set[i];
+        const abaqus_span name = abaqus_unquoted(set->name);
         unsigned dims = 0;
         for (int64_t k = 0; set->things == ELEMENTS && k < set->n; k++) {
             int64_t local;
@@ -576,8 +658,8 @@ static int make_groups(sets *s) {
         dims = dims ? dims : 1; /* nodes; or elements that are not kept, which hold theirs */
         for (int dim = 0; dim <= 3 && !status; dim++)
             if (dims >> dim & 1)
-                status = io_model_group(s->reader->model, dim, (int32_t)i + 1, set->name.begin,
-                                        set->name.end - set->name.begin, s->reader->error);
+                status = io_model_group(s->reader->model, dim, (int32_t)i + 1, name.begin,
+                                        name.end - name.begin, s->reader->error);
     }
     return status;
 }
@@ -601,6 +683,7 @@ static int make_entities(sets *s, set_kind things) {
 
 static int prepare(sets *s) {
     io_model *model = s->reader->model;
+    model->groups_by_name = 1;
     s->n[NODES] = model->n_nodes;
     for (int dim = 1; dim <= 3; dim++) {
         s->first_cell[dim] = s->n[ELEMENTS];
@@ -645,7 +728,8 @@ int abaqus_read_sets(abaqus_reader *reader) {
     for (int64_t i = 0; i < s.n_sets; i++)
         pl_free(s.set[i].member);
     pl_free(s.set);
-    pl_free(s.slot);
+    pl_free(s.slot[0]);
+    pl_free(s.slot[1]);
     pl_free(s.stamp[NODES]);
     pl_free(s.stamp[ELEMENTS]);
     io_numbers_destroy(s.elements);

@@ -102,6 +102,7 @@ static int named_before(const io_model *model, int32_t i, int dim) {
 
 /** "a, b, 3:1, ..." of what there is of dimension dim (-1: any). */
 static void list_tags(const io_model *model, int dim, char *text, size_t size) {
+    const int32_t n_numbered = model->groups_by_name ? 0 : model->n_entities;
     size_t used = 0;
     int listed = 0;
     text[0] = '\0';
@@ -109,7 +110,7 @@ static void list_tags(const io_model *model, int dim, char *text, size_t size) {
         if ((dim < 0 || model->group[i].dim == dim) && !named_before(model, i, dim))
             used += (size_t)snprintf(text + used, size - used, "%s%s", listed++ ? ", " : "",
                                      model->group[i].name);
-    for (int32_t i = 0; i < model->n_entities && i < LOOKED_AT; i++) {
+    for (int32_t i = 0; i < n_numbered && i < LOOKED_AT; i++) {
         const io_entity *entity = &model->entity[i];
         if (dim >= 0 && entity->dim != dim)
             continue;

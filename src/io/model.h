@@ -143,6 +143,7 @@ typedef struct io_model {
     int32_t n_slots;      /* a power of two, or 0 */
     io_group *group;      /* [n_groups] */
     int32_t n_groups, group_capacity;
+    int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
     int64_t n_other, n_lower;
     void *encoding; /* of the format that has read it, released by that: how coordinates stand in
                        the file where no span says so, or NULL */

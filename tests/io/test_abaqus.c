@@ -96,6 +96,7 @@ static void sets_are_groups(void **state) {
         {PAIR "*ELSET,ELSET=A,GENERATE\n1,2,1\n", "A", "111110000"},
         {PAIR "*ELSET,ELSET=A,GENERATE\n1,9,3\n", "A", "111100000"},
         {PAIR "*ELSET,ELSET=A\n1.0, 77\n", "A", "111100000"},
+        {PAIR "*NSET,NSET=2E0\n9\n*NSET,NSET=A\n2e0\n", "A", "000000001"}, /* a name */
         {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "N", "100000001"},
         {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "M", "010000000"},
         {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "O", "111000001"},
@@ -129,6 +130,7 @@ static void nodes_are_held(void **state) {
         {PAIR "*ELEMENT,TYPE=B32\n3,6,7,8\n", "000001110"},
         {PAIR "*ELEMENT,TYPE=MASS\n3,9\n", "000000001"},
         {PAIR "*ELEMENT,TYPE=U1\n3,6,\n7\n4,9", "000001101"},
+        {PAIR "*ELEMENT,TYPE=U1\n3,-9223372036854775808,9223372036854775807,6\n", "000001000"},
         {PAIR "*EQUATION\n2\n6,1,1.,7,1,-1.\n3\n8,1,1.,9,2,1.\n1,3,5.\n", "100001111"},
         {PAIR "*NSET,NSET=N\n6,8\n*EQUATION\n2\nN,1,1.,7,1,-1.\n", "000001110"},
         {PAIR "*MPC\nTIE,6,7\nBEAM,9,8\n", "000001111"},
@@ -145,10 +147,43 @@ static void regions_are_blocks_and_sections(void **state) {
                               "*ELEMENT,TYPE=C3D4,ELSET=B\n2,2,3,4,5\n";
     check_held(two, NULL, 0, "01110");
     check_held(two, NULL, 1, "00000");
+    static const char commented[] =
+        "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
+        "*ELEMENT,TYPE=C3D4,\n** a comment, and more\n\nELSET=A\n1,1,2,3,4\n"
+        "*ELEMENT,\n**\n TYPE=C3D4,\n** ELSET=A,\n** one more\nELSET=B\n2,2,3,4,5\n";
+    check_held(commented, NULL, 0, "01110");
     check_held(PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n", NULL, 0, "000000000");
     check_held(PAIR "*ELSET,ELSET=A\n1\n*SOLID SECTION,ELSET=A\n1.\n", NULL, 0, "011100000");
     check_held(PAIR "*ELSET,ELSET=A\n1,2\n*ELSET,ELSET=B\n2\n*Solid Section,elset=a\n1.\n", NULL, 0,
                "000000000");
+}
+
+/* Quotes keep commas, blanks and the case of letters. */
+#define QUOTED(a, b, more)                                                                         \
+    "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"                                         \
+    "*ELEMENT,TYPE=\"C3D4\",ELSET=" a "\n1,1,2,3,4\n"                                              \
+    "*ELEMENT,TYPE=C3D4, ELSET = " b "\n2,2,3,4,5\n" more
+
+static void names_may_be_quoted(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *tag, *held;
+    } cases[] = {
+        {QUOTED("\"st, 1\"", "\"st, 2\"", ""), NULL, "01110"},
+        {QUOTED("\"st, 1\"", "\"st, 2\"", ""), "st, 2", "01111"},
+        {QUOTED("\"st, 1\"", "\"ST, 1\"", ""), NULL, "01110"},
+        {QUOTED("\"st, 1\"", "\"st, 1\"", ""), NULL, "00000"},
+        {QUOTED("st", "ST", ""), NULL, "00000"},
+        {QUOTED("\"ST\"", "st", ""), NULL, "00000"},
+        {QUOTED("\"st\"", "st", ""), NULL, "01110"},
+        {QUOTED("\"st", "\"st", ""), NULL, "00000"},
+        {QUOTED("\"a\"\"b\"", "\"a\"\"c\"", ""), NULL, "01110"},
+        {QUOTED("\"a, 1\"", "B", "*ELSET,ELSET=C\n\"a, 1\",\n"), "C", "11110"},
+        {QUOTED("\"a\"", "\"A\"", "*ELSET,ELSET=C\nA\n"), "C", "01111"},
+        {QUOTED("\"a\"", "B", "*ELSET,ELSET=C\nA\n"), "C", "11110"}, /* there is no other */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
 }
 
 /** Sets that the file comes back to name a member once. */
@@ -192,6 +227,31 @@ static void types_are_known(void **state) {
     }
 }
 
+/** What can be given instead of a name that the file has not: names, and each of them once. */
+static void names_are_listed(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *end;
+    } cases[] = {
+        {PAIR "*ELSET,ELSET=A\n1\n*NSET,NSET=\"b c\"\n2\n", "the file has: A, b c"},
+        {PAIR "*ELSET,ELSET=A\n1\n*NSET,NSET=A\n2\n*SOLID SECTION,ELSET=A\n", "the file has: A"},
+        {PAIR, "the file has: none"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        planish_file *file = reading_text(format, cases[i].text);
+        const char *const tag = "wrong";
+        const planish_hold hold = {.tags = &tag, .n_tags = 1};
+        uint8_t constraint[9];
+        planish_error error = {.text = ""};
+        assert_int_equal(planish_file_constraints(file, &hold, constraint, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        const size_t length = strlen(error.text), end = strlen(cases[i].end);
+        assert_true(length > end);
+        assert_string_equal(error.text + length - end, cases[i].end);
+        planish_file_close(file);
+    }
+}
+
 /* As Abaqus/CAE writes it: a part, an instance, sets and a reference point of the assembly. */
 static const char parts[] =
     "*Heading\n*Part, name=P\n*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
@@ -211,9 +271,51 @@ static void parts_are_understood(void **state) {
     check_held(parts, "T", 0, "01010");
     check_held(parts, "Dotted", 0, "11001");
     check_held(parts, "E", 0, "01111");
+    static const struct {
+        const char *lines, *held;
+    } cases[] = {
+        {"*NSET,NSET=X,INSTANCE=P-1\n2.0, 4.\n", "010100000"},
+        {"*NSET,NSET=X\nP-1.2.0, 4., P-1.5\n", "010010000"},
+        {"*NSET,NSET=X,GENERATE,INSTANCE=P-1\n2.0, 4.0\n", "011100000"},
+        {"*NSET,NSET=\"a 2.5\",INSTANCE=P-1\n2\n*NSET,NSET=X\n\"a 2.5\"\n", "010000000"},
+        {"*NSET,NSET=\"5\",INSTANCE=P-1\n2\n*NSET,NSET=X\nP-1.\"5\"\n", "010000000"},
+        {"*NSET,NSET=X\n*MPC\nTIE,P-1.2.,P-1.5\n", "010010000"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "*PART,NAME=P\n" PAIR "*END PART\n*ASSEMBLY,NAME=A\n%s*END ASSEMBLY\n",
+                 cases[i].lines);
+        check_held(text, "X", 0, cases[i].held);
+    }
     reading_fails(format,
                   "*PART,NAME=A\n*NODE\n1,0,0\n*END PART\n*PART,NAME=B\n*NODE\n1,0,0\n*END PART\n",
                   "test:6: several parts have nodes");
+}
+
+/* Sets of the part, sections of these, and sets of the assembly that have the same names. */
+#define NAMES(more)                                                                                \
+    "*PART,NAME=P\n" PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n2\n*NSET,NSET=N\n1\n"                \
+    "*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n*END PART\n"                                  \
+    "*PART,NAME=Q\n*ELSET,ELSET=A\n*SOLID SECTION,ELSET=A\n*END PART\n"                            \
+    "*ASSEMBLY,NAME=X\n*INSTANCE,NAME=P-1,PART=P\n*END INSTANCE\n" more "*END ASSEMBLY\n"
+
+static void names_are_of_part_or_assembly(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *tag, *held;
+    } cases[] = {
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1,GENERATE\n1,2\n"), NULL, "011100000"},
+        {NAMES("*ELSET,ELSET=A,INSTANCE=P-1\n2\n"), "A", "111110000"},
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1\n1\n*ELSET,ELSET=C\nB\n"), "C", "111100000"},
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1\n1\n*ELSET,ELSET=C\nP-1.B\n"), "C", "011110000"},
+        {NAMES("*ELSET,ELSET=B,INSTANCE=P-1\n1\n*ELSET,ELSET=C,INSTANCE=P-1\nB\n"), "C",
+         "011110000"},
+        {NAMES("*NSET,NSET=N,INSTANCE=P-1\n9\n*EQUATION\n1\nN,1,1.\n"), NULL, "011100001"},
+        {NAMES("*NSET,NSET=N,INSTANCE=P-1\n9\n*MPC\nTIE,P-1.N\n"), NULL, "111100000"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
 }
 
 static void wrong_files_are_refused(void **state) {
@@ -256,9 +358,85 @@ static void wrong_files_are_refused(void **state) {
         reading_fails(format, cases[i].text, cases[i].word);
 }
 
+/** The file of n nodes in the set N and n elements in the set A, and n times what repeated says
+ *  (a format for a number). */
+static char *repeating(int n, const char *more, const char *repeated) {
+    file_builder builder = {.data = NULL};
+    builder_text(&builder, "*NODE,NSET=N\n1,0,0\n2,1,0\n3,0,1\n");
+    for (int i = 3; i < n; i++)
+        builder_text(&builder, "%d,0,0\n", i + 1);
+    builder_text(&builder, "*ELEMENT,TYPE=CPS3,ELSET=A\n");
+    for (int i = 0; i < n; i++)
+        builder_text(&builder, "%d,1,2,3\n", i + 1);
+    builder_text(&builder, "%s", more);
+    for (int i = 0; i < n; i++)
+        builder_text(&builder, repeated, i);
+    builder_text(&builder, "\n%c", '\0');
+    return builder.data;
+}
+
+/** Sets that a small file makes large again and again. */
+static void sets_have_a_limit(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"", "*ELSET,ELSET=X%d\nA\n"},
+        {"", "*NSET,NSET=X%d,ELSET=A\n"},
+        {"", "*ELSET,ELSET=X\nA\n*ELSET,ELSET=Y\nA\n** %d\n"},
+        {"*ELSET,ELSET=X,GENERATE\n", "1,2000,1\n** %d\n"},
+        {"*NSET,NSET=X,GENERATE\n", "1,999999,1\n** %d\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char *text = repeating(2000, cases[i][0], cases[i][1]);
+        reading_fails(format, text, "too many for a file of this size");
+        free(text);
+        text = repeating(200, cases[i][0], cases[i][1]);
+        planish_file_close(reading_text(format, text));
+        free(text);
+    }
+}
+
+/** Sets that a file names very often, as constraints and sections do: none of these is walked more
+ *  than once (that would take minutes). */
+static void sets_may_be_named_often(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {"*MPC\n", "BEAM,N,N,N,N,N,N,N,N\n** %d\n"},
+        {"*EQUATION\n", "4\nN,1,1.,N,2,1.,N,3,1.,N,1,1.\n** %d\n"},
+        {"", "*SOLID SECTION,ELSET=A\n** %d\n"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char *text = repeating(300000, cases[i][0], cases[i][1]);
+        planish_file *file = reading_text(format, text);
+        assert_int_equal(file->model.hold[299999], i < 2 ? IO_HELD_REQUIRED : 0);
+        planish_file_close(file);
+        free(text);
+    }
+}
+
+/** Of sections that have the same element the last tells. */
+static void sections_may_overlap(void **state) {
+    (void)state;
+    static const char sets[] = PAIR "*ELSET,ELSET=A\n1\n*ELSET,ELSET=B\n1,2\n";
+    static const struct {
+        const char *sections, *held;
+    } cases[] = {
+        {"*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n", "000000000"},
+        {"*SOLID SECTION,ELSET=B\n*SOLID SECTION,ELSET=A\n", "011100000"},
+        {"*SOLID SECTION,ELSET=B\n*Surface Section,ELSET=A\n", "011100000"},
+        {"*SOLID SECTION,ELSET=B\n*SURFACE,ELSET=A\n", "000000000"},
+        {"*SOLID SECTION,ELSET=B\n*SOLID SECTION,ELSET=A\n*SOLID SECTION,ELSET=B\n", "000000000"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "%s%s", sets, cases[i].sections);
+        check_held(text, NULL, 0, cases[i].held);
+    }
+}
+
 static void contents_are_recognised(void **state) {
     (void)state;
-    static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n"};
+    static const char *const yes[] = {solid, PAIR, "** c\n\n*heading", " *Part, name=x\n",
+                                      "\xEF\xBB\xBF*Node\n"};
     static const char *const no[] = {"", "**\n", "*KEYWORD\n*NODE\n", "1 2 3\n", "*nodes\n", "*\n"};
     for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
         assert_true(format->recognise(yes[i], (int64_t)strlen(yes[i])));
@@ -287,6 +465,15 @@ static void line_ends_may_be_any(void **state) {
         planish_file_close(file);
     }
     free(text);
+}
+
+/** A byte order mark before the first keyword. */
+static void text_may_begin_with_a_mark(void **state) {
+    (void)state;
+    check_held("\xEF\xBB\xBF" PAIR "*ELSET,ELSET=A\n1\n", "A", 0, "111100000");
+    check_held("\xEF\xBB\xBF** a comment\n" PAIR, NULL, 0, "000000000");
+    reading_fails(format, "\xEF\xBB\xBF", "no *NODE");
+    reading_fails(format, "\xEF\xBB", "no *NODE");
 }
 
 static void build(file_builder *builder, const char *text) {
@@ -341,12 +528,19 @@ int main(void) {
         cmocka_unit_test(sets_are_groups),
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(regions_are_blocks_and_sections),
+        cmocka_unit_test(names_may_be_quoted),
         cmocka_unit_test(members_are_counted_once),
+        cmocka_unit_test(names_are_listed),
         cmocka_unit_test(types_are_known),
         cmocka_unit_test(parts_are_understood),
+        cmocka_unit_test(names_are_of_part_or_assembly),
         cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(sets_have_a_limit),
+        cmocka_unit_test(sets_may_be_named_often),
+        cmocka_unit_test(sections_may_overlap),
         cmocka_unit_test(contents_are_recognised),
         cmocka_unit_test(line_ends_may_be_any),
+        cmocka_unit_test(text_may_begin_with_a_mark),
         cmocka_unit_test(bad_files_do_no_harm),
         cmocka_unit_test_setup_teardown(only_what_changed_is_written, test_folder_create,
                                         test_folder_remove),
