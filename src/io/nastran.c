@@ -17,9 +17,14 @@
 #include "base/status.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- reading ------------------------------------------------------------------------------ */
+
+typedef struct number_range {
+    int64_t first, last;
+} number_range;
 
 typedef struct reader {
     io_model *model;
@@ -31,6 +36,8 @@ typedef struct reader {
     int64_t default_system, system; /* that of GRDSET, and of the GRIDs */
     int system_is_rectangular;
     io_numbers *numbers; /* NULL: consecutive */
+    number_range *range; /* [n_ranges] owned: numbers of nodes that rigid elements hold */
+    int64_t n_ranges, range_capacity;
 } reader;
 
 typedef int visit_fn(reader *r, card *c);
@@ -251,6 +258,7 @@ typedef enum kind {
     LISTED,   /* that and all behind it, whole numbers as far as they go */
     PAIRS,    /* fields first and first + 2, each with a component behind it */
     RIGID,    /* LISTED, with components of nodes among them */
+    SYSTEM,   /* systems of four fields each: its number and three nodes */
     EQUATION, /* MPC: nodes are fields 1 and 4 of each row */
     REFUSED
 } kind;
@@ -289,14 +297,21 @@ static const card_kind kinds[] = {
     {"RBE1", LISTED, 1, 0, 0, 0},     {"RBE2", RIGID, 1, 0, 0, 0},
     {"RBE3", RIGID, 2, 0, 0, 0},      {"RSPLINE", LISTED, 1, 0, 0, 0},
     {"RTRPLT", LISTED, 1, 0, 0, 0},   {"MPC", EQUATION, 1, 0, 0, 0},
+    {"RBAR1", NODES, 1, 2, 0, 0},     {"RJOINT", NODES, 1, 2, 0, 0},
+    {"CORD1R", SYSTEM, 0, 8, 0, 0},   {"CORD1C", SYSTEM, 0, 8, 0, 0},
+    {"CORD1S", SYSTEM, 0, 8, 0, 0},   {"CORD3R", SYSTEM, 0, 8, 0, 0},
 };
 
 /** Beginnings of names of cards that are no elements. */
 static const char *const no_elements[] = {"CORD",  "CAERO",  "CSET",   "CREEP", "CY",    "CSUP",
-                                          "CLOAD", "CBARAO", "CSSCHD", "CONV",  "CONTR", "CLUSTER"};
+                                          "CLOAD", "CBARAO", "CSSCHD", "CONV",  "CONTR", "CLUSTER",
+                                          "RAD",   "RAND",   "RCROSS", "RELEA", "RESV",  "RFORCE",
+                                          "RGYRO", "RING",   "RLOAD",  "ROTOR", "RSPIN", "RVDOF"};
 
-/** An element that is not in the table, solids among them: number, property, nodes. */
+/** Elements that are not in the table, solids among them: number, property, nodes; and rigid ones:
+ *  number, nodes. */
 static const card_kind other_element = {"C...", LISTED, 2, 0, 0, 0};
+static const card_kind other_rigid = {"R...", LISTED, 1, 0, 0, 0};
 
 /** What is done with a card; NULL: nothing. */
 static const card_kind *find_kind(const card *c) {
@@ -304,12 +319,12 @@ static const card_kind *find_kind(const card *c) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(name, kinds[i].name) == 0)
             return &kinds[i];
-    if (name[0] != 'C')
+    if (name[0] != 'C' && name[0] != 'R')
         return NULL;
     for (size_t i = 0; i < sizeof no_elements / sizeof *no_elements; i++)
         if (strncmp(name, no_elements[i], strlen(no_elements[i])) == 0)
             return NULL;
-    return &other_element;
+    return name[0] == 'C' ? &other_element : &other_rigid;
 }
 
 /** Index of a GRID, or -1. */
@@ -391,13 +406,64 @@ static int read_cell(reader *r, const card_kind *k, card *c) {
     return PLANISH_OK;
 }
 
-/** Hold the node that the field names, if it does: other fields are there, too. */
-static void hold_field(reader *r, span field, uint8_t reason) {
+/** Hold the node that the field names, if it does: other fields are there, too. Returns the field's
+ *  number, 0 if it is none. */
+static int64_t hold_field(reader *r, span field, uint8_t reason) {
     int64_t number;
-    const int64_t index =
-        is_empty(field) || parse_number(field, &number) ? -1 : find_grid(r, number);
+    if (is_empty(field) || parse_number(field, &number))
+        return 0;
+    const int64_t index = find_grid(r, number);
     if (index >= 0)
         io_hold_node(r->model, index, reason);
+    return number;
+}
+
+/** first THRU last: the nodes between these, too; see hold_ranges. */
+static int add_range(reader *r, span field, int64_t first) {
+    int64_t last;
+    if (parse_number(field, &last) || last <= first)
+        return PLANISH_OK;
+    number_range *grown =
+        pl_grow(r->range, r->n_ranges, r->n_ranges + 1, &r->range_capacity, sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(r->error, "the nodes of rigid elements");
+    r->range = grown;
+    r->range[r->n_ranges++] = (number_range){first, last};
+    return PLANISH_OK;
+}
+
+static int compare_ranges(const void *a, const void *b) {
+    const number_range *p = a, *q = b;
+    return (p->first > q->first) - (p->first < q->first);
+}
+
+/** Hold the nodes in any of the ranges. Many cards may name the same wide one: they are united, and
+ *  each node looks for the one that it may be in. */
+static void hold_ranges(reader *r) {
+    int64_t n = 0;
+    if (r->n_ranges > 0)
+        qsort(r->range, (size_t)r->n_ranges, sizeof *r->range, compare_ranges);
+    for (int64_t i = 0; i < r->n_ranges; i++) {
+        if (n == 0 || r->range[i].first > r->range[n - 1].last)
+            r->range[n++] = r->range[i];
+        else if (r->range[i].last > r->range[n - 1].last)
+            r->range[n - 1].last = r->range[i].last;
+    }
+    for (int64_t node = 0; n > 0 && node < r->model->n_nodes; node++) {
+        const int64_t number =
+            r->model->node_number ? r->model->node_number[node] : r->model->first_number + node;
+        int64_t low = 0,
+                high = n; /* ranges before low begin at number or before, from high on not */
+        while (low < high) {
+            const int64_t middle = low + (high - low) / 2;
+            if (r->range[middle].first <= number)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        if (low > 0 && number <= r->range[low - 1].last)
+            io_hold_node(r->model, node, IO_HELD_REQUIRED);
+    }
 }
 
 /** Whether the field at place is one that names a node; follows_real: the one before it is a real
@@ -406,6 +472,8 @@ static int names_node(const card_kind *k, int64_t place, int follows_real) {
     switch (k->kind) {
     case EQUATION:
         return place % SHORT_FIELDS == 1 || place % SHORT_FIELDS == 4;
+    case SYSTEM:
+        return place % 4 != 0;
     case PAIRS:
         return place == k->first || place == k->first + 2;
     case RIGID: /* the components of the first node behind it */
@@ -415,16 +483,24 @@ static int names_node(const card_kind *k, int64_t place, int follows_real) {
     }
 }
 
-static void hold_fields(reader *r, const card_kind *k, card *c) {
-    const int is_element = c->name[0] == 'C';
-    int follows_real = 0;
+static int hold_fields(reader *r, const card_kind *k, card *c) {
+    const int is_element = c->name[0] == 'C' && k->kind != SYSTEM;
+    const uint8_t reason = is_element ? IO_HELD_BY_OTHER : IO_HELD_REQUIRED;
+    int follows_real = 0, is_thru = 0, status = PLANISH_OK;
+    int64_t number = 0; /* of the last node that was named */
     span field;
-    while ((k->nodes == 0 || c->n < k->first + k->nodes) && nastran_take_field(c, &field)) {
-        if (names_node(k, c->n - 1, follows_real))
-            hold_field(r, field, is_element ? IO_HELD_BY_OTHER : IO_HELD_REQUIRED);
+    while (!status && (k->nodes == 0 || c->n < k->first + k->nodes) &&
+           nastran_take_field(c, &field)) {
+        const int is_node = names_node(k, c->n - 1, follows_real);
+        if (is_thru)
+            status = add_range(r, field, number);
+        is_thru = is_node && nastran_line_begins(field, "THRU");
+        if (is_node && !is_thru)
+            number = hold_field(r, field, reason);
         follows_real = find(field, '.') < field.end;
     }
     r->model->n_other += is_element;
+    return status;
 }
 
 static int read_element(reader *r, card *c) {
@@ -440,8 +516,7 @@ static int read_element(reader *r, card *c) {
                          "straight elements of first order");
     if (k->kind == CELL)
         return read_cell(r, k, c);
-    hold_fields(r, k, c);
-    return PLANISH_OK;
+    return hold_fields(r, k, c);
 }
 
 static void settle_cell_numbers(io_cells *cells) {
@@ -505,6 +580,7 @@ static int read_all(reader *r) {
     status = read_grids(r);
     if (!status)
         status = walk(r, "CRMP", read_element);
+    hold_ranges(r);
     if (!status)
         status = read_names(r);
     settle_cell_numbers(&model->line);
@@ -519,6 +595,7 @@ static int nastran_read(io_model *model, planish_error *error) {
                 .bulk = nastran_find_bulk(model->input.data, model->input.size)};
     const int status = read_all(&r);
     io_numbers_destroy(r.numbers);
+    pl_free(r.range);
     return status;
 }
 

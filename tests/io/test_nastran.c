@@ -99,10 +99,32 @@ static void nodes_are_held(void **state) {
     assert_true(constraints_are(NINE "RBE3,2,,5,3,1.,4,6,7,\n,8,1.,2,9\n", NULL, "000011111"));
     assert_true(constraints_are(NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.,8,1,1.\n", NULL, "000011110"));
     assert_true(constraints_are(NINE "COTHER,2,1,9\n", NULL, "000000001"));
+    assert_true(constraints_are(NINE "RBAR1,2,8,9,123\n", NULL, "000000011"));
+    assert_true(constraints_are(NINE "RJOINT,2,6,7,123\n", NULL, "000001100"));
+    assert_true(constraints_are(NINE "RSSCON,2,GRID,5,8,9\n", NULL, "000010011"));
+    assert_true(constraints_are(NINE "ROTHER,1,6,7,.5,8\n", NULL, "000001110"));
+    assert_true(constraints_are(NINE "RFORCE,2,5,,1.,0.,0.,1.\nRLOAD1,5,6,7\nRELEASE,6,7,8\n", NULL,
+                                "000000000"));
+    assert_true(constraints_are(NINE "CORD1R,1,7,8,9,2,5,6,7\n", NULL, "000011111"));
+    assert_true(constraints_are(NINE "CORD1C,1,7,8,9\nCORD1S,6,5,1,2\n", NULL, "110010111"));
     assert_true(constraints_are(NINE "CORD2R,9,8,7,6,5,4,3,2\n", NULL, "000000000"));
     assert_true(
         constraints_are(NINE "SPC1,9,123,1,2\nFORCE,1,3,0,1.\nTEMP,1,5,20.\n", NULL, "000000000"));
     assert_true(constraints_are(NINE "$HMNAME PROP 1\"one\"\n", "one", "111100000"));
+}
+
+/** All nodes from the one to the other, in files whose numbers are in order and in others. */
+static void ranges_are_held(void **state) {
+    (void)state;
+    assert_true(constraints_are(NINE "RBE2,2,1,3,5,THRU,8\n", NULL, "100011110"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,8,THRU,99\n", NULL, "100000011"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,7,thru,9\nRBE2,3,1,3,2,THRU,3\n"
+                                     "RBE2,4,1,3,3,THRU,4\n",
+                                NULL, "111100111"));
+    assert_true(constraints_are("GRID,99\nGRID,77\nGRID,88\n" NINE "RBE2,2,1,3,8,THRU,80\n", NULL,
+                                "010100000011"));
+    assert_true(
+        constraints_are(NINE "RBE2,2,1,3,5,THRU\nRBE2,2,1,3,5,THRU,4\n", NULL, "100110000"));
 }
 
 static void regions_are_properties(void **state) {
@@ -307,6 +329,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_field_is_read),
         cmocka_unit_test(nodes_are_held),
+        cmocka_unit_test(ranges_are_held),
         cmocka_unit_test(regions_are_properties),
         cmocka_unit_test(systems_are_looked_at),
         cmocka_unit_test(wrong_files_are_refused),
