@@ -46,15 +46,6 @@ static int fail_card(const reader *r, const card *c, const char *what) {
     return io_fail_text(r->model, c->line.text.begin, r->error, "%s: %s", c->name, what);
 }
 
-/** A card's fields cannot be found where tabs are among its columns. */
-static int check_tabs(const reader *r, const card *c) {
-    if (c->line.is_free || find(c->line.text, '\t') == c->line.text.end)
-        return PLANISH_OK;
-    return fail_card(r, c,
-                     "a tab among fields of fixed columns; write it as blanks (expand -t 8 IN "
-                     ">OUT)");
-}
-
 /** A whole number, 0 if the field is empty. */
 static int parse_number(span field, int64_t *value) {
     const char *at = field.begin;
@@ -88,8 +79,12 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
         const char *end;
         if (!*cursor.at || !strchr(letters, upper(*cursor.at)))
             io_line(&cursor, &end);
-        else if (nastran_take_card(&cursor, &c))
+        else if (nastran_take_card(&cursor, &c)) {
             status = visit(r, &c);
+            /* What a reader made of such fields, an error perhaps, says nothing. */
+            if (c.n > 0 && c.wrong)
+                status = io_fail_text(r->model, c.wrong_at, r->error, "%s: %s", c.name, c.wrong);
+        }
     }
     return status;
 }
@@ -100,32 +95,33 @@ static int is_named(const card *c, const char *name) {
     return strcmp(c->name, name) == 0;
 }
 
-static int count_grid(reader *r, card *c) {
+static void count_grid(reader *r, card *c) {
     span field;
-    int status = check_tabs(r, c);
     r->n_grids++;
     if (!c->line.is_long)
         *(c->line.is_free ? &r->has_free : &r->has_short) = 1;
-    while (!status && c->line.is_free && c->n < FIRST_COORDINATE + 3 &&
-           nastran_take_field(c, &field))
+    while (c->line.is_free && c->n < FIRST_COORDINATE + 3 && nastran_take_field(c, &field))
         if (c->n > FIRST_COORDINATE && field.end - field.begin > SHORT_FIELD)
             r->has_wide = 1;
-    return status;
 }
 
 static int count_card(reader *r, card *c) {
-    if (is_named(c, "GRID"))
-        return count_grid(r, c);
     if (is_named(c, "INCLUDE"))
         return fail_card(r, c,
                          "what it brings in may be part of the mesh; put that file's lines in its "
                          "place, or smooth the file that has the mesh");
     if (is_named(c, "BEGIN"))
         return fail_card(r, c, "superelements are not read; smooth each in a file of its own");
+    if (c->name[0] == '=')
+        return fail_card(r, c,
+                         "replication of the card before (=, *(1)) is not read; have the "
+                         "preprocessor write every card in full");
+    if (is_named(c, "GRID"))
+        count_grid(r, c);
     if (!is_named(c, "GRDSET"))
         return PLANISH_OK;
     span field;
-    int status = check_tabs(r, c);
+    int status = PLANISH_OK;
     for (int i = 0; !status && i < FIRST_COORDINATE && nastran_take_field(c, &field); i++)
         if (i == 1 && parse_number(field, &r->default_system))
             status = fail_card(r, c, "the coordinate system is no whole number");
@@ -507,9 +503,6 @@ static int read_element(reader *r, card *c) {
     const card_kind *k = find_kind(c);
     if (!k)
         return PLANISH_OK;
-    int status = check_tabs(r, c);
-    if (status)
-        return status;
     if (k->kind == REFUSED)
         return fail_card(r, c,
                          "elements of second order cannot be smoothed; export the mesh with "
@@ -570,7 +563,7 @@ static int read_names(reader *r) {
 
 static int read_all(reader *r) {
     io_model *model = r->model;
-    int status = walk(r, "GIB", count_card);
+    int status = walk(r, "GIB=", count_card);
     if (status)
         return status;
     if (r->n_grids == 0)

@@ -99,6 +99,9 @@ static void nodes_are_held(void **state) {
     assert_true(constraints_are(NINE "RBE3,2,,5,3,1.,4,6,7,\n,8,1.,2,9\n", NULL, "000011111"));
     assert_true(constraints_are(NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.,8,1,1.\n", NULL, "000011110"));
     assert_true(constraints_are(NINE "COTHER,2,1,9\n", NULL, "000000001"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,+\n+,5\n", NULL, "111110000"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,+1,,\n+1,5\n", NULL, "111110000"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,A\t\n,5,\t6\n", NULL, "111111000"));
     assert_true(constraints_are(NINE "RBAR1,2,8,9,123\n", NULL, "000000011"));
     assert_true(constraints_are(NINE "RJOINT,2,6,7,123\n", NULL, "000001100"));
     assert_true(constraints_are(NINE "RSSCON,2,GRID,5,8,9\n", NULL, "000010011"));
@@ -176,6 +179,16 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "GRID,10,,nan\n", "finite");
     reading_fails(format, NINE "GRID,10,,1.+999\n", "finite");
     reading_fails(format, NINE "GRID    10\t\t1.\n", "expand");
+    reading_fails(format, NINE "GRID*   10                              1.\n*\t5.\n",
+                  "test:12: GRID: a tab");
+    reading_fails(format, NINE "RBE2    2       5       3       6\n+\t7\n", "expand");
+    reading_fails(format, NINE "GRID*,10,,1.,2.,7\n", "test:11: GRID: a number behind the four");
+    reading_fails(format, NINE "GRID*,10,,1.,2.,*,-.5\n*,3.\n", "a number behind the four");
+    reading_fails(format, NINE "RBE2,2,5,3,6,7,8,9,1,2\n", "a number behind the eight");
+    reading_fails(format, NINE "GRID,=,,*(1.),=\n", "test:11: GRID: replication");
+    reading_fails(format, NINE "GRID,*(1),,*(1.),=\n", "replication");
+    reading_fails(format, NINE "=,*(1),,*(1.),==\n=(3)\n", "test:11: =: replication");
+    reading_fails(format, NINE "RBE2,2,=,3,6\n", "replication");
     reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "test:11: INCLUDE");
     reading_fails(format, "BEGIN BULK\n" NINE "BEGIN SUPER=1\n", "superelements");
     reading_fails(format, "GRID,1\nGRID,2,,1.\nGRID,3,,,1.,1.\nCTRIA3,1,1,1,2,3\n", "in space");
