@@ -70,7 +70,34 @@ static int take_number(const reader *r, card *c, const char *what, int64_t *valu
     return PLANISH_OK;
 }
 
-/** Visit the cards whose names begin with one of the letters. */
+/** Whether it is a card that is read. */
+static int is_read(const char *name);
+
+/** A line that begins with a blank goes on with the card before it; one that begins with the name
+ *  of a card behind the blanks means something else. */
+static int check_indented(reader *r, io_cursor *cursor) {
+    const line l = nastran_take_line(cursor);
+    const span text = trim(l.text);
+    char name[NAME_SIZE];
+    int n = 0;
+    if (text.begin - l.text.begin >= NAME_COLUMNS)
+        return PLANISH_OK;
+    for (const char *at = text.begin; at < text.end && n < NAME_COLUMNS; at++) {
+        if (is_blank(*at) || *at == '*' || *at == ',')
+            break;
+        name[n++] = upper(*at);
+    }
+    name[n] = '\0';
+    if (!is_read(name))
+        return PLANISH_OK;
+    return io_fail_text(r->model, text.begin, r->error,
+                        "%s behind blanks: a card begins in the first column of its line (take the "
+                        "blanks away)",
+                        name);
+}
+
+/** Visit the cards whose names begin with one of the letters; a blank among these: check lines that
+ *  begin with one. */
 static int walk(reader *r, const char *letters, visit_fn *visit) {
     io_cursor cursor = r->bulk;
     int status = PLANISH_OK;
@@ -79,6 +106,8 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
         const char *end;
         if (!*cursor.at || !strchr(letters, upper(*cursor.at)))
             io_line(&cursor, &end);
+        else if (is_blank(*cursor.at))
+            status = check_indented(r, &cursor);
         else if (nastran_take_card(&cursor, &c)) {
             status = visit(r, &c);
             /* What a reader made of such fields, an error perhaps, says nothing. */
@@ -309,6 +338,17 @@ static const char *const no_elements[] = {"CORD",  "CAERO",  "CSET",   "CREEP", 
 static const card_kind other_element = {"C...", LISTED, 2, 0, 0, 0};
 static const card_kind other_rigid = {"R...", LISTED, 1, 0, 0, 0};
 
+static int is_read(const char *name) {
+    static const char *const others[] = {"GRID", "GRDSET", "INCLUDE"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(name, others[i]) == 0)
+            return 1;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(name, kinds[i].name) == 0)
+            return 1;
+    return 0;
+}
+
 /** What is done with a card; NULL: nothing. */
 static const card_kind *find_kind(const card *c) {
     const char *name = c->name;
@@ -327,8 +367,8 @@ static const card_kind *find_kind(const card *c) {
 static int64_t find_grid(const reader *r, int64_t number) {
     if (r->numbers)
         return io_numbers_find(r->numbers, number);
-    const int64_t index = number - r->model->first_number;
-    return index >= 0 && index < r->model->n_nodes ? index : -1;
+    const uint64_t index = (uint64_t)number - (uint64_t)r->model->first_number;
+    return index < (uint64_t)r->model->n_nodes ? (int64_t)index : -1;
 }
 
 static io_cells *cells_of(io_model *model, int dim) {
@@ -561,14 +601,29 @@ static int read_names(reader *r) {
 
 /* ---- the file ----------------------------------------------------------------------------- */
 
+/** Programs end their files with ENDDATA, or the last line at least. Without either a card may be
+ *  incomplete that looks whole. */
+static int check_file_end(const reader *r) {
+    const io_bytes *file = &r->model->input;
+    const char *end = file->data + file->size;
+    if (r->bulk.end < end || end[-1] == '\n' || end[-1] == '\r')
+        return PLANISH_OK;
+    return io_fail_text(r->model, end, r->error,
+                        "no ENDDATA, and the last line has no end: the file is cut short most "
+                        "likely (if it is whole, add ENDDATA or a line end)");
+}
+
 static int read_all(reader *r) {
     io_model *model = r->model;
-    int status = walk(r, "GIB=", count_card);
+    int status = walk(r, "GIB= \t", count_card);
     if (status)
         return status;
     if (r->n_grids == 0)
         return io_fail_text(model, r->bulk.end, r->error,
                             "there is no GRID: this is no Nastran mesh, or it is cut short");
+    status = check_file_end(r);
+    if (status)
+        return status;
     decide_width(r);
     status = read_grids(r);
     if (!status)

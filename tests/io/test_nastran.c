@@ -130,6 +130,18 @@ static void ranges_are_held(void **state) {
         constraints_are(NINE "RBE2,2,1,3,5,THRU\nRBE2,2,1,3,5,THRU,4\n", NULL, "100110000"));
 }
 
+/** Words that are cards' names in lines that go on with a card; and other ends of files. */
+static void lines_that_begin_with_blanks_go_on(void **state) {
+    (void)state;
+    assert_true(constraints_are(NINE "RBE2,2,5,3,6\n ,7\n    $ GRID\n  x\n", NULL, "000011100"));
+    assert_true(constraints_are(NINE "DESVAR,1\n        GRID    1\n"
+                                     "  GRIDS 1\n",
+                                NULL, "000000000"));
+    assert_true(constraints_are(NINE "COTHER,2,1,9\nENDDATA", NULL, "000000001"));
+    assert_true(constraints_are(NINE "COTHER,2,1,9\r", NULL, "000000001"));
+    assert_true(constraints_are(NINE "COTHER,2,1,9,-9223372036854775808\n", NULL, "000000001"));
+}
+
 static void regions_are_properties(void **state) {
     (void)state;
     planish_file *file = reading_text(format, solid);
@@ -189,6 +201,9 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "GRID,*(1),,*(1.),=\n", "replication");
     reading_fails(format, NINE "=,*(1),,*(1.),==\n=(3)\n", "test:11: =: replication");
     reading_fails(format, NINE "RBE2,2,=,3,6\n", "replication");
+    reading_fails(format, NINE " RBE2,2,5,3,6\n", "test:11: RBE2 behind blanks");
+    reading_fails(format, NINE "\tgrid*   9\n", "GRID behind blanks");
+    reading_fails(format, NINE "CTR", "test:11: no ENDDATA, and the last line has no end");
     reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "test:11: INCLUDE");
     reading_fails(format, "BEGIN BULK\n" NINE "BEGIN SUPER=1\n", "superelements");
     reading_fails(format, "GRID,1\nGRID,2,,1.\nGRID,3,,,1.,1.\nCTRIA3,1,1,1,2,3\n", "in space");
@@ -343,6 +358,7 @@ int main(void) {
         cmocka_unit_test(every_kind_of_field_is_read),
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(ranges_are_held),
+        cmocka_unit_test(lines_that_begin_with_blanks_go_on),
         cmocka_unit_test(regions_are_properties),
         cmocka_unit_test(systems_are_looked_at),
         cmocka_unit_test(wrong_files_are_refused),
