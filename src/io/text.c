@@ -130,8 +130,8 @@ void io_skip_numbers(io_cursor *cursor) {
         int64_t length;
         const char *block = cursor->at;
         skip_number_blocks(cursor);
-        while (cursor->at > block && cursor->at < cursor->end && (unsigned char)*cursor->at > ' ' &&
-               (unsigned char)cursor->at[-1] > ' ')
+        while (cursor->at > block && cursor->at < cursor->end && !is_space(*cursor->at) &&
+               !is_space(cursor->at[-1]))
             cursor->at++; /* the rest of a number */
         io_skip_space_comments(cursor, '#');
         io_cursor before = *cursor;
