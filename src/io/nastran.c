@@ -576,14 +576,10 @@ static int read_name(reader *r, span text) {
         number < 1 || number > INT32_MAX)
         return PLANISH_OK;
     int status = PLANISH_OK;
-    for (int dim = 1; dim <= 3 && !status; dim++) {
-        int there = 0;
-        for (int32_t i = 0; i < r->model->n_entities; i++)
-            there |= r->model->entity[i].dim == dim && r->model->entity[i].tag == number;
-        if (there)
+    for (int dim = 1; dim <= 3 && !status; dim++)
+        if (io_model_has_entity(r->model, dim, (int32_t)number))
             status = io_model_group(r->model, dim, (int32_t)number, name.begin,
                                     name.end - name.begin, r->error);
-    }
     return status;
 }
 

@@ -158,6 +158,22 @@ static void regions_are_properties(void **state) {
     planish_file_close(file);
 }
 
+/** Each name costs the same: if it were to look at all properties, minutes. */
+static void properties_may_be_many(void **state) {
+    (void)state;
+    enum { N = 200000 };
+    file_builder b = {.data = NULL};
+    planish_file *file;
+    planish_error error;
+    builder_text(&b, NINE);
+    for (int i = 0; i < N; i++)
+        builder_text(&b, "CTETRA,%d,%d,1,2,3,4\n$HMNAME PROP %d\"p%d\"\n", i + 2, i + 2, i + 2, i);
+    assert_int_equal(builder_read(&b, format, 1, &file, &error), 0);
+    assert_int_equal(file->model.n_groups, N);
+    planish_file_close(file);
+    builder_release(&b);
+}
+
 static void systems_are_looked_at(void **state) {
     (void)state;
     planish_file_close(reading_text(
@@ -320,8 +336,17 @@ static void fields_that_are_not_there_are_made(void **state) {
          "GRID*   5                               1.              -.33333333333333\n"
          "*       123456.789\n"},
         {"GRID*   5                               1.              2.              M\r\n", "z",
-         "GRID*   5                               1.              2.              M\n"
-         "*       123456.789\r\n"},
+         "GRID*   5                               1.              2.              M\r\n"
+         "*M      123456.789\r\n"},
+        {"GRID*   5                               1.              2.              +ABCDEFG9\n", "z",
+         "GRID*   5                               1.              2.              +ABCDEFG9\n"
+         "*ABCDEFG123456.789\n"},
+        {"GRID*   5                               1.              2.              * 7\r", "z",
+         "GRID*   5                               1.              2.              * 7\r"
+         "*7      123456.789\r"},
+        {"GRID*   5                               1.      $       c                       x\n", "z",
+         "GRID*   5                               1.      $       c                       x\n"
+         "*       123456.789\n"},
         {"GRID*   5                               1.      $ c\n", "yz",
          "GRID*   5                               1.              -.33333333333333$ c\n"
          "*       123456.789\n"},
@@ -344,6 +369,7 @@ static void free_fields_keep_their_commas(void **state) {
         {"GRID,5,,1.23456789,2.,3.\n", "yz", "GRID,5,,1.23456789,-.33333333333333,123456.789\n"},
         {"GRID*,5,,1.\n*,3.\n", "y", "GRID*,5,,1.,-.33333333333333\n*,3.\n"},
         {"GRID*,5,,1.,2.\n", "z", "GRID*,5,,1.,2.\n*,123456.789\n"},
+        {"GRID*,5,,1.,2.\r\n", "z", "GRID*,5,,1.,2.\r\n*,123456.789\r\n"},
         {"GRID*,5,,1.,2.,*\n*,3.,7\n", "xz", "GRID*,5,,.125,2.,*\n*,123456.789,7\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
@@ -360,6 +386,7 @@ int main(void) {
         cmocka_unit_test(ranges_are_held),
         cmocka_unit_test(lines_that_begin_with_blanks_go_on),
         cmocka_unit_test(regions_are_properties),
+        cmocka_unit_test(properties_may_be_many),
         cmocka_unit_test(systems_are_looked_at),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(contents_are_recognised),
