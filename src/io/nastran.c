@@ -312,8 +312,8 @@ static const card_kind kinds[] = {
     {"CPLSTN4", NODES, 2, 4, 0, 0},   {"CPLSTS4", NODES, 2, 4, 0, 0},
     {"CQUAD8", NODES, 2, 8, 0, 0},    {"CPLSTN8", NODES, 2, 8, 0, 0},
     {"CPLSTS8", NODES, 2, 8, 0, 0},   {"CQUAD", NODES, 2, 9, 0, 0},
-    {"CTRIAX", NODES, 2, 6, 0, 0},    {"CGAP", NODES, 2, 2, 0, 0},
-    {"CBUSH", NODES, 2, 2, 0, 0},     {"CBEAM3", NODES, 2, 3, 0, 0},
+    {"CTRIAX", NODES, 2, 6, 0, 0},    {"CGAP", NODES, 2, 3, 0, 0},
+    {"CBUSH", NODES, 2, 3, 0, 0},     {"CBEAM3", NODES, 2, 4, 0, 0},
     {"CONM1", NODES, 1, 1, 0, 0},     {"CONM2", NODES, 1, 1, 0, 0},
     {"CELAS1", PAIRS, 2, 0, 0, 0},    {"CELAS2", PAIRS, 2, 0, 0, 0},
     {"CDAMP1", PAIRS, 2, 0, 0, 0},    {"CDAMP2", PAIRS, 2, 0, 0, 0},
@@ -417,6 +417,26 @@ static int take_node(const reader *r, card *c, int64_t element, int32_t *node) {
     return PLANISH_OK;
 }
 
+/** Hold the node that the field names, if it does: other fields are there, too. Returns the field's
+ *  number, 0 if it is none. */
+static int64_t hold_field(reader *r, span field, uint8_t reason) {
+    int64_t number;
+    if (is_empty(field) || parse_number(field, &number))
+        return 0;
+    const int64_t index = find_grid(r, number);
+    if (index >= 0)
+        io_hold_node(r->model, index, reason);
+    return number;
+}
+
+/** The field behind the nodes of a bar names a node that its cross section points to, if it is no
+ *  component of a vector (a real number). */
+static void hold_orientation(reader *r, card *c) {
+    span field;
+    if (nastran_take_field(c, &field))
+        hold_field(r, field, IO_HELD_REQUIRED);
+}
+
 static int read_cell(reader *r, const card_kind *k, card *c) {
     io_cells *cells = cells_of(r->model, k->dim);
     int64_t number, property;
@@ -439,19 +459,9 @@ static int read_cell(reader *r, const card_kind *k, card *c) {
         return entity;
     cells->entity[cells->n] = entity;
     cells->number[cells->n++] = number;
+    if (c->name[1] == 'B') /* CBAR, CBEAM, CBEND */
+        hold_orientation(r, c);
     return PLANISH_OK;
-}
-
-/** Hold the node that the field names, if it does: other fields are there, too. Returns the field's
- *  number, 0 if it is none. */
-static int64_t hold_field(reader *r, span field, uint8_t reason) {
-    int64_t number;
-    if (is_empty(field) || parse_number(field, &number))
-        return 0;
-    const int64_t index = find_grid(r, number);
-    if (index >= 0)
-        io_hold_node(r->model, index, reason);
-    return number;
 }
 
 /** first THRU last: the nodes between these, too; see hold_ranges. */
