@@ -656,7 +656,7 @@ static int nastran_read(io_model *model, planish_error *error) {
 /** A GRID or BEGIN BULK at the beginning of a line, not too far into the file. */
 static int nastran_recognise(const char *data, int64_t size) {
     enum { LOOKED_AT = 1 << 18 };
-    io_cursor cursor = {data, data + (size < LOOKED_AT ? size : LOOKED_AT)};
+    io_cursor cursor = io_begin_text(data, size < LOOKED_AT ? size : LOOKED_AT);
     while (cursor.at < cursor.end) {
         const line l = nastran_take_line(&cursor);
         const span name = trim(l.name);

@@ -174,7 +174,7 @@ static const char *find_line(io_cursor cursor, const char *word, const char **af
 
 /** The lines between BEGIN BULK, if there is one, and ENDDATA. */
 io_cursor nastran_find_bulk(const char *data, int64_t size) {
-    io_cursor bulk = {data, data + size};
+    io_cursor bulk = io_begin_text(data, size);
     const char *after, *begin = find_line(bulk, "BEGIN", &after);
     if (begin < bulk.end)
         bulk.at = after;

@@ -4,7 +4,8 @@
 #include "io/number.h"
 
 /** Where the line that holds at begins. */
-static const char *line_of(const char *data, const char *at) {
+static const char *line_of(const io_model *model, const char *at) {
+    const char *data = io_begin_text(model->input.data, model->input.size).at;
     while (at > data && at[-1] != '\n' && at[-1] != '\r')
         at--;
     return at;
@@ -70,7 +71,7 @@ static void field_of_next_line(const card *c, io_field *field) {
 }
 
 int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *field) {
-    io_cursor from = {line_of(model->input.data, cursor->at), cursor->end};
+    io_cursor from = {line_of(model, cursor->at), cursor->end};
     card c;
     span skipped;
     int absent = 0;

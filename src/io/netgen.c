@@ -14,8 +14,6 @@
 #include "base/memory.h"
 #include "base/status.h"
 
-#include <string.h>
-
 /* ---- keywords ----------------------------------------------------------------------------- */
 
 static const netgen_keyword keywords[] = {
@@ -160,16 +158,8 @@ static int read_keyword(netgen_reader *r, io_cursor *cursor, const char *word, i
                                                               : add_section(r, cursor, k);
 }
 
-/** From behind the mark of UTF-8 that some editors put before a file. */
-static io_cursor begin_file(const char *data, int64_t size) {
-    static const char mark[] = "\xef\xbb\xbf";
-    const int64_t length = sizeof mark - 1;
-    const int is_marked = size >= length && memcmp(data, mark, (size_t)length) == 0;
-    return (io_cursor){data + (is_marked ? length : 0), data + size};
-}
-
 static int walk_file(netgen_reader *r) {
-    io_cursor cursor = begin_file(r->model->input.data, r->model->input.size);
+    io_cursor cursor = io_begin_text(r->model->input.data, r->model->input.size);
     int status = PLANISH_OK;
     for (int is_first = 1; !status; is_first = 0) {
         int64_t length;
@@ -221,7 +211,7 @@ static int read_netgen(io_model *model, planish_error *error) {
 }
 
 static int recognise_netgen(const char *data, int64_t size) {
-    io_cursor cursor = begin_file(data, size);
+    io_cursor cursor = io_begin_text(data, size);
     int64_t length;
     io_skip_space_comments(&cursor, '#');
     const char *word = io_word(&cursor, &length);

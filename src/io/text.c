@@ -13,6 +13,13 @@ static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
+io_cursor io_begin_text(const char *data, int64_t size) {
+    static const char mark[] = "\xef\xbb\xbf";
+    const int64_t length = sizeof mark - 1;
+    const int is_marked = size >= length && memcmp(data, mark, (size_t)length) == 0;
+    return (io_cursor){data + (is_marked ? length : 0), data + size};
+}
+
 void io_skip_space(io_cursor *cursor) {
     while (cursor->at < cursor->end && is_space(*cursor->at))
         cursor->at++;

@@ -229,8 +229,12 @@ static void wrong_files_are_refused(void **state) {
 
 static void contents_are_recognised(void **state) {
     (void)state;
-    static const char *const yes[] = {solid, NINE, "$Comment\nGRID*   1       \n", "begin bulk\n",
-                                      "  BEGIN   BULK $ x"};
+    static const char *const yes[] = {solid,
+                                      NINE,
+                                      "$Comment\nGRID*   1       \n",
+                                      "begin bulk\n",
+                                      "  BEGIN   BULK $ x",
+                                      "\xef\xbb\xbfGRID,1,,0.\n"};
     static const char *const no[] = {"",          "$MeshFormat\n4.1 0 8\n", "GRID\n", "GRIDS 1\n",
                                      "BEGINBULK", "*NODE\n1,2\n",           "BEGIN\n"};
     for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
@@ -362,6 +366,7 @@ static void fields_that_are_not_there_are_made(void **state) {
 
 static void free_fields_keep_their_commas(void **state) {
     static const char *const cases[][3] = {
+        {"\xef\xbb\xbfGRID,5,,1.,2.,3.\n", "y", "\xef\xbb\xbfGRID,5,,1.,-.333333,3.\n"},
         {"GRID,5,,1.,2.,3.,7\n", "xyz", "GRID,5,,.125,-.333333,123456.8,7\n"},
         {"GRID, 5 ,, 1. , 2. ,3. $ c\n", "y", "GRID, 5 ,, 1. , -.333333 ,3. $ c\n"},
         {"GRID,5,,,2.\n", "xz", "GRID,5,,.125,2.,123456.8\n"},
