@@ -16,18 +16,26 @@ static int64_t least_bytes(const medit_reader *r, const medit_keyword *k) {
     return 2 * (medit_integers_of(k) + (k->kind == MEDIT_VERTICES ? r->dim : 0));
 }
 
+/** Whether as many records can be in what is left of the file from at on. */
+static int check_count(const medit_reader *r, const medit_keyword *k, int64_t count,
+                       const char *at) {
+    const int64_t left = r->model->input.data + r->model->input.size - at;
+    /* The last number of a file needs no space behind it. */
+    if (count >= 0 && count <= (left + 1) / least_bytes(r, k))
+        return PLANISH_OK;
+    return io_fail_text(r->model, at, r->error,
+                        "%lld %s cannot be in the %lld bytes that are left; the count is wrong or "
+                        "the file is cut short",
+                        (long long)count, k->name, (long long)left);
+}
+
 static int read_section(medit_reader *r, const medit_keyword *k, io_cursor *cursor) {
     int64_t count;
     int status = take_number(r, cursor, k->name, &count);
+    if (!status)
+        status = check_count(r, k, count, cursor->at);
     if (status)
         return status;
-    int64_t left = cursor->end - cursor->at;
-    /* The last number of a file needs no space behind it. */
-    if (count < 0 || count > (left + 1) / least_bytes(r, k))
-        return io_fail_text(r->model, cursor->at, r->error,
-                            "%lld %s cannot be in the %lld bytes that are left; the count is wrong "
-                            "or the file is cut short",
-                            (long long)count, k->name, (long long)left);
     const char *data = cursor->at;
     io_skip_numbers(cursor);
     return medit_add_section(r, k, count, data, cursor->at);
@@ -73,5 +81,8 @@ int medit_text_walk(medit_reader *r) {
     if (!status && !r->version)
         return io_fail_text(r->model, cursor.end, r->error,
                             "no MeshVersionFormatted: this is no Medit mesh");
+    /* Vertices may stand before the dimension, which says how long they are. */
+    for (int64_t i = 0; i < r->n_sections && !status; i++)
+        status = check_count(r, r->sections[i].keyword, r->sections[i].count, r->sections[i].data);
     return status;
 }

@@ -53,6 +53,7 @@ typedef struct io_field {
     const char *lead;        /* [n_lead] what must stand before a number where the file has no field
                                 for it, behind the fields before it in full width; or NULL */
     int n_lead;              /* IO_LEAD_SIZE at most */
+    char made[12];           /* may be the lead, where it differs from field to field */
 } io_field;
 
 enum { IO_LEAD_SIZE = 64 };

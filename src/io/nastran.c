@@ -17,9 +17,14 @@
 #include "base/status.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- reading ------------------------------------------------------------------------------ */
+
+typedef struct number_range {
+    int64_t first, last;
+} number_range;
 
 typedef struct reader {
     io_model *model;
@@ -31,21 +36,14 @@ typedef struct reader {
     int64_t default_system, system; /* that of GRDSET, and of the GRIDs */
     int system_is_rectangular;
     io_numbers *numbers; /* NULL: consecutive */
+    number_range *range; /* [n_ranges] owned: numbers of nodes that rigid elements hold */
+    int64_t n_ranges, range_capacity;
 } reader;
 
 typedef int visit_fn(reader *r, card *c);
 
 static int fail_card(const reader *r, const card *c, const char *what) {
     return io_fail_text(r->model, c->line.text.begin, r->error, "%s: %s", c->name, what);
-}
-
-/** A card's fields cannot be found where tabs are among its columns. */
-static int check_tabs(const reader *r, const card *c) {
-    if (c->line.is_free || find(c->line.text, '\t') == c->line.text.end)
-        return PLANISH_OK;
-    return fail_card(r, c,
-                     "a tab among fields of fixed columns; write it as blanks (expand -t 8 IN "
-                     ">OUT)");
 }
 
 /** A whole number, 0 if the field is empty. */
@@ -72,7 +70,34 @@ static int take_number(const reader *r, card *c, const char *what, int64_t *valu
     return PLANISH_OK;
 }
 
-/** Visit the cards whose names begin with one of the letters. */
+/** Whether it is a card that is read. */
+static int is_read(const char *name);
+
+/** A line that begins with a blank goes on with the card before it; one that begins with the name
+ *  of a card behind the blanks means something else. */
+static int check_indented(reader *r, io_cursor *cursor) {
+    const line l = nastran_take_line(cursor);
+    const span text = trim(l.text);
+    char name[NAME_SIZE];
+    int n = 0;
+    if (text.begin - l.text.begin >= NAME_COLUMNS)
+        return PLANISH_OK;
+    for (const char *at = text.begin; at < text.end && n < NAME_COLUMNS; at++) {
+        if (is_blank(*at) || *at == '*' || *at == ',')
+            break;
+        name[n++] = upper(*at);
+    }
+    name[n] = '\0';
+    if (!is_read(name))
+        return PLANISH_OK;
+    return io_fail_text(r->model, text.begin, r->error,
+                        "%s behind blanks: a card begins in the first column of its line (take the "
+                        "blanks away)",
+                        name);
+}
+
+/** Visit the cards whose names begin with one of the letters; a blank among these: check lines that
+ *  begin with one. */
 static int walk(reader *r, const char *letters, visit_fn *visit) {
     io_cursor cursor = r->bulk;
     int status = PLANISH_OK;
@@ -81,8 +106,14 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
         const char *end;
         if (!*cursor.at || !strchr(letters, upper(*cursor.at)))
             io_line(&cursor, &end);
-        else if (nastran_take_card(&cursor, &c))
+        else if (is_blank(*cursor.at))
+            status = check_indented(r, &cursor);
+        else if (nastran_take_card(&cursor, &c)) {
             status = visit(r, &c);
+            /* What a reader made of such fields, an error perhaps, says nothing. */
+            if (c.n > 0 && c.wrong)
+                status = io_fail_text(r->model, c.wrong_at, r->error, "%s: %s", c.name, c.wrong);
+        }
     }
     return status;
 }
@@ -93,32 +124,33 @@ static int is_named(const card *c, const char *name) {
     return strcmp(c->name, name) == 0;
 }
 
-static int count_grid(reader *r, card *c) {
+static void count_grid(reader *r, card *c) {
     span field;
-    int status = check_tabs(r, c);
     r->n_grids++;
     if (!c->line.is_long)
         *(c->line.is_free ? &r->has_free : &r->has_short) = 1;
-    while (!status && c->line.is_free && c->n < FIRST_COORDINATE + 3 &&
-           nastran_take_field(c, &field))
+    while (c->line.is_free && c->n < FIRST_COORDINATE + 3 && nastran_take_field(c, &field))
         if (c->n > FIRST_COORDINATE && field.end - field.begin > SHORT_FIELD)
             r->has_wide = 1;
-    return status;
 }
 
 static int count_card(reader *r, card *c) {
-    if (is_named(c, "GRID"))
-        return count_grid(r, c);
     if (is_named(c, "INCLUDE"))
         return fail_card(r, c,
                          "what it brings in may be part of the mesh; put that file's lines in its "
                          "place, or smooth the file that has the mesh");
     if (is_named(c, "BEGIN"))
         return fail_card(r, c, "superelements are not read; smooth each in a file of its own");
+    if (c->name[0] == '=')
+        return fail_card(r, c,
+                         "replication of the card before (=, *(1)) is not read; have the "
+                         "preprocessor write every card in full");
+    if (is_named(c, "GRID"))
+        count_grid(r, c);
     if (!is_named(c, "GRDSET"))
         return PLANISH_OK;
     span field;
-    int status = check_tabs(r, c);
+    int status = PLANISH_OK;
     for (int i = 0; !status && i < FIRST_COORDINATE && nastran_take_field(c, &field); i++)
         if (i == 1 && parse_number(field, &r->default_system))
             status = fail_card(r, c, "the coordinate system is no whole number");
@@ -251,6 +283,7 @@ typedef enum kind {
     LISTED,   /* that and all behind it, whole numbers as far as they go */
     PAIRS,    /* fields first and first + 2, each with a component behind it */
     RIGID,    /* LISTED, with components of nodes among them */
+    SYSTEM,   /* systems of four fields each: its number and three nodes */
     EQUATION, /* MPC: nodes are fields 1 and 4 of each row */
     REFUSED
 } kind;
@@ -279,8 +312,8 @@ static const card_kind kinds[] = {
     {"CPLSTN4", NODES, 2, 4, 0, 0},   {"CPLSTS4", NODES, 2, 4, 0, 0},
     {"CQUAD8", NODES, 2, 8, 0, 0},    {"CPLSTN8", NODES, 2, 8, 0, 0},
     {"CPLSTS8", NODES, 2, 8, 0, 0},   {"CQUAD", NODES, 2, 9, 0, 0},
-    {"CTRIAX", NODES, 2, 6, 0, 0},    {"CGAP", NODES, 2, 2, 0, 0},
-    {"CBUSH", NODES, 2, 2, 0, 0},     {"CBEAM3", NODES, 2, 3, 0, 0},
+    {"CTRIAX", NODES, 2, 6, 0, 0},    {"CGAP", NODES, 2, 3, 0, 0},
+    {"CBUSH", NODES, 2, 3, 0, 0},     {"CBEAM3", NODES, 2, 4, 0, 0},
     {"CONM1", NODES, 1, 1, 0, 0},     {"CONM2", NODES, 1, 1, 0, 0},
     {"CELAS1", PAIRS, 2, 0, 0, 0},    {"CELAS2", PAIRS, 2, 0, 0, 0},
     {"CDAMP1", PAIRS, 2, 0, 0, 0},    {"CDAMP2", PAIRS, 2, 0, 0, 0},
@@ -289,14 +322,32 @@ static const card_kind kinds[] = {
     {"RBE1", LISTED, 1, 0, 0, 0},     {"RBE2", RIGID, 1, 0, 0, 0},
     {"RBE3", RIGID, 2, 0, 0, 0},      {"RSPLINE", LISTED, 1, 0, 0, 0},
     {"RTRPLT", LISTED, 1, 0, 0, 0},   {"MPC", EQUATION, 1, 0, 0, 0},
+    {"RBAR1", NODES, 1, 2, 0, 0},     {"RJOINT", NODES, 1, 2, 0, 0},
+    {"CORD1R", SYSTEM, 0, 8, 0, 0},   {"CORD1C", SYSTEM, 0, 8, 0, 0},
+    {"CORD1S", SYSTEM, 0, 8, 0, 0},   {"CORD3R", SYSTEM, 0, 8, 0, 0},
 };
 
 /** Beginnings of names of cards that are no elements. */
 static const char *const no_elements[] = {"CORD",  "CAERO",  "CSET",   "CREEP", "CY",    "CSUP",
-                                          "CLOAD", "CBARAO", "CSSCHD", "CONV",  "CONTR", "CLUSTER"};
+                                          "CLOAD", "CBARAO", "CSSCHD", "CONV",  "CONTR", "CLUSTER",
+                                          "RAD",   "RAND",   "RCROSS", "RELEA", "RESV",  "RFORCE",
+                                          "RGYRO", "RING",   "RLOAD",  "ROTOR", "RSPIN", "RVDOF"};
 
-/** An element that is not in the table, solids among them: number, property, nodes. */
+/** Elements that are not in the table, solids among them: number, property, nodes; and rigid ones:
+ *  number, nodes. */
 static const card_kind other_element = {"C...", LISTED, 2, 0, 0, 0};
+static const card_kind other_rigid = {"R...", LISTED, 1, 0, 0, 0};
+
+static int is_read(const char *name) {
+    static const char *const others[] = {"GRID", "GRDSET", "INCLUDE"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(name, others[i]) == 0)
+            return 1;
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
+        if (strcmp(name, kinds[i].name) == 0)
+            return 1;
+    return 0;
+}
 
 /** What is done with a card; NULL: nothing. */
 static const card_kind *find_kind(const card *c) {
@@ -304,20 +355,20 @@ static const card_kind *find_kind(const card *c) {
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
         if (strcmp(name, kinds[i].name) == 0)
             return &kinds[i];
-    if (name[0] != 'C')
+    if (name[0] != 'C' && name[0] != 'R')
         return NULL;
     for (size_t i = 0; i < sizeof no_elements / sizeof *no_elements; i++)
         if (strncmp(name, no_elements[i], strlen(no_elements[i])) == 0)
             return NULL;
-    return &other_element;
+    return name[0] == 'C' ? &other_element : &other_rigid;
 }
 
 /** Index of a GRID, or -1. */
 static int64_t find_grid(const reader *r, int64_t number) {
     if (r->numbers)
         return io_numbers_find(r->numbers, number);
-    const int64_t index = number - r->model->first_number;
-    return index >= 0 && index < r->model->n_nodes ? index : -1;
+    const uint64_t index = (uint64_t)number - (uint64_t)r->model->first_number;
+    return index < (uint64_t)r->model->n_nodes ? (int64_t)index : -1;
 }
 
 static io_cells *cells_of(io_model *model, int dim) {
@@ -366,6 +417,26 @@ static int take_node(const reader *r, card *c, int64_t element, int32_t *node) {
     return PLANISH_OK;
 }
 
+/** Hold the node that the field names, if it does: other fields are there, too. Returns the field's
+ *  number, 0 if it is none. */
+static int64_t hold_field(reader *r, span field, uint8_t reason) {
+    int64_t number;
+    if (is_empty(field) || parse_number(field, &number))
+        return 0;
+    const int64_t index = find_grid(r, number);
+    if (index >= 0)
+        io_hold_node(r->model, index, reason);
+    return number;
+}
+
+/** The field behind the nodes of a bar names a node that its cross section points to, if it is no
+ *  component of a vector (a real number). */
+static void hold_orientation(reader *r, card *c) {
+    span field;
+    if (nastran_take_field(c, &field))
+        hold_field(r, field, IO_HELD_REQUIRED);
+}
+
 static int read_cell(reader *r, const card_kind *k, card *c) {
     io_cells *cells = cells_of(r->model, k->dim);
     int64_t number, property;
@@ -388,16 +459,57 @@ static int read_cell(reader *r, const card_kind *k, card *c) {
         return entity;
     cells->entity[cells->n] = entity;
     cells->number[cells->n++] = number;
+    if (c->name[1] == 'B') /* CBAR, CBEAM, CBEND */
+        hold_orientation(r, c);
     return PLANISH_OK;
 }
 
-/** Hold the node that the field names, if it does: other fields are there, too. */
-static void hold_field(reader *r, span field, uint8_t reason) {
-    int64_t number;
-    const int64_t index =
-        is_empty(field) || parse_number(field, &number) ? -1 : find_grid(r, number);
-    if (index >= 0)
-        io_hold_node(r->model, index, reason);
+/** first THRU last: the nodes between these, too; see hold_ranges. */
+static int add_range(reader *r, span field, int64_t first) {
+    int64_t last;
+    if (parse_number(field, &last) || last <= first)
+        return PLANISH_OK;
+    number_range *grown =
+        pl_grow(r->range, r->n_ranges, r->n_ranges + 1, &r->range_capacity, sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(r->error, "the nodes of rigid elements");
+    r->range = grown;
+    r->range[r->n_ranges++] = (number_range){first, last};
+    return PLANISH_OK;
+}
+
+static int compare_ranges(const void *a, const void *b) {
+    const number_range *p = a, *q = b;
+    return (p->first > q->first) - (p->first < q->first);
+}
+
+/** Hold the nodes in any of the ranges. Many cards may name the same wide one: they are united, and
+ *  each node looks for the one that it may be in. */
+static void hold_ranges(reader *r) {
+    int64_t n = 0;
+    if (r->n_ranges > 0)
+        qsort(r->range, (size_t)r->n_ranges, sizeof *r->range, compare_ranges);
+    for (int64_t i = 0; i < r->n_ranges; i++) {
+        if (n == 0 || r->range[i].first > r->range[n - 1].last)
+            r->range[n++] = r->range[i];
+        else if (r->range[i].last > r->range[n - 1].last)
+            r->range[n - 1].last = r->range[i].last;
+    }
+    for (int64_t node = 0; n > 0 && node < r->model->n_nodes; node++) {
+        const int64_t number =
+            r->model->node_number ? r->model->node_number[node] : r->model->first_number + node;
+        int64_t low = 0,
+                high = n; /* ranges before low begin at number or before, from high on not */
+        while (low < high) {
+            const int64_t middle = low + (high - low) / 2;
+            if (r->range[middle].first <= number)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        if (low > 0 && number <= r->range[low - 1].last)
+            io_hold_node(r->model, node, IO_HELD_REQUIRED);
+    }
 }
 
 /** Whether the field at place is one that names a node; follows_real: the one before it is a real
@@ -406,6 +518,8 @@ static int names_node(const card_kind *k, int64_t place, int follows_real) {
     switch (k->kind) {
     case EQUATION:
         return place % SHORT_FIELDS == 1 || place % SHORT_FIELDS == 4;
+    case SYSTEM:
+        return place % 4 != 0;
     case PAIRS:
         return place == k->first || place == k->first + 2;
     case RIGID: /* the components of the first node behind it */
@@ -415,33 +529,37 @@ static int names_node(const card_kind *k, int64_t place, int follows_real) {
     }
 }
 
-static void hold_fields(reader *r, const card_kind *k, card *c) {
-    const int is_element = c->name[0] == 'C';
-    int follows_real = 0;
+static int hold_fields(reader *r, const card_kind *k, card *c) {
+    const int is_element = c->name[0] == 'C' && k->kind != SYSTEM;
+    const uint8_t reason = is_element ? IO_HELD_BY_OTHER : IO_HELD_REQUIRED;
+    int follows_real = 0, is_thru = 0, status = PLANISH_OK;
+    int64_t number = 0; /* of the last node that was named */
     span field;
-    while ((k->nodes == 0 || c->n < k->first + k->nodes) && nastran_take_field(c, &field)) {
-        if (names_node(k, c->n - 1, follows_real))
-            hold_field(r, field, is_element ? IO_HELD_BY_OTHER : IO_HELD_REQUIRED);
+    while (!status && (k->nodes == 0 || c->n < k->first + k->nodes) &&
+           nastran_take_field(c, &field)) {
+        const int is_node = names_node(k, c->n - 1, follows_real);
+        if (is_thru)
+            status = add_range(r, field, number);
+        is_thru = is_node && nastran_line_begins(field, "THRU");
+        if (is_node && !is_thru)
+            number = hold_field(r, field, reason);
         follows_real = find(field, '.') < field.end;
     }
     r->model->n_other += is_element;
+    return status;
 }
 
 static int read_element(reader *r, card *c) {
     const card_kind *k = find_kind(c);
     if (!k)
         return PLANISH_OK;
-    int status = check_tabs(r, c);
-    if (status)
-        return status;
     if (k->kind == REFUSED)
         return fail_card(r, c,
                          "elements of second order cannot be smoothed; export the mesh with "
                          "straight elements of first order");
     if (k->kind == CELL)
         return read_cell(r, k, c);
-    hold_fields(r, k, c);
-    return PLANISH_OK;
+    return hold_fields(r, k, c);
 }
 
 static void settle_cell_numbers(io_cells *cells) {
@@ -468,14 +586,10 @@ static int read_name(reader *r, span text) {
         number < 1 || number > INT32_MAX)
         return PLANISH_OK;
     int status = PLANISH_OK;
-    for (int dim = 1; dim <= 3 && !status; dim++) {
-        int there = 0;
-        for (int32_t i = 0; i < r->model->n_entities; i++)
-            there |= r->model->entity[i].dim == dim && r->model->entity[i].tag == number;
-        if (there)
+    for (int dim = 1; dim <= 3 && !status; dim++)
+        if (io_model_has_entity(r->model, dim, (int32_t)number))
             status = io_model_group(r->model, dim, (int32_t)number, name.begin,
                                     name.end - name.begin, r->error);
-    }
     return status;
 }
 
@@ -493,18 +607,34 @@ static int read_names(reader *r) {
 
 /* ---- the file ----------------------------------------------------------------------------- */
 
+/** Programs end their files with ENDDATA, or the last line at least. Without either a card may be
+ *  incomplete that looks whole. */
+static int check_file_end(const reader *r) {
+    const io_bytes *file = &r->model->input;
+    const char *end = file->data + file->size;
+    if (r->bulk.end < end || end[-1] == '\n' || end[-1] == '\r')
+        return PLANISH_OK;
+    return io_fail_text(r->model, end, r->error,
+                        "no ENDDATA, and the last line has no end: the file is cut short most "
+                        "likely (if it is whole, add ENDDATA or a line end)");
+}
+
 static int read_all(reader *r) {
     io_model *model = r->model;
-    int status = walk(r, "GIB", count_card);
+    int status = walk(r, "GIB= \t", count_card);
     if (status)
         return status;
     if (r->n_grids == 0)
         return io_fail_text(model, r->bulk.end, r->error,
                             "there is no GRID: this is no Nastran mesh, or it is cut short");
+    status = check_file_end(r);
+    if (status)
+        return status;
     decide_width(r);
     status = read_grids(r);
     if (!status)
         status = walk(r, "CRMP", read_element);
+    hold_ranges(r);
     if (!status)
         status = read_names(r);
     settle_cell_numbers(&model->line);
@@ -519,13 +649,14 @@ static int nastran_read(io_model *model, planish_error *error) {
                 .bulk = nastran_find_bulk(model->input.data, model->input.size)};
     const int status = read_all(&r);
     io_numbers_destroy(r.numbers);
+    pl_free(r.range);
     return status;
 }
 
 /** A GRID or BEGIN BULK at the beginning of a line, not too far into the file. */
 static int nastran_recognise(const char *data, int64_t size) {
     enum { LOOKED_AT = 1 << 18 };
-    io_cursor cursor = {data, data + (size < LOOKED_AT ? size : LOOKED_AT)};
+    io_cursor cursor = io_begin_text(data, size < LOOKED_AT ? size : LOOKED_AT);
     while (cursor.at < cursor.end) {
         const line l = nastran_take_line(&cursor);
         const span name = trim(l.name);

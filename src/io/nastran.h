@@ -39,6 +39,8 @@ typedef struct card {
     int n_of_line;        /* fields taken from the line */
     int64_t n;            /* fields taken */
     char name[NAME_SIZE]; /* in capitals, without the star */
+    const char *wrong;    /* why the fields taken cannot be what the lines say, or NULL: nothing */
+    const char *wrong_at; /* and where */
 } card;
 
 static inline int is_blank(char c) {

@@ -1,6 +1,8 @@
 /* nastran_card: lines, cards and fields of bulk data. */
 #include "io/nastran.h"
 
+#include "io/number.h"
+
 /* ---- lines -------------------------------------------------------------------------------- */
 
 line nastran_take_line(io_cursor *cursor) {
@@ -30,7 +32,17 @@ static int is_continuation(const line *l) {
 
 /* ---- cards -------------------------------------------------------------------------------- */
 
+static void set_wrong(card *c, const char *at, const char *what) {
+    if (c->wrong)
+        return;
+    c->wrong = what;
+    c->wrong_at = at;
+}
+
 static void enter_line(card *c, line l) {
+    if (!l.is_free && find(l.text, '\t') < l.text.end)
+        set_wrong(c, l.text.begin,
+                  "a tab among fields of fixed columns; write it as blanks (expand -t 8 IN >OUT)");
     c->line = l;
     c->at = l.is_free ? l.name.end + 1 : NULL;
     c->n_of_line = 0;
@@ -48,13 +60,29 @@ int nastran_take_card(io_cursor *cursor, card *c) {
     }
     c->name[n] = '\0';
     c->n = 0;
+    c->wrong = c->wrong_at = NULL;
     c->rest = *cursor;
     enter_line(c, l);
     return 1;
 }
 
+/** Behind the last field of a free line stands the mark of the continuation, which is no number. */
+static void check_end_of_line(card *c) {
+    while (c->line.is_free && c->at) {
+        const span text = nastran_line_field(c), field = trim(text);
+        double value;
+        if (!is_empty(field) && *field.begin != '+' && *field.begin != '*' &&
+            !io_parse_packed_real(field.begin, field.end, &value))
+            set_wrong(c, field.begin,
+                      c->line.is_long ? "a number behind the four fields of a long line"
+                                      : "a number behind the eight fields of a line");
+        c->at = text.end < c->line.text.end ? text.end + 1 : NULL;
+    }
+}
+
 /** To the next line, if it goes on with the card. */
 int nastran_continue_card(card *c) {
+    check_end_of_line(c);
     io_cursor cursor = c->rest;
     line l;
     do {
@@ -100,11 +128,21 @@ static void pass_field(card *c) {
     c->n++;
 }
 
+/** = and == stand for the fields of the card before, *(1) for the number that follows there. */
+static int is_replication(span field) {
+    return *field.begin == '=' ||
+           (*field.begin == '*' && field.end - field.begin > 1 && field.begin[1] == '(');
+}
+
 /** The card's next field without blanks; 0 where the card ends. */
 int nastran_take_field(card *c, span *field) {
     if (c->n_of_line == fields_of(&c->line) && !nastran_continue_card(c))
         return 0;
     *field = trim(nastran_line_field(c));
+    if (!is_empty(*field) && is_replication(*field))
+        set_wrong(c, field->begin,
+                  "replication of the card before (=, *(1)) is not read; have the preprocessor "
+                  "write every card in full");
     pass_field(c);
     return 1;
 }
@@ -136,7 +174,7 @@ static const char *find_line(io_cursor cursor, const char *word, const char **af
 
 /** The lines between BEGIN BULK, if there is one, and ENDDATA. */
 io_cursor nastran_find_bulk(const char *data, int64_t size) {
-    io_cursor bulk = {data, data + size};
+    io_cursor bulk = io_begin_text(data, size);
     const char *after, *begin = find_line(bulk, "BEGIN", &after);
     if (begin < bulk.end)
         bulk.at = after;

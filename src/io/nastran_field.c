@@ -4,7 +4,8 @@
 #include "io/number.h"
 
 /** Where the line that holds at begins. */
-static const char *line_of(const char *data, const char *at) {
+static const char *line_of(const io_model *model, const char *at) {
+    const char *data = io_begin_text(model->input.data, model->input.size).at;
     while (at > data && at[-1] != '\n' && at[-1] != '\r')
         at--;
     return at;
@@ -37,19 +38,40 @@ static void field_of_commas(const io_model *model, const card *c, int d, int abs
     field->n_lead = d == 0 ? absent + 1 : 1;
 }
 
-/** The third coordinate of a long GRID is in the next line; where there is none, it is made. */
+/** The mark in the last columns of a line, without the + or * that it may begin with. */
+static span mark_of(span whole) {
+    const span text = {whole.begin, find(head(whole, LAST_COLUMN + SHORT_FIELD), '$')};
+    if (text.end - text.begin <= LAST_COLUMN)
+        return (span){text.end, text.end};
+    const span mark = trim((span){text.begin + LAST_COLUMN, text.end});
+    const int is_signed = !is_empty(mark) && (*mark.begin == '+' || *mark.begin == '*');
+    return head(trim((span){mark.begin + is_signed, mark.end}), NAME_COLUMNS - 1);
+}
+
+/** The third coordinate of a long GRID is in the next line; where there is none, it is made: behind
+ *  a line end as the file has them, with the mark of the line before. */
 static void field_of_next_line(const card *c, io_field *field) {
-    io_cursor from = {c->line.text.begin, c->rest.at};
-    io_line(&from, &field->end);
-    field->begin = field->end;
+    io_cursor from = {c->line.text.begin, c->rest.end};
+    span whole = {c->line.text.begin, NULL};
+    io_line(&from, &whole.end);
+    const span mark = mark_of(whole);
+    char *to = field->made;
+    for (const char *end = whole.end; end < from.at; end++)
+        *to++ = *end;
+    *to++ = '*';
+    if (c->line.is_free)
+        *to++ = ',';
+    for (int i = 0; i < NAME_COLUMNS - 1 && !c->line.is_free; i++)
+        *to++ = i < mark.end - mark.begin ? mark.begin[i] : ' ';
+    field->begin = field->end = whole.end;
     field->width = LONG_FIELD;
     field->is_fixed = !c->line.is_free;
-    field->lead = c->line.is_free ? "\n*," : "\n*       ";
-    field->n_lead = (int)strlen(field->lead);
+    field->lead = field->made;
+    field->n_lead = (int)(to - field->made);
 }
 
 int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *field) {
-    io_cursor from = {line_of(model->input.data, cursor->at), cursor->end};
+    io_cursor from = {line_of(model, cursor->at), cursor->end};
     card c;
     span skipped;
     int absent = 0;

@@ -61,8 +61,9 @@ static int take_number(netgen_reader *r, io_cursor *cursor, const char *name, in
 static int take_count(netgen_reader *r, io_cursor *cursor, const netgen_keyword *k,
                       int64_t *count) {
     const int64_t words = k->words + (k->kind == NETGEN_ELEMENTS ? NETGEN_LEAST_CORNERS : 0);
+    const int64_t least = k->kind == NETGEN_LINES ? 1 : 2 * words; /* lines may be empty */
     int status = take_number(r, cursor, k->name, count);
-    if (!status && (*count < 0 || *count > (io_left(cursor) + 1) / (2 * words)))
+    if (!status && (*count < 0 || *count > (io_left(cursor) + 1) / least))
         return io_fail_text(r->model, cursor->at, r->error,
                             "%lld %s cannot be in the %lld bytes that are left; the count is wrong "
                             "or the file is cut short",
@@ -96,13 +97,16 @@ static int take_name(netgen_reader *r, io_cursor *cursor, int codimension, int64
 static int read_lines(netgen_reader *r, io_cursor *cursor, const netgen_keyword *k) {
     int64_t count, number;
     int status = take_count(r, cursor, k, &count);
+    if (k->kind == NETGEN_LINES)
+        io_skip_line(cursor); /* that of the count */
     for (int64_t i = 0; i < count && !status; i++) {
-        io_skip_space(cursor);
+        if (k->kind == NETGEN_NAMES)
+            io_skip_space(cursor);
         if (cursor->at == cursor->end || (k->kind == NETGEN_NAMES && io_integer(cursor, &number)))
             return io_fail_text(r->model, cursor->at, r->error,
-                                "%s: line %lld of %lld expected, which begins with a number (the "
-                                "file may be cut short)",
-                                k->name, (long long)i + 1, (long long)count);
+                                "%s: line %lld of %lld expected%s (the file may be cut short)",
+                                k->name, (long long)i + 1, (long long)count,
+                                k->kind == NETGEN_NAMES ? ", which begins with a number" : "");
         if (k->kind == NETGEN_NAMES)
             status = take_name(r, cursor, k->group, number);
         else
@@ -155,7 +159,7 @@ static int read_keyword(netgen_reader *r, io_cursor *cursor, const char *word, i
 }
 
 static int walk_file(netgen_reader *r) {
-    io_cursor cursor = {r->model->input.data, r->model->input.data + r->model->input.size};
+    io_cursor cursor = io_begin_text(r->model->input.data, r->model->input.size);
     int status = PLANISH_OK;
     for (int is_first = 1; !status; is_first = 0) {
         int64_t length;
@@ -207,7 +211,7 @@ static int read_netgen(io_model *model, planish_error *error) {
 }
 
 static int recognise_netgen(const char *data, int64_t size) {
-    io_cursor cursor = {data, data + size};
+    io_cursor cursor = io_begin_text(data, size);
     int64_t length;
     io_skip_space_comments(&cursor, '#');
     const char *word = io_word(&cursor, &length);

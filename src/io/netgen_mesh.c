@@ -29,7 +29,7 @@ static int take_index(const netgen_reader *r, io_cursor *cursor, int64_t record,
                             "%lld",
                             r->current->keyword->name, (long long)record + 1, (long long)*index,
                             (long long)first, (long long)last);
-    *index -= first;
+    *index = status ? 0 : *index - first;
     return status;
 }
 

@@ -31,8 +31,10 @@ void io_text_release(io_text *text) {
 
 /* ---- the index of tokens ------------------------------------------------------------------ */
 
+/* Exactly what readers take for a part of a word (text.c): an index that parts words elsewhere, at
+ * other control characters, would let threads read what nobody wrote. */
 static inline int is_token_byte(char byte) {
-    return (unsigned char)byte > ' ';
+    return (byte != ' ') & ((unsigned char)(byte - '\t') > '\r' - '\t');
 }
 
 /* Tokens that start in [at, end); at > begin or at is the beginning. */
@@ -145,7 +147,6 @@ static int read_text_chunks(io_text *text, io_cursor *cursor, struct job *job, i
     if (cursor->end != text->end || !index_tokens(text))
         return 0;
     job->rank = token_rank(text, cursor->at);
-    /* The index takes control characters for white space, which readers do not. */
     if (cursor->at != token_begin(text, job->rank))
         return 0;
     const char *end = token_begin(text, job->rank + n * job->size);

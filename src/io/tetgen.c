@@ -91,6 +91,9 @@ static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
     io_skip_space_comments(&peek, '#');
     if (p->n > 0 && line_integer(&peek, &p->first))
         return io_fail_text(&p->view, peek.at, error, "a number was expected");
+    if (p->first > INT64_MAX - p->n)
+        return io_fail_text(&p->view, peek.at, error, "number %lld is out of range",
+                            (long long)p->first);
     return PLANISH_OK;
 }
 
@@ -119,6 +122,7 @@ static int read_tag(rows *r, io_cursor *cursor, int64_t row, planish_error *erro
     int failed = 0;
     for (int64_t i = 0; i < r->skipped && line_goes_on(cursor); i++)
         io_word(cursor, &length);
+    io_cursor found = *cursor;
     if (line_goes_on(cursor) && (r->real_tag || io_integer(cursor, &tag))) {
         failed = io_real(cursor, &real);
         if (!failed && !r->real_tag) { /* some programs write markers as 1.0 */
@@ -126,9 +130,13 @@ static int read_tag(rows *r, io_cursor *cursor, int64_t row, planish_error *erro
             tag = failed ? 0 : (int64_t)real;
         }
     }
-    if (failed)
-        return io_fail_text(&r->part->view, cursor->at, error, "a %s was expected",
-                            r->real_tag ? "region attribute" : "boundary marker");
+    if (failed) {
+        const char *word = io_word(&found, &length);
+        return io_fail_text(&r->part->view, word, error, "a %s was expected, not '%.*s'",
+                            r->real_tag ? "region attribute (a number)"
+                                        : "boundary marker (a whole number)",
+                            (int)(length < 24 ? length : 24), word);
+    }
     if (r->real_tag && !(real >= INT32_MIN && real <= INT32_MAX && floor(real) == real))
         atomic_store_explicit(&r->fractional, 1, memory_order_relaxed);
     else if (r->real_tag)
@@ -186,6 +194,8 @@ static int read_corners(const rows *r, io_cursor *cursor, int64_t row, int32_t *
 static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                          planish_error *error) {
     rows *r = context;
+    if (error) /* what threads saw, which will not be read as they did, says nothing */
+        atomic_store_explicit(&r->fractional, 0, memory_order_relaxed);
     for (int64_t i = begin; i < end; i++) {
         int status = read_number(r, cursor, i, error);
         if (!status)
@@ -223,11 +233,11 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
     model->first_number = p.first;
     /* Attributes are words of each line, so that their count is that of the file
      * at most. */
-    int64_t words = 1 + *dim + p.count[1] + (p.count[2] > 0);
     if (p.count[1] > model->input.size)
         return io_fail_text(&p.view, model->input.data, error,
                             "%lld attributes were promised, the file is too short for that",
                             (long long)p.count[1]);
+    const int64_t words = 1 + *dim + p.count[1] + (p.count[2] > 0);
     status = io_model_nodes(model, p.n, 1, error);
     if (!status)
         status = io_model_span(model, (io_span){.n_nodes = p.n, .encoding = IO_TEXT}, error);

@@ -13,6 +13,13 @@ static char lower(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
 }
 
+io_cursor io_begin_text(const char *data, int64_t size) {
+    static const char mark[] = "\xef\xbb\xbf";
+    const int64_t length = sizeof mark - 1;
+    const int is_marked = size >= length && memcmp(data, mark, (size_t)length) == 0;
+    return (io_cursor){data + (is_marked ? length : 0), data + size};
+}
+
 void io_skip_space(io_cursor *cursor) {
     while (cursor->at < cursor->end && is_space(*cursor->at))
         cursor->at++;
@@ -35,15 +42,24 @@ void io_skip_line(io_cursor *cursor) {
         cursor->at++;
 }
 
+/** The first line end of length bytes at at, or NULL. */
+static const char *find_line_end(const char *at, int64_t length) {
+    const char *feed = memchr(at, '\n', (size_t)length);
+    const char *carriage = memchr(at, '\r', (size_t)(feed ? feed - at : length));
+    return carriage ? carriage : feed;
+}
+
 const char *io_line(io_cursor *cursor, const char **end) {
-    const char *line = cursor->at;
-    if (line == cursor->end)
-        return *end = line;
-    const char *feed = memchr(line, '\n', (size_t)(cursor->end - line));
-    const char *stop = feed ? feed : cursor->end;
-    const char *carriage = memchr(line, '\r', (size_t)(stop - line));
-    *end = carriage ? carriage : stop;
-    cursor->at = carriage && carriage + 1 < stop ? carriage + 1 : feed ? feed + 1 : cursor->end;
+    /* By stretches: in a file whose lines end in \r alone, \n is looked for in vain. */
+    enum { STRETCH = 256 };
+    const char *line = cursor->at, *found = NULL;
+    while (!found && cursor->at < cursor->end) {
+        const int64_t left = cursor->end - cursor->at, length = left < STRETCH ? left : STRETCH;
+        found = find_line_end(cursor->at, length);
+        cursor->at = found ? found : cursor->at + length;
+    }
+    *end = cursor->at;
+    io_skip_line(cursor);
     return line;
 }
 
@@ -121,8 +137,8 @@ void io_skip_numbers(io_cursor *cursor) {
         int64_t length;
         const char *block = cursor->at;
         skip_number_blocks(cursor);
-        while (cursor->at > block && cursor->at < cursor->end && (unsigned char)*cursor->at > ' ' &&
-               (unsigned char)cursor->at[-1] > ' ')
+        while (cursor->at > block && cursor->at < cursor->end && !is_space(*cursor->at) &&
+               !is_space(cursor->at[-1]))
             cursor->at++; /* the rest of a number */
         io_skip_space_comments(cursor, '#');
         io_cursor before = *cursor;

@@ -4,6 +4,8 @@
 
 #include "io/model.h"
 
+/** A text of size bytes from behind the mark of UTF-8 that some editors put before it. */
+io_cursor io_begin_text(const char *data, int64_t size);
 /** Skip blanks, tabs, line ends (\n, \r\n, \r). */
 void io_skip_space(io_cursor *cursor);
 /** Skip the same and comments that run from mark ('#') to the end of the line. */

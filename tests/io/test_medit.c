@@ -133,6 +133,9 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(f, HEAD NODES "Tetrahedra\n1\n1 2 3 4 0\n1 2 3 4 0\n", "more than 1");
     reading_fails(f, HEAD "Vertices\n4611686018427387904\n0 0 0 0\n", "cannot be in");
     reading_fails(f, HEAD "Vertices\n-1\n", "cannot be in");
+    reading_fails(f,
+                  "MeshVersionFormatted 2\nVertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\nDimension 3\n",
+                  "5 Vertices cannot be in the 37 bytes");
     reading_fails(f, HEAD "Vertices\n2\n0 0 nan 0 0 0 0 0 Tetrahedra 0", "not finite");
     reading_fails(f, HEAD "Vertices\n1\n0 0 1e999 0\n", "not finite");
     reading_fails(f, HEAD NODES NODES, "second time");

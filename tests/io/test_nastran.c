@@ -92,6 +92,8 @@ static void nodes_are_held(void **state) {
     assert_true(constraints_are(NINE "CQUAD4,2,1,5,6,7,8,3,.5\n", NULL, "000011110"));
     assert_true(constraints_are(NINE "CHEXA,2,1,1,2,3,4,5,6\n,7,8\n", NULL, "111111110"));
     assert_true(constraints_are(NINE "CBAR,2,1,5,6,1.,0.,0.\n", NULL, "000011000"));
+    assert_true(constraints_are(NINE "CBEAM,2,1,5,6,9\nCBUSH,3,1,5,6,8\n", NULL, "000011011"));
+    assert_true(constraints_are(NINE "CGAP,2,1,5,6,1.,0.,0.\n", NULL, "000011000"));
     assert_true(constraints_are(NINE "CONROD,2,5,6,7,1.\n", NULL, "000011000"));
     assert_true(constraints_are(NINE "CELAS1,2,1,5,1,6,3\n", NULL, "000011000"));
     assert_true(constraints_are(NINE "CONM2,2,9,0,1.5\n", NULL, "000000001"));
@@ -99,10 +101,47 @@ static void nodes_are_held(void **state) {
     assert_true(constraints_are(NINE "RBE3,2,,5,3,1.,4,6,7,\n,8,1.,2,9\n", NULL, "000011111"));
     assert_true(constraints_are(NINE "MPC,2,5,1,1.,6,2,-1.\n,,7,3,1.,8,1,1.\n", NULL, "000011110"));
     assert_true(constraints_are(NINE "COTHER,2,1,9\n", NULL, "000000001"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,+\n+,5\n", NULL, "111110000"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,+1,,\n+1,5\n", NULL, "111110000"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,1,2,3,4,1,A\t\n,5,\t6\n", NULL, "111111000"));
+    assert_true(constraints_are(NINE "RBAR1,2,8,9,123\n", NULL, "000000011"));
+    assert_true(constraints_are(NINE "RJOINT,2,6,7,123\n", NULL, "000001100"));
+    assert_true(constraints_are(NINE "RSSCON,2,GRID,5,8,9\n", NULL, "000010011"));
+    assert_true(constraints_are(NINE "ROTHER,1,6,7,.5,8\n", NULL, "000001110"));
+    assert_true(constraints_are(NINE "RFORCE,2,5,,1.,0.,0.,1.\nRLOAD1,5,6,7\nRELEASE,6,7,8\n", NULL,
+                                "000000000"));
+    assert_true(constraints_are(NINE "CORD1R,1,7,8,9,2,5,6,7\n", NULL, "000011111"));
+    assert_true(constraints_are(NINE "CORD1C,1,7,8,9\nCORD1S,6,5,1,2\n", NULL, "110010111"));
     assert_true(constraints_are(NINE "CORD2R,9,8,7,6,5,4,3,2\n", NULL, "000000000"));
     assert_true(
         constraints_are(NINE "SPC1,9,123,1,2\nFORCE,1,3,0,1.\nTEMP,1,5,20.\n", NULL, "000000000"));
     assert_true(constraints_are(NINE "$HMNAME PROP 1\"one\"\n", "one", "111100000"));
+}
+
+/** All nodes from the one to the other, in files whose numbers are in order and in others. */
+static void ranges_are_held(void **state) {
+    (void)state;
+    assert_true(constraints_are(NINE "RBE2,2,1,3,5,THRU,8\n", NULL, "100011110"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,8,THRU,99\n", NULL, "100000011"));
+    assert_true(constraints_are(NINE "RBE2,2,1,3,7,thru,9\nRBE2,3,1,3,2,THRU,3\n"
+                                     "RBE2,4,1,3,3,THRU,4\n",
+                                NULL, "111100111"));
+    assert_true(constraints_are("GRID,99\nGRID,77\nGRID,88\n" NINE "RBE2,2,1,3,8,THRU,80\n", NULL,
+                                "010100000011"));
+    assert_true(
+        constraints_are(NINE "RBE2,2,1,3,5,THRU\nRBE2,2,1,3,5,THRU,4\n", NULL, "100110000"));
+}
+
+/** Words that are cards' names in lines that go on with a card; and other ends of files. */
+static void lines_that_begin_with_blanks_go_on(void **state) {
+    (void)state;
+    assert_true(constraints_are(NINE "RBE2,2,5,3,6\n ,7\n    $ GRID\n  x\n", NULL, "000011100"));
+    assert_true(constraints_are(NINE "DESVAR,1\n        GRID    1\n"
+                                     "  GRIDS 1\n",
+                                NULL, "000000000"));
+    assert_true(constraints_are(NINE "COTHER,2,1,9\nENDDATA", NULL, "000000001"));
+    assert_true(constraints_are(NINE "COTHER,2,1,9\r", NULL, "000000001"));
+    assert_true(constraints_are(NINE "COTHER,2,1,9,-9223372036854775808\n", NULL, "000000001"));
 }
 
 static void regions_are_properties(void **state) {
@@ -119,6 +158,22 @@ static void regions_are_properties(void **state) {
     planish_file_get_info(file, &info);
     assert_int_equal(info.n_regions, 2);
     planish_file_close(file);
+}
+
+/** Each name costs the same: if it were to look at all properties, minutes. */
+static void properties_may_be_many(void **state) {
+    (void)state;
+    enum { N = 200000 };
+    file_builder b = {.data = NULL};
+    planish_file *file;
+    planish_error error;
+    builder_text(&b, NINE);
+    for (int i = 0; i < N; i++)
+        builder_text(&b, "CTETRA,%d,%d,1,2,3,4\n$HMNAME PROP %d\"p%d\"\n", i + 2, i + 2, i + 2, i);
+    assert_int_equal(builder_read(&b, format, 1, &file, &error), 0);
+    assert_int_equal(file->model.n_groups, N);
+    planish_file_close(file);
+    builder_release(&b);
 }
 
 static void systems_are_looked_at(void **state) {
@@ -154,6 +209,19 @@ static void wrong_files_are_refused(void **state) {
     reading_fails(format, NINE "GRID,10,,nan\n", "finite");
     reading_fails(format, NINE "GRID,10,,1.+999\n", "finite");
     reading_fails(format, NINE "GRID    10\t\t1.\n", "expand");
+    reading_fails(format, NINE "GRID*   10                              1.\n*\t5.\n",
+                  "test:12: GRID: a tab");
+    reading_fails(format, NINE "RBE2    2       5       3       6\n+\t7\n", "expand");
+    reading_fails(format, NINE "GRID*,10,,1.,2.,7\n", "test:11: GRID: a number behind the four");
+    reading_fails(format, NINE "GRID*,10,,1.,2.,*,-.5\n*,3.\n", "a number behind the four");
+    reading_fails(format, NINE "RBE2,2,5,3,6,7,8,9,1,2\n", "a number behind the eight");
+    reading_fails(format, NINE "GRID,=,,*(1.),=\n", "test:11: GRID: replication");
+    reading_fails(format, NINE "GRID,*(1),,*(1.),=\n", "replication");
+    reading_fails(format, NINE "=,*(1),,*(1.),==\n=(3)\n", "test:11: =: replication");
+    reading_fails(format, NINE "RBE2,2,=,3,6\n", "replication");
+    reading_fails(format, NINE " RBE2,2,5,3,6\n", "test:11: RBE2 behind blanks");
+    reading_fails(format, NINE "\tgrid*   9\n", "GRID behind blanks");
+    reading_fails(format, NINE "CTR", "test:11: no ENDDATA, and the last line has no end");
     reading_fails(format, NINE "INCLUDE 'mesh.bdf'\n", "test:11: INCLUDE");
     reading_fails(format, "BEGIN BULK\n" NINE "BEGIN SUPER=1\n", "superelements");
     reading_fails(format, "GRID,1\nGRID,2,,1.\nGRID,3,,,1.,1.\nCTRIA3,1,1,1,2,3\n", "in space");
@@ -161,8 +229,12 @@ static void wrong_files_are_refused(void **state) {
 
 static void contents_are_recognised(void **state) {
     (void)state;
-    static const char *const yes[] = {solid, NINE, "$Comment\nGRID*   1       \n", "begin bulk\n",
-                                      "  BEGIN   BULK $ x"};
+    static const char *const yes[] = {solid,
+                                      NINE,
+                                      "$Comment\nGRID*   1       \n",
+                                      "begin bulk\n",
+                                      "  BEGIN   BULK $ x",
+                                      "\xef\xbb\xbfGRID,1,,0.\n"};
     static const char *const no[] = {"",          "$MeshFormat\n4.1 0 8\n", "GRID\n", "GRIDS 1\n",
                                      "BEGINBULK", "*NODE\n1,2\n",           "BEGIN\n"};
     for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
@@ -270,8 +342,17 @@ static void fields_that_are_not_there_are_made(void **state) {
          "GRID*   5                               1.              -.33333333333333\n"
          "*       123456.789\n"},
         {"GRID*   5                               1.              2.              M\r\n", "z",
-         "GRID*   5                               1.              2.              M\n"
-         "*       123456.789\r\n"},
+         "GRID*   5                               1.              2.              M\r\n"
+         "*M      123456.789\r\n"},
+        {"GRID*   5                               1.              2.              +ABCDEFG9\n", "z",
+         "GRID*   5                               1.              2.              +ABCDEFG9\n"
+         "*ABCDEFG123456.789\n"},
+        {"GRID*   5                               1.              2.              * 7\r", "z",
+         "GRID*   5                               1.              2.              * 7\r"
+         "*7      123456.789\r"},
+        {"GRID*   5                               1.      $       c                       x\n", "z",
+         "GRID*   5                               1.      $       c                       x\n"
+         "*       123456.789\n"},
         {"GRID*   5                               1.      $ c\n", "yz",
          "GRID*   5                               1.              -.33333333333333$ c\n"
          "*       123456.789\n"},
@@ -285,6 +366,7 @@ static void fields_that_are_not_there_are_made(void **state) {
 
 static void free_fields_keep_their_commas(void **state) {
     static const char *const cases[][3] = {
+        {"\xef\xbb\xbfGRID,5,,1.,2.,3.\n", "y", "\xef\xbb\xbfGRID,5,,1.,-.333333,3.\n"},
         {"GRID,5,,1.,2.,3.,7\n", "xyz", "GRID,5,,.125,-.333333,123456.8,7\n"},
         {"GRID, 5 ,, 1. , 2. ,3. $ c\n", "y", "GRID, 5 ,, 1. , -.333333 ,3. $ c\n"},
         {"GRID,5,,,2.\n", "xz", "GRID,5,,.125,2.,123456.8\n"},
@@ -294,6 +376,7 @@ static void free_fields_keep_their_commas(void **state) {
         {"GRID,5,,1.23456789,2.,3.\n", "yz", "GRID,5,,1.23456789,-.33333333333333,123456.789\n"},
         {"GRID*,5,,1.\n*,3.\n", "y", "GRID*,5,,1.,-.33333333333333\n*,3.\n"},
         {"GRID*,5,,1.,2.\n", "z", "GRID*,5,,1.,2.\n*,123456.789\n"},
+        {"GRID*,5,,1.,2.\r\n", "z", "GRID*,5,,1.,2.\r\n*,123456.789\r\n"},
         {"GRID*,5,,1.,2.,*\n*,3.,7\n", "xz", "GRID*,5,,.125,2.,*\n*,123456.789,7\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
@@ -307,7 +390,10 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_kind_of_field_is_read),
         cmocka_unit_test(nodes_are_held),
+        cmocka_unit_test(ranges_are_held),
+        cmocka_unit_test(lines_that_begin_with_blanks_go_on),
         cmocka_unit_test(regions_are_properties),
+        cmocka_unit_test(properties_may_be_many),
         cmocka_unit_test(systems_are_looked_at),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(contents_are_recognised),

@@ -238,6 +238,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD NODES TET "pointelements\n1\n5 1\n" TAIL, "not in 1 .. 4"},
         {HEAD NODES TET "identifications\n1\n5 1 1\n" TAIL, "not in 1 .. 4"},
         {HEAD NODES TET "singular_edge_left\n1\n0 1\n" TAIL, "number 0 is not in"},
+        {HEAD NODES TET "pointelements\n1\n-9223372036854775808 1\n" TAIL, "not in 1 .. 4"},
         {HEAD NODES TET "materials\n2\n1 a\n" TAIL, "line 2 of 2"},
         {HEAD NODES TET "bcnames\n1\n99999999999 a\n" TAIL, "out of range"},
         {HEAD NODES TET "identificationnames\n2\na\n", "line 2 of 2"},
@@ -302,6 +303,53 @@ static void threads_read_the_same(void **state) {
     }
 }
 
+/** A control character within a word, as no space is: also for threads. */
+static void threads_part_words_alike(void **state) {
+    (void)state;
+    enum { N = 300000 };
+    file_builder b = {0};
+    planish_file *file;
+    planish_error error;
+    builder_text(&b,
+                 HEAD NODES TET "singular_points\n%d\n1 7\x01"
+                                "5\n",
+                 N);
+    for (int i = 1; i < N; i++)
+        builder_text(&b, "1 2\n");
+    builder_text(&b, TAIL);
+    builder_expect_same_on_threads(&b, &io_format_netgen);
+    for (int threads = 1; threads <= 8; threads += 7) {
+        assert_int_equal(builder_read(&b, &io_format_netgen, threads, &file, &error), 0);
+        constraints_are(file, NULL, 0, "1000");
+        planish_file_close(file);
+    }
+    builder_release(&b);
+}
+
+/** Names that are passed over are lines, be they empty. */
+static void lines_without_a_name_are_lines(void **state) {
+    (void)state;
+    static const char *const names[] = {"identificationnames\n2\n\n\n",
+                                        "identificationnames\r\n3 \r\n\r\na\r\n\r\n",
+                                        "edgedescriptors\n1\n\n", "identificationnames\n0\n"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char text[512];
+        snprintf(text, sizeof text, HEAD NODES TET "%ssingular_points\n1\n4 1.0\n" TAIL, names[i]);
+        planish_file *file = reading_text(&io_format_netgen, text);
+        constraints_are(file, NULL, 0, "0001");
+        planish_file_close(file);
+    }
+}
+
+static void a_mark_of_utf8_is_passed_over(void **state) {
+    (void)state;
+    static const char text[] = "\xef\xbb\xbf" HEAD NODES TET TAIL;
+    assert_true(io_format_netgen.recognise(text, sizeof text - 1));
+    planish_file_close(reading_text(&io_format_netgen, text));
+    rewriting_keeps_the_rest(&io_format_netgen, text, sizeof text - 1, *state);
+    reading_fails(&io_format_netgen, "\xef\xbb", "no mesh3d");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_solid_is_read),
@@ -315,6 +363,9 @@ int main(void) {
         cmocka_unit_test(files_are_cut_anywhere),
         cmocka_unit_test(nothing_but_coordinates_changes),
         cmocka_unit_test(threads_read_the_same),
+        cmocka_unit_test(threads_part_words_alike),
+        cmocka_unit_test(lines_without_a_name_are_lines),
+        cmocka_unit_test(a_mark_of_utf8_is_passed_over),
     };
     return cmocka_run_group_tests(tests, test_folder_create, test_folder_remove);
 }

@@ -1,4 +1,5 @@
 /* TetGen and Triangle: files beside one another, numbers from 0 or 1, what markers hold. */
+#include "support/file_builder.h"
 #include "support/files.h"
 
 #include "io/file.h"
@@ -129,6 +130,34 @@ static void attributes_that_are_no_integers_make_no_regions(void **state) {
     planish_file_close(file);
 }
 
+/** Where a line has fewer words than were promised, threads begin in the middle of lines; the
+ *  second attributes that they take for the first ones, which make regions, are none. */
+static void threads_see_the_same_regions(void **state) {
+    enum { N = 80000 };
+    char path[TEST_PATH_SIZE];
+    file_builder nodes = {.data = NULL}, elements = {.data = NULL};
+    builder_text(&nodes, "%d 3\n", N + 3);
+    for (int i = 1; i <= N + 3; i++)
+        builder_text(&nodes, "%d %d %d %d\n", i, i, i * 7 % 1000, i * 11 % 100);
+    builder_text(&elements, "%d 4 2\n1 1 2 3 4 1\n", N);
+    for (int i = 2; i <= N; i++)
+        builder_text(&elements, "%d %d %d %d %d %d .5\n", i, i, i + 1, i + 2, i + 3, 1 + i % 2);
+    test_write(*state, "a.node", nodes.data, (size_t)nodes.size);
+    test_write(*state, "a.ele", elements.data, (size_t)elements.size);
+    for (int threads = 1; threads <= 8; threads += 7) {
+        planish_file *file = NULL;
+        planish_error error;
+        planish_file_info info;
+        if (planish_file_open(test_path(path, *state, "a.node"), NULL, threads, &file, &error))
+            fail_msg("%s", error.text);
+        planish_file_get_info(file, &info);
+        assert_int_equal(info.n_regions, 2);
+        planish_file_close(file);
+    }
+    builder_release(&nodes);
+    builder_release(&elements);
+}
+
 static void triangles_in_the_plane(void **state) {
     put(state, "a.1.node", "4 2 0 1\n1 0 0 1\n2 1 0 1\n3 1 1 0\n4 0 1 1\n");
     put(state, "a.1.ele", "2 3 0\n1 1 2 3\n2 1 3 4\n");
@@ -159,7 +188,7 @@ static void bad_files_are_refused(void **state) {
         {NULL, "1 4 4611686018427387904\n1 1 2 3 4\n", "a.ele:1", "too short"},
         {NULL, "-1 4 0\n", "a.ele:1", "count"},
         {NULL, "0 4 0\n", "a.node", "nothing to smooth"},
-        {NULL, "1 4 1\n1 1 2 3 4 x\n", "a.ele:2", "attribute"},
+        {NULL, "1 4 1\n1 1 2 3 4 x\n", "a.ele:2", "attribute (a number) was expected, not 'x'"},
         {"4611686018427387904 3 0 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
         {"1 3 4611686018427387904 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
         {"1 4 0 0\n1 0 0 0 0\n", NULL, "a.node:1", "dimension 4"},
@@ -168,6 +197,11 @@ static void bad_files_are_refused(void **state) {
         {"2 3 0 0\n1 0 0\n2 0 0 0\n", NULL, "a.node:2", "coordinate"},
         {"2 3 0 1\n1 0 0 0 99999999999\n2 0 0 0 0\n", NULL, "a.node:2", "marker"},
         {"2 3 0 0\n1 0 0 0\n1 0 0 0\n", NULL, "a.node:3", "number 2"},
+        {"2 3 0 1\n1 0 0 0 x\n2 0 0 0 0\n", NULL, "a.node:2", "marker (a whole number)"},
+        {"2 3 0 1\n1 0 0 0 1\n2 0 0 0  1.5 6\n", NULL, "a.node:3", "not '1.5'"},
+        {"2 3 0 0\n9223372036854775807 0 0 0\n-9223372036854775808 0 0 0\n", NULL, "a.node:2",
+         "9223372036854775807 is out of range"},
+        {"1 3 9223372036854775807 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
         {"hello\n", NULL, "a.node:1", "counts"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -374,6 +408,7 @@ int main(void) {
         IN_A_FOLDER(numbers_may_begin_with_1),
         IN_A_FOLDER(marked_faces_and_edges_hold),
         IN_A_FOLDER(attributes_that_are_no_integers_make_no_regions),
+        IN_A_FOLDER(threads_see_the_same_regions),
         IN_A_FOLDER(triangles_in_the_plane),
         IN_A_FOLDER(bad_files_are_refused),
         IN_A_FOLDER(missing_files_are_named),

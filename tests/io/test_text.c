@@ -49,6 +49,44 @@ static void lines_end_in_three_ways(void **state) {
     assert_ptr_equal(cursor.at, cursor.end);
 }
 
+static void lines_are_taken_without_their_ends(void **state) {
+    (void)state;
+    static const char *const ends[] = {"\n", "\r\n", "\r", ""};
+    char text[2048];
+    for (size_t kind = 0; kind < 4; kind++)
+        for (int length = 0; length < 600; length++) { /* about the stretches it is looked at in */
+            memset(text, 'a', (size_t)length);
+            strcpy(text + length, ends[kind]);
+            if (kind < 3)
+                strcat(text, "b");
+            io_cursor cursor = cursor_on(text);
+            const char *end;
+            assert_ptr_equal(io_line(&cursor, &end), text);
+            assert_ptr_equal(end, text + length);
+            assert_int_equal(cursor.end - cursor.at, kind < 3);
+        }
+    io_cursor cursor = cursor_on("\r\r\n\n");
+    const char *end;
+    for (int left = 3; left >= 0; left -= left == 3 ? 2 : 1) {
+        const char *begin = io_line(&cursor, &end);
+        assert_ptr_equal(begin, end);
+        assert_int_equal(cursor.end - cursor.at, left);
+    }
+}
+
+/** Lines of a file that has nothing but \r cost what they are long. */
+static void long_files_of_carriage_returns(void **state) {
+    (void)state;
+    enum { N = 1 << 22 }; /* bytes: if each line were to look for \n in all of them, hours */
+    static char text[N];
+    memset(text, '\r', N);
+    io_cursor cursor = {text, text + N};
+    int64_t lines = 0;
+    for (const char *end; cursor.at < cursor.end; lines++)
+        io_line(&cursor, &end);
+    assert_int_equal(lines, N);
+}
+
 static void comments_are_skipped(void **state) {
     (void)state;
     io_cursor cursor = cursor_on("# one\n  #two # three\r\n\t7 # not yet");
@@ -92,6 +130,8 @@ int main(void) {
         cmocka_unit_test(words_between_any_white_space),
         cmocka_unit_test(words_are_compared_whole),
         cmocka_unit_test(lines_end_in_three_ways),
+        cmocka_unit_test(lines_are_taken_without_their_ends),
+        cmocka_unit_test(long_files_of_carriage_returns),
         cmocka_unit_test(comments_are_skipped),
         cmocka_unit_test(numbers_must_end_with_space),
         cmocka_unit_test(lines_are_found_at_their_start),
