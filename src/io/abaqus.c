@@ -18,276 +18,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { FIELD_WIDTH = 20, NAME_SIZE = 32 };
-
-/* ---- items -------------------------------------------------------------------------------- */
-
-static int is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
-}
-
-static char upper(char c) {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
-}
-
-static abaqus_span trim(abaqus_span s) {
-    while (s.begin < s.end && is_blank(*s.begin))
-        s.begin++;
-    while (s.begin < s.end && is_blank(s.end[-1]))
-        s.end--;
-    return s;
-}
-
-static int64_t length_of(abaqus_span s) {
-    return s.end - s.begin;
-}
-
-static int is_comment(abaqus_span line) {
-    return length_of(line) > 1 && line.begin[0] == '*' && line.begin[1] == '*';
-}
-
-int abaqus_line(io_cursor *cursor, abaqus_span *line) {
-    while (cursor->at < cursor->end) {
-        line->begin = io_line(cursor, &line->end);
-        *line = trim(*line);
-        if (length_of(*line) > 0 && !is_comment(*line))
-            return 1;
-    }
-    return 0;
-}
-
-/** The first comma that is not between quotes, or NULL. */
-static const char *find_comma(abaqus_span line) {
-    const char *at = line.begin;
-    const char *comma = memchr(at, ',', (size_t)(line.end - at));
-    while (comma) {
-        const char *open = memchr(at, '"', (size_t)(comma - at));
-        const char *close = open ? memchr(open + 1, '"', (size_t)(line.end - open - 1)) : NULL;
-        if (!close)
-            return comma;
-        at = close + 1;
-        if (comma < at)
-            comma = memchr(at, ',', (size_t)(line.end - at));
-    }
-    return NULL;
-}
-
-int abaqus_item(abaqus_span *line, abaqus_span *item) {
-    if (!line->begin)
-        return 0;
-    const char *comma = find_comma(*line);
-    *item = trim((abaqus_span){line->begin, comma ? comma : line->end});
-    line->begin = comma ? comma + 1 : NULL;
-    return 1;
-}
-
-int abaqus_integer(abaqus_span item, int64_t *value) {
-    const char *at = item.begin;
-    return io_parse_integer(&at, item.end, value) || at != item.end ? -1 : 0;
-}
-
-/** The item in capitals without blanks in it; "" if it is too long for any name that is known. */
-static void squeeze(abaqus_span item, char name[NAME_SIZE]) {
-    int n = 0;
-    for (const char *c = item.begin; c < item.end; c++) {
-        if (is_blank(*c))
-            continue;
-        if (n == NAME_SIZE - 1) {
-            n = 0;
-            break;
-        }
-        name[n++] = upper(*c);
-    }
-    name[n] = '\0';
-}
-
-int abaqus_is_quoted(abaqus_span s) {
-    return length_of(s) > 1 && *s.begin == '"' && s.end[-1] == '"';
-}
-
-abaqus_span abaqus_unquoted(abaqus_span s) {
-    return abaqus_is_quoted(s) ? (abaqus_span){s.begin + 1, s.end - 1} : s;
-}
-
-static int parameter_of_line(abaqus_span line, const char *name, abaqus_span *value) {
-    abaqus_span item;
-    char found[NAME_SIZE];
-    while (abaqus_item(&line, &item)) {
-        const char *equals = memchr(item.begin, '=', (size_t)length_of(item));
-        squeeze((abaqus_span){item.begin, equals ? equals : item.end}, found);
-        if (strcmp(found, name) != 0)
-            continue;
-        *value =
-            equals ? trim((abaqus_span){equals + 1, item.end}) : (abaqus_span){item.end, item.end};
-        return 1;
-    }
-    return 0;
-}
-
-int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value) {
-    io_cursor cursor = {block->parameters.begin, block->parameters.end};
-    abaqus_span line; /* comments may stand between those of a keyword */
-    while (abaqus_line(&cursor, &line))
-        if (parameter_of_line(line, name, value))
-            return 1;
-    return 0;
-}
-
-/** Behind the mark (U+FEFF) that some editors put before text in UTF-8. */
-static io_cursor behind_mark(const char *data, int64_t size) {
-    static const char mark[] = "\xEF\xBB\xBF";
-    const int64_t n = sizeof mark - 1;
-    const int is_there = size >= n && memcmp(data, mark, (size_t)n) == 0;
-    return (io_cursor){is_there ? data + n : data, data + size};
-}
-
-/* ---- blocks ------------------------------------------------------------------------------- */
-
-typedef struct known_keyword {
-    const char *name; /* without blanks */
-    abaqus_keyword keyword;
-} known_keyword;
-
-static const known_keyword keywords[] = {
-    {"NODE", ABAQUS_NODE},
-    {"ELEMENT", ABAQUS_ELEMENT},
-    {"NSET", ABAQUS_NSET},
-    {"ELSET", ABAQUS_ELSET},
-    {"SOLIDSECTION", ABAQUS_SECTION},
-    {"SHELLSECTION", ABAQUS_SECTION},
-    {"SHELLGENERALSECTION", ABAQUS_SECTION},
-    {"MEMBRANESECTION", ABAQUS_SECTION},
-    {"SURFACESECTION", ABAQUS_SECTION},
-    {"EULERIANSECTION", ABAQUS_SECTION},
-    {"EQUATION", ABAQUS_EQUATION},
-    {"MPC", ABAQUS_MPC},
-    {"PART", ABAQUS_PART},
-    {"ENDPART", ABAQUS_END_PART},
-    {"ASSEMBLY", ABAQUS_ASSEMBLY},
-    {"ENDASSEMBLY", ABAQUS_END_ASSEMBLY},
-    {"INCLUDE", ABAQUS_REFUSED},
-    {"SYSTEM", ABAQUS_REFUSED},
-    {"NGEN", ABAQUS_REFUSED},
-    {"NFILL", ABAQUS_REFUSED},
-    {"NCOPY", ABAQUS_REFUSED},
-    {"NMAP", ABAQUS_REFUSED},
-    {"ELGEN", ABAQUS_REFUSED},
-    {"ELCOPY", ABAQUS_REFUSED},
-    {"IMPORT", ABAQUS_REFUSED},
-};
-
-static abaqus_keyword find_keyword(const char *name) {
-    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
-        if (strcmp(name, keywords[i].name) == 0)
-            return keywords[i].keyword;
-    return ABAQUS_OTHER;
-}
-
-static int fail_block(const abaqus_reader *r, const abaqus_block *b, const char *text) {
-    return io_fail_text(r->model, b->parameters.begin, r->error, "%s", text);
-}
-
-static int refuse(const abaqus_reader *r, const char *at, const char *name) {
-    if (strcmp(name, "INCLUDE") == 0)
-        return io_fail_text(r->model, at, r->error,
-                            "*INCLUDE: what it brings in may be part of the mesh; put that file's "
-                            "lines in its place, or smooth the file that has the mesh");
-    if (strcmp(name, "SYSTEM") == 0)
-        return io_fail_text(r->model, at, r->error,
-                            "*SYSTEM: the nodes behind it are in other coordinates; write all of "
-                            "them in the global system");
-    return io_fail_text(r->model, at, r->error,
-                        "*%s: nodes and elements that are made by rules are not read; write all of "
-                        "them as *NODE and *ELEMENT, as preprocessors do",
-                        name);
-}
-
-static int add_block(abaqus_reader *r, abaqus_block block) {
-    abaqus_block *grown =
-        pl_grow(r->block, r->n_blocks, r->n_blocks + 1, &r->block_capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(r->error, "the keywords of the file");
-    r->block = grown;
-    abaqus_span instance;
-    block.has_instance = abaqus_parameter(&block, "INSTANCE", &instance);
-    r->block[r->n_blocks++] = block;
-    return PLANISH_OK;
-}
-
-/** The keyword line at line, with the lines that it goes on in behind a comma at its end. */
-static abaqus_span whole_keyword_line(io_cursor *cursor, abaqus_span line) {
-    io_cursor ahead = *cursor;
-    abaqus_span next;
-    while (line.end[-1] == ',' && abaqus_line(&ahead, &next) && *next.begin != '*') {
-        line.end = next.end;
-        *cursor = ahead;
-    }
-    return line;
-}
-
-/** Parts have numbers of their own, and so has the assembly. */
-static int32_t scope_behind(abaqus_keyword keyword, int32_t scope, int32_t *n_parts) {
-    switch (keyword) {
-    case ABAQUS_PART:
-        return ++*n_parts;
-    case ABAQUS_ASSEMBLY:
-        return ABAQUS_IN_ASSEMBLY;
-    case ABAQUS_END_PART:
-    case ABAQUS_END_ASSEMBLY:
-        return 0;
-    default:
-        return scope;
-    }
-}
-
-static int is_of_mesh(abaqus_keyword keyword) {
-    return keyword <= ABAQUS_MPC;
-}
-
-static int find_blocks(abaqus_reader *r) {
-    const char *data = r->model->input.data, *end = data + r->model->input.size;
-    io_cursor cursor = behind_mark(data, r->model->input.size);
-    int status = PLANISH_OK;
-    int32_t scope = 0, n_parts = 0;
-    abaqus_block *open = NULL;
-    while (!status && cursor.at < cursor.end) {
-        const char *begin = cursor.at;
-        abaqus_span line, name_item;
-        line.begin = io_line(&cursor, &line.end);
-        line = trim(line);
-        if (length_of(line) == 0 || *line.begin != '*' || is_comment(line))
-            continue;
-        if (open)
-            open->data.end = begin;
-        open = NULL;
-        abaqus_span rest = whole_keyword_line(&cursor, line);
-        rest.begin++;
-        char name[NAME_SIZE];
-        abaqus_item(&rest, &name_item);
-        squeeze(name_item, name);
-        const abaqus_keyword keyword = find_keyword(name);
-        scope = scope_behind(keyword, scope, &n_parts);
-        if (keyword == ABAQUS_REFUSED)
-            return refuse(r, line.begin, name);
-        if (!is_of_mesh(keyword))
-            continue;
-        if (!rest.begin)
-            rest.begin = rest.end;
-        status = add_block(r, (abaqus_block){keyword, rest, {cursor.at, end}, scope, 0});
-        open = status ? NULL : &r->block[r->n_blocks - 1];
-    }
-    return status;
-}
-
-/** Files that a block takes its data from. */
-static int check_input(const abaqus_reader *r, const abaqus_block *b) {
-    abaqus_span value;
-    if (!abaqus_parameter(b, "INPUT", &value))
-        return PLANISH_OK;
-    return fail_block(r, b,
-                      "INPUT=: the data are in another file; put that file's lines in place of the "
-                      "parameter");
-}
+enum { FIELD_WIDTH = 20 };
 
 /* ---- nodes -------------------------------------------------------------------------------- */
 
@@ -302,16 +33,16 @@ static int find_scope(abaqus_reader *r) {
     const abaqus_block *first = NULL;
     for (int64_t i = 0; i < r->n_blocks; i++) {
         const abaqus_block *b = &r->block[i];
-        int status = check_input(r, b);
+        int status = abaqus_check_input(r, b);
         if (status)
             return status;
         if (b->keyword != ABAQUS_NODE || b->scope == ABAQUS_IN_ASSEMBLY || !has_data(b))
             continue;
         if (first && first->scope != b->scope)
-            return fail_block(r, b,
-                              "several parts have nodes; write each to a file of its own, or all "
-                              "of them without parts (Abaqus/CAE: Edit Attributes of the model, "
-                              "Do not use parts and assemblies in input files)");
+            return abaqus_fail(r, b,
+                               "several parts have nodes; write each to a file of its own, or all "
+                               "of them without parts (Abaqus/CAE: Edit Attributes of the model, "
+                               "Do not use parts and assemblies in input files)");
         first = first ? first : b;
     }
     r->scope = first ? first->scope : 0;
@@ -323,11 +54,11 @@ static int check_system(const abaqus_reader *r, const abaqus_block *b) {
     if (!abaqus_parameter(b, "SYSTEM", &system))
         return PLANISH_OK;
     system = abaqus_unquoted(system);
-    if (length_of(system) == 0 || upper(*system.begin) == 'R')
+    if (abaqus_length(system) == 0 || abaqus_upper(*system.begin) == 'R')
         return PLANISH_OK;
-    return fail_block(r, b,
-                      "*NODE, SYSTEM=: cylindrical and spherical coordinates are not read; write "
-                      "all nodes in rectangular ones");
+    return abaqus_fail(r, b,
+                       "*NODE, SYSTEM=: cylindrical and spherical coordinates are not read; write "
+                       "all nodes in rectangular ones");
 }
 
 static int is_node_block(const abaqus_reader *r, const abaqus_block *b) {
@@ -344,7 +75,7 @@ static int64_t count_lines(const abaqus_block *b) {
 }
 
 static int fail_item(const abaqus_reader *r, abaqus_span item, const char *expected) {
-    const int64_t length = length_of(item);
+    const int64_t length = abaqus_length(item);
     return io_fail_text(r->model, item.begin, r->error, "'%.*s' where %s was expected",
                         (int)(length < 24 ? length : 24), item.begin, expected);
 }
@@ -369,7 +100,7 @@ static int read_node(abaqus_reader *r, abaqus_span line) {
         abaqus_span item = {NULL, NULL};
         double *value = &model->xyz[3 * node + d];
         *value = 0;
-        if (!abaqus_item(&line, &item) || length_of(item) == 0)
+        if (!abaqus_item(&line, &item) || abaqus_length(item) == 0)
             continue;
         const char *at = item.begin;
         if (io_parse_real(&at, item.end, value) || at != item.end || !isfinite(*value))
@@ -525,7 +256,7 @@ int abaqus_local(const abaqus_reader *r, const abaqus_block *b, abaqus_span *ite
 
 /** The next item of an element, from the next line if this one ends. */
 static int element_item(io_cursor *cursor, abaqus_span *line, abaqus_span *item) {
-    while (!abaqus_item(line, item) || (length_of(*item) == 0 && !line->begin))
+    while (!abaqus_item(line, item) || (abaqus_length(*item) == 0 && !line->begin))
         if (!abaqus_line(cursor, line))
             return 0;
     return 1;
@@ -555,7 +286,7 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, abaqus_span line, int 
     }
     abaqus_span more;
     while (dim > 1 && abaqus_item(&line, &more))
-        if (length_of(more) > 0)
+        if (abaqus_length(more) > 0)
             return io_fail_text(r->model, more.begin, r->error,
                                 "element %lld has more than the %d nodes of its type",
                                 (long long)label, dim + 1);
@@ -600,11 +331,11 @@ static int add_range(abaqus_reader *r, const abaqus_block *b, int dim, int64_t b
 static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     io_cursor cursor = {b->data.begin, b->data.end};
     abaqus_span line, type_item = {NULL, NULL};
-    char type[NAME_SIZE];
+    char type[ABAQUS_NAME_SIZE];
     int status = PLANISH_OK;
-    if (!abaqus_parameter(b, "TYPE", &type_item) || length_of(type_item) == 0)
-        return fail_block(r, b, "*ELEMENT without TYPE=");
-    squeeze(abaqus_unquoted(type_item), type);
+    if (!abaqus_parameter(b, "TYPE", &type_item) || abaqus_length(type_item) == 0)
+        return abaqus_fail(r, b, "*ELEMENT without TYPE=");
+    abaqus_squeeze(abaqus_unquoted(type_item), type);
     const shape kind = shape_of(type);
     const int is_here = b->scope == r->scope;
     if (kind.is_second_order)
@@ -642,7 +373,7 @@ static void settle_cell_numbers(io_cells *cells) {
 }
 
 static int read_all(abaqus_reader *r) {
-    int status = find_blocks(r);
+    int status = abaqus_find_blocks(r);
     if (!status)
         status = find_scope(r);
     if (!status)
@@ -668,14 +399,14 @@ static int read_abaqus(io_model *model, planish_error *error) {
 /** The first keyword is one that such files begin with, and few others do. */
 static int recognise(const char *data, int64_t size) {
     static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT"};
-    io_cursor cursor = behind_mark(data, size);
+    io_cursor cursor = io_begin_text(data, size);
     abaqus_span line, item;
-    char name[NAME_SIZE];
+    char name[ABAQUS_NAME_SIZE];
     if (!abaqus_line(&cursor, &line) || *line.begin != '*')
         return 0;
     line.begin++;
     abaqus_item(&line, &item);
-    squeeze(item, name);
+    abaqus_squeeze(item, name);
     for (size_t i = 0; i < sizeof first / sizeof *first; i++)
         if (strcmp(name, first[i]) == 0)
             return 1;
@@ -705,13 +436,13 @@ static int abaqus_field(const io_model *model, io_cursor *cursor, int d, io_fiel
         return 0;
     }
     rest.begin += d > 0;
-    const char *comma = memchr(rest.begin, ',', (size_t)length_of(rest));
-    item = trim((abaqus_span){rest.begin, comma ? comma : rest.end});
+    const char *comma = memchr(rest.begin, ',', (size_t)abaqus_length(rest));
+    item = abaqus_trim((abaqus_span){rest.begin, comma ? comma : rest.end});
     field->begin = item.begin;
     field->end = item.end;
     cursor->at = comma ? comma : rest.end;
     const char *at = item.begin;
-    return length_of(item) == 0 ? 0 : io_parse_real(&at, item.end, &field->value);
+    return abaqus_length(item) == 0 ? 0 : io_parse_real(&at, item.end, &field->value);
 }
 
 static const char *const extensions[] = {".inp", NULL};

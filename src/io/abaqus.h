@@ -8,6 +8,8 @@ typedef struct abaqus_span {
     const char *begin, *end;
 } abaqus_span;
 
+enum { ABAQUS_NAME_SIZE = 32 };
+
 typedef enum abaqus_keyword {
     ABAQUS_NODE,
     ABAQUS_ELEMENT,
@@ -73,6 +75,25 @@ int64_t abaqus_node(const abaqus_reader *reader, int64_t number);
  *  another numbering than the mesh's. */
 int abaqus_local(const abaqus_reader *reader, const abaqus_block *block, abaqus_span *item);
 io_cells *abaqus_cells(io_model *model, int dim);
+
+static inline char abaqus_upper(char c) {
+    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
+}
+
+static inline int64_t abaqus_length(abaqus_span s) {
+    return s.end - s.begin;
+}
+
+/** Without blanks around it. */
+abaqus_span abaqus_trim(abaqus_span s);
+/** The item in capitals without blanks in it; "" if it is too long for any name that is known. */
+void abaqus_squeeze(abaqus_span item, char name[ABAQUS_NAME_SIZE]);
+/** The blocks of the file; what cannot be read is an error. */
+int abaqus_find_blocks(abaqus_reader *r);
+/** Refuse a block that takes its data from another file. */
+int abaqus_check_input(const abaqus_reader *r, const abaqus_block *b);
+/** "FILE:LINE: text" about a block. */
+int abaqus_fail(const abaqus_reader *r, const abaqus_block *b, const char *text);
 
 /** Sets of elements and nodes: entities, regions and groups of the model; nodes of equations are
  *  held. Everything else has been read. */
