@@ -5,7 +5,7 @@
  * section that has the element, as sets are also made for loads and for output. Names are those of
  * a part or of the assembly: a set of the same name there is another.
  */
-#include "io/abaqus.h"
+#include "io/abaqus_sets.h"
 
 #include "io/number.h"
 #include "io/records.h"
@@ -16,45 +16,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Things that sets have: nodes; or cells, first lines, then triangles, then tetrahedra. */
-typedef enum set_kind { NODES, ELEMENTS } set_kind;
-
-typedef struct named_set {
-    set_kind things;
-    int32_t scope; /* that the name is of, as of blocks */
-    abaqus_span name;
-    int32_t *member; /* [n] owned */
-    int64_t n, capacity;
-    int32_t last_into;          /* 1 + the set that it was put into last, */
-    int64_t last_n;             /* and with how many members */
-    int is_held, is_of_section; /* its members have been told so */
-} named_set;
-
-typedef struct sets {
-    abaqus_reader *reader;
-    named_set *set; /* [n_sets] */
-    int64_t n_sets, capacity;
-    int32_t *slot[2]; /* [n_slots] hash tables of the names: index or -1; of names with fold the
-                         first set that has it */
-    int64_t n_slots;
-    int64_t n[2];          /* things: nodes, cells */
-    int64_t first_cell[4]; /* of each dimension among the cells */
-    int32_t *stamp[2];     /* [n] 1 + the set that had the thing last */
-    io_numbers *elements;  /* the numbers of cells, made when they are wanted */
-    int64_t n_members;
-    int64_t n_asked; /* members that sequences and sets of sets asked for, those included that were
-                        there already */
-} sets;
-
-static char upper(char c) {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
-}
-
 /* ---- names -------------------------------------------------------------------------------- */
 
 /** Letters in quotes are what they are; other names are read as if in capitals. fold: all are. */
 static char letter(const char *at, int is_quoted, int fold) {
-    return is_quoted && !fold ? *at : upper(*at);
+    return is_quoted && !fold ? *at : abaqus_upper(*at);
 }
 
 static int same_name(abaqus_span a, abaqus_span b, int fold) {
@@ -118,9 +84,7 @@ static int grow_slots(sets *s) {
     return PLANISH_OK;
 }
 
-/** Index of the set of that name in a scope, or of one that differs by the case of its letters; or
- *  -1. */
-static int32_t find_set(const sets *s, set_kind things, int32_t scope, abaqus_span name) {
+int32_t abaqus_find_set(const sets *s, set_kind things, int32_t scope, abaqus_span name) {
     if (s->n_slots == 0)
         return -1;
     const int32_t set = *find_slot(s, things, scope, name, 0);
@@ -134,10 +98,10 @@ static int32_t find_named(const sets *s, const abaqus_block *b, set_kind things,
     const int32_t mesh = s->reader->scope;
     abaqus_span local = item;
     const int is_of_mesh = abaqus_local(s->reader, b, &local);
-    int32_t set = is_of_mesh ? find_set(s, things, mesh, local) : -1;
-    set = set < 0 ? find_set(s, things, b->scope, item) : set;
-    set = set < 0 ? find_set(s, things, mesh, local) : set;
-    return set < 0 ? find_set(s, things, ABAQUS_IN_ASSEMBLY, local) : set;
+    int32_t set = is_of_mesh ? abaqus_find_set(s, things, mesh, local) : -1;
+    set = set < 0 ? abaqus_find_set(s, things, b->scope, item) : set;
+    set = set < 0 ? abaqus_find_set(s, things, mesh, local) : set;
+    return set < 0 ? abaqus_find_set(s, things, ABAQUS_IN_ASSEMBLY, local) : set;
 }
 
 /** Index of the set of just that name, made if new; negative on failure. */
@@ -178,8 +142,7 @@ static int64_t cell_number(const io_cells *cells, int64_t cell) {
     return cells->number ? cells->number[cell] : cells->first_number + cell;
 }
 
-/** Dimension of a cell; *local: its index among those. */
-static int dim_of(const sets *s, int64_t cell, int64_t *local) {
+int abaqus_dim_of(const sets *s, int64_t cell, int64_t *local) {
     int dim = 3;
     while (dim > 1 && cell < s->first_cell[dim])
         dim--;
@@ -192,7 +155,7 @@ static int64_t number_of(const sets *s, set_kind things, int64_t thing) {
     int64_t local;
     if (things == NODES)
         return model->node_number ? model->node_number[thing] : model->first_number + thing;
-    const int dim = dim_of(s, thing, &local);
+    const int dim = abaqus_dim_of(s, thing, &local);
     return cell_number(abaqus_cells(model, dim), local);
 }
 
@@ -319,7 +282,7 @@ static int add_nodes_of(sets *s, const abaqus_block *b, int32_t set, abaqus_span
     int status = ask_for(s, name.begin, s->set[from].n);
     for (int64_t i = 0; i < s->set[from].n && !status; i++) {
         int64_t local;
-        const int dim = dim_of(s, s->set[from].member[i], &local);
+        const int dim = abaqus_dim_of(s, s->set[from].member[i], &local);
         const int32_t *nodes = abaqus_cells(s->reader->model, dim)->nodes + local * (dim + 1);
         for (int j = 0; j <= dim && !status; j++)
             status = add_member(s, set, nodes[j]);
@@ -464,221 +427,6 @@ static void hold_equations(sets *s) {
     }
 }
 
-/* ---- regions ------------------------------------------------------------------------------ */
-
-/** The sets that tell regions apart, as one number: of *ELEMENT, of the section. */
-static int64_t region_key(const sets *s, int32_t block_set, int32_t section_set) {
-    return (int64_t)(block_set + 1) * (s->n_sets + 1) + section_set + 1;
-}
-
-static void choose_by_blocks(const sets *s, int32_t *block_set) {
-    for (int64_t i = 0; i < s->reader->n_ranges; i++) {
-        const abaqus_range *range = &s->reader->range[i];
-        const int32_t set =
-            range->set.begin ? find_set(s, ELEMENTS, s->reader->scope, range->set) : -1;
-        for (int64_t k = range->begin; k < range->end; k++)
-            block_set[s->first_cell[range->dim] + k] = set;
-    }
-}
-
-/** The set that a section is of. A section in the assembly is one of an instance, so that its sets
- *  are the mesh's; or those that the instance adds. */
-static int32_t set_of_section(const sets *s, const abaqus_block *b) {
-    abaqus_span name;
-    if (b->keyword != ABAQUS_SECTION || !abaqus_parameter(b, "ELSET", &name))
-        return -1;
-    const int is_of_mesh = b->scope <= 0 || b->scope == s->reader->scope;
-    const int32_t set = is_of_mesh ? find_set(s, ELEMENTS, s->reader->scope, name) : -1;
-    return set < 0 ? find_set(s, ELEMENTS, b->scope, name) : set;
-}
-
-/** The last section that has a cell tells: from the last to the first, so that no set is walked
- *  twice. section_set: -1 as yet. */
-static void choose_by_sections(sets *s, int32_t *section_set) {
-    for (int64_t i = s->reader->n_blocks - 1; i >= 0; i--) {
-        const int32_t index = set_of_section(s, &s->reader->block[i]);
-        named_set *set = index < 0 ? NULL : &s->set[index];
-        if (!set || set->is_of_section)
-            continue;
-        for (int64_t k = 0; k < set->n; k++)
-            if (section_set[set->member[k]] < 0)
-                section_set[set->member[k]] = index;
-        set->is_of_section = 1;
-    }
-}
-
-static int compare(const void *a, const void *b) {
-    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
-    return (p > q) - (p < q);
-}
-
-/** Replace key [n] by numbers from 0; different [n] is scratch. */
-static void number_keys(int64_t *key, int64_t n, int64_t *different, int32_t *region) {
-    int64_t count = 0, unique = 0;
-    for (int64_t i = 0; i < n; i++)
-        if (i == 0 || key[i] != key[i - 1])
-            different[count++] = key[i];
-    qsort(different, (size_t)count, sizeof *different, compare);
-    for (int64_t i = 0; i < count; i++)
-        if (i == 0 || different[i] != different[i - 1])
-            different[unique++] = different[i];
-    for (int64_t i = 0; i < n; i++) {
-        if (i > 0 && key[i] == key[i - 1]) {
-            region[i] = region[i - 1];
-            continue;
-        }
-        const int64_t *found =
-            bsearch(&key[i], different, (size_t)unique, sizeof *different, compare);
-        region[i] = (int32_t)(found - different);
-    }
-}
-
-/** region [cells]: which region each is of. */
-static int find_regions(sets *s, int32_t *region) {
-    const int64_t n = s->n[ELEMENTS];
-    int32_t *block_set = pl_alloc(n, sizeof *block_set);
-    int32_t *section_set = pl_alloc(n, sizeof *section_set);
-    int64_t *key = pl_alloc(n, sizeof *key), *different = pl_alloc(n, sizeof *different);
-    int status = block_set && section_set && key && different
-                     ? PLANISH_OK
-                     : pl_fail_memory(s->reader->error, "the regions of the file");
-    if (!status) {
-        memset(section_set, -1, (size_t)n * sizeof *section_set);
-        choose_by_blocks(s, block_set);
-        choose_by_sections(s, section_set);
-        for (int64_t i = 0; i < n; i++)
-            key[i] = region_key(s, block_set[i], section_set[i]);
-        number_keys(key, n, different, region);
-    }
-    pl_free(block_set);
-    pl_free(section_set);
-    pl_free(key);
-    pl_free(different);
-    return status;
-}
-
-/* ---- entities ----------------------------------------------------------------------------- */
-
-/** The sets of each thing: of thing i list[start[i]] .. list[start[i + 1] - 1], in order. */
-typedef struct memberships {
-    int64_t *start; /* [n + 1] */
-    int32_t *list;
-} memberships;
-
-static int collect(const sets *s, set_kind things, memberships *m) {
-    const int64_t n = s->n[things];
-    m->start = pl_alloc_zero(n + 2, sizeof *m->start);
-    m->list = pl_alloc(s->n_members, sizeof *m->list);
-    if (!m->start || !m->list)
-        return pl_fail_memory(s->reader->error, "the sets of the file");
-    for (int64_t i = 0; i < s->n_sets; i++)
-        for (int64_t k = 0; s->set[i].things == things && k < s->set[i].n; k++)
-            m->start[s->set[i].member[k] + 2]++;
-    for (int64_t i = 0; i < n; i++)
-        m->start[i + 2] += m->start[i + 1];
-    for (int64_t i = 0; i < s->n_sets; i++)
-        for (int64_t k = 0; s->set[i].things == things && k < s->set[i].n; k++)
-            m->list[m->start[s->set[i].member[k] + 1]++] = (int32_t)i + 1;
-    return PLANISH_OK;
-}
-
-/** A set that the file goes on with later may have a thing twice. */
-static int without_repeats(int32_t *list, int64_t n) {
-    int count = 0;
-    for (int64_t i = 0; i < n; i++)
-        if (count == 0 || list[i] != list[count - 1])
-            list[count++] = list[i];
-    return count;
-}
-
-/** The entity of a thing; last: that of the thing before it, which most often is the same. */
-static int32_t entity_of(const sets *s, memberships *m, int64_t thing, int dim, int32_t tag,
-                         int32_t last) {
-    io_model *model = s->reader->model;
-    int32_t *list = m->list + m->start[thing];
-    const int n = without_repeats(list, m->start[thing + 1] - m->start[thing]);
-    const io_entity *e = last >= 0 ? &model->entity[last] : NULL;
-    if (e && e->dim == dim && e->tag == tag && e->n_physical == n &&
-        (n == 0 || memcmp(e->physical, list, (size_t)n * sizeof *list) == 0))
-        return last;
-    return io_model_entity(model, dim, tag, n, list, s->reader->error);
-}
-
-static int make_cell_entities(sets *s, memberships *m, const int32_t *region) {
-    io_model *model = s->reader->model;
-    int32_t last = -1;
-    for (int dim = 1; dim <= 3; dim++) {
-        io_cells *cells = abaqus_cells(model, dim);
-        if (cells->n == 0)
-            continue;
-        cells->region = pl_alloc(cells->n, sizeof *cells->region);
-        if (!cells->region)
-            return pl_fail_memory(s->reader->error, "the regions of the file");
-        for (int64_t i = 0; i < cells->n; i++) {
-            const int64_t cell = s->first_cell[dim] + i;
-            last = entity_of(s, m, cell, dim, region[cell] + 1, last);
-            if (last < 0)
-                return last;
-            cells->entity[i] = last;
-            cells->region[i] = region[cell];
-        }
-    }
-    return PLANISH_OK;
-}
-
-static int make_node_entities(sets *s, memberships *m) {
-    io_model *model = s->reader->model;
-    int32_t last = -1;
-    model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
-    if (!model->node_entity)
-        return pl_fail_memory(s->reader->error, "the sets of nodes");
-    for (int64_t i = 0; i < model->n_nodes; i++) {
-        model->node_entity[i] = -1;
-        if (m->start[i] == m->start[i + 1])
-            continue;
-        last = entity_of(s, m, i, 0, 0, last);
-        if (last < 0)
-            return last;
-        model->node_entity[i] = last;
-    }
-    return PLANISH_OK;
-}
-
-/** A set is a group of each dimension that its members have. */
-static int make_groups(sets *s) {
-    int status = PLANISH_OK;
-    for (int64_t i = 0; i < s->n_sets && !status; i++) {
-        const named_set *set = &s->set[i];
-        const abaqus_span name = abaqus_unquoted(set->name);
-        unsigned dims = 0;
-        for (int64_t k = 0; set->things == ELEMENTS && k < set->n; k++) {
-            int64_t local;
-            dims |= 1u << dim_of(s, set->member[k], &local);
-        }
-        dims = dims ? dims : 1; /* nodes; or elements that are not kept, which hold theirs */
-        for (int dim = 0; dim <= 3 && !status; dim++)
-            if (dims >> dim & 1)
-                status = io_model_group(s->reader->model, dim, (int32_t)i + 1, name.begin,
-                                        name.end - name.begin, s->reader->error);
-    }
-    return status;
-}
-
-static int make_entities(sets *s, set_kind things) {
-    memberships m = {NULL, NULL};
-    int32_t *region = things == ELEMENTS ? pl_alloc(s->n[ELEMENTS], sizeof *region) : NULL;
-    int status = collect(s, things, &m);
-    if (!status && things == ELEMENTS)
-        status = region ? find_regions(s, region)
-                        : pl_fail_memory(s->reader->error, "the regions of the file");
-    if (!status)
-        status = things == ELEMENTS ? make_cell_entities(s, &m, region) : make_node_entities(s, &m);
-    pl_free(region);
-    pl_free(m.start);
-    pl_free(m.list);
-    return status;
-}
-
 /* ---- all ---------------------------------------------------------------------------------- */
 
 static int prepare(sets *s) {
@@ -716,10 +464,10 @@ static int read_all(sets *s) {
     if (!status)
         hold_equations(s);
     if (!status)
-        status = make_entities(s, ELEMENTS);
+        status = abaqus_make_entities(s, ELEMENTS);
     if (!status && has_set_of(s, NODES))
-        status = make_entities(s, NODES);
-    return status ? status : make_groups(s);
+        status = abaqus_make_entities(s, NODES);
+    return status ? status : abaqus_make_groups(s);
 }
 
 int abaqus_read_sets(abaqus_reader *reader) {
