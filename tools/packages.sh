@@ -25,7 +25,7 @@ packages_full=(
     python3-meshio               # independent figures on large meshes
     python3-vtk9                 # another program's quality measures
     coinor-libipopt-dev          # all nodes at once, to compare with
-    gmsh tetgen                  # meshes as their generators write them
+    gmsh tetgen python3-netgen   # meshes as their generators write them
     clang libomp-dev             # the other compiler, its OpenMP
     libclang-rt-dev              # its sanitizers and the fuzzer
     valgrind                     # memory, independently of the sanitizers
