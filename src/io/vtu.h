@@ -1,5 +1,5 @@
 /* vtu: what the parts of the reader and writer of VTK's XML files (.vtu) share; for vtu.c,
- * vtu_xml.c, vtu_array.c and vtu_points.c.
+ * vtu_xml.c, vtu_array.c, vtu_points.c and vtu_encode.c.
  *
  * The XML is walked once by Expat, which sees the markup only: the numbers between are passed over.
  * Of that remains a list of the file's data arrays, each with the place of its bytes. Functions
@@ -88,6 +88,11 @@ typedef struct vtu_blocks {
     int64_t text_end;           /* byte of the file behind the array */
 } vtu_blocks;
 
+/** The piece that an array is of. */
+static inline const vtu_piece *vtu_piece_of(const vtu_document *document, const vtu_array *array) {
+    return &document->piece[array->piece];
+}
+
 /* ---- vtu_xml.c ----------------------------------------------------------------------------- */
 
 /** Fill in the document; released by vtu_document_release, also on failure. */
@@ -133,6 +138,8 @@ int vtu_read_points(io_model *model, vtu_document *document, planish_error *erro
 
 /** Whether the bytes of appended points are theirs alone, so that they can be replaced. */
 int vtu_check_overlaps(const io_model *model, const vtu_document *document, planish_error *error);
+
+/* ---- vtu_encode.c -------------------------------------------------------------------------- */
 
 /** What the points that no span tells the place of become (io_format.encode). */
 int vtu_encode_points(const io_model *model, const double *coordinates, int threads,
