@@ -89,14 +89,10 @@ static int is_gzip(const io_bytes *input) {
 
 static int choose_format(planish_file *file, const char *name, planish_error *error) {
     const io_bytes *input = &file->model.input;
-    if (is_gzip(input))
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: is compressed; unpack it first: gunzip -c %s > OUT", input->path,
-                       input->path);
     file->format =
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
-    if (file->format)
-        return PLANISH_OK;
+    if (file->format || is_gzip(input))
+        return PLANISH_OK; /* compressed: read_model says so */
     char names[256];
     list_formats(names, sizeof names);
     if (name)
@@ -114,6 +110,11 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
 }
 
 static int read_model(planish_file *file, planish_error *error) {
+    const io_bytes *input = &file->model.input;
+    if (is_gzip(input))
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is compressed; unpack it first: gunzip -c %s > OUT", input->path,
+                       input->path);
     int status = file->format->read(&file->model, error);
     return status ? status : io_model_finish(&file->model, error);
 }

@@ -45,7 +45,7 @@ static inline void fuzz_check_questions(const planish_file *file) {
     planish_mesh mesh = planish_file_mesh(file);
     planish_file_info info;
     planish_error error;
-    planish_hold hold = {tags, 1, 0};
+    planish_hold hold = {.tags = tags, .n_tags = 1};
     uint8_t *constraint = malloc((size_t)mesh.n_nodes + 1);
     fuzz_require(constraint != NULL, "memory");
     planish_file_get_info(file, &info);

@@ -89,7 +89,7 @@ static void packed_and_unpacked(void **state) {
     enum { SIZE = 100000 };
     static const io_compression all[] = {IO_ZLIB, IO_LZ4, IO_LZMA};
     char *data = malloc(SIZE), *out = malloc(SIZE + 1);
-    for (int i = 0; i < SIZE; i++)
+    for (int64_t i = 0; i < SIZE; i++)
         data[i] = (char)(i * i / 7 % (1 + i / 1000));
     for (size_t c = 0; c < sizeof all / sizeof *all; c++) {
         if (!io_compression_is_built(all[c]))

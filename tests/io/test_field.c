@@ -126,7 +126,7 @@ static int candidate(char *text, int negative, long long mantissa, int decimals,
 
 /** The least error of all texts of width characters, found by trying them. */
 static double least_error(double value, int width, int implied) {
-    const int decade = (int)floor(log10(fabs(value)));
+    const int decade = value == 0 ? 0 : (int)floor(log10(fabs(value)));
     double least = INFINITY;
     for (int exponent = decade - width; exponent <= decade + width; exponent++) {
         const int tried = exponent == decade + width ? 0 : exponent;
