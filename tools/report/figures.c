@@ -1,0 +1,71 @@
+/* figures: what a page reads from the JSON of a run. */
+#include "report/figures.h"
+
+#include <math.h>
+#include <stddef.h>
+
+static int is_quality(const cJSON *object) {
+    return cJSON_IsObject(object) && isfinite(pl_figure(object, "inverted")) &&
+           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(object, "histogram"));
+}
+
+const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
+    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(result, "mesh");
+    const cJSON *before = cJSON_GetObjectItemCaseSensitive(result, "before");
+    const cJSON *after = cJSON_GetObjectItemCaseSensitive(result, "after");
+    const cJSON *quality = cJSON_GetObjectItemCaseSensitive(result, "quality");
+    *figures = (pl_figures){.result = result, .is_solid = pl_figure(mesh, "dimension") == 3};
+    if (!cJSON_IsObject(result))
+        return "is no JSON object";
+    if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))
+        return "compares several meshes; a page is of one: make it with 'planish quality' of that";
+    if (!cJSON_IsObject(mesh) || pl_figure_count(mesh, "elements") <= 0)
+        return "has no 'mesh' with its elements";
+    if (is_quality(before) && is_quality(after)) {
+        figures->n_states = 2;
+        figures->state[0] = before;
+        figures->name[0] = "before";
+        figures->state[1] = after;
+        figures->name[1] = "after";
+        return NULL;
+    }
+    if (!is_quality(quality))
+        return "has neither 'before' and 'after' nor 'quality'";
+    figures->n_states = 1;
+    figures->state[0] = quality;
+    figures->name[0] = "mesh";
+    return NULL;
+}
+
+const cJSON *pl_figures_last(const pl_figures *figures) {
+    return figures->state[figures->n_states - 1];
+}
+
+double pl_figure(const cJSON *object, const char *key) {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
+    return cJSON_IsNumber(item) ? item->valuedouble : NAN;
+}
+
+int64_t pl_figure_count(const cJSON *object, const char *key) {
+    const double value = pl_figure(object, key);
+    const double largest = 9e18;
+    return isfinite(value) && fabs(value) < largest ? (int64_t)value : 0;
+}
+
+const char *pl_figure_text(const cJSON *object, const char *key) {
+    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
+    return cJSON_IsString(item) && item->valuestring ? item->valuestring : "";
+}
+
+int pl_figure_list(const cJSON *object, const char *key, double *number, int most) {
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(object, key), *item;
+    int n = 0;
+    if (!cJSON_IsArray(list))
+        return 0;
+    cJSON_ArrayForEach(item, list) {
+        if (n < most)
+            number[n] = cJSON_IsNumber(item) ? item->valuedouble : NAN;
+        n++;
+    }
+    return n;
+}

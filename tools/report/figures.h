@@ -1,0 +1,38 @@
+/* figures: what a page reads from the JSON of a run. Whatever is missing, or of another type, has
+ * no value: pages of reports that were made elsewhere are as complete as these. */
+#ifndef PL_REPORT_FIGURES_H
+#define PL_REPORT_FIGURES_H
+
+#include <cjson/cJSON.h>
+
+#include <stdint.h>
+
+/** The states of the mesh that a result tells of: before and after, or one. */
+typedef struct pl_figures {
+    const cJSON *result;
+    int n_states;
+    const cJSON *state[2]; /* the objects of quality */
+    const char *name[2];   /* "before", "after"; "mesh" */
+    int is_solid;          /* tetrahedra */
+} pl_figures;
+
+/** Find the states in result. NULL, or what is wrong with it, in words. */
+const char *pl_figures_find(const cJSON *result, pl_figures *figures);
+
+/** The last state: the result. */
+const cJSON *pl_figures_last(const pl_figures *figures);
+
+/** The number that key of object is, or NAN; object may be NULL. */
+double pl_figure(const cJSON *object, const char *key);
+
+/** The same as an integer, 0 if there is none. */
+int64_t pl_figure_count(const cJSON *object, const char *key);
+
+/** The text that key of object is, or "". */
+const char *pl_figure_text(const cJSON *object, const char *key);
+
+/** Numbers of the list that key of object is: up to most, NAN for those that are null. Returns how
+ *  many the list has. */
+int pl_figure_list(const cJSON *object, const char *key, double *number, int most);
+
+#endif

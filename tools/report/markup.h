@@ -1,0 +1,42 @@
+/* markup: text that grows, for pages and the drawings in them. */
+#ifndef PL_REPORT_MARKUP_H
+#define PL_REPORT_MARKUP_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define PL_MARKUP_FORMAT __attribute__((format(printf, 2, 3)))
+#else
+#define PL_MARKUP_FORMAT
+#endif
+
+/** A text under construction. Once memory is short it stays as it is, and failed remembers. */
+typedef struct pl_markup {
+    char *text; /* [length], owned */
+    size_t length, capacity;
+    int failed;
+} pl_markup;
+
+/** Add text as printf does; nothing is escaped. */
+void pl_markup_put(pl_markup *markup, const char *format, ...) PL_MARKUP_FORMAT;
+
+/** Add size bytes as they are. */
+void pl_markup_put_bytes(pl_markup *markup, const char *bytes, size_t size);
+
+/** Add text so that it reads as itself in HTML, in attributes as well: <, >, &, " and ' are
+ *  escaped, control characters become U+FFFD. */
+void pl_markup_put_text(pl_markup *markup, const char *text);
+
+/** Add n bytes as base64. */
+void pl_markup_put_base64(pl_markup *markup, const void *bytes, int64_t n);
+
+/** Add a number as people read it: four significant digits, an en dash where it is not finite. */
+void pl_markup_put_real(pl_markup *markup, double value);
+
+/** Add an integer with thin spaces between groups of three digits. */
+void pl_markup_put_count(pl_markup *markup, int64_t value);
+
+void pl_markup_free(pl_markup *markup);
+
+#endif

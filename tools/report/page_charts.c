@@ -1,0 +1,213 @@
+/* page_charts: the histograms of a page, and how the smoothing converged. */
+#include "report/chart.h"
+#include "report/page.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- histograms ----------------------------------------------------------------------------- */
+
+enum { MOST_BINS = 64 };
+
+/** The bins of one histogram, in the states that there are. */
+typedef struct bins {
+    int n;
+    double edges[MOST_BINS + 1];
+    double count[2][MOST_BINS];
+} bins;
+
+/** Read them; 0 if a state has none, or others than the first. */
+static int read_bins(const pl_figures *figures, const char *key, bins *b) {
+    for (int s = 0; s < figures->n_states; s++) {
+        const cJSON *histogram = cJSON_GetObjectItemCaseSensitive(figures->state[s], key);
+        const int n = pl_figure_list(histogram, "counts", b->count[s], MOST_BINS);
+        if (n < 1 || n > MOST_BINS || (s > 0 && n != b->n) ||
+            pl_figure_list(histogram, "edges", b->edges, MOST_BINS + 1) != n + 1)
+            return 0;
+        b->n = n;
+    }
+    if (!isfinite(b->edges[b->n])) /* null is how JSON says infinite */
+        b->edges[b->n] = INFINITY;
+    return 1;
+}
+
+/** The same in figures. */
+static void put_bins_table(pl_markup *page, const pl_figures *figures, const bins *b) {
+    pl_markup_put(page,
+                  "<details><summary>Figures</summary><div class=\"scroll\"><table><thead><tr>"
+                  "<th scope=\"col\">from</th><th scope=\"col\">to</th>");
+    for (int s = 0; s < figures->n_states; s++)
+        pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
+    pl_markup_put(page, "</tr></thead><tbody>\n");
+    for (int i = 0; i < b->n; i++) {
+        pl_markup_put(page, "<tr><th scope=\"row\">%.6g</th><td>", b->edges[i]);
+        pl_markup_put_real(page, b->edges[i + 1]);
+        pl_markup_put(page, "</td>");
+        for (int s = 0; s < figures->n_states; s++) {
+            pl_markup_put(page, "<td>");
+            pl_markup_put_count(page, (int64_t)fmin(fmax(b->count[s][i], 0), 9e18));
+            pl_markup_put(page, "</td>");
+        }
+        pl_markup_put(page, "</tr>\n");
+    }
+    pl_markup_put(page, "</tbody></table></div></details>\n");
+}
+
+static void put_histogram(pl_markup *page, const pl_figures *figures, const char *key,
+                          const char *title, const char *axis) {
+    bins b;
+    if (!read_bins(figures, key, &b))
+        return;
+    const pl_histogram histogram = {.title = title,
+                                    .axis = axis,
+                                    .edges = b.edges,
+                                    .n_bins = b.n,
+                                    .n_series = figures->n_states,
+                                    .count = {b.count[0], b.count[1]},
+                                    .name = {figures->name[0], figures->name[1]}};
+    pl_markup_put(page, "<figure%s><h3>%s</h3>\n",
+                  figures->n_states == 1 ? " class=\"only\"" : "", title);
+    pl_chart_histogram(page, &histogram);
+    put_bins_table(page, figures, &b);
+    pl_markup_put(page, "</figure>\n");
+}
+
+void pl_page_put_histograms(pl_markup *page, const pl_figures *figures) {
+    pl_markup_put(page, "<section id=\"histograms\"><h2>Elements by quality</h2>\n"
+                        "<p class=\"quiet\">Numbers of elements on a logarithmic axis, so that a "
+                        "few bad ones show beside many good ones. Inverted elements have no "
+                        "quality and are not counted.</p>\n<div class=\"charts\">\n");
+    put_histogram(page, figures, "histogram", "Radius ratio",
+                  figures->is_solid ? "radius ratio R/(3r): 1 is the regular tetrahedron"
+                                    : "radius ratio R/(2r): 1 is the regular triangle");
+    put_histogram(page, figures, "angle_histogram",
+                  figures->is_solid ? "Smallest dihedral angle" : "Smallest angle",
+                  figures->is_solid
+                      ? "smallest dihedral angle of each element, degrees: 70.5 is the regular one"
+                      : "smallest angle of each element, degrees: 60 is the regular one");
+    pl_markup_put(page, "</div></section>\n");
+}
+
+/* ---- convergence ---------------------------------------------------------------------------- */
+
+/** The sweeps as points of curves; the first one is the state before. */
+typedef struct history {
+    int64_t n;
+    double *sweep, *time, *rms, *movable, *inverted; /* [n] each, of one block */
+    const char **phase;                              /* [n] */
+    int any_inverted;
+} history;
+
+static int make_history(int64_t n, history *h) {
+    double *block = malloc((size_t)(5 * n) * sizeof *block);
+    h->phase = malloc((size_t)n * sizeof *h->phase);
+    if (!block || !h->phase) {
+        free(block);
+        free(h->phase);
+        return 0;
+    }
+    h->n = n;
+    h->any_inverted = 0;
+    h->sweep = block;
+    h->time = block + n;
+    h->rms = block + 2 * n;
+    h->movable = block + 3 * n;
+    h->inverted = block + 4 * n;
+    return 1;
+}
+
+static void free_history(history *h) {
+    free(h->sweep);
+    free(h->phase);
+}
+
+/** What sweeps minimise is the measure of the table only if that is the objective. */
+static int minimises_radius_ratio(const pl_figures *figures) {
+    const cJSON *objective = cJSON_GetObjectItemCaseSensitive(figures->result, "objective");
+    const char *name = pl_figure_text(objective, "name");
+    return name[0] == '\0' || strcmp(name, "radius-ratio") == 0;
+}
+
+static void read_history(const pl_figures *figures, const cJSON *sweeps, history *h) {
+    const cJSON *before = figures->state[0], *sweep;
+    const int known = minimises_radius_ratio(figures);
+    int64_t i = 1;
+    h->sweep[0] = h->time[0] = 0;
+    h->rms[0] = known ? pl_figure(before, "rms_radius_ratio") : NAN;
+    h->movable[0] = known ? pl_figure(before, "rms_radius_ratio_movable") : NAN;
+    h->inverted[0] = pl_figure(before, "inverted");
+    cJSON_ArrayForEach(sweep, sweeps) {
+        const double seconds = pl_figure(sweep, "seconds");
+        h->sweep[i] = (double)i;
+        h->time[i] = h->time[i - 1] + (seconds > 0 ? seconds : 0);
+        h->rms[i] = pl_figure(sweep, "rms");
+        h->movable[i] = pl_figure(sweep, "rms_movable");
+        h->inverted[i] = pl_figure(sweep, "inverted");
+        h->phase[i] = pl_figure_text(sweep, "phase");
+        i++;
+    }
+    h->phase[0] = h->phase[1];
+    for (i = 0; i < h->n; i++)
+        h->any_inverted |= h->inverted[i] > 0;
+}
+
+static void put_curves(pl_markup *page, const history *h, int over_time) {
+    const pl_curves curves = {.title = over_time ? "RMS radius ratio over time"
+                                                 : "RMS radius ratio after each sweep",
+                              .x_axis = over_time ? "seconds of smoothing" : "sweeps",
+                              .n = h->n,
+                              .x = over_time ? h->time : h->sweep,
+                              .n_series = 2,
+                              .y = {h->rms, h->movable},
+                              .name = {"all elements", "elements with a free node"},
+                              .phase = h->phase};
+    pl_markup_put(page, "<figure><h3>%s</h3>\n", over_time ? "Over time" : "By sweep");
+    pl_chart_curves(page, &curves);
+    pl_markup_put(page, "</figure>\n");
+}
+
+static void put_inverted(pl_markup *page, const history *h) {
+    const pl_curves curves = {.title = "Inverted elements after each sweep",
+                              .x_axis = "sweeps",
+                              .n = h->n,
+                              .x = h->sweep,
+                              .n_series = 1,
+                              .y = {h->inverted},
+                              .name = {"inverted elements"},
+                              .phase = h->phase};
+    if (!h->any_inverted)
+        return;
+    pl_markup_put(page, "<figure><h3>Inverted elements</h3>\n");
+    pl_chart_curves(page, &curves);
+    pl_markup_put(page, "</figure>\n");
+}
+
+static void put_history(pl_markup *page, const pl_figures *figures, const cJSON *sweeps) {
+    history h;
+    if (!make_history((int64_t)cJSON_GetArraySize(sweeps) + 1, &h)) {
+        page->failed = 1;
+        return;
+    }
+    read_history(figures, sweeps, &h);
+    pl_markup_put(page, "<p class=\"quiet\">Root mean square of the ratio that is minimised, over "
+                        "the valid elements. Stretches that untangle, or improve the worst "
+                        "elements, are shaded.</p>\n<div class=\"charts\">\n");
+    put_curves(page, &h, 0);
+    put_curves(page, &h, 1);
+    put_inverted(page, &h);
+    pl_markup_put(page, "</div>\n");
+    free_history(&h);
+}
+
+void pl_page_put_convergence(pl_markup *page, const pl_figures *figures) {
+    const cJSON *sweeps = cJSON_GetObjectItemCaseSensitive(figures->result, "sweeps");
+    if (figures->n_states < 2)
+        return;
+    pl_markup_put(page, "<section id=\"convergence\"><h2>Convergence</h2>\n");
+    if (cJSON_IsArray(sweeps) && cJSON_GetArraySize(sweeps) > 0)
+        put_history(page, figures, sweeps);
+    else
+        pl_markup_put(page, "<p>No sweep was made.</p>\n");
+    pl_markup_put(page, "</section>\n");
+}

@@ -1,0 +1,409 @@
+/* page_tables: the tables of a page: measures before and after, the worst elements, time and
+ * machine, what is certified. */
+#include "report/page.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Relative changes below this are not called better or worse: the tables show fewer digits. */
+static const double NOTABLE = 1e-4;
+
+/* ---- measures before and after -------------------------------------------------------------- */
+
+/** Which way a measure is better. */
+typedef enum sense { NEITHER, LESS_IS_BETTER, MORE_IS_BETTER } sense;
+
+typedef struct measure {
+    const char *key;
+    const char *solid, *plane; /* what it is called in 3-D and 2-D */
+    const char *unit;
+    sense sense;
+    const char *style;
+    int is_count;
+} measure;
+
+static const measure measures[] = {
+    {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
+    {"below_min_volume", "elements below their least volume", "elements below their least area", "",
+     LESS_IS_BETTER, "", 1},
+    {"max_radius_ratio", "worst radius ratio", "worst radius ratio", "", LESS_IS_BETTER, "main", 0},
+    {"max_radius_ratio_movable", "of elements with a free node", "of elements with a free node", "",
+     LESS_IS_BETTER, "part", 0},
+    {"min_dihedral_deg", "smallest dihedral angle", "smallest angle", "°", MORE_IS_BETTER, "main",
+     0},
+    {"min_dihedral_movable_deg", "of elements with a free node", "of elements with a free node",
+     "°", MORE_IS_BETTER, "part", 0},
+    {"max_dihedral_deg", "largest dihedral angle", "largest angle", "°", LESS_IS_BETTER, "", 0},
+    {"rms_radius_ratio", "RMS radius ratio", "RMS radius ratio", "", LESS_IS_BETTER, "main", 0},
+    {"rms_radius_ratio_movable", "of elements with a free node", "of elements with a free node", "",
+     LESS_IS_BETTER, "part", 0},
+    {"mean_radius_ratio", "mean radius ratio", "mean radius ratio", "", LESS_IS_BETTER, "", 0},
+    {"min_volume", "smallest volume", "smallest area", "", MORE_IS_BETTER, "", 0},
+    {"max_volume", "largest volume", "largest area", "", NEITHER, "", 0},
+    {"total_volume", "volume of the mesh", "area of the mesh", "", NEITHER, "", 0},
+};
+
+enum { N_MEASURES = sizeof measures / sizeof *measures };
+
+static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
+    const double value = pl_figure(state, m->key);
+    pl_markup_put(page, "<td>");
+    if (m->is_count && isfinite(value))
+        pl_markup_put_count(page, pl_figure_count(state, m->key));
+    else
+        pl_markup_put_real(page, value);
+    pl_markup_put(page, "%s</td>", isfinite(value) ? m->unit : "");
+}
+
+/** By how much it changed, and in words whether for the better. */
+static void put_change(pl_markup *page, const measure *m, const pl_figures *figures) {
+    const double before = pl_figure(figures->state[0], m->key);
+    const double after = pl_figure(figures->state[1], m->key);
+    const double change = after - before, relative = change / fabs(before);
+    const int differs = m->is_count ? change != 0 : fabs(relative) >= NOTABLE;
+    if (!isfinite(change) || !differs || m->sense == NEITHER) {
+        pl_markup_put(page, "<td></td><td class=\"word\"></td>");
+        return;
+    }
+    const int better = (change < 0) == (m->sense == LESS_IS_BETTER);
+    pl_markup_put(page, "<td>");
+    if (m->is_count)
+        pl_markup_put(page, "%+.0f", change);
+    else if (isfinite(relative))
+        pl_markup_put(page, "%+.3g&#8239;%%", 100 * relative);
+    pl_markup_put(page, "</td><td class=\"word %s\">%s</td>", better ? "good" : "bad",
+                  better ? "better" : "worse");
+}
+
+/** Least volumes have a row only where some were asked for. */
+static int is_asked(const pl_figures *figures, const measure *m) {
+    if (strcmp(m->key, "below_min_volume") != 0)
+        return 1;
+    for (int s = 0; s < figures->n_states; s++)
+        if (pl_figure(figures->state[s], m->key) > 0)
+            return 1;
+    return isfinite(pl_figure(figures->result, "min_volume"));
+}
+
+static void put_heading(pl_markup *page, const pl_figures *figures) {
+    pl_markup_put(page, "<thead><tr><th scope=\"col\">measure</th>");
+    for (int s = 0; s < figures->n_states; s++)
+        pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
+    if (figures->n_states == 2)
+        pl_markup_put(page, "<th scope=\"col\">change</th><th scope=\"col\" class=\"word\"></th>");
+    pl_markup_put(page, "</tr></thead>\n<tbody>\n");
+}
+
+/** The elements that nothing can change, and so the floor of what can be reached. */
+static void put_floor(pl_markup *page, const pl_figures *figures) {
+    const cJSON *fixed = cJSON_GetObjectItemCaseSensitive(figures->result, "fixed");
+    const int64_t n = pl_figure_count(fixed, "count");
+    if (n <= 0)
+        return;
+    pl_markup_put(page, "<p class=\"quiet\">");
+    pl_markup_put_count(page, n);
+    pl_markup_put(page, " elements have no free node: they stay as they are, and their worst "
+                        "radius ratio, ");
+    pl_markup_put_real(page, pl_figure(fixed, "max_radius_ratio"));
+    pl_markup_put(page, ", is the least that any smoothing of the other nodes can leave.</p>\n");
+}
+
+/** The further measures of docs/measures.md: smallest, mean and largest over the elements. */
+static void put_spreads(pl_markup *page, const pl_figures *figures) {
+    static const char *const spreads[][2] = {
+        {"radius_ratio", "radius ratio"},
+        {"circumradius_to_edge", "circumradius / longest edge"},
+        {"edge_to_inradius", "longest edge / inradius"},
+        {"edge_ratio", "longest / shortest edge"},
+        {"mean_ratio", "mean ratio"},
+        {"scaled_jacobian", "scaled Jacobian"},
+        {"smallest_angle_deg", "smallest angle of each, degrees"},
+        {"largest_angle_deg", "largest angle of each, degrees"}};
+    static const char *const parts[] = {"min", "mean", "max"};
+    pl_markup_put(page, "<details><summary>All measures</summary><div class=\"scroll\"><table>"
+                        "<thead><tr><th scope=\"col\">over the elements</th>");
+    for (int s = 0; s < figures->n_states; s++)
+        for (int p = 0; p < 3; p++)
+            pl_markup_put(page, "<th scope=\"col\">%s, %s</th>", figures->name[s], parts[p]);
+    pl_markup_put(page, "</tr></thead><tbody>\n");
+    for (size_t i = 0; i < sizeof spreads / sizeof *spreads; i++) {
+        pl_markup_put(page, "<tr><th scope=\"row\">%s</th>", spreads[i][1]);
+        for (int s = 0; s < figures->n_states; s++)
+            for (int p = 0; p < 3; p++) {
+                pl_markup_put(page, "<td>");
+                pl_markup_put_real(page, pl_figure(cJSON_GetObjectItemCaseSensitive(
+                                                       figures->state[s], spreads[i][0]),
+                                                   parts[p]));
+                pl_markup_put(page, "</td>");
+            }
+        pl_markup_put(page, "</tr>\n");
+    }
+    pl_markup_put(page, "</tbody></table></div></details>\n");
+}
+
+void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
+    pl_markup_put(page, "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n<div "
+                        "class=\"scroll\"><table>\n",
+                  figures->n_states == 2 ? "Before and after" : "Quality");
+    put_heading(page, figures);
+    for (int i = 0; i < N_MEASURES; i++) {
+        const measure *m = &measures[i];
+        if (!is_asked(figures, m))
+            continue;
+        pl_markup_put(page, "<tr%s%s%s><th scope=\"row\">%s</th>", m->style[0] ? " class=\"" : "",
+                      m->style, m->style[0] ? "\"" : "", figures->is_solid ? m->solid : m->plane);
+        for (int s = 0; s < figures->n_states; s++)
+            put_value(page, m, figures->state[s]);
+        if (figures->n_states == 2)
+            put_change(page, m, figures);
+        pl_markup_put(page, "</tr>\n");
+    }
+    pl_markup_put(page, "</tbody></table></div>\n");
+    put_floor(page, figures);
+    put_spreads(page, figures);
+    pl_markup_put(page, "</section>\n");
+}
+
+/* ---- the worst elements --------------------------------------------------------------------- */
+
+/** A list of numbers; between: what stands between two. */
+static void put_numbers(pl_markup *page, const cJSON *object, const char *key, const char *between) {
+    double number[4];
+    const int most = 4, listed = pl_figure_list(object, key, number, most);
+    for (int i = 0; i < listed && i < most; i++)
+        pl_markup_put(page, "%s%.7g", i ? between : "", number[i]);
+}
+
+static void put_region(pl_markup *page, const cJSON *element) {
+    const char *region = pl_figure_text(element, "region");
+    pl_markup_put(page, "<td class=\"word\">");
+    pl_markup_put_text(page, region);
+    pl_markup_put(page, "</td>");
+}
+
+static void put_element(pl_markup *page, const cJSON *element) {
+    const double ratio = pl_figure(element, "radius_ratio");
+    const cJSON *movable = cJSON_GetObjectItemCaseSensitive(element, "movable");
+    pl_markup_put(page, "<tr><th scope=\"row\">%.0f</th><td>", pl_figure(element, "element"));
+    if (isfinite(ratio))
+        pl_markup_put_real(page, ratio);
+    else
+        pl_markup_put(page, "inverted");
+    pl_markup_put(page, "</td><td>");
+    pl_markup_put_real(page, pl_figure(element, "min_angle_deg"));
+    pl_markup_put(page, "</td><td>");
+    pl_markup_put_real(page, pl_figure(element, "max_angle_deg"));
+    pl_markup_put(page, "</td><td class=\"word\">%s</td><td class=\"word\">",
+                  cJSON_IsFalse(movable) ? "no" : "yes");
+    put_numbers(page, element, "place", ", ");
+    pl_markup_put(page, "</td><td class=\"word\">");
+    put_numbers(page, element, "nodes", " ");
+    pl_markup_put(page, "</td>");
+    put_region(page, element);
+    pl_markup_put(page, "<td><button type=\"button\" hidden data-place=\"");
+    put_numbers(page, element, "place", ",");
+    pl_markup_put(page, "\">show</button></td></tr>\n");
+}
+
+static void put_elements(pl_markup *page, const cJSON *state) {
+    const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
+    pl_markup_put(page,
+                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
+                  "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest angle</th>"
+                  "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">has a free node"
+                  "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
+                  "class=\"word\">nodes</th><th scope=\"col\" class=\"word\">region</th>"
+                  "<th scope=\"col\"></th></tr></thead><tbody>\n");
+    cJSON_ArrayForEach(element, list) {
+        put_element(page, element);
+    }
+    pl_markup_put(page, "</tbody></table></div>\n");
+}
+
+static int lists_elements(const cJSON *state) {
+    return cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(state, "worst_elements")) > 0;
+}
+
+void pl_page_put_worst(pl_markup *page, const pl_figures *figures) {
+    const cJSON *last = pl_figures_last(figures);
+    if (!lists_elements(last))
+        return;
+    pl_markup_put(page, "<section id=\"worst\"><h2>Where the worst elements are</h2>\n"
+                        "<p class=\"quiet\">Numbers of elements and nodes are those of the file; "
+                        "angles are in degrees.</p>\n");
+    put_elements(page, last);
+    if (figures->n_states == 2 && lists_elements(figures->state[0])) {
+        pl_markup_put(page, "<details><summary>The worst before</summary>\n");
+        put_elements(page, figures->state[0]);
+        pl_markup_put(page, "</details>\n");
+    }
+    pl_markup_put(page, "</section>\n");
+}
+
+/* ---- time and machine ----------------------------------------------------------------------- */
+
+typedef struct span_of_time {
+    const char *name;
+    double seconds;
+} span_of_time;
+
+enum { MOST_SPANS = 6 };
+
+/** The phases that took time; the last one is what remains of the total. */
+static int read_times(const cJSON *seconds, span_of_time *span) {
+    static const char *const keys[] = {"read", "shape", "setup", "smooth", "write"};
+    static const char *const names[] = {"read", "find what slides", "set up", "smooth", "write"};
+    double rest = pl_figure(seconds, "total");
+    int n = 0;
+    for (int i = 0; i < MOST_SPANS - 1; i++) {
+        const double value = pl_figure(seconds, keys[i]);
+        if (!(value > 0))
+            continue;
+        span[n++] = (span_of_time){names[i], value};
+        rest -= value;
+    }
+    if (rest > 0)
+        span[n++] = (span_of_time){"measure and check", rest};
+    return n;
+}
+
+static void put_times(pl_markup *page, const cJSON *seconds) {
+    span_of_time span[MOST_SPANS];
+    const int n = read_times(seconds, span);
+    const double total = pl_figure(seconds, "total");
+    if (n == 0 || !(total > 0))
+        return;
+    pl_markup_put(page, "<div class=\"times\" aria-hidden=\"true\">");
+    for (int i = 0; i < n; i++)
+        pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>", span[i].seconds,
+                      span[i].name);
+    pl_markup_put(page, "</div>\n<div class=\"scroll\"><table><thead><tr><th scope=\"col\">phase"
+                        "</th><th scope=\"col\">seconds</th><th scope=\"col\">share</th></tr>"
+                        "</thead><tbody>\n");
+    for (int i = 0; i < n; i++)
+        pl_markup_put(page,
+                      "<tr><th scope=\"row\">%s</th><td>%.3f</td><td>%.0f&#8239;%%</td></tr>\n",
+                      span[i].name, span[i].seconds, 100 * span[i].seconds / total);
+    pl_markup_put(page,
+                  "<tr class=\"main\"><th scope=\"row\">total</th><td>%.3f</td><td></td></tr>\n"
+                  "</tbody></table></div>\n",
+                  total);
+}
+
+static void put_fact(pl_markup *page, const char *name, const char *value) {
+    if (!value[0])
+        return;
+    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td class=\"wrap\">", name);
+    pl_markup_put_text(page, value);
+    pl_markup_put(page, "</td></tr>\n");
+}
+
+static void put_counted(pl_markup *page, const char *name, const cJSON *object, const char *key) {
+    if (!isfinite(pl_figure(object, key)))
+        return;
+    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td class=\"wrap\">", name);
+    pl_markup_put_count(page, pl_figure_count(object, key));
+    pl_markup_put(page, "</td></tr>\n");
+}
+
+void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
+    const cJSON *result = figures->result;
+    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(result, "mesh");
+    const double memory = pl_figure(result, "peak_memory_bytes");
+    if (figures->n_states < 2)
+        return;
+    pl_markup_put(page, "<section id=\"run\" class=\"whole\"><h2>Time and machine</h2>\n");
+    put_times(page, cJSON_GetObjectItemCaseSensitive(result, "seconds"));
+    pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
+    put_counted(page, "threads", result, "threads");
+    put_fact(page, "placement", pl_figure_text(result, "binding"));
+    put_fact(page, "instruction set", pl_figure_text(result, "isa"));
+    put_counted(page, "colours", mesh, "colours");
+    put_counted(page, "node visits", result, "node_visits");
+    put_counted(page, "nodes moved", result, "moved_nodes");
+    if (isfinite(memory))
+        pl_markup_put(page,
+                      "<tr><th scope=\"row\">most memory</th><td class=\"wrap\">%.1f MB</td></tr>\n",
+                      memory / 1e6);
+    put_fact(page, "method", pl_figure_text(result, "method"));
+    put_fact(page, "objective",
+             pl_figure_text(cJSON_GetObjectItemCaseSensitive(result, "objective"), "name"));
+    put_fact(page, "ended", pl_figure_text(result, "stop"));
+    pl_markup_put(page, "</tbody></table></div></section>\n");
+}
+
+/* ---- what is certified ---------------------------------------------------------------------- */
+
+/** A claim of the form "not worse than before", shown with its two figures. */
+static void put_claim(pl_markup *page, const pl_figures *figures, const char *claim,
+                      const char *key, sense better) {
+    const double before = pl_figure(figures->state[0], key);
+    const double after = pl_figure(figures->state[1], key);
+    const double rounding = 1e-9 * fabs(before);
+    const int holds =
+        better == LESS_IS_BETTER ? after <= before + rounding : after >= before - rounding;
+    if (!isfinite(before) || !isfinite(after))
+        return;
+    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td>%.10g</td><td>%.10g</td><td class=\"word "
+                        "%s\">%s</td></tr>\n",
+                  claim, before, after, holds ? "good" : "bad", holds ? "holds" : "does not hold");
+}
+
+/** Lists of elements that fall short: the first of them. */
+static void put_list(pl_markup *page, const pl_figures *figures, const char *key,
+                     const char *what) {
+    enum { MOST = 20 };
+    double number[MOST];
+    const int n = pl_figure_list(figures->result, key, number, MOST);
+    if (n == 0)
+        return;
+    pl_markup_put(page, "<p><strong>");
+    pl_markup_put_count(page, n);
+    pl_markup_put(page, " %s:</strong>", what);
+    for (int i = 0; i < n && i < MOST; i++)
+        pl_markup_put(page, "%s %.0f", i ? "," : "", number[i]);
+    pl_markup_put(page, "%s.</p>\n", n > MOST ? ", ..." : "");
+}
+
+static void put_claims(pl_markup *page, const pl_figures *figures) {
+    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
+                        "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
+                        "<th scope=\"col\" class=\"word\"></th></tr></thead><tbody>\n");
+    put_claim(page, figures, "inverted elements", "inverted", LESS_IS_BETTER);
+    put_claim(page, figures, "worst radius ratio of elements with a free node",
+              "max_radius_ratio_movable", LESS_IS_BETTER);
+    put_claim(page, figures, "smallest angle of elements with a free node",
+              "min_dihedral_movable_deg", MORE_IS_BETTER);
+    put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", LESS_IS_BETTER);
+    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">planish promises all of these "
+                        "for a mesh that was valid and its default objective; mending inverted "
+                        "elements, least volumes and other objectives may cost the last "
+                        "three.</p>\n");
+}
+
+void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
+    const cJSON *result = figures->result;
+    const int64_t inverted = pl_figure_count(pl_figures_last(figures), "inverted");
+    pl_markup_put(page, "<section id=\"certificate\" class=\"whole\"><h2>Certificate</h2>\n<p>");
+    if (inverted == 0) {
+        pl_markup_put(page, "Every element is positive: none is inverted or flat.");
+    } else {
+        pl_markup_put_count(page, inverted);
+        pl_markup_put(page, " %s inverted or flat.", inverted == 1 ? "element is" : "elements are");
+    }
+    pl_markup_put(page,
+                  " The sign of each was decided exactly, on the coordinates as they are %s.</p>\n",
+                  figures->n_states == 2 ? "written" : "in the file");
+    if (figures->n_states == 2)
+        put_claims(page, figures);
+    put_list(page, figures, "unfixable", "elements cannot be mended wherever the free nodes are");
+    put_list(page, figures, "below_min", "elements are below their least volume");
+    pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
+    put_fact(page, "checksum of the coordinates read", pl_figure_text(result, "input_checksum"));
+    put_fact(page,
+             figures->n_states == 2 ? "checksum of the coordinates written" : "checksum of the coordinates",
+             pl_figure_text(result, "checksum"));
+    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">The checksum is of the bits of "
+                        "all coordinates, the same on any number of threads; <code>planish quality "
+                        "FILE --json -</code> prints that of a file.</p>\n</section>\n");
+}

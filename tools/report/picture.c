@@ -1,0 +1,282 @@
+/* picture: what a page draws of a mesh, as data for viewer.js.
+ *
+ * Places are taken relative to the box of the mesh: those of the surface in 16 bits for each axis,
+ * finer than any screen, those of bad elements, which may be tiny, as floats. All numbers are little-
+ * endian, in base64.
+ */
+#include "report/picture.h"
+
+#include "message.h"
+#include "report/surface.h"
+#include "worst.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What a page draws at most: with these it stays below 5 MB. */
+enum { MOST_TRIANGLES = 100000, MOST_BAD = 4000 };
+
+/* Radius ratios are kept in a byte as 1 + STEPS_PER_E ln RR; 0: inverted. */
+static const double STEPS_PER_E = 50;
+
+/* Places on each side of the box, for points. */
+static const double PLACES = 65535;
+
+typedef struct state {
+    char name[16];
+    uint8_t *point; /* [n_points][dim] of 16 bits */
+    uint8_t *ratio; /* [n_triangles] in 2-D, else NULL */
+    int64_t n_bad;
+    uint8_t *corner;    /* [n_bad][dim + 1][dim] floats */
+    uint8_t *bad_ratio; /* [n_bad] floats; 0: inverted */
+} state;
+
+struct pl_picture {
+    int dim;
+    int64_t n_nodes, n_elements; /* of the mesh */
+    double low[3], high[3];      /* its box as it was at first */
+    double size;                 /* the longest side of that */
+    pl_drawn_surface surface;
+    state states[PL_PICTURE_MOST_STATES];
+    int n_states;
+};
+
+static int complain_memory(const pl_job *job) {
+    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the picture", job->arguments->input);
+}
+
+static void find_box(pl_picture *picture, const planish_mesh *mesh) {
+    const int dim = mesh->dim;
+    for (int d = 0; d < dim; d++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int64_t i = 0; i < mesh->n_nodes; i++) {
+            low = fmin(low, mesh->coordinates[i * dim + d]);
+            high = fmax(high, mesh->coordinates[i * dim + d]);
+        }
+        picture->low[d] = low;
+        picture->high[d] = high;
+        picture->size = fmax(picture->size, high - low);
+    }
+    if (!(picture->size > 0 && isfinite(picture->size)))
+        picture->size = 1;
+}
+
+int pl_picture_begin(const pl_job *job, pl_picture **result) {
+    planish_error error;
+    pl_picture *picture = calloc(1, sizeof *picture);
+    *result = picture;
+    if (!picture)
+        return complain_memory(job);
+    picture->dim = job->mesh.dim;
+    picture->n_nodes = job->mesh.n_nodes;
+    picture->n_elements = job->mesh.n_elements;
+    find_box(picture, &job->mesh);
+    if (pl_drawn_surface_find(&job->mesh, MOST_TRIANGLES, &picture->surface, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    return 0;
+}
+
+/* ---- a state -------------------------------------------------------------------------------- */
+
+static void put_little_endian(uint32_t value, int size, uint8_t *out) {
+    for (int i = 0; i < size; i++)
+        out[i] = (uint8_t)(value >> (8 * i));
+}
+
+static void put_float(double value, uint8_t *out) {
+    const float rounded = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits);
+    put_little_endian(bits, 4, out);
+}
+
+/** From 0 to 1 across the box on axis d. */
+static double share_of_box(const pl_picture *picture, int d, double x) {
+    const double extent = picture->high[d] - picture->low[d];
+    return extent > 0 ? fmin(fmax((x - picture->low[d]) / extent, 0), 1) : 0;
+}
+
+/** Points lie in the middle of their nodes. sum [n_points][dim] and n [n_points]: zeroed scratch. */
+static void take_points(const pl_picture *picture, const planish_mesh *mesh, double *sum,
+                        int32_t *n, uint8_t *out) {
+    const int dim = picture->dim;
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const int64_t point = picture->surface.point[i];
+        if (point < 0)
+            continue;
+        for (int d = 0; d < dim; d++)
+            sum[point * dim + d] += share_of_box(picture, d, mesh->coordinates[i * dim + d]);
+        n[point]++;
+    }
+    for (int64_t i = 0; i < picture->surface.n_points * dim; i++)
+        put_little_endian((uint32_t)lround(PLACES * sum[i] / n[i / dim]), 2, out + 2 * i);
+}
+
+/** Corners of element i relative to the middle of the box, whose longest side is 1. */
+static void take_corners(const pl_picture *picture, const planish_mesh *mesh, int64_t element,
+                         uint8_t *out) {
+    const int dim = picture->dim;
+    for (int j = 0; j <= dim; j++) {
+        const double *x = mesh->coordinates + (int64_t)mesh->elements[element * (dim + 1) + j] * dim;
+        for (int d = 0; d < dim; d++, out += 4)
+            put_float((x[d] - (picture->low[d] + picture->high[d]) / 2) / picture->size, out);
+    }
+}
+
+static int take_surface(const pl_picture *picture, const pl_job *job, state *to) {
+    const size_t n = (size_t)picture->surface.n_points + 1, dim = (size_t)picture->dim;
+    double *sum = calloc(n * dim, sizeof *sum);
+    int32_t *count = calloc(n, sizeof *count);
+    to->point = malloc(2 * n * dim);
+    const int failed = !sum || !count || !to->point;
+    if (!failed)
+        take_points(picture, &job->mesh, sum, count, to->point);
+    free(sum);
+    free(count);
+    return failed ? complain_memory(job) : 0;
+}
+
+static int take_worst(const pl_picture *picture, const pl_job *job, state *to) {
+    const int corner_size = 4 * picture->dim * (picture->dim + 1);
+    pl_worst worst = {0};
+    int status = pl_worst_find(job, MOST_BAD, &worst);
+    to->corner = malloc((size_t)(worst.n * corner_size) + 1);
+    to->bad_ratio = malloc((size_t)(4 * worst.n) + 1);
+    if (!status && (!to->corner || !to->bad_ratio))
+        status = complain_memory(job);
+    for (int64_t i = 0; !status && i < worst.n; i++) {
+        take_corners(picture, &job->mesh, worst.bad[i].element, to->corner + i * corner_size);
+        put_float(worst.bad[i].radius_ratio, to->bad_ratio + 4 * i);
+    }
+    to->n_bad = worst.n;
+    pl_worst_free(&worst);
+    return status;
+}
+
+static uint8_t byte_of_ratio(double ratio) {
+    return ratio > 0 ? (uint8_t)fmin(1 + STEPS_PER_E * log(ratio), 255) : 0;
+}
+
+/** The radius ratios of the triangles drawn, in 2-D. */
+static int take_ratios(const pl_picture *picture, const pl_job *job, state *to) {
+    planish_error error;
+    const pl_drawn_surface *surface = &picture->surface;
+    int status = 0;
+    if (picture->dim == 3)
+        return 0;
+    double *ratio = malloc(((size_t)picture->n_elements + 1) * sizeof *ratio);
+    to->ratio = malloc((size_t)surface->n_triangles + 1);
+    if (!ratio || !to->ratio)
+        status = complain_memory(job);
+    else if (planish_measure_elements(job->plan, job->mesh.coordinates, ratio, &error))
+        status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+    for (int64_t i = 0; !status && i < surface->n_triangles; i++)
+        to->ratio[i] = byte_of_ratio(ratio[surface->element[i]]);
+    free(ratio);
+    return status;
+}
+
+int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name) {
+    state *to = &picture->states[picture->n_states];
+    if (picture->n_states == PL_PICTURE_MOST_STATES || job->mesh.n_nodes != picture->n_nodes ||
+        job->mesh.n_elements != picture->n_elements || job->mesh.dim != picture->dim)
+        return pl_complain(PL_EXIT_FAILED, "%s: is another mesh than the one in the picture",
+                           job->arguments->input);
+    strncpy(to->name, name, sizeof to->name - 1);
+    picture->n_states++;
+    int status = take_surface(picture, job, to);
+    if (!status)
+        status = take_worst(picture, job, to);
+    return status ? status : take_ratios(picture, job, to);
+}
+
+int pl_picture_n_states(const pl_picture *picture) {
+    return picture ? picture->n_states : 0;
+}
+
+const char *pl_picture_state_name(const pl_picture *picture, int i) {
+    return picture->states[i].name;
+}
+
+void pl_picture_count(const pl_picture *picture, int64_t *n_all, int64_t *n_drawn) {
+    *n_all = picture->surface.n_all;
+    *n_drawn = picture->surface.n_triangles;
+}
+
+/* ---- for the viewer ------------------------------------------------------------------------- */
+
+static void put_array(pl_markup *page, const char *name, const void *bytes, int64_t n) {
+    pl_markup_put(page, ",\n\"%s\":\"", name);
+    pl_markup_put_base64(page, bytes, n);
+    pl_markup_put(page, "\"");
+}
+
+/** Corners of the triangles, in 16 bits if that is enough. */
+static void put_triangles(pl_markup *page, const pl_drawn_surface *surface) {
+    const int size = surface->n_points <= 65536 ? 2 : 4;
+    const int64_t n = 3 * surface->n_triangles;
+    uint8_t *bytes = malloc((size_t)(n * size) + 1);
+    if (!bytes) {
+        page->failed = 1;
+        return;
+    }
+    for (int64_t i = 0; i < n; i++)
+        put_little_endian((uint32_t)surface->triangle[i], size, bytes + i * size);
+    pl_markup_put(page, ",\n\"index_bits\":%d", 8 * size);
+    put_array(page, "triangles", bytes, n * size);
+    free(bytes);
+}
+
+/** Surfaces before and after are most often the same. */
+static int has_points_of(const pl_picture *picture, int i, int j) {
+    const size_t size = (size_t)(2 * picture->surface.n_points * picture->dim);
+    return memcmp(picture->states[i].point, picture->states[j].point, size) == 0;
+}
+
+static void put_state(pl_markup *page, const pl_picture *picture, int i) {
+    const state *s = &picture->states[i];
+    const int64_t dim = picture->dim;
+    pl_markup_put(page, "{\"name\":\"%s\"", s->name);
+    if (i == 0 || !has_points_of(picture, i, 0))
+        put_array(page, "points", s->point, 2 * picture->surface.n_points * dim);
+    if (s->ratio)
+        put_array(page, "ratios", s->ratio, picture->surface.n_triangles);
+    put_array(page, "corners", s->corner, 4 * s->n_bad * (dim + 1) * dim);
+    put_array(page, "bad_ratios", s->bad_ratio, 4 * s->n_bad);
+    pl_markup_put(page, "}");
+}
+
+void pl_picture_put(pl_markup *page, const pl_picture *picture) {
+    const double *low = picture->low, *high = picture->high;
+    const int solid = picture->dim == 3;
+    pl_markup_put(page, "{\"dim\":%d,\"low\":[%.9g,%.9g,%.9g],\"high\":[%.9g,%.9g,%.9g]",
+                  picture->dim, low[0], low[1], solid ? low[2] : 0, high[0], high[1],
+                  solid ? high[2] : 0);
+    pl_markup_put(page, ",\"elements\":%" PRId64 ",\"coarse\":%s", picture->n_elements,
+                  picture->surface.n_triangles < picture->surface.n_all ? "true" : "false");
+    put_triangles(page, &picture->surface);
+    pl_markup_put(page, ",\n\"states\":[");
+    for (int i = 0; i < picture->n_states; i++) {
+        pl_markup_put(page, i ? ",\n" : "");
+        put_state(page, picture, i);
+    }
+    pl_markup_put(page, "]}");
+}
+
+static void free_state(state *s) {
+    free(s->point);
+    free(s->ratio);
+    free(s->corner);
+    free(s->bad_ratio);
+}
+
+void pl_picture_free(pl_picture *picture) {
+    if (!picture)
+        return;
+    for (int i = 0; i < picture->n_states; i++)
+        free_state(&picture->states[i]);
+    pl_drawn_surface_free(&picture->surface);
+    free(picture);
+}

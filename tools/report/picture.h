@@ -1,0 +1,38 @@
+/* picture: what a page draws of a mesh: its surface (in 2-D: its triangles) and its worst elements,
+ * in one or two states, as data for viewer.js.
+ *
+ * A surface of many triangles is drawn coarsely, so that a page stays small whatever the mesh:
+ * nodes that lie in one cell of a grid become one.
+ */
+#ifndef PL_REPORT_PICTURE_H
+#define PL_REPORT_PICTURE_H
+
+#include "job.h"
+#include "report/markup.h"
+
+enum { PL_PICTURE_MOST_STATES = 2 };
+
+typedef struct pl_picture pl_picture;
+
+/** Begin a picture of the mesh of job (which has a plan): find what is to be drawn of it, and its
+ *  place. To be released by pl_picture_free, also after a failure. Returns 0, or an exit status
+ *  after a message. */
+int pl_picture_begin(const pl_job *job, pl_picture **picture);
+
+/** Take the state that the mesh of job, of the same elements as the first one, is in now. name: a
+ *  word for it, kept as it is ("before"). */
+int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name);
+
+/** How many states the picture, which may be NULL, shows, and their names. */
+int pl_picture_n_states(const pl_picture *picture);
+const char *pl_picture_state_name(const pl_picture *picture, int i);
+
+/** Add what viewer.js draws, as JSON. */
+void pl_picture_put(pl_markup *page, const pl_picture *picture);
+
+/** Triangles of the surface, and of these how many are drawn. */
+void pl_picture_count(const pl_picture *picture, int64_t *n_all, int64_t *n_drawn);
+
+void pl_picture_free(pl_picture *picture);
+
+#endif

@@ -1,0 +1,231 @@
+/* surface: the triangles that a picture draws.
+ *
+ * Coarsening is by clustering (Rossignac and Borrel, Multi-resolution 3D approximations for
+ * rendering complex scenes, 1993): nodes in one cell of a grid become one point, and triangles
+ * between fewer than three cells vanish. The grid is made coarser until few enough are left.
+ */
+#include "report/surface.h"
+
+#include "base/memory.h"
+#include "topology/facets.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Cells of the finest grid along the longest side, and the share that is left from grid to grid. */
+static const double FINEST_GRID = 700;
+static const double COARSER = 0.85;
+
+static int complain_memory(planish_error *error) {
+    *error = (planish_error){.code = PLANISH_ERROR_MEMORY,
+                             .element = -1,
+                             .node = -1,
+                             .text = "out of memory for the picture"};
+    return error->code;
+}
+
+/* ---- all triangles -------------------------------------------------------------------------- */
+
+/** Facets of tetrahedra as they are found. */
+typedef struct collection {
+    pl_drawn_surface *surface;
+    int64_t capacity;
+    int failed;
+} collection;
+
+static int make_room(collection *c) {
+    pl_drawn_surface *s = c->surface;
+    if (s->n_triangles < c->capacity)
+        return 1;
+    const int64_t capacity = c->capacity ? 2 * c->capacity : 4096;
+    int32_t *triangle = realloc(s->triangle, (size_t)capacity * 3 * sizeof *triangle);
+    if (triangle)
+        s->triangle = triangle;
+    int32_t *element = realloc(s->element, (size_t)capacity * sizeof *element);
+    if (element)
+        s->element = element;
+    if (!triangle || !element)
+        return !(c->failed = 1);
+    c->capacity = capacity;
+    return 1;
+}
+
+/** Take the facets of node that no second element has. */
+static void take_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+    collection *c = context;
+    for (int32_t i = 0; i < n_facets; i++) {
+        if (facets[i].count != 1 || c->failed || !make_room(c))
+            continue;
+        int32_t *triangle = c->surface->triangle + 3 * c->surface->n_triangles;
+        triangle[0] = node;
+        triangle[1] = facets[i].node[0];
+        triangle[2] = facets[i].node[1];
+        c->surface->element[c->surface->n_triangles++] = facets[i].element[0];
+    }
+}
+
+static int find_facets(const planish_mesh *mesh, pl_drawn_surface *surface, planish_error *error) {
+    enum { ONE_THREAD = 1 }; /* so that the order is that of the nodes */
+    pl_incidence incidence = {0};
+    collection c = {surface, 0, 0};
+    int status = pl_incidence_create(mesh, NULL, ONE_THREAD, &incidence, error);
+    if (!status)
+        status = pl_facets_match(mesh, &incidence, NULL, ONE_THREAD, take_facets, &c, error);
+    pl_incidence_destroy(&incidence);
+    return status || !c.failed ? status : complain_memory(error);
+}
+
+static int take_triangles(const planish_mesh *mesh, pl_drawn_surface *surface,
+                          planish_error *error) {
+    const size_t n = (size_t)mesh->n_elements;
+    surface->triangle = malloc((3 * n + 1) * sizeof *surface->triangle);
+    surface->element = malloc((n + 1) * sizeof *surface->element);
+    if (!surface->triangle || !surface->element)
+        return complain_memory(error);
+    surface->n_triangles = mesh->n_elements;
+    for (size_t i = 0; i < n; i++)
+        surface->element[i] = (int32_t)i;
+    if (n > 0)
+        memcpy(surface->triangle, mesh->elements, 3 * n * sizeof *surface->triangle);
+    return 0;
+}
+
+/* ---- fewer ---------------------------------------------------------------------------------- */
+
+/** A grid over the mesh: cells along each axis, and their size. */
+typedef struct grid {
+    double low[3], cell;
+    int64_t n[3];
+} grid;
+
+static grid make_grid(const planish_mesh *mesh, double resolution) {
+    grid g = {{0}, 1, {1, 1, 1}};
+    double extent[3] = {0}, longest = 0;
+    for (int d = 0; d < mesh->dim; d++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int64_t i = 0; i < mesh->n_nodes; i++) {
+            low = fmin(low, mesh->coordinates[i * mesh->dim + d]);
+            high = fmax(high, mesh->coordinates[i * mesh->dim + d]);
+        }
+        g.low[d] = low;
+        extent[d] = high - low;
+        longest = fmax(longest, extent[d]);
+    }
+    g.cell = longest > 0 && isfinite(longest) ? longest / resolution : 1;
+    for (int d = 0; d < mesh->dim; d++)
+        g.n[d] = (int64_t)fmin(extent[d] / g.cell, resolution) + 1;
+    return g;
+}
+
+static int64_t cell_of(const grid *g, const planish_mesh *mesh, int64_t node) {
+    int64_t cell = 0;
+    for (int d = 0; d < mesh->dim; d++) {
+        const double at = (mesh->coordinates[node * mesh->dim + d] - g->low[d]) / g->cell;
+        const int64_t i = (int64_t)fmin(at, (double)(g->n[d] - 1));
+        cell = cell * g->n[d] + i;
+    }
+    return cell;
+}
+
+/** Keep the triangles between three cells, in number and then (if compact) in place. */
+static int64_t count_kept(pl_drawn_surface *s, const int64_t *cell, int compact) {
+    int64_t kept = 0;
+    for (int64_t i = 0; i < s->n_triangles; i++) {
+        const int32_t *t = s->triangle + 3 * i;
+        const int64_t a = cell[t[0]], b = cell[t[1]], c = cell[t[2]];
+        if (a == b || b == c || c == a)
+            continue;
+        if (compact) {
+            memmove(s->triangle + 3 * kept, t, 3 * sizeof *t);
+            s->element[kept] = s->element[i];
+        }
+        kept++;
+    }
+    return kept;
+}
+
+/** Fill cell [n_nodes] so that at most most triangles are between three cells: at first each node
+ *  is a cell of its own. */
+static void find_cells(const planish_mesh *mesh, pl_drawn_surface *s, int64_t most, int64_t *cell) {
+    double resolution = FINEST_GRID;
+    for (int64_t i = 0; i < mesh->n_nodes; i++)
+        cell[i] = i;
+    while (count_kept(s, cell, 0) > most) {
+        const grid g = make_grid(mesh, resolution);
+        for (int64_t i = 0; i < mesh->n_nodes; i++)
+            cell[i] = cell_of(&g, mesh, i);
+        resolution *= COARSER;
+    }
+    s->n_triangles = count_kept(s, cell, 1);
+}
+
+typedef struct cell_node {
+    int64_t cell;
+    int32_t node;
+} cell_node;
+
+static int compare_cells(const void *a, const void *b) {
+    const cell_node *x = a, *y = b;
+    return x->cell != y->cell ? (x->cell > y->cell) - (x->cell < y->cell)
+                              : (x->node > y->node) - (x->node < y->node);
+}
+
+/** Number the cells of the nodes that the triangles have; all nodes of such a cell on the surface
+ *  share its point. order [n_nodes]: scratch. */
+static void number_points(const planish_mesh *mesh, pl_drawn_surface *s, const int64_t *cell,
+                          cell_node *order) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < mesh->n_nodes; i++)
+        s->point[i] = -1;
+    for (int64_t i = 0; i < 3 * s->n_triangles; i++) {
+        const int32_t node = s->triangle[i];
+        if (s->point[node] < 0) {
+            s->point[node] = 0;
+            order[n++] = (cell_node){cell[node], node};
+        }
+    }
+    qsort(order, (size_t)n, sizeof *order, compare_cells);
+    for (int64_t i = 0; i < n; i++) {
+        s->n_points += i == 0 || order[i].cell != order[i - 1].cell;
+        s->point[order[i].node] = (int32_t)(s->n_points - 1);
+    }
+    for (int64_t i = 0; i < 3 * s->n_triangles; i++)
+        s->triangle[i] = s->point[s->triangle[i]];
+}
+
+static int coarsen(const planish_mesh *mesh, int64_t most, pl_drawn_surface *s,
+                   planish_error *error) {
+    const size_t n = (size_t)mesh->n_nodes + 1;
+    int64_t *cell = malloc(n * sizeof *cell);
+    cell_node *order = malloc(n * sizeof *order);
+    s->point = malloc(n * sizeof *s->point);
+    const int failed = !cell || !order || !s->point;
+    s->n_all = s->n_triangles;
+    if (!failed) {
+        find_cells(mesh, s, most, cell);
+        number_points(mesh, s, cell, order);
+    }
+    free(cell);
+    free(order);
+    return failed ? complain_memory(error) : 0;
+}
+
+int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
+                          planish_error *error) {
+    memset(surface, 0, sizeof *surface);
+    int status = mesh->dim == 3 ? find_facets(mesh, surface, error)
+                                : take_triangles(mesh, surface, error);
+    if (!status)
+        status = coarsen(mesh, most, surface, error);
+    if (status)
+        pl_drawn_surface_free(surface);
+    return status;
+}
+
+void pl_drawn_surface_free(pl_drawn_surface *surface) {
+    free(surface->triangle);
+    free(surface->element);
+    free(surface->point);
+    memset(surface, 0, sizeof *surface);
+}

@@ -1,0 +1,25 @@
+/* surface: the triangles that a picture draws: of tetrahedra those that bound them, of triangles
+ * all; coarser where they are many. */
+#ifndef PL_REPORT_SURFACE_H
+#define PL_REPORT_SURFACE_H
+
+#include <planish/planish.h>
+
+/** Triangles between points; a point stands for one or more nodes of the mesh. */
+typedef struct pl_drawn_surface {
+    int64_t n_all;       /* triangles that the surface has */
+    int64_t n_triangles; /* that are drawn */
+    int32_t *triangle;   /* [n_triangles][3] points, owned */
+    int32_t *element;    /* [n_triangles] element of the mesh that each is a part of, owned */
+    int64_t n_points;
+    int32_t *point; /* [n_nodes of the mesh] their point, or -1; owned */
+} pl_drawn_surface;
+
+/** Find the surface of mesh (elements of 32 bits, coordinates without strides), of at most most
+ *  triangles. 0 or a negative planish_status. */
+int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
+                          planish_error *error);
+
+void pl_drawn_surface_free(pl_drawn_surface *surface);
+
+#endif
