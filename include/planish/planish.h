@@ -239,7 +239,9 @@ typedef struct planish_progress {
     int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
     double seconds; /* time of this sweep so far */
     double elapsed; /* time of planish_smooth so far, seconds */
-    int64_t reserved[4];
+    int64_t colour_visits; /* nodes visited in the colour that this call is after, or those that
+                              were moved together; 0 on the last call of a sweep */
+    int64_t reserved[3];
 } planish_progress;
 
 /** Called on the calling thread after every colour and once more at the end of every sweep; a

@@ -74,7 +74,8 @@ class Progress(ctypes.Structure):
         ("visits", c_int64),
         ("seconds", c_double),
         ("elapsed", c_double),
-        ("reserved", c_int64 * 4),
+        ("colour_visits", c_int64),
+        ("reserved", c_int64 * 3),
     ]
 
 
