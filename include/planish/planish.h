@@ -420,6 +420,7 @@ PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_fre
 /* ---- Quality ------------------------------------------------------------------------------ */
 
 #define PLANISH_HISTOGRAM_BINS 12
+#define PLANISH_ANGLE_BINS     15
 
 /** Smallest, mean and largest value of a measure over the valid elements; 0 without any. */
 typedef struct planish_spread {
@@ -456,6 +457,10 @@ typedef struct planish_quality {
     planish_spread largest_angle_deg;
     double histogram_edges[PLANISH_HISTOGRAM_BINS + 1]; /* of RR; the last is infinite */
     int64_t histogram_counts[PLANISH_HISTOGRAM_BINS];
+    double angle_edges_deg[PLANISH_ANGLE_BINS + 1]; /* of each element's smallest (dihedral) angle:
+                                                       0, 5, .. 75; bins begin with their edge, and
+                                                       what is below it by rounding counts there */
+    int64_t angle_counts[PLANISH_ANGLE_BINS];
     int64_t reserved[8];
 } planish_quality;
 
