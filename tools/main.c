@@ -1,7 +1,9 @@
 /* main: the program planish; finds the command and hands over. */
 #include "commands.h"
+#include "help.h"
 #include "message.h"
 #include "signals.h"
+#include "suggest.h"
 
 #include <fcntl.h>
 #include <stdio.h>
@@ -21,31 +23,48 @@ static int print_version(void) {
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
 }
 
-static int print_help(void) {
-    printf("Usage: planish COMMAND ...\n"
-           "Smooth meshes of tetrahedra or triangles: move their interior nodes to where the\n"
-           "elements are best, and leave everything else as it is.\n\n"
-           "  planish smooth IN -o OUT [OPTION]...    smooth IN and write OUT\n"
-           "  planish quality FILE [OPTION]...        measure FILE\n"
-           "  planish COMMAND --help                  options of a command\n"
-           "  planish --help, planish --version\n\n"
-           "Formats: Gmsh .msh, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, TetGen\n"
-           ".node/.ele, Netgen .vol, Abaqus .inp, Nastran .bdf, CGNS, MED, OFF.\n");
+/** Message for a word that names no command. */
+static int complain_command(const char *word) {
+    char names[128];
+    pl_suggestion suggestion = {.typed = word};
+    const pl_command_text *command;
+    for (int i = 0; (command = pl_command_at(i)); i++)
+        pl_suggest(&suggestion, command->name);
+    if (suggestion.nearest)
+        return pl_complain_usage(NULL, "unknown command '%s'; did you mean %s?", word,
+                                 suggestion.nearest);
+    return pl_complain_usage(NULL, "unknown command '%s'; it must be %s", word,
+                             pl_command_list(", ", " or ", names, sizeof names));
+}
+
+/** The help of command, or of the program (NULL). */
+static int print_help(const pl_command_text *command) {
+    if (command)
+        pl_help_print_command(command);
+    else
+        pl_help_print();
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
 }
 
-static int run_command(pl_command command, int argc, char **argv) {
+/** `planish help [COMMAND]`. */
+static int run_help(int argc, char **argv) {
+    const pl_command_text *command = argc > 1 ? pl_command_find(argv[1]) : NULL;
+    if (argc > 2)
+        return pl_complain_usage(NULL, "help is of one command, and '%s' is a second one", argv[2]);
+    if (argc > 1 && !command)
+        return complain_command(argv[1]);
+    return print_help(command);
+}
+
+static int run_command(const pl_command_text *command, int argc, char **argv) {
     pl_arguments arguments;
-    int status = pl_arguments_parse(&arguments, command, argc, argv);
-    if (!status && arguments.help) {
-        pl_help_print(command);
-        status = pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
-    } else if (!status && arguments.version) {
+    int status = pl_arguments_parse(&arguments, command->command, argc, argv);
+    if (!status && arguments.help)
+        status = print_help(command);
+    else if (!status && arguments.version)
         status = print_version();
-    } else if (!status) {
-        status = command == PL_COMMAND_SMOOTH ? pl_smooth_command(&arguments)
-                                              : pl_quality_command(&arguments);
-    }
+    else if (!status)
+        status = command->run(&arguments);
     pl_arguments_free(&arguments);
     return status;
 }
@@ -65,17 +84,20 @@ int main(int argc, char **argv) {
     /* hwloc would print what it does not find on odd machines; placement copes without. */
     setenv("HWLOC_HIDE_ERRORS", "2", 0);
     const char *word = argc > 1 ? argv[1] : NULL;
+    char names[128];
     if (!word)
-        return pl_complain_usage(NULL, "no command is named (smooth or quality)");
-    if (strcmp(word, "smooth") == 0)
-        return run_command(PL_COMMAND_SMOOTH, argc - 1, argv + 1);
-    if (strcmp(word, "quality") == 0)
-        return run_command(PL_COMMAND_QUALITY, argc - 1, argv + 1);
-    if (strcmp(word, "--help") == 0)
-        return print_help();
+        return pl_complain_usage(NULL, "no command is named (%s)",
+                                 pl_command_list(", ", " or ", names, sizeof names));
+    const pl_command_text *command = pl_command_find(word);
+    if (command)
+        return run_command(command, argc - 1, argv + 1);
+    if (strcmp(word, "help") == 0)
+        return run_help(argc - 1, argv + 1);
+    if (strcmp(word, "--help") == 0 || strcmp(word, "-h") == 0)
+        return print_help(NULL);
     if (strcmp(word, "--version") == 0)
         return print_version();
     if (strcmp(word, "--generate") == 0 && argc == 3)
         return pl_generate_command(argv[2]);
-    return pl_complain_usage(NULL, "'%s' is neither smooth nor quality", word);
+    return complain_command(word);
 }

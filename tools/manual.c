@@ -1,4 +1,4 @@
-/* manual: the manual page and the completion of shells, from the options' table. */
+/* manual: the manual page and the completion of shells, from the tables of commands and options. */
 #include "commands.h"
 #include "message.h"
 
@@ -22,6 +22,13 @@ static void put_troff(const char *text) {
             putchar(*c);
 }
 
+/** "planish NAME OPERANDS [OPTION]..." */
+static void put_synopsis(const pl_command_text *command) {
+    printf("\\fBplanish %s\\fR \\fI", command->name);
+    put_troff(command->operands);
+    printf("\\fR [\\fIOPTION\\fR]...\n");
+}
+
 static void put_option(const pl_option_text *o) {
     printf(".TP\n");
     if (o->letter)
@@ -37,61 +44,117 @@ static void put_option(const pl_option_text *o) {
     printf("\n");
     put_troff(o->help);
     printf("\n");
-    if (o->commands == PL_COMMAND_SMOOTH)
-        printf("(smooth)\n");
+}
+
+/** ".SS Options of smooth and quality", if there are any that these commands have and no others. */
+static void put_options_of(unsigned commands) {
+    pl_option_text option;
+    const pl_command_text *command;
+    int n = 0, n_names = 0;
+    for (int i = 0; pl_option_describe(i, &option); i++)
+        n += option.commands == commands;
+    if (n == 0)
+        return;
+    printf(".SS \"Options of ");
+    for (int i = 0; (command = pl_command_at(i)) && commands != PL_COMMANDS_ALL; i++)
+        if (command->command & commands)
+            printf("%s%s", n_names++ ? " and " : "", command->name);
+    printf("%s\"\n", n_names ? "" : "all commands");
+    for (int i = 0; pl_option_describe(i, &option); i++)
+        if (option.commands == commands)
+            put_option(&option);
+}
+
+static void put_options(void) {
+    printf(".SH OPTIONS\n");
+    for (unsigned n_commands = 3; n_commands > 0; n_commands--) /* what most have comes first */
+        for (unsigned commands = 1; commands <= PL_COMMANDS_ALL; commands++)
+            if ((commands & 1) + (commands >> 1 & 1) + (commands >> 2 & 1) == n_commands)
+                put_options_of(commands);
+}
+
+static void put_commands(void) {
+    const pl_command_text *command;
+    printf(".SH COMMANDS\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf(".TP\n");
+        put_synopsis(command);
+        put_troff(command->description);
+        printf("\n");
+    }
+    printf(".TP\n\\fBplanish help\\fR [\\fICOMMAND\\fR]\nShow the help of the program, or of a "
+           "command.\n");
+}
+
+static void put_exit_status(void) {
+    const pl_command_text *command;
+    printf(".SH EXIT STATUS\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf(".TP\n.B %s\n", command->name);
+        put_troff(command->exit_status);
+        printf("\n");
+    }
+}
+
+static void put_head(void) {
+    const pl_command_text *command;
+    printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
+    printf(".SH NAME\nplanish \\- smooth and untangle meshes of tetrahedra or triangles\n"
+           ".SH SYNOPSIS\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        put_synopsis(command);
+        printf(".br\n");
+    }
+    printf("\\fBplanish help\\fR [\\fICOMMAND\\fR]\n.br\n\\fBplanish \\-\\-version\\fR\n"
+           ".SH DESCRIPTION\n");
+    put_troff(pl_program_summary);
+    printf("\n");
 }
 
 static void put_man(void) {
-    pl_option_text o;
-    printf(".TH PLANISH 1 \"\" \"planish %s\" \"User commands\"\n", planish_version());
-    printf(".SH NAME\nplanish \\- smooth and untangle meshes of tetrahedra or triangles\n"
-           ".SH SYNOPSIS\n"
-           ".B planish smooth\n.I IN\n.B \\-o\n.I OUT\n[\\fIOPTION\\fR]...\n.br\n"
-           ".B planish quality\n.I FILE\n[\\fIOPTION\\fR]...\n.br\n"
-           ".B planish\n.RB [ \\-\\-help | \\-\\-version ]\n"
-           ".SH DESCRIPTION\n"
-           ".B planish smooth\nmoves the interior nodes of the mesh\n.I IN\nuntil its elements are "
-           "best: until the root mean square of their radius ratios is least. It untangles\n"
-           "inverted elements first, never makes the mesh worse or invalid, and gives the same "
-           "bits on any number\nof threads.\n.I OUT\nis\n.I IN\nwith the coordinates of the moved "
-           "nodes replaced, and every other byte as it was.\n.PP\n"
-           ".B planish quality\nmeasures a mesh and changes nothing.\n.PP\n"
-           "Formats: Gmsh MSH 2.2 and 4.1, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, "
-           "TetGen .node and .ele,\nNetgen .vol, Abaqus .inp, Nastran bulk data, CGNS, MED, OFF; "
-           "found by content, then by name. If\n.I OUT\nhas the extension .vtu or .vtk, and\n"
+    put_head();
+    put_commands();
+    put_options();
+    printf(".SH FORMATS\n");
+    put_troff(pl_program_formats);
+    printf("\nFiles are told by their content, then by their names, and written in the format they "
+           "were read in.\nIf\n.I OUT\nhas the extension .vtu or .vtk, and\n"
            ".I IN\nis of another format, it is a copy for viewing, with the elements' radius "
            "ratios, regions and groups.\n");
-    printf(".SH OPTIONS\n");
-    for (int i = 0; pl_option_describe(i, &o); i++)
-        put_option(&o);
-    printf(
-        ".SH EXIT STATUS\n"
-        ".TP\n.B 0\ndone\n"
-        ".TP\n.B 1\na usable mesh was written, but something asked for was not reached: elements "
-        "are inverted or below\ntheir least volume, or a limit of time or a signal cut it "
-        "short\n"
-        ".TP\n.B 2\nfailed; nothing was written, and one line says what, where and what to do\n"
-        ".TP\n.B 64\nthe command line makes no sense\n"
-        ".SH SIGNALS\n"
-        "SIGINT, SIGTERM and SIGHUP end the smoothing, and the mesh is written, with status 1; "
-        "the second one\nends the program at once.\n"
-        ".SH ENVIRONMENT\n"
-        ".TP\n.B OMP_NUM_THREADS\nhow many threads there are without \\-\\-threads\n"
-        ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES\nif one of them is set, planish binds no "
-        "thread by itself\n"
-        ".SH EXAMPLES\n"
-        ".EX\nplanish smooth in.msh \\-o out.msh\n"
-        "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
-        "planish quality out.msh \\-\\-json \\-\n.EE\n"
-        ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
+    put_exit_status();
+    printf(".SH SIGNALS\n"
+           "SIGINT, SIGTERM and SIGHUP end the smoothing, and the mesh is written, with status 1; "
+           "the second one\nends the program at once.\n"
+           ".SH ENVIRONMENT\n"
+           ".TP\n.B OMP_NUM_THREADS\nhow many threads there are without \\-\\-threads\n"
+           ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES\nif one of them is set, planish binds no "
+           "thread by itself\n"
+           ".TP\n.B NO_COLOR\nif it is set, and not empty, nothing is coloured; nor is it where "
+           "TERM is dumb, or the output\nis no terminal\n"
+           ".SH EXAMPLES\n"
+           ".EX\nplanish smooth in.msh \\-o out.msh\n"
+           "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
+           "planish quality in.msh out.msh\n"
+           "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"
+           ".SH SEE ALSO\n.BR planish (3),\n.BR gmsh (1),\n.BR tetgen (1)\n");
 }
 
 /* ---- completion ------------------------------------------------------------------------------ */
 
+/** Whether an option before row i has the same name: that of another command, with a value of the
+ *  same kind. */
+static int is_repeated(int i, const char *name) {
+    pl_option_text o;
+    for (int j = 0; j < i && pl_option_describe(j, &o); j++)
+        if (strcmp(o.name, name) == 0)
+            return 1;
+    return 0;
+}
+
 static void put_bash_values(void) {
     pl_option_text o;
     for (int i = 0; pl_option_describe(i, &o); i++) {
-        if (!o.value)
+        if (!o.value || is_repeated(i, o.name))
             continue;
         printf("    --%s", o.name);
         if (o.letter)
@@ -105,32 +168,43 @@ static void put_bash_values(void) {
     }
 }
 
-static void put_bash_names(pl_command command) {
+static void put_bash_options(void) {
+    const pl_command_text *command;
     pl_option_text o;
-    for (int i = 0; pl_option_describe(i, &o); i++)
-        if (o.commands & command)
-            printf(" --%s", o.name);
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf("    %s) options='", command->name);
+        for (int j = 0; pl_option_describe(j, &o); j++)
+            if (o.commands & command->command)
+                printf(" --%s", o.name);
+        printf("' ;;\n");
+    }
 }
 
 static void put_bash(void) {
+    char names[128];
+    pl_command_list(" ", " ", names, sizeof names);
     printf("# bash completion for planish\n_planish() {\n"
            "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options\n"
            "    COMPREPLY=()\n"
            "    if [ \"$COMP_CWORD\" = 1 ]; then\n"
-           "        COMPREPLY=($(compgen -W 'smooth quality --help --version' -- \"$word\"))\n"
+           "        COMPREPLY=($(compgen -W '%s help --help --version' -- \"$word\"))\n"
            "        return\n    fi\n"
-           "    case $before in\n");
+           "    # --option=value comes as three words\n"
+           "    if [ \"$word\" = = ]; then\n        word=\n"
+           "    elif [ \"$before\" = = ]; then\n        before=${COMP_WORDS[COMP_CWORD-2]}\n"
+           "    fi\n"
+           "    case $before in\n",
+           names);
     put_bash_values();
-    printf("    esac\n    case ${COMP_WORDS[1]} in\n    smooth) options='");
-    put_bash_names(PL_COMMAND_SMOOTH);
-    printf("' ;;\n    quality) options='");
-    put_bash_names(PL_COMMAND_QUALITY);
-    printf("' ;;\n    esac\n"
+    printf("    esac\n    case ${COMP_WORDS[1]} in\n");
+    put_bash_options();
+    printf("    help) COMPREPLY=($(compgen -W '%s' -- \"$word\")); return ;;\n    esac\n"
            "    if [[ $word == -* ]]; then\n"
            "        COMPREPLY=($(compgen -W \"$options\" -- \"$word\"))\n"
            "    else\n"
            "        mapfile -t COMPREPLY < <(compgen -f -- \"$word\")\n"
-           "    fi\n}\ncomplete -o filenames -F _planish planish\n");
+           "    fi\n}\ncomplete -o filenames -F _planish planish\n",
+           names);
 }
 
 /** One line of a help text for zsh, in single quotes and brackets. */
@@ -146,7 +220,10 @@ static void put_zsh_text(const char *text) {
 }
 
 static void put_zsh_option(const pl_option_text *o) {
-    printf(" \\\n        '*--%s%s[", o->name, o->value ? "=" : "");
+    printf(" \\\n        '*'");
+    if (o->letter)
+        printf("{-%c%s,", o->letter, o->value ? "+" : "");
+    printf("--%s%s%s'[", o->name, o->value ? "=" : "", o->letter ? "}" : "");
     put_zsh_text(o->help);
     printf("]");
     if (o->value) {
@@ -162,16 +239,31 @@ static void put_zsh_option(const pl_option_text *o) {
     printf("'");
 }
 
+static void put_zsh_commands(void) {
+    const pl_command_text *command;
+    printf("#compdef planish\n\nlocal -a commands=(\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf("    '%s:", command->name);
+        put_zsh_text(command->summary);
+        printf("'\n");
+    }
+    printf(")\nif (( CURRENT == 2 )); then\n"
+           "    local -a others=('help:the options of a command' '--help:what there is' "
+           "'--version:show the version')\n"
+           "    _describe -t commands command commands -- others\n    return\nfi\n");
+}
+
 static void put_zsh(void) {
+    const pl_command_text *command;
     pl_option_text o;
-    printf("#compdef planish\n\nif (( CURRENT == 2 )); then\n"
-           "    _values command smooth quality --help --version\n    return\nfi\n"
-           "case $words[2] in\n");
-    for (int command = PL_COMMAND_SMOOTH; command <= PL_COMMAND_QUALITY; command++) {
-        printf("%s)\n    shift words; (( CURRENT-- ))\n    _arguments '*:mesh:_files'",
-               pl_command_name((pl_command)command));
-        for (int i = 0; pl_option_describe(i, &o); i++)
-            if (o.commands & (unsigned)command)
+    put_zsh_commands();
+    printf("case $words[2] in\nhelp)\n    _describe -t commands command commands\n    ;;\n");
+    for (int i = 0; (command = pl_command_at(i)); i++) {
+        printf("%s)\n    shift words; (( CURRENT-- ))\n    _arguments '*:", command->name);
+        put_zsh_text(command->operand);
+        printf(":_files'");
+        for (int j = 0; pl_option_describe(j, &o); j++)
+            if (o.commands & command->command)
                 put_zsh_option(&o);
         printf("\n    ;;\n");
     }

@@ -1,6 +1,8 @@
 /* message: exit statuses and the one-line messages on standard error. */
 #include "message.h"
 
+#include "terminal.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -8,33 +10,48 @@
 
 enum { MESSAGE_SIZE = 1024 };
 
-/** "planish: " + text + tail on one line, whatever file names or tags brought into text. */
-static void print_line(const char *format, va_list arguments, const char *tail) {
+/** Text and tail on one line, whatever file names or tags brought into text; the word before it, or
+ *  all of it, in style. */
+static void print_line(FILE *stream, pl_style style, const char *word, const char *format,
+                       va_list arguments, const char *tail) {
     char text[MESSAGE_SIZE];
+    const int is_whole = style == PL_STYLE_NOTE;
     vsnprintf(text, sizeof text, format, arguments);
     for (char *c = text; *c; c++)
         if ((unsigned char)*c < ' ' || *c == 127)
             *c = '?';
-    fprintf(stderr, "planish: %s%s\n", text, tail);
+    pl_line_clear();
+    const char *begin = pl_style_begin(stream, style), *end = pl_style_end(stream, style);
+    fprintf(stream, "%s%s%s %s%s%s\n", begin, word, is_whole ? "" : end, text, tail,
+            is_whole ? end : "");
 }
 
 int pl_complain(int status, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    print_line(format, arguments, "");
+    print_line(stderr, PL_STYLE_ERROR, "planish:", format, arguments, "");
     va_end(arguments);
     return status;
 }
 
 int pl_complain_usage(const char *command, const char *format, ...) {
     char hint[64];
-    snprintf(hint, sizeof hint, "; try 'planish %s%s--help'", command ? command : "",
-             command ? " " : "");
+    const size_t length = strlen(format);
+    const int is_question = length > 0 && format[length - 1] == '?';
+    snprintf(hint, sizeof hint, "%s 'planish %s%s--help'", is_question ? " Try" : "; try",
+             command ? command : "", command ? " " : "");
     va_list arguments;
     va_start(arguments, format);
-    print_line(format, arguments, hint);
+    print_line(stderr, PL_STYLE_ERROR, "planish:", format, arguments, hint);
     va_end(arguments);
     return PL_EXIT_USAGE;
+}
+
+void pl_note(FILE *stream, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    print_line(stream, PL_STYLE_NOTE, "note:", format, arguments, "");
+    va_end(arguments);
 }
 
 int pl_flush_stdout(int status, int failed) {

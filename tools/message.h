@@ -2,6 +2,8 @@
 #ifndef PL_TOOLS_MESSAGE_H
 #define PL_TOOLS_MESSAGE_H
 
+#include <stdio.h>
+
 #if defined(__GNUC__)
 #define PL_MESSAGE_FORMAT(text, first) __attribute__((format(printf, text, first)))
 #else
@@ -16,12 +18,17 @@ enum {
     PL_EXIT_USAGE = 64  /* the command line makes no sense (EX_USAGE of sysexits.h) */
 };
 
+/** Each takes the line of the progress away first (terminal.h). */
+
 /** Print "planish: text" as one line (control characters become '?'); returns status. */
 int pl_complain(int status, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
 
 /** The same for a bad command line, with a hint to the help of command (NULL: of the program);
  *  returns PL_EXIT_USAGE. */
 int pl_complain_usage(const char *command, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
+
+/** Print "note: text" as one line on stream. */
+void pl_note(FILE *stream, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
 
 /** Write out what is buffered on stdout; returns status, or failed with a message if it cannot. */
 int pl_flush_stdout(int status, int failed);

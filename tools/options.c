@@ -1,7 +1,9 @@
-/* options: the command line of `planish smooth` and `planish quality`. */
+/* options: the command lines of the program's commands. */
 #include "options.h"
 
+#include "commands.h"
 #include "message.h"
+#include "suggest.h"
 
 #include "base/parallel.h"
 
@@ -14,12 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { HELP_COLUMN = 27 };
-
-const char *pl_command_name(pl_command command) {
-    return command == PL_COMMAND_SMOOTH ? "smooth" : "quality";
-}
 
 /* ---- words for choices ---------------------------------------------------------------------- */
 
@@ -302,9 +298,20 @@ static const char *set_json(pl_arguments *arguments, const char *value) {
     return value[0] ? NULL : "must be the name of a file, or - for standard output";
 }
 
+static const char *set_report(pl_arguments *arguments, const char *value) {
+    arguments->report = value;
+    return value[0] && strcmp(value, "-") != 0 ? NULL : "must be the name of a file";
+}
+
+static const char *set_n_worst(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 1, INT_MAX, &arguments->n_worst)
+               ? "must be a whole number, 1 or more"
+               : NULL;
+}
+
 static const char *set_verbose(pl_arguments *arguments, const char *value) {
     (void)value;
-    arguments->verbosity = PL_VERBOSE;
+    arguments->verbosity = arguments->verbosity >= PL_VERBOSE ? PL_DETAILED : PL_VERBOSE;
     return NULL;
 }
 
@@ -339,13 +346,22 @@ typedef struct option_row {
                            NULL: anything else */
 } option_row;
 
-enum { SMOOTH = PL_COMMAND_SMOOTH, BOTH = PL_COMMAND_SMOOTH | PL_COMMAND_QUALITY, OPTIMISES = 4 };
+enum {
+    SMOOTH = PL_COMMAND_SMOOTH,
+    QUALITY = PL_COMMAND_QUALITY,
+    REPORT = PL_COMMAND_REPORT,
+    BOTH = SMOOTH | QUALITY,
+    ALL = PL_COMMANDS_ALL,
+    OPTIMISES = 8
+};
 
 static const option_row option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_output,
      "write the smoothed mesh to OUT, which may be IN; same\nformat as IN, only coordinates "
      "change; with the\nextension .vtu or .vtk a copy for viewing",
      "file"},
+    {'o', "output", "FILE", REPORT, set_output,
+     "write the page to FILE (default: beside RESULT.json,\ncalled RESULT.html)", "file"},
     {0, "format", "NAME", BOTH, set_format,
      "format of the input: gmsh, medit, vtk, vtu, vtkhdf,\ntetgen, netgen, abaqus, nastran, cgns, "
      "med or off\n(default: told by its content, then its name)",
@@ -415,11 +431,16 @@ static const option_row option_table[] = {
      "auto none"},
     {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output",
      "file"},
-    {'v', "verbose", NULL, SMOOTH, set_verbose, "one line per sweep, and where the threads run",
+    {0, "report", "FILE.html", BOTH, set_report,
+     "write a page for people: tables, histograms,\nconvergence, a picture of the mesh", "file"},
+    {0, "worst", "N", QUALITY, set_n_worst,
+     "list the N worst elements, here and in the reports\n(default: none here, 10 in the reports)",
      NULL},
-    {'q', "quiet", NULL, BOTH, set_quiet, "print nothing but errors", NULL},
-    {0, "help", NULL, BOTH, set_help, "show this help and exit", NULL},
-    {0, "version", NULL, BOTH, set_version, "show the version and exit", NULL},
+    {'v', "verbose", NULL, SMOOTH, set_verbose,
+     "one line per sweep, and where the threads run; -vv:\none line per colour as well", NULL},
+    {'q', "quiet", NULL, ALL, set_quiet, "print nothing but errors", NULL},
+    {'h', "help", NULL, ALL, set_help, "show this help and exit", NULL},
+    {0, "version", NULL, ALL, set_version, "show the version and exit", NULL},
 };
 
 enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
@@ -457,6 +478,35 @@ static const option_row *find_row(pl_command command, int code) {
     return NULL;
 }
 
+/** Message for an option --word (which may have "=VALUE" behind it) that getopt does not know. */
+static int complain_unknown(pl_command command, const char *name, const char *word) {
+    char typed[64], others[128] = "";
+    snprintf(typed, sizeof typed, "%.*s", (int)strcspn(word, "="), word);
+    pl_suggestion suggestion = {.typed = typed};
+    const option_row *elsewhere = NULL;
+    size_t used = 0;
+    for (int i = 0; i < N_OPTIONS; i++) {
+        const option_row *row = &option_table[i];
+        const int is_here = (row->commands & command) != 0;
+        if (is_here)
+            pl_suggest(&suggestion, row->name);
+        else if (strcmp(row->name, typed) == 0)
+            elsewhere = row;
+        if (is_here && typed[0] && strncmp(row->name, typed, strlen(typed)) == 0 &&
+            used < sizeof others)
+            used += (size_t)snprintf(others + used, sizeof others - used, "%s--%s",
+                                     used ? ", " : "", row->name);
+    }
+    if (used)
+        return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
+    if (elsewhere)
+        return pl_complain_usage(name, "option --%s is not one of planish %s", typed, name);
+    if (suggestion.nearest)
+        return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed,
+                                 suggestion.nearest);
+    return pl_complain_usage(name, "unknown option '--%s'", typed);
+}
+
 /** Message for what getopt refused; word: the argument it was looking at. */
 static int complain_option(pl_command command, const char *name, int refusal, int code,
                            const char *word) {
@@ -467,22 +517,26 @@ static int complain_option(pl_command command, const char *name, int refusal, in
         return pl_complain_usage(name, "option --%s takes no value", row->name);
     if (code)
         return pl_complain_usage(name, "unknown option '-%c'", code);
-    return pl_complain_usage(name, "unknown or ambiguous option '%s'", word);
+    return complain_unknown(command, name, word + strspn(word, "-"));
 }
 
 /** Take the operands that stand at argv[optind ...] and check that all is there. */
 static int take_operands(pl_arguments *arguments, int argc, char **argv) {
-    const char *command = argv[0];
+    const pl_command_text *command = pl_command_row(arguments->command);
     if (optind == argc)
-        return pl_complain_usage(command, "no mesh file is named");
-    if (optind + 1 < argc)
-        return pl_complain_usage(command, "one mesh file is expected, and '%s' is a second one",
-                                 argv[optind + 1]);
-    arguments->input = argv[optind];
-    if (arguments->input[0] == '\0')
-        return pl_complain_usage(command, "the name of the mesh file is empty");
+        return pl_complain_usage(command->name, "no %s is named", command->operand);
+    if (optind + 1 < argc && !command->takes_many)
+        return pl_complain_usage(command->name, "one %s is expected, and '%s' is a second one",
+                                 command->operand, argv[optind + 1]);
+    for (int i = optind; i < argc; i++) {
+        if (argv[i][0] == '\0')
+            return pl_complain_usage(command->name, "the name of the %s is empty",
+                                     command->operand);
+        arguments->inputs[arguments->n_inputs++] = argv[i];
+    }
+    arguments->input = arguments->inputs[0];
     if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
-        return pl_complain_usage(command, "no output is named (-o OUT)");
+        return pl_complain_usage(command->name, "no output is named (-o OUT)");
     return 0;
 }
 
@@ -514,6 +568,9 @@ static int check_combinations(const pl_arguments *arguments) {
                                  arguments->of_worst);
     if (arguments->slide_tolerance > 0 && !arguments->slide)
         return pl_complain_usage(command, "--slide-tolerance has no effect without --slide");
+    if (arguments->report && arguments->n_inputs > 1)
+        return pl_complain_usage(command, "--report makes a page of one mesh, and %d are named",
+                                 arguments->n_inputs);
     if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
         return pl_complain_usage(command, "--%s has no effect with --method %s",
                                  arguments->optimiser, pl_method_name(library->method));
@@ -523,11 +580,12 @@ static int check_combinations(const pl_arguments *arguments) {
 /** Room for as many tags as there are words. */
 static int make_room(pl_arguments *arguments, int argc) {
     const size_t n = (size_t)argc;
+    arguments->inputs = calloc(n, sizeof *arguments->inputs);
     arguments->fix = calloc(n, sizeof *arguments->fix);
     arguments->slide_tag = calloc(n, sizeof *arguments->slide_tag);
     arguments->min_volume_tag = calloc(n, sizeof *arguments->min_volume_tag);
     arguments->min_volume_value = calloc(n, sizeof *arguments->min_volume_value);
-    if (arguments->fix && arguments->slide_tag && arguments->min_volume_tag &&
+    if (arguments->inputs && arguments->fix && arguments->slide_tag && arguments->min_volume_tag &&
         arguments->min_volume_value)
         return 0;
     return pl_complain(PL_EXIT_FAILED, "out of memory");
@@ -574,51 +632,16 @@ void pl_arguments_free(pl_arguments *arguments) {
     free(arguments->min_volume_value);
     free(arguments->slide_tag);
     free(arguments->fix);
+    free(arguments->inputs);
 }
 
-/* ---- help ----------------------------------------------------------------------------------- */
-
-static void print_row(const option_row *row) {
-    char left[64];
-    const int has_letter = row->letter != 0;
-    const int width = snprintf(left, sizeof left, "  %c%c%s --%s%s%s", has_letter ? '-' : ' ',
-                               has_letter ? row->letter : ' ', has_letter ? "," : " ", row->name,
-                               row->value ? " " : "", row->value ? row->value : "");
-    printf("%-*s", HELP_COLUMN, left);
-    if (width >= HELP_COLUMN)
-        printf("\n%*s", HELP_COLUMN, "");
-    for (const char *c = row->help; *c; c++)
-        if (*c == '\n')
-            printf("\n%*s", HELP_COLUMN, "");
-        else
-            putchar(*c);
-    putchar('\n');
-}
+/* ---- for the help and the manual ------------------------------------------------------------ */
 
 int pl_option_describe(int i, pl_option_text *text) {
     if (i >= N_OPTIONS)
         return 0;
     const option_row *row = &option_table[i];
-    *text = (pl_option_text){row->letter,          row->name, row->value,
-                             row->commands & BOTH, row->help, row->values};
+    *text = (pl_option_text){row->letter,         row->name, row->value,
+                             row->commands & ALL, row->help, row->values};
     return 1;
-}
-
-void pl_help_print(pl_command command) {
-    if (command == PL_COMMAND_SMOOTH)
-        printf("Usage: planish smooth IN -o OUT [OPTION]...\n"
-               "Move the interior nodes of the mesh IN until its elements are best, and\n"
-               "write OUT: IN with the coordinates of the moved nodes replaced.\n\n");
-    else
-        printf("Usage: planish quality FILE [OPTION]...\n"
-               "Measure a mesh and print what it is worth. Nothing is changed.\n\n");
-    for (int i = 0; i < N_OPTIONS; i++)
-        if (option_table[i].commands & command)
-            print_row(&option_table[i]);
-    if (command == PL_COMMAND_SMOOTH)
-        printf("\nExit status: 0 done; 1 a usable mesh was written, but it has elements that are\n"
-               "inverted or below their least volume, or smoothing was cut short; 2 failed,\n"
-               "nothing was written; 64 bad usage.\n");
-    else
-        printf("\nExit status: 0 if the file could be read; 2 if not; 64 bad usage.\n");
 }

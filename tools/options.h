@@ -1,14 +1,19 @@
-/* options: the command line of `planish smooth` and `planish quality`.
+/* options: the command lines of the program's commands.
  *
- * One table (options.c) says which options there are; it drives the parser, the help, the manual
- * page and the completion of shells (manual.c).
+ * One table (options.c) says which options there are; it drives the parser, the help (help.c), the
+ * manual page and the completion of shells (manual.c).
  */
 #ifndef PL_TOOLS_OPTIONS_H
 #define PL_TOOLS_OPTIONS_H
 
 #include <planish/planish.h>
 
-typedef enum pl_command { PL_COMMAND_SMOOTH = 1, PL_COMMAND_QUALITY = 2 } pl_command;
+typedef enum pl_command {
+    PL_COMMAND_SMOOTH = 1,
+    PL_COMMAND_QUALITY = 2,
+    PL_COMMAND_REPORT = 4,
+    PL_COMMANDS_ALL = 7
+} pl_command;
 
 /** The word that names command. */
 const char *pl_command_name(pl_command command);
@@ -18,16 +23,25 @@ const char *pl_method_name(planish_method method);
 const char *pl_objective_name(planish_objective objective);
 const char *pl_worst_name(planish_worst worst);
 
-typedef enum pl_verbosity { PL_QUIET = -1, PL_NORMAL = 0, PL_VERBOSE = 1 } pl_verbosity;
+typedef enum pl_verbosity {
+    PL_QUIET = -1,
+    PL_NORMAL = 0,
+    PL_VERBOSE = 1,
+    PL_DETAILED = 2
+} pl_verbosity;
 
 /** A command line that has been understood. Strings are those of argv. */
 typedef struct pl_arguments {
     pl_command command;
-    const char *input;
-    const char *output; /* smooth only */
-    const char *format; /* or NULL: find out */
-    const char *json;   /* a path, "-" for standard output, or NULL: no report */
-    const char **fix;   /* [n_fix] tags, owned */
+    const char *input;   /* the first of inputs */
+    const char **inputs; /* [n_inputs] owned */
+    int n_inputs;        /* 1, but for commands that take many */
+    const char *output;  /* smooth: always there; report: or NULL; quality: NULL */
+    const char *format;  /* or NULL: find out */
+    const char *json;    /* a path, "-" for standard output, or NULL: no report */
+    const char *report;  /* path of the page for people, or NULL: none */
+    int n_worst;         /* elements that --worst lists; 0: not given */
+    const char **fix;    /* [n_fix] tags, owned */
     int n_fix;
     int slide;              /* boundary nodes slide, where they can */
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
@@ -65,7 +79,7 @@ typedef struct pl_option_text {
     int letter;        /* short option, or 0 */
     const char *name;  /* long option */
     const char *value; /* what its value is called, or NULL: takes none */
-    unsigned commands; /* bits of pl_command */
+    unsigned commands; /* bits of pl_command that have it */
     const char *help;  /* lines separated by '\n' */
     const char
         *values; /* words that the value may be; "file": a file's name; NULL: anything else */
@@ -73,8 +87,5 @@ typedef struct pl_option_text {
 
 /** Describe option i, 0 and up; 0 if there is none. */
 int pl_option_describe(int i, pl_option_text *text);
-
-/** Print the help of command on standard output. */
-void pl_help_print(pl_command command);
 
 #endif

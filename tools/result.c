@@ -133,6 +133,18 @@ static void add_spreads(document *json, cJSON *quality, const planish_quality *q
     add_spread(json, quality, "largest_angle_deg", &q->largest_angle_deg);
 }
 
+/** edge [n + 1], count [n]. */
+static void add_histogram(document *json, cJSON *quality, const char *name, int n,
+                          const double *edge, const int64_t *count) {
+    cJSON *histogram = new_object(json, quality, name);
+    cJSON *edges = new_array(json, histogram, "edges");
+    cJSON *counts = new_array(json, histogram, "counts");
+    for (int i = 0; i <= n; i++)
+        add_real(json, edges, NULL, edge[i]);
+    for (int i = 0; i < n; i++)
+        add_integer(json, counts, NULL, count[i]);
+}
+
 static void add_quality(document *json, cJSON *root, const char *name, const planish_quality *q,
                         int64_t below_min_volume) {
     cJSON *quality = new_object(json, root, name);
@@ -150,13 +162,10 @@ static void add_quality(document *json, cJSON *root, const char *name, const pla
     add_real(json, quality, "max_radius_ratio_movable", q->max_radius_ratio_movable);
     add_real(json, quality, "min_dihedral_movable_deg", q->min_angle_deg_movable);
     add_spreads(json, quality, q);
-    cJSON *histogram = new_object(json, quality, "histogram");
-    cJSON *edges = new_array(json, histogram, "edges");
-    cJSON *counts = new_array(json, histogram, "counts");
-    for (int i = 0; i <= PLANISH_HISTOGRAM_BINS; i++)
-        add_real(json, edges, NULL, q->histogram_edges[i]);
-    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
-        add_integer(json, counts, NULL, q->histogram_counts[i]);
+    add_histogram(json, quality, "histogram", PLANISH_HISTOGRAM_BINS, q->histogram_edges,
+                  q->histogram_counts);
+    add_histogram(json, quality, "angle_histogram", PLANISH_ANGLE_BINS, q->angle_edges_deg,
+                  q->angle_counts);
 }
 
 static void add_sweeps(document *json, cJSON *root, const pl_progress *progress) {

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 /* The only changing globals of the program: a signal handler can reach nothing else. */
-static atomic_int stop_asked, bus_error_met;
+static atomic_int stop_asked, bus_error_met, line_is_shown;
 static char temporary_paths[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
 
 static void remove_temporaries(void) {
@@ -19,14 +19,26 @@ static void remove_temporaries(void) {
             unlink(path);
 }
 
-static void on_stop(int signal_number) {
-    if (atomic_exchange(&stop_asked, 1) == 0)
+static void clear_line(void) {
+    static const char text[] = "\r" PL_ERASE_TO_END;
+    if (!atomic_exchange(&line_is_shown, 0))
         return;
+    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written;
+}
+
+static void on_end(int signal_number) {
+    clear_line();
     remove_temporaries();
     /* The signal is blocked in here: raised again, it ends the program as this returns, and the
      * parent sees what it was ended by. */
     signal(signal_number, SIG_DFL);
     raise(signal_number);
+}
+
+static void on_stop(int signal_number) {
+    if (atomic_exchange(&stop_asked, 1))
+        on_end(signal_number);
 }
 
 static void on_bus_error(int signal_number) {
@@ -36,6 +48,7 @@ static void on_bus_error(int signal_number) {
     while (
         atomic_exchange(&bus_error_met, 1)) /* another thread met it first and ends the program */
         pause();
+    clear_line();
     remove_temporaries();
     const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
     (void)written;
@@ -60,16 +73,21 @@ static void handle_unless_ignored(int signal_number, void (*handler)(int)) {
         handle(signal_number, handler);
 }
 
+static void handle_ends(void (*handler)(int)) {
+    handle_unless_ignored(SIGINT, handler);
+    handle_unless_ignored(SIGTERM, handler);
+    handle_unless_ignored(SIGHUP, handler);
+}
+
 void pl_signals_install(void) {
     handle(SIGPIPE, SIG_IGN);
     handle(SIGXFSZ, SIG_IGN); /* a limit on the size of files is an error like a full disk */
     handle(SIGBUS, on_bus_error);
+    handle_ends(on_end);
 }
 
 void pl_signals_install_stop(void) {
-    handle_unless_ignored(SIGINT, on_stop);
-    handle_unless_ignored(SIGTERM, on_stop);
-    handle_unless_ignored(SIGHUP, on_stop);
+    handle_ends(on_stop);
 }
 
 int pl_signals_stop_asked(void) {
@@ -78,4 +96,8 @@ int pl_signals_stop_asked(void) {
 
 char *pl_signals_temporary(pl_temporary which) {
     return temporary_paths[which];
+}
+
+int pl_signals_set_line(int is_shown) {
+    return atomic_exchange(&line_is_shown, is_shown);
 }

@@ -9,14 +9,24 @@
 #define PL_TOOLS_SIGNALS_H
 
 /** Files that are removed when the program is ended by a signal. */
-typedef enum pl_temporary { PL_TEMPORARY_MESH, PL_TEMPORARY_REPORT, PL_N_TEMPORARIES } pl_temporary;
+typedef enum pl_temporary {
+    PL_TEMPORARY_MESH,
+    PL_TEMPORARY_REPORT, /* as JSON */
+    PL_TEMPORARY_PAGE,   /* the report for people */
+    PL_N_TEMPORARIES
+} pl_temporary;
 
 enum { PL_TEMPORARY_SIZE = 16384 };
 
-/** For every command: SIGPIPE and SIGBUS. */
+/** What takes a line away on a terminal, from where its cursor is. */
+#define PL_ERASE_TO_END "\033[K"
+
+/** For every command: SIGPIPE and SIGBUS; and SIGINT, SIGTERM and SIGHUP, unless the parent had
+ *  them ignored, end the program at once, with nothing half written left behind. */
 void pl_signals_install(void);
 
-/** For smooth: SIGINT and SIGTERM as well, unless the parent had them ignored. */
+/** For smooth, when there is something to save: the first of SIGINT, SIGTERM and SIGHUP asks to
+ *  stop. */
 void pl_signals_install_stop(void);
 
 /** Whether a signal asked to stop. */
@@ -25,5 +35,9 @@ int pl_signals_stop_asked(void);
 /** The place where the paths of temporary files are kept while there are any: PL_TEMPORARY_SIZE
  *  bytes, each path ends with '\0' and an empty one ends the list (as in planish_file_write). */
 char *pl_signals_temporary(pl_temporary which);
+
+/** Whether a line that must be cleared (terminal.h) is shown from now on; returns whether one was
+ *  before. */
+int pl_signals_set_line(int is_shown);
 
 #endif

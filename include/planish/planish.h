@@ -239,7 +239,9 @@ typedef struct planish_progress {
     int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
     double seconds; /* time of this sweep so far */
     double elapsed; /* time of planish_smooth so far, seconds */
-    int64_t reserved[4];
+    int64_t colour_visits; /* nodes visited in the colour that this call is after, or those that
+                              were moved together; 0 on the last call of a sweep */
+    int64_t reserved[3];
 } planish_progress;
 
 /** Called on the calling thread after every colour and once more at the end of every sweep; a
@@ -418,6 +420,7 @@ PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_fre
 /* ---- Quality ------------------------------------------------------------------------------ */
 
 #define PLANISH_HISTOGRAM_BINS 12
+#define PLANISH_ANGLE_BINS     15
 
 /** Smallest, mean and largest value of a measure over the valid elements; 0 without any. */
 typedef struct planish_spread {
@@ -454,6 +457,10 @@ typedef struct planish_quality {
     planish_spread largest_angle_deg;
     double histogram_edges[PLANISH_HISTOGRAM_BINS + 1]; /* of RR; the last is infinite */
     int64_t histogram_counts[PLANISH_HISTOGRAM_BINS];
+    double angle_edges_deg[PLANISH_ANGLE_BINS + 1]; /* of each element's smallest (dihedral) angle:
+                                                       0, 5, .. 75; bins begin with their edge, and
+                                                       what is below it by rounding counts there */
+    int64_t angle_counts[PLANISH_ANGLE_BINS];
     int64_t reserved[8];
 } planish_quality;
 

@@ -92,6 +92,15 @@ PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *c
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 
+/** The region of an element, by its index in planish_file_mesh, as a tag that planish_hold takes:
+ *  text [size] is filled with the name of its group, or with "DIM:N" where it has none that means
+ *  elements of this dimension alone; with "" where the file has no regions, or no tag means this
+ *  one. Of an element in several groups the first that is named counts. Returns the length of the
+ *  tag as snprintf does, or PLANISH_ERROR_ARGUMENT. Time goes by the number of the file's regions:
+ *  elements of one region (planish_file_surface) have the same tag. */
+PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
+                                            size_t size);
+
 /** Whether path has an extension that this file's format can be written to (the input's own). */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
 

@@ -1,5 +1,6 @@
 /* constraints: which nodes a file holds: on its lower elements, marked, between regions, named; and
- * the least volumes of the elements of named groups.
+ * the least volumes of the elements of named groups; and the tag by which an element's group is
+ * named.
  */
 #include "io/file.h"
 #include "io/text.h"
@@ -364,4 +365,60 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
     pl_free(least);
     pl_free(chosen);
     return status;
+}
+
+/* ---- the tag of an element ---------------------------------------------------------------- */
+
+/** Whether the name of group i, given as a tag, means groups of its dimension alone. */
+static int is_of_one_dim(const io_model *model, int32_t i) {
+    const io_group *group = &model->group[i];
+    for (int32_t k = 0; k < model->n_groups; k++)
+        if (model->group[k].dim != group->dim && strcmp(model->group[k].name, group->name) == 0)
+            return 0;
+    return 1;
+}
+
+/** The name of a group that may be given as a tag, or NULL. Where numbers are none of the file's,
+ *  there is nothing but names. */
+static const char *name_of(const io_model *model, int dim, int32_t number) {
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const io_group *group = &model->group[i];
+        if (group->dim != dim || group->tag != number || group->name[0] == '\0')
+            continue;
+        if (model->groups_by_name ||
+            (!tag_parse(group->name, -1).has_number && is_of_one_dim(model, i)))
+            return group->name;
+    }
+    return NULL;
+}
+
+/** Whether the number of an entity without physical groups is that of a physical group, too: then
+ *  that is what a tag with the number means. */
+static int is_overruled(const io_model *model, const io_entity *entity) {
+    for (int32_t i = 0; i < model->n_entities; i++)
+        if (model->entity[i].dim == entity->dim && has_physical(&model->entity[i], entity->tag))
+            return 1;
+    return 0;
+}
+
+int planish_file_element_region(const planish_file *file, int64_t element, char *text,
+                                size_t size) {
+    const io_cells *cells = file ? io_file_elements(file) : NULL;
+    if (!file || element < 0 || element >= cells->n || !text || size == 0)
+        return PLANISH_ERROR_ARGUMENT;
+    text[0] = '\0';
+    if (!cells->entity || cells->entity[element] < 0)
+        return 0;
+    const io_model *model = &file->model;
+    const io_entity *entity = &model->entity[cells->entity[element]];
+    if (entity->n_physical == 0 && (model->groups_by_name || is_overruled(model, entity)))
+        return 0;
+    const int32_t *number = entity->n_physical > 0 ? entity->physical : &entity->tag;
+    const int n = entity->n_physical > 0 ? entity->n_physical : 1;
+    for (int i = 0; i < n; i++) {
+        const char *name = name_of(model, entity->dim, number[i]);
+        if (name)
+            return snprintf(text, size, "%s", name);
+    }
+    return model->groups_by_name ? 0 : snprintf(text, size, "%d:%d", entity->dim, (int)number[0]);
 }

@@ -109,6 +109,7 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
             pl_add_volumes(&b, &more);
             pl_add_measures(&b, &more);
             pl_add_ratios(&b, first, &more);
+            pl_add_angles(&b, &more);
         }
     }
     pl_reduce_basic(&basic, &p->basic[begin / p->chunk]);
@@ -270,6 +271,12 @@ static void fill_histogram(int64_t n_valid, const pl_full_sums *full, planish_qu
     }
 }
 
+static void fill_angles(const pl_full_sums *full, planish_quality *q) {
+    for (int i = 0; i <= PLANISH_ANGLE_BINS; i++)
+        q->angle_edges_deg[i] = PL_ANGLE_BIN_DEGREES * i;
+    memcpy(q->angle_counts, full->by_angle, sizeof full->by_angle);
+}
+
 int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
                const uint8_t *is_free, const double *coordinates, int threads,
                planish_quality *quality, planish_error *error) {
@@ -289,6 +296,7 @@ int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_
     fill_ratios(&basic, &full, &q);
     fill_spreads(basic.n_movable + basic.n_fixed, &full, &q);
     fill_histogram(basic.n_movable + basic.n_fixed, &full, &q);
+    fill_angles(&full, &q);
     if (n_elements > 0) {
         q.min_volume = full.smallest_volume;
         q.max_volume = full.largest_volume;

@@ -59,6 +59,8 @@ static pl_full_sums sums_of_lane(const pl_full_lanes *lanes, int l) {
     }
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         lane.at_least[i] = (int64_t)lanes->at_least[i][l];
+    for (int i = 0; i < PLANISH_ANGLE_BINS; i++)
+        lane.by_angle[i] = (int64_t)lanes->by_angle[i][l];
     return lane;
 }
 
@@ -85,6 +87,8 @@ static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
     sums->movable_cosine = pl_larger(part->movable_cosine, sums->movable_cosine);
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         sums->at_least[i] += part->at_least[i];
+    for (int i = 0; i < PLANISH_ANGLE_BINS; i++)
+        sums->by_angle[i] += part->by_angle[i];
 }
 
 void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums) {

@@ -12,6 +12,12 @@
 static const double PL_HISTOGRAM_EDGES[PLANISH_HISTOGRAM_BINS + 1] = {
     1, 1.25, 1.5, 2, 2.5, 3, 4, 6, 10, 30, 100, 1000, INFINITY};
 
+static const double PL_ANGLE_BIN_DEGREES = 5;
+
+/* Angles that many bins below an edge count as being on it: elements that are alike but for
+ * rounding, as in a structured mesh, are in one bin. */
+static const double PL_ANGLE_BIN_ROUNDING = 1e-9;
+
 /** What both passes accumulate, one column per lane. */
 typedef struct pl_basic_lanes {
     double movable[PL_LANES], fixed[PL_LANES], max[PL_LANES]; /* see pl_ratio_sums */
@@ -29,6 +35,7 @@ typedef struct pl_full_lanes {
     double movable_ratio[PL_LANES], movable_cosine[PL_LANES]; /* largest with a free node */
     double worst_element[PL_LANES];                    /* exact: element numbers are below 2^53 */
     double at_least[PLANISH_HISTOGRAM_BINS][PL_LANES]; /* elements of RR >= each edge */
+    double by_angle[PLANISH_ANGLE_BINS][PL_LANES];     /* elements by their smallest angle */
 } pl_full_lanes;
 
 /** Sums of a chunk, or of the mesh, besides pl_ratio_sums. */
@@ -39,6 +46,7 @@ typedef struct pl_full_sums {
     double worst_ratio, worst_fixed_ratio, movable_ratio, movable_cosine;
     int64_t worst_element; /* -1: none */
     int64_t at_least[PLANISH_HISTOGRAM_BINS];
+    int64_t by_angle[PLANISH_ANGLE_BINS];
 } pl_full_sums;
 
 PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
@@ -98,6 +106,21 @@ PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *su
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         for (int l = 0; l < PL_LANES; l++)
             sums->at_least[i][l] += ratios[l] >= PL_HISTOGRAM_EDGES[i] ? b->valid[l] : 0;
+}
+
+/** The histogram of the smallest angles. Adding to one bin of each lane is less work than comparing
+ *  with all edges. */
+PL_INLINE void pl_add_angles(const pl_block *b, pl_full_lanes *sums) {
+    static const double BINS_PER_RADIAN = 11.4591559026164641754; /* 36 / pi */
+    static const double LAST = PLANISH_ANGLE_BINS - 1;
+    const double *angle = b->angle[PL_SMALLEST_ANGLE - PL_N_RATIOS];
+    int bin[PL_LANES];
+    for (int l = 0; l < PL_LANES; l++) {
+        const double place = angle[l] * BINS_PER_RADIAN + PL_ANGLE_BIN_ROUNDING;
+        bin[l] = (int)pl_smaller(b->valid[l] != 0 ? place : 0, LAST);
+    }
+    for (int l = 0; l < PL_LANES; l++)
+        sums->by_angle[bin[l]][l] += b->valid[l];
 }
 
 void pl_clear_full(pl_full_lanes *lanes);

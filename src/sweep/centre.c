@@ -129,7 +129,7 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
         square = pl_patch_product(p, residual, z);
         pl_patch_combine(p, way, z, square / last, way);
         tally->visits += p->n;
-        tally->stopped = pl_run_after_colour(r, pl_plan_colours(r->plan));
+        tally->stopped = pl_run_after_colour(r, pl_plan_colours(r->plan), p->n);
     }
     pl_patch_combine(p, x, zero, 1 / fixed.scale, x);
     pl_patch_admit(p, x, start);

@@ -104,7 +104,7 @@ int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally) {
         place(m, step);
         evaluate(m, enough);
         tally->visits += m->p.n;
-        tally->stopped = pl_run_after_colour(r, tally->colours);
+        tally->stopped = pl_run_after_colour(r, tally->colours, m->p.n);
         if (m->value < enough) {
             remember(m);
             return 1;

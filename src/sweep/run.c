@@ -183,9 +183,10 @@ static int call_progress(pl_run *r, const planish_progress *progress) {
     return 1;
 }
 
-int pl_run_after_colour(void *run, int colours_done) {
+int pl_run_after_colour(void *run, int colours_done, int64_t visits) {
     pl_run *r = run;
     planish_progress progress = progress_of(r, colours_done, 0);
+    progress.colour_visits = visits;
     if (call_progress(r, &progress))
         return 1;
     if (r->options->time_limit > 0 && progress.elapsed >= r->options->time_limit) {

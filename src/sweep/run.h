@@ -80,7 +80,7 @@ int pl_run_sweep(pl_run *r, int64_t *visits);
  *  the run is to end here; r->stop then says why. */
 void pl_run_begin_sweep(pl_run *r);
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
-int pl_run_after_colour(void *run, int colours_done);
+int pl_run_after_colour(void *run, int colours_done, int64_t visits);
 
 /** Sweeps that smooth may still be begun. */
 int pl_run_sweeps_left(const pl_run *r);

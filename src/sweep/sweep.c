@@ -73,6 +73,6 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
         tally->colours++;
         if (visits->n_followers > 0)
             pl_follow(plan, problem);
-        tally->stopped = after_colour(context, tally->colours);
+        tally->stopped = after_colour(context, tally->colours, pass.visits);
     }
 }

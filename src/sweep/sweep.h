@@ -36,8 +36,9 @@ void pl_select_around(const planish_mesh *mesh, const planish_options *options, 
 
 /* ---- sweep.c: one pass over the colours ---------------------------------------------------- */
 
-/** Asked after every colour (colours done so far): a result other than 0 ends the sweep there. */
-typedef int pl_after_colour_fn(void *context, int colours_done);
+/** Asked after every colour (colours done so far, nodes visited in this one): a result other than 0
+ *  ends the sweep there. */
+typedef int pl_after_colour_fn(void *context, int colours_done, int64_t visits);
 
 /** What one sweep did. */
 typedef struct pl_sweep_tally {

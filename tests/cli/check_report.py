@@ -9,6 +9,7 @@ QUALITY = {
     "total_volume": NUMBER, "rms_radius_ratio": NUMBER, "rms_radius_ratio_movable": NUMBER,
     "mean_radius_ratio": NUMBER, "max_radius_ratio": NUMBER, "min_dihedral_deg": NUMBER,
     "max_dihedral_deg": NUMBER, "histogram": {"edges": list, "counts": list},
+    "angle_histogram": {"edges": list, "counts": list},
 }
 MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "sliding_nodes": int,
         "could_slide": (int, type(None)), "fixed_elements": int, "colours": int}
@@ -43,6 +44,12 @@ def check_histogram(quality, elements):
     assert len(edges) == len(counts) + 1 and edges[0] <= 1 and edges[-1] is None
     assert edges[:-1] == sorted(edges[:-1])
     assert sum(counts) == elements - quality["inverted"]
+    edges, counts = quality["angle_histogram"]["edges"], quality["angle_histogram"]["counts"]
+    assert edges == list(range(0, 80, 5)) and len(counts) == len(edges) - 1
+    assert sum(counts) == elements - quality["inverted"]
+    smallest = next(i for i, count in enumerate(counts) if count)
+    assert edges[smallest] <= quality["min_dihedral_deg"] * (1 + 1e-9)
+    assert quality["min_dihedral_deg"] < edges[smallest + 1]
 
 
 def same(a, b):
@@ -65,7 +72,7 @@ assert 0 < mesh["free_nodes"] < mesh["nodes"] and 0 < mesh["colours"] <= 14
 
 # The mesh that was written is the one that was reported.
 for key in after:
-    if key != "histogram":
+    if key not in ("histogram", "angle_histogram"):
         assert same(after[key], quality["quality"][key]), key
 assert smooth["checksum"] == quality["checksum"]
 

@@ -110,8 +110,7 @@ expect_text "needs 4"
 bad smooth square.msh -o out.msh --min-volume edge=1
 expect_text "plate"
 
-# Options of later versions, values for options without one, options of another command.
-bad smooth in.msh -o out.msh --report 1
+# Values for options without one, options of another command.
 bad smooth in.msh -o out.msh --no-untangle=1
 bad quality in.msh --no-untangle
 

@@ -248,6 +248,8 @@ class Plans(unittest.TestCase):
         values = quality.as_dict()
         self.assertEqual(values["n_elements"], len(cells))
         self.assertEqual(sum(values["histogram_counts"]), len(cells))
+        self.assertEqual(sum(values["angle_counts"]), len(cells))
+        self.assertEqual(values["angle_edges_deg"][-1], 75)
         self.assertNotIn("reserved", values)
         self.assertEqual(planish.smooth(points, cells).as_dict()["stop"], "converged")
         self.assertGreater(values["smallest_angle_deg"]["min"], 0)

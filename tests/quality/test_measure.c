@@ -82,12 +82,20 @@ static int64_t histogram_total(const planish_quality *q) {
     return total;
 }
 
+static int64_t angles_total(const planish_quality *q) {
+    int64_t total = 0;
+    for (int i = 0; i < PLANISH_ANGLE_BINS; i++)
+        total += q->angle_counts[i];
+    return total;
+}
+
 /** The sums say of the mesh what its quality says. */
 static void assert_agreement(const planish_quality *q, const pl_ratio_sums *s) {
     int64_t n = s->n_movable + s->n_fixed;
     assert_int_equal(s->inverted, q->inverted);
     assert_int_equal(n + s->inverted, q->n_elements);
     assert_int_equal(histogram_total(q), n);
+    assert_int_equal(angles_total(q), n);
     double rms = n ? sqrt((s->movable + s->fixed) / (double)n) : 0;
     double movable = s->n_movable ? sqrt(s->movable / (double)s->n_movable) : 0;
     double fixed = s->n_fixed ? sqrt(s->fixed / (double)s->n_fixed) : 0;
@@ -213,6 +221,8 @@ static void knows_a_regular_tetrahedron(void **state) {
     assert_true(near(q.max_angle_deg, 70.528779365509308, 1e-14));
     assert_int_equal(q.worst_element, 0);
     assert_int_equal(q.histogram_counts[0], 1);
+    assert_int_equal(q.angle_counts[PLANISH_ANGLE_BINS - 1], 1);
+    assert_true(q.angle_edges_deg[PLANISH_ANGLE_BINS - 1] == 70);
     assert_int_equal(q.n_fixed, 0);
     destroy(&m);
 }
@@ -235,6 +245,23 @@ static void knows_the_box(void **state) {
         assert_true(q.rms_radius_ratio_movable == 0);
         assert_true(near(q.fixed_rms_radius_ratio, q.max_radius_ratio, 1e-14));
         assert_true(q.fixed_max_radius_ratio == q.max_radius_ratio);
+        destroy(&m);
+    }
+}
+
+/** Angles of 45 degrees but for rounding, on both sides: all are in the bin that begins there. */
+static void angles_on_an_edge_are_above_it(void **state) {
+    (void)state;
+    enum { AT_45 = 9 };
+    for (int dim = 2; dim <= 3; dim++) {
+        measured_mesh m;
+        test_mesh_box(&m.box, dim, 6);
+        test_mesh_transform(&m.box, 1.0 / 3, 0.1);
+        fill_is_free(&m, 1);
+        planish_quality q = measure(&m, NULL, 1);
+        assert_true(q.min_angle_deg < 45 && q.smallest_angle_deg.max > 45);
+        assert_true(q.angle_edges_deg[AT_45] == 45);
+        assert_int_equal(q.angle_counts[AT_45], q.n_elements);
         destroy(&m);
     }
 }
@@ -436,6 +463,7 @@ static void extreme_ratios_are_measured(void **state) {
     assert_true(q.max_radius_ratio > 1e178 && q.max_radius_ratio < 1e182);
     assert_true(isinf(q.rms_radius_ratio));
     assert_int_equal(q.histogram_counts[PLANISH_HISTOGRAM_BINS - 1], 1);
+    assert_int_equal(q.angle_counts[0], 1);
     assert_true(near(q.min_volume, height / 6, 1e-15));
     destroy(&m);
 }
@@ -462,6 +490,7 @@ int main(void) {
         cmocka_unit_test(agrees_with_a_naive_evaluation),
         cmocka_unit_test(knows_a_regular_tetrahedron),
         cmocka_unit_test(knows_the_box),
+        cmocka_unit_test(angles_on_an_edge_are_above_it),
         cmocka_unit_test(knows_nothing_of_an_empty_mesh),
         cmocka_unit_test(counts_inverted_elements),
         cmocka_unit_test(validity_is_exact),

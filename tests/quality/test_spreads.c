@@ -73,6 +73,7 @@ static void spreads_are_those_of_the_textbook(void **state) {
         test_mesh_box(&box, dim, 9);
         test_mesh_perturb(&box, 0.14, 4);
         const int64_t n = box.mesh.n_elements;
+        int64_t bins[PLANISH_ANGLE_BINS] = {0};
         real sum[N_SPREADS] = {0}, min[N_SPREADS], max[N_SPREADS] = {0}, n_valid = 0;
         for (int m = 0; m < N_SPREADS; m++)
             min[m] = INFINITY;
@@ -87,6 +88,7 @@ static void spreads_are_those_of_the_textbook(void **state) {
                 continue;
             }
             n_valid++;
+            bins[(int)(r.smallest_angle / 5)]++;
             for (int m = 0; m < N_SPREADS; m++) {
                 sum[m] += value[m];
                 min[m] = fminl(min[m], value[m]);
@@ -103,6 +105,9 @@ static void spreads_are_those_of_the_textbook(void **state) {
             assert_near(spread[m].mean, sum[m] / n_valid, 1e-13);
             assert_near(spread[m].max, max[m], 1e-13);
         }
+        assert_memory_equal(q.angle_counts, bins, sizeof bins);
+        for (int i = 0; i <= PLANISH_ANGLE_BINS; i++)
+            assert_true(q.angle_edges_deg[i] == 5 * i);
         test_mesh_destroy(&box);
     }
 }

@@ -511,6 +511,41 @@ static void the_last_call_tells_the_truth(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** What the calls of a sweep said of its colours. */
+typedef struct colour_counts {
+    int64_t visits, first; /* so far in this sweep; of the first sweep's first colour */
+    int calls;
+} colour_counts;
+
+static int count_colours(const planish_progress *progress, void *user) {
+    colour_counts *c = user;
+    if (progress->sweep_done) {
+        assert_int_equal(progress->colour_visits, 0);
+        assert_int_equal(progress->visits, c->visits);
+        c->visits = 0;
+        return 0;
+    }
+    c->visits += progress->colour_visits;
+    c->first = c->calls++ == 0 ? progress->colour_visits : c->first;
+    return 0;
+}
+
+static void colours_say_what_they_visit(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed s;
+    bad_box(&mesh, dim);
+    colour_counts c = {0, 0, 0};
+    planish_options options = defaults();
+    options.progress = count_colours;
+    options.progress_user = &c;
+    smooth(&mesh.mesh, &options, &s);
+    assert_int_equal(c.calls, s.result.sweeps * s.info.n_colours);
+    assert_true(c.first > 0 && c.first < s.info.n_free);
+    free(s.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
 static void limits_stop(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
@@ -627,6 +662,7 @@ int main(void) {
         BOTH(without_free_nodes_nothing_happens),
         BOTH(a_callback_stops_after_a_colour),
         BOTH(the_last_call_tells_the_truth),
+        BOTH(colours_say_what_they_visit),
         BOTH(limits_stop),
         BOTH(a_plan_serves_many_coordinates),
         BOTH(wrong_arguments_are_refused),

@@ -288,6 +288,7 @@ static void valid_meshes_need_no_untangling(void **state) {
 /** What the callback has seen, and when it wants to stop. */
 typedef struct watch {
     int calls, done, sweep, restoring_sweeps; /* so far */
+    int64_t visits;                           /* in this sweep, by its colours */
     int stop_at;                              /* call; 0: never */
     int stopped_in_sweep, calls_after;        /* it stopped there; calls since */
     planish_progress last;
@@ -313,6 +314,11 @@ static int look(const planish_progress *progress, void *user) {
     }
     if (w->done > 0 && progress->sweep_done && !progress->restoring && !w->last.restoring)
         assert_true(progress->rms <= w->last.rms);
+    w->visits += progress->colour_visits;
+    if (progress->sweep_done) {
+        assert_int_equal(progress->visits, w->visits);
+        w->visits = 0;
+    }
     w->done += progress->sweep_done != 0;
     w->last = *progress;
     w->stopped_in_sweep = !progress->sweep_done;

@@ -74,7 +74,8 @@ class Progress(ctypes.Structure):
         ("visits", c_int64),
         ("seconds", c_double),
         ("elapsed", c_double),
-        ("reserved", c_int64 * 4),
+        ("colour_visits", c_int64),
+        ("reserved", c_int64 * 3),
     ]
 
 
@@ -183,6 +184,8 @@ class Quality(_Printed):
         ("largest_angle_deg", Spread),
         ("histogram_edges", c_double * 13),
         ("histogram_counts", c_int64 * 12),
+        ("angle_edges_deg", c_double * 16),
+        ("angle_counts", c_int64 * 15),
         ("reserved", c_int64 * 8),
     ]
 

@@ -1,0 +1,72 @@
+/* terminal: what a stream can show: colours, blocks, and a line that is written over. */
+#include "terminal.h"
+
+#include "signals.h"
+
+#include <langinfo.h>
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+enum { USUAL_COLUMNS = 80 };
+
+static int is_set(const char *name) {
+    const char *value = getenv(name);
+    return value && value[0];
+}
+
+int pl_terminal_is(FILE *stream) {
+    const char *kind = getenv("TERM");
+    return isatty(fileno(stream)) && kind && kind[0] && strcmp(kind, "dumb") != 0;
+}
+
+int pl_terminal_has_colours(FILE *stream) {
+    return !is_set("NO_COLOR") && pl_terminal_is(stream);
+}
+
+int pl_terminal_has_blocks(FILE *stream) {
+    if (!pl_terminal_is(stream))
+        return 0;
+    locale_t locale = newlocale(LC_CTYPE_MASK, "", (locale_t)0); /* the program's own stays C */
+    if (!locale)
+        return 0;
+    const int is_utf8 = strcmp(nl_langinfo_l(CODESET, locale), "UTF-8") == 0;
+    freelocale(locale);
+    return is_utf8;
+}
+
+int pl_terminal_columns(FILE *stream) {
+    struct winsize size;
+    if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
+        return size.ws_col;
+    return USUAL_COLUMNS;
+}
+
+const char *pl_style_begin(FILE *stream, pl_style style) {
+    static const char *const codes[] = {
+        [PL_STYLE_PLAIN] = "",          [PL_STYLE_HEADING] = "\033[1m",
+        [PL_STYLE_BETTER] = "\033[32m", [PL_STYLE_WORSE] = "\033[31m",
+        [PL_STYLE_NOTE] = "\033[33m",   [PL_STYLE_ERROR] = "\033[1;31m",
+    };
+    return pl_terminal_has_colours(stream) ? codes[style] : "";
+}
+
+const char *pl_style_end(FILE *stream, pl_style style) {
+    return style != PL_STYLE_PLAIN && pl_terminal_has_colours(stream) ? "\033[0m" : "";
+}
+
+void pl_line_show(const char *text) {
+    const int room = pl_terminal_columns(stderr) - 1; /* the last column would wrap on some */
+    pl_signals_set_line(1);
+    fprintf(stderr, "\r%.*s" PL_ERASE_TO_END, room > 0 ? room : 0, text);
+    fflush(stderr);
+}
+
+void pl_line_clear(void) {
+    if (!pl_signals_set_line(0))
+        return;
+    fputs("\r" PL_ERASE_TO_END, stderr);
+    fflush(stderr);
+}

@@ -1,0 +1,41 @@
+/* terminal: what a stream can show: colours, blocks, and a line that is written over.
+ *
+ * There are colours on terminals only, and none where TERM is dumb or unset, or NO_COLOR is set
+ * (https://no-color.org). What is decided depends on the stream and the environment alone.
+ */
+#ifndef PL_TOOLS_TERMINAL_H
+#define PL_TOOLS_TERMINAL_H
+
+#include <stdio.h>
+
+typedef enum pl_style {
+    PL_STYLE_PLAIN,
+    PL_STYLE_HEADING, /* bold */
+    PL_STYLE_BETTER,  /* green */
+    PL_STYLE_WORSE,   /* red */
+    PL_STYLE_NOTE,    /* yellow */
+    PL_STYLE_ERROR    /* bold red */
+} pl_style;
+
+/** Whether stream is a terminal that lines can be written over on. */
+int pl_terminal_is(FILE *stream);
+
+/** Whether it shows colours, too. */
+int pl_terminal_has_colours(FILE *stream);
+
+/** Whether it shows blocks: a terminal, and the locale's characters are UTF-8. */
+int pl_terminal_has_blocks(FILE *stream);
+
+/** Columns of the terminal that stream is; 80 where it is not known. */
+int pl_terminal_columns(FILE *stream);
+
+/** What is to be printed before and behind a text of a style; "" without colours. */
+const char *pl_style_begin(FILE *stream, pl_style style);
+const char *pl_style_end(FILE *stream, pl_style style);
+
+/** A line on standard error, which the next one is written over; nothing else may be written there
+ *  before it is cleared. Cut to fit the terminal. */
+void pl_line_show(const char *text);
+void pl_line_clear(void);
+
+#endif
