@@ -11,6 +11,7 @@ packages_build=(
     libcjson-dev  # the report of the program
     libexpat1-dev # XML of VTK's .vtu
     libhdf5-dev   # MED, CGNS and VTKHDF files
+    libjs-three   # the picture in reports
     zlib1g-dev liblz4-dev liblzma-dev # and what packs their arrays
 )
 # shellcheck disable=SC2034
@@ -28,6 +29,7 @@ packages_full=(
     gmsh tetgen python3-netgen   # meshes as their generators write them
     clang libomp-dev             # the other compiler, its OpenMP
     libclang-rt-dev              # its sanitizers and the fuzzer
+    chromium                     # the page of a report, as a browser shows it
     valgrind                     # memory, independently of the sanitizers
     abigail-tools                # the library's interface, compared with the last release
     libcgns-dev libmedc-dev python3-h5py # owners of formats in HDF5

@@ -9,4 +9,7 @@
 int pl_report_write(const char *path, const char *json, const pl_picture *picture,
                     const char *no_picture, int failed);
 
+/** Whether this program has the library that draws pictures. */
+int pl_report_can_draw(void);
+
 #endif

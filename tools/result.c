@@ -310,11 +310,11 @@ static char *finish(document *json, cJSON *root) {
     return line;
 }
 
-/** As they are written, or read: in full, whatever the format's digits. */
-static void add_checksum(document *json, cJSON *root, const pl_job *job) {
+/** Of coordinates as they are written, or read: in full, whatever the format's digits. */
+static void add_checksum(document *json, cJSON *root, const char *name, uint64_t checksum) {
     char text[17];
-    snprintf(text, sizeof text, "%016" PRIx64, planish_checksum(&job->mesh));
-    add_text(json, root, "checksum", text);
+    snprintf(text, sizeof text, "%016" PRIx64, checksum);
+    add_text(json, root, name, text);
 }
 
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
@@ -324,6 +324,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "planish", planish_version());
     add_text(&json, root, "input", job->arguments->input);
     add_text(&json, root, "output", job->arguments->output);
+    add_text(&json, root, "format", job->file_info.format);
     add_mesh(&json, root, job);
     add_text(&json, root, "method", pl_method_name(job->options.method));
     add_objective(&json, root, job, &result->smooth);
@@ -333,7 +334,8 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
-    add_checksum(&json, root, job);
+    add_checksum(&json, root, "input_checksum", result->input_checksum);
+    add_checksum(&json, root, "checksum", planish_checksum(&job->mesh));
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
     add_integer(&json, root, "put_back", result->smooth.put_back);
     add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
@@ -359,7 +361,7 @@ char *pl_result_quality_json(const pl_job *job, const planish_quality *quality,
     cJSON *root = cJSON_CreateObject();
     add_mesh(&json, root, job);
     add_quality(&json, root, "quality", quality, volumes->n_below);
-    add_checksum(&json, root, job);
+    add_checksum(&json, root, "checksum", planish_checksum(&job->mesh));
     add_volumes(&json, root, job, volumes, NULL);
     return finish(&json, root);
 }

@@ -4,13 +4,16 @@
 
 #include "job.h"
 #include "progress.h"
+#include "report/picture.h"
 #include "volumes.h"
 
 /** Everything that smooth can say about a run. */
 typedef struct pl_result {
     planish_quality before, after;
-    int64_t below_before; /* elements below their least volume in the input */
-    pl_volumes volumes;   /* those of the result */
+    uint64_t input_checksum; /* of the coordinates as read */
+    pl_picture *picture;     /* for a page, owned, or NULL */
+    int64_t below_before;    /* elements below their least volume in the input */
+    pl_volumes volumes;      /* those of the result */
     pl_unfixable unfixable;
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;

@@ -10,6 +10,7 @@
 #include "message.h"
 #include "output.h"
 #include "progress.h"
+#include "report.h"
 #include "result.h"
 #include "signals.h"
 #include "table.h"
@@ -214,20 +215,28 @@ static int judge(const pl_job *job, pl_result *result) {
     return PL_EXIT_DONE;
 }
 
-/** The JSON report. The mesh is already written, so a failure makes the run a partial one. */
-static int write_report(const pl_job *job, const pl_result *result, const pl_progress *progress) {
-    const char *path = job->arguments->json;
-    if (!path)
+static int write_json(const char *path, const char *text) {
+    planish_error error;
+    if (path && pl_output_write_text(path, text, strlen(text), &error))
+        return pl_complain(PL_EXIT_PARTLY, "the report: %s", error.text);
+    return 0;
+}
+
+/** The reports: JSON, and the page that is made of it. The mesh is already written, so a failure
+ *  makes the run a partial one. */
+static int write_reports(const pl_job *job, const pl_result *result, const pl_progress *progress) {
+    const pl_arguments *arguments = job->arguments;
+    if (!arguments->json && !arguments->report)
         return 0;
     char *text = pl_result_smooth_json(job, result, progress);
     if (!text)
-        return pl_complain(PL_EXIT_PARTLY, "out of memory for the report %s", path);
-    planish_error error;
-    const int failure = pl_output_write_text(path, text, strlen(text), &error);
+        return pl_complain(PL_EXIT_PARTLY, "out of memory for the report");
+    const int json = write_json(arguments->json, text);
+    const int page = arguments->report ? pl_report_write(arguments->report, text, result->picture,
+                                                         NULL, PL_EXIT_PARTLY)
+                                       : 0;
     free(text);
-    if (failure)
-        return pl_complain(PL_EXIT_PARTLY, "the report: %s", error.text);
-    return 0;
+    return json ? json : page;
 }
 
 /** The elements that fall short of what was asked for. */
@@ -269,6 +278,21 @@ static void print_setup(const pl_job *job) {
                 (double)info->bytes / 1e6);
 }
 
+/** What the reports want of the mesh before it is smoothed. */
+static int take_before(const pl_job *job, pl_result *result) {
+    const pl_arguments *arguments = job->arguments;
+    if (arguments->json || arguments->report)
+        result->input_checksum = planish_checksum(&job->mesh);
+    if (!arguments->report || !pl_report_can_draw())
+        return 0;
+    const int status = pl_picture_begin(job, &result->picture);
+    return status ? status : pl_picture_take(result->picture, job, "before");
+}
+
+static int take_after(const pl_job *job, const pl_result *result) {
+    return result->picture ? pl_picture_take(result->picture, job, "after") : 0;
+}
+
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
     if ((status = pl_job_find_slides(job)))
@@ -282,6 +306,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_volumes_count(job, &result->below_before)))
         return status;
+    if ((status = take_before(job, result)))
+        return status;
     if ((status = run_sweeps(job, result, progress)))
         return status;
     print_optimality(job, &result->smooth);
@@ -293,12 +319,14 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = check_promises(job, result)))
         return status;
+    if ((status = take_after(job, result)))
+        return status;
     if ((status = write_mesh(job, result)))
         return status;
     result->total_seconds = pl_seconds() - job->begin;
     status = judge(job, result);
     print_table(job, result, status);
-    const int report = write_report(job, result, progress);
+    const int report = write_reports(job, result, progress);
     return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
 }
 
@@ -318,6 +346,7 @@ int pl_smooth_command(const pl_arguments *arguments) {
     pl_progress_free(&progress);
     pl_volumes_free(&result.volumes);
     pl_unfixable_free(&result.unfixable);
+    pl_picture_free(result.picture);
     pl_job_close(&job);
     return status;
 }

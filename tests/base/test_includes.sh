@@ -36,8 +36,10 @@ refuse "src/sweep/*" "$(includes "io|shape")" "sweep knows neither io nor shape"
 refuse "src/io/*" "$(includes "$(others base io)")" "io knows base only"
 refuse "$(ls tools/*.[ch] | grep -v tools/output.c)" "$(includes "$(others base)")" \
     "the program knows public headers and base, and io's output to write its report"
-refuse "$(ls src/*/* tools/*.[ch] | grep -v src/base/parallel.c)" "omp\.h|# *pragma *omp" "OpenMP belongs in src/base/parallel.c"
-refuse "$(ls src/*/* tools/*.[ch] | grep -v src/sweep/placement.c)" "hwloc\.h" "hwloc belongs in src/sweep/placement.c"
+refuse "$(ls tools/report/*.[ch] | grep -v -e surface.c -e markup.c)" "$(includes "$(others base)")" \
+    "a report knows public headers and base, its surface topology's facets, its markup io's base64"
+refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/base/parallel.c)" "omp\.h|# *pragma *omp" "OpenMP belongs in src/base/parallel.c"
+refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/sweep/placement.c)" "hwloc\.h" "hwloc belongs in src/sweep/placement.c"
 
 [ $bad = 0 ] && echo "includes point one way"
 exit $bad

@@ -227,7 +227,7 @@ void pl_chart_curves(pl_markup *page, const pl_curves *c) {
     else
         put_decade_ticks(page, &y, FOOT, -FRAME_HEIGHT, put_y_tick);
     put_even_ticks(page, &x, LEFT, FRAME_WIDTH, put_x_tick);
-    for (int k = c->n_series - 1; k >= 0; k--)
+    for (int k = 0; k < c->n_series; k++)
         put_curve(page, c, &x, &y, k);
     put_legend(page, c->n_series, c->name, "line");
     put_x_title(page, c->x_axis);

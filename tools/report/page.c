@@ -60,7 +60,8 @@ static void put_movement(pl_markup *page, const pl_figures *figures, const cJSON
     pl_markup_put(page, " nodes by up to ");
     pl_markup_put_real(page, pl_figure(result, "max_displacement"));
     pl_markup_put(page, ", in %d sweep%s and ", sweeps, sweeps == 1 ? "" : "s");
-    pl_markup_put_real(page, pl_figure(cJSON_GetObjectItemCaseSensitive(result, "seconds"), "total"));
+    pl_markup_put_real(page,
+                       pl_figure(cJSON_GetObjectItemCaseSensitive(result, "seconds"), "total"));
     pl_markup_put(page, " s on ");
     pl_markup_put_count(page, threads);
     pl_markup_put(page, " thread%s. ", threads == 1 ? "" : "s");
@@ -128,8 +129,9 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</p>\n<p class=\"verdict%s\">%s: ", valid ? "" : " bad",
                   valid ? "Valid" : "Not valid");
     put_elements(page, figures, mesh);
-    pl_markup_put(page, valid ? ", each of them positive, decided exactly." : ", some of them "
-                                                                              "inverted.");
+    pl_markup_put(page, valid ? ", each of them positive, decided exactly."
+                              : ", some of them "
+                                "inverted.");
     pl_markup_put(page, "</p>\n");
     put_remarks(page, figures);
     pl_markup_put(page, "</header>\n");
@@ -241,7 +243,8 @@ static void put_footer(pl_markup *page, const pl_figures *figures) {
         pl_markup_put_text(page, output);
         pl_markup_put(page, "</code>");
     }
-    pl_markup_put(page, ". The measures are defined in docs/measures.md of planish.</p></footer>\n");
+    pl_markup_put(page,
+                  ". The measures are defined in docs/measures.md of planish.</p></footer>\n");
 }
 
 void pl_page_make(pl_markup *page, const pl_figures *figures, const pl_picture *picture,

@@ -56,7 +56,7 @@ static void put_bins_table(pl_markup *page, const pl_figures *figures, const bin
 
 static void put_histogram(pl_markup *page, const pl_figures *figures, const char *key,
                           const char *title, const char *axis) {
-    bins b;
+    bins b = {0};
     if (!read_bins(figures, key, &b))
         return;
     const pl_histogram histogram = {.title = title,
@@ -66,8 +66,8 @@ static void put_histogram(pl_markup *page, const pl_figures *figures, const char
                                     .n_series = figures->n_states,
                                     .count = {b.count[0], b.count[1]},
                                     .name = {figures->name[0], figures->name[1]}};
-    pl_markup_put(page, "<figure%s><h3>%s</h3>\n",
-                  figures->n_states == 1 ? " class=\"only\"" : "", title);
+    pl_markup_put(page, "<figure%s><h3>%s</h3>\n", figures->n_states == 1 ? " class=\"only\"" : "",
+                  title);
     pl_chart_histogram(page, &histogram);
     put_bins_table(page, figures, &b);
     pl_markup_put(page, "</figure>\n");
@@ -90,6 +90,9 @@ void pl_page_put_histograms(pl_markup *page, const pl_figures *figures) {
 }
 
 /* ---- convergence ---------------------------------------------------------------------------- */
+
+/* What stands for no element on a logarithmic axis, below one. */
+static const double NONE_INVERTED = 0.5;
 
 /** The sweeps as points of curves; the first one is the state before. */
 typedef struct history {
@@ -148,8 +151,10 @@ static void read_history(const pl_figures *figures, const cJSON *sweeps, history
         i++;
     }
     h->phase[0] = h->phase[1];
-    for (i = 0; i < h->n; i++)
+    for (i = 0; i < h->n; i++) {
         h->any_inverted |= h->inverted[i] > 0;
+        h->inverted[i] = fmax(h->inverted[i], NONE_INVERTED);
+    }
 }
 
 static void put_curves(pl_markup *page, const history *h, int over_time) {
@@ -178,7 +183,7 @@ static void put_inverted(pl_markup *page, const history *h) {
                               .phase = h->phase};
     if (!h->any_inverted)
         return;
-    pl_markup_put(page, "<figure><h3>Inverted elements</h3>\n");
+    pl_markup_put(page, "<figure><h3>Inverted elements, down to none at the foot</h3>\n");
     pl_chart_curves(page, &curves);
     pl_markup_put(page, "</figure>\n");
 }

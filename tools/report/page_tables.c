@@ -55,6 +55,17 @@ static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
     pl_markup_put(page, "%s</td>", isfinite(value) ? m->unit : "");
 }
 
+/** From before to after as a percentage, or where that says little as a factor. */
+static void put_factor(pl_markup *page, double before, double after) {
+    const double factor = after / before, large = 10;
+    if (factor >= large && isfinite(factor))
+        pl_markup_put(page, "\xC3\x97&#8239;%.4g", factor);
+    else if (factor > 0 && 1 / factor >= large && isfinite(1 / factor))
+        pl_markup_put(page, "\xC3\xB7&#8239;%.4g", 1 / factor);
+    else if (factor > 0)
+        pl_markup_put(page, "%+.3g&#8239;%%", 100 * (factor - 1));
+}
+
 /** By how much it changed, and in words whether for the better. */
 static void put_change(pl_markup *page, const measure *m, const pl_figures *figures) {
     const double before = pl_figure(figures->state[0], m->key);
@@ -69,8 +80,8 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
     pl_markup_put(page, "<td>");
     if (m->is_count)
         pl_markup_put(page, "%+.0f", change);
-    else if (isfinite(relative))
-        pl_markup_put(page, "%+.3g&#8239;%%", 100 * relative);
+    else
+        put_factor(page, before, after);
     pl_markup_put(page, "</td><td class=\"word %s\">%s</td>", better ? "good" : "bad",
                   better ? "better" : "worse");
 }
@@ -142,8 +153,9 @@ static void put_spreads(pl_markup *page, const pl_figures *figures) {
 }
 
 void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
-    pl_markup_put(page, "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n<div "
-                        "class=\"scroll\"><table>\n",
+    pl_markup_put(page,
+                  "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n<div "
+                  "class=\"scroll\"><table>\n",
                   figures->n_states == 2 ? "Before and after" : "Quality");
     put_heading(page, figures);
     for (int i = 0; i < N_MEASURES; i++) {
@@ -167,7 +179,8 @@ void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
 /* ---- the worst elements --------------------------------------------------------------------- */
 
 /** A list of numbers; between: what stands between two. */
-static void put_numbers(pl_markup *page, const cJSON *object, const char *key, const char *between) {
+static void put_numbers(pl_markup *page, const cJSON *object, const char *key,
+                        const char *between) {
     double number[4];
     const int most = 4, listed = pl_figure_list(object, key, number, most);
     for (int i = 0; i < listed && i < most; i++)
@@ -275,17 +288,17 @@ static void put_times(pl_markup *page, const cJSON *seconds) {
         return;
     pl_markup_put(page, "<div class=\"times\" aria-hidden=\"true\">");
     for (int i = 0; i < n; i++)
-        pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>", span[i].seconds,
-                      span[i].name);
+        pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>",
+                      100 * span[i].seconds / total, span[i].name);
     pl_markup_put(page, "</div>\n<div class=\"scroll\"><table><thead><tr><th scope=\"col\">phase"
                         "</th><th scope=\"col\">seconds</th><th scope=\"col\">share</th></tr>"
                         "</thead><tbody>\n");
     for (int i = 0; i < n; i++)
         pl_markup_put(page,
-                      "<tr><th scope=\"row\">%s</th><td>%.3f</td><td>%.0f&#8239;%%</td></tr>\n",
+                      "<tr><th scope=\"row\">%s</th><td>%.3g</td><td>%.0f&#8239;%%</td></tr>\n",
                       span[i].name, span[i].seconds, 100 * span[i].seconds / total);
     pl_markup_put(page,
-                  "<tr class=\"main\"><th scope=\"row\">total</th><td>%.3f</td><td></td></tr>\n"
+                  "<tr class=\"main\"><th scope=\"row\">total</th><td>%.3g</td><td></td></tr>\n"
                   "</tbody></table></div>\n",
                   total);
 }
@@ -322,9 +335,9 @@ void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
     put_counted(page, "node visits", result, "node_visits");
     put_counted(page, "nodes moved", result, "moved_nodes");
     if (isfinite(memory))
-        pl_markup_put(page,
-                      "<tr><th scope=\"row\">most memory</th><td class=\"wrap\">%.1f MB</td></tr>\n",
-                      memory / 1e6);
+        pl_markup_put(
+            page, "<tr><th scope=\"row\">most memory</th><td class=\"wrap\">%.1f MB</td></tr>\n",
+            memory / 1e6);
     put_fact(page, "method", pl_figure_text(result, "method"));
     put_fact(page, "objective",
              pl_figure_text(cJSON_GetObjectItemCaseSensitive(result, "objective"), "name"));
@@ -344,8 +357,9 @@ static void put_claim(pl_markup *page, const pl_figures *figures, const char *cl
         better == LESS_IS_BETTER ? after <= before + rounding : after >= before - rounding;
     if (!isfinite(before) || !isfinite(after))
         return;
-    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td>%.10g</td><td>%.10g</td><td class=\"word "
-                        "%s\">%s</td></tr>\n",
+    pl_markup_put(page,
+                  "<tr><th scope=\"row\">%s</th><td>%.10g</td><td>%.10g</td><td class=\"word "
+                  "%s\">%s</td></tr>\n",
                   claim, before, after, holds ? "good" : "bad", holds ? "holds" : "does not hold");
 }
 
@@ -401,7 +415,8 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
     put_fact(page, "checksum of the coordinates read", pl_figure_text(result, "input_checksum"));
     put_fact(page,
-             figures->n_states == 2 ? "checksum of the coordinates written" : "checksum of the coordinates",
+             figures->n_states == 2 ? "checksum of the coordinates written"
+                                    : "checksum of the coordinates",
              pl_figure_text(result, "checksum"));
     pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">The checksum is of the bits of "
                         "all coordinates, the same on any number of threads; <code>planish quality "

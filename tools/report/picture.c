@@ -1,8 +1,8 @@
 /* picture: what a page draws of a mesh, as data for viewer.js.
  *
  * Places are taken relative to the box of the mesh: those of the surface in 16 bits for each axis,
- * finer than any screen, those of bad elements, which may be tiny, as floats. All numbers are little-
- * endian, in base64.
+ * finer than any screen, those of bad elements, which may be tiny, as floats. All numbers are
+ * little- endian, in base64.
  */
 #include "report/picture.h"
 
@@ -98,7 +98,8 @@ static double share_of_box(const pl_picture *picture, int d, double x) {
     return extent > 0 ? fmin(fmax((x - picture->low[d]) / extent, 0), 1) : 0;
 }
 
-/** Points lie in the middle of their nodes. sum [n_points][dim] and n [n_points]: zeroed scratch. */
+/** Points lie in the middle of their nodes. sum [n_points][dim] and n [n_points]: zeroed scratch.
+ */
 static void take_points(const pl_picture *picture, const planish_mesh *mesh, double *sum,
                         int32_t *n, uint8_t *out) {
     const int dim = picture->dim;
@@ -119,7 +120,8 @@ static void take_corners(const pl_picture *picture, const planish_mesh *mesh, in
                          uint8_t *out) {
     const int dim = picture->dim;
     for (int j = 0; j <= dim; j++) {
-        const double *x = mesh->coordinates + (int64_t)mesh->elements[element * (dim + 1) + j] * dim;
+        const double *x =
+            mesh->coordinates + (int64_t)mesh->elements[element * (dim + 1) + j] * dim;
         for (int d = 0; d < dim; d++, out += 4)
             put_float((x[d] - (picture->low[d] + picture->high[d]) / 2) / picture->size, out);
     }

@@ -214,8 +214,8 @@ static int coarsen(const planish_mesh *mesh, int64_t most, pl_drawn_surface *s,
 int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
                           planish_error *error) {
     memset(surface, 0, sizeof *surface);
-    int status = mesh->dim == 3 ? find_facets(mesh, surface, error)
-                                : take_triangles(mesh, surface, error);
+    int status =
+        mesh->dim == 3 ? find_facets(mesh, surface, error) : take_triangles(mesh, surface, error);
     if (!status)
         status = coarsen(mesh, most, surface, error);
     if (status)

@@ -233,11 +233,26 @@ function makePlane(state, edges) {
     const group = new THREE.Group();
     const places = new Float32Array(triangles.length * 3);
     triangles.forEach((point, i) => places.set(state.points.subarray(3 * point, 3 * point + 3), 3 * i));
-    const colour = i => colourOf(state.ratios[i] && Math.exp((state.ratios[i] - 0.5) / STEPS_PER_E));
+    const ratioOf = i => state.ratios[i] && Math.exp((state.ratios[i] - 0.5) / STEPS_PER_E);
     const material = new THREE.MeshBasicMaterial(
         {vertexColors: THREE.VertexColors, side: THREE.DoubleSide});
+    const geometry = colouredTriangles(places, i => colourOf(ratioOf(i)));
     group.skins = [];
-    group.add(new THREE.Mesh(colouredTriangles(places, colour), material));
+    group.add(new THREE.Mesh(geometry, material));
+    /* Those that are not worse than limit are pale. */
+    group.showWorse = limit => {
+        const paper = themeColour('--panel'), mixed = new THREE.Color();
+        const colours = geometry.attributes.color;
+        for (let i = 0; i < state.ratios.length; i++) {
+            const ratio = ratioOf(i);
+            mixed.set(colourOf(ratio));
+            if (ratio > 0 && ratio <= limit)
+                mixed.lerp(paper, 0.85);
+            for (let j = 0; j < 3; j++)
+                mixed.toArray(colours.array, 9 * i + 3 * j);
+        }
+        colours.needsUpdate = true;
+    };
     group.mesh = lines(state.points, edges.all, 0, 0.45);
     group.frame = lines(state.points, edges.sharp, 0, 1);
     group.mesh.position.z = group.frame.position.z = 0.002;
@@ -260,7 +275,7 @@ function lookAtAll() {
         const radius = Math.hypot(...extent) / size / 2;
         const angle = FIELD_OF_VIEW / 2 * Math.PI / 180;
         const farther = camera.aspect < 1 ? 1 / camera.aspect : 1;
-        camera.position.set(0.45, -0.75, 0.48).setLength(farther * radius / Math.sin(angle));
+        camera.position.set(0.45, -0.75, 0.48).setLength(0.9 * farther * radius / Math.sin(angle));
     } else {
         camera.position.set(0, 0, 1);
     }
@@ -380,8 +395,9 @@ function applyTheme() {
     for (const view of views) {
         for (const skin of view.shape.skins)
             skin.color = themeColour('--skin');
-        view.shape.mesh.material.color = themeColour('--ink');
-        view.shape.frame.material.color = themeColour('--ink');
+        /* Lines of a plane mesh lie on its colours, which are the same on any page. */
+        const ink = dim === 3 ? themeColour('--ink') : new THREE.Color('#22303c');
+        view.shape.mesh.material.color = view.shape.frame.material.color = ink;
     }
     drawSoon();
 }
@@ -416,6 +432,8 @@ function showWorse() {
     for (const view of views) {
         const n = countWorse(view.state, value), inverted = countWorse(view.state, Infinity);
         view.bad.show(n);
+        if (view.shape.showWorse)
+            view.shape.showWorse(slider.value > 0 ? value : 0);
         view.caption.textContent = n.toLocaleString('en') + (n === 1 ? ' element' : ' elements') +
             ' worse than ' + text + (inverted ? ', ' + inverted.toLocaleString('en') + ' of them inverted' : '');
     }
@@ -451,7 +469,7 @@ function visit(place) {
 }
 
 function connect() {
-    const start = Math.max(lowest, Math.min(3, highest));
+    const start = dim === 2 ? lowest : Math.max(lowest, Math.min(3, highest));
     slider.value = highest > lowest
         ? slider.max * Math.log(start / lowest) / Math.log(highest / lowest) : 0;
     slider.addEventListener('input', showWorse);
