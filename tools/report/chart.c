@@ -108,6 +108,9 @@ void pl_chart_histogram(pl_markup *page, const pl_histogram *h) {
     end_drawing(page);
 }
 
+/* What is smaller counts as 0. */
+static const double SMALLEST = 1e-100;
+
 /* ---- curves --------------------------------------------------------------------------------- */
 
 /** From a value to a place along an axis of length 1. */
@@ -154,7 +157,7 @@ static void put_decade_ticks(pl_markup *page, const scale *s, double origin, dou
 }
 
 static int is_drawn(double y) {
-    return isfinite(y) && y > 0;
+    return isfinite(y) && y > SMALLEST;
 }
 
 /** The range of all values, somewhat widened. */
@@ -219,7 +222,7 @@ static void put_curve(pl_markup *page, const pl_curves *c, const scale *x, const
 void pl_chart_curves(pl_markup *page, const pl_curves *c) {
     const scale y = find_range(c);
     const double end = c->n > 0 ? c->x[c->n - 1] : 0;
-    const scale x = {0, end > 0 ? end : 1, 0};
+    const scale x = {0, end > SMALLEST ? end : 1, 0};
     begin_drawing(page, c->title);
     put_phases(page, c, &x);
     if (y.high / y.low < 20)

@@ -4,6 +4,13 @@
 #include <math.h>
 #include <stddef.h>
 
+/* Larger than whatever is measured, and small enough for sums and products of such numbers. */
+static const double LARGEST = 1e100;
+
+static double value_of(const cJSON *item) {
+    return cJSON_IsNumber(item) && fabs(item->valuedouble) < LARGEST ? item->valuedouble : NAN;
+}
+
 static int is_quality(const cJSON *object) {
     return cJSON_IsObject(object) && isfinite(pl_figure(object, "inverted")) &&
            cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(object, "histogram"));
@@ -42,8 +49,7 @@ const cJSON *pl_figures_last(const pl_figures *figures) {
 }
 
 double pl_figure(const cJSON *object, const char *key) {
-    const cJSON *item = cJSON_GetObjectItemCaseSensitive(object, key);
-    return cJSON_IsNumber(item) ? item->valuedouble : NAN;
+    return value_of(cJSON_GetObjectItemCaseSensitive(object, key));
 }
 
 int64_t pl_figure_count(const cJSON *object, const char *key) {
@@ -64,7 +70,7 @@ int pl_figure_list(const cJSON *object, const char *key, double *number, int mos
         return 0;
     cJSON_ArrayForEach(item, list) {
         if (n < most)
-            number[n] = cJSON_IsNumber(item) ? item->valuedouble : NAN;
+            number[n] = value_of(item);
         n++;
     }
     return n;

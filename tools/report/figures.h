@@ -22,7 +22,8 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures);
 /** The last state: the result. */
 const cJSON *pl_figures_last(const pl_figures *figures);
 
-/** The number that key of object is, or NAN; object may be NULL. */
+/** The number that key of object is, or NAN if there is none, or one beyond 1e100; object may be
+ *  NULL. */
 double pl_figure(const cJSON *object, const char *key);
 
 /** The same as an integer, 0 if there is none. */

@@ -73,11 +73,11 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
     const double change = after - before, relative = change / fabs(before);
     const int differs = m->is_count ? change != 0 : fabs(relative) >= NOTABLE;
     if (!isfinite(change) || !differs || m->sense == NEITHER) {
-        pl_markup_put(page, "<td></td><td class=\"word\"></td>");
+        pl_markup_put(page, "<td class=\"change\"></td><td class=\"word\"></td>");
         return;
     }
     const int better = (change < 0) == (m->sense == LESS_IS_BETTER);
-    pl_markup_put(page, "<td>");
+    pl_markup_put(page, "<td class=\"change\">");
     if (m->is_count)
         pl_markup_put(page, "%+.0f", change);
     else
@@ -101,7 +101,9 @@ static void put_heading(pl_markup *page, const pl_figures *figures) {
     for (int s = 0; s < figures->n_states; s++)
         pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
     if (figures->n_states == 2)
-        pl_markup_put(page, "<th scope=\"col\">change</th><th scope=\"col\" class=\"word\"></th>");
+        pl_markup_put(
+            page,
+            "<th scope=\"col\" class=\"change\">change</th><th scope=\"col\" class=\"word\"></th>");
     pl_markup_put(page, "</tr></thead>\n<tbody>\n");
 }
 

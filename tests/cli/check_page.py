@@ -1,0 +1,166 @@
+"""check_page.py PAGE.html RESULT.json [BEFORE AFTER]: a page of a report is well-formed, needs
+nothing from elsewhere, says what the result says, and draws the meshes of the files."""
+import base64
+import collections
+import html.parser
+import json
+import math
+import struct
+import sys
+
+import mesh_file
+
+VOID = {"meta", "input", "br", "link"}
+REFERENCES = {"src", "href", "srcset", "action", "poster", "data"}
+LARGEST = 5000000  # bytes that a page may have
+
+
+class Page(html.parser.HTMLParser):
+    """The text of a page by the id of its section, and what its tags say."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.scripts, self.attributes, self.words = [], {}, [], []
+        self.tags = collections.Counter()
+        self.policy = ""
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        self.tags[tag] += 1
+        self.attributes.append((tag, attributes))
+        if attributes.get("http-equiv") == "Content-Security-Policy":
+            self.policy = attributes["content"]
+        if tag not in VOID and not self.get_starttag_text().endswith("/>"):
+            self.open.append((tag, attributes.get("id")))
+
+    def handle_startendtag(self, tag, attributes):
+        self.handle_starttag(tag, attributes)
+
+    def handle_endtag(self, tag):
+        assert self.open and self.open[-1][0] == tag, "</%s> closes %s" % (tag, self.open[-1:])
+        self.open.pop()
+
+    def handle_data(self, data):
+        if self.open and self.open[-1][0] == "script":
+            self.scripts[self.open[-1][1]] = data
+        elif self.open and self.open[-1][0] != "style":
+            self.words.append(data)
+
+    def text(self):
+        return " ".join(" ".join(self.words).split())
+
+
+def check_alone(page):
+    """Nothing is loaded, and nothing may be."""
+    assert "default-src 'none'" in page.policy, page.policy
+    for tag, attributes in page.attributes:
+        loaded = REFERENCES & set(attributes)
+        assert not loaded, "<%s> loads %s" % (tag, loaded)
+        assert not any(name.startswith("on") for name in attributes), attributes
+    assert page.tags["h1"] == 1 and page.tags["main"] == 1 and page.tags["title"] >= 1
+
+
+def check_words(page):
+    """Tables have headings, drawings say what they are, controls have labels."""
+    for tag, attributes in page.attributes:
+        if tag == "th":
+            assert attributes.get("scope") in ("col", "row"), attributes
+        if tag == "svg":
+            assert attributes.get("role") == "img" and attributes.get("aria-label"), attributes
+
+
+def real(value):
+    return "\u2013" if value is None else "%.4g" % value
+
+
+def check_figures(page, result):
+    text = page.text()
+    states = [result[key] for key in ("before", "after", "quality") if key in result]
+    for state in states:
+        for key in ("max_radius_ratio", "rms_radius_ratio", "mean_radius_ratio", "min_volume"):
+            assert real(state[key]) in text, "%s = %s is not in the page" % (key, real(state[key]))
+        assert real(state["min_dihedral_deg"]) + "\u00b0" in text
+        for element in state.get("worst_elements", []):
+            assert str(element["element"]) in text
+    assert result["checksum"] in text
+    rects = [a for tag, a in page.attributes if tag == "rect" and "bar" in a.get("class", "")]
+    bars = sum(count > 0 for state in states for name in ("histogram", "angle_histogram")
+               for count in state[name]["counts"])
+    assert len(rects) == bars, "%d bars for %d bins" % (len(rects), bars)
+
+
+def facets(mesh):
+    """Triangles that bound tetrahedra; of triangles all."""
+    if mesh.dim == 2:
+        return {frozenset(element) for element in mesh.elements}
+    seen = collections.Counter(frozenset(element[:i] + element[i + 1:])
+                               for element in mesh.elements for i in range(4))
+    return {facet for facet, count in seen.items() if count == 1}
+
+
+def unpack(text, kind):
+    data = base64.b64decode(text, validate=True)
+    return [value for value, in struct.iter_unpack("<" + kind, data)]
+
+
+def check_surface(picture, state, mesh):
+    """Every triangle drawn is one of the surface, at its place."""
+    dim, low, high = mesh.dim, picture["low"], picture["high"]
+    numbers = unpack(state.get("points") or picture["states"][0]["points"], "H")
+    points = [tuple(numbers[i:i + dim]) for i in range(0, len(numbers), dim)]
+
+    def rounded(xyz):
+        return tuple(round((x - a) / (b - a) * 65535) for x, a, b in zip(xyz, low, high))
+    corners = unpack(picture["triangles"], "H" if picture["index_bits"] == 16 else "I")
+    drawn = collections.Counter(frozenset(points[i] for i in corners[j:j + 3])
+                                for j in range(0, len(corners), 3))
+    wanted = collections.Counter(frozenset(rounded(mesh.points[n]) for n in facet)
+                                 for facet in facets(mesh))
+    assert picture["coarse"] is False and drawn == wanted, "the surface is another one"
+
+
+def check_bad(picture, state, mesh):
+    """The worst elements are drawn, worst first, where they are."""
+    ratios = unpack(state["bad_ratios"], "f")
+    orientation = math.copysign(1, sum(map(mesh_file.volume, mesh_file.corners(mesh))))
+    worst = sorted((-mesh_file.radius_ratio(t) if orientation * mesh_file.volume(t) > 0
+                    else -math.inf for t in mesh_file.corners(mesh)))[:4000]
+    assert len(ratios) == len(worst)
+    for drawn, ratio in zip(ratios, worst):
+        assert math.isclose(drawn or math.inf, -ratio, rel_tol=1e-4), (drawn, ratio)
+    size = max(b - a for a, b in zip(picture["low"], picture["high"]))
+    middle = [(a + b) / 2 for a, b in zip(picture["low"], picture["high"])]
+    places = {tuple(round((x - m) / size, 4) for x, m in zip(p, middle)) for p in mesh.points}
+    corners = unpack(state["corners"], "f")
+    assert len(corners) == len(ratios) * (mesh.dim + 1) * mesh.dim
+    for i in range(0, len(corners), mesh.dim):
+        assert tuple(round(x, 4) for x in corners[i:i + mesh.dim]) in places
+
+
+def check_picture(page, files):
+    picture = json.loads(page.scripts["picture-data"])
+    assert len(picture["states"]) == len(files)
+    for state, path in zip(picture["states"], files):
+        mesh = mesh_file.read(path)
+        check_surface(picture, state, mesh)
+        check_bad(picture, state, mesh)
+        if mesh.dim == 2:
+            assert len(unpack(state["ratios"], "B")) == len(mesh.elements)
+
+
+def main():
+    path, result, files = sys.argv[1], json.load(open(sys.argv[2])), sys.argv[3:]
+    text = open(path, encoding="utf-8").read()
+    assert len(text.encode()) < LARGEST, "%d bytes" % len(text.encode())
+    page = Page()
+    page.feed(text)
+    page.close()
+    assert not page.open, "still open: %s" % page.open
+    check_alone(page)
+    check_words(page)
+    check_figures(page, result)
+    if files:
+        check_picture(page, files)
+
+
+main()

@@ -1,0 +1,124 @@
+#!/usr/bin/env bash
+# The page for people: well-formed, complete, alone; the same from the run and from its JSON.
+. "$(dirname "$0")/common.sh"
+
+python3 "$cli/make_mesh.py" 6 0.9 tangled.mesh
+cp "$source_folder/tests/data/square.msh" square.msh
+expect_status 0 "$program" smooth "$sample" -o none.msh --report none.html -q
+grep -q "without three.js" none.html && picture="" || picture=yes
+
+# check_page PAGE JSON [MESH...]: with the meshes if this build draws them.
+check_page() {
+    [ -n "$picture" ] || set -- "$1" "$2"
+    python3 "$cli/check_page.py" "$@" || fail "page $1"
+}
+
+# In 3-D, untangled, with nodes that slide; in the plane; and the same pages from the JSON.
+expect_status 0 "$program" smooth tangled.mesh -o smooth.mesh --slide auto --report run.html --json run.json
+check_page run.html run.json tangled.mesh smooth.mesh
+expect_status 0 "$program" report run.json -o again.html
+[ ! -s out ] && [ ! -s err ] || fail "report should be silent"
+cmp run.html again.html || fail "the page of the JSON is another one"
+expect_status 0 "$program" smooth square.msh -o plane.msh --json plane.json --report plane.html -q
+check_page plane.html plane.json square.msh plane.msh
+expect_status 0 "$program" quality tangled.mesh --json quality.json --report quality.html -q
+check_page quality.html quality.json tangled.mesh
+expect_status 0 "$program" report quality.json -o again.html
+cmp quality.html again.html || fail "the page of quality's JSON"
+
+# From another folder; the page stands beside the JSON unless told otherwise.
+mkdir elsewhere
+(cd elsewhere && expect_status 0 "$program" report ../run.json -o here.html && cmp here.html ../run.html) ||
+    fail "report from elsewhere"
+cp run.json copy.json
+expect_status 0 "$program" report copy.json
+cmp copy.html run.html || fail "the page beside the JSON"
+
+# Meshes that are gone or have changed are not drawn, and that is said.
+if [ -n "$picture" ]; then
+    mv smooth.mesh gone.mesh
+    expect_status 0 "$program" report run.json -o half.html
+    expect_text "'smooth.mesh' is not there any more"
+    grep -q "is not there any more" half.html || fail "what is not drawn should be said"
+    cp tangled.mesh smooth.mesh
+    expect_status 0 "$program" report run.json -o half.html
+    expect_text "'smooth.mesh' has other coordinates now"
+    mv gone.mesh smooth.mesh
+    expect_status 0 "$program" report run.json -o half.html -q
+    [ ! -s err ] || fail "report -q should be silent"
+fi
+
+# A name is a name, whatever it looks like.
+name='<script>alert(1)</script>&"'"'.msh"
+cp "$sample" "$name"
+expect_status 0 "$program" smooth "$name" -o "$name" --report odd.html --json odd.json -q
+! grep -q 'alert(1)</script>&"' odd.html || fail "a name should be escaped"
+check_page odd.html odd.json
+
+# What is no result.
+printf '{"mesh": ' >broken.json
+expect_status 2 "$program" report broken.json
+expect_one_line
+expect_text "broken.json, line 1: is no JSON"
+head -c 3000 run.json >cut.json
+expect_status 2 "$program" report cut.json
+expect_one_line
+printf '[1, 2]' >list.json
+expect_status 2 "$program" report list.json
+expect_one_line
+expect_text "is no JSON object"
+printf '{"mesh": {"elements": 5}, "before": 3, "after": {}}' >other.json
+expect_status 2 "$program" report other.json
+expect_one_line
+: >empty.json
+expect_status 2 "$program" report empty.json
+expect_one_line
+expect_status 2 "$program" report nowhere.json
+expect_one_line
+expect_text "nowhere.json"
+expect_status 2 "$program" report elsewhere
+expect_one_line
+expect_no_file broken.html cut.html list.html other.html empty.html nowhere.html elsewhere.html
+
+# Values of any kind: a page is made, or one line says why not.
+python3 - run.json <<'END'
+import json, sys
+result = json.load(open(sys.argv[1]))
+odd = [None, -1, 1e308, "text", [], {}, [None] * 3, "\u0000<&>", True]
+def spoil(value, k):
+    if isinstance(value, dict):
+        return {key: spoil(v, k * 31 + i) for i, (key, v) in enumerate(value.items())}
+    if isinstance(value, list) and k % 3:
+        return [spoil(v, k * 17 + i) for i, v in enumerate(value)]
+    return odd[k % len(odd)] if k % 5 == 0 else value
+for i in range(40):
+    json.dump(spoil(result, i), open("spoilt%d.json" % i, "w"))
+END
+for i in $(seq 0 39); do
+    "$program" report spoilt$i.json -o spoilt.html -q 2>err
+    status=$?
+    [ $status = 0 ] || { [ $status = 2 ] && [ "$(wc -l <err)" = 1 ]; } || fail "spoilt$i.json: $status"
+done
+
+# Nothing is overwritten by a slip, and nothing is left half-written.
+cp run.json keep.json
+expect_status 64 "$program" report run.json -o run.json
+expect_status 64 "$program" report run.json -o tangled.mesh
+expect_status 64 "$program" smooth tangled.mesh -o x.mesh --report tangled.mesh
+expect_status 64 "$program" smooth tangled.mesh -o x.mesh --report x.mesh
+expect_status 64 "$program" smooth tangled.mesh -o x.mesh --report x.html --json x.html
+expect_status 64 "$program" quality tangled.mesh --report tangled.mesh
+cmp run.json keep.json || fail "run.json has changed"
+expect_no_file x.mesh
+expect_status 2 "$program" report run.json -o nowhere/page.html
+expect_one_line
+expect_status 2 "$program" smooth tangled.mesh -o x.mesh --report nowhere/page.html -q
+expect_one_line
+expect_no_file x.mesh
+if [ -w /dev/full ]; then
+    expect_status 2 "$program" report run.json -o /dev/full
+    expect_one_line
+    expect_status 1 "$program" smooth tangled.mesh -o x.mesh --report /dev/full -q
+    expect_one_line
+fi
+finish
