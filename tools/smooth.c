@@ -13,6 +13,7 @@
 #include "result.h"
 #include "signals.h"
 #include "table.h"
+#include "text.h"
 #include "volumes.h"
 
 #include "base/clock.h"
@@ -66,12 +67,11 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
     const int code = planish_smooth(job->plan, planish_file_coordinates(job->file), &job->options,
                                     &result->smooth, &error);
     result->smooth_seconds = pl_seconds() - begin;
-    pl_progress_clear(progress);
     if (code)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    pl_progress_clear(progress);
     if (progress->out_of_memory) /* no reason to lose the mesh */
-        fprintf(stderr,
-                "note: out of memory for the history of the sweeps; the report lacks some\n");
+        pl_note(stderr, "out of memory for the history of the sweeps; the report lacks some");
     return 0;
 }
 
@@ -131,7 +131,7 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
                                     lost, sizeof lost, error);
     free(ratio);
     if (!code && job->arguments->verbosity != PL_QUIET)
-        fprintf(stderr, "note: %s is for viewing; left out of it: %s\n", output, lost);
+        pl_note(stderr, "%s is for viewing; left out of it: %s", output, lost);
     return code;
 }
 
@@ -252,29 +252,40 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
 
 /** With -v: how close to a local optimum the end is. */
 static void print_optimality(const pl_job *job, const planish_result *smooth) {
-    if (job->arguments->verbosity == PL_VERBOSE && pl_result_has_optimality(job))
-        fprintf(stderr,
-                "KKT residual: largest %.3g, RMS %.3g; %" PRId64
-                " active constraints, largest multiplier %.3g\n",
-                smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
+    char text[256];
+    if (job->arguments->verbosity < PL_VERBOSE || !pl_result_has_optimality(job))
+        return;
+    snprintf(text, sizeof text,
+             "KKT residual: largest %.3g, RMS %.3g; %" PRId64
+             " active constraints, largest multiplier %.3g",
+             smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
+    pl_text_wrap(stderr, text);
+}
+
+static void print_threads(const planish_plan_info *info) {
+    char text[512];
+    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colours, plan of %.1f MB",
+             info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
+             info->n_colours, (double)info->bytes / 1e6);
+    pl_text_wrap(stderr, text);
 }
 
 static void print_setup(const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     if (job->arguments->verbosity != PL_QUIET)
         pl_table_oddities(stderr, job);
-    if (job->arguments->verbosity == PL_VERBOSE)
-        fprintf(stderr, "%d thread%s (%s), kernel %s, %d colours, plan of %.1f MB\n", info->threads,
-                info->threads == 1 ? "" : "s", info->binding, info->isa, info->n_colours,
-                (double)info->bytes / 1e6);
+    if (job->arguments->verbosity >= PL_VERBOSE)
+        print_threads(info);
 }
 
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
+    pl_progress_phase(progress, PL_PHASE_PLANNING);
     if ((status = pl_job_find_slides(job)))
         return status;
     if ((status = pl_job_plan(job)))
         return status;
+    pl_progress_phase(progress, PL_PHASE_MEASURING);
     print_setup(job);
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
@@ -285,6 +296,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = run_sweeps(job, result, progress)))
         return status;
     print_optimality(job, &result->smooth);
+    pl_progress_phase(progress, PL_PHASE_CHECKING);
     if ((status = pl_job_measure(job, &result->after)))
         return status;
     if ((status = pl_volumes_find(job, result->smooth.min_volume, &result->volumes)))
@@ -293,8 +305,10 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = check_promises(job, result)))
         return status;
+    pl_progress_phase(progress, PL_PHASE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
+    pl_progress_clear(progress);
     result->total_seconds = pl_seconds() - job->begin;
     status = judge(job, result);
     print_table(job, result, status);
@@ -310,6 +324,7 @@ int pl_smooth_command(const pl_arguments *arguments) {
     if (status)
         return status;
     pl_progress_init(&progress, arguments);
+    pl_progress_phase(&progress, PL_PHASE_READING);
     status = pl_job_read(&job, arguments);
     if (!status)
         status = check_extension(&job);
