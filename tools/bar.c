@@ -24,9 +24,14 @@ static const double INTERVAL = 0.1;
 static const double MOST_GUESSED = 0.5;
 
 /* How much of the whole may be done when a phase begins, as long as no sweep has told more. */
-static const double share_at[] = {
+static const double share_of_smooth[] = {
     [PL_PHASE_READING] = 0,      [PL_PHASE_PLANNING] = 0.1, [PL_PHASE_MEASURING] = 0.2,
     [PL_PHASE_SMOOTHING] = 0.25, [PL_PHASE_CHECKING] = 0.9, [PL_PHASE_WRITING] = 0.93,
+};
+static const double share_of_quality[] = {
+    [PL_PHASE_READING] = 0,
+    [PL_PHASE_PLANNING] = 0.4,
+    [PL_PHASE_MEASURING] = 0.7,
 };
 
 static const char *const phase_names[] = {
@@ -55,7 +60,15 @@ static void show(pl_progress *progress, const char *name, const char *tail, doub
 }
 
 void pl_bar_phase(pl_progress *progress, pl_phase phase) {
-    show(progress, phase_names[phase], "", share_at[phase]);
+    char name[64];
+    const pl_arguments *arguments = progress->arguments;
+    const int n = arguments->n_inputs, is_smooth = arguments->command == PL_COMMAND_SMOOTH;
+    const double share = is_smooth ? share_of_smooth[phase] : share_of_quality[phase];
+    if (n > 1)
+        snprintf(name, sizeof name, "%s, file %d of %d", phase_names[phase], progress->file + 1, n);
+    else
+        snprintf(name, sizeof name, "%s", phase_names[phase]);
+    show(progress, name, "", (progress->file + share) / n);
 }
 
 /** Seconds for people: "about 12 s left", "about 3:05 min left", "about 2:10 h left". */
@@ -73,7 +86,7 @@ static void print_left(double seconds, char *text, size_t size) {
 /** Sweeps that may be left where nothing is known yet. */
 static double guess_sweeps(const pl_progress *progress) {
     const double n = (double)progress->n_sweeps;
-    const double most = fmin(USUAL_SWEEPS, progress->options->max_sweeps);
+    const double most = fmin(USUAL_SWEEPS, progress->arguments->library.max_sweeps);
     return fmax(most - n, 1);
 }
 
@@ -89,13 +102,15 @@ static double seconds_left(const pl_progress *progress, const planish_progress *
     const double estimated =
         step->restoring || step->worst
             ? -1
-            : pl_estimate_sweeps(progress->sweep, n, progress->options, progress->plain);
-    *is_known = estimated >= 0 && !progress->options->worst;
+            : pl_estimate_sweeps(progress->sweep, n, &progress->arguments->library,
+                                 progress->plain);
+    *is_known = estimated >= 0 && !progress->arguments->library.worst;
     double left = fmax(0, (estimated >= 0 ? estimated : guess_sweeps(progress)) - done) * seconds;
-    if (progress->options->worst && !step->worst) /* its sweeps take about as long again */
+    if (progress->arguments->library.worst &&
+        !step->worst) /* its sweeps take about as long again */
         left += step->elapsed + left;
-    if (progress->options->time_limit > 0)
-        left = fmin(left, fmax(0, progress->options->time_limit - step->elapsed));
+    if (progress->arguments->library.time_limit > 0)
+        left = fmin(left, fmax(0, progress->arguments->library.time_limit - step->elapsed));
     return left;
 }
 

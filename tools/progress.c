@@ -17,7 +17,7 @@ enum { FIRST_CAPACITY = 64 };
 void pl_progress_init(pl_progress *progress, const pl_arguments *arguments) {
     const pl_verbosity verbosity = arguments->verbosity;
     memset(progress, 0, sizeof *progress);
-    progress->options = &arguments->library;
+    progress->arguments = arguments;
     progress->plain = !pl_arguments_change_objective(arguments);
     progress->has_volumes = pl_arguments_bound_volumes(arguments);
     progress->begin = pl_seconds();

@@ -17,16 +17,17 @@ typedef enum pl_phase {
 
 typedef struct pl_progress {
     enum { PL_SHOW_NOTHING, PL_SHOW_BAR, PL_SHOW_SWEEPS, PL_SHOW_COLOURS } show;
-    const planish_options *options;
-    int plain;             /* F is the RMS */
-    int has_volumes;       /* some elements have a least volume */
-    double begin;          /* pl_seconds at the beginning */
-    double write_seconds;  /* that writing is going to take, about: those of reading */
-    double last_shown;     /* planish_progress.elapsed of the last update of the bar */
-    double share;          /* of the whole that the bar shows as done: never falls */
-    double colour_seconds; /* of the present sweep, when its last colour was done */
-    int has_head;          /* the columns of the sweeps have been named */
-    pl_sweep *sweep;       /* [n_sweeps], owned */
+    const pl_arguments *arguments; /* the caller's */
+    int file;                      /* which of their inputs, from 0 */
+    int plain;                     /* F is the RMS */
+    int has_volumes;               /* some elements have a least volume */
+    double begin;                  /* pl_seconds at the beginning */
+    double write_seconds;          /* that writing is going to take, about: those of reading */
+    double last_shown;             /* planish_progress.elapsed of the last update of the bar */
+    double share;                  /* of the whole that the bar shows as done: never falls */
+    double colour_seconds;         /* of the present sweep, when its last colour was done */
+    int has_head;                  /* the columns of the sweeps have been named */
+    pl_sweep *sweep;               /* [n_sweeps], owned */
     int64_t n_sweeps, capacity;
     int out_of_memory; /* a sweep could not be kept */
 } pl_progress;

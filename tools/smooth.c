@@ -30,22 +30,6 @@ static const double F_ROUNDING = 1e-12;
 /* Degrees by which the arc cosine of a tiny angle can be off. */
 static const double ANGLE_ROUNDING = 2e-6;
 
-/** What the command line says about outputs, checked before the work begins. */
-static int check_outputs(const pl_arguments *arguments) {
-    const char *output = arguments->output, *json = arguments->json;
-    const int json_is_stdout = json && (strcmp(json, "-") == 0 || pl_output_is_stdout(json));
-    if (json_is_stdout && pl_output_is_stdout(output))
-        return pl_complain_usage("smooth", "mesh and report cannot both go to standard output");
-    if (json && strcmp(json, "-") != 0) {
-        if (pl_output_hits_mesh(json, output) || pl_output_hits_mesh(json, arguments->input))
-            return pl_complain_usage("smooth", "the report would overwrite the mesh '%s'", json);
-        const int status = pl_output_check(json);
-        if (status)
-            return status;
-    }
-    return pl_output_check(output);
-}
-
 /** Another extension than the input's asks for a conversion. */
 static int check_extension(const pl_job *job) {
     const char *output = job->arguments->output;
@@ -223,7 +207,7 @@ static int write_report(const pl_job *job, const pl_result *result, const pl_pro
     if (!text)
         return pl_complain(PL_EXIT_PARTLY, "out of memory for the report %s", path);
     planish_error error;
-    const int failure = pl_output_write_text(path, text, strlen(text), &error);
+    const int failure = pl_output_write_text(path, PL_TEMPORARY_REPORT, text, strlen(text), &error);
     free(text);
     if (failure)
         return pl_complain(PL_EXIT_PARTLY, "the report: %s", error.text);
@@ -239,11 +223,8 @@ static void print_lists(const pl_job *job, const pl_result *result) {
 /** Table and reason; the table gives way to standard error if standard output carries data. */
 static void print_table(const pl_job *job, const pl_result *result, int status) {
     const pl_arguments *arguments = job->arguments;
-    const int stdout_is_taken = pl_output_is_stdout(arguments->output) ||
-                                (arguments->json && (strcmp(arguments->json, "-") == 0 ||
-                                                     pl_output_is_stdout(arguments->json)));
     if (arguments->verbosity != PL_QUIET)
-        pl_table_smooth(stdout_is_taken ? stderr : stdout, job, result);
+        pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
     if (arguments->verbosity != PL_QUIET)
         print_lists(job, result);
     if (result->reason[0] && (status || arguments->verbosity != PL_QUIET))
@@ -293,6 +274,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_volumes_count(job, &result->below_before)))
         return status;
+    if ((status = pl_worst_find_asked(job, &result->worst_before)))
+        return status;
     if ((status = run_sweeps(job, result, progress)))
         return status;
     print_optimality(job, &result->smooth);
@@ -302,6 +285,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = pl_volumes_find(job, result->smooth.min_volume, &result->volumes)))
         return status;
     if ((status = pl_unfixable_find(job, result->after.inverted, &result->unfixable)))
+        return status;
+    if ((status = pl_worst_find_asked(job, &result->worst_after)))
         return status;
     if ((status = check_promises(job, result)))
         return status;
@@ -320,7 +305,7 @@ int pl_smooth_command(const pl_arguments *arguments) {
     pl_job job;
     pl_result result = {.reason = ""};
     pl_progress progress;
-    int status = check_outputs(arguments);
+    int status = pl_output_check_all(arguments);
     if (status)
         return status;
     pl_progress_init(&progress, arguments);
@@ -333,6 +318,8 @@ int pl_smooth_command(const pl_arguments *arguments) {
     pl_progress_free(&progress);
     pl_volumes_free(&result.volumes);
     pl_unfixable_free(&result.unfixable);
+    pl_worst_free(&result.worst_before);
+    pl_worst_free(&result.worst_after);
     pl_job_close(&job);
     return status;
 }
