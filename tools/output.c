@@ -2,7 +2,6 @@
 #include "output.h"
 
 #include "message.h"
-#include "signals.h"
 
 #include "io/output.h"
 
@@ -100,7 +99,47 @@ int pl_output_check(const char *path) {
     return result;
 }
 
-int pl_output_write_text(const char *path, const char *text, size_t length, planish_error *error) {
+/** Whether path, which may be NULL, is standard output. */
+static int is_stdout(const char *path) {
+    return path && (strcmp(path, "-") == 0 || pl_output_is_stdout(path));
+}
+
+int pl_output_takes_stdout(const pl_arguments *arguments) {
+    return is_stdout(arguments->output) || is_stdout(arguments->json) ||
+           is_stdout(arguments->report);
+}
+
+/** A report at path (NULL, "-": fine) may not be one of the files of a mesh. */
+static int check_report(const pl_arguments *arguments, const char *path) {
+    int hits = 0;
+    if (!path || strcmp(path, "-") == 0)
+        return 0;
+    for (int i = 0; i < arguments->n_inputs; i++)
+        hits |= pl_output_hits_mesh(path, arguments->inputs[i]);
+    if (hits || (arguments->output && pl_output_hits_mesh(path, arguments->output)))
+        return pl_complain_usage(pl_command_name(arguments->command),
+                                 "the report would overwrite the mesh '%s'", path);
+    return pl_output_check(path);
+}
+
+int pl_output_check_all(const pl_arguments *arguments) {
+    const char *command = pl_command_name(arguments->command);
+    const char *output = arguments->output, *json = arguments->json, *report = arguments->report;
+    int status;
+    if (is_stdout(output) + is_stdout(json) + is_stdout(report) > 1)
+        return pl_complain_usage(
+            command, "mesh and report, or two reports, cannot all go to standard output");
+    if (json && report && pl_output_same_file(json, report))
+        return pl_complain_usage(command, "--json and --report name one file, '%s'", report);
+    if ((status = check_report(arguments, json)))
+        return status;
+    if ((status = check_report(arguments, report)))
+        return status;
+    return output ? pl_output_check(output) : 0;
+}
+
+int pl_output_write_text(const char *path, pl_temporary which, const char *text, size_t length,
+                         planish_error *error) {
     if (strcmp(path, "-") == 0) {
         errno = 0;
         if (fwrite(text, 1, length, stdout) == length && fflush(stdout) == 0)
@@ -108,8 +147,7 @@ int pl_output_write_text(const char *path, const char *text, size_t length, plan
         snprintf(error->text, sizeof error->text, "standard output: %s", strerror(errno));
         return PLANISH_ERROR_FILE;
     }
-    const io_temporaries temporaries = {pl_signals_temporary(PL_TEMPORARY_REPORT),
-                                        PL_TEMPORARY_SIZE};
+    const io_temporaries temporaries = {pl_signals_temporary(which), PL_TEMPORARY_SIZE};
     io_output output;
     int status = io_output_open(path, temporaries, &output, error);
     if (!status)

@@ -6,7 +6,8 @@
 #ifndef PL_TOOLS_OUTPUT_H
 #define PL_TOOLS_OUTPUT_H
 
-#include <planish/planish.h>
+#include "options.h"
+#include "signals.h"
 
 #include <stddef.h>
 
@@ -23,8 +24,16 @@ int pl_output_hits_mesh(const char *path, const char *mesh_path);
 /** Whether a file can be made or replaced at path; 0, or an exit status after a message. */
 int pl_output_check(const char *path);
 
-/** Write text [length] to path as planish_file_write does ("-": standard output). Returns 0, or a
- *  negative planish_status with *error filled in. */
-int pl_output_write_text(const char *path, const char *text, size_t length, planish_error *error);
+/** Whether the outputs and reports that the command line names can be made, and none of them would
+ *  change a mesh that is read, or another one of them; 0, or an exit status after a message. */
+int pl_output_check_all(const pl_arguments *arguments);
+
+/** Whether one of them goes to standard output, so that tables must not. */
+int pl_output_takes_stdout(const pl_arguments *arguments);
+
+/** Write text [length] to path as planish_file_write does ("-": standard output); which: of the
+ *  temporary files. Returns 0, or a negative planish_status with *error filled in. */
+int pl_output_write_text(const char *path, pl_temporary which, const char *text, size_t length,
+                         planish_error *error);
 
 #endif

@@ -1,27 +1,30 @@
-/* progress: what the smoothing tells while it runs: on standard error, and kept for the report. */
+/* progress: what is told while a command works: on standard error, and kept for the report. */
 #include "progress.h"
 
+#include "bar.h"
 #include "signals.h"
+#include "terminal.h"
+
+#include "base/clock.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
-enum { LINE_WIDTH = 79, BAR_WIDTH = 20, FIRST_CAPACITY = 64 };
-
-/* Seconds between two updates of the bar: more often is not seen and only costs. */
-static const double BAR_INTERVAL = 0.1;
+enum { FIRST_CAPACITY = 64 };
 
 void pl_progress_init(pl_progress *progress, const pl_arguments *arguments) {
     const pl_verbosity verbosity = arguments->verbosity;
     memset(progress, 0, sizeof *progress);
-    progress->shows_objective = pl_arguments_change_objective(arguments);
-    progress->last_shown = -BAR_INTERVAL;
-    if (verbosity == PL_VERBOSE)
-        progress->show = PL_SHOW_LINES;
-    else if (verbosity == PL_NORMAL && isatty(STDERR_FILENO))
+    progress->arguments = arguments;
+    progress->plain = !pl_arguments_change_objective(arguments);
+    progress->has_volumes = pl_arguments_bound_volumes(arguments);
+    progress->begin = pl_seconds();
+    progress->last_shown = -1;
+    if (verbosity >= PL_VERBOSE)
+        progress->show = verbosity == PL_VERBOSE ? PL_SHOW_SWEEPS : PL_SHOW_COLOURS;
+    else if (verbosity == PL_NORMAL && pl_terminal_is(stderr))
         progress->show = PL_SHOW_BAR;
 }
 
@@ -47,60 +50,75 @@ static void keep_sweep(pl_progress *progress, const planish_progress *step) {
                                                        .worst = step->worst};
 }
 
-static void show_line(const pl_progress *progress, const planish_progress *step) {
-    fprintf(stderr, "sweep %d: RMS %.6g, movable %.6g", step->sweep, step->rms, step->rms_movable);
-    if (progress->shows_objective)
-        fprintf(stderr, ", F %.6g", step->objective);
-    if (step->inverted > 0)
-        fprintf(stderr, ", %" PRId64 " inverted", step->inverted);
-    if (step->below_min_volume > 0)
-        fprintf(stderr, ", %" PRId64 " below minimum", step->below_min_volume);
-    fprintf(stderr, "%s, %" PRId64 " visits, %.3f s\n",
-            step->restoring ? ", untangling"
-            : step->worst   ? ", for the worst"
-                            : "",
-            step->visits, step->seconds);
+/* ---- lines per sweep and colour: columns of 5, 12, 12, 9, (9,) 11 and 9 characters ---------- */
+
+/** The names of the columns, once. */
+static void show_head(pl_progress *progress) {
+    if (progress->has_head)
+        return;
+    progress->has_head = 1;
+    fprintf(stderr, "%s%5s%12s%12s%9s%s%11s%9s  phase%s\n",
+            pl_style_begin(stderr, PL_STYLE_HEADING), "sweep", "RMS",
+            progress->plain ? "movable" : "F", "inverted", progress->has_volumes ? "    below" : "",
+            "visits", "seconds", pl_style_end(stderr, PL_STYLE_HEADING));
 }
 
-/** One line, written over the last one; the bar is the share of this sweep's colours. */
-static void show_bar(pl_progress *progress, const planish_progress *step) {
-    if (step->elapsed - progress->last_shown < BAR_INTERVAL)
+static void show_sweep(const pl_progress *progress, const planish_progress *step) {
+    fprintf(stderr, "%5d%12.6g%12.6g%9" PRId64, step->sweep, step->rms,
+            progress->plain ? step->rms_movable : step->objective, step->inverted);
+    if (progress->has_volumes)
+        fprintf(stderr, "%9" PRId64, step->below_min_volume);
+    fprintf(stderr, "%11" PRId64 "%9.3f  %s\n", step->visits, step->seconds,
+            step->restoring ? "untangling"
+            : step->worst   ? "worst"
+                            : "smoothing");
+}
+
+static void show_colour(pl_progress *progress, const planish_progress *step) {
+    char name[64];
+    snprintf(name, sizeof name, "colour %d/%d", step->colour, step->n_colours);
+    fprintf(stderr, "%5s  %-*s%11" PRId64 "%9.3f\n", "", progress->has_volumes ? 40 : 31, name,
+            step->colour_visits, step->seconds - progress->colour_seconds);
+    progress->colour_seconds = step->seconds;
+}
+
+static void show_lines(pl_progress *progress, const planish_progress *step) {
+    show_head(progress);
+    if (!step->sweep_done && progress->show == PL_SHOW_COLOURS)
+        show_colour(progress, step);
+    if (!step->sweep_done)
         return;
-    progress->last_shown = step->elapsed;
-    progress->bar_is_shown = 1;
-    char bar[BAR_WIDTH + 1], state[32] = "", line[LINE_WIDTH + 1];
-    const int filled = step->n_colours > 0 ? BAR_WIDTH * step->colour / step->n_colours : BAR_WIDTH;
-    for (int i = 0; i < BAR_WIDTH; i++)
-        bar[i] = i < filled ? '#' : '.';
-    bar[BAR_WIDTH] = '\0';
-    if (step->restoring && step->inverted > 0) /* the RMS would be that of the others */
-        snprintf(state, sizeof state, "%" PRId64 " inverted, ", step->inverted);
-    else if (progress->n_sweeps > 0)
-        snprintf(state, sizeof state, "RMS %.6g, ", progress->sweep[progress->n_sweeps - 1].rms);
-    snprintf(line, sizeof line, "sweep %d [%s] %s%.1f s", step->sweep, bar, state, step->elapsed);
-    fprintf(stderr, "\r%-*s", LINE_WIDTH, line);
-    fflush(stderr);
+    show_sweep(progress, step);
+    progress->colour_seconds = 0;
+}
+
+/* ---- what the others call ------------------------------------------------------------------- */
+
+void pl_progress_phase(pl_progress *progress, pl_phase phase) {
+    if (phase == PL_PHASE_PLANNING)
+        progress->write_seconds = pl_seconds() - progress->begin;
+    if (progress->show == PL_SHOW_BAR)
+        pl_bar_phase(progress, phase);
 }
 
 int pl_progress_step(const planish_progress *step, void *user) {
     pl_progress *progress = user;
     if (step->sweep_done)
         keep_sweep(progress, step);
-    if (progress->show == PL_SHOW_LINES && step->sweep_done)
-        show_line(progress, step);
+    if (progress->show >= PL_SHOW_SWEEPS)
+        show_lines(progress, step);
     else if (progress->show == PL_SHOW_BAR)
-        show_bar(progress, step);
+        pl_bar_step(progress, step);
     return pl_signals_stop_asked();
 }
 
 void pl_progress_clear(pl_progress *progress) {
-    if (!progress->bar_is_shown)
-        return;
-    fprintf(stderr, "\r%*s\r", LINE_WIDTH, "");
-    progress->bar_is_shown = 0;
+    if (progress->show == PL_SHOW_BAR)
+        pl_line_clear();
 }
 
 void pl_progress_free(pl_progress *progress) {
+    pl_progress_clear(progress);
     free(progress->sweep);
     progress->sweep = NULL;
 }

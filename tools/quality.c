@@ -1,41 +1,36 @@
-/* quality: the command `planish quality`: what a mesh is worth; nothing is changed. */
+/* quality: the command `planish quality`: what meshes are worth; nothing is changed.
+ *
+ * One mesh is told in full. Several are read, measured and released one after another, and compared
+ * in the end; one that cannot be measured has its message, and the others go on.
+ */
 #include "commands.h"
 
+#include "comparison.h"
 #include "job.h"
 #include "message.h"
 #include "output.h"
+#include "progress.h"
+#include "report.h"
 #include "result.h"
 #include "table.h"
+#include "text.h"
 #include "volumes.h"
+#include "worst.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int check_report(const pl_arguments *arguments) {
-    const char *json = arguments->json;
-    if (!json || strcmp(json, "-") == 0)
-        return 0;
-    if (pl_output_hits_mesh(json, arguments->input))
-        return pl_complain_usage("quality", "the report would overwrite the mesh '%s'", json);
-    return pl_output_check(json);
-}
-
-static int write_report(const pl_job *job, const planish_quality *quality,
-                        const pl_volumes *volumes) {
-    const char *path = job->arguments->json;
-    if (!path)
-        return 0;
-    char *text = pl_result_quality_json(job, quality, volumes);
-    if (!text)
-        return pl_complain(PL_EXIT_FAILED, "out of memory for the report %s", path);
-    planish_error error;
-    const int failure = pl_output_write_text(path, text, strlen(text), &error);
-    free(text);
-    if (failure)
-        return pl_complain(PL_EXIT_FAILED, "the report: %s", error.text);
-    return 0;
-}
+/** What the meshes of a command line have in common. */
+typedef struct run {
+    const pl_arguments *arguments;
+    pl_progress progress;
+    pl_quality_report report;
+    pl_picture *picture; /* for a page, owned, or NULL */
+    FILE *stream;        /* for tables */
+    pl_compared *mesh;   /* [n] those that were measured; owned */
+    int n;
+} run;
 
 /** The least volume that the options ask for; total: the sum of the signed volumes. */
 static double least_volume(const planish_options *options, double total) {
@@ -43,44 +38,123 @@ static double least_volume(const planish_options *options, double total) {
     return fraction > 0 ? fraction * fabs(total) : options->min_volume;
 }
 
-static void print_table(const pl_job *job, const planish_quality *quality,
-                        const pl_volumes *volumes) {
-    const pl_arguments *arguments = job->arguments;
-    const int stdout_is_taken = arguments->json && (strcmp(arguments->json, "-") == 0 ||
-                                                    pl_output_is_stdout(arguments->json));
-    if (arguments->verbosity == PL_QUIET)
-        return;
-    pl_table_oddities(stderr, job);
-    pl_table_quality(stdout_is_taken ? stderr : stdout, job, quality, volumes);
-    pl_volumes_print(stderr, job, volumes);
+static int is_comparison(const run *r) {
+    return r->arguments->n_inputs > 1;
 }
 
-static int measure_job(pl_job *job, pl_volumes *volumes) {
-    planish_quality quality;
+/** All of one mesh. */
+static void print_table(run *r, const pl_job *job, const pl_measured *measured) {
+    if (r->arguments->verbosity == PL_QUIET || is_comparison(r))
+        return;
+    pl_progress_clear(&r->progress);
+    pl_table_oddities(stderr, job);
+    pl_table_quality(r->stream, job, &measured->quality, &measured->volumes);
+    pl_worst_print(r->stream, &measured->worst, r->arguments->n_worst);
+    pl_volumes_print(stderr, job, &measured->volumes);
+}
+
+static int measure_job(run *r, pl_job *job, pl_measured *measured) {
     int status;
+    pl_progress_phase(&r->progress, PL_PHASE_PLANNING);
     if ((status = pl_job_plan(job)))
         return status;
+    pl_progress_phase(&r->progress, PL_PHASE_MEASURING);
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
-    if ((status = pl_job_measure(job, &quality)))
+    if ((status = pl_job_measure(job, &measured->quality)))
         return status;
-    const double least = least_volume(&job->options, quality.total_volume);
-    if ((status = pl_volumes_find(job, least, volumes)))
+    const double least = least_volume(&job->options, measured->quality.total_volume);
+    if ((status = pl_volumes_find(job, least, &measured->volumes)))
         return status;
-    print_table(job, &quality, volumes);
-    return pl_flush_stdout(write_report(job, &quality, volumes), PL_EXIT_FAILED);
+    if ((status = pl_worst_find_asked(job, &measured->worst)))
+        return status;
+    print_table(r, job, measured);
+    if ((status = pl_report_draw(job, "mesh", &r->picture)))
+        return status;
+    if (r->arguments->json || r->arguments->report)
+        pl_quality_report_add(&r->report, job, measured);
+    return 0;
+}
+
+/** One mesh, from its file to a row of the comparison. */
+static int measure_file(run *r, const char *input) {
+    pl_arguments arguments = *r->arguments;
+    pl_compared *mesh = &r->mesh[r->n];
+    pl_job job;
+    arguments.input = input;
+    mesh->name = input;
+    pl_progress_phase(&r->progress, PL_PHASE_READING);
+    int status = pl_job_read(&job, &arguments);
+    if (!status)
+        status = measure_job(r, &job, &mesh->measured);
+    mesh->n_elements = job.mesh.n_elements;
+    pl_job_close(&job);
+    pl_volumes_free(&mesh->measured.volumes);
+    if (status)
+        pl_worst_free(&mesh->measured.worst);
+    else
+        r->n++;
+    return status;
+}
+
+static void print_comparison(const run *r) {
+    const int n_worst = r->arguments->n_worst;
+    if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
+        return;
+    pl_comparison_print(r->stream, r->mesh, r->n, pl_arguments_bound_volumes(r->arguments));
+    for (int i = 0; i < r->n && n_worst > 0; i++) {
+        char name[4 * PL_TEXT_WIDTH + 1];
+        fprintf(r->stream, "\n%s:\n",
+                pl_text_fit(r->mesh[i].name, PL_TEXT_WIDTH - 1, name, sizeof name));
+        pl_worst_print(r->stream, &r->mesh[i].measured.worst, n_worst);
+    }
+}
+
+static int write_reports(run *r) {
+    const pl_arguments *arguments = r->arguments;
+    if ((!arguments->json && !arguments->report) || (r->n == 0 && !is_comparison(r)))
+        return 0;
+    char *text = pl_quality_report_finish(&r->report, is_comparison(r));
+    const int status = pl_reports_write(arguments, text, r->picture, PL_EXIT_FAILED);
+    free(text);
+    return status;
+}
+
+/** All meshes; the status is the worst of theirs. */
+static int measure_all(run *r) {
+    const pl_arguments *arguments = r->arguments;
+    int status = 0;
+    for (int i = 0; i < arguments->n_inputs; i++) {
+        r->progress.file = i;
+        const int of_file = measure_file(r, arguments->inputs[i]);
+        if (of_file && is_comparison(r))
+            status = PL_EXIT_FAILED;
+        else if (of_file)
+            status = of_file;
+    }
+    pl_progress_clear(&r->progress);
+    print_comparison(r);
+    const int report = write_reports(r);
+    return pl_flush_stdout(status ? status : report, PL_EXIT_FAILED);
 }
 
 int pl_quality_command(const pl_arguments *arguments) {
-    pl_job job;
-    pl_volumes volumes = {0};
-    int status = check_report(arguments);
+    run r = {.arguments = arguments};
+    int status = pl_output_check_all(arguments);
     if (status)
         return status;
-    status = pl_job_read(&job, arguments);
-    if (!status)
-        status = measure_job(&job, &volumes);
-    pl_volumes_free(&volumes);
-    pl_job_close(&job);
+    r.stream = pl_output_takes_stdout(arguments) ? stderr : stdout;
+    r.mesh = calloc((size_t)arguments->n_inputs, sizeof *r.mesh);
+    if (!r.mesh)
+        return pl_complain(PL_EXIT_FAILED, "out of memory for %d meshes", arguments->n_inputs);
+    pl_progress_init(&r.progress, arguments);
+    pl_quality_report_begin(&r.report);
+    status = measure_all(&r);
+    pl_quality_report_free(&r.report);
+    pl_picture_free(r.picture);
+    for (int i = 0; i < r.n; i++)
+        pl_worst_free(&r.mesh[i].measured.worst);
+    pl_progress_free(&r.progress);
+    free(r.mesh);
     return status;
 }

@@ -29,28 +29,49 @@ static int write_page(const char *path, const pl_figures *figures, const pl_pict
     pl_page_make(&page, figures, picture, no_picture);
     if (page.failed)
         status = pl_complain(failed, "out of memory for the page %s", path);
-    else if (pl_output_write_text(path, page.text, page.length, &error))
+    else if (pl_output_write_text(path, PL_TEMPORARY_PAGE, page.text, page.length, &error))
         status = pl_complain(failed, "the page: %s", error.text);
     pl_markup_free(&page);
     return status;
 }
 
-int pl_report_write(const char *path, const char *json, const pl_picture *picture,
-                    const char *no_picture, int failed) {
+static int write_page_of(const char *path, const char *json, const pl_picture *picture,
+                         int failed) {
     pl_figures figures;
     cJSON *result = cJSON_Parse(json);
-    const char *flaw = pl_figures_find(result, &figures);
     int status;
-    if (!result || flaw)
+    if (!result || pl_figures_find(result, &figures)) /* it is ours: only memory can be short */
         status = pl_complain(failed, "out of memory for the page %s", path);
     else
-        status = write_page(path, &figures, picture, no_picture, failed);
+        status = write_page(path, &figures, picture, NULL, failed);
     cJSON_Delete(result);
     return status;
 }
 
-int pl_report_can_draw(void) {
-    return pl_page_can_draw();
+static int write_json(const char *path, const char *json, int failed) {
+    planish_error error;
+    if (pl_output_write_text(path, PL_TEMPORARY_REPORT, json, strlen(json), &error))
+        return pl_complain(failed, "the report: %s", error.text);
+    return 0;
+}
+
+int pl_reports_write(const pl_arguments *arguments, const char *json, const pl_picture *picture,
+                     int failed) {
+    int status = 0, page = 0;
+    if (!json)
+        return pl_complain(failed, "out of memory for the report");
+    if (arguments->json)
+        status = write_json(arguments->json, json, failed);
+    if (arguments->report)
+        page = write_page_of(arguments->report, json, picture, failed);
+    return status ? status : page;
+}
+
+int pl_report_draw(const pl_job *job, const char *name, pl_picture **picture) {
+    if (!job->arguments->report || !pl_page_can_draw())
+        return 0;
+    const int status = *picture ? 0 : pl_picture_begin(job, picture);
+    return status ? status : pl_picture_take(*picture, job, name);
 }
 
 /* ---- the JSON ------------------------------------------------------------------------------- */
@@ -227,7 +248,7 @@ static int report(drawing *d, const char *output, int is_quiet) {
     if (!status)
         status = draw(d);
     if (!status && d->lacks[0] && !is_quiet)
-        fprintf(stderr, "note: %s\n", d->lacks);
+        pl_note(stderr, "%s", d->lacks);
     if (!status)
         status = write_page(output, d->figures, d->picture, d->lacks, PL_EXIT_FAILED);
     return status;

@@ -4,12 +4,15 @@
 
 #include "report/picture.h"
 
-/** Write the page of the result that json tells of to path. picture: what to draw, or NULL;
- *  no_picture: why something is not drawn, or NULL. Returns 0, or failed after a message. */
-int pl_report_write(const char *path, const char *json, const pl_picture *picture,
-                    const char *no_picture, int failed);
+/** Take the mesh of job as it is now into the picture for the page, which is begun if *picture is
+ *  NULL; nothing is done where no page is asked for, or this program draws none. name: as for
+ *  pl_picture_take. */
+int pl_report_draw(const pl_job *job, const char *name, pl_picture **picture);
 
-/** Whether this program has the library that draws pictures. */
-int pl_report_can_draw(void);
+/** Write the reports that arguments ask for: json, the text of a result (NULL: there was no memory
+ *  for it), and the page that is made of it. picture: for the page, or NULL. Returns 0, or failed
+ *  after a message. */
+int pl_reports_write(const pl_arguments *arguments, const char *json, const pl_picture *picture,
+                     int failed);
 
 #endif

@@ -145,8 +145,31 @@ static void add_histogram(document *json, cJSON *quality, const char *name, int 
         add_integer(json, counts, NULL, count[i]);
 }
 
+static void add_worst_elements(document *json, cJSON *quality, const pl_worst *worst) {
+    cJSON *list = new_array(json, quality, "worst_elements");
+    for (int64_t i = 0; i < worst->n && !json->failed; i++) {
+        const pl_bad_element *bad = &worst->bad[i];
+        cJSON *element = new_object(json, list, NULL);
+        add_integer(json, element, "element", bad->number);
+        add_real(json, element, "radius_ratio", bad->radius_ratio > 0 ? bad->radius_ratio : NAN);
+        add_real(json, element, "min_angle_deg", bad->smallest_angle_deg);
+        add_real(json, element, "max_angle_deg", bad->largest_angle_deg);
+        cJSON *place = new_array(json, element, "place");
+        for (int d = 0; d < worst->dim; d++)
+            add_real(json, place, NULL, bad->place[d]);
+        cJSON *nodes = new_array(json, element, "nodes");
+        for (int k = 0; k <= worst->dim; k++)
+            add_integer(json, nodes, NULL, bad->node[k]);
+        if (bad->region)
+            add_text(json, element, "region", bad->region);
+        else
+            add(json, element, "region", cJSON_CreateNull());
+        add(json, element, "movable", cJSON_CreateBool(bad->is_movable));
+    }
+}
+
 static void add_quality(document *json, cJSON *root, const char *name, const planish_quality *q,
-                        int64_t below_min_volume) {
+                        int64_t below_min_volume, const pl_worst *worst) {
     cJSON *quality = new_object(json, root, name);
     add_integer(json, quality, "inverted", q->inverted);
     add_integer(json, quality, "below_min_volume", below_min_volume);
@@ -166,6 +189,7 @@ static void add_quality(document *json, cJSON *root, const char *name, const pla
                   q->histogram_counts);
     add_histogram(json, quality, "angle_histogram", PLANISH_ANGLE_BINS, q->angle_edges_deg,
                   q->angle_counts);
+    add_worst_elements(json, quality, worst);
 }
 
 static void add_sweeps(document *json, cJSON *root, const pl_progress *progress) {
@@ -328,8 +352,10 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_mesh(&json, root, job);
     add_text(&json, root, "method", pl_method_name(job->options.method));
     add_objective(&json, root, job, &result->smooth);
-    add_quality(&json, root, "before", &result->before, result->below_before);
-    add_quality(&json, root, "after", &result->after, result->volumes.n_below);
+    add_quality(&json, root, "before", &result->before, result->below_before,
+                &result->worst_before);
+    add_quality(&json, root, "after", &result->after, result->volumes.n_below,
+                &result->worst_after);
     add_sweeps(&json, root, progress);
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
@@ -355,13 +381,39 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     return finish(&json, root);
 }
 
-char *pl_result_quality_json(const pl_job *job, const planish_quality *quality,
-                             const pl_volumes *volumes) {
-    document json = {0};
-    cJSON *root = cJSON_CreateObject();
-    add_mesh(&json, root, job);
-    add_quality(&json, root, "quality", quality, volumes->n_below);
-    add_checksum(&json, root, "checksum", planish_checksum(&job->mesh));
-    add_volumes(&json, root, job, volumes, NULL);
+void pl_quality_report_begin(pl_quality_report *report) {
+    *report = (pl_quality_report){.meshes = cJSON_CreateArray()};
+}
+
+void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
+                           const pl_measured *measured) {
+    document json = {report->failed};
+    cJSON *mesh = new_object(&json, report->meshes, NULL);
+    add_text(&json, mesh, "planish", planish_version());
+    add_text(&json, mesh, "input", job->arguments->input);
+    add_text(&json, mesh, "format", job->file_info.format);
+    add_mesh(&json, mesh, job);
+    add_quality(&json, mesh, "quality", &measured->quality, measured->volumes.n_below,
+                &measured->worst);
+    add_checksum(&json, mesh, "checksum", planish_checksum(&job->mesh));
+    add_volumes(&json, mesh, job, &measured->volumes, NULL);
+    report->failed = json.failed;
+}
+
+char *pl_quality_report_finish(pl_quality_report *report, int is_list) {
+    document json = {report->failed};
+    cJSON *root = NULL;
+    if (is_list) {
+        root = cJSON_CreateObject();
+        add(&json, root, "meshes", report->meshes);
+        report->meshes = NULL;
+    } else {
+        root = cJSON_DetachItemFromArray(report->meshes, 0);
+    }
     return finish(&json, root);
+}
+
+void pl_quality_report_free(pl_quality_report *report) {
+    cJSON_Delete(report->meshes);
+    report->meshes = NULL;
 }

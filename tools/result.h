@@ -6,6 +6,7 @@
 #include "progress.h"
 #include "report/picture.h"
 #include "volumes.h"
+#include "worst.h"
 
 /** Everything that smooth can say about a run. */
 typedef struct pl_result {
@@ -15,6 +16,7 @@ typedef struct pl_result {
     int64_t below_before;    /* elements below their least volume in the input */
     pl_volumes volumes;      /* those of the result */
     pl_unfixable unfixable;
+    pl_worst worst_before, worst_after; /* empty if there is no report */
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
     char reason[512]; /* why the end is not the plain one, or "" */
@@ -27,8 +29,28 @@ int pl_result_has_optimality(const pl_job *job);
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress);
 
-/** The report of quality, likewise. */
-char *pl_result_quality_json(const pl_job *job, const planish_quality *quality,
-                             const pl_volumes *volumes);
+/** What quality has found out about a mesh. */
+typedef struct pl_measured {
+    planish_quality quality;
+    pl_volumes volumes;
+    pl_worst worst;
+} pl_measured;
+
+struct cJSON;
+
+/** The report of quality while it is made: mesh by mesh. */
+typedef struct pl_quality_report {
+    struct cJSON *meshes;
+    int failed;
+} pl_quality_report;
+
+void pl_quality_report_begin(pl_quality_report *report);
+void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
+                           const pl_measured *measured);
+
+/** Its text, as above: the list of the meshes, or, if that is not wanted, the only one. */
+char *pl_quality_report_finish(pl_quality_report *report, int is_list);
+
+void pl_quality_report_free(pl_quality_report *report);
 
 #endif

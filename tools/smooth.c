@@ -14,6 +14,7 @@
 #include "result.h"
 #include "signals.h"
 #include "table.h"
+#include "text.h"
 #include "volumes.h"
 
 #include "base/clock.h"
@@ -29,22 +30,6 @@
 static const double F_ROUNDING = 1e-12;
 /* Degrees by which the arc cosine of a tiny angle can be off. */
 static const double ANGLE_ROUNDING = 2e-6;
-
-/** What the command line says about outputs, checked before the work begins. */
-static int check_outputs(const pl_arguments *arguments) {
-    const char *output = arguments->output, *json = arguments->json;
-    const int json_is_stdout = json && (strcmp(json, "-") == 0 || pl_output_is_stdout(json));
-    if (json_is_stdout && pl_output_is_stdout(output))
-        return pl_complain_usage("smooth", "mesh and report cannot both go to standard output");
-    if (json && strcmp(json, "-") != 0) {
-        if (pl_output_hits_mesh(json, output) || pl_output_hits_mesh(json, arguments->input))
-            return pl_complain_usage("smooth", "the report would overwrite the mesh '%s'", json);
-        const int status = pl_output_check(json);
-        if (status)
-            return status;
-    }
-    return pl_output_check(output);
-}
 
 /** Another extension than the input's asks for a conversion. */
 static int check_extension(const pl_job *job) {
@@ -67,12 +52,11 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
     const int code = planish_smooth(job->plan, planish_file_coordinates(job->file), &job->options,
                                     &result->smooth, &error);
     result->smooth_seconds = pl_seconds() - begin;
-    pl_progress_clear(progress);
     if (code)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    pl_progress_clear(progress);
     if (progress->out_of_memory) /* no reason to lose the mesh */
-        fprintf(stderr,
-                "note: out of memory for the history of the sweeps; the report lacks some\n");
+        pl_note(stderr, "out of memory for the history of the sweeps; the report lacks some");
     return 0;
 }
 
@@ -132,7 +116,7 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
                                     lost, sizeof lost, error);
     free(ratio);
     if (!code && job->arguments->verbosity != PL_QUIET)
-        fprintf(stderr, "note: %s is for viewing; left out of it: %s\n", output, lost);
+        pl_note(stderr, "%s is for viewing; left out of it: %s", output, lost);
     return code;
 }
 
@@ -215,28 +199,15 @@ static int judge(const pl_job *job, pl_result *result) {
     return PL_EXIT_DONE;
 }
 
-static int write_json(const char *path, const char *text) {
-    planish_error error;
-    if (path && pl_output_write_text(path, text, strlen(text), &error))
-        return pl_complain(PL_EXIT_PARTLY, "the report: %s", error.text);
-    return 0;
-}
-
-/** The reports: JSON, and the page that is made of it. The mesh is already written, so a failure
- *  makes the run a partial one. */
+/** The mesh is already written, so a failure makes the run a partial one. */
 static int write_reports(const pl_job *job, const pl_result *result, const pl_progress *progress) {
     const pl_arguments *arguments = job->arguments;
     if (!arguments->json && !arguments->report)
         return 0;
     char *text = pl_result_smooth_json(job, result, progress);
-    if (!text)
-        return pl_complain(PL_EXIT_PARTLY, "out of memory for the report");
-    const int json = write_json(arguments->json, text);
-    const int page = arguments->report ? pl_report_write(arguments->report, text, result->picture,
-                                                         NULL, PL_EXIT_PARTLY)
-                                       : 0;
+    const int status = pl_reports_write(arguments, text, result->picture, PL_EXIT_PARTLY);
     free(text);
-    return json ? json : page;
+    return status;
 }
 
 /** The elements that fall short of what was asked for. */
@@ -248,11 +219,8 @@ static void print_lists(const pl_job *job, const pl_result *result) {
 /** Table and reason; the table gives way to standard error if standard output carries data. */
 static void print_table(const pl_job *job, const pl_result *result, int status) {
     const pl_arguments *arguments = job->arguments;
-    const int stdout_is_taken = pl_output_is_stdout(arguments->output) ||
-                                (arguments->json && (strcmp(arguments->json, "-") == 0 ||
-                                                     pl_output_is_stdout(arguments->json)));
     if (arguments->verbosity != PL_QUIET)
-        pl_table_smooth(stdout_is_taken ? stderr : stdout, job, result);
+        pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
     if (arguments->verbosity != PL_QUIET)
         print_lists(job, result);
     if (result->reason[0] && (status || arguments->verbosity != PL_QUIET))
@@ -261,44 +229,55 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
 
 /** With -v: how close to a local optimum the end is. */
 static void print_optimality(const pl_job *job, const planish_result *smooth) {
-    if (job->arguments->verbosity == PL_VERBOSE && pl_result_has_optimality(job))
-        fprintf(stderr,
-                "KKT residual: largest %.3g, RMS %.3g; %" PRId64
-                " active constraints, largest multiplier %.3g\n",
-                smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
+    char text[256];
+    if (job->arguments->verbosity < PL_VERBOSE || !pl_result_has_optimality(job))
+        return;
+    snprintf(text, sizeof text,
+             "KKT residual: largest %.3g, RMS %.3g; %" PRId64
+             " active constraints, largest multiplier %.3g",
+             smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
+    pl_text_wrap(stderr, text);
+}
+
+static void print_threads(const planish_plan_info *info) {
+    char text[512];
+    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colours, plan of %.1f MB",
+             info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
+             info->n_colours, (double)info->bytes / 1e6);
+    pl_text_wrap(stderr, text);
 }
 
 static void print_setup(const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     if (job->arguments->verbosity != PL_QUIET)
         pl_table_oddities(stderr, job);
-    if (job->arguments->verbosity == PL_VERBOSE)
-        fprintf(stderr, "%d thread%s (%s), kernel %s, %d colours, plan of %.1f MB\n", info->threads,
-                info->threads == 1 ? "" : "s", info->binding, info->isa, info->n_colours,
-                (double)info->bytes / 1e6);
+    if (job->arguments->verbosity >= PL_VERBOSE)
+        print_threads(info);
 }
 
 /** What the reports want of the mesh before it is smoothed. */
 static int take_before(const pl_job *job, pl_result *result) {
     const pl_arguments *arguments = job->arguments;
+    int status = pl_worst_find_asked(job, &result->worst_before);
     if (arguments->json || arguments->report)
         result->input_checksum = planish_checksum(&job->mesh);
-    if (!arguments->report || !pl_report_can_draw())
-        return 0;
-    const int status = pl_picture_begin(job, &result->picture);
-    return status ? status : pl_picture_take(result->picture, job, "before");
+    return status ? status : pl_report_draw(job, "before", &result->picture);
 }
 
-static int take_after(const pl_job *job, const pl_result *result) {
-    return result->picture ? pl_picture_take(result->picture, job, "after") : 0;
+/** And of the result. */
+static int take_after(const pl_job *job, pl_result *result) {
+    const int status = pl_worst_find_asked(job, &result->worst_after);
+    return status ? status : pl_report_draw(job, "after", &result->picture);
 }
 
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
+    pl_progress_phase(progress, PL_PHASE_PLANNING);
     if ((status = pl_job_find_slides(job)))
         return status;
     if ((status = pl_job_plan(job)))
         return status;
+    pl_progress_phase(progress, PL_PHASE_MEASURING);
     print_setup(job);
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
@@ -311,6 +290,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = run_sweeps(job, result, progress)))
         return status;
     print_optimality(job, &result->smooth);
+    pl_progress_phase(progress, PL_PHASE_CHECKING);
     if ((status = pl_job_measure(job, &result->after)))
         return status;
     if ((status = pl_volumes_find(job, result->smooth.min_volume, &result->volumes)))
@@ -321,8 +301,10 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = take_after(job, result)))
         return status;
+    pl_progress_phase(progress, PL_PHASE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
+    pl_progress_clear(progress);
     result->total_seconds = pl_seconds() - job->begin;
     status = judge(job, result);
     print_table(job, result, status);
@@ -334,10 +316,11 @@ int pl_smooth_command(const pl_arguments *arguments) {
     pl_job job;
     pl_result result = {.reason = ""};
     pl_progress progress;
-    int status = check_outputs(arguments);
+    int status = pl_output_check_all(arguments);
     if (status)
         return status;
     pl_progress_init(&progress, arguments);
+    pl_progress_phase(&progress, PL_PHASE_READING);
     status = pl_job_read(&job, arguments);
     if (!status)
         status = check_extension(&job);
@@ -346,6 +329,8 @@ int pl_smooth_command(const pl_arguments *arguments) {
     pl_progress_free(&progress);
     pl_volumes_free(&result.volumes);
     pl_unfixable_free(&result.unfixable);
+    pl_worst_free(&result.worst_before);
+    pl_worst_free(&result.worst_after);
     pl_picture_free(result.picture);
     pl_job_close(&job);
     return status;

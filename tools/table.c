@@ -4,43 +4,112 @@
  */
 #include "table.h"
 
+#include "histogram.h"
+#include "message.h"
+#include "terminal.h"
+#include "text.h"
+
 #include <inttypes.h>
 #include <math.h>
 
-enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, HISTOGRAM_WIDTH = 40 };
+enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, UNIT_WIDTH = 4, CHANGE_WIDTH = 11, SPREAD_WIDTH = 11 };
+
+/* Changes below this fraction of a value are not seen in the digits of it that are shown. */
+static const double INVISIBLE = 5e-6;
+
+/** What a row's number is: which way is better, and how a change of it is told. */
+typedef struct measure {
+    const char *unit;
+    enum { LESS_IS_BETTER, MORE_IS_BETTER } sense;
+    enum { RELATIVE, ABSOLUTE, COUNTED } change;
+} measure;
+
+static const measure ratio = {"", LESS_IS_BETTER, RELATIVE};
+static const measure small_angle = {" deg", MORE_IS_BETTER, ABSOLUTE};
+static const measure large_angle = {" deg", LESS_IS_BETTER, ABSOLUTE};
+static const measure volume = {"", MORE_IS_BETTER, RELATIVE};
+static const measure fault = {"", LESS_IS_BETTER, COUNTED};
 
 static void put_label(FILE *stream, const char *label) {
     fprintf(stream, "%-*s", LABEL_WIDTH, label);
 }
 
-static void put_real(FILE *stream, double value) {
+static void put_real(FILE *stream, int width, double value) {
     if (isfinite(value))
-        fprintf(stream, "%*.5g", VALUE_WIDTH, value);
+        fprintf(stream, "%*.5g", width, value);
     else
-        fprintf(stream, "%*s", VALUE_WIDTH, "-");
+        fprintf(stream, "%*s", width, "-");
+}
+
+/** Better or worse than before, beyond rounding; PL_STYLE_PLAIN: neither. */
+static pl_style style_of_change(const measure *m, double before, double after) {
+    const double change = m->sense == LESS_IS_BETTER ? before - after : after - before;
+    const double size = fmax(fabs(before), fabs(after));
+    if (!isfinite(change) || fabs(change) <= INVISIBLE * size)
+        return PL_STYLE_PLAIN;
+    return change > 0 ? PL_STYLE_BETTER : PL_STYLE_WORSE;
+}
+
+/** The change in its column, and a word for it. */
+static void put_change(FILE *stream, const measure *m, double before, double after) {
+    const pl_style style = style_of_change(m, before, after);
+    char change[32] = "";
+    if (style == PL_STYLE_PLAIN)
+        return;
+    if (m->change == ABSOLUTE)
+        snprintf(change, sizeof change, "%+.4g", after - before);
+    else if (m->change == COUNTED)
+        snprintf(change, sizeof change, "%+.0f", after - before);
+    else if (before > 0 && after >= 10 * before)
+        snprintf(change, sizeof change, "x %.3g", after / before);
+    else if (before > 0 && after > 0)
+        snprintf(change, sizeof change, "%+.3g %%", 100 * (after / before - 1));
+    fprintf(stream, "%*s%s%*s  %s%s", UNIT_WIDTH - pl_text_columns(m->unit), "",
+            pl_style_begin(stream, style), CHANGE_WIDTH, change,
+            style == PL_STYLE_BETTER ? "better" : "worse", pl_style_end(stream, style));
 }
 
 static void row_real(FILE *stream, const char *label, const double *before, double after,
-                     const char *unit) {
+                     const measure *m) {
+    const pl_style style = before ? style_of_change(m, *before, after) : PL_STYLE_PLAIN;
     put_label(stream, label);
     if (before)
-        put_real(stream, *before);
-    put_real(stream, after);
-    fprintf(stream, "%s\n", unit);
+        put_real(stream, VALUE_WIDTH, *before);
+    fputs(pl_style_begin(stream, style), stream);
+    put_real(stream, VALUE_WIDTH, after);
+    fprintf(stream, "%s%s", pl_style_end(stream, style), m->unit);
+    if (before)
+        put_change(stream, m, *before, after);
+    fputc('\n', stream);
 }
 
 static void row_count(FILE *stream, const char *label, const int64_t *before, int64_t after) {
+    pl_style style = after > 0 ? PL_STYLE_WORSE : PL_STYLE_PLAIN;
     put_label(stream, label);
-    if (before)
+    if (before) {
         fprintf(stream, "%*" PRId64, VALUE_WIDTH, *before);
-    fprintf(stream, "%*" PRId64 "\n", VALUE_WIDTH, after);
+        style = style_of_change(&fault, (double)*before, (double)after);
+    }
+    fprintf(stream, "%s%*" PRId64 "%s", pl_style_begin(stream, style), VALUE_WIDTH, after,
+            pl_style_end(stream, style));
+    if (before)
+        put_change(stream, &fault, (double)*before, (double)after);
+    fputc('\n', stream);
 }
 
 static void row_mesh(FILE *stream, const pl_job *job) {
-    fprintf(stream, "%s: %s, %" PRId64 " %s, %" PRId64 " nodes, %" PRId64 " of them free to move",
-            job->arguments->input, job->file_info.format, job->mesh.n_elements,
-            job->mesh.dim == 3 ? "tetrahedra" : "triangles", job->mesh.n_nodes,
-            job->plan_info.n_free);
+    char counts[128], name[4 * PL_TEXT_WIDTH + 1];
+    const int width = snprintf(counts, sizeof counts, ": %s, %" PRId64 " %s, %" PRId64 " nodes",
+                               job->file_info.format, job->mesh.n_elements,
+                               job->mesh.dim == 3 ? "tetrahedra" : "triangles", job->mesh.n_nodes);
+    fprintf(stream, "%s%s\n",
+            pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name), counts);
+}
+
+/** What may move, or could. */
+static void row_free(FILE *stream, const pl_job *job) {
+    fprintf(stream, "%" PRId64 " of %" PRId64 " nodes are free to move", job->plan_info.n_free,
+            job->mesh.n_nodes);
     if (job->arguments->slide)
         fprintf(stream, ", %" PRId64 " to slide", job->plan_info.n_sliding);
     else if (job->could_slide > 0)
@@ -54,31 +123,31 @@ static void row_floor(FILE *stream, const planish_quality *before, const planish
     if (after->n_fixed == 0)
         return;
     row_real(stream, "  floor (no node free)", before ? &before->fixed_max_radius_ratio : NULL,
-             floor, "");
+             floor, &ratio);
 }
 
 static void rows_quality(FILE *stream, int dim, const planish_quality *before,
                          const planish_quality *after) {
     row_real(stream, "worst radius ratio", before ? &before->max_radius_ratio : NULL,
-             after->max_radius_ratio, "");
+             after->max_radius_ratio, &ratio);
     row_floor(stream, before, after);
     row_real(stream, dim == 3 ? "smallest dihedral angle" : "smallest angle",
-             before ? &before->min_angle_deg : NULL, after->min_angle_deg, " deg");
+             before ? &before->min_angle_deg : NULL, after->min_angle_deg, &small_angle);
     if (after->n_fixed > 0)
         row_real(stream, "  of elements with free nodes",
                  before ? &before->min_angle_deg_movable : NULL, after->min_angle_deg_movable,
-                 " deg");
+                 &small_angle);
     row_real(stream, dim == 3 ? "largest dihedral angle" : "largest angle",
-             before ? &before->max_angle_deg : NULL, after->max_angle_deg, " deg");
+             before ? &before->max_angle_deg : NULL, after->max_angle_deg, &large_angle);
     row_real(stream, "RMS radius ratio", before ? &before->rms_radius_ratio : NULL,
-             after->rms_radius_ratio, "");
+             after->rms_radius_ratio, &ratio);
     row_real(stream, "  of elements with free nodes",
              before ? &before->rms_radius_ratio_movable : NULL, after->rms_radius_ratio_movable,
-             "");
+             &ratio);
     row_real(stream, "mean radius ratio", before ? &before->mean_radius_ratio : NULL,
-             after->mean_radius_ratio, "");
+             after->mean_radius_ratio, &ratio);
     row_real(stream, dim == 3 ? "smallest volume" : "smallest area",
-             before ? &before->min_volume : NULL, after->min_volume, "");
+             before ? &before->min_volume : NULL, after->min_volume, &volume);
     row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
 }
 
@@ -98,103 +167,102 @@ static void row_objective(FILE *stream, const pl_job *job, const planish_result 
         snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
     else
         snprintf(label, sizeof label, "F (%s)", name);
-    row_real(stream, label, &smooth->objective_before, smooth->objective, "");
+    row_real(stream, label, &smooth->objective_before, smooth->objective, &ratio);
 }
 
 static void put_held_outside(FILE *stream, int64_t n) {
     if (n > 0)
-        fprintf(stream, "note: %" PRId64 " node%s outside of the bounds and stayed there\n", n,
+        pl_note(stream, "%" PRId64 " node%s outside of the bounds and stayed there", n,
                 n == 1 ? " was" : "s were");
 }
 
-static void put_end(FILE *stream, const planish_result *smooth) {
-    switch (smooth->stop) {
+static const char *stop_text(planish_stop stop) {
+    switch (stop) {
     case PLANISH_STOP_CONVERGED:
-        fprintf(stream, "converged");
-        break;
+        return "converged";
     case PLANISH_STOP_MAX_SWEEPS:
-        fprintf(stream, "stopped at the most sweeps allowed");
-        break;
+        return "stopped at the most sweeps allowed";
     case PLANISH_STOP_TIME_LIMIT:
-        fprintf(stream, "stopped by the time limit");
-        break;
+        return "stopped by the time limit";
     case PLANISH_STOP_INTERRUPTED:
-        fprintf(stream, "interrupted");
-        break;
+        return "interrupted";
     case PLANISH_STOP_INFEASIBLE:
-        fprintf(stream, "converged, but for volumes that cannot be reached,");
-        break;
+        return "converged, but for volumes that cannot be reached,";
     }
+    return "ended";
+}
+
+static void put_end(FILE *stream, const planish_result *smooth) {
+    char text[256], untangling[64] = "";
     const int sweeps = smooth->sweeps - smooth->worst_sweeps;
-    fprintf(stream, " after %d sweep%s", sweeps, sweeps == 1 ? "" : "s");
     if (smooth->untangling_sweeps > 0)
-        fprintf(stream, " (%d of them untangling)", smooth->untangling_sweeps);
-    fprintf(stream, ", %" PRId64 " nodes moved by up to %.3g\n", smooth->moved_nodes,
-            smooth->max_displacement);
+        snprintf(untangling, sizeof untangling, " (%d of them untangling)",
+                 smooth->untangling_sweeps);
+    snprintf(text, sizeof text, "%s after %d sweep%s%s, %" PRId64 " nodes moved by up to %.3g",
+             stop_text(smooth->stop), sweeps, sweeps == 1 ? "" : "s", untangling,
+             smooth->moved_nodes, smooth->max_displacement);
+    pl_text_wrap(stream, text);
 }
 
 /** What the sweeps for the worst elements brought, and what they cost. */
 static void put_worst(FILE *stream, const pl_job *job, const planish_result *smooth) {
+    char text[256];
     const int of_angle = job->options.worst == PLANISH_WORST_ANGLE;
     if (smooth->worst_sweeps == 0)
         return;
     const double rise = smooth->objective / smooth->objective_of_worst - 1;
-    fprintf(stream,
-            "and %d for the worst element with a free node: %s %.4g -> %.4g%s, while %s %s by %.2g "
-            "%%\n",
-            smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
-            smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "",
-            job->options.area_weight > 0 ? "F" : "the RMS", rise < 0 ? "fell" : "rose",
-            fabs(100 * rise));
+    snprintf(text, sizeof text,
+             "and %d for the worst element with a free node: %s %.4g -> %.4g%s, while %s %s by "
+             "%.2g %%",
+             smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
+             smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "",
+             job->options.area_weight > 0 ? "F" : "the RMS", rise < 0 ? "fell" : "rose",
+             fabs(100 * rise));
+    pl_text_wrap(stream, text);
 }
 
 static void put_back_note(FILE *stream, int64_t n) {
     if (n > 0)
-        fprintf(stream,
-                "note: %" PRId64
-                " node%s put back: the smallest angle of the mesh was getting smaller\n",
-                n, n == 1 ? " was" : "s were");
+        pl_note(stream, "%" PRId64 " node%s put back: the smallest angle was getting smaller", n,
+                n == 1 ? " was" : "s were");
+}
+
+static void put_seconds(FILE *stream, const pl_job *job, const pl_result *result) {
+    char text[256];
+    snprintf(text, sizeof text,
+             "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s",
+             result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
+             result->write_seconds, job->plan_info.threads, job->plan_info.threads == 1 ? "" : "s");
+    pl_text_wrap(stream, text);
+}
+
+static void put_smooth_head(FILE *stream) {
+    fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
+            "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
+            pl_style_end(stream, PL_STYLE_HEADING));
 }
 
 void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     row_mesh(stream, job);
-    fprintf(stream, "%-*s%*s%*s\n", LABEL_WIDTH, "", VALUE_WIDTH, "before", VALUE_WIDTH, "after");
+    put_smooth_head(stream);
     rows_quality(stream, job->mesh.dim, &result->before, &result->after);
     row_volumes(stream, job, &result->below_before, result->volumes.n_below);
     row_objective(stream, job, &result->smooth);
+    pl_histogram_print(stream, &result->before, &result->after);
     put_held_outside(stream, result->smooth.held_outside);
     put_back_note(stream, result->smooth.put_back);
+    row_free(stream, job);
     put_end(stream, &result->smooth);
     put_worst(stream, job, &result->smooth);
-    fprintf(stream, "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s\n",
-            result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
-            result->write_seconds, job->plan_info.threads, job->plan_info.threads == 1 ? "" : "s");
-}
-
-static void put_histogram(FILE *stream, const planish_quality *quality) {
-    int64_t most = 1;
-    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
-        if (quality->histogram_counts[i] > most)
-            most = quality->histogram_counts[i];
-    fprintf(stream, "elements by radius ratio:\n");
-    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++) {
-        const int64_t count = quality->histogram_counts[i];
-        const double share = (double)count / (double)most;
-        const int bar = (int)ceil(share * HISTOGRAM_WIDTH);
-        fprintf(stream, "  from %7.5g %*" PRId64 " ", quality->histogram_edges[i], VALUE_WIDTH,
-                count);
-        for (int j = 0; j < bar; j++)
-            fputc('#', stream);
-        fputc('\n', stream);
-    }
+    put_seconds(stream, job, result);
 }
 
 static void row_spread(FILE *stream, const char *label, const planish_spread *spread,
                        const char *range) {
     put_label(stream, label);
-    put_real(stream, spread->min);
-    put_real(stream, spread->mean);
-    put_real(stream, spread->max);
+    put_real(stream, SPREAD_WIDTH, spread->min);
+    put_real(stream, SPREAD_WIDTH, spread->mean);
+    put_real(stream, SPREAD_WIDTH, spread->max);
     fprintf(stream, "  %s\n", range);
 }
 
@@ -202,12 +270,13 @@ static void row_spread(FILE *stream, const char *label, const planish_spread *sp
  *  element, but for R / longest edge, where that is 1. */
 static void rows_measures(FILE *stream, int dim, const planish_quality *q) {
     const int solid = dim == 3;
-    fprintf(stream, "%-*s%*s%*s%*s  %s\n", LABEL_WIDTH, "over the elements", VALUE_WIDTH,
-            "smallest", VALUE_WIDTH, "mean", VALUE_WIDTH, "largest", "best .. worst");
+    fprintf(stream, "%s%-*s%*s%*s%*s  %s%s\n", pl_style_begin(stream, PL_STYLE_HEADING),
+            LABEL_WIDTH, "over the elements", SPREAD_WIDTH, "smallest", SPREAD_WIDTH, "mean",
+            SPREAD_WIDTH, "largest", "best .. worst", pl_style_end(stream, PL_STYLE_HEADING));
     row_spread(stream, solid ? "radius ratio R/(3r)" : "radius ratio R/(2r)", &q->radius_ratio,
                "1 .. inf");
-    row_spread(stream, "R / longest edge", &q->circumradius_to_edge,
-               solid ? "0.8165 (regular: 1) .. inf" : "0.8660 (regular: 1) .. inf");
+    row_spread(stream, "R / longest edge (regular: 1)", &q->circumradius_to_edge,
+               solid ? "0.8165 .. inf" : "0.8660 .. inf");
     row_spread(stream, "longest edge / r", &q->edge_to_inradius, "1 .. inf");
     row_spread(stream, "longest edge / shortest", &q->edge_ratio, "1 .. inf");
     row_spread(stream, "mean ratio", &q->mean_ratio, "1 .. 0");
@@ -226,26 +295,25 @@ void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *qu
     if (quality->worst_element >= 0)
         fprintf(stream, "the worst is element %" PRId64 "\n",
                 planish_file_element_number(job->file, quality->worst_element));
+    row_free(stream, job);
     rows_measures(stream, job->mesh.dim, quality);
-    put_histogram(stream, quality);
+    pl_histogram_print(stream, NULL, quality);
 }
 
 void pl_table_oddities(FILE *stream, const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     if (info->n_nonmanifold_facets > 0)
-        fprintf(stream,
-                "note: %" PRId64 " %s belong to more than two elements; their nodes are held\n",
+        pl_note(stream, "%" PRId64 " %s belong to more than two elements; their nodes are held",
                 info->n_nonmanifold_facets, job->mesh.dim == 3 ? "faces" : "edges");
     if (info->n_duplicate_elements > 0)
-        fprintf(stream, "note: %" PRId64 " elements have the nodes of another one; they are held\n",
+        pl_note(stream, "%" PRId64 " elements have the nodes of another one; they are held",
                 info->n_duplicate_elements);
     if (job->file_info.n_other_elements > 0)
-        fprintf(stream,
-                "note: %" PRId64 " elements of other types pass through; their nodes are held\n",
+        pl_note(stream, "%" PRId64 " elements of other types pass through; their nodes are held",
                 job->file_info.n_other_elements);
     if (job->file_info.ends_open)
-        fprintf(stream,
-                "note: the last line of %s has no end: if the file was cut short there, its last "
-                "number may be wrong\n",
+        pl_note(stream,
+                "the last line of %s has no end: if the file was cut short there, its last "
+                "number may be wrong",
                 job->arguments->input);
 }

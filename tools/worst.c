@@ -1,6 +1,8 @@
 /* worst: the worst elements of a mesh, for lists and pictures. */
 #include "worst.h"
 
+#include "worst_place.h"
+
 #include "message.h"
 
 #include <inttypes.h>
@@ -40,34 +42,51 @@ static void replace_best(pl_bad_element *heap, int64_t n, pl_bad_element element
 /** The n worst of ratio [n_elements], in a heap whose first is the best of them. */
 static void select_worst(const double *ratio, int64_t n_elements, pl_bad_element *heap, int64_t n) {
     for (int64_t i = 0; i < n; i++) /* elements that any other replaces */
-        heap[i] = (pl_bad_element){INT64_MAX, 1e-300};
+        heap[i] = (pl_bad_element){.element = INT64_MAX, .radius_ratio = 1e-300};
     for (int64_t i = 0; i < n_elements; i++) {
-        const pl_bad_element element = {i, ratio[i]};
+        const pl_bad_element element = {.element = i, .radius_ratio = ratio[i]};
         if (is_worse(&element, &heap[0]))
             replace_best(heap, n, element);
     }
     qsort(heap, (size_t)n, sizeof *heap, compare);
 }
 
+static int complain_memory(const pl_job *job) {
+    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the worst elements",
+                       job->arguments->input);
+}
+
 int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
     planish_error error;
     const int64_t n_elements = job->mesh.n_elements;
     worst->n = n < n_elements ? n : n_elements;
+    worst->dim = job->mesh.dim;
     worst->bad = calloc((size_t)worst->n + 1, sizeof *worst->bad);
     double *ratio = malloc(((size_t)n_elements + 1) * sizeof *ratio);
     int status = 0;
     if (!worst->bad || !ratio)
-        status = pl_complain(PL_EXIT_FAILED, "%s: out of memory for the worst elements",
-                             job->arguments->input);
+        status = complain_memory(job);
     else if (planish_measure_elements(job->plan, job->mesh.coordinates, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     else if (worst->n > 0)
         select_worst(ratio, n_elements, worst->bad, worst->n);
     free(ratio);
+    if (!status && pl_worst_place(job, worst))
+        status = complain_memory(job);
     return status;
 }
 
+int pl_worst_find_asked(const pl_job *job, pl_worst *worst) {
+    const pl_arguments *arguments = job->arguments;
+    int64_t n = arguments->n_worst;
+    if (n == 0 && (arguments->json || arguments->report))
+        n = PL_USUAL_WORST;
+    return n > 0 ? pl_worst_find(job, n, worst) : 0;
+}
+
 void pl_worst_free(pl_worst *worst) {
+    for (int64_t i = 0; i < worst->n && worst->bad; i++)
+        free(worst->bad[i].region);
     free(worst->bad);
     *worst = (pl_worst){0};
 }

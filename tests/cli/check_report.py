@@ -39,6 +39,11 @@ def check(value, shape, where):
         assert isinstance(value, shape), "%s is %r" % (where, value)
 
 
+BAD = {"element": int, "radius_ratio": (int, float, type(None)), "min_angle_deg": NUMBER,
+       "max_angle_deg": NUMBER, "place": list, "nodes": list, "region": (str, type(None)),
+       "movable": bool}
+
+
 def check_histogram(quality, elements):
     edges, counts = quality["histogram"]["edges"], quality["histogram"]["counts"]
     assert len(edges) == len(counts) + 1 and edges[0] <= 1 and edges[-1] is None
@@ -56,17 +61,26 @@ def same(a, b):
     """Numbers alike but for rounding, or objects of such numbers."""
     if isinstance(a, dict):
         return set(a) == set(b) and all(same(a[key], b[key]) for key in a)
+    if isinstance(a, list):
+        return len(a) == len(b) and all(map(same, a, b))
+    if not isinstance(a, NUMBER):
+        return a == b
     return math.isclose(a, b, rel_tol=1e-12)
 
 
 smooth, quality, printed = (json.load(open(name)) for name in sys.argv[1:4])
 check(smooth, SMOOTH, "smooth")
-assert set(quality) == {"mesh", "quality", "checksum", *VOLUMES}
+assert set(quality) == {"input", "mesh", "quality", "checksum", *VOLUMES}
 check(quality, {"mesh": MESH, "quality": QUALITY, **VOLUMES}, "quality")
 
 before, after, mesh = smooth["before"], smooth["after"], smooth["mesh"]
 for state in (before, after, quality["quality"]):
     check_histogram(state, mesh["elements"])
+    for bad in state["worst_elements"]:
+        check(bad, BAD, "worst element")
+    assert len(state["worst_elements"]) == 10
+    assert same(state["worst_elements"][0]["radius_ratio"], state["max_radius_ratio"])
+assert before["worst_elements"] != after["worst_elements"]
 assert mesh == quality["mesh"] and mesh["dimension"] == 3
 assert 0 < mesh["free_nodes"] < mesh["nodes"] and 0 < mesh["colours"] <= 14
 

@@ -37,7 +37,7 @@ start() {
     env --default-signal=INT,TERM "$program" smooth slow.mesh -o "$1" "${endless[@]}" \
         --json report.json -v >out 2>err &
     run=$!
-    wait_for "sweep 1:" err
+    wait_for "  smoothing" err
 }
 
 for signal in INT TERM; do
@@ -73,7 +73,7 @@ rm -f err
 env --ignore-signal=INT --default-signal=TERM "$program" smooth slow.mesh -o out.mesh \
     "${endless[@]}" -v >out 2>err &
 run=$!
-wait_for "sweep 1:" err
+wait_for "  smoothing" err
 kill -INT $run
 sleep 0.2
 kill -0 $run 2>/dev/null || fail "an ignored SIGINT should stay ignored"
@@ -86,7 +86,7 @@ cp in.mesh shrinking.mesh
 rm -f out.mesh err
 "$program" smooth shrinking.mesh -o out.mesh --tolerance 0 --max-sweeps 3 -v >out 2>err &
 run=$!
-wait_for "sweep 1:" err
+wait_for "  smoothing" err
 : >shrinking.mesh
 wait $run
 status=$?

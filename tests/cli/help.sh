@@ -1,0 +1,117 @@
+#!/usr/bin/env bash
+# Help, manual page, completions and docs/program.md tell of the same commands and options, and the program
+# knows them; what is mistyped is guessed at.
+. "$(dirname "$0")/common.sh"
+
+"$program" --generate man >planish.1 && "$program" --generate bash >bash && "$program" --generate zsh >zsh ||
+    fail "--generate"
+
+# completions WORD...: what bash offers for the last one
+completions() {
+    bash -c 'source ./bash; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _planish
+        printf "%s\n" "${COMPREPLY[@]}"' - "$@"
+}
+# options COMMAND: those of its help, without the two minuses
+options() {
+    "$program" help "$1" | grep -o '^  \(-.,\|   \) --[a-z-]*' | sed 's/.*--//'
+}
+# zsh_options COMMAND: those of its part of the completion
+zsh_options() {
+    sed -n "/^$1)/,/;;/p" zsh | grep -o "^ *'\*'[^']*'\[" | grep -o -e '--[a-z-]*' | sed 's/^--//'
+}
+
+# Every command is in all of them.
+commands=$("$program" --help | sed -n 's/^  \([a-z]\{1,\}\) .*/\1/p' | grep -vx help)
+[ "$commands" = "$(printf 'smooth\nquality\nreport')" ] || fail "commands of the help: $commands"
+for command in $commands; do
+    grep -q "^\\\\fBplanish $command\\\\fR" planish.1 || fail "planish(1) lacks $command"
+    grep -q "^    '$command:" zsh || fail "zsh lacks $command"
+    grep -q "^    planish $command " "$source_folder/docs/program.md" || fail "program.md lacks $command"
+    completions planish "${command:0:2}" | grep -qx "$command" || fail "bash lacks $command"
+    completions planish help "${command:0:2}" | grep -qx "$command" || fail "bash lacks help $command"
+    expect_status 0 "$program" "$command" --help
+    grep -q "^Usage: planish $command " out && grep -q "^Exit status:" out || fail "help of $command"
+    for same in "$command -h" "help $command"; do
+        # shellcheck disable=SC2086
+        "$program" $same | cmp - out || fail "planish $same is another help"
+    done
+done
+"$program" help | cmp - <("$program" -h) || fail "planish help and -h"
+"$program" help | cmp - <("$program" --help) || fail "planish help and --help"
+
+# Every option of each command is, too, and no other.
+page=$(sed 's/\\-/-/g; s/\\f[BRI]//g' planish.1)
+for command in $commands; do
+    wanted=$(options "$command" | sort)
+    [ "$(wc -w <<<"$wanted")" -ge 4 ] || fail "$command has too few options: $wanted"
+    [ "$(completions planish "$command" -- | sed 's/^--//' | sort)" = "$wanted" ] ||
+        fail "bash offers other options of $command"
+    [ "$(zsh_options "$command" | sort)" = "$wanted" ] || fail "zsh offers other options of $command"
+    for option in $wanted; do
+        grep -q -e "^\(-., \)\?--$option\( \|$\)" <<<"$page" || fail "planish(1) lacks --$option"
+        grep -q -e "\`--$option[\` ]" "$source_folder/docs/program.md" ||
+            fail "docs/program.md lacks --$option"
+        "$program" "$command" "--$option" x --no-such-option >out 2>err </dev/null
+        ! grep -q -e "--$option'\? is not one of\|unknown option '--$option'" err ||
+            fail "$command does not know --$option"
+    done
+done
+for option in $(grep -o -e '^\(-., \)\?--[a-z-]*' <<<"$page" | sed 's/.*--//'); do
+    for command in $commands; do
+        options "$command"
+    done | grep -qx -e "$option" || fail "planish(1) has --$option, which no command has"
+done
+
+# All within 80 columns.
+for command in "" $commands; do
+    # shellcheck disable=SC2086
+    "$program" help $command | awk 'length($0) > 80 { exit 1 }' || fail "help $command is wider than 80 columns"
+done
+if command -v man >/dev/null; then
+    warnings=$(LC_ALL=C MANWIDTH=80 man --warnings -l planish.1 2>&1 >page)
+    [ -z "$warnings" ] || fail "planish(1): $warnings"
+    col -bx <page | awk 'length($0) > 80 { exit 1 }' || fail "planish(1) is wider than 80 columns"
+    for section in NAME SYNOPSIS COMMANDS OPTIONS FORMATS "EXIT STATUS" EXAMPLES; do
+        col -bx <page | grep -qx "$section" || fail "planish(1) has no section $section"
+    done
+fi
+! command -v groff >/dev/null || [ -z "$(groff -man -Tutf8 -ww planish.1 2>&1 >/dev/null)" ] ||
+    fail "groff warns of planish(1)"
+
+# Completion in use.
+[ "$(completions planish q)" = quality ] || fail "completion of a command"
+[ "$(completions planish smooth --objective mea)" = mean-ratio ] || fail "completion of a value"
+[ "$(completions planish smooth --objective = mea)" = mean-ratio ] || fail "completion behind ="
+[ "$(completions planish smooth --objective =)" = "$(completions planish smooth --objective "")" ] ||
+    fail "completion right behind ="
+touch a_file
+[ "$(completions planish quality a_f)" = a_file ] || fail "completion of a file"
+[ "$(completions planish smooth --json a_f)" = a_file ] || fail "completion of a file of an option"
+! completions planish quality --s | grep -q . || fail "options of another command are offered"
+if command -v zsh >/dev/null; then
+    zsh -n zsh || fail "zsh does not understand its completion"
+fi
+
+# Mistyped words.
+mistyped() {
+    local wanted=$1
+    shift
+    expect_status 64 "$program" "$@"
+    expect_one_line
+    expect_text "$wanted"
+    expect_text "--help"
+}
+mistyped "unknown option '--treads'; did you mean --threads?" smooth in.msh -o out.msh --treads 3
+mistyped "unknown option '--thraeds'; did you mean --threads?" smooth in.msh -o out.msh --thraeds=3
+mistyped "unknown option '--jsn'; did you mean --json?" quality in.msh --jsn -
+mistyped "unknown option '--frobnicate'; try" quality in.msh --frobnicate
+mistyped "option --box is not one of planish quality" quality in.msh --box 0,0,1,1
+mistyped "option '--worst-' is ambiguous: --worst-measure, --worst-rise" smooth in.msh --worst- 3
+mistyped "unknown command 'smoth'; did you mean smooth?" smoth in.msh
+mistyped "unknown command 'qualtiy'; did you mean quality?" help qualtiy
+mistyped "unknown command 'polish'; it must be smooth, quality or report" polish
+mistyped "smooth, quality or report"
+mistyped "'quality' is a second one" help smooth quality
+mistyped "no result is named" report
+mistyped "one result is expected" report a.json b.json
+finish

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# The worst elements, listed and in the reports, against a script that shares no code with planish.
+. "$(dirname "$0")/common.sh"
+
+python3 "$cli/make_mesh.py" 4 0.25 pushed.mesh
+python3 "$cli/make_mesh.py" 4 0.9 tangled.mesh
+cp "$sample" bracket.msh
+cp "$source_folder"/tests/data/{square,ascii22}.msh .
+
+for mesh in bracket.msh pushed.mesh tangled.mesh square.msh ascii22.msh; do
+    for n in 1 7 100000; do
+        expect_status 0 "$program" quality $mesh --worst $n --json report.json
+        python3 "$cli/worst_elements.py" $mesh $n report.json out || fail "--worst $n of $mesh"
+        awk 'length($0) > 80 { exit 1 }' out || fail "--worst $n of $mesh is wider than 80 columns"
+        ! grep -q ' $' out || fail "--worst $n of $mesh: trailing blanks"
+    done
+    expect_status 0 "$program" quality $mesh --json report.json
+    expect_json "len(r['quality']['worst_elements']) == 10"
+    ! grep -q "^ *element " out || fail "a list that nobody asked for"
+    expect_status 0 "$program" quality $mesh --json report.json --threads 3 --worst 20
+    cp report.json three.json
+    expect_status 0 "$program" quality $mesh --json report.json --threads 1 --worst 20
+    cmp report.json three.json || fail "the list of $mesh depends on the threads"
+done
+
+# Regions are tags of the file.
+expect_status 0 "$program" quality ascii22.msh --worst 3 --json report.json
+expect_json "{e['region'] for e in r['quality']['worst_elements']} <= {'upper part', 'lower part'}"
+grep -q "in upper part$\|in lower part$" out || fail "no region in the list: $(cat out)"
+region=$(python3 -c "import json; print(json.load(open('report.json'))['quality']['worst_elements'][0]['region'])")
+expect_status 0 "$program" quality ascii22.msh --fix "$region" --json report.json -q
+expect_json "not r['quality']['worst_elements'][0]['movable']"
+
+# smooth: before and after are of their own time.
+expect_status 0 "$program" quality bracket.msh --json before.json -q
+expect_status 0 "$program" smooth bracket.msh -o out.msh --json report.json -q
+expect_status 0 "$program" quality out.msh --json after.json -q
+for when in before after; do
+    expect_json "r['$when']['worst_elements'] == json.load(open('$when.json'))['quality']['worst_elements']"
+done
+expect_json "r['before']['worst_elements'] != r['after']['worst_elements']"
+# Nodes that slide move as well.
+expect_status 0 "$program" smooth bracket.msh -o out.msh --slide auto --max-sweeps 0 --json report.json -q
+expect_json "sum(e['movable'] for e in r['before']['worst_elements']) > \
+    sum(e['movable'] for e in json.load(open('after.json'))['quality']['worst_elements'])"
+
+for value in 0 -1 x "" 1.5; do
+    expect_status 64 "$program" quality bracket.msh --worst "$value"
+    expect_one_line
+done
+finish

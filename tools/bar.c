@@ -1,0 +1,138 @@
+/* bar: one line on the terminal: what is done, how much of the whole, and how long it will take. */
+#include "bar.h"
+
+#include "terminal.h"
+
+#include "base/clock.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    LONGEST = 20,     /* columns of the bar at most, */
+    SHORTEST = 5,     /* and at least: there is none else */
+    FRAME = 9,        /* columns of brackets and per cent around it */
+    USUAL_SWEEPS = 12 /* to convergence, as long as nothing is known */
+};
+
+/* Seconds between two updates of the bar: more often is not seen and only costs. */
+static const double INTERVAL = 0.1;
+
+/* The most that may be done by what is no more than a guess. */
+static const double MOST_GUESSED = 0.5;
+
+/* How much of the whole may be done when a phase begins, as long as no sweep has told more. */
+static const double share_of_smooth[] = {
+    [PL_PHASE_READING] = 0,      [PL_PHASE_PLANNING] = 0.1, [PL_PHASE_MEASURING] = 0.2,
+    [PL_PHASE_SMOOTHING] = 0.25, [PL_PHASE_CHECKING] = 0.9, [PL_PHASE_WRITING] = 0.93,
+};
+static const double share_of_quality[] = {
+    [PL_PHASE_READING] = 0,
+    [PL_PHASE_PLANNING] = 0.4,
+    [PL_PHASE_MEASURING] = 0.7,
+};
+
+static const char *const phase_names[] = {
+    [PL_PHASE_READING] = "reading",     [PL_PHASE_PLANNING] = "planning",
+    [PL_PHASE_MEASURING] = "measuring", [PL_PHASE_SMOOTHING] = "smoothing",
+    [PL_PHASE_CHECKING] = "checking",   [PL_PHASE_WRITING] = "writing",
+};
+
+/** "name [####......]  40 %tail", the bar as long as the terminal lets it be. */
+static void show(pl_progress *progress, const char *name, const char *tail, double share) {
+    char bar[LONGEST + 1], line[256];
+    const int room = pl_terminal_columns(stderr) - 1 - FRAME - (int)(strlen(name) + strlen(tail));
+    const int length = room < LONGEST ? room : LONGEST;
+    progress->share = fmax(progress->share, fmin(share, 1));
+    const int filled = (int)(progress->share * length);
+    if (length < SHORTEST) {
+        snprintf(line, sizeof line, "%s%s", name, tail);
+        pl_line_show(line);
+        return;
+    }
+    for (int i = 0; i < length; i++)
+        bar[i] = i < filled ? '#' : '.';
+    bar[length] = '\0';
+    snprintf(line, sizeof line, "%s [%s] %3d %%%s", name, bar, (int)(100 * progress->share), tail);
+    pl_line_show(line);
+}
+
+void pl_bar_phase(pl_progress *progress, pl_phase phase) {
+    char name[64];
+    const pl_arguments *arguments = progress->arguments;
+    const int n = arguments->n_inputs, is_smooth = arguments->command == PL_COMMAND_SMOOTH;
+    const double share = is_smooth ? share_of_smooth[phase] : share_of_quality[phase];
+    if (n > 1)
+        snprintf(name, sizeof name, "%s, file %d of %d", phase_names[phase], progress->file + 1, n);
+    else
+        snprintf(name, sizeof name, "%s", phase_names[phase]);
+    show(progress, name, "", (progress->file + share) / n);
+}
+
+/** Seconds for people: "about 12 s left", "about 3:05 min left", "about 2:10 h left". */
+static void print_left(double seconds, char *text, size_t size) {
+    const int64_t whole = (int64_t)ceil(seconds);
+    if (whole < 60)
+        snprintf(text, size, ", about %" PRId64 " s left", whole);
+    else if (whole < 3600)
+        snprintf(text, size, ", about %" PRId64 ":%02d min left", whole / 60, (int)(whole % 60));
+    else
+        snprintf(text, size, ", about %" PRId64 ":%02d h left", whole / 3600,
+                 (int)(whole / 60 % 60));
+}
+
+/** Sweeps that may be left where nothing is known yet. */
+static double guess_sweeps(const pl_progress *progress) {
+    const double n = (double)progress->n_sweeps;
+    const double most = fmin(USUAL_SWEEPS, progress->arguments->library.max_sweeps);
+    return fmax(most - n, 1);
+}
+
+/** Seconds that smoothing is still going to take; *is_known: by more than a guess. */
+static double seconds_left(const pl_progress *progress, const planish_progress *step,
+                           int *is_known) {
+    const int64_t n = progress->n_sweeps;
+    const double part = (double)step->colour / fmax(1, step->n_colours);
+    const double done = step->sweep_done ? 0 : fmin(part, 1);
+    double seconds = pl_estimate_sweep_seconds(progress->sweep, n);
+    if (n == 0)
+        seconds = part > 0 ? step->seconds / part : 0;
+    const double estimated =
+        step->restoring || step->worst
+            ? -1
+            : pl_estimate_sweeps(progress->sweep, n, &progress->arguments->library,
+                                 progress->plain);
+    *is_known = estimated >= 0 && !progress->arguments->library.worst;
+    double left = fmax(0, (estimated >= 0 ? estimated : guess_sweeps(progress)) - done) * seconds;
+    if (progress->arguments->library.worst &&
+        !step->worst) /* its sweeps take about as long again */
+        left += step->elapsed + left;
+    if (progress->arguments->library.time_limit > 0)
+        left = fmin(left, fmax(0, progress->arguments->library.time_limit - step->elapsed));
+    return left;
+}
+
+void pl_bar_step(pl_progress *progress, const planish_progress *step) {
+    char name[64], tail[128] = "", time[64] = "";
+    int is_known;
+    if (progress->last_shown >= 0 && step->elapsed - progress->last_shown < INTERVAL)
+        return;
+    progress->last_shown = step->elapsed;
+    const double left = seconds_left(progress, step, &is_known) + progress->write_seconds;
+    const double spent = pl_seconds() - progress->begin;
+    snprintf(name, sizeof name, "%s, sweep %d",
+             step->restoring ? "untangling"
+             : step->worst   ? "worst elements"
+                             : phase_names[PL_PHASE_SMOOTHING],
+             step->sweep);
+    if (is_known)
+        print_left(left, time, sizeof time);
+    if (step->inverted > 0 && step->restoring) /* the RMS would be that of the others */
+        snprintf(tail, sizeof tail, ", %" PRId64 " inverted", step->inverted);
+    else
+        snprintf(tail, sizeof tail, ", RMS %.6g%s", step->rms, time);
+    const double share = spent / (spent + left);
+    show(progress, name, tail, is_known || step->worst ? share : fmin(share, MOST_GUESSED));
+}

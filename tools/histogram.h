@@ -1,0 +1,13 @@
+/* histogram: the elements by their radius ratios, as bars of characters. */
+#ifndef PL_TOOLS_HISTOGRAM_H
+#define PL_TOOLS_HISTOGRAM_H
+
+#include <planish/planish.h>
+
+#include <stdio.h>
+
+/** A row for each bin up to the last that has elements; before (may be NULL) and after side by
+ *  side, on one scale. */
+void pl_histogram_print(FILE *stream, const planish_quality *before, const planish_quality *after);
+
+#endif

@@ -1,0 +1,76 @@
+/* worst_place: what there is to know of the worst elements besides their radius ratios. */
+#include "worst_place.h"
+
+#include "geometry/simplex.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double DEGREES = 57.295779513082320877; /* of a radian */
+
+static double degrees_of(double cosine) {
+    return DEGREES * acos(fmax(-1, fmin(1, cosine)));
+}
+
+/** The angles, which do not depend on the sign of the measure. Edges are scaled to about 1, so that
+ *  nothing overflows. */
+static void find_angles(int dim, const double *const vertex[], pl_bad_element *bad) {
+    double edges[3][3] = {{0}}, largest = 0;
+    pl_edges(dim, vertex, edges);
+    for (int i = 0; i < dim; i++)
+        for (int d = 0; d < dim; d++)
+            largest = fmax(largest, fabs(edges[i][d]));
+    for (int i = 0; i < dim; i++)
+        for (int d = 0; d < dim; d++)
+            edges[i][d] /= largest;
+    const pl_shape shape = pl_shape_of_edges(dim, edges);
+    const double smallest_cosine = shape.smallest_cosine, largest_cosine = shape.largest_cosine;
+    const int is_known = shape.determinant != 0 && smallest_cosine <= largest_cosine;
+    bad->smallest_angle_deg = is_known ? degrees_of(largest_cosine) : NAN;
+    bad->largest_angle_deg = is_known ? degrees_of(smallest_cosine) : NAN;
+}
+
+/** Its tag, of any length; 0, or -1 without memory. */
+static int find_region(const planish_file *file, pl_bad_element *bad) {
+    char first[1];
+    const int length = planish_file_element_region(file, bad->element, first, sizeof first);
+    if (length <= 0)
+        return 0;
+    const size_t size = (size_t)length + 1;
+    bad->region = malloc(size);
+    if (!bad->region)
+        return -1;
+    planish_file_element_region(file, bad->element, bad->region, size);
+    return 0;
+}
+
+static int place(const pl_job *job, const uint8_t *is_free, pl_bad_element *bad) {
+    const int dim = job->mesh.dim, corners = dim + 1;
+    const int32_t *nodes = &job->mesh.elements[bad->element * corners];
+    const double *vertex[4];
+    bad->number = planish_file_element_number(job->file, bad->element);
+    for (int k = 0; k < corners; k++) {
+        const int64_t node = nodes[k];
+        const uint8_t constraint = job->constraint[node];
+        vertex[k] = &job->mesh.coordinates[node * dim];
+        bad->node[k] = planish_file_node_number(job->file, node);
+        bad->is_movable |=
+            is_free[node] || (job->plan_info.n_sliding > 0 &&
+                              (constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE));
+        for (int d = 0; d < dim; d++)
+            bad->place[d] += vertex[k][d] / corners;
+    }
+    find_angles(dim, vertex, bad);
+    return find_region(job->file, bad);
+}
+
+int pl_worst_place(const pl_job *job, pl_worst *worst) {
+    uint8_t *is_free = malloc((size_t)job->mesh.n_nodes + 1);
+    int status = is_free ? 0 : -1;
+    if (is_free)
+        planish_plan_get_free(job->plan, is_free);
+    for (int64_t i = 0; i < worst->n && !status; i++)
+        status = place(job, is_free, &worst->bad[i]);
+    free(is_free);
+    return status;
+}
