@@ -156,6 +156,17 @@ PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surf
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);
 
+/* ---- Elements thin in layers ---------------------------------------------------------------- */
+
+/** Find the elements that are thin in layers, as those of a boundary layer or of a stretched mesh
+ *  are: which somebody wanted so, and smoothing would make regular. Their shortest edge is at most
+ *  a quarter of their longest, and edges of elements around go along with it; that of slivers, and
+ *  of elements that are bad by chance, does not (docs/algorithm.md). is_layer [n_elements] is
+ *  filled with 0 or 1; *n_layer (may be NULL) counts the ones. It costs little where few elements
+ *  are thin. threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+PLANISH_API int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer,
+                                    int64_t *n_layer, planish_error *error);
+
 /* ---- Options ------------------------------------------------------------------------------ */
 
 /** How nodes are moved. The Laplacian methods are what the paper compares with: unguarded, they may

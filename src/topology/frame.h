@@ -1,4 +1,4 @@
-/* frame: the bounding box of a mesh, and lengths in units of it. Internal to topology.
+/* frame: the bounding box of a mesh, and lengths in units of it. For topology and shape.
  *
  * Lengths are scaled by a power of two so that the box's longest side is between 1/2 and 1: nothing
  * overflows or underflows that the mesh itself can tell apart, and no bit of a result depends on

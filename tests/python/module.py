@@ -241,6 +241,13 @@ class Plans(unittest.TestCase):
             planish.smooth(points, cells)
             np.testing.assert_array_equal(copy, points)
 
+    def test_layers_are_found(self):
+        points, cells, _ = box(3, amount=0)
+        self.assertFalse(planish.find_layers(points, cells).any())
+        low = points[cells][:, :, 2].max(axis=1) <= 2
+        points[:, 2] *= np.where(points[:, 2] <= 2, 0.1, 1)
+        np.testing.assert_array_equal(planish.find_layers(points, cells, threads=2), low)
+
     def test_values_are_shown(self):
         points, cells, _ = box(2)
         quality = planish.quality(points, cells)

@@ -26,7 +26,8 @@ from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
 
-__all__ = ["Error", "Plan", "Progress", "Quality", "Result", "checksum", "quality", "smooth", "version"]
+__all__ = ["Error", "Plan", "Progress", "Quality", "Result", "checksum", "find_layers", "quality",
+           "smooth", "version"]
 
 # ---- the library's structures, as in include/planish/planish.h --------------------------------
 
@@ -279,7 +280,7 @@ _library.planish_plan_destroy.argtypes = [c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
-              "planish_measure_mesh"):
+              "planish_measure_mesh", "planish_find_layers"):
     getattr(_library, _name).restype = c_int
 
 
@@ -655,6 +656,20 @@ def quality(points: Any, cells: Any = None, *, fixed: Any = None) -> Quality:
     view, error, found = _View(points, cells, fixed, None), _Error(), Quality()
     _check(_library.planish_measure_mesh(byref(view.mesh), None, byref(found), byref(error)), error)
     return found
+
+
+def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarray:
+    """Mask [m] of the cells that are thin in layers, as those of a boundary layer: smoothing would
+    make them regular, unless their nodes are fixed. points and cells as for Plan."""
+    view, error = _View(points, cells, None, None), _Error()
+    mask = np.zeros(len(view.cells), dtype=np.uint8)
+    _check(
+        _library.planish_find_layers(
+            byref(view.mesh), c_int(threads), c_void_p(_address(mask)), None, byref(error)
+        ),
+        error,
+    )
+    return mask.astype(bool)
 
 
 def checksum(points: Any, cells: Any = None) -> int:

@@ -1,0 +1,455 @@
+/* planish_find_layers: layers of known meshes, to the element; nothing in meshes that are bad by
+ * chance. */
+#include "support/allocations.h"
+#include "support/meshes.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { CELLS = 10 };
+
+/** Marks [n_elements], to be freed; *n (may be NULL) are ones. */
+static uint8_t *find(const planish_mesh *mesh, int threads, int64_t *n) {
+    uint8_t *is_layer = malloc((size_t)mesh->n_elements + 1);
+    int64_t count = -1, ones = 0;
+    planish_error error = {.text = ""};
+    assert_non_null(is_layer);
+    memset(is_layer, 7, (size_t)mesh->n_elements + 1);
+    if (planish_find_layers(mesh, threads, is_layer, &count, &error))
+        fail_msg("%s", error.text);
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        assert_true(is_layer[i] <= 1);
+        ones += is_layer[i];
+    }
+    assert_int_equal(is_layer[mesh->n_elements], 7);
+    assert_int_equal(count, ones);
+    if (n)
+        *n = count;
+    return is_layer;
+}
+
+static int64_t count(const planish_mesh *mesh) {
+    int64_t n;
+    free(find(mesh, 1, &n));
+    return n;
+}
+
+/* ---- boxes with layers ---------------------------------------------------------------------- */
+
+/** Which cell of the box of unit cells, in direction d, an element is in. */
+static int cell_of(const test_mesh *box, int64_t element, int d) {
+    const int dim = box->mesh.dim;
+    double lowest = CELLS;
+    for (int j = 0; j <= dim; j++)
+        lowest = fmin(lowest, box->coordinates[box->elements[element * (dim + 1) + j] * dim + d]);
+    return (int)lowest;
+}
+
+/** Give the cells of direction d the heights [CELLS]. */
+static void set_heights(test_mesh *box, int d, const double *height) {
+    double level[CELLS + 1] = {0};
+    for (int k = 0; k < CELLS; k++)
+        level[k + 1] = level[k] + height[k];
+    for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
+        double *x = &box->coordinates[i * box->mesh.dim + d];
+        *x = level[(int)*x];
+    }
+}
+
+/** Heights of n layers that grow, and of cubes. */
+static void fill_heights(double *height, int n, double first, double growth) {
+    for (int k = 0; k < CELLS; k++)
+        height[k] = k < n ? fmin(first * pow(growth, k), 1) : 1;
+}
+
+/** Whether an element of a cell of that height, 1 wide, has edges in a ratio of 4: its longest is
+ *  the cell's diagonal. */
+static int is_thin(int dim, double height) {
+    return sqrt(dim - 1 + height * height) >= 4 * height;
+}
+
+/** Fails the test unless exactly the thin elements of the cells of the last direction are found. */
+static void check_heights(int dim, const double *height) {
+    test_mesh box;
+    test_mesh_box(&box, dim, CELLS);
+    const int64_t n = box.mesh.n_elements;
+    uint8_t *expected = malloc((size_t)n);
+    for (int64_t i = 0; i < n; i++)
+        expected[i] = (uint8_t)is_thin(dim, height[cell_of(&box, i, dim - 1)]);
+    set_heights(&box, dim - 1, height);
+    uint8_t *is_layer = find(&box.mesh, 1, NULL);
+    assert_memory_equal(is_layer, expected, (size_t)n);
+    free(is_layer);
+    free(expected);
+    test_mesh_destroy(&box);
+}
+
+/** One layer, several, as many as there are; thin and thinner; none that is thin. */
+static void layers_on_a_wall_are_found(void **state) {
+    (void)state;
+    static const int numbers[] = {1, 2, 3, 5, CELLS};
+    static const double firsts[] = {0.3, 0.2, 0.05, 1e-3, 1e-9};
+    double height[CELLS];
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+            for (size_t k = 0; k < sizeof firsts / sizeof *firsts; k++) {
+                fill_heights(height, numbers[i], firsts[k], 1);
+                check_heights(dim, height);
+            }
+}
+
+/** Those that are thin, up to the one that grew too high. */
+static void layers_may_grow(void **state) {
+    (void)state;
+    static const double growths[] = {1.2, 1.5, 2};
+    double height[CELLS];
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t i = 0; i < sizeof growths / sizeof *growths; i++) {
+            fill_heights(height, CELLS, 0.1, growths[i]);
+            assert_false(is_thin(dim, height[CELLS - 1]));
+            check_heights(dim, height);
+        }
+}
+
+/** On two walls at right angles: all elements that are thin in one direction only, but for some at
+ *  the block of small cubes where the layers meet. */
+static void corners_have_layers(void **state) {
+    (void)state;
+    enum { LAYERS = 3 };
+    double height[CELLS];
+    fill_heights(height, LAYERS, 0.1, 1);
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        test_mesh_box(&box, dim, CELLS);
+        const int64_t n = box.mesh.n_elements;
+        int *n_thin = calloc((size_t)n, sizeof *n_thin);
+        uint8_t *is_near = calloc((size_t)n, 1);
+        for (int64_t i = 0; i < n; i++) {
+            const int cell[2] = {cell_of(&box, i, 0), cell_of(&box, i, 1)};
+            n_thin[i] = (cell[0] < LAYERS) + (cell[1] < LAYERS);
+            is_near[i] = cell[0] <= LAYERS && cell[1] <= LAYERS;
+        }
+        for (int d = 0; d < 2; d++)
+            set_heights(&box, d, height);
+        uint8_t *is_layer = find(&box.mesh, 1, NULL);
+        for (int64_t i = 0; i < n; i++)
+            if (!is_near[i])
+                assert_int_equal(is_layer[i], n_thin[i]);
+        free(is_layer);
+        free(is_near);
+        free(n_thin);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** The box bent to a half of a ring: the layers' directions turn. */
+static void walls_may_be_curved(void **state) {
+    (void)state;
+    static const double PI = 3.14159265358979323846;
+    double height[CELLS];
+    fill_heights(height, CELLS, 0.1, 1);
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        test_mesh_box(&box, dim, CELLS);
+        set_heights(&box, dim - 1, height);
+        for (int64_t i = 0; i < box.mesh.n_nodes; i++) {
+            double *x = box.coordinates + i * dim;
+            const double angle = x[0] * PI / CELLS, radius = CELLS / PI + x[dim - 1];
+            x[0] = radius * cos(angle);
+            x[dim - 1] = radius * sin(angle);
+        }
+        assert_int_equal(count(&box.mesh), box.mesh.n_elements);
+        test_mesh_destroy(&box);
+    }
+}
+
+/* ---- other meshes --------------------------------------------------------------------------- */
+
+/** Whether the mesh has elements whose edges differ by the factor. */
+static int has_edge_ratio(const planish_mesh *mesh, double ratio) {
+    planish_quality quality;
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = 1;
+    assert_int_equal(planish_measure_mesh(mesh, &options, &quality, NULL), 0);
+    return quality.edge_ratio.max >= ratio;
+}
+
+/** Nodes that have come near to one of their neighbours, here and there: short edges that have no
+ *  company. */
+static void short_edges_alone_are_no_layers(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        test_mesh_box(&box, dim, CELLS);
+        for (int64_t i = 0; i < box.mesh.n_nodes; i++) {
+            double *x = box.coordinates + i * dim;
+            int is_chosen = 1;
+            for (int d = 0; d < dim; d++)
+                is_chosen &= x[d] > 0 && x[d] < CELLS && (int)x[d] % 3 == 1;
+            x[0] += is_chosen ? 0.9 : 0;
+        }
+        assert_true(has_edge_ratio(&box.mesh, 10));
+        assert_int_equal(count(&box.mesh), 0);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Of random meshes, tangled ones among them, many elements are thin but next to none in layers. */
+static void chance_makes_no_layers(void **state) {
+    (void)state;
+    static const double amounts[] = {0.15, 0.3, 0.6, 1, 2};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t i = 0; i < sizeof amounts / sizeof *amounts; i++) {
+            test_mesh box;
+            test_mesh_box(&box, dim, dim == 3 ? 14 : 60);
+            test_mesh_perturb(&box, amounts[i], 3);
+            assert_true(i < 2 || has_edge_ratio(&box.mesh, 8));
+            const int64_t n = count(&box.mesh);
+            assert_true((double)n <= (i < 2 ? 0 : 0.01) * (double)box.mesh.n_elements);
+            test_mesh_destroy(&box);
+        }
+}
+
+/** Four nodes near a circle's quarters, flat, and their neighbours over and under them. */
+static void slivers_are_no_layers(void **state) {
+    (void)state;
+    static const double x[] = {1, 0,  1e-3,  0, 1, -1e-3, -1, 0, 1e-3,
+                               0, -1, -1e-3, 0, 0, 1,     0,  0, -1};
+    static const int32_t elements[] = {0, 1, 2, 3, 0, 1, 2, 4, 0, 2, 3, 4, 0, 1, 3, 5, 1, 2, 3, 5};
+    test_mesh slivers, more;
+    test_mesh_create(&slivers, 3, 6, x, 5, elements);
+    for (int i = 1; i < 20; i++) {
+        test_mesh_create(&more, 3, 6, x, 5, elements);
+        test_mesh_append(&slivers, &more, i);
+        test_mesh_destroy(&more);
+    }
+    assert_int_equal(count(&slivers.mesh), 0);
+    test_mesh_destroy(&slivers);
+}
+
+/** Isotropic cells that grow towards a corner in all directions. */
+static void grading_makes_no_layers(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        test_mesh_box(&box, dim, CELLS);
+        for (int64_t i = 0; i < box.mesh.n_nodes; i++) {
+            double *x = box.coordinates + i * dim, farthest = 0, factor;
+            for (int d = 0; d < dim; d++)
+                farthest = fmax(farthest, x[d]);
+            factor = farthest > 0 ? pow(1.3, farthest) / farthest : 0;
+            for (int d = 0; d < dim; d++)
+                x[d] *= factor;
+        }
+        assert_int_equal(count(&box.mesh), 0);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Edges without a length have no direction; nodes at one place say nothing of others. */
+static void collapsed_elements_are_none(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        test_mesh_box(&box, dim, 4);
+        for (int64_t i = 0; i < box.mesh.n_nodes; i++)
+            box.coordinates[i * dim] = 0;
+        (void)count(&box.mesh);
+        for (int64_t i = 0; i < box.mesh.n_nodes * dim; i++)
+            box.coordinates[i] = 0;
+        assert_int_equal(count(&box.mesh), 0);
+        test_mesh_destroy(&box);
+    }
+}
+
+/* ---- promises ------------------------------------------------------------------------------- */
+
+/** A box with layers that are a little uneven, some of whose elements are found. */
+static void create_uneven(test_mesh *box, int dim) {
+    double height[CELLS];
+    fill_heights(height, 6, 0.12, 1.1);
+    test_mesh_box(box, dim, CELLS);
+    test_mesh_perturb(box, 0.1, 2);
+    for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
+        double *x = &box->coordinates[i * dim + dim - 1];
+        *x = *x < 6 ? 0.15 * *x : *x - 6 + 0.9;
+    }
+    test_mesh_renumber(box, 5, NULL);
+}
+
+static void threads_do_not_change_the_marks(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        int64_t n, other_n;
+        create_uneven(&box, dim);
+        uint8_t *is_layer = find(&box.mesh, 1, &n);
+        assert_true(n > box.mesh.n_elements / 10 && n < box.mesh.n_elements / 2);
+        for (int threads = 2; threads <= 7; threads++) {
+            uint8_t *other = find(&box.mesh, threads, &other_n);
+            assert_memory_equal(is_layer, other, (size_t)box.mesh.n_elements);
+            free(other);
+        }
+        free(is_layer);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Nor does the unit of length, as far as doubles go. */
+static void scale_does_not_matter(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        create_uneven(&box, dim);
+        uint8_t *is_layer = find(&box.mesh, 1, NULL);
+        for (int exponent = -1000; exponent <= 1000; exponent += 250) {
+            test_mesh_transform(&box, ldexp(1, exponent), 0);
+            uint8_t *other = find(&box.mesh, 1, NULL);
+            assert_memory_equal(is_layer, other, (size_t)box.mesh.n_elements);
+            free(other);
+            test_mesh_transform(&box, ldexp(1, -exponent), 0);
+        }
+        free(is_layer);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** Coordinates with gaps, components apart, elements of 64 bits. */
+static void arrays_may_have_other_forms(void **state) {
+    (void)state;
+    enum { STRIDE = 5 };
+    test_mesh box;
+    create_uneven(&box, 3);
+    planish_mesh mesh = box.mesh;
+    uint8_t *is_layer = find(&mesh, 1, NULL);
+    const int64_t n = mesh.n_nodes, corners = mesh.n_elements * 4;
+    double *wide = calloc((size_t)(n * STRIDE), sizeof *wide);
+    int64_t *elements = calloc((size_t)corners, sizeof *elements);
+    for (int64_t i = 0; i < corners; i++)
+        elements[i] = box.elements[i];
+    mesh.elements = NULL;
+    mesh.elements64 = elements;
+    mesh.coordinates = wide;
+    for (int apart = 0; apart < 2; apart++) {
+        mesh.node_stride = apart ? 1 : STRIDE;
+        mesh.component_stride = apart ? n : 1;
+        for (int64_t i = 0; i < n; i++)
+            for (int d = 0; d < 3; d++)
+                wide[i * mesh.node_stride + d * mesh.component_stride] = box.coordinates[i * 3 + d];
+        uint8_t *other = find(&mesh, 1, NULL);
+        assert_memory_equal(is_layer, other, (size_t)mesh.n_elements);
+        free(other);
+    }
+    free(elements);
+    free(wide);
+    free(is_layer);
+    test_mesh_destroy(&box);
+}
+
+/** Thousands of elements at the ends of one edge, which all are thin: they are told all the same.
+ */
+static void nodes_may_have_many_elements(void **state) {
+    (void)state;
+    test_mesh pyramid;
+    test_mesh_double_pyramid(&pyramid, 5000);
+    int64_t n, other_n;
+    uint8_t *is_layer = find(&pyramid.mesh, 1, &n);
+    uint8_t *other = find(&pyramid.mesh, 3, &other_n);
+    assert_int_equal(n, pyramid.mesh.n_elements); /* slices, side by side */
+    assert_memory_equal(is_layer, other, (size_t)n);
+    free(other);
+    free(is_layer);
+    test_mesh_destroy(&pyramid);
+}
+
+/* ---- arguments ------------------------------------------------------------------------------ */
+
+static void refuse(const planish_mesh *mesh, int threads, int code) {
+    uint8_t is_layer[64];
+    int64_t n = -5;
+    planish_error error = {.text = ""};
+    memset(is_layer, 9, sizeof is_layer);
+    assert_int_equal(planish_find_layers(mesh, threads, is_layer, &n, &error), code);
+    assert_int_equal(error.code, code);
+    assert_true(error.text[0] != '\0');
+    assert_int_equal(n, -5);
+    for (size_t i = 0; i < sizeof is_layer; i++)
+        assert_int_equal(is_layer[i], 9);
+}
+
+static void wrong_arguments_are_refused(void **state) {
+    (void)state;
+    test_mesh box;
+    test_mesh_box(&box, 3, 1);
+    assert_int_equal(planish_find_layers(&box.mesh, 1, NULL, NULL, NULL), PLANISH_ERROR_ARGUMENT);
+    refuse(NULL, 1, PLANISH_ERROR_ARGUMENT);
+    refuse(&box.mesh, -1, PLANISH_ERROR_ARGUMENT);
+    planish_mesh mesh = box.mesh;
+    mesh.dim = 4;
+    refuse(&mesh, 1, PLANISH_ERROR_ARGUMENT);
+    mesh = box.mesh;
+    mesh.n_elements = 0;
+    refuse(&mesh, 1, PLANISH_ERROR_MESH);
+    mesh = box.mesh;
+    mesh.component_stride = 2;
+    refuse(&mesh, 1, PLANISH_ERROR_ARGUMENT);
+    box.elements[5] = 8;
+    refuse(&box.mesh, 1, PLANISH_ERROR_MESH);
+    box.elements[5] = box.elements[4];
+    refuse(&box.mesh, 1, PLANISH_ERROR_MESH);
+    test_mesh_destroy(&box);
+    test_mesh_box(&box, 3, 1);
+    box.coordinates[7] = NAN;
+    refuse(&box.mesh, 1, PLANISH_ERROR_MESH);
+    test_mesh_destroy(&box);
+}
+
+/** Without the first block of memory, the second, ... */
+static void no_memory_is_an_error(void **state) {
+    (void)state;
+    test_mesh box;
+    create_uneven(&box, 3);
+    uint8_t *is_layer = malloc((size_t)box.mesh.n_elements);
+    int status = PLANISH_ERROR_MEMORY, permitted = 0;
+    for (; status; permitted++) {
+        int64_t n = -5;
+        memset(is_layer, 9, (size_t)box.mesh.n_elements);
+        allocations_permit(permitted);
+        status = planish_find_layers(&box.mesh, 1, is_layer, &n, NULL);
+        allocations_permit(-1);
+        assert_true(status == 0 || status == PLANISH_ERROR_MEMORY);
+        assert_true(status == 0 || (n == -5 && is_layer[0] == 9));
+    }
+    assert_true(permitted > 4);
+    free(is_layer);
+    test_mesh_destroy(&box);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(layers_on_a_wall_are_found),
+        cmocka_unit_test(layers_may_grow),
+        cmocka_unit_test(corners_have_layers),
+        cmocka_unit_test(walls_may_be_curved),
+        cmocka_unit_test(short_edges_alone_are_no_layers),
+        cmocka_unit_test(chance_makes_no_layers),
+        cmocka_unit_test(slivers_are_no_layers),
+        cmocka_unit_test(grading_makes_no_layers),
+        cmocka_unit_test(collapsed_elements_are_none),
+        cmocka_unit_test(threads_do_not_change_the_marks),
+        cmocka_unit_test(scale_does_not_matter),
+        cmocka_unit_test(arrays_may_have_other_forms),
+        cmocka_unit_test(nodes_may_have_many_elements),
+        cmocka_unit_test(wrong_arguments_are_refused),
+        cmocka_unit_test(no_memory_is_an_error),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
