@@ -180,13 +180,15 @@ void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
 
 /* ---- the worst elements --------------------------------------------------------------------- */
 
-/** A list of numbers; between: what stands between two. */
-static void put_numbers(pl_markup *page, const cJSON *object, const char *key,
+/** A list of up to four numbers, with that many significant digits; between: what stands between
+ *  two. */
+static void put_numbers(pl_markup *page, const cJSON *object, const char *key, int digits,
                         const char *between) {
-    double number[4];
-    const int most = 4, listed = pl_figure_list(object, key, number, most);
-    for (int i = 0; i < listed && i < most; i++)
-        pl_markup_put(page, "%s%.7g", i ? between : "", number[i]);
+    enum { MOST = 4 };
+    double number[MOST];
+    const int listed = pl_figure_list(object, key, number, MOST);
+    for (int i = 0; i < listed && i < MOST; i++)
+        pl_markup_put(page, "%s%.*g", i ? between : "", digits, number[i]);
 }
 
 static void put_region(pl_markup *page, const cJSON *element) {
@@ -197,9 +199,15 @@ static void put_region(pl_markup *page, const cJSON *element) {
 }
 
 static void put_element(pl_markup *page, const cJSON *element) {
+    enum { SOME = 5, ALL = 17 }; /* digits */
     const double ratio = pl_figure(element, "radius_ratio");
     const cJSON *movable = cJSON_GetObjectItemCaseSensitive(element, "movable");
-    pl_markup_put(page, "<tr><th scope=\"row\">%.0f</th><td>", pl_figure(element, "element"));
+    pl_markup_put(page,
+                  "<tr><th scope=\"row\">%.0f</th><td><button type=\"button\" hidden "
+                  "data-place=\"",
+                  pl_figure(element, "element"));
+    put_numbers(page, element, "place", ALL, ",");
+    pl_markup_put(page, "\">show</button></td><td>");
     if (isfinite(ratio))
         pl_markup_put_real(page, ratio);
     else
@@ -210,25 +218,23 @@ static void put_element(pl_markup *page, const cJSON *element) {
     pl_markup_put_real(page, pl_figure(element, "max_angle_deg"));
     pl_markup_put(page, "</td><td class=\"word\">%s</td><td class=\"word\">",
                   cJSON_IsFalse(movable) ? "no" : "yes");
-    put_numbers(page, element, "place", ", ");
+    put_numbers(page, element, "place", SOME, ", ");
     pl_markup_put(page, "</td><td class=\"word\">");
-    put_numbers(page, element, "nodes", " ");
+    put_numbers(page, element, "nodes", ALL, " ");
     pl_markup_put(page, "</td>");
     put_region(page, element);
-    pl_markup_put(page, "<td><button type=\"button\" hidden data-place=\"");
-    put_numbers(page, element, "place", ",");
-    pl_markup_put(page, "\">show</button></td></tr>\n");
+    pl_markup_put(page, "</tr>\n");
 }
 
 static void put_elements(pl_markup *page, const cJSON *state) {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
     pl_markup_put(page,
-                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
+                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th><td></td>"
                   "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest angle</th>"
                   "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">has a free node"
                   "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
-                  "class=\"word\">nodes</th><th scope=\"col\" class=\"word\">region</th>"
-                  "<th scope=\"col\"></th></tr></thead><tbody>\n");
+                  "class=\"word\">nodes</th><th scope=\"col\" "
+                  "class=\"word\">region</th></tr></thead><tbody>\n");
     cJSON_ArrayForEach(element, list) {
         put_element(page, element);
     }

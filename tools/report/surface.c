@@ -29,6 +29,7 @@ static int complain_memory(planish_error *error) {
 
 /** Facets of tetrahedra as they are found. */
 typedef struct collection {
+    const planish_mesh *mesh;
     pl_drawn_surface *surface;
     int64_t capacity;
     int failed;
@@ -51,6 +52,19 @@ static int make_room(collection *c) {
     return 1;
 }
 
+/** Whether triangle, a facet of the tetrahedron with the further node opposite, faces inwards. */
+static int faces_inwards(const planish_mesh *mesh, const int32_t *triangle, int32_t opposite) {
+    const double *x = mesh->coordinates, *o = x + 3 * (int64_t)opposite;
+    double e[3][3];
+    for (int i = 0; i < 3; i++)
+        for (int d = 0; d < 3; d++)
+            e[i][d] = x[3 * (int64_t)triangle[i] + d] - o[d];
+    return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+               e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+               e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]) <
+           0;
+}
+
 /** Take the facets of node that no second element has. */
 static void take_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
     collection *c = context;
@@ -61,6 +75,10 @@ static void take_facets(void *context, int32_t node, const pl_facet *facets, int
         triangle[0] = node;
         triangle[1] = facets[i].node[0];
         triangle[2] = facets[i].node[1];
+        if (faces_inwards(c->mesh, triangle, facets[i].opposite)) {
+            triangle[1] = facets[i].node[1];
+            triangle[2] = facets[i].node[0];
+        }
         c->surface->element[c->surface->n_triangles++] = facets[i].element[0];
     }
 }
@@ -68,7 +86,7 @@ static void take_facets(void *context, int32_t node, const pl_facet *facets, int
 static int find_facets(const planish_mesh *mesh, pl_drawn_surface *surface, planish_error *error) {
     enum { ONE_THREAD = 1 }; /* so that the order is that of the nodes */
     pl_incidence incidence = {0};
-    collection c = {surface, 0, 0};
+    collection c = {mesh, surface, 0, 0};
     int status = pl_incidence_create(mesh, NULL, ONE_THREAD, &incidence, error);
     if (!status)
         status = pl_facets_match(mesh, &incidence, NULL, ONE_THREAD, take_facets, &c, error);

@@ -9,7 +9,8 @@
 typedef struct pl_drawn_surface {
     int64_t n_all;       /* triangles that the surface has */
     int64_t n_triangles; /* that are drawn */
-    int32_t *triangle;   /* [n_triangles][3] points, owned */
+    int32_t *triangle;   /* [n_triangles][3] points, owned; of tetrahedra counterclockwise as seen
+                            from outside */
     int32_t *element;    /* [n_triangles] element of the mesh that each is a part of, owned */
     int64_t n_points;
     int32_t *point; /* [n_nodes of the mesh] their point, or -1; owned */

@@ -275,7 +275,7 @@ function lookAtAll() {
         const radius = Math.hypot(...extent) / size / 2;
         const angle = FIELD_OF_VIEW / 2 * Math.PI / 180;
         const farther = camera.aspect < 1 ? 1 / camera.aspect : 1;
-        camera.position.set(0.45, -0.75, 0.48).setLength(0.9 * farther * radius / Math.sin(angle));
+        camera.position.set(0.45, -0.75, 0.48).setLength(farther * radius / Math.sin(angle));
     } else {
         camera.position.set(0, 0, 1);
     }
