@@ -30,7 +30,8 @@ static const pl_command_text command_table[] = {
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0,
      "make a page for people of a result",
      "Make a page for a browser from RESULT.json, which smooth or quality wrote with\n"
-     "--json: tables, histograms and how the sweeps converged.",
+     "--json: tables, histograms, how the sweeps converged, and the mesh if its files\n"
+     "are still as they were.",
      "0 if the page was written; 2 if not; 64 bad usage.", pl_report_command},
 };
 

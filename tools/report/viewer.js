@@ -188,7 +188,8 @@ function makeBad(state) {
     dots.setAttribute('position', new THREE.BufferAttribute(middlePlaces(state), 3));
     dots.setAttribute('color', new THREE.BufferAttribute(colours, 3));
     group.add(new THREE.Mesh(solids, material));
-    group.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x222222})));
+    if (dim === 3) /* those of a plane mesh are among its mesh lines */
+        group.add(new THREE.LineSegments(edges, new THREE.LineBasicMaterial({color: 0x222222})));
     group.add(new THREE.Points(dots, new THREE.PointsMaterial(
         {size: 4, sizeAttenuation: false, vertexColors: THREE.VertexColors})));
     /* The first n are the worst n. */
@@ -426,7 +427,8 @@ function limit() {
 }
 
 function showWorse() {
-    const value = limit(), text = value.toPrecision(3);
+    const value = limit();
+    const text = value < 1000 ? value.toPrecision(3) : Math.round(value).toLocaleString('en');
     section.querySelector('output').textContent = text;
     slider.setAttribute('aria-valuetext', text);
     for (const view of views) {
