@@ -29,6 +29,7 @@ typedef struct pl_arguments {
     const char *json;   /* a path, "-" for standard output, or NULL: no report */
     const char **fix;   /* [n_fix] tags, owned */
     int n_fix;
+    int fix_layers;         /* elements thin in layers are held */
     int slide;              /* boundary nodes slide, where they can */
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;

@@ -2,6 +2,7 @@
 #include "commands.h"
 
 #include "job.h"
+#include "layers.h"
 #include "message.h"
 #include "output.h"
 #include "result.h"
@@ -53,6 +54,7 @@ static void print_table(const pl_job *job, const planish_quality *quality,
     pl_table_oddities(stderr, job);
     pl_table_quality(stdout_is_taken ? stderr : stdout, job, quality, volumes);
     pl_volumes_print(stderr, job, volumes);
+    pl_layers_print(stderr, job);
 }
 
 static int measure_job(pl_job *job, pl_volumes *volumes) {
@@ -63,6 +65,8 @@ static int measure_job(pl_job *job, pl_volumes *volumes) {
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &quality)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_layers_count(job, &quality)))
         return status;
     const double least = least_volume(&job->options, quality.total_volume);
     if ((status = pl_volumes_find(job, least, volumes)))
