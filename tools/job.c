@@ -2,6 +2,7 @@
  */
 #include "job.h"
 
+#include "layers.h"
 #include "message.h"
 #include "threads.h"
 
@@ -62,7 +63,11 @@ static int find_constraints(pl_job *job) {
         return complain_nodes(job);
     const planish_hold hold = hold_of(job->arguments, job->arguments->slide, 0);
     job->mesh.constraint = job->constraint;
-    return find_held(job, &hold, job->constraint);
+    int status = find_held(job, &hold, job->constraint);
+    if (!status)
+        status = pl_layers_find(job);
+    pl_layers_hold(job, job->constraint);
+    return status;
 }
 
 /** Area enters F as 1 - V/delta, so that with a weight every element needs its delta. */
@@ -118,7 +123,7 @@ static int find_box(pl_job *job) {
 int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     planish_error error;
     memset(job, 0, sizeof *job);
-    job->could_slide = -1;
+    job->could_slide = job->layers.n = -1;
     job->begin = pl_seconds();
     job->arguments = arguments;
     job->options = arguments->library;
@@ -144,7 +149,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments) {
 /** Let the library find what slides, once constraint is what hold says. is_inside: as in
  *  planish_surface. */
 static int find_unheld(const pl_job *job, int ignore_marks, const uint8_t *is_inside,
-                       uint8_t *constraint, double *direction, planish_slide_info *info) {
+                       uint8_t *constraint, double *direction) {
     const planish_hold hold = hold_of(job->arguments, 1, ignore_marks);
     planish_error error;
     planish_mesh mesh = job->mesh;
@@ -156,7 +161,7 @@ static int find_unheld(const pl_job *job, int ignore_marks, const uint8_t *is_in
     surface.is_inside = is_inside;
     if (job->arguments->slide_tolerance > 0)
         surface.tolerance = job->arguments->slide_tolerance;
-    if (planish_find_slides(&mesh, &surface, job->options.threads, constraint, direction, info,
+    if (planish_find_slides(&mesh, &surface, job->options.threads, constraint, direction, NULL,
                             &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     return 0;
@@ -174,19 +179,27 @@ static int marks_are_the_surface(const pl_job *job, const uint8_t *marked, uint8
     return 1;
 }
 
-/** Find what slides: constraint [n_nodes] and direction [n_nodes][dim] are filled. */
-static int find_slides(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
-                       double *direction, planish_slide_info *info) {
+/** What the file's marks, if it has any, leave to slide. */
+static int find_unmarked(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
+                         double *direction) {
     if (planish_file_marks(job->file, NULL) == 0)
-        return find_unheld(job, 0, is_inside, constraint, direction, info);
+        return find_unheld(job, 0, is_inside, constraint, direction);
     uint8_t *marked = malloc((size_t)job->mesh.n_nodes);
     if (!marked)
         return complain_nodes(job);
     planish_file_marks(job->file, marked);
-    int status = find_unheld(job, 1, is_inside, constraint, direction, info);
+    int status = find_unheld(job, 1, is_inside, constraint, direction);
     if (!status && !marks_are_the_surface(job, marked, constraint))
-        status = find_unheld(job, 0, is_inside, constraint, direction, info);
+        status = find_unheld(job, 0, is_inside, constraint, direction);
     free(marked);
+    return status;
+}
+
+/** Find what slides: constraint [n_nodes] and direction [n_nodes][dim] are filled. */
+static int find_slides(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
+                       double *direction) {
+    const int status = find_unmarked(job, is_inside, constraint, direction);
+    pl_layers_hold(job, constraint);
     return status;
 }
 
@@ -200,9 +213,8 @@ int pl_job_find_slides(pl_job *job) {
     if (!job->arguments->slide)
         return 0;
     job->direction = new_directions(job);
-    const int status = job->direction
-                           ? find_slides(job, NULL, job->constraint, job->direction, NULL)
-                           : complain_nodes(job);
+    const int status = job->direction ? find_slides(job, NULL, job->constraint, job->direction)
+                                      : complain_nodes(job);
     job->mesh.direction = job->direction;
     job->shape_seconds = pl_seconds() - begin;
     return status;
@@ -215,7 +227,7 @@ int pl_job_is_told(const pl_job *job) {
 int pl_job_count_slides(pl_job *job) {
     const double begin = pl_seconds();
     const size_t n = (size_t)job->mesh.n_nodes + 1;
-    planish_slide_info info;
+    int64_t n_sliding = 0;
     int status = 0;
     if (job->arguments->slide || job->options.only_worse_than > 0 ||
         job->options.method != PLANISH_METHOD_PLANISH)
@@ -226,10 +238,12 @@ int pl_job_count_slides(pl_job *job) {
         status = complain_nodes(job);
     } else {
         planish_plan_get_free(job->plan, is_inside);
-        status = find_slides(job, is_inside, constraint, direction, &info);
+        status = find_slides(job, is_inside, constraint, direction);
     }
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
+        n_sliding += constraint[i] > PLANISH_FIXED;
     if (!status)
-        job->could_slide = info.n_on_plane + info.n_on_line;
+        job->could_slide = n_sliding;
     free(constraint);
     free(is_inside);
     free(direction);
@@ -282,6 +296,7 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 void pl_job_close(pl_job *job) {
     planish_plan_destroy(job->plan);
     free(job->min_volume);
+    free(job->is_layer);
     free(job->direction);
     free(job->constraint);
     planish_file_close(job->file);

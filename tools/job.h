@@ -9,6 +9,13 @@
 
 #include <planish/planish_io.h>
 
+/** Elements thin in layers (layers.h). */
+typedef struct pl_layers {
+    int64_t n;       /* in the input; -1: not looked for */
+    int64_t n_loose; /* those of them with a node that moves; 0 with --fix-layers */
+    char fix[256];   /* options that hold them by their groups, or "" */
+} pl_layers;
+
 typedef struct pl_job {
     const pl_arguments *arguments; /* the caller's */
     planish_options options;       /* those of the arguments, and what file and machine say */
@@ -17,13 +24,15 @@ typedef struct pl_job {
     planish_mesh mesh;   /* its arrays are those of file, but for those that follow */
     uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
     double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
+    uint8_t *is_layer; /* [mesh.n_elements] thin in layers, owned, or NULL: without --fix-layers */
+    pl_layers layers;
     int64_t could_slide; /* nodes that would with --slide auto; -1: not looked for */
     double *min_volume;  /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
     double begin;         /* pl_seconds when the job began */
     double read_seconds;  /* file and constraints */
-    double shape_seconds; /* nodes that slide, or could */
+    double shape_seconds; /* nodes that slide, or could; layers, without --fix-layers */
     double setup_seconds; /* plan */
 } pl_job;
 

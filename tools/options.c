@@ -259,6 +259,12 @@ static const char *set_fix(pl_arguments *arguments, const char *value) {
     return value[0] ? NULL : "must be a group's NAME, N or DIM:N";
 }
 
+static const char *set_fix_layers(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->fix_layers = 1;
+    return NULL;
+}
+
 static const char *set_slide(pl_arguments *arguments, const char *value) {
     const int is_none = strcmp(value, "none") == 0;
     arguments->slide = !is_none;
@@ -407,6 +413,8 @@ static const option_row option_table[] = {
      "stop after S seconds; the mesh is written and the\nexit status is 1", NULL},
     {0, "fix", "TAG", BOTH, set_fix,
      "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once", NULL},
+    {0, "fix-layers", NULL, BOTH, set_fix_layers,
+     "hold all nodes of elements that are thin in layers,\nas those of a boundary layer are", NULL},
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
      "let nodes between regions (materials) move", NULL},
     {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,

@@ -43,6 +43,7 @@ typedef struct pl_arguments {
     int n_worst;         /* elements that --worst lists; 0: not given */
     const char **fix;    /* [n_fix] tags, owned */
     int n_fix;
+    int fix_layers;         /* elements thin in layers are held */
     int slide;              /* boundary nodes slide, where they can */
     const char **slide_tag; /* [n_slide_tags] on these groups only; none: on all; owned */
     int n_slide_tags;

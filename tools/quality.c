@@ -7,6 +7,7 @@
 
 #include "comparison.h"
 #include "job.h"
+#include "layers.h"
 #include "message.h"
 #include "output.h"
 #include "progress.h"
@@ -51,6 +52,7 @@ static void print_table(run *r, const pl_job *job, const pl_measured *measured) 
     pl_table_quality(r->stream, job, &measured->quality, &measured->volumes);
     pl_worst_print(r->stream, &measured->worst, r->arguments->n_worst);
     pl_volumes_print(stderr, job, &measured->volumes);
+    pl_layers_print(stderr, job);
 }
 
 static int measure_job(run *r, pl_job *job, pl_measured *measured) {
@@ -62,6 +64,8 @@ static int measure_job(run *r, pl_job *job, pl_measured *measured) {
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &measured->quality)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_layers_count(job, &measured->quality)))
         return status;
     const double least = least_volume(&job->options, measured->quality.total_volume);
     if ((status = pl_volumes_find(job, least, &measured->volumes)))

@@ -104,6 +104,14 @@ static void add_slides(document *json, cJSON *mesh, const pl_job *job) {
         add(json, mesh, "could_slide", cJSON_CreateNull());
 }
 
+/** Null: not looked for. */
+static void add_layers(document *json, cJSON *mesh, const pl_job *job) {
+    if (job->layers.n >= 0)
+        add_integer(json, mesh, "layer_elements", job->layers.n);
+    else
+        add(json, mesh, "layer_elements", cJSON_CreateNull());
+}
+
 static void add_mesh(document *json, cJSON *root, const pl_job *job) {
     cJSON *mesh = new_object(json, root, "mesh");
     add_integer(json, mesh, "dimension", job->mesh.dim);
@@ -111,6 +119,7 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job) {
     add_integer(json, mesh, "elements", job->mesh.n_elements);
     add_integer(json, mesh, "free_nodes", job->plan_info.n_free);
     add_slides(json, mesh, job);
+    add_layers(json, mesh, job);
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
 }

@@ -7,6 +7,7 @@
 #include "commands.h"
 
 #include "job.h"
+#include "layers.h"
 #include "message.h"
 #include "output.h"
 #include "progress.h"
@@ -283,6 +284,10 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_job_measure(job, &result->before)))
         return status;
+    if (pl_job_is_told(job) && (status = pl_layers_count(job, &result->before)))
+        return status;
+    if (job->arguments->verbosity != PL_QUIET)
+        pl_layers_print(stderr, job);
     if ((status = pl_volumes_count(job, &result->below_before)))
         return status;
     if ((status = take_before(job, result)))

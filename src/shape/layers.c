@@ -46,20 +46,29 @@ typedef struct search {
     int64_t n_thin, n_layer; /* so far; shared */
 } search;
 
-/** An edge from the node of the lower number to the other. */
-typedef struct edge {
+/** The nodes of an edge, the one of the lower number first. */
+typedef struct ends {
     int32_t node[2];
+} ends;
+
+/** From the first of its nodes to the other. */
+typedef struct edge {
+    ends at;
     double way[3], square; /* in units of the frame */
 } edge;
 
-static inline edge edge_of(const search *s, int64_t element, int number, const int dim) {
+static inline ends ends_of(const search *s, int64_t element, int number, const int dim) {
     const int32_t *node = s->mesh->elements + element * (dim + 1);
     const int32_t a = node[corners_of[number][0]], b = node[corners_of[number][1]];
-    edge e = {.node = {a < b ? a : b, a < b ? b : a}};
+    return (ends){{a < b ? a : b, a < b ? b : a}};
+}
+
+static inline edge edge_between(const search *s, ends at, const int dim) {
+    edge e = {.at = at};
     for (int d = 0; d < dim; d++) {
         const double *x = s->mesh->coordinates + d;
-        e.way[d] = pl_frame_difference(&s->frame, x[(int64_t)e.node[1] * dim],
-                                       x[(int64_t)e.node[0] * dim]);
+        e.way[d] = pl_frame_difference(&s->frame, x[(int64_t)at.node[1] * dim],
+                                       x[(int64_t)at.node[0] * dim]);
         e.square += e.way[d] * e.way[d];
     }
     return e;
@@ -72,7 +81,7 @@ static inline uint8_t thin_edge(const search *s, int64_t element, const int dim)
     double least = 0, most = 0;
     int shortest = 0;
     for (int k = 0; k < dim * (dim + 1) / 2; k++) {
-        const double square = edge_of(s, element, k, dim).square;
+        const double square = edge_between(s, ends_of(s, element, k, dim), dim).square;
         shortest = k == 0 || square < least ? k : shortest;
         least = k == 0 || square < least ? square : least;
         most = square > most ? square : most;
@@ -135,9 +144,10 @@ static inline void look_around(const search *s, int32_t node, const edge *e, com
             c->n++;
             continue;
         }
-        const edge other = edge_of(s, element, number, dim);
-        if (other.node[0] == e->node[0] && other.node[1] == e->node[1])
+        const ends at = ends_of(s, element, number, dim);
+        if (at.node[0] == e->at.node[0] && at.node[1] == e->at.node[1])
             continue;
+        const edge other = edge_between(s, at, dim);
         c->n++;
         c->n_along += go_along(e, &other, dim);
     }
@@ -146,7 +156,7 @@ static inline void look_around(const search *s, int32_t node, const edge *e, com
 static inline int has_company(const search *s, const edge *e, const int dim) {
     company c = {0, 0};
     for (int j = 0; j < 2; j++)
-        look_around(s, e->node[j], e, &c, dim);
+        look_around(s, e->at.node[j], e, &c, dim);
     return c.n_along > 0 && (double)c.n_along >= COMPANY * (double)c.n;
 }
 
@@ -164,15 +174,16 @@ static inline int64_t decide(const search *s, int32_t node, const int dim) {
         const int32_t element = s->incidence.element[i];
         if (s->shortest[element] == NOT_THIN)
             continue;
-        const edge e = edge_of(s, element, s->shortest[element], dim);
-        if (e.node[0] != node)
+        const ends at = ends_of(s, element, s->shortest[element], dim);
+        if (at.node[0] != node)
             continue;
         int k = 0;
-        while (k < n_kept && k < KEPT && kept[k].end != e.node[1])
+        while (k < n_kept && k < KEPT && kept[k].end != at.node[1])
             k++;
         if (k == n_kept || k == KEPT) {
+            const edge e = edge_between(s, at, dim);
             k = n_kept++ % KEPT;
-            kept[k].end = e.node[1];
+            kept[k].end = at.node[1];
             kept[k].is_layer = (uint8_t)has_company(s, &e, dim);
         }
         s->is_layer[element] = kept[k].is_layer;

@@ -12,7 +12,8 @@ QUALITY = {
     "angle_histogram": {"edges": list, "counts": list},
 }
 MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "sliding_nodes": int,
-        "could_slide": (int, type(None)), "fixed_elements": int, "colours": int}
+        "could_slide": (int, type(None)), "layer_elements": (int, type(None)),
+        "fixed_elements": int, "colours": int}
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list}
 SMOOTH = {
     "planish": str, "input": str, "output": str, "mesh": MESH, "method": str,

@@ -40,6 +40,19 @@ static inline void fuzz_check_mesh(const planish_file *file) {
         fuzz_require(isfinite(mesh.coordinates[i]), "coordinates are finite");
 }
 
+/** The region of an element has no tag, or one that names it. */
+static inline void fuzz_check_region(const planish_file *file, uint8_t *constraint) {
+    char text[256];
+    const char *tag = text;
+    const planish_hold hold = {.tags = &tag, .n_tags = 1};
+    const int64_t last = planish_file_mesh(file).n_elements - 1;
+    const int length = planish_file_element_region(file, last, text, sizeof text);
+    fuzz_require(length >= 0 && strlen(text) < sizeof text, "the length is that of the tag");
+    if (length > 0 && length < (int)sizeof text)
+        fuzz_require(planish_file_constraints(file, &hold, constraint, NULL) == 0,
+                     "the tag is one");
+}
+
 static inline void fuzz_check_questions(const planish_file *file) {
     static const char *const tags[] = {"1"};
     planish_mesh mesh = planish_file_mesh(file);
@@ -55,6 +68,7 @@ static inline void fuzz_check_questions(const planish_file *file) {
     planish_file_element_number(file, mesh.n_elements - 1);
     if (mesh.n_nodes > 0)
         planish_file_node_number(file, mesh.n_nodes - 1);
+    fuzz_check_region(file, constraint);
     free(constraint);
 }
 

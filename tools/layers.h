@@ -1,0 +1,25 @@
+/* layers: elements thin in layers, which smoothing would make regular: held, or warned of. */
+#ifndef PL_TOOLS_LAYERS_H
+#define PL_TOOLS_LAYERS_H
+
+#include "job.h"
+
+#include <stdio.h>
+
+/** With --fix-layers: find the elements of job->is_layer. Returns 0, or an exit status after a
+ *  message. */
+int pl_layers_find(pl_job *job);
+
+/** Fix the nodes of job->is_layer, if there are any, in constraint [n_nodes]. */
+void pl_layers_hold(const pl_job *job, uint8_t *constraint);
+
+/** Without --fix-layers, and unless quality (of the mesh as it is) rules out that there are many:
+ *  count the elements that are thin in layers, and those of them with a node that moves. There is a
+ *  plan. Returns as pl_layers_find. */
+int pl_layers_count(pl_job *job, const planish_quality *quality);
+
+/** Say what is held, or what smoothing does (would do: it is not asked for) to how many elements,
+ *  if there are enough, and what keeps them. */
+void pl_layers_print(FILE *stream, const pl_job *job);
+
+#endif
