@@ -11,10 +11,13 @@
 #include <string.h>
 
 enum {
-    LONGEST = 20,     /* columns of the bar at most, */
-    SHORTEST = 5,     /* and at least: there is none else */
-    FRAME = 9,        /* columns of brackets and per cent around it */
-    USUAL_SWEEPS = 12 /* to convergence, as long as nothing is known */
+    LONGEST = 20,            /* columns of the bar at most, */
+    SHORTEST = 5,            /* and at least: there is none else */
+    FRAME = 9,               /* columns of brackets and per cent around it */
+    USUAL_SWEEPS = 12,       /* to convergence, as long as nothing is known */
+    USUAL_WORST_SWEEPS = 25, /* and for the worst elements, */
+    DEARER_WORST = 5,        /* each of which takes about so many times as long */
+    FEWEST_LEFT = 3          /* when more sweeps have been done than are usual */
 };
 
 /* Seconds between two updates of the bar: more often is not seen and only costs. */
@@ -83,34 +86,46 @@ static void print_left(double seconds, char *text, size_t size) {
                  (int)(whole / 60 % 60));
 }
 
-/** Sweeps that may be left where nothing is known yet. */
-static double guess_sweeps(const pl_progress *progress) {
-    const double n = (double)progress->n_sweeps;
-    const double most = fmin(USUAL_SWEEPS, progress->arguments->library.max_sweeps);
-    return fmax(most - n, 1);
+/** Sweeps of one kind that may be left where nothing is known: usual ones but those done. */
+static double guess_sweeps(const pl_progress *progress, int worst, int usual) {
+    int64_t done = 0;
+    for (int64_t i = 0; i < progress->n_sweeps; i++)
+        done += progress->sweep[i].worst == worst;
+    return (double)(done + FEWEST_LEFT < usual ? usual - done : FEWEST_LEFT);
 }
 
-/** Seconds that smoothing is still going to take; *is_known: by more than a guess. */
+/** Sweeps that are left in this phase; *is_known: by more than a guess. */
+static double sweeps_left(const pl_progress *progress, const planish_progress *step,
+                          int *is_known) {
+    const planish_options *options = &progress->arguments->library;
+    *is_known = 0;
+    if (step->worst)
+        return guess_sweeps(progress, 1, USUAL_WORST_SWEEPS);
+    const double estimated =
+        step->restoring
+            ? -1
+            : pl_estimate_sweeps(progress->sweep, progress->n_sweeps, options, progress->plain);
+    *is_known = estimated >= 0;
+    return estimated >= 0 ? estimated
+                          : fmin(guess_sweeps(progress, 0, USUAL_SWEEPS), options->max_sweeps);
+}
+
+/** Seconds that the sweeps are still going to take; *is_known: by more than a guess. */
 static double seconds_left(const pl_progress *progress, const planish_progress *step,
                            int *is_known) {
-    const int64_t n = progress->n_sweeps;
-    const double part = (double)step->colour / fmax(1, step->n_colours);
-    const double done = step->sweep_done ? 0 : fmin(part, 1);
-    double seconds = pl_estimate_sweep_seconds(progress->sweep, n);
-    if (n == 0)
+    const planish_options *options = &progress->arguments->library;
+    const double part = fmin(1, (double)step->colour / fmax(1, step->n_colours));
+    double seconds = pl_estimate_sweep_seconds(progress->sweep, progress->n_sweeps);
+    if (progress->n_sweeps == 0)
         seconds = part > 0 ? step->seconds / part : 0;
-    const double estimated =
-        step->restoring || step->worst
-            ? -1
-            : pl_estimate_sweeps(progress->sweep, n, &progress->arguments->library,
-                                 progress->plain);
-    *is_known = estimated >= 0 && !progress->arguments->library.worst;
-    double left = fmax(0, (estimated >= 0 ? estimated : guess_sweeps(progress)) - done) * seconds;
-    if (progress->arguments->library.worst &&
-        !step->worst) /* its sweeps take about as long again */
-        left += step->elapsed + left;
-    if (progress->arguments->library.time_limit > 0)
-        left = fmin(left, fmax(0, progress->arguments->library.time_limit - step->elapsed));
+    const double sweeps = sweeps_left(progress, step, is_known);
+    double left = fmax(0, sweeps - (step->sweep_done ? 0 : part)) * seconds;
+    if (options->worst && !step->worst) {
+        left += USUAL_WORST_SWEEPS * DEARER_WORST * seconds;
+        *is_known = 0;
+    }
+    if (options->time_limit > 0)
+        left = fmin(left, fmax(0, options->time_limit - step->elapsed));
     return left;
 }
 

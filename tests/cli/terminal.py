@@ -1,6 +1,6 @@
 """terminal.py COLUMNS RAW SCREEN COMMAND...: runs COMMAND on a terminal of so many columns. RAW is
 what it wrote, SCREEN the lines that one saw in the end; both streams go there. Ends with its status, or 9
-if it wrote beyond the last column.
+if a line that was meant to be written over reached the last column.
 
 With SIGNAL=NAME:TEXT in the environment, it gets that signal when TEXT has come."""
 import fcntl
@@ -18,8 +18,8 @@ TOKEN = re.compile(r"\x1b\[([0-9;]*)([a-zA-Z])|[\r\n]|[^\x1b\r\n]+|\x1b")
 class Screen:
     """Lines of characters, as a terminal without wrapping would have them."""
 
-    def __init__(self, columns):
-        self.columns, self.lines, self.at, self.widest = columns, [[]], 0, 0
+    def __init__(self):
+        self.lines, self.at, self.widest = [[]], 0, 0
 
     def put(self, text):
         line = self.lines[-1]
@@ -27,7 +27,6 @@ class Screen:
             line.extend(" " * (self.at + 1 - len(line)))
             line[self.at] = c
             self.at += 1
-        self.widest = max(self.widest, self.at)
 
     def feed(self, text):
         for token in TOKEN.finditer(text):
@@ -37,6 +36,7 @@ class Screen:
             elif word == "\n":
                 self.lines.append([])
             elif token.group(2) == "K":
+                self.widest = max(self.widest, self.at)
                 del self.lines[-1][self.at:]
             elif token.group(2) == "m":
                 pass
@@ -73,10 +73,10 @@ if child == 0:
     os.execv(command[0], command)
 raw = read_all(terminal, child, name, wanted)
 status = os.waitpid(child, 0)[1]
-screen = Screen(columns)
+screen = Screen()
 screen.feed(raw.decode())
 open(raw_path, "wb").write(raw)
 open(screen_path, "w").write(screen.text())
-if screen.widest > columns:
+if screen.widest >= columns:
     sys.exit(9)
 sys.exit(128 + os.WTERMSIG(status) if os.WIFSIGNALED(status) else os.WEXITSTATUS(status))
