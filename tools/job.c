@@ -221,7 +221,8 @@ int pl_job_find_slides(pl_job *job) {
 }
 
 int pl_job_is_told(const pl_job *job) {
-    return job->arguments->json || job->arguments->verbosity != PL_QUIET;
+    const pl_arguments *arguments = job->arguments;
+    return arguments->json || arguments->report || arguments->verbosity != PL_QUIET;
 }
 
 int pl_job_count_slides(pl_job *job) {

@@ -195,12 +195,11 @@ void pl_layers_print(FILE *stream, const pl_job *job) {
     const int64_t n = job->arguments->fix_layers ? layers->n : layers->n_loose;
     const double percent = 100 * (double)n / (double)job->mesh.n_elements;
     if (job->arguments->fix_layers)
-        fprintf(stream, "note: %" PRId64 " elements (%.2g %%) are thin in layers, and held\n", n,
-                percent);
+        pl_note(stream, "%" PRId64 " elements (%.2g %%) are thin in layers, and held", n, percent);
     else if (are_many(job))
-        fprintf(stream,
-                "note: %" PRId64 " elements (%.2g %%) are thin in layers, as in a boundary layer; "
-                "smoothing %s them regular: %s keeps them\n",
+        pl_note(stream,
+                "%" PRId64 " elements (%.2g %%) are thin in layers, as in a boundary layer; "
+                "smoothing %s them regular: %s keeps them",
                 n, percent, job->arguments->command == PL_COMMAND_SMOOTH ? "makes" : "would make",
                 layers->fix[0] ? layers->fix : "--fix-layers");
 }

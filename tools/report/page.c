@@ -87,6 +87,19 @@ static void put_gain(pl_markup *page, const pl_figures *figures) {
     }
 }
 
+/** Layers that smoothing makes regular: their elements, if they are many. */
+static void put_layers(pl_markup *page, const cJSON *mesh) {
+    const int64_t n = pl_figure_count(mesh, "layer_elements");
+    const double many = 0.01;
+    if ((double)n < many * (double)pl_figure_count(mesh, "elements"))
+        return;
+    pl_markup_put(page, "<p class=\"quiet\">");
+    pl_markup_put_count(page, n);
+    pl_markup_put(page,
+                  " elements are thin in layers, as in a boundary layer. Smoothing makes such "
+                  "elements regular, unless <code>--fix-layers</code> holds them.</p>\n");
+}
+
 /** What an end that is not the plain one needs to be said of. */
 static void put_remarks(pl_markup *page, const pl_figures *figures) {
     const char *reason = pl_figure_text(figures->result, "reason");
@@ -133,6 +146,7 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
                               : ", some of them "
                                 "inverted.");
     pl_markup_put(page, "</p>\n");
+    put_layers(page, mesh);
     put_remarks(page, figures);
     pl_markup_put(page, "</header>\n");
 }
