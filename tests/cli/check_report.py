@@ -16,10 +16,10 @@ MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "sli
         "fixed_elements": int, "colours": int}
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list}
 SMOOTH = {
-    "planish": str, "input": str, "output": str, "mesh": MESH, "method": str,
+    "planish": str, "input": str, "output": str, "format": str, "mesh": MESH, "method": str,
     "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},
     "before": QUALITY, "after": QUALITY, "sweeps": list, "untangling_sweeps": int, "stop": str,
-    "certified": bool, "checksum": str, "max_displacement": NUMBER,
+    "certified": bool, "input_checksum": str, "checksum": str, "max_displacement": NUMBER,
     "moved_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,
     "kkt": type(None), "threads": int, "binding": str, "isa": str,
     "seconds": dict.fromkeys(("read", "shape", "setup", "smooth", "write", "total"), NUMBER),
@@ -71,7 +71,7 @@ def same(a, b):
 
 smooth, quality, printed = (json.load(open(name)) for name in sys.argv[1:4])
 check(smooth, SMOOTH, "smooth")
-assert set(quality) == {"input", "mesh", "quality", "checksum", *VOLUMES}
+assert set(quality) == {"planish", "input", "format", "mesh", "quality", "checksum", *VOLUMES}
 check(quality, {"mesh": MESH, "quality": QUALITY, **VOLUMES}, "quality")
 
 before, after, mesh = smooth["before"], smooth["after"], smooth["mesh"]

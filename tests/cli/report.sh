@@ -9,6 +9,11 @@ cp out stdout.json
 expect_text "worst radius ratio"
 python3 "$cli/check_report.py" report.json quality.json stdout.json || fail "reports"
 
+expect_status 0 "$program" quality "$sample" --json input.json -q
+python3 -c 'import json
+assert json.load(open("report.json"))["input_checksum"] == json.load(open("input.json"))["checksum"]' ||
+    fail "the checksum of the input"
+
 # Names that are no UTF-8, quotes and line ends in names.
 name=$(printf 'a\xff"b\nc\\.msh')
 cp "$sample" "$name"
