@@ -91,9 +91,11 @@ for columns in 200 80 60 40 20 5; do
 done
 
 # The bar never goes back; while elements are inverted the line tells how many.
-for mesh in in.mesh tangled.mesh slow.mesh; do
+python3 "$cli/make_mesh.py" 44 0.2 large.mesh || exit 1
+for mesh in in.mesh tangled.mesh slow.mesh "large.mesh -j 1 --tolerance 1e-9"; do
+    # shellcheck disable=SC2086
     on_terminal 0 80 "$program" smooth $mesh -o out.mesh
-    python3 - $mesh <<'END' || fail "the line of $mesh: $(tr '\r' '\n' <raw | grep '\[[#.]*\]')"
+    python3 - "$mesh" <<'END' || fail "the line of $mesh: $(tr '\r' '\n' <raw | grep '\[[#.]*\]')"
 import re, sys
 lines = [line for line in re.split(r"[\r\n]", open("raw", encoding="utf-8").read()) if "] " in line and " %" in line]
 shares = [int(re.search(r"(\d+) %", line).group(1)) for line in lines]
