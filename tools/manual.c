@@ -132,7 +132,7 @@ static void put_man(void) {
            ".TP\n.B NO_COLOR\nif it is set, and not empty, nothing is coloured; nor is it where "
            "TERM is dumb, or the output\nis no terminal\n"
            ".SH EXAMPLES\n"
-           ".EX\nplanish smooth in.msh \\-o out.msh\n"
+           ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
            "planish smooth in.mesh \\-o out.mesh \\-\\-slide auto \\-\\-objective worst\n"
            "planish quality in.msh out.msh\n"
            "planish quality out.msh \\-\\-worst 20 \\-\\-json \\-\n.EE\n"

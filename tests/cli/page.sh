@@ -26,6 +26,35 @@ check_page quality.html quality.json tangled.mesh
 expect_status 0 "$program" report quality.json -o again.html
 cmp quality.html again.html || fail "the page of quality's JSON"
 
+# Of more triangles than are drawn: coarsely, but for the bad ones.
+python3 - >large.mesh <<'END'
+n = 240  # 2 n n triangles of a square, rows pushed to and fro
+print("MeshVersionFormatted 2 Dimension 2 Vertices", (n + 1) ** 2)
+for j in range(n + 1):
+    for i in range(n + 1):
+        inside = 0 < i < n and 0 < j < n
+        print((i + (0.3 if inside and j % 3 else 0)) / n, j / n, 0)
+print("Triangles", 2 * n * n)
+for j in range(n):
+    for i in range(n):
+        a = j * (n + 1) + i + 1
+        print(a, a + 1, a + n + 2, 1, a, a + n + 2, a + n + 1, 1)
+print("End")
+END
+expect_status 0 "$program" smooth large.mesh -o few.mesh --max-sweeps 2 --report large.html --json large.json -q
+check_page large.html large.json
+[ -z "$picture" ] || python3 - large.html <<'END' || fail "the coarse picture"
+import base64, json, sys
+text = open(sys.argv[1]).read()
+text = text[text.index('id="picture-data">') + len('id="picture-data">'):]
+picture = json.loads(text[:text.index("</script>")])
+drawn = len(base64.b64decode(picture["triangles"])) * 8 // picture["index_bits"] // 3
+assert picture["coarse"] and 30000 < drawn <= 100000 < picture["elements"], drawn
+for state in picture["states"]:
+    assert len(base64.b64decode(state["ratios"])) == drawn
+    assert len(base64.b64decode(state["bad_ratios"])) == 4 * 4000
+END
+
 # From another folder; the page stands beside the JSON unless told otherwise.
 mkdir elsewhere
 (cd elsewhere && expect_status 0 "$program" report ../run.json -o here.html && cmp here.html ../run.html) ||
