@@ -9,15 +9,15 @@
 #include "message.h"
 #include "output.h"
 #include "report/page.h"
+#include "text.h"
 
 #include <errno.h>
 #include <inttypes.h>
 #include <limits.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 /* ---- the page ------------------------------------------------------------------------------- */
 
@@ -76,29 +76,41 @@ int pl_report_draw(const pl_job *job, const char *name, pl_picture **picture) {
 
 /* ---- the JSON ------------------------------------------------------------------------------- */
 
+/* A result of some million elements that fall short has hundreds of megabytes; more is none. */
+static const size_t LARGEST_JSON = (size_t)1 << 30;
+
+/** Read all of file into *text, which grows; its length. errno says what is wrong, if anything. */
+static size_t read_all(FILE *file, char **text) {
+    size_t capacity = 1 << 16, n = 0;
+    errno = 0;
+    *text = malloc(capacity);
+    while (*text && !ferror(file) && !feof(file)) {
+        n += fread(*text + n, 1, capacity - n, file);
+        if (n < capacity)
+            continue;
+        capacity *= 2;
+        char *longer = capacity <= LARGEST_JSON ? realloc(*text, capacity) : NULL;
+        errno = longer ? 0 : capacity > LARGEST_JSON ? EFBIG : ENOMEM;
+        if (!longer)
+            free(*text);
+        *text = longer;
+    }
+    return n;
+}
+
 /** The text of the file at path, to be freed, or NULL after a message. */
 static char *read_text(const char *path, size_t *length) {
     FILE *file = fopen(path, "rb");
-    size_t capacity = 1 << 16, n = 0;
-    char *text = file ? malloc(capacity) : NULL;
-    errno = file && !text ? ENOMEM : errno;
-    while (text && !ferror(file) && !feof(file)) {
-        n += fread(text + n, 1, capacity - n, file);
-        if (n < capacity)
-            continue;
-        char *longer = realloc(text, capacity *= 2);
-        if (!longer)
-            free(text);
-        text = longer;
-    }
-    if (!text || ferror(file)) {
-        pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
+    char *text = NULL;
+    if (file)
+        *length = read_all(file, &text);
+    if (!file || errno || !text) {
+        pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno ? errno : ENOMEM));
         free(text);
         text = NULL;
     }
     if (file)
         fclose(file);
-    *length = n;
     return text;
 }
 
@@ -110,6 +122,21 @@ static int64_t line_of(const char *text, const char *at) {
     return line;
 }
 
+/** Complain of text, which cJSON could not read from at on: for want of memory, or of JSON. */
+static void complain_json(const char *path, const char *text, const char *at) {
+    pl_complain(PL_EXIT_FAILED,
+                "%s, line %" PRId64 ": is no JSON (or too much for the memory); give the file that "
+                "'planish smooth --json' has written",
+                path, line_of(text, at ? at : text));
+}
+
+/** Whether nothing but white space is left of text [length] from at on. */
+static int is_end(const char *text, size_t length, const char *at) {
+    while (at < text + length && strchr(" \t\r\n", *at) && *at)
+        at++;
+    return at == text + length;
+}
+
 /** Parse the file; NULL after a message. */
 static cJSON *read_result(const char *path, pl_figures *figures) {
     size_t length;
@@ -118,21 +145,20 @@ static cJSON *read_result(const char *path, pl_figures *figures) {
     if (!text)
         return NULL;
     cJSON *result = cJSON_ParseWithLengthOpts(text, length, &end, 0);
-    const char *flaw = result ? pl_figures_find(result, figures) : NULL;
-    if (!result)
-        pl_complain(PL_EXIT_FAILED,
-                    "%s, line %" PRId64 ": is no JSON; give the file that 'planish smooth --json' "
-                    "has written",
-                    path, line_of(text, end ? end : text));
+    const int is_json = result && is_end(text, length, end);
+    const char *flaw = is_json ? pl_figures_find(result, figures) : NULL;
+    if (!is_json)
+        complain_json(path, text, end);
     else if (flaw)
         pl_complain(
             PL_EXIT_FAILED,
             "%s: is no result of 'planish smooth --json' or 'planish quality --json': it %s", path,
             flaw);
     free(text);
-    if (flaw)
-        cJSON_Delete(result);
-    return flaw ? NULL : result;
+    if (is_json && !flaw)
+        return result;
+    cJSON_Delete(result);
+    return NULL;
 }
 
 /* ---- the picture ---------------------------------------------------------------------------- */
@@ -142,76 +168,119 @@ typedef struct drawing {
     const char *json_path;
     const pl_figures *figures;
     pl_picture *picture;
-    char lacks[1024];
+    char lacks[2048];
 } drawing;
 
-static void lack(drawing *d, const char *format, ...) __attribute__((format(printf, 2, 3)));
-static void lack(drawing *d, const char *format, ...) {
+/** A state that is to be drawn. */
+typedef struct wanted {
+    const char *name;     /* "before" */
+    const char *file;     /* as the result names it */
+    const char *format;   /* or NULL: to be found out */
+    const char *checksum; /* of its coordinates */
+} wanted;
+
+/** The state is not drawn: why, of which file; once for a state. */
+static void lack(drawing *d, const wanted *w, const char *why) {
     const size_t used = strlen(d->lacks);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(d->lacks + used, sizeof d->lacks - used, format, arguments);
-    va_end(arguments);
+    char name[256];
+    pl_text_fit(w->file, 60, name, sizeof name);
+    snprintf(d->lacks + used, sizeof d->lacks - used, "%sThe mesh%s%s is not drawn: %s%s%s%s.",
+             used ? " " : "", d->figures->n_states == 2 ? " " : "",
+             d->figures->n_states == 2 ? w->name : "", w->file[0] ? "its file '" : "", name,
+             w->file[0] ? "' " : "", why);
 }
 
-/** Where the file called name is: paths are relative to where the run was, which may be here, or
- *  where its JSON is. 0 if it is in neither place. */
-static int find_file(const drawing *d, const char *name, char *path, size_t size) {
-    const char *slash = strrchr(d->json_path, '/');
-    const int folder = slash ? (int)(slash - d->json_path) + 1 : 0;
-    snprintf(path, size, "%s", name);
-    if (access(path, R_OK) == 0)
-        return 1;
+enum { N_PLACES = 3 };
+
+/** Place i at which file may be: as it is named, from here or from the folder of the JSON; in that
+ *  folder. Whether there is a regular file. */
+static int find_place(const drawing *d, const char *file, int i, char *path, size_t size) {
+    const char *slash = strrchr(d->json_path, '/'), *base = strrchr(file, '/');
+    const int folder = i > 0 && slash ? (int)(slash - d->json_path) + 1 : 0;
+    const char *name = i == 2 && base ? base + 1 : file;
+    struct stat status;
+    if (!file[0] || (i == 1 && file[0] == '/'))
+        return 0;
     const int length = snprintf(path, size, "%.*s%s", folder, d->json_path, name);
-    return name[0] != '/' && length > 0 && (size_t)length < size && access(path, R_OK) == 0;
+    return length > 0 && (size_t)length < size && stat(path, &status) == 0 &&
+           S_ISREG(status.st_mode);
 }
 
-/** Whether the mesh of job has the coordinates that the result says. */
-static int is_same(const pl_job *job, const char *checksum) {
+/** Whether the mesh has the coordinates that the result says. */
+static int is_same(const planish_mesh *mesh, const char *checksum) {
     char text[17];
-    snprintf(text, sizeof text, "%016" PRIx64, planish_checksum(&job->mesh));
+    snprintf(text, sizeof text, "%016" PRIx64, planish_checksum(mesh));
     return strcmp(text, checksum) == 0;
 }
 
-static int draw_job(drawing *d, pl_job *job, const char *name) {
-    int status = pl_job_plan(job);
-    if (!status && !d->picture)
-        status = pl_picture_begin(job, &d->picture);
-    return status ? status : pl_picture_take(d->picture, job, name);
-}
-
-/** Draw the state called name from the file that the result has under file_key. Returns 0, also
- *  where that is not possible any more, or an exit status after a message. */
-static int draw_state(drawing *d, const char *name, const char *file_key,
-                      const char *checksum_key) {
-    const cJSON *result = d->figures->result;
-    const char *format = pl_figure_text(result, "format"), *file = pl_figure_text(result, file_key);
-    char path[PATH_MAX];
-    pl_arguments arguments = {.command = PL_COMMAND_REPORT, .verbosity = PL_QUIET};
-    pl_job job;
-    if (!file[0] || !find_file(d, file, path, sizeof path)) {
-        lack(d, "The mesh %s is not drawn: its file '%s' is not there any more. ", name, file);
+static int draw_job(drawing *d, pl_job *job, const wanted *w) {
+    planish_error error;
+    int status = 0;
+    if (planish_plan_create(&job->mesh, &job->options, &job->plan, &error)) {
+        lack(d, w, error.text);
         return 0;
     }
-    planish_options_init(&arguments.library);
-    arguments.input = path;
-    arguments.format = format[0] && strcmp(file_key, "input") == 0 ? format : NULL;
-    int status = pl_job_read(&job, &arguments);
-    if (!status && is_same(&job, pl_figure_text(result, checksum_key)))
-        status = draw_job(d, &job, name);
+    if (!d->picture)
+        status = pl_picture_begin(job, &d->picture);
+    if (!status && !pl_picture_fits(d->picture, job))
+        lack(d, w, "has other elements");
     else if (!status)
-        lack(d, "The mesh %s is not drawn: the file '%s' has other coordinates now. ", name, file);
+        status = pl_picture_take(d->picture, job, w->name);
+    return status;
+}
+
+/** Draw the state from the file at path if it has the mesh; *why is set to why not, or to NULL.
+ *  Returns 0, or an exit status after a message. */
+static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
+    pl_arguments arguments = {.command = PL_COMMAND_REPORT, .input = path};
+    pl_job job = {.arguments = &arguments};
+    planish_error error;
+    int status = 0;
+    *why = "cannot be read any more";
+    planish_options_init(&job.options);
+    if (planish_file_open(path, w->format, job.options.threads, &job.file, &error))
+        return 0;
+    *why = "has other coordinates now";
+    job.mesh = planish_file_mesh(job.file);
+    if (is_same(&job.mesh, w->checksum)) {
+        *why = NULL;
+        status = draw_job(d, &job, w);
+    }
     pl_job_close(&job);
     return status;
 }
 
+/** Draw a state from the first place that has its mesh. Returns 0, also where none has it any more,
+ *  or an exit status after a message. */
+static int draw_state(drawing *d, const wanted *w) {
+    const char *why = w->file[0] ? "is not there any more" : "no file is named";
+    int status = 0;
+    for (int i = 0; i < N_PLACES && !status && why; i++) {
+        char path[PATH_MAX];
+        if (find_place(d, w->file, i, path, sizeof path))
+            status = try_place(d, w, path, &why);
+    }
+    if (why)
+        lack(d, w, why);
+    return status;
+}
+
 static int draw(drawing *d) {
+    const cJSON *result = d->figures->result;
+    const char *format = pl_figure_text(result, "format");
+    wanted input = {"before", pl_figure_text(result, "input"), format[0] ? format : NULL,
+                    pl_figure_text(result, "input_checksum")};
+    const wanted output = {"after", pl_figure_text(result, "output"), NULL,
+                           pl_figure_text(result, "checksum")};
     if (!pl_page_can_draw())
         return 0;
-    if (d->figures->n_states == 1)
-        return draw_state(d, "mesh", "input", "checksum");
-    const int status = draw_state(d, "before", "input", "input_checksum");
-    return status ? status : draw_state(d, "after", "output", "checksum");
+    if (d->figures->n_states == 1) {
+        input.name = "mesh";
+        input.checksum = output.checksum;
+        return draw_state(d, &input);
+    }
+    const int status = draw_state(d, &input);
+    return status ? status : draw_state(d, &output);
 }
 
 /* ---- the command ---------------------------------------------------------------------------- */
@@ -237,8 +306,9 @@ static int check_meshes(const drawing *d, const char *output) {
     for (int i = 0; i < 2; i++) {
         char path[PATH_MAX];
         const char *file = pl_figure_text(d->figures->result, keys[i]);
-        if (file[0] && find_file(d, file, path, sizeof path) && pl_output_hits_mesh(output, path))
-            return pl_complain_usage("report", "the page would overwrite the mesh '%s'", path);
+        for (int place = 0; place < N_PLACES; place++)
+            if (find_place(d, file, place, path, sizeof path) && pl_output_hits_mesh(output, path))
+                return pl_complain_usage("report", "the page would overwrite the mesh '%s'", path);
     }
     return 0;
 }

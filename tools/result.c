@@ -5,6 +5,8 @@
  */
 #include "result.h"
 
+#include "utf8.h"
+
 #include <cjson/cJSON.h>
 
 #include <inttypes.h>
@@ -19,25 +21,23 @@ typedef struct document {
     int failed;
 } document;
 
-static void add(document *json, cJSON *parent, const char *name, cJSON *item) {
+/** Add item to parent, which may be NULL for want of memory; item, or NULL if it was released. */
+static cJSON *add(document *json, cJSON *parent, const char *name, cJSON *item) {
     const int done =
         name ? cJSON_AddItemToObject(parent, name, item) : cJSON_AddItemToArray(parent, item);
-    if (!done) {
-        cJSON_Delete(item);
-        json->failed = 1;
-    }
+    if (done)
+        return item;
+    cJSON_Delete(item);
+    json->failed = 1;
+    return NULL;
 }
 
 static cJSON *new_object(document *json, cJSON *parent, const char *name) {
-    cJSON *object = cJSON_CreateObject();
-    add(json, parent, name, object);
-    return object;
+    return add(json, parent, name, cJSON_CreateObject());
 }
 
 static cJSON *new_array(document *json, cJSON *parent, const char *name) {
-    cJSON *array = cJSON_CreateArray();
-    add(json, parent, name, array);
-    return array;
+    return add(json, parent, name, cJSON_CreateArray());
 }
 
 static void add_integer(document *json, cJSON *parent, const char *name, int64_t value) {
@@ -60,22 +60,6 @@ static void add_real(document *json, cJSON *parent, const char *name, double val
     add(json, parent, name, cJSON_CreateRaw(text));
 }
 
-/** Length of the well-formed UTF-8 sequence at text, or 0. */
-static int utf8_length(const unsigned char *text) {
-    const unsigned char lead = text[0];
-    const int length = lead < 0x80 ? 1 : lead < 0xC2 ? 0 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-    if (lead > 0xF4)
-        return 0;
-    for (int i = 1; i < length; i++)
-        if ((text[i] & 0xC0) != 0x80)
-            return 0;
-    if (length < 3)
-        return length;
-    const int overlong = (lead == 0xE0 && text[1] < 0xA0) || (lead == 0xF0 && text[1] < 0x90);
-    const int no_character = (lead == 0xED && text[1] > 0x9F) || (lead == 0xF4 && text[1] > 0x8F);
-    return overlong || no_character ? 0 : length;
-}
-
 /** JSON is UTF-8, names of files are any bytes: what is no UTF-8 becomes U+FFFD. */
 static void add_text(document *json, cJSON *parent, const char *name, const char *text) {
     char *clean = malloc(3 * strlen(text) + 1), *to = clean;
@@ -83,10 +67,10 @@ static void add_text(document *json, cJSON *parent, const char *name, const char
         json->failed = 1;
         return;
     }
-    for (const unsigned char *from = (const unsigned char *)text; *from;) {
-        const int length = utf8_length(from);
+    for (const char *from = text; *from;) {
+        const int length = pl_utf8_length(from);
         const int n = length ? length : 3;
-        memcpy(to, length ? (const char *)from : "\xEF\xBF\xBD", (size_t)n);
+        memcpy(to, length ? from : PL_UTF8_REPLACEMENT, (size_t)n);
         to += n;
         from += length ? length : 1;
     }

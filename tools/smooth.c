@@ -265,7 +265,7 @@ static int take_before(const pl_job *job, pl_result *result) {
     return status ? status : pl_report_draw(job, "before", &result->picture);
 }
 
-/** And of the result. */
+/** And of the result, once that is safe. */
 static int take_after(const pl_job *job, pl_result *result) {
     const int status = pl_worst_find_asked(job, &result->worst_after);
     return status ? status : pl_report_draw(job, "after", &result->picture);
@@ -304,16 +304,16 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = check_promises(job, result)))
         return status;
-    if ((status = take_after(job, result)))
-        return status;
     pl_progress_phase(progress, PL_PHASE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
     pl_progress_clear(progress);
+    int report = take_after(job, result) ? PL_EXIT_PARTLY : 0;
     result->total_seconds = pl_seconds() - job->begin;
     status = judge(job, result);
     print_table(job, result, status);
-    const int report = write_reports(job, result, progress);
+    if (!report)
+        report = write_reports(job, result, progress);
     return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
 }
 

@@ -40,11 +40,14 @@ static void replace_best(pl_bad_element *heap, int64_t n, pl_bad_element element
 }
 
 /** The n worst of ratio [n_elements], in a heap whose first is the best of them. */
-static void select_worst(const double *ratio, int64_t n_elements, pl_bad_element *heap, int64_t n) {
+static void select_worst(const double *ratio, int64_t n_elements, pl_worst *worst) {
+    pl_bad_element *heap = worst->bad;
+    const int64_t n = worst->n;
     for (int64_t i = 0; i < n; i++) /* elements that any other replaces */
         heap[i] = (pl_bad_element){.element = INT64_MAX, .radius_ratio = 1e-300};
     for (int64_t i = 0; i < n_elements; i++) {
         const pl_bad_element element = {.element = i, .radius_ratio = ratio[i]};
+        worst->n_inverted += ratio[i] == 0;
         if (is_worse(&element, &heap[0]))
             replace_best(heap, n, element);
     }
@@ -56,7 +59,7 @@ static int complain_memory(const pl_job *job) {
                        job->arguments->input);
 }
 
-int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
+int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
     planish_error error;
     const int64_t n_elements = job->mesh.n_elements;
     worst->n = n < n_elements ? n : n_elements;
@@ -69,11 +72,14 @@ int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
     else if (planish_measure_elements(job->plan, job->mesh.coordinates, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     else if (worst->n > 0)
-        select_worst(ratio, n_elements, worst->bad, worst->n);
+        select_worst(ratio, n_elements, worst);
     free(ratio);
-    if (!status && pl_worst_place(job, worst))
-        status = complain_memory(job);
     return status;
+}
+
+int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
+    const int status = pl_worst_select(job, n, worst);
+    return !status && pl_worst_place(job, worst) ? complain_memory(job) : status;
 }
 
 int pl_worst_find_asked(const pl_job *job, pl_worst *worst) {
@@ -85,8 +91,9 @@ int pl_worst_find_asked(const pl_job *job, pl_worst *worst) {
 }
 
 void pl_worst_free(pl_worst *worst) {
-    for (int64_t i = 0; i < worst->n && worst->bad; i++)
-        free(worst->bad[i].region);
+    for (int64_t i = 0; i < worst->n_tags; i++)
+        free(worst->tag[i]);
+    free(worst->tag);
     free(worst->bad);
     *worst = (pl_worst){0};
 }

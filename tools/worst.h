@@ -17,7 +17,7 @@ typedef struct pl_bad_element {
     double smallest_angle_deg, largest_angle_deg; /* dihedral in 3-D; NAN where it is too flat */
     double place[3];                              /* [dim] its centroid */
     int64_t node[4];                              /* [dim + 1] the file's numbers */
-    char *region;   /* a tag of the file, owned, or NULL: it has none */
+    const char *region; /* a tag of the file, of pl_worst.tag, or NULL: it has none */
     int is_movable; /* it has a node that may move */
 } pl_bad_element;
 
@@ -25,11 +25,17 @@ typedef struct pl_worst {
     pl_bad_element *bad; /* [n] owned; inverted ones first (in the file's order), then the largest
                             radius ratios; equals in the file's order */
     int64_t n;
+    int64_t n_inverted; /* in the mesh, also where these are fewer */
     int dim;
+    char **tag; /* [n_tags] of the file's regions, owned; NULL: not looked for, or none */
+    int64_t n_tags;
 } pl_worst;
 
-/** Find the n worst elements of the mesh as it is now, or all if there are fewer. Returns 0, or an
- *  exit status after a message. */
+/** Find the n worst elements of the mesh as it is now, or all if there are fewer; of each only which
+ *  it is and its radius ratio. Returns 0, or an exit status after a message. */
+int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst);
+
+/** The same, and all that there is to say of them. */
 int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst);
 
 /** As many as --worst says, or as the reports name if one is asked for; else none. */

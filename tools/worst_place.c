@@ -30,21 +30,41 @@ static void find_angles(int dim, const double *const vertex[], pl_bad_element *b
     bad->largest_angle_deg = is_known ? degrees_of(smallest_cosine) : NAN;
 }
 
-/** Its tag, of any length; 0, or -1 without memory. */
-static int find_region(const planish_file *file, pl_bad_element *bad) {
+/** The tag of element's region, of any length; NULL without memory. */
+static char *copy_tag(const planish_file *file, int64_t element) {
     char first[1];
-    const int length = planish_file_element_region(file, bad->element, first, sizeof first);
-    if (length <= 0)
-        return 0;
-    const size_t size = (size_t)length + 1;
-    bad->region = malloc(size);
-    if (!bad->region)
-        return -1;
-    planish_file_element_region(file, bad->element, bad->region, size);
-    return 0;
+    const int length = planish_file_element_region(file, element, first, sizeof first);
+    char *tag = malloc(length > 0 ? (size_t)length + 1 : 1);
+    if (tag && length > 0)
+        planish_file_element_region(file, element, tag, (size_t)length + 1);
+    else if (tag)
+        tag[0] = '\0';
+    return tag;
 }
 
-static int place(const pl_job *job, const uint8_t *is_free, pl_bad_element *bad) {
+/** Room for the tags of all regions, each asked for once: that takes time. region: the file's, or
+ *  NULL: it has none. 0, or -1 without memory. */
+static int make_tags(const int32_t *region, int64_t n_elements, pl_worst *worst) {
+    int32_t last = -1;
+    for (int64_t i = 0; region && i < n_elements; i++)
+        last = region[i] > last ? region[i] : last;
+    worst->tag = calloc((size_t)last + 2, sizeof *worst->tag);
+    worst->n_tags = worst->tag ? (int64_t)last + 1 : 0;
+    return worst->tag ? 0 : -1;
+}
+
+static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst,
+                       pl_bad_element *bad) {
+    if (!region || region[bad->element] < 0)
+        return 0;
+    char **tag = &worst->tag[region[bad->element]];
+    if (!*tag)
+        *tag = copy_tag(job->file, bad->element);
+    bad->region = *tag && **tag ? *tag : NULL;
+    return *tag ? 0 : -1;
+}
+
+static void place(const pl_job *job, const uint8_t *is_free, pl_bad_element *bad) {
     const int dim = job->mesh.dim, corners = dim + 1;
     const int32_t *nodes = &job->mesh.elements[bad->element * corners];
     const double *vertex[4];
@@ -61,16 +81,18 @@ static int place(const pl_job *job, const uint8_t *is_free, pl_bad_element *bad)
             bad->place[d] += vertex[k][d] / corners;
     }
     find_angles(dim, vertex, bad);
-    return find_region(job->file, bad);
 }
 
 int pl_worst_place(const pl_job *job, pl_worst *worst) {
+    const int32_t *region = planish_file_surface(job->file, NULL).region;
     uint8_t *is_free = malloc((size_t)job->mesh.n_nodes + 1);
-    int status = is_free ? 0 : -1;
+    int status = is_free ? make_tags(region, job->mesh.n_elements, worst) : -1;
     if (is_free)
         planish_plan_get_free(job->plan, is_free);
-    for (int64_t i = 0; i < worst->n && !status; i++)
-        status = place(job, is_free, &worst->bad[i]);
+    for (int64_t i = 0; i < worst->n && !status; i++) {
+        place(job, is_free, &worst->bad[i]);
+        status = find_region(job, region, worst, &worst->bad[i]);
+    }
     free(is_free);
     return status;
 }

@@ -71,7 +71,20 @@ def check_words(page):
 
 
 def real(value):
-    return "\u2013" if value is None else "%.4g" % value
+    if value is None:
+        return "\u2013"
+    return "%.0f" % value if 1e4 <= abs(value) < 1e7 else "%.4g" % value
+
+
+def is_worse(result):
+    """Whether something is worse after than before, of what planish promises."""
+    if "after" not in result:
+        return False
+    before, after = result["before"], result["after"]
+    signs = {"inverted": 1, "max_radius_ratio_movable": 1, "min_dihedral_movable_deg": -1,
+             "rms_radius_ratio": 1}
+    return any(sign * after[key] > sign * before[key] * (1 + sign * 1e-9)
+               for key, sign in signs.items() if None not in (before[key], after[key]))
 
 
 def check_figures(page, result):
@@ -84,6 +97,12 @@ def check_figures(page, result):
         for element in state.get("worst_elements", []):
             assert str(element["element"]) in text
     assert result["checksum"] in text
+    assert ("does not hold" in text) == is_worse(result)
+    for sweep in result.get("sweeps", [])[:1] + result.get("sweeps", [])[-1:]:
+        assert "%.8g" % sweep["rms"] in text
+    shaded = {tag for tag, a in page.attributes if tag == "rect" and a.get("class") == "phase"}
+    phases = {sweep["phase"] for sweep in result.get("sweeps", [])}
+    assert bool(shaded) == bool(phases - {"smooth"}), "phases %s, shaded %s" % (phases, shaded)
     rects = [a for tag, a in page.attributes if tag == "rect" and "bar" in a.get("class", "")]
     bars = sum(count > 0 for state in states for name in ("histogram", "angle_histogram")
                for count in state[name]["counts"])

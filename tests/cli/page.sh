@@ -77,6 +77,58 @@ if [ -n "$picture" ]; then
     [ ! -s err ] || fail "report -q should be silent"
 fi
 
+# Unreadable files and things that are no files cost the picture, not the page, nor time.
+if [ -n "$picture" ]; then
+    cp run.json odd.json
+    for what in garbage folder pipe; do
+        mv smooth.mesh gone.mesh
+        case $what in
+        garbage) echo rubbish >smooth.mesh ;;
+        folder) mkdir smooth.mesh ;;
+        pipe) mkfifo smooth.mesh ;;
+        esac
+        expect_status 0 timeout 60 "$program" report odd.json -o half.html
+        expect_text "note: The mesh after is not drawn: its file 'smooth.mesh' "
+        python3 "$cli/check_page.py" half.html odd.json tangled.mesh || fail "page without $what"
+        rm -rf smooth.mesh
+        mv gone.mesh smooth.mesh
+    done
+    # Another mesh of that name here does not hide the one beside the JSON; nor does a folder that is gone.
+    mkdir -p here/deep && cp tangled.mesh here/smooth.mesh
+    (cd here && expect_status 0 "$program" report ../run.json -o page.html && [ $failures = 0 ]) ||
+        fail "a decoy"
+    cmp here/page.html run.html || fail "a decoy hides the mesh"
+    expect_status 0 "$program" smooth "$work/tangled.mesh" -o here/deep/x.mesh --json here/deep/x.json -q
+    mv here/deep moved && cp tangled.mesh moved/
+    (cd moved && expect_status 0 "$program" report x.json && [ ! -s err ]) || fail "a folder that moved"
+fi
+
+# More inverted elements than are drawn; what became worse is called so.
+python3 "$cli/make_mesh.py" 14 2.5 wild.mesh
+expect_status 0 "$program" quality wild.mesh --json wild.json --report wild.html -q
+python3 "$cli/check_page.py" wild.html wild.json || fail "page wild.html"
+[ -z "$picture" ] || python3 - wild <<'END' || fail "the count of inverted elements"
+import json, sys
+inverted = json.load(open(sys.argv[1] + ".json"))["quality"]["inverted"]
+assert inverted > 4000 and '"inverted":%d' % inverted in open(sys.argv[1] + ".html").read()
+END
+python3 - run.json <<'END'
+import json, sys
+result = json.load(open(sys.argv[1]))
+result["before"], result["after"] = result["after"], result["before"]
+json.dump(result, open("worse.json", "w"))
+result["before"]["histogram"]["counts"].append(0)
+result["before"]["histogram"]["edges"].insert(0, 0)
+result["output"] = "\u0001\u009b\u202e"
+json.dump(result, open("bins.json", "w"))
+END
+expect_status 0 "$program" report worse.json -o worse.html -q
+grep -q "does not hold" worse.html || fail "what is worse should not hold"
+expect_status 0 "$program" report bins.json -o bins.html -q
+[ "$(grep -c '<h3>Radius ratio' bins.html)" = 0 ] || fail "bins that differ are no histogram"
+grep -q "<h3>Smallest dihedral" bins.html || fail "the other histogram"
+! grep -qP '\x01|\xc2\x9b|\xe2\x80\xae' bins.html || fail "control characters in the page"
+
 # A name is a name, whatever it looks like.
 name=$'<script>alert(1)<b>&"\'.msh'
 cp "$sample" "$name"
@@ -91,6 +143,9 @@ expect_one_line
 expect_text "broken.json, line 1: is no JSON"
 head -c 3000 run.json >cut.json
 expect_status 2 "$program" report cut.json
+expect_one_line
+(cat run.json; echo '{') >behind.json
+expect_status 2 "$program" report behind.json
 expect_one_line
 printf '[1, 2]' >list.json
 expect_status 2 "$program" report list.json

@@ -1,6 +1,8 @@
 /* chart: histograms and curves as SVG within a page. */
 #include "report/chart.h"
 
+#include "report/figures.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -11,8 +13,8 @@ static const double FRAME_WIDTH = WIDTH - LEFT - RIGHT;
 static const double FRAME_HEIGHT = HEIGHT - TOP - BOTTOM;
 static const double FOOT = HEIGHT - BOTTOM;
 
-/* Ticks that an axis has at most. */
-enum { MOST_TICKS = 8 };
+/* Ticks that an axis has at most, and significant digits that they have at least. */
+enum { MOST_TICKS = 8, DIGITS = 6 };
 
 /* ---- parts that all drawings have ----------------------------------------------------------- */
 
@@ -35,7 +37,7 @@ static void put_legend(pl_markup *page, int n, const char *const *name, const ch
                       shape, i, x, x + 24);
         pl_markup_put_text(page, name[i]);
         pl_markup_put(page, "</text>\n");
-        x += 40 + 7.5 * (double)strlen(name[i]);
+        x += 44 + 9.5 * (double)strlen(name[i]); /* as wide as on a phone */
     }
 }
 
@@ -46,18 +48,19 @@ static void put_x_title(pl_markup *page, const char *axis) {
     pl_markup_put(page, "</text>\n");
 }
 
-static void put_y_tick(pl_markup *page, double y, double value) {
+/** digits: significant ones. */
+static void put_y_tick(pl_markup *page, double y, double value, int digits) {
     pl_markup_put(page,
                   "<path class=\"grid\" d=\"M%d %.1fH%d\"/><text class=\"end\" x=\"%d\" "
-                  "y=\"%.1f\">%.6g</text>\n",
-                  LEFT, y, WIDTH - RIGHT, LEFT - 6, y + 4, value);
+                  "y=\"%.1f\">%.*g</text>\n",
+                  LEFT, y, WIDTH - RIGHT, LEFT - 6, y + 4, digits, value);
 }
 
-static void put_x_tick(pl_markup *page, double x, double value) {
+static void put_x_tick(pl_markup *page, double x, double value, int digits) {
     pl_markup_put(page,
                   "<path class=\"axis\" d=\"M%.1f %.0fv5\"/><text class=\"middle\" x=\"%.1f\" "
-                  "y=\"%.0f\">%.6g</text>\n",
-                  x, FOOT, x, FOOT + 20, value);
+                  "y=\"%.0f\">%.*g</text>\n",
+                  x, FOOT, x, FOOT + 20, digits, value);
 }
 
 /* ---- histograms ----------------------------------------------------------------------------- */
@@ -87,8 +90,11 @@ static void put_bar(pl_markup *page, const pl_histogram *h, int series, int bin,
                   "height=\"%.1f\"><title>",
                   series, x, FOOT - height, width, height);
     pl_markup_put_text(page, h->name[series]);
-    pl_markup_put(page, ", %.6g to %.6g: ", h->edges[bin], h->edges[bin + 1]);
-    pl_markup_put_count(page, (int64_t)count);
+    if (isfinite(h->edges[bin + 1]))
+        pl_markup_put(page, ", %.6g to %.6g: ", h->edges[bin], h->edges[bin + 1]);
+    else
+        pl_markup_put(page, ", %.6g and more: ", h->edges[bin]);
+    pl_markup_put_count(page, pl_whole(count));
     pl_markup_put(page, "</title></rect>\n");
 }
 
@@ -96,13 +102,13 @@ void pl_chart_histogram(pl_markup *page, const pl_histogram *h) {
     const double most = most_of(h);
     begin_drawing(page, h->title);
     for (double tick = 1; tick <= most; tick *= 10)
-        put_y_tick(page, FOOT - bar_height(tick, most), tick);
+        put_y_tick(page, FOOT - bar_height(tick, most), tick, DIGITS);
     for (int s = 0; s < h->n_series; s++)
         for (int i = 0; i < h->n_bins; i++)
             put_bar(page, h, s, i, most);
     for (int i = 0; i <= h->n_bins; i++)
         if (isfinite(h->edges[i]))
-            put_x_tick(page, LEFT + FRAME_WIDTH * i / h->n_bins, h->edges[i]);
+            put_x_tick(page, LEFT + FRAME_WIDTH * i / h->n_bins, h->edges[i], DIGITS);
     put_legend(page, h->n_series, h->name, "bar");
     put_x_title(page, h->axis);
     end_drawing(page);
@@ -133,17 +139,19 @@ static double nice_step(double length) {
     return step;
 }
 
-typedef void put_tick_fn(pl_markup *page, double at, double value);
+typedef void put_tick_fn(pl_markup *page, double at, double value, int digits);
 
 /** Ticks at even steps; origin and length: where the axis is in the drawing. */
 static void put_even_ticks(pl_markup *page, const scale *s, double origin, double length,
                            put_tick_fn *put) {
     const double step = nice_step(s->high - s->low);
     const double first = ceil(s->low / step - 1e-9);
+    const double to_tell = log10(fmax(fabs(s->high), step) / step) + 2; /* digits, ticks apart */
+    const int digits = to_tell > DIGITS ? (int)to_tell : DIGITS;
     for (int i = 0; i <= MOST_TICKS + 1; i++) {
         const double value = (first + i) * step;
         if (value <= s->high * (1 + 1e-12))
-            put(page, origin + length * place(s, value), value);
+            put(page, origin + length * place(s, value), value, digits);
     }
 }
 
@@ -153,7 +161,7 @@ static void put_decade_ticks(pl_markup *page, const scale *s, double origin, dou
     const double first = ceil(log10(s->low) - 1e-9), last = floor(log10(s->high) + 1e-9);
     const double step = ceil((last - first + 1) / MOST_TICKS);
     for (double decade = first; decade <= last; decade += step)
-        put(page, origin + length * place(s, pow(10, decade)), pow(10, decade));
+        put(page, origin + length * place(s, pow(10, decade)), pow(10, decade), DIGITS);
 }
 
 static int is_drawn(double y) {
@@ -172,10 +180,13 @@ static scale find_range(const pl_curves *c) {
     if (s.high == 0)
         return (scale){1, 2, 1};
     if (s.high / s.low < 1 + 1e-6) /* all but the same: a range that shows it as a line */
-        return (scale){s.low * 0.99, s.high * 1.01, 1};
+        s = (scale){s.low * 0.99, s.high * 1.01, 1};
     const double margin = pow(s.high / s.low, 0.06);
-    return (scale){s.low / margin, s.high * margin, 1};
+    return (scale){c->floor > 0 ? c->floor : s.low / margin, s.high * margin, 1};
 }
+
+/* Stretches of a phase that are narrower are not shaded. */
+static const double NARROWEST = 1;
 
 /** Shade the stretch of points first .. last if their phase is not the plain one. */
 static void put_phase(pl_markup *page, const pl_curves *c, const scale *x, int64_t first,
@@ -184,7 +195,7 @@ static void put_phase(pl_markup *page, const pl_curves *c, const scale *x, int64
     const int64_t from = first > 0 ? first - 1 : 0;
     const double begin = LEFT + FRAME_WIDTH * place(x, c->x[from]);
     const double end = LEFT + FRAME_WIDTH * place(x, c->x[last]);
-    if (strcmp(phase, "smooth") == 0 || phase[0] == '\0')
+    if (strcmp(phase, "smooth") == 0 || phase[0] == '\0' || end - begin < NARROWEST)
         return;
     pl_markup_put(page,
                   "<rect class=\"phase\" x=\"%.1f\" y=\"%d\" width=\"%.1f\" height=\"%.0f\"/>"

@@ -35,6 +35,7 @@ typedef struct pl_curves {
     const double *y[PL_CHART_MOST_SERIES]; /* [n] each */
     const char *name[PL_CHART_MOST_SERIES];
     const char *const *phase; /* [n] name of the phase that led to the point, or NULL */
+    double floor;             /* where the axis of the values begins; 0: below the smallest */
 } pl_curves;
 
 /** Draw them with a logarithmic axis for the values. */

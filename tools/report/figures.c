@@ -4,8 +4,8 @@
 #include <math.h>
 #include <stddef.h>
 
-/* Larger than whatever is measured, and small enough for sums and products of such numbers. */
-static const double LARGEST = 1e100;
+/* Small enough for sums of such numbers, and their quotients by what is not next to nothing. */
+static const double LARGEST = 1e200;
 
 static double value_of(const cJSON *item) {
     return cJSON_IsNumber(item) && fabs(item->valuedouble) < LARGEST ? item->valuedouble : NAN;
@@ -53,9 +53,12 @@ double pl_figure(const cJSON *object, const char *key) {
 }
 
 int64_t pl_figure_count(const cJSON *object, const char *key) {
-    const double value = pl_figure(object, key);
-    const double largest = 9e18;
-    return isfinite(value) && fabs(value) < largest ? (int64_t)value : 0;
+    return pl_whole(pl_figure(object, key));
+}
+
+int64_t pl_whole(double value) {
+    const double largest = 9e18; /* that 64 bits hold */
+    return value > 0 ? (int64_t)fmin(value, largest) : 0;
 }
 
 const char *pl_figure_text(const cJSON *object, const char *key) {

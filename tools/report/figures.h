@@ -22,11 +22,14 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures);
 /** The last state: the result. */
 const cJSON *pl_figures_last(const pl_figures *figures);
 
-/** The number that key of object is, or NAN if there is none, or one beyond 1e100; object may be
+/** The number that key of object is, or NAN if there is none, or one beyond 1e200; object may be
  *  NULL. */
 double pl_figure(const cJSON *object, const char *key);
 
-/** The same as an integer, 0 if there is none. */
+/** value as a count: 0 for what is none, and no more than 64 bits hold. */
+int64_t pl_whole(double value);
+
+/** pl_figure as a count. */
 int64_t pl_figure_count(const cJSON *object, const char *key);
 
 /** The text that key of object is, or "". */

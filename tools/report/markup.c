@@ -1,6 +1,8 @@
 /* markup: text that grows, for pages and the drawings in them. */
 #include "report/markup.h"
 
+#include "utf8.h"
+
 #include "io/base64.h"
 
 #include <inttypes.h>
@@ -50,7 +52,7 @@ void pl_markup_put_bytes(pl_markup *markup, const char *bytes, size_t size) {
     markup->length += size;
 }
 
-static const char *escape_of(unsigned char c) {
+static const char *escape_of(char c) {
     switch (c) {
     case '<':
         return "&lt;";
@@ -63,17 +65,31 @@ static const char *escape_of(unsigned char c) {
     case '\'':
         return "&#39;";
     default:
-        return c < ' ' || c == 127 ? "\xEF\xBF\xBD" : NULL;
+        return NULL;
     }
 }
 
+/** Whether the character of length bytes at text, or what is none (length 0), is not to be shown:
+ *  controls up to U+009F, and U+202A .. U+202E, U+2066 .. U+2069, which turn what follows. */
+static int is_unfit(const char *text, int length) {
+    const unsigned char *c = (const unsigned char *)text;
+    if (length == 3 && c[0] == 0xE2)
+        return (c[1] == 0x80 && c[2] >= 0xAA && c[2] <= 0xAE) ||
+               (c[1] == 0x81 && c[2] >= 0xA6 && c[2] <= 0xA9);
+    return length == 0 || c[0] < ' ' || c[0] == 127 || (c[0] == 0xC2 && c[1] < 0xA0);
+}
+
 void pl_markup_put_text(pl_markup *markup, const char *text) {
-    for (const char *c = text; *c; c++) {
-        const char *escape = escape_of((unsigned char)*c);
+    while (*text) {
+        const int length = pl_utf8_length(text);
+        const char *escape = escape_of(*text);
         if (escape)
-            pl_markup_put_bytes(markup, escape, strlen(escape));
+            pl_markup_put(markup, "%s", escape);
+        else if (is_unfit(text, length))
+            pl_markup_put(markup, PL_UTF8_REPLACEMENT);
         else
-            pl_markup_put_bytes(markup, c, 1);
+            pl_markup_put_bytes(markup, text, (size_t)length);
+        text += length ? length : 1;
     }
 }
 
@@ -86,10 +102,23 @@ void pl_markup_put_base64(pl_markup *markup, const void *bytes, int64_t n) {
 }
 
 void pl_markup_put_real(pl_markup *markup, double value) {
+    const double long_from = 1e4, long_to = 1e7; /* longer in digits than in powers, but clearer */
+    if (fabs(value) >= long_from && fabs(value) < long_to)
+        pl_markup_put(markup, "%.0f", value);
+    else
+        pl_markup_put_digits(markup, value, 4);
+}
+
+void pl_markup_put_digits(pl_markup *markup, double value, int digits) {
     if (isfinite(value))
-        pl_markup_put(markup, "%.4g", value);
+        pl_markup_put(markup, "%.*g", digits, value);
     else
         pl_markup_put(markup, "\xE2\x80\x93");
+}
+
+void pl_markup_put_number_of(pl_markup *markup, int64_t n, const char *one, const char *several) {
+    pl_markup_put_count(markup, n);
+    pl_markup_put(markup, " %s", n == 1 ? one : several);
 }
 
 void pl_markup_put_count(pl_markup *markup, int64_t value) {

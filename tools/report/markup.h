@@ -25,14 +25,22 @@ void pl_markup_put(pl_markup *markup, const char *format, ...) PL_MARKUP_FORMAT;
 void pl_markup_put_bytes(pl_markup *markup, const char *bytes, size_t size);
 
 /** Add text so that it reads as itself in HTML, in attributes as well: <, >, &, " and ' are
- *  escaped, control characters become U+FFFD. */
+ *  escaped; what is no UTF-8, control characters and those that turn the direction of writing
+ * become U+FFFD. */
 void pl_markup_put_text(pl_markup *markup, const char *text);
 
 /** Add n bytes as base64. */
 void pl_markup_put_base64(pl_markup *markup, const void *bytes, int64_t n);
 
-/** Add a number as people read it: four significant digits, an en dash where it is not finite. */
+/** Add a number as people read it: four significant digits, or those of a number up to 10^7 before
+ *  its point; an en dash where it is not finite. */
 void pl_markup_put_real(pl_markup *markup, double value);
+
+/** The same with that many significant digits, whatever its size. */
+void pl_markup_put_digits(pl_markup *markup, double value, int digits);
+
+/** Add how many there are of something, and a word for that: one for 1, else several. */
+void pl_markup_put_number_of(pl_markup *markup, int64_t n, const char *one, const char *several);
 
 /** Add an integer with thin spaces between groups of three digits. */
 void pl_markup_put_count(pl_markup *markup, int64_t value);

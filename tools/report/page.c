@@ -44,9 +44,10 @@ static void put_head(pl_markup *page, const pl_figures *figures) {
 
 /* ---- what was done -------------------------------------------------------------------------- */
 
-static void put_elements(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
-    pl_markup_put_count(page, pl_figure_count(mesh, "elements"));
-    pl_markup_put(page, figures->is_solid ? " tetrahedra" : " triangles");
+static void put_mesh(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
+    pl_markup_put_number_of(page, pl_figure_count(mesh, "elements"),
+                            figures->is_solid ? "tetrahedron" : "triangle",
+                            figures->is_solid ? "tetrahedra" : "triangles");
 }
 
 static void put_movement(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
@@ -63,35 +64,35 @@ static void put_movement(pl_markup *page, const pl_figures *figures, const cJSON
     pl_markup_put_real(page,
                        pl_figure(cJSON_GetObjectItemCaseSensitive(result, "seconds"), "total"));
     pl_markup_put(page, " s on ");
-    pl_markup_put_count(page, threads);
-    pl_markup_put(page, " thread%s. ", threads == 1 ? "" : "s");
+    pl_markup_put_number_of(page, threads, "thread. ", "threads. ");
 }
 
 static void put_gain(pl_markup *page, const pl_figures *figures) {
     const double before = pl_figure(figures->state[0], "rms_radius_ratio");
     const double after = pl_figure(figures->state[1], "rms_radius_ratio");
     const int64_t inverted = pl_figure_count(figures->state[0], "inverted");
-    if (isfinite(before) && isfinite(after)) {
+    const int64_t left = pl_figure_count(figures->state[1], "inverted");
+    if (before == after)
+        pl_markup_put(page, "The RMS of the radius ratios stayed at %.5g.", after);
+    else if (isfinite(before) && isfinite(after))
         pl_markup_put(page, "The RMS of the radius ratios %s from %.5g to %.5g.",
-                      after < before   ? "fell"
-                      : after > before ? "rose"
-                                       : "stayed:",
-                      before, after);
-    }
+                      after < before ? "fell" : "rose", before, after);
     if (inverted > 0) {
-        pl_markup_put(page, " Of ");
-        pl_markup_put_count(page, inverted);
-        pl_markup_put(page, " inverted elements ");
-        pl_markup_put_count(page, pl_figure_count(figures->state[1], "inverted"));
-        pl_markup_put(page, " are left.");
+        pl_markup_put(page, " There were ");
+        pl_markup_put_number_of(page, inverted, "inverted element", "inverted elements");
+        pl_markup_put(page, " before, and now there %s ", left == 1 ? "is" : "are");
+        if (left > 0)
+            pl_markup_put_count(page, left);
+        pl_markup_put(page, left > 0 ? "." : "none.");
     }
 }
 
 /** Layers that smoothing makes regular: their elements, if they are many. */
 static void put_layers(pl_markup *page, const cJSON *mesh) {
-    const int64_t n = pl_figure_count(mesh, "layer_elements");
-    const double many = 0.01;
-    if ((double)n < many * (double)pl_figure_count(mesh, "elements"))
+    const int64_t n = pl_figure_count(mesh, "free_layer_elements");
+    const double many = 0.02; /* as on the terminal */
+    const int64_t at_least = 100;
+    if (n < at_least || (double)n < many * (double)pl_figure_count(mesh, "elements"))
         return;
     pl_markup_put(page, "<p class=\"quiet\">");
     pl_markup_put_count(page, n);
@@ -112,14 +113,14 @@ static void put_remarks(pl_markup *page, const pl_figures *figures) {
     }
     if (back > 0) {
         pl_markup_put(page, "<p class=\"quiet\">");
-        pl_markup_put_count(page, back);
-        pl_markup_put(page, " times a node was put back, because the smallest angle of the mesh "
-                            "was getting smaller.</p>\n");
+        pl_markup_put_number_of(page, back, "time", "times");
+        pl_markup_put(page, " a node was put back, because the smallest angle of the mesh was "
+                            "getting smaller.</p>\n");
     }
     if (outside > 0) {
         pl_markup_put(page, "<p class=\"quiet\">");
-        pl_markup_put_count(page, outside);
-        pl_markup_put(page, " nodes were outside of the bounds and stayed there.</p>\n");
+        pl_markup_put_number_of(page, outside, "node was", "nodes were");
+        pl_markup_put(page, " outside of the bounds and stayed there.</p>\n");
     }
 }
 
@@ -134,14 +135,13 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
         put_gain(page, figures);
     } else {
         pl_markup_put(page, "The quality of a mesh of ");
-        put_elements(page, figures, mesh);
+        put_mesh(page, figures, mesh);
         pl_markup_put(page, " and ");
-        pl_markup_put_count(page, pl_figure_count(mesh, "nodes"));
-        pl_markup_put(page, " nodes.");
+        pl_markup_put_number_of(page, pl_figure_count(mesh, "nodes"), "node.", "nodes.");
     }
     pl_markup_put(page, "</p>\n<p class=\"verdict%s\">%s: ", valid ? "" : " bad",
                   valid ? "Valid" : "Not valid");
-    put_elements(page, figures, mesh);
+    put_mesh(page, figures, mesh);
     pl_markup_put(page, valid ? ", each of them positive, decided exactly."
                               : ", some of them "
                                 "inverted.");
@@ -189,15 +189,17 @@ static void put_coarseness(pl_markup *page, const pl_figures *figures, const pl_
 }
 
 static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
-    pl_markup_put(page, "<p class=\"quiet\">%s",
-                  figures->is_solid
-                      ? "The surface of the mesh, and in it the elements that are worse than a "
-                        "radius ratio of your choice. Drag to turn it, drag with the right button "
-                        "to move it; after a click the wheel zooms, and so do + and \xE2\x88\x92; "
-                        "the arrow keys turn it, too."
-                      : "Each triangle in the colour of its radius ratio. Drag to move it; after a "
-                        "click the wheel zooms, and so do + and \xE2\x88\x92; the arrow keys move "
-                        "it, too.");
+    pl_markup_put(
+        page, "<p class=\"quiet help\" id=\"picture-help\" hidden>%s",
+        figures->is_solid
+            ? "The surface of the mesh, and in it the elements that are worse than a "
+              "radius ratio of your choice. Drag to turn it, drag with the right button "
+              "to move it; after a click the wheel zooms. Or tap it first, and turn it with "
+              "one finger, move and zoom it with two; or by the arrow keys, + and "
+              "\xE2\x88\x92, and 0 for all of it."
+            : "Each triangle in the colour of its radius ratio. Drag to move it; after a "
+              "click the wheel zooms. Or tap it first, and move and zoom it with fingers; or "
+              "by the arrow keys, + and \xE2\x88\x92, and 0 for all of it.");
     put_coarseness(page, figures, picture);
     pl_markup_put(page,
                   "</p>\n<div class=\"controls\" hidden>\n<label>elements worse than <input "
@@ -206,7 +208,7 @@ static void put_views(pl_markup *page, const pl_figures *figures, const pl_pictu
                   "<button type=\"button\">whole mesh</button>\n</div>\n<div class=\"views\">\n");
     for (int s = 0; s < pl_picture_n_states(picture); s++)
         put_view(page, figures, pl_picture_state_name(picture, s));
-    pl_markup_put(page, "</div>\n<p class=\"colours\">radius ratio: </p>\n"
+    pl_markup_put(page, "</div>\n<p class=\"colours\" hidden>radius ratio: </p>\n"
                         "<script type=\"application/json\" id=\"picture-data\">\n");
     pl_picture_put(page, picture);
     pl_markup_put(page, "\n</script>\n");
@@ -219,6 +221,8 @@ static void put_picture(pl_markup *page, const pl_figures *figures, const pl_pic
         no_picture = "There is no picture: this planish was built without three.js.";
     else if (pl_picture_n_states(picture) > 0)
         put_views(page, figures, picture);
+    else if (!no_picture)
+        no_picture = "There is no picture: the mesh is too large for its numbers.";
     if (no_picture && no_picture[0]) {
         pl_markup_put(page, "<p class=\"quiet\">");
         pl_markup_put_text(page, no_picture);

@@ -16,10 +16,11 @@ int pl_page_can_draw(void);
 
 /* ---- its parts ------------------------------------------------------------------------------ */
 
-/** page_tables.c: measures before and after, the worst elements, time and machine, what is
- *  certified. */
+/** page_tables.c: measures before and after, and the worst elements. */
 void pl_page_put_measures(pl_markup *page, const pl_figures *figures);
 void pl_page_put_worst(pl_markup *page, const pl_figures *figures);
+
+/** page_run.c: time and machine, and what is certified. */
 void pl_page_put_run(pl_markup *page, const pl_figures *figures);
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures);
 

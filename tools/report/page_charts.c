@@ -19,6 +19,7 @@ typedef struct bins {
 
 /** Read them; 0 if a state has none, or others than the first. */
 static int read_bins(const pl_figures *figures, const char *key, bins *b) {
+    *b = (bins){0};
     for (int s = 0; s < figures->n_states; s++) {
         const cJSON *histogram = cJSON_GetObjectItemCaseSensitive(figures->state[s], key);
         const int n = pl_figure_list(histogram, "counts", b->count[s], MOST_BINS);
@@ -46,7 +47,7 @@ static void put_bins_table(pl_markup *page, const pl_figures *figures, const bin
         pl_markup_put(page, "</td>");
         for (int s = 0; s < figures->n_states; s++) {
             pl_markup_put(page, "<td>");
-            pl_markup_put_count(page, (int64_t)fmin(fmax(b->count[s][i], 0), 9e18));
+            pl_markup_put_count(page, pl_whole(b->count[s][i]));
             pl_markup_put(page, "</td>");
         }
         pl_markup_put(page, "</tr>\n");
@@ -56,7 +57,7 @@ static void put_bins_table(pl_markup *page, const pl_figures *figures, const bin
 
 static void put_histogram(pl_markup *page, const pl_figures *figures, const char *key,
                           const char *title, const char *axis) {
-    bins b = {0};
+    bins b;
     if (!read_bins(figures, key, &b))
         return;
     const pl_histogram histogram = {.title = title,
@@ -79,13 +80,12 @@ void pl_page_put_histograms(pl_markup *page, const pl_figures *figures) {
                         "few bad ones show beside many good ones. Inverted elements have no "
                         "quality and are not counted.</p>\n<div class=\"charts\">\n");
     put_histogram(page, figures, "histogram", "Radius ratio",
-                  figures->is_solid ? "radius ratio R/(3r): 1 is the regular tetrahedron"
-                                    : "radius ratio R/(2r): 1 is the regular triangle");
+                  figures->is_solid ? "radius ratio R/(3r) (regular: 1)"
+                                    : "radius ratio R/(2r) (regular: 1)");
     put_histogram(page, figures, "angle_histogram",
                   figures->is_solid ? "Smallest dihedral angle" : "Smallest angle",
-                  figures->is_solid
-                      ? "smallest dihedral angle of each element, degrees: 70.5 is the regular one"
-                      : "smallest angle of each element, degrees: 60 is the regular one");
+                  figures->is_solid ? "smallest dihedral angle, degrees (regular: 70.5)"
+                                    : "smallest angle, degrees (regular: 60)");
     pl_markup_put(page, "</div></section>\n");
 }
 
@@ -160,7 +160,7 @@ static void read_history(const pl_figures *figures, const cJSON *sweeps, history
 static void put_curves(pl_markup *page, const history *h, int over_time) {
     const pl_curves curves = {.title = over_time ? "RMS radius ratio over time"
                                                  : "RMS radius ratio after each sweep",
-                              .x_axis = over_time ? "seconds of smoothing" : "sweeps",
+                              .x_axis = over_time ? "seconds within sweeps" : "sweeps",
                               .n = h->n,
                               .x = over_time ? h->time : h->sweep,
                               .n_series = 2,
@@ -180,12 +180,38 @@ static void put_inverted(pl_markup *page, const history *h) {
                               .n_series = 1,
                               .y = {h->inverted},
                               .name = {"inverted elements"},
-                              .phase = h->phase};
+                              .phase = h->phase,
+                              .floor = NONE_INVERTED};
     if (!h->any_inverted)
         return;
-    pl_markup_put(page, "<figure><h3>Inverted elements, down to none at the foot</h3>\n");
+    pl_markup_put(page, "<figure><h3>Inverted elements (the foot is none)</h3>\n");
     pl_chart_curves(page, &curves);
     pl_markup_put(page, "</figure>\n");
+}
+
+/** The same in figures; of many sweeps every second or third, and the last. */
+static void put_history_table(pl_markup *page, const history *h) {
+    enum { MOST_ROWS = 200 };
+    const int64_t stride = h->n / MOST_ROWS + 1;
+    pl_markup_put(page, "<details><summary>Figures</summary><div class=\"scroll\"><table><thead>"
+                        "<tr><th scope=\"col\">sweep</th><th scope=\"col\" class=\"word\">phase"
+                        "</th><th scope=\"col\">seconds</th><th scope=\"col\">RMS</th><th "
+                        "scope=\"col\">RMS, free nodes</th><th scope=\"col\">inverted</th></tr>"
+                        "</thead><tbody>\n");
+    for (int64_t i = 0; i < h->n; i++) {
+        if (i % stride != 0 && i != h->n - 1)
+            continue;
+        pl_markup_put(page, "<tr><th scope=\"row\">%.0f</th><td class=\"word\">", h->sweep[i]);
+        pl_markup_put_text(page, i == 0 ? "before" : h->phase[i]);
+        pl_markup_put(page, "</td><td>%.3g</td><td>", h->time[i]);
+        pl_markup_put_digits(page, h->rms[i], 8);
+        pl_markup_put(page, "</td><td>");
+        pl_markup_put_digits(page, h->movable[i], 8);
+        pl_markup_put(page, "</td><td>");
+        pl_markup_put_count(page, pl_whole(h->inverted[i]));
+        pl_markup_put(page, "</td></tr>\n");
+    }
+    pl_markup_put(page, "</tbody></table></div></details>\n");
 }
 
 static void put_history(pl_markup *page, const pl_figures *figures, const cJSON *sweeps) {
@@ -202,6 +228,7 @@ static void put_history(pl_markup *page, const pl_figures *figures, const cJSON 
     put_curves(page, &h, 1);
     put_inverted(page, &h);
     pl_markup_put(page, "</div>\n");
+    put_history_table(page, &h);
     free_history(&h);
 }
 

@@ -1,5 +1,4 @@
-/* page_tables: the tables of a page: measures before and after, the worst elements, time and
- * machine, what is certified. */
+/* page_tables: what a page says of the mesh: its measures before and after, its worst elements. */
 #include "report/page.h"
 
 #include <math.h>
@@ -45,11 +44,22 @@ static const measure measures[] = {
 
 enum { N_MEASURES = sizeof measures / sizeof *measures };
 
+/** An angle in degrees; one of almost 180 is rounded down, as 180 would be flat. */
+static void put_angle(pl_markup *page, double degrees) {
+    const double wide = 179, hundredths = 100;
+    if (degrees > wide && degrees < 180)
+        pl_markup_put(page, "%.2f", floor(hundredths * degrees) / hundredths);
+    else
+        pl_markup_put_real(page, degrees);
+}
+
 static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
     const double value = pl_figure(state, m->key);
     pl_markup_put(page, "<td>");
     if (m->is_count && isfinite(value))
         pl_markup_put_count(page, pl_figure_count(state, m->key));
+    else if (m->unit[0])
+        put_angle(page, value);
     else
         pl_markup_put_real(page, value);
     pl_markup_put(page, "%s</td>", isfinite(value) ? m->unit : "");
@@ -101,9 +111,8 @@ static void put_heading(pl_markup *page, const pl_figures *figures) {
     for (int s = 0; s < figures->n_states; s++)
         pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
     if (figures->n_states == 2)
-        pl_markup_put(
-            page,
-            "<th scope=\"col\" class=\"change\">change</th><th scope=\"col\" class=\"word\"></th>");
+        pl_markup_put(page, "<th scope=\"col\" class=\"change\">change</th><th scope=\"col\" "
+                            "class=\"word\">verdict</th>");
     pl_markup_put(page, "</tr></thead>\n<tbody>\n");
 }
 
@@ -111,14 +120,18 @@ static void put_heading(pl_markup *page, const pl_figures *figures) {
 static void put_floor(pl_markup *page, const pl_figures *figures) {
     const cJSON *fixed = cJSON_GetObjectItemCaseSensitive(figures->result, "fixed");
     const int64_t n = pl_figure_count(fixed, "count");
+    const double worst = pl_figure(fixed, "max_radius_ratio");
     if (n <= 0)
         return;
     pl_markup_put(page, "<p class=\"quiet\">");
-    pl_markup_put_count(page, n);
-    pl_markup_put(page, " elements have no free node: they stay as they are, and their worst "
-                        "radius ratio, ");
-    pl_markup_put_real(page, pl_figure(fixed, "max_radius_ratio"));
-    pl_markup_put(page, ", is the least that any smoothing of the other nodes can leave.</p>\n");
+    pl_markup_put_number_of(page, n, "element has no free node and stays as it is",
+                            "elements have no free node and stay as they are");
+    if (isfinite(worst)) {
+        pl_markup_put(page, ": their worst radius ratio, ");
+        pl_markup_put_real(page, worst);
+        pl_markup_put(page, ", is the least that any smoothing of the other nodes can leave");
+    }
+    pl_markup_put(page, ".</p>\n");
 }
 
 /** The further measures of docs/measures.md: smallest, mean and largest over the elements. */
@@ -200,36 +213,38 @@ static void put_region(pl_markup *page, const cJSON *element) {
 
 static void put_element(pl_markup *page, const cJSON *element) {
     enum { SOME = 5, ALL = 17 }; /* digits */
-    const double ratio = pl_figure(element, "radius_ratio");
+    const int is_inverted = cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(element, "radius_ratio"));
+    const double number = pl_figure(element, "element");
     const cJSON *movable = cJSON_GetObjectItemCaseSensitive(element, "movable");
     pl_markup_put(page,
-                  "<tr><th scope=\"row\">%.0f</th><td><button type=\"button\" hidden "
-                  "data-place=\"",
-                  pl_figure(element, "element"));
+                  "<tr><th scope=\"row\">%.17g</th><td><button type=\"button\" hidden "
+                  "aria-label=\"show element %.17g\" data-place=\"",
+                  number, number);
     put_numbers(page, element, "place", ALL, ",");
     pl_markup_put(page, "\">show</button></td><td>");
-    if (isfinite(ratio))
-        pl_markup_put_real(page, ratio);
-    else
+    if (is_inverted)
         pl_markup_put(page, "inverted");
+    else
+        pl_markup_put_real(page, pl_figure(element, "radius_ratio"));
     pl_markup_put(page, "</td><td>");
-    pl_markup_put_real(page, pl_figure(element, "min_angle_deg"));
+    put_angle(page, pl_figure(element, "min_angle_deg"));
     pl_markup_put(page, "</td><td>");
-    pl_markup_put_real(page, pl_figure(element, "max_angle_deg"));
+    put_angle(page, pl_figure(element, "max_angle_deg"));
     pl_markup_put(page, "</td><td class=\"word\">%s</td><td class=\"word\">",
                   cJSON_IsFalse(movable) ? "no" : "yes");
     put_numbers(page, element, "place", SOME, ", ");
-    pl_markup_put(page, "</td><td class=\"word\">");
+    pl_markup_put(page, "</td><td class=\"wrap\">");
     put_numbers(page, element, "nodes", ALL, " ");
     pl_markup_put(page, "</td>");
     put_region(page, element);
     pl_markup_put(page, "</tr>\n");
 }
 
-static void put_elements(pl_markup *page, const cJSON *state) {
+static void put_bad_elements(pl_markup *page, const cJSON *state) {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
     pl_markup_put(page,
-                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th><td></td>"
+                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
+                  "<th scope=\"col\">picture</th>"
                   "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest angle</th>"
                   "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">has a free node"
                   "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
@@ -252,181 +267,11 @@ void pl_page_put_worst(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "<section id=\"worst\"><h2>Where the worst elements are</h2>\n"
                         "<p class=\"quiet\">Numbers of elements and nodes are those of the file; "
                         "angles are in degrees.</p>\n");
-    put_elements(page, last);
+    put_bad_elements(page, last);
     if (figures->n_states == 2 && lists_elements(figures->state[0])) {
         pl_markup_put(page, "<details><summary>The worst before</summary>\n");
-        put_elements(page, figures->state[0]);
+        put_bad_elements(page, figures->state[0]);
         pl_markup_put(page, "</details>\n");
     }
     pl_markup_put(page, "</section>\n");
-}
-
-/* ---- time and machine ----------------------------------------------------------------------- */
-
-typedef struct span_of_time {
-    const char *name;
-    double seconds;
-} span_of_time;
-
-enum { MOST_SPANS = 6 };
-
-/** The phases that took time; the last one is what remains of the total. */
-static int read_times(const cJSON *seconds, span_of_time *span) {
-    static const char *const keys[] = {"read", "shape", "setup", "smooth", "write"};
-    static const char *const names[] = {"read", "find what slides", "set up", "smooth", "write"};
-    double rest = pl_figure(seconds, "total");
-    int n = 0;
-    for (int i = 0; i < MOST_SPANS - 1; i++) {
-        const double value = pl_figure(seconds, keys[i]);
-        if (!(value > 0))
-            continue;
-        span[n++] = (span_of_time){names[i], value};
-        rest -= value;
-    }
-    if (rest > 0)
-        span[n++] = (span_of_time){"measure and check", rest};
-    return n;
-}
-
-static void put_times(pl_markup *page, const cJSON *seconds) {
-    span_of_time span[MOST_SPANS];
-    const int n = read_times(seconds, span);
-    const double total = pl_figure(seconds, "total");
-    if (n == 0 || !(total > 0))
-        return;
-    pl_markup_put(page, "<div class=\"times\" aria-hidden=\"true\">");
-    for (int i = 0; i < n; i++)
-        pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>",
-                      100 * span[i].seconds / total, span[i].name);
-    pl_markup_put(page, "</div>\n<div class=\"scroll\"><table><thead><tr><th scope=\"col\">phase"
-                        "</th><th scope=\"col\">seconds</th><th scope=\"col\">share</th></tr>"
-                        "</thead><tbody>\n");
-    for (int i = 0; i < n; i++)
-        pl_markup_put(page,
-                      "<tr><th scope=\"row\">%s</th><td>%.3g</td><td>%.0f&#8239;%%</td></tr>\n",
-                      span[i].name, span[i].seconds, 100 * span[i].seconds / total);
-    pl_markup_put(page,
-                  "<tr class=\"main\"><th scope=\"row\">total</th><td>%.3g</td><td></td></tr>\n"
-                  "</tbody></table></div>\n",
-                  total);
-}
-
-static void put_fact(pl_markup *page, const char *name, const char *value) {
-    if (!value[0])
-        return;
-    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td class=\"wrap\">", name);
-    pl_markup_put_text(page, value);
-    pl_markup_put(page, "</td></tr>\n");
-}
-
-static void put_counted(pl_markup *page, const char *name, const cJSON *object, const char *key) {
-    if (!isfinite(pl_figure(object, key)))
-        return;
-    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td class=\"wrap\">", name);
-    pl_markup_put_count(page, pl_figure_count(object, key));
-    pl_markup_put(page, "</td></tr>\n");
-}
-
-void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
-    const cJSON *result = figures->result;
-    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(result, "mesh");
-    const double memory = pl_figure(result, "peak_memory_bytes");
-    if (figures->n_states < 2)
-        return;
-    pl_markup_put(page, "<section id=\"run\" class=\"whole\"><h2>Time and machine</h2>\n");
-    put_times(page, cJSON_GetObjectItemCaseSensitive(result, "seconds"));
-    pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
-    put_counted(page, "threads", result, "threads");
-    put_fact(page, "placement", pl_figure_text(result, "binding"));
-    put_fact(page, "instruction set", pl_figure_text(result, "isa"));
-    put_counted(page, "colours", mesh, "colours");
-    put_counted(page, "node visits", result, "node_visits");
-    put_counted(page, "nodes moved", result, "moved_nodes");
-    if (isfinite(memory))
-        pl_markup_put(
-            page, "<tr><th scope=\"row\">most memory</th><td class=\"wrap\">%.1f MB</td></tr>\n",
-            memory / 1e6);
-    put_fact(page, "method", pl_figure_text(result, "method"));
-    put_fact(page, "objective",
-             pl_figure_text(cJSON_GetObjectItemCaseSensitive(result, "objective"), "name"));
-    put_fact(page, "ended", pl_figure_text(result, "stop"));
-    pl_markup_put(page, "</tbody></table></div></section>\n");
-}
-
-/* ---- what is certified ---------------------------------------------------------------------- */
-
-/** A claim of the form "not worse than before", shown with its two figures. */
-static void put_claim(pl_markup *page, const pl_figures *figures, const char *claim,
-                      const char *key, sense better) {
-    const double before = pl_figure(figures->state[0], key);
-    const double after = pl_figure(figures->state[1], key);
-    const double rounding = 1e-9 * fabs(before);
-    const int holds =
-        better == LESS_IS_BETTER ? after <= before + rounding : after >= before - rounding;
-    if (!isfinite(before) || !isfinite(after))
-        return;
-    pl_markup_put(page,
-                  "<tr><th scope=\"row\">%s</th><td>%.10g</td><td>%.10g</td><td class=\"word "
-                  "%s\">%s</td></tr>\n",
-                  claim, before, after, holds ? "good" : "bad", holds ? "holds" : "does not hold");
-}
-
-/** Lists of elements that fall short: the first of them. */
-static void put_list(pl_markup *page, const pl_figures *figures, const char *key,
-                     const char *what) {
-    enum { MOST = 20 };
-    double number[MOST];
-    const int n = pl_figure_list(figures->result, key, number, MOST);
-    if (n == 0)
-        return;
-    pl_markup_put(page, "<p><strong>");
-    pl_markup_put_count(page, n);
-    pl_markup_put(page, " %s:</strong>", what);
-    for (int i = 0; i < n && i < MOST; i++)
-        pl_markup_put(page, "%s %.0f", i ? "," : "", number[i]);
-    pl_markup_put(page, "%s.</p>\n", n > MOST ? ", ..." : "");
-}
-
-static void put_claims(pl_markup *page, const pl_figures *figures) {
-    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
-                        "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
-                        "<th scope=\"col\" class=\"word\"></th></tr></thead><tbody>\n");
-    put_claim(page, figures, "inverted elements", "inverted", LESS_IS_BETTER);
-    put_claim(page, figures, "worst radius ratio of elements with a free node",
-              "max_radius_ratio_movable", LESS_IS_BETTER);
-    put_claim(page, figures, "smallest angle of elements with a free node",
-              "min_dihedral_movable_deg", MORE_IS_BETTER);
-    put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", LESS_IS_BETTER);
-    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">planish promises all of these "
-                        "for a mesh that was valid and its default objective; mending inverted "
-                        "elements, least volumes and other objectives may cost the last "
-                        "three.</p>\n");
-}
-
-void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
-    const cJSON *result = figures->result;
-    const int64_t inverted = pl_figure_count(pl_figures_last(figures), "inverted");
-    pl_markup_put(page, "<section id=\"certificate\" class=\"whole\"><h2>Certificate</h2>\n<p>");
-    if (inverted == 0) {
-        pl_markup_put(page, "Every element is positive: none is inverted or flat.");
-    } else {
-        pl_markup_put_count(page, inverted);
-        pl_markup_put(page, " %s inverted or flat.", inverted == 1 ? "element is" : "elements are");
-    }
-    pl_markup_put(page,
-                  " The sign of each was decided exactly, on the coordinates as they are %s.</p>\n",
-                  figures->n_states == 2 ? "written" : "in the file");
-    if (figures->n_states == 2)
-        put_claims(page, figures);
-    put_list(page, figures, "unfixable", "elements cannot be mended wherever the free nodes are");
-    put_list(page, figures, "below_min", "elements are below their least volume");
-    pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
-    put_fact(page, "checksum of the coordinates read", pl_figure_text(result, "input_checksum"));
-    put_fact(page,
-             figures->n_states == 2 ? "checksum of the coordinates written"
-                                    : "checksum of the coordinates",
-             pl_figure_text(result, "checksum"));
-    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">The checksum is of the bits of "
-                        "all coordinates, the same on any number of threads; <code>planish quality "
-                        "FILE --json -</code> prints that of a file.</p>\n</section>\n");
 }

@@ -26,9 +26,10 @@ static const double PLACES = 65535;
 
 typedef struct state {
     char name[16];
-    uint8_t *point; /* [n_points][dim] of 16 bits */
-    uint8_t *ratio; /* [n_triangles] in 2-D, else NULL */
-    int64_t n_bad;
+    uint8_t *point;     /* [n_points][dim] of 16 bits */
+    uint8_t *ratio;     /* [n_triangles] in 2-D, else NULL */
+    int64_t n_inverted; /* in the mesh, */
+    int64_t n_bad;      /* and bad elements that are drawn */
     uint8_t *corner;    /* [n_bad][dim + 1][dim] floats */
     uint8_t *bad_ratio; /* [n_bad] floats; 0: inverted */
 } state;
@@ -59,7 +60,7 @@ static void find_box(pl_picture *picture, const planish_mesh *mesh) {
         picture->high[d] = high;
         picture->size = fmax(picture->size, high - low);
     }
-    if (!(picture->size > 0 && isfinite(picture->size)))
+    if (picture->size == 0)
         picture->size = 1;
 }
 
@@ -86,7 +87,8 @@ static void put_little_endian(uint32_t value, int size, uint8_t *out) {
 }
 
 static void put_float(double value, uint8_t *out) {
-    const float rounded = (float)value;
+    const double largest = 1e38; /* that a float holds */
+    const float rounded = (float)fmin(value, largest);
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof bits);
     put_little_endian(bits, 4, out);
@@ -143,7 +145,7 @@ static int take_surface(const pl_picture *picture, const pl_job *job, state *to)
 static int take_worst(const pl_picture *picture, const pl_job *job, state *to) {
     const int corner_size = 4 * picture->dim * (picture->dim + 1);
     pl_worst worst = {0};
-    int status = pl_worst_find(job, MOST_BAD, &worst);
+    int status = pl_worst_select(job, MOST_BAD, &worst);
     to->corner = malloc((size_t)(worst.n * corner_size) + 1);
     to->bad_ratio = malloc((size_t)(4 * worst.n) + 1);
     if (!status && (!to->corner || !to->bad_ratio))
@@ -153,6 +155,7 @@ static int take_worst(const pl_picture *picture, const pl_job *job, state *to) {
         put_float(worst.bad[i].radius_ratio, to->bad_ratio + 4 * i);
     }
     to->n_bad = worst.n;
+    to->n_inverted = worst.n_inverted;
     pl_worst_free(&worst);
     return status;
 }
@@ -180,12 +183,18 @@ static int take_ratios(const pl_picture *picture, const pl_job *job, state *to) 
     return status;
 }
 
+int pl_picture_fits(const pl_picture *picture, const pl_job *job) {
+    return job->mesh.n_nodes == picture->n_nodes && job->mesh.n_elements == picture->n_elements &&
+           job->mesh.dim == picture->dim;
+}
+
 int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name) {
     state *to = &picture->states[picture->n_states];
-    if (picture->n_states == PL_PICTURE_MOST_STATES || job->mesh.n_nodes != picture->n_nodes ||
-        job->mesh.n_elements != picture->n_elements || job->mesh.dim != picture->dim)
+    if (picture->n_states == PL_PICTURE_MOST_STATES || !pl_picture_fits(picture, job))
         return pl_complain(PL_EXIT_FAILED, "%s: is another mesh than the one in the picture",
                            job->arguments->input);
+    if (!isfinite(picture->size))
+        return 0;
     strncpy(to->name, name, sizeof to->name - 1);
     picture->n_states++;
     int status = take_surface(picture, job, to);
@@ -240,7 +249,7 @@ static int has_points_of(const pl_picture *picture, int i, int j) {
 static void put_state(pl_markup *page, const pl_picture *picture, int i) {
     const state *s = &picture->states[i];
     const int64_t dim = picture->dim;
-    pl_markup_put(page, "{\"name\":\"%s\"", s->name);
+    pl_markup_put(page, "{\"name\":\"%s\",\"inverted\":%" PRId64, s->name, s->n_inverted);
     if (i == 0 || !has_points_of(picture, i, 0))
         put_array(page, "points", s->point, 2 * picture->surface.n_points * dim);
     if (s->ratio)
@@ -253,7 +262,7 @@ static void put_state(pl_markup *page, const pl_picture *picture, int i) {
 void pl_picture_put(pl_markup *page, const pl_picture *picture) {
     const double *low = picture->low, *high = picture->high;
     const int solid = picture->dim == 3;
-    pl_markup_put(page, "{\"dim\":%d,\"low\":[%.9g,%.9g,%.9g],\"high\":[%.9g,%.9g,%.9g]",
+    pl_markup_put(page, "{\"dim\":%d,\"low\":[%.17g,%.17g,%.17g],\"high\":[%.17g,%.17g,%.17g]",
                   picture->dim, low[0], low[1], solid ? low[2] : 0, high[0], high[1],
                   solid ? high[2] : 0);
     pl_markup_put(page, ",\"elements\":%" PRId64 ",\"coarse\":%s", picture->n_elements,

@@ -19,8 +19,11 @@ typedef struct pl_picture pl_picture;
  *  after a message. */
 int pl_picture_begin(const pl_job *job, pl_picture **picture);
 
-/** Take the state that the mesh of job, of the same elements as the first one, is in now. name: a
- *  word for it, kept as it is ("before"). */
+/** Whether the mesh of job has the elements of the first one, by their number. */
+int pl_picture_fits(const pl_picture *picture, const pl_job *job);
+
+/** Take the state that the mesh of job, of the same elements as the first one, is in now; but not
+ * of a mesh so large that its size is no number. name: a word for it, kept as it is ("before"). */
 int pl_picture_take(pl_picture *picture, const pl_job *job, const char *name);
 
 /** How many states the picture, which may be NULL, shows, and their names. */

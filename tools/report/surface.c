@@ -117,22 +117,34 @@ typedef struct grid {
     int64_t n[3];
 } grid;
 
-static grid make_grid(const planish_mesh *mesh, double resolution) {
-    grid g = {{0}, 1, {1, 1, 1}};
-    double extent[3] = {0}, longest = 0;
+/** The box of the mesh: low and the extents. */
+typedef struct box {
+    double low[3], extent[3], longest;
+} box;
+
+static box find_box(const planish_mesh *mesh) {
+    box b = {.longest = 0};
     for (int d = 0; d < mesh->dim; d++) {
-        double low = INFINITY, high = -INFINITY;
+        double high = -INFINITY;
+        b.low[d] = INFINITY;
         for (int64_t i = 0; i < mesh->n_nodes; i++) {
-            low = fmin(low, mesh->coordinates[i * mesh->dim + d]);
+            b.low[d] = fmin(b.low[d], mesh->coordinates[i * mesh->dim + d]);
             high = fmax(high, mesh->coordinates[i * mesh->dim + d]);
         }
-        g.low[d] = low;
-        extent[d] = high - low;
-        longest = fmax(longest, extent[d]);
+        b.extent[d] = high - b.low[d];
+        b.longest = fmax(b.longest, b.extent[d]);
     }
-    g.cell = longest > 0 && isfinite(longest) ? longest / resolution : 1;
-    for (int d = 0; d < mesh->dim; d++)
-        g.n[d] = (int64_t)fmin(extent[d] / g.cell, resolution) + 1;
+    return b;
+}
+
+static grid make_grid(const planish_mesh *mesh, const box *b, double resolution) {
+    grid g = {.cell = 1, .n = {1, 1, 1}};
+    if (b->longest > 0 && isfinite(b->longest))
+        g.cell = b->longest / resolution;
+    for (int d = 0; d < mesh->dim; d++) {
+        g.low[d] = b->low[d];
+        g.n[d] = (int64_t)fmin(b->extent[d] / g.cell, resolution) + 1;
+    }
     return g;
 }
 
@@ -166,11 +178,12 @@ static int64_t count_kept(pl_drawn_surface *s, const int64_t *cell, int compact)
 /** Fill cell [n_nodes] so that at most most triangles are between three cells: at first each node
  *  is a cell of its own. */
 static void find_cells(const planish_mesh *mesh, pl_drawn_surface *s, int64_t most, int64_t *cell) {
+    const box b = find_box(mesh);
     double resolution = FINEST_GRID;
     for (int64_t i = 0; i < mesh->n_nodes; i++)
         cell[i] = i;
     while (count_kept(s, cell, 0) > most) {
-        const grid g = make_grid(mesh, resolution);
+        const grid g = make_grid(mesh, &b, resolution);
         for (int64_t i = 0; i < mesh->n_nodes; i++)
             cell[i] = cell_of(&g, mesh, i);
         resolution *= COARSER;

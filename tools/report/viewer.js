@@ -46,7 +46,8 @@ function unpackState(state, first) {
         points: points,
         ratios: state.ratios ? bytesOf(state.ratios) : null,
         corners: new Float32Array(bytesOf(state.corners).buffer),
-        badRatios: new Float32Array(bytesOf(state.bad_ratios).buffer)
+        badRatios: new Float32Array(bytesOf(state.bad_ratios).buffer),
+        inverted: state.inverted
     };
 }
 
@@ -295,23 +296,28 @@ function makeView(state, holder) {
     const light = new THREE.DirectionalLight(0xffffff, 0.75);
     scene.add(shape, bad, new THREE.AmbientLight(0xffffff, 0.45), light);
     canvas.tabIndex = 0;
-    canvas.setAttribute('role', 'img');
+    canvas.setAttribute('role', 'application');
+    canvas.setAttribute('aria-describedby', 'picture-help');
     canvas.setAttribute('aria-label', holder.dataset.label);
     holder.replaceChildren(canvas);
     const controls = new THREE.OrbitControls(camera, canvas);
     controls.target = target;
     controls.enableKeys = false;
     controls.screenSpacePanning = true;
-    controls.enableZoom = false; /* the wheel scrolls the page until the picture is clicked */
+    controls.enabled = false; /* wheel and fingers move the page until the picture is chosen */
     if (dim === 2) {
         controls.enableRotate = false;
         controls.mouseButtons.LEFT = THREE.MOUSE.PAN;
         controls.touches.ONE = THREE.TOUCH.PAN;
     }
     controls.addEventListener('change', drawSoon);
-    canvas.addEventListener('focus', () => { controls.enableZoom = true; });
-    canvas.addEventListener('blur', () => { controls.enableZoom = false; });
+    canvas.addEventListener('pointerdown', event => {
+        controls.enabled = controls.enabled || event.pointerType === 'mouse';
+    }, true);
+    canvas.addEventListener('focus', () => { controls.enabled = true; });
+    canvas.addEventListener('blur', () => { controls.enabled = false; });
     canvas.addEventListener('keydown', turnByKey);
+    canvas.addEventListener('webglcontextrestored', drawSoon);
     return {state: state, edges: edges, renderer: renderer, scene: scene, shape: shape, bad: bad,
         light: light, holder: holder, caption: holder.parentNode.querySelector('.count')};
 }
@@ -319,7 +325,7 @@ function makeView(state, holder) {
 /** Turn by the arrow keys, or in 2-D move; + and - zoom, 0 shows all. */
 function turnByKey(event) {
     const step = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1]}[event.key];
-    const closer = {'+': 0.8, '-': 1.25}[event.key];
+    const closer = {'+': 0.8, '=': 0.8, '-': 1.25}[event.key];
     if (step && dim === 3)
         turn(step[0] * 0.15, step[1] * 0.15);
     else if (step)
@@ -366,6 +372,12 @@ function drawSoon() {
 
 function draw() {
     asked = false;
+    if (dim === 3) { /* from an element of any size to the whole mesh */
+        const distance = camera.position.distanceTo(target);
+        camera.near = distance / 100;
+        camera.far = distance + 10;
+        camera.updateProjectionMatrix();
+    }
     for (const view of views) {
         view.light.position.copy(camera.position).sub(target);
         view.renderer.render(view.scene, camera);
@@ -407,13 +419,14 @@ function applyTheme() {
 
 const slider = section.querySelector('input[type=range]');
 
-/** The range of radius ratios for which all worse elements are known, in every state. */
+/** The range of radius ratios for which all worse elements are known, in every state: empty, from
+ *  infinity, where there are more inverted ones than are drawn. */
 function findRange() {
     let low = 1, high = 1;
     for (const state of states) {
         const n = state.badRatios.length, last = n ? state.badRatios[n - 1] : 1;
         if (n < picture.elements)
-            low = Math.max(low, last);
+            low = Math.max(low, last > 0 ? last : Infinity);
         for (const ratio of state.badRatios)
             high = Math.max(high, ratio);
     }
@@ -423,21 +436,35 @@ function findRange() {
 const [lowest, highest] = findRange();
 
 function limit() {
-    return lowest * Math.pow(highest / lowest, slider.value / slider.max);
+    return highest > lowest ? lowest * Math.pow(highest / lowest, slider.value / slider.max) : lowest;
+}
+
+function plural(n, noun) {
+    return n.toLocaleString('en') + ' ' + noun + (n === 1 ? '' : 's');
+}
+
+/** What a view shows, in words. */
+function describe(state, value, text) {
+    const drawn = countWorse(state, Infinity), n = countWorse(state, value);
+    if (value === Infinity)
+        return plural(state.inverted, 'inverted element') +
+            (drawn < state.inverted ? ', of which ' + drawn.toLocaleString('en') + ' are drawn' : '');
+    return plural(n, 'element') + ' worse than ' + text +
+        (drawn ? ', ' + drawn.toLocaleString('en') + ' of them inverted' : '');
 }
 
 function showWorse() {
     const value = limit();
-    const text = value < 1000 ? value.toPrecision(3) : Math.round(value).toLocaleString('en');
+    const text = value < 1000 ? value.toPrecision(3)
+        : value < 1e7 ? Math.round(value).toLocaleString('en')
+        : value < Infinity ? value.toPrecision(3) : 'any';
     section.querySelector('output').textContent = text;
     slider.setAttribute('aria-valuetext', text);
     for (const view of views) {
-        const n = countWorse(view.state, value), inverted = countWorse(view.state, Infinity);
-        view.bad.show(n);
+        view.bad.show(countWorse(view.state, value));
         if (view.shape.showWorse)
             view.shape.showWorse(slider.value > 0 ? value : 0);
-        view.caption.textContent = n.toLocaleString('en') + (n === 1 ? ' element' : ' elements') +
-            ' worse than ' + text + (inverted ? ', ' + inverted.toLocaleString('en') + ' of them inverted' : '');
+        view.caption.textContent = describe(view.state, value, text);
     }
     drawSoon();
 }
@@ -470,13 +497,23 @@ function visit(place) {
     drawSoon();
 }
 
+/** Whether the edges of the mesh leave something to be seen between them. */
+function hasRoomForLines() {
+    const holder = views[0].holder, least = 30; /* pixels of a triangle */
+    const scale = Math.min(holder.clientWidth / extent[0], holder.clientHeight / extent[1]);
+    const room = extent[0] * extent[1] * scale * scale;
+    return !picture.coarse && triangles.length / 2 <= MOST_MESH_LINES &&
+        (dim === 3 || room / (triangles.length / 3) > least);
+}
+
 function connect() {
     const start = dim === 2 ? lowest : Math.max(lowest, Math.min(3, highest));
+    slider.disabled = !(highest > lowest);
     slider.value = highest > lowest
         ? slider.max * Math.log(start / lowest) / Math.log(highest / lowest) : 0;
     slider.addEventListener('input', showWorse);
     const mesh = section.querySelector('input[type=checkbox]');
-    mesh.checked = triangles.length / 2 <= MOST_MESH_LINES && !picture.coarse;
+    mesh.checked = hasRoomForLines();
     const showLines = () => {
         for (const view of views)
             view.shape.mesh.visible = mesh.checked;
@@ -488,19 +525,23 @@ function connect() {
         button.hidden = false;
         button.addEventListener('click', () => visit(button.dataset.place.split(',').map(Number)));
     }
-    section.querySelector('.controls').hidden = false;
+    for (const part of section.querySelectorAll('.controls, .help, .colours'))
+        part.hidden = false;
     showLines();
     showWorse();
 }
 
 function hasWebGL() {
-    const canvas = document.createElement('canvas');
-    return !!(window.WebGLRenderingContext && canvas.getContext('webgl'));
+    const context = document.createElement('canvas').getContext('webgl');
+    const lose = context && context.getExtension('WEBGL_lose_context');
+    if (lose)
+        lose.loseContext();
+    return !!context;
 }
 
 if (!hasWebGL()) {
-    section.querySelector('.fallback').textContent =
-        'This browser cannot draw the picture: it has no WebGL.';
+    for (const fallback of section.querySelectorAll('.fallback'))
+        fallback.textContent = 'This browser cannot draw the picture: it has no WebGL.';
     return;
 }
 camera.up.set(0, dim === 3 ? 0 : 1, dim === 3 ? 1 : 0);

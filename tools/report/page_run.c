@@ -1,0 +1,183 @@
+/* page_run: what a page says of the run: its time and machine, and what is certified. */
+#include "report/page.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- time and machine ----------------------------------------------------------------------- */
+
+typedef struct span_of_time {
+    const char *name;
+    double seconds;
+} span_of_time;
+
+enum { MOST_SPANS = 6 };
+
+/** The phases that took time; the last one is what remains of the total. */
+static int read_times(const cJSON *seconds, span_of_time *span) {
+    static const char *const keys[] = {"read", "shape", "setup", "smooth", "write"};
+    static const char *const names[] = {"read", "find what slides", "set up", "smooth", "write"};
+    double rest = pl_figure(seconds, "total");
+    int n = 0;
+    for (int i = 0; i < MOST_SPANS - 1; i++) {
+        const double value = pl_figure(seconds, keys[i]);
+        if (!(value > 0))
+            continue;
+        span[n++] = (span_of_time){names[i], value};
+        rest -= value;
+    }
+    if (rest > 0)
+        span[n++] = (span_of_time){"measure and check", rest};
+    return n;
+}
+
+static void put_times(pl_markup *page, const cJSON *seconds) {
+    span_of_time span[MOST_SPANS];
+    const int n = read_times(seconds, span);
+    const double total = pl_figure(seconds, "total");
+    if (n == 0 || !(total > 0))
+        return;
+    pl_markup_put(page, "<div class=\"times\" aria-hidden=\"true\">");
+    for (int i = 0; i < n; i++)
+        pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>",
+                      100 * span[i].seconds / total, span[i].name);
+    pl_markup_put(page, "</div>\n<div class=\"scroll\"><table><thead><tr><th scope=\"col\">phase"
+                        "</th><th scope=\"col\">seconds</th><th scope=\"col\">share</th></tr>"
+                        "</thead><tbody>\n");
+    for (int i = 0; i < n; i++)
+        pl_markup_put(
+            page, "<tr><th scope=\"row\"><i></i>%s</th><td>%.3g</td><td>%.0f&#8239;%%</td></tr>\n",
+            span[i].name, span[i].seconds, 100 * span[i].seconds / total);
+    pl_markup_put(page,
+                  "<tr class=\"main\"><th scope=\"row\">total</th><td>%.3g</td><td></td></tr>\n"
+                  "</tbody></table></div>\n",
+                  total);
+}
+
+static void put_fact(pl_markup *page, const char *name, const char *value) {
+    if (!value[0])
+        return;
+    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td class=\"wrap\">", name);
+    pl_markup_put_text(page, value);
+    pl_markup_put(page, "</td></tr>\n");
+}
+
+static void put_counted(pl_markup *page, const char *name, const cJSON *object, const char *key) {
+    if (!isfinite(pl_figure(object, key)))
+        return;
+    pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td class=\"wrap\">", name);
+    pl_markup_put_count(page, pl_figure_count(object, key));
+    pl_markup_put(page, "</td></tr>\n");
+}
+
+void pl_page_put_run(pl_markup *page, const pl_figures *figures) {
+    const cJSON *result = figures->result;
+    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(result, "mesh");
+    const double memory = pl_figure(result, "peak_memory_bytes");
+    if (figures->n_states < 2)
+        return;
+    pl_markup_put(page, "<section id=\"run\" class=\"whole\"><h2>Time and machine</h2>\n");
+    put_times(page, cJSON_GetObjectItemCaseSensitive(result, "seconds"));
+    pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
+    put_counted(page, "threads", result, "threads");
+    put_fact(page, "placement", pl_figure_text(result, "binding"));
+    put_fact(page, "instruction set", pl_figure_text(result, "isa"));
+    put_counted(page, "colours", mesh, "colours");
+    put_counted(page, "node visits", result, "node_visits");
+    put_counted(page, "nodes moved", result, "moved_nodes");
+    if (isfinite(memory))
+        pl_markup_put(
+            page, "<tr><th scope=\"row\">most memory</th><td class=\"wrap\">%.1f MB</td></tr>\n",
+            memory / 1e6);
+    put_fact(page, "method", pl_figure_text(result, "method"));
+    put_fact(page, "objective",
+             pl_figure_text(cJSON_GetObjectItemCaseSensitive(result, "objective"), "name"));
+    put_fact(page, "ended", pl_figure_text(result, "stop"));
+    pl_markup_put(page, "</tbody></table></div></section>\n");
+}
+
+/* ---- what is certified ---------------------------------------------------------------------- */
+
+/* By how much of itself a value may be worse for the rounding of sums and angles. */
+static const double ROUNDING = 1e-9;
+
+/** A claim of the form "not worse than before", shown with its two figures. */
+static void put_claim(pl_markup *page, const pl_figures *figures, const char *claim,
+                      const char *key, int less_is_better) {
+    const double before = pl_figure(figures->state[0], key);
+    const double after = pl_figure(figures->state[1], key);
+    const double slack = ROUNDING * fabs(before);
+    const int holds = less_is_better ? after <= before + slack : after >= before - slack;
+    if (!isfinite(before) || !isfinite(after))
+        return;
+    pl_markup_put(page,
+                  "<tr><th scope=\"row\">%s</th><td>%.8g</td><td>%.8g</td><td class=\"word "
+                  "%s\">%s</td></tr>\n",
+                  claim, before, after, holds ? "good" : "bad", holds ? "holds" : "does not hold");
+}
+
+/** Lists of elements that fall short: the first of them. */
+static void put_list(pl_markup *page, const pl_figures *figures, const char *key, const char *one,
+                     const char *several) {
+    enum { MOST = 20 };
+    double number[MOST];
+    const int n = pl_figure_list(figures->result, key, number, MOST);
+    if (n == 0)
+        return;
+    pl_markup_put(page, "<p><strong>");
+    pl_markup_put_number_of(page, n, one, several);
+    pl_markup_put(page, ":</strong>");
+    for (int i = 0; i < n && i < MOST; i++)
+        pl_markup_put(page, "%s %.17g", i ? "," : "", number[i]);
+    pl_markup_put(page, "%s</p>\n", n > MOST ? " ..." : ".");
+}
+
+static void put_claims(pl_markup *page, const pl_figures *figures) {
+    const char *method = pl_figure_text(figures->result, "method");
+    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
+                        "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
+                        "<th scope=\"col\" class=\"word\">claim</th></tr></thead><tbody>\n");
+    put_claim(page, figures, "inverted elements", "inverted", 1);
+    put_claim(page, figures, "worst radius ratio of elements with a free node",
+              "max_radius_ratio_movable", 1);
+    put_claim(page, figures, "smallest angle of elements with a free node",
+              "min_dihedral_movable_deg", 0);
+    put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
+    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
+                  strcmp(method, "planish") == 0
+                      ? "planish promises all of these for a mesh that was valid and its default "
+                        "objective; mending inverted elements, least volumes and other objectives "
+                        "may cost the last three."
+                      : "The method is one that planish is compared with; it promises none of "
+                        "these.");
+}
+
+void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
+    const cJSON *result = figures->result;
+    const int64_t inverted = pl_figure_count(pl_figures_last(figures), "inverted");
+    pl_markup_put(page, "<section id=\"certificate\" class=\"whole\"><h2>Certificate</h2>\n<p>");
+    if (inverted == 0) {
+        pl_markup_put(page, "Every element is positive: none is inverted or flat.");
+    } else {
+        pl_markup_put_number_of(page, inverted, "element is", "elements are");
+        pl_markup_put(page, " inverted or flat.");
+    }
+    pl_markup_put(page,
+                  " The sign of each was decided exactly, on the coordinates as they are %s.</p>\n",
+                  figures->n_states == 2 ? "written" : "in the file");
+    if (figures->n_states == 2)
+        put_claims(page, figures);
+    put_list(page, figures, "unfixable", "element cannot be mended wherever the free nodes are",
+             "elements cannot be mended wherever the free nodes are");
+    put_list(page, figures, "below_min", "element is below its least volume",
+             "elements are below their least volume");
+    pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
+    put_fact(page, "checksum of the coordinates read", pl_figure_text(result, "input_checksum"));
+    put_fact(page,
+             figures->n_states == 2 ? "checksum of the coordinates written"
+                                    : "checksum of the coordinates",
+             pl_figure_text(result, "checksum"));
+    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">The checksum is of the bits of "
+                        "all coordinates, the same on any number of threads; <code>planish quality "
+                        "FILE --json -</code> prints that of a file.</p>\n</section>\n");
+}
