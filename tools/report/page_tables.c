@@ -246,7 +246,7 @@ static void put_bad_elements(pl_markup *page, const cJSON *state) {
                   "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
                   "<th scope=\"col\">picture</th>"
                   "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest angle</th>"
-                  "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">has a free node"
+                  "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">free node"
                   "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
                   "class=\"word\">nodes</th><th scope=\"col\" "
                   "class=\"word\">region</th></tr></thead><tbody>\n");
