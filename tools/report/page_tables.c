@@ -242,14 +242,13 @@ static void put_element(pl_markup *page, const cJSON *element) {
 
 static void put_bad_elements(pl_markup *page, const cJSON *state) {
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
-    pl_markup_put(page,
-                  "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
-                  "<th scope=\"col\">picture</th>"
-                  "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest angle</th>"
-                  "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">free node"
-                  "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
-                  "class=\"word\">nodes</th><th scope=\"col\" "
-                  "class=\"word\">region</th></tr></thead><tbody>\n");
+    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
+                        "<th scope=\"col\">picture</th>"
+                        "<th scope=\"col\">radius ratio</th><th scope=\"col\">smallest angle</th>"
+                        "<th scope=\"col\">largest</th><th scope=\"col\" class=\"word\">free node"
+                        "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
+                        "class=\"word\">nodes</th><th scope=\"col\" "
+                        "class=\"word\">region</th></tr></thead><tbody>\n");
     cJSON_ArrayForEach(element, list) {
         put_element(page, element);
     }
