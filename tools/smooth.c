@@ -224,8 +224,10 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
     if (arguments->verbosity != PL_QUIET)
         print_lists(job, result);
-    if (result->reason[0] && (status || arguments->verbosity != PL_QUIET))
+    if (result->reason[0] && status)
         pl_complain(status, "%s: %s", arguments->output, result->reason);
+    else if (result->reason[0] && arguments->verbosity != PL_QUIET)
+        pl_note(stderr, "%s: %s", arguments->output, result->reason);
 }
 
 /** With -v: how close to a local optimum the end is. */
