@@ -168,6 +168,14 @@ static void put_bash_values(void) {
     }
 }
 
+static void put_bash_option(const pl_option_text *o) {
+    if (o->letter)
+        printf(" -%c", o->letter);
+    if (o->is_doubled)
+        printf(" -%c%c", o->letter, o->letter);
+    printf(" --%s", o->name);
+}
+
 static void put_bash_options(void) {
     const pl_command_text *command;
     pl_option_text o;
@@ -175,7 +183,7 @@ static void put_bash_options(void) {
         printf("    %s) options='", command->name);
         for (int j = 0; pl_option_describe(j, &o); j++)
             if (o.commands & command->command)
-                printf(" --%s", o.name);
+                put_bash_option(&o);
         printf("' ;;\n");
     }
 }

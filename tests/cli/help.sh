@@ -80,6 +80,13 @@ fi
 
 # Completion in use.
 [ "$(completions planish q)" = quality ] || fail "completion of a command"
+short() {
+    completions planish "$1" - | grep -v '^--' | tr '\n' ' '
+}
+[ "$(short smooth)" = "-o -j -v -vv -q -h " ] || fail "short options: $(short smooth)"
+[ "$(short report)" = "-o -q -h " ] || fail "short options of report: $(short report)"
+[ "$(completions planish smooth - | grep -c '^--')" -gt 20 ] || fail "long options behind one minus"
+[ "$(completions planish smooth -v | tr '\n' ' ')" = "-v -vv " ] || fail "completion of -v"
 [ "$(completions planish smooth --objective mea)" = mean-ratio ] || fail "completion of a value"
 [ "$(completions planish smooth --objective = mea)" = mean-ratio ] || fail "completion behind ="
 [ "$(completions planish smooth --objective =)" = "$(completions planish smooth --objective "")" ] ||
