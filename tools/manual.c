@@ -117,19 +117,20 @@ static void put_man(void) {
     put_options();
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
-    printf("\nFiles are told by their content, then by their names, and written in the format they "
-           "were read in.\nIf\n.I OUT\nhas the extension .vtu or .vtk, and\n"
-           ".I IN\nis of another format, it is a copy for viewing, with the elements' radius "
-           "ratios, regions and groups.\n");
+    printf(
+        "\nFiles are told by their content, then by their names, and written in the\nformat they "
+        "were read in.\nIf\n.I OUT\nhas the extension .vtu or .vtk, and\n"
+        ".I IN\nis of another format, it is a copy for viewing, with the elements' radius\n"
+        "ratios, regions and groups.\n");
     put_exit_status();
     printf(".SH SIGNALS\n"
-           "SIGINT, SIGTERM and SIGHUP end the smoothing, and the mesh is written, with status 1; "
+           "SIGINT, SIGTERM and SIGHUP end the smoothing, and the mesh is written,\nwith status 1; "
            "the second one\nends the program at once.\n"
            ".SH ENVIRONMENT\n"
            ".TP\n.B OMP_NUM_THREADS\nhow many threads there are without \\-\\-threads\n"
            ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES\nif one of them is set, planish binds no "
            "thread by itself\n"
-           ".TP\n.B NO_COLOR\nif it is set, and not empty, nothing is coloured; nor is it where "
+           ".TP\n.B NO_COLOR\nif it is set, and not empty, nothing is coloured; nor is it where\n"
            "TERM is dumb, or the output\nis no terminal\n"
            ".SH EXAMPLES\n"
            ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"

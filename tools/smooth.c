@@ -244,9 +244,9 @@ static void print_optimality(const pl_job *job, const planish_result *smooth) {
 
 static void print_threads(const planish_plan_info *info) {
     char text[512];
-    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colours, plan of %.1f MB",
+    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
              info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
-             info->n_colours, (double)info->bytes / 1e6);
+             info->n_colours, info->n_colours == 1 ? "" : "s", (double)info->bytes / 1e6);
     pl_text_wrap(stderr, text);
 }
 

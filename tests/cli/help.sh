@@ -77,6 +77,10 @@ if command -v man >/dev/null; then
 fi
 ! command -v groff >/dev/null || [ -z "$(groff -man -Tutf8 -ww planish.1 2>&1 >/dev/null)" ] ||
     fail "groff warns of planish(1)"
+if command -v mandoc >/dev/null; then
+    warnings=$(mandoc -T lint planish.1 | grep -v "missing date")
+    [ -z "$warnings" ] || fail "mandoc of planish(1): $warnings"
+fi
 
 # Completion in use.
 [ "$(completions planish q)" = quality ] || fail "completion of a command"
