@@ -83,7 +83,7 @@ for i in 1 2; do
     cp square.msh "$long$i$long.msh"
 done
 cp square.msh 網格曲面網格曲面網格曲面.msh
-on_terminal 0 80 "$program" quality $long?$long.msh square.msh 網*.msh
+on_terminal 0 80 "$program" quality "$long"?"$long.msh" square.msh 網*.msh
 for i in 1 2; do
     grep -q "^$long$i$long.msh\$" screen || fail "the whole name: $(cat screen)"
 done
@@ -97,7 +97,7 @@ head = [line for line in open("screen", encoding="utf-8").read().split("\n") if 
 assert line.index(" 375") + 4 + wide == head.index("elements") + len("elements"), line
 assert len(name) + sum(ord(c) > 0x1100 for c in name) in (19, 20, 21), name # the middle is whole
 END
-on_terminal 0 150 "$program" quality $long?$long.msh square.msh
+on_terminal 0 150 "$program" quality "$long"?"$long.msh" square.msh
 grep -q "^${long}1$long.msh  *375 " screen || fail "a name where there is room: $(cat screen)"
 awk 'length($0) > 150 { exit 1 }' screen || fail "wider than the terminal"
 
