@@ -12,8 +12,10 @@
 
 enum {
     LONGEST = 20,            /* columns of the bar at most, */
-    SHORTEST = 5,            /* and at least: there is none else */
+    SHORTEST = 5,            /* and at least, if there is one */
     FRAME = 9,               /* columns of brackets and per cent around it */
+    USUAL_TEXT = 54,         /* columns of the text if all of it is there */
+    SHORT_TEXT = 25,         /* and of what is told first, beside which a bar must have room */
     USUAL_SWEEPS = 12,       /* to convergence, as long as nothing is known */
     USUAL_WORST_SWEEPS = 25, /* and for the worst elements, */
     DEARER_WORST = 5,        /* each of which takes about so many times as long */
@@ -43,35 +45,53 @@ static const char *const phase_names[] = {
     [PL_PHASE_CHECKING] = "checking",   [PL_PHASE_WRITING] = "writing",
 };
 
-/** "name [####......]  40 %tail", the bar as long as the terminal lets it be. */
-static void show(pl_progress *progress, const char *name, const char *tail, double share) {
-    char bar[LONGEST + 1], line[256];
-    const int room = pl_terminal_columns(stderr) - 1 - FRAME - (int)(strlen(name) + strlen(tail));
-    const int length = room < LONGEST ? room : LONGEST;
+/** What a line tells, most important first; the bar comes behind the second. Empty: nothing. */
+typedef struct parts {
+    char phase[32], count[64], value[64], left[64];
+} parts;
+
+/** Columns of the bar on a terminal of so many, whatever stands beside it: 0 for none. */
+static int bar_length(int terminal) {
+    const int room = terminal - 1 - FRAME;
+    if (room < SHORT_TEXT + SHORTEST)
+        return 0;
+    const int length = room - USUAL_TEXT;
+    return length < SHORTEST ? SHORTEST : length > LONGEST ? LONGEST : length;
+}
+
+/** Empty the parts, the last ones first, that the room has no place for. */
+static void fit(parts *p, int room) {
+    char *const part[] = {p->phase, p->count, p->value, p->left};
+    for (int i = 0; i < 4; i++) {
+        room -= (int)strlen(part[i]);
+        if (room < 0)
+            part[i][0] = '\0';
+    }
+}
+
+/** "phase, count [####......]  40 %, value, left". */
+static void show(pl_progress *progress, parts *p, double share) {
+    char bar[64] = "", line[sizeof *p + sizeof bar];
+    const int terminal = pl_terminal_columns(stderr), length = bar_length(terminal);
     progress->share = fmax(progress->share, fmin(share, 1));
     const int filled = (int)(progress->share * length);
-    if (length < SHORTEST) {
-        snprintf(line, sizeof line, "%s%s", name, tail);
-        pl_line_show(line);
-        return;
-    }
-    for (int i = 0; i < length; i++)
-        bar[i] = i < filled ? '#' : '.';
-    bar[length] = '\0';
-    snprintf(line, sizeof line, "%s [%s] %3d %%%s", name, bar, (int)(100 * progress->share), tail);
+    fit(p, terminal - 1 - (length > 0 ? FRAME + length : 0));
+    if (length > 0)
+        snprintf(bar, sizeof bar, " [%.*s%.*s] %3d %%", filled, "####################",
+                 length - filled, "....................", (int)(100 * progress->share));
+    snprintf(line, sizeof line, "%s%s%s%s%s", p->phase, p->count, bar, p->value, p->left);
     pl_line_show(line);
 }
 
 void pl_bar_phase(pl_progress *progress, pl_phase phase) {
-    char name[64];
+    parts p = {.phase = ""};
     const pl_arguments *arguments = progress->arguments;
     const int n = arguments->n_inputs, is_smooth = arguments->command == PL_COMMAND_SMOOTH;
     const double share = is_smooth ? share_of_smooth[phase] : share_of_quality[phase];
+    snprintf(p.phase, sizeof p.phase, "%s", phase_names[phase]);
     if (n > 1)
-        snprintf(name, sizeof name, "%s, file %d of %d", phase_names[phase], progress->file + 1, n);
-    else
-        snprintf(name, sizeof name, "%s", phase_names[phase]);
-    show(progress, name, "", (progress->file + share) / n);
+        snprintf(p.count, sizeof p.count, ", file %d of %d", progress->file + 1, n);
+    show(progress, &p, (progress->file + share) / n);
 }
 
 /** Seconds for people: "about 12 s left", "about 3:05 min left", "about 2:10 h left". */
@@ -130,24 +150,25 @@ static double seconds_left(const pl_progress *progress, const planish_progress *
 }
 
 void pl_bar_step(pl_progress *progress, const planish_progress *step) {
-    char name[64], tail[128] = "", time[64] = "";
+    parts p = {.phase = ""};
     int is_known;
     if (progress->last_shown >= 0 && step->elapsed - progress->last_shown < INTERVAL)
         return;
     progress->last_shown = step->elapsed;
     const double left = seconds_left(progress, step, &is_known) + progress->write_seconds;
     const double spent = pl_seconds() - progress->begin;
-    snprintf(name, sizeof name, "%s, sweep %d",
+    snprintf(p.phase, sizeof p.phase, "%s",
              step->restoring ? "untangling"
              : step->worst   ? "worst elements"
-                             : phase_names[PL_PHASE_SMOOTHING],
-             step->sweep);
-    if (is_known)
-        print_left(left, time, sizeof time);
-    if (step->inverted > 0 && step->restoring) /* the RMS would be that of the others */
-        snprintf(tail, sizeof tail, ", %" PRId64 " inverted", step->inverted);
-    else
-        snprintf(tail, sizeof tail, ", RMS %.6g%s", step->rms, time);
+                             : phase_names[PL_PHASE_SMOOTHING]);
+    snprintf(p.count, sizeof p.count, ", sweep %d", step->sweep);
+    if (step->inverted > 0 && step->restoring) { /* the RMS would be that of the others */
+        snprintf(p.value, sizeof p.value, ", %" PRId64 " inverted", step->inverted);
+    } else {
+        snprintf(p.value, sizeof p.value, ", RMS %.6g", step->rms);
+        if (is_known)
+            print_left(left, p.left, sizeof p.left);
+    }
     const double share = spent / (spent + left);
-    show(progress, name, tail, is_known || step->worst ? share : fmin(share, MOST_GUESSED));
+    show(progress, &p, is_known || step->worst ? share : fmin(share, MOST_GUESSED));
 }

@@ -43,8 +43,13 @@ static int last_bin(const planish_quality *quality) {
     return last;
 }
 
+static int64_t inverted_of(const planish_quality *quality) {
+    return quality ? quality->inverted : 0;
+}
+
+/** Elements in the longest bar. */
 static int64_t most_of(const planish_quality *quality) {
-    int64_t most = 1;
+    int64_t most = inverted_of(quality) > 1 ? inverted_of(quality) : 1;
     for (int i = 0; quality && i < PLANISH_HISTOGRAM_BINS; i++)
         if (quality->histogram_counts[i] > most)
             most = quality->histogram_counts[i];
@@ -73,6 +78,14 @@ static void put_cell(const bars *b, int64_t count, int is_last) {
         fprintf(b->stream, "%*s", 1 + b->width - used, "");
 }
 
+/** The cells of a row; before may be NULL. */
+static void put_row(const bars *b, const int64_t *before, int64_t after) {
+    if (before)
+        put_cell(b, *before, 0);
+    put_cell(b, after, 1);
+    fputc('\n', b->stream);
+}
+
 static void put_head(const bars *b, int has_before) {
     fprintf(b->stream, "%s%-*s", pl_style_begin(b->stream, PL_STYLE_HEADING), LABEL_WIDTH,
             "radius ratio");
@@ -95,9 +108,10 @@ void pl_histogram_print(FILE *stream, const planish_quality *before, const plani
     put_head(&b, before != NULL);
     for (int i = 0; i <= last; i++) {
         put_label(stream, after, i);
-        if (before)
-            put_cell(&b, before->histogram_counts[i], 0);
-        put_cell(&b, after->histogram_counts[i], 1);
-        fputc('\n', stream);
+        put_row(&b, before ? &before->histogram_counts[i] : NULL, after->histogram_counts[i]);
+    }
+    if (inverted_of(before) + inverted_of(after) > 0) {
+        fprintf(stream, "%-*s", LABEL_WIDTH, "inverted");
+        put_row(&b, before ? &before->inverted : NULL, after->inverted);
     }
 }

@@ -6,8 +6,8 @@
 
 #include <stdio.h>
 
-/** A row for each bin up to the last that has elements; before (may be NULL) and after side by
- *  side, on one scale. */
+/** A row for each bin up to the last that has elements, and one of the inverted, if any; before
+ * (may be NULL) and after side by side, on one scale. */
 void pl_histogram_print(FILE *stream, const planish_quality *before, const planish_quality *after);
 
 #endif

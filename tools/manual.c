@@ -117,19 +117,20 @@ static void put_man(void) {
     put_options();
     printf(".SH FORMATS\n");
     put_troff(pl_program_formats);
-    printf("\nFiles are told by their content, then by their names, and written in the format they "
-           "were read in.\nIf\n.I OUT\nhas the extension .vtu or .vtk, and\n"
-           ".I IN\nis of another format, it is a copy for viewing, with the elements' radius "
-           "ratios, regions and groups.\n");
+    printf(
+        "\nFiles are told by their content, then by their names, and written in the\nformat they "
+        "were read in.\nIf\n.I OUT\nhas the extension .vtu or .vtk, and\n"
+        ".I IN\nis of another format, it is a copy for viewing, with the elements' radius\n"
+        "ratios, regions and groups.\n");
     put_exit_status();
     printf(".SH SIGNALS\n"
-           "SIGINT, SIGTERM and SIGHUP end the smoothing, and the mesh is written, with status 1; "
+           "SIGINT, SIGTERM and SIGHUP end the smoothing, and the mesh is written,\nwith status 1; "
            "the second one\nends the program at once.\n"
            ".SH ENVIRONMENT\n"
            ".TP\n.B OMP_NUM_THREADS\nhow many threads there are without \\-\\-threads\n"
            ".TP\n.BR OMP_PROC_BIND \", \" OMP_PLACES\nif one of them is set, planish binds no "
            "thread by itself\n"
-           ".TP\n.B NO_COLOR\nif it is set, and not empty, nothing is coloured; nor is it where "
+           ".TP\n.B NO_COLOR\nif it is set, and not empty, nothing is coloured; nor is it where\n"
            "TERM is dumb, or the output\nis no terminal\n"
            ".SH EXAMPLES\n"
            ".EX\nplanish smooth in.msh \\-o out.msh \\-\\-report page.html\n"
@@ -168,6 +169,14 @@ static void put_bash_values(void) {
     }
 }
 
+static void put_bash_option(const pl_option_text *o) {
+    if (o->letter)
+        printf(" -%c", o->letter);
+    if (o->is_doubled)
+        printf(" -%c%c", o->letter, o->letter);
+    printf(" --%s", o->name);
+}
+
 static void put_bash_options(void) {
     const pl_command_text *command;
     pl_option_text o;
@@ -175,7 +184,7 @@ static void put_bash_options(void) {
         printf("    %s) options='", command->name);
         for (int j = 0; pl_option_describe(j, &o); j++)
             if (o.commands & command->command)
-                printf(" --%s", o.name);
+                put_bash_option(&o);
         printf("' ;;\n");
     }
 }

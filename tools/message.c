@@ -2,6 +2,7 @@
 #include "message.h"
 
 #include "terminal.h"
+#include "text.h"
 
 #include <errno.h>
 #include <stdarg.h>
@@ -17,9 +18,7 @@ static void print_line(FILE *stream, pl_style style, const char *word, const cha
     char text[MESSAGE_SIZE];
     const int is_whole = style == PL_STYLE_NOTE;
     vsnprintf(text, sizeof text, format, arguments);
-    for (char *c = text; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 127)
-            *c = '?';
+    pl_text_clean(text);
     pl_line_clear();
     const char *begin = pl_style_begin(stream, style), *end = pl_style_end(stream, style);
     fprintf(stream, "%s%s%s %s%s%s\n", begin, word, is_whole ? "" : end, text, tail,
@@ -57,5 +56,7 @@ void pl_note(FILE *stream, const char *format, ...) {
 int pl_flush_stdout(int status, int failed) {
     if (fflush(stdout) == 0 && !ferror(stdout))
         return status;
+    if (errno == EPIPE) /* a reader that has seen enough, as head */
+        return failed;
     return pl_complain(failed, "cannot write to standard output: %s", strerror(errno));
 }

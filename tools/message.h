@@ -30,7 +30,8 @@ int pl_complain_usage(const char *command, const char *format, ...) PL_MESSAGE_F
 /** Print "note: text" as one line on stream. */
 void pl_note(FILE *stream, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
 
-/** Write out what is buffered on stdout; returns status, or failed with a message if it cannot. */
+/** Write out what is buffered on stdout; returns status, or failed if it cannot: with a message,
+ *  unless it is that nobody reads on. */
 int pl_flush_stdout(int status, int failed);
 
 #endif

@@ -306,7 +306,7 @@ static const char *set_json(pl_arguments *arguments, const char *value) {
 
 static const char *set_report(pl_arguments *arguments, const char *value) {
     arguments->report = value;
-    return value[0] && strcmp(value, "-") != 0 ? NULL : "must be the name of a file";
+    return value[0] ? NULL : "must be the name of a file, or - for standard output";
 }
 
 static const char *set_n_worst(pl_arguments *arguments, const char *value) {
@@ -367,7 +367,9 @@ static const option_row option_table[] = {
      "change; with the\nextension .vtu or .vtk a copy for viewing",
      "file"},
     {'o', "output", "FILE", REPORT, set_output,
-     "write the page to FILE (default: beside RESULT.json,\ncalled RESULT.html)", "file"},
+     "write the page to FILE (default: beside RESULT.json,\ncalled RESULT.html); - is standard "
+     "output",
+     "file"},
     {0, "format", "NAME", BOTH, set_format,
      "format of the input: gmsh, medit, vtk, vtu, vtkhdf,\ntetgen, netgen, abaqus, nastran, cgns, "
      "med or off\n(default: told by its content, then its name)",
@@ -440,7 +442,9 @@ static const option_row option_table[] = {
     {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output",
      "file"},
     {0, "report", "FILE.html", BOTH, set_report,
-     "write a page for people: tables, histograms,\nconvergence, a picture of the mesh", "file"},
+     "write a page for people: tables, histograms,\nconvergence, a picture of the mesh; - is "
+     "standard\noutput",
+     "file"},
     {0, "worst", "N", QUALITY, set_n_worst,
      "list the N worst elements, here and in the reports\n(default: none here, 10 in the reports)",
      NULL},
@@ -649,7 +653,12 @@ int pl_option_describe(int i, pl_option_text *text) {
     if (i >= N_OPTIONS)
         return 0;
     const option_row *row = &option_table[i];
-    *text = (pl_option_text){row->letter,         row->name, row->value,
-                             row->commands & ALL, row->help, row->values};
+    *text = (pl_option_text){.letter = row->letter,
+                             .name = row->name,
+                             .value = row->value,
+                             .commands = row->commands & ALL,
+                             .help = row->help,
+                             .values = row->values,
+                             .is_doubled = row->set == set_verbose};
     return 1;
 }

@@ -83,7 +83,8 @@ typedef struct pl_option_text {
     unsigned commands; /* bits of pl_command that have it */
     const char *help;  /* lines separated by '\n' */
     const char
-        *values; /* words that the value may be; "file": a file's name; NULL: anything else */
+        *values;    /* words that the value may be; "file": a file's name; NULL: anything else */
+    int is_doubled; /* the letter means more if it is given twice, as in -vv */
 } pl_option_text;
 
 /** Describe option i, 0 and up; 0 if there is none. */

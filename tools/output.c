@@ -79,6 +79,8 @@ int pl_output_hits_mesh(const char *path, const char *mesh_path) {
 
 int pl_output_check(const char *path) {
     struct stat status;
+    if (strcmp(path, "-") == 0)
+        return 0;
     const int exists = stat(path, &status) == 0;
     if (exists && S_ISDIR(status.st_mode))
         return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
@@ -145,6 +147,7 @@ int pl_output_write_text(const char *path, pl_temporary which, const char *text,
         if (fwrite(text, 1, length, stdout) == length && fflush(stdout) == 0)
             return 0;
         snprintf(error->text, sizeof error->text, "standard output: %s", strerror(errno));
+        clearerr(stdout); /* told once is enough */
         return PLANISH_ERROR_FILE;
     }
     const io_temporaries temporaries = {pl_signals_temporary(which), PL_TEMPORARY_SIZE};

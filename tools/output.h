@@ -21,7 +21,8 @@ int pl_output_same_file(const char *a, const char *b);
  *  those of the same base name beside it. */
 int pl_output_hits_mesh(const char *path, const char *mesh_path);
 
-/** Whether a file can be made or replaced at path; 0, or an exit status after a message. */
+/** Whether a file can be made or replaced at path, which may be "-", standard output; 0, or an exit
+ * status after a message. */
 int pl_output_check(const char *path);
 
 /** Whether the outputs and reports that the command line names can be made, and none of them would

@@ -74,9 +74,21 @@ static void show_sweep(const pl_progress *progress, const planish_progress *step
                             : "smoothing");
 }
 
+/** Colours come one after another; many nodes that move together are of no colour. */
+static void name_step(pl_progress *progress, const planish_progress *step, char *name,
+                      size_t size) {
+    if (step->colour == progress->last_colour + 1) {
+        progress->last_colour = step->colour;
+        snprintf(name, size, "colour %d/%d", step->colour, step->n_colours);
+    } else {
+        progress->n_together++;
+        snprintf(name, size, "step %d", progress->n_together);
+    }
+}
+
 static void show_colour(pl_progress *progress, const planish_progress *step) {
     char name[64];
-    snprintf(name, sizeof name, "colour %d/%d", step->colour, step->n_colours);
+    name_step(progress, step, name, sizeof name);
     fprintf(stderr, "%5s  %-*s%11" PRId64 "%9.3f\n", "", progress->has_volumes ? 40 : 31, name,
             step->colour_visits, step->seconds - progress->colour_seconds);
     progress->colour_seconds = step->seconds;
@@ -90,6 +102,7 @@ static void show_lines(pl_progress *progress, const planish_progress *step) {
         return;
     show_sweep(progress, step);
     progress->colour_seconds = 0;
+    progress->last_colour = progress->n_together = 0;
 }
 
 /* ---- what the others call ------------------------------------------------------------------- */

@@ -26,6 +26,8 @@ typedef struct pl_progress {
     double last_shown;             /* planish_progress.elapsed of the last update of the bar */
     double share;                  /* of the whole that the bar shows as done: never falls */
     double colour_seconds;         /* of the present sweep, when its last colour was done */
+    int last_colour;               /* of the present sweep that is done; 0: none */
+    int n_together;                /* calls of it that many nodes moved together before */
     int has_head;                  /* the columns of the sweeps have been named */
     pl_sweep *sweep;               /* [n_sweeps], owned */
     int64_t n_sweeps, capacity;

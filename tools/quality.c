@@ -43,6 +43,34 @@ static int is_comparison(const run *r) {
     return r->arguments->n_inputs > 1;
 }
 
+static void put_notes(FILE *stream, const pl_job *job) {
+    pl_table_oddities(stream, job);
+    pl_layers_print(stream, job);
+}
+
+/** Keep the notes of a mesh until its row is printed. */
+static int keep_notes(const run *r, const pl_job *job, pl_compared *mesh) {
+    size_t size;
+    if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
+        return 0;
+    FILE *stream = open_memstream(&mesh->notes, &size);
+    if (stream)
+        put_notes(stream, job);
+    if (!stream || fclose(stream) != 0)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the notes", mesh->name);
+    return 0;
+}
+
+/** "note: NAME: TEXT" for each. */
+static void print_notes(const pl_compared *mesh) {
+    static const char word[] = "note: ";
+    for (const char *line = mesh->notes; line && *line;) {
+        const int length = (int)strcspn(line, "\n"), skip = (int)strlen(word);
+        pl_note(stderr, "%s: %.*s", mesh->name, length - skip, line + skip);
+        line += length + (line[length] == '\n');
+    }
+}
+
 /** All of one mesh. */
 static void print_table(run *r, const pl_job *job, const pl_measured *measured) {
     if (r->arguments->verbosity == PL_QUIET || is_comparison(r))
@@ -55,7 +83,8 @@ static void print_table(run *r, const pl_job *job, const pl_measured *measured) 
     pl_layers_print(stderr, job);
 }
 
-static int measure_job(run *r, pl_job *job, pl_measured *measured) {
+static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
+    pl_measured *measured = &mesh->measured;
     int status;
     pl_progress_phase(&r->progress, PL_PHASE_PLANNING);
     if ((status = pl_job_plan(job)))
@@ -73,11 +102,19 @@ static int measure_job(run *r, pl_job *job, pl_measured *measured) {
     if ((status = pl_worst_find_asked(job, &measured->worst)))
         return status;
     print_table(r, job, measured);
+    if ((status = keep_notes(r, job, mesh)))
+        return status;
     if ((status = pl_report_draw(job, "mesh", &r->picture)))
         return status;
     if (r->arguments->json || r->arguments->report)
         pl_quality_report_add(&r->report, job, measured);
     return 0;
+}
+
+static void free_compared(pl_compared *mesh) {
+    pl_worst_free(&mesh->measured.worst);
+    free(mesh->notes);
+    mesh->notes = NULL;
 }
 
 /** One mesh, from its file to a row of the comparison. */
@@ -90,28 +127,33 @@ static int measure_file(run *r, const char *input) {
     pl_progress_phase(&r->progress, PL_PHASE_READING);
     int status = pl_job_read(&job, &arguments);
     if (!status)
-        status = measure_job(r, &job, &mesh->measured);
+        status = measure_job(r, &job, mesh);
     mesh->n_elements = job.mesh.n_elements;
     pl_job_close(&job);
     pl_volumes_free(&mesh->measured.volumes);
     if (status)
-        pl_worst_free(&mesh->measured.worst);
+        free_compared(mesh);
     else
         r->n++;
     return status;
 }
 
-static void print_comparison(const run *r) {
+static int print_comparison(const run *r) {
     const int n_worst = r->arguments->n_worst;
     if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
-        return;
-    pl_comparison_print(r->stream, r->mesh, r->n, pl_arguments_bound_volumes(r->arguments));
+        return 0;
+    if (pl_comparison_print(r->stream, r->mesh, r->n, pl_arguments_bound_volumes(r->arguments)))
+        return pl_complain(PL_EXIT_FAILED, "out of memory for the names of %d meshes", r->n);
     for (int i = 0; i < r->n && n_worst > 0; i++) {
-        char name[4 * PL_TEXT_WIDTH + 1];
-        fprintf(r->stream, "\n%s:\n",
-                pl_text_fit(r->mesh[i].name, PL_TEXT_WIDTH - 1, name, sizeof name));
+        fputc('\n', r->stream);
+        pl_text_put(r->stream, r->mesh[i].name);
+        fputs(":\n", r->stream);
         pl_worst_print(r->stream, &r->mesh[i].measured.worst, n_worst);
     }
+    fflush(r->stream); /* what is odd about a mesh comes behind its row */
+    for (int i = 0; i < r->n; i++)
+        print_notes(&r->mesh[i]);
+    return 0;
 }
 
 static int write_reports(run *r) {
@@ -137,9 +179,10 @@ static int measure_all(run *r) {
             status = of_file;
     }
     pl_progress_clear(&r->progress);
-    print_comparison(r);
-    const int report = write_reports(r);
-    return pl_flush_stdout(status ? status : report, PL_EXIT_FAILED);
+    const int table = print_comparison(r), report = write_reports(r);
+    if (!status)
+        status = table ? table : report;
+    return pl_flush_stdout(status, PL_EXIT_FAILED);
 }
 
 int pl_quality_command(const pl_arguments *arguments) {
@@ -157,7 +200,7 @@ int pl_quality_command(const pl_arguments *arguments) {
     pl_quality_report_free(&r.report);
     pl_picture_free(r.picture);
     for (int i = 0; i < r.n; i++)
-        pl_worst_free(&r.mesh[i].measured.worst);
+        free_compared(&r.mesh[i]);
     pl_progress_free(&r.progress);
     free(r.mesh);
     return status;

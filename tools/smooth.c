@@ -224,8 +224,10 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
     if (arguments->verbosity != PL_QUIET)
         print_lists(job, result);
-    if (result->reason[0] && (status || arguments->verbosity != PL_QUIET))
+    if (result->reason[0] && status)
         pl_complain(status, "%s: %s", arguments->output, result->reason);
+    else if (result->reason[0] && arguments->verbosity != PL_QUIET)
+        pl_note(stderr, "%s: %s", arguments->output, result->reason);
 }
 
 /** With -v: how close to a local optimum the end is. */
@@ -242,9 +244,9 @@ static void print_optimality(const pl_job *job, const planish_result *smooth) {
 
 static void print_threads(const planish_plan_info *info) {
     char text[512];
-    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colours, plan of %.1f MB",
+    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
              info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
-             info->n_colours, (double)info->bytes / 1e6);
+             info->n_colours, info->n_colours == 1 ? "" : "s", (double)info->bytes / 1e6);
     pl_text_wrap(stderr, text);
 }
 

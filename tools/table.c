@@ -77,7 +77,7 @@ static void row_real(FILE *stream, const char *label, const double *before, doub
         put_real(stream, VALUE_WIDTH, *before);
     fputs(pl_style_begin(stream, style), stream);
     put_real(stream, VALUE_WIDTH, after);
-    fprintf(stream, "%s%s", pl_style_end(stream, style), m->unit);
+    fprintf(stream, "%s%s", pl_style_end(stream, style), isfinite(after) ? m->unit : "");
     if (before)
         put_change(stream, m, *before, after);
     fputc('\n', stream);
@@ -97,19 +97,28 @@ static void row_count(FILE *stream, const char *label, const int64_t *before, in
     fputc('\n', stream);
 }
 
+/** "1 node", "2 nodes": the number, and the word for so many. */
+static const char *word_for(int64_t n, const char *one, const char *many) {
+    return n == 1 ? one : many;
+}
+
 static void row_mesh(FILE *stream, const pl_job *job) {
     char counts[128], name[4 * PL_TEXT_WIDTH + 1];
-    const int width = snprintf(counts, sizeof counts, ": %s, %" PRId64 " %s, %" PRId64 " nodes",
-                               job->file_info.format, job->mesh.n_elements,
-                               job->mesh.dim == 3 ? "tetrahedra" : "triangles", job->mesh.n_nodes);
+    const int64_t n = job->mesh.n_elements;
+    const int width = snprintf(counts, sizeof counts, ": %s, %" PRId64 " %s, %" PRId64 " %s",
+                               job->file_info.format, n,
+                               job->mesh.dim == 3 ? word_for(n, "tetrahedron", "tetrahedra")
+                                                  : word_for(n, "triangle", "triangles"),
+                               job->mesh.n_nodes, word_for(job->mesh.n_nodes, "node", "nodes"));
     fprintf(stream, "%s%s\n",
             pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name), counts);
 }
 
 /** What may move, or could. */
 static void row_free(FILE *stream, const pl_job *job) {
-    fprintf(stream, "%" PRId64 " of %" PRId64 " nodes are free to move", job->plan_info.n_free,
-            job->mesh.n_nodes);
+    const int64_t n = job->plan_info.n_free;
+    fprintf(stream, "%" PRId64 " of %" PRId64 " %s free to move", n, job->mesh.n_nodes,
+            word_for(n, "nodes is", "nodes are"));
     if (job->arguments->slide)
         fprintf(stream, ", %" PRId64 " to slide", job->plan_info.n_sliding);
     else if (job->could_slide > 0)
@@ -198,9 +207,10 @@ static void put_end(FILE *stream, const planish_result *smooth) {
     if (smooth->untangling_sweeps > 0)
         snprintf(untangling, sizeof untangling, " (%d of them untangling)",
                  smooth->untangling_sweeps);
-    snprintf(text, sizeof text, "%s after %d sweep%s%s, %" PRId64 " nodes moved by up to %.3g",
+    snprintf(text, sizeof text, "%s after %d sweep%s%s, %" PRId64 " %s moved by up to %.3g",
              stop_text(smooth->stop), sweeps, sweeps == 1 ? "" : "s", untangling,
-             smooth->moved_nodes, smooth->max_displacement);
+             smooth->moved_nodes, word_for(smooth->moved_nodes, "node", "nodes"),
+             smooth->max_displacement);
     pl_text_wrap(stream, text);
 }
 
@@ -302,18 +312,25 @@ void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *qu
 
 void pl_table_oddities(FILE *stream, const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
-    if (info->n_nonmanifold_facets > 0)
-        pl_note(stream, "%" PRId64 " %s belong to more than two elements; their nodes are held",
-                info->n_nonmanifold_facets, job->mesh.dim == 3 ? "faces" : "edges");
-    if (info->n_duplicate_elements > 0)
-        pl_note(stream, "%" PRId64 " elements have the nodes of another one; they are held",
-                info->n_duplicate_elements);
-    if (job->file_info.n_other_elements > 0)
-        pl_note(stream, "%" PRId64 " elements of other types pass through; their nodes are held",
-                job->file_info.n_other_elements);
+    const int64_t facets = info->n_nonmanifold_facets, copies = info->n_duplicate_elements;
+    const int64_t others = job->file_info.n_other_elements;
+    const int is_only = job->arguments->n_inputs == 1; /* else the notes of each are named */
+    if (facets > 0)
+        pl_note(stream, "%" PRId64 " %s to more than two elements; %s nodes are held", facets,
+                job->mesh.dim == 3 ? word_for(facets, "face belongs", "faces belong")
+                                   : word_for(facets, "edge belongs", "edges belong"),
+                word_for(facets, "its", "their"));
+    if (copies > 0)
+        pl_note(stream, "%" PRId64 " %s the nodes of another one; %s held", copies,
+                word_for(copies, "element has", "elements have"),
+                word_for(copies, "it is", "they are"));
+    if (others > 0)
+        pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
+                word_for(others, "element of another type passes", "elements of other types pass"),
+                word_for(others, "its", "their"));
     if (job->file_info.ends_open)
         pl_note(stream,
-                "the last line of %s has no end: if the file was cut short there, its last "
+                "the last line%s%s has no end: if the file was cut short there, its last "
                 "number may be wrong",
-                job->arguments->input);
+                is_only ? " of " : "", is_only ? job->arguments->input : "");
 }

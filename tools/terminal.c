@@ -4,6 +4,7 @@
 #include "signals.h"
 
 #include <langinfo.h>
+#include <limits.h>
 #include <locale.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,6 +43,10 @@ int pl_terminal_columns(FILE *stream) {
     if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
         return size.ws_col;
     return USUAL_COLUMNS;
+}
+
+int pl_terminal_room(FILE *stream) {
+    return isatty(fileno(stream)) ? pl_terminal_columns(stream) : INT_MAX;
 }
 
 const char *pl_style_begin(FILE *stream, pl_style style) {

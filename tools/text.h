@@ -7,11 +7,19 @@
 
 enum { PL_TEXT_WIDTH = 80 }; /* of all that is printed for people */
 
-/** Columns that text takes: its characters if it is UTF-8. */
+/** Columns that text takes: two for each wide character (of Chinese, say), none for an accent of
+ * its own; bytes that are no UTF-8 are characters of Latin-1. */
 int pl_text_columns(const char *text);
 
+/** Replace each control character of text, C1 (U+0080 to U+009F) too, by '?', in place. */
+void pl_text_clean(char *text);
+
+/** Print text, cleaned like that. */
+void pl_text_put(FILE *stream, const char *text);
+
 /** Name in columns at most: if it is longer, with "..." for its middle; control characters become
- *  '?'. text [size] is filled in and returned; size: 4 * columns + 1 is always enough. */
+ *  '?'. text [size] is filled in and returned, with what there is room for; strlen(name) + 4 is
+ *  always enough, 4 * columns + 1 for characters without accents of their own. */
 const char *pl_text_fit(const char *name, int columns, char *text, size_t size);
 
 /** Print sentence and a line end, in lines of PL_TEXT_WIDTH at most, broken at blanks. */

@@ -51,16 +51,66 @@ expect_json "r['meshes'][1]['quality']['below_min_volume'] > 0"
     "$(python3 -c "import json; print(json.load(open('report.json'))['meshes'][1]['quality']['below_min_volume'])")" ] ||
     fail "elements below their least volume: $(cat out)"
 
-# Names of any length within 80 columns, both of their ends there.
+# What is odd about a mesh is a note with its name, behind the table; nothing is odd about the others.
+cp "$source_folder"/tests/data/tetgen.node cut.node
+head -c -1 "$source_folder/tests/data/tetgen.ele" >cut.ele
+cp pushed.mesh twice.mesh
+python3 - <<'END'
+lines = open("twice.mesh").read().split("\n")
+begin = next(i for i, line in enumerate(lines) if line.startswith("Tetrahedra"))
+at = begin if len(lines[begin].split()) > 1 else begin + 1
+words = lines[at].split()
+lines[at] = " ".join(words[:-1] + [str(int(words[-1]) + 1)])
+lines.insert(at + 1, lines[at + 1])
+open("twice.mesh", "w").write("\n".join(lines))
+END
+expect_status 0 "$program" quality ./cut.node "$work/square.msh" ./twice.mesh
+[ "$(cat err)" = "$(
+    echo "note: ./cut.node: the last line has no end: if the file was cut short there, its last number may be wrong"
+    "$program" quality ./twice.mesh 2>&1 >/dev/null | sed 's|^note: |note: ./twice.mesh: |'
+)" ] || fail "notes of several: $(cat err)"
+grep -q "twice.mesh: 1 element has the nodes of another one; it is held" err || fail "a copy: $(cat err)"
+"$program" quality ./cut.node ./twice.mesh 2>&1 | tail -n 1 | grep -q "^note: ./twice" || fail "notes behind the table"
+expect_status 0 "$program" quality ./cut.node ./twice.mesh -q
+[ ! -s err ] || fail "notes with -q"
+
+# The folder that all are in is left out, whole folders alone; in a pipe nothing is cut.
+mkdir -p some/run1 some/run2 some/run1/deep
+cp square.msh some/run1/wing.msh
+cp square.msh some/run2/wing.msh
+cp square.msh some/run1/deep/wing.msh
+names() {
+    expect_status 0 "$program" quality "$@"
+    awk 'NR > 2 { print $1 }' out | tr '\n' ' '
+}
+[ "$(names "$PWD/some/run1/wing.msh" "$PWD/some/run2/wing.msh")" = "run1/wing.msh run2/wing.msh " ] || fail "folders"
+[ "$(names some/run1/wing.msh some/run1/deep/wing.msh)" = "wing.msh deep/wing.msh " ] || fail "a folder below"
+[ "$(names some/run1/wing.msh square.msh)" = "some/run1/wing.msh square.msh " ] || fail "no common folder"
+[ "$(names some/run1/wing.msh some/run1/wing.msh)" = "wing.msh wing.msh " ] || fail "twice the same"
+
+# Names of any length, and of any characters: nothing of them reaches a terminal but what can be seen.
 long=begin$(printf 'x%.0s' $(seq 150))end.msh
 cp square.msh "$long"
 odd=$(printf 'bell\a.msh')
 cp square.msh "$odd"
-expect_status 0 "$program" quality "$long" "$odd" tangled.mesh --worst 1
-awk 'length($0) > 80 { exit 1 }' out || fail "wider than 80 columns: $(cat out)"
-grep -q "^begin.*\.\.\..*end.msh " out || fail "a long name: $(cat out)"
-grep -q "^bell?.msh " out || fail "a name with a control character"
+c1=$(printf 'c\xc2\x9b31m\x9b\xc3\xa9.msh')
+cp square.msh "$c1"
+expect_status 0 "$program" quality "$long" "$odd" "$c1" tangled.mesh --worst 1
+grep -q "^$long " out || fail "a long name: $(cat out)"
+grep -q "^bell?.msh " out && grep -q "^bell?.msh:" out || fail "a name with a control character"
+grep -q "^c?31m?$(printf '\xc3\xa9').msh " out || fail "a name with characters of C1: $(cat -v out)"
 ! grep -q ' $' out || fail "trailing blanks"
+for name in "$odd" "$c1"; do
+    cp cut.ele "${name%.msh}.ele"
+    cp cut.node "${name%.msh}.node"
+    for command in "quality ${name%.msh}.node" "quality no$name" "quality $name --fix $name" \
+        "quality $name square.msh --worst 1" "quality ${name%.msh}.node square.msh" "smooth $name -o out.msh"; do
+        # shellcheck disable=SC2086
+        "$program" $command >told 2>&1 </dev/null
+        ! LC_ALL=C grep -q "$(printf '[\a\x9b]')" told || fail "$command: $(cat -v told)"
+    done
+done
+rm -f out.msh
 
 # -q and a report on standard output; the input is not written over.
 expect_status 0 "$program" quality square.msh pushed.mesh -q
@@ -73,7 +123,8 @@ expect_text "would overwrite"
 expect_status 64 "$program" quality bracket.msh square.msh --report page.html
 expect_one_line
 expect_status 64 "$program" quality bracket.msh --report ./bracket.msh
-expect_status 64 "$program" quality bracket.msh --report -
+expect_status 64 "$program" quality bracket.msh --report - --json -
+expect_one_line
 expect_status 64 "$program" quality bracket.msh --report page --json ./page
 expect_status 64 "$program" smooth bracket.msh -o out.msh --report ./out.msh
 expect_no_file out.msh page page.html

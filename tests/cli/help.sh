@@ -77,9 +77,20 @@ if command -v man >/dev/null; then
 fi
 ! command -v groff >/dev/null || [ -z "$(groff -man -Tutf8 -ww planish.1 2>&1 >/dev/null)" ] ||
     fail "groff warns of planish(1)"
+if command -v mandoc >/dev/null; then
+    warnings=$(mandoc -T lint planish.1 | grep -v "missing date")
+    [ -z "$warnings" ] || fail "mandoc of planish(1): $warnings"
+fi
 
 # Completion in use.
 [ "$(completions planish q)" = quality ] || fail "completion of a command"
+short() {
+    completions planish "$1" - | grep -v '^--' | tr '\n' ' '
+}
+[ "$(short smooth)" = "-o -j -v -vv -q -h " ] || fail "short options: $(short smooth)"
+[ "$(short report)" = "-o -q -h " ] || fail "short options of report: $(short report)"
+[ "$(completions planish smooth - | grep -c '^--')" -gt 20 ] || fail "long options behind one minus"
+[ "$(completions planish smooth -v | tr '\n' ' ')" = "-v -vv " ] || fail "completion of -v"
 [ "$(completions planish smooth --objective mea)" = mean-ratio ] || fail "completion of a value"
 [ "$(completions planish smooth --objective = mea)" = mean-ratio ] || fail "completion behind ="
 [ "$(completions planish smooth --objective =)" = "$(completions planish smooth --objective "")" ] ||

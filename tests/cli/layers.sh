@@ -66,6 +66,8 @@ for command in "smooth layered.mesh -o out.mesh" "quality layered.mesh"; do
 done
 expect_status 0 "$program" quality layered.mesh
 expect_text "smoothing would make them regular"
+expect_status 0 "$program" quality "$sample" layered.mesh
+[ "$(grep -c "thin in layers" err)" -eq 1 ] && expect_text "note: layered.mesh: "
 expect_status 0 "$program" smooth layered.mesh -o out.mesh
 expect_text "smoothing makes them regular"
 kept layered.mesh out.mesh no

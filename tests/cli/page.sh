@@ -16,6 +16,17 @@ check_page() {
 # In 3-D, untangled, with nodes that slide; in the plane; and the same pages from the JSON.
 expect_status 0 "$program" smooth tangled.mesh -o smooth.mesh --slide auto --report run.html --json run.json
 check_page run.html run.json tangled.mesh smooth.mesh
+for command in "smooth tangled.mesh -o smooth.mesh --slide auto --report -" "report run.json -o -"; do
+    # shellcheck disable=SC2086
+    expect_status 0 "$program" $command
+    [ "$(head -n 1 out)" = "<!DOCTYPE html>" ] && [ "$(tail -n 1 out)" = "</html>" ] || fail "not only a page: $command"
+    expect_no_file ./-
+done
+cmp out run.html || fail "the page on standard output is another one"
+expect_status 0 "$program" quality tangled.mesh --report -
+[ "$(head -n 1 out)" = "<!DOCTYPE html>" ] && grep -q "worst radius ratio" err || fail "quality --report -"
+expect_status 2 bash -c "exec \"$program\" quality tangled.mesh --report - -q >/dev/full"
+[ "$(wc -l <err)" -eq 1 ] || fail "one message: $(cat err)"
 expect_status 0 "$program" report run.json -o again.html
 [ ! -s out ] && [ ! -s err ] || fail "report should be silent"
 cmp run.html again.html || fail "the page of the JSON is another one"

@@ -19,6 +19,14 @@ expect_status 0 "$program" quality flat.mesh --json report.json -q
 expect_json "r['quality']['inverted'] == 1 and r['quality']['max_radius_ratio'] is None"
 expect_json "set(r['quality']['scaled_jacobian'].values()) == {None}"
 
+expect_status 0 "$program" quality flat.mesh
+grep -q "^smallest dihedral angle  *-\$" out || fail "no angle: $(cat out)"
+grep -q "^inverted  *1 #" out || fail "inverted elements in the histogram: $(cat out)"
+expect_status 0 "$program" quality bracket.msh
+! grep -q "^inverted  " out || fail "a row for nothing"
+expect_status 0 "$program" smooth tangled.mesh -o untangled.mesh
+grep -q "^inverted  *[1-9][0-9]* #.* 0\$" out || fail "inverted before: $(cat out)"
+
 # Fixing things holds them.
 expect_status 0 "$program" smooth pushed.mesh -o held.mesh --fix 1 -q
 cmp pushed.mesh held.mesh || fail "--fix 1 should hold the whole mesh"

@@ -77,6 +77,30 @@ coloured raw || fail "an empty NO_COLOR says nothing"
 grep -q "$escape\[1m *1.614" raw || fail "the best value is not bold: $(cat -v raw)"
 narrow screen
 
+# A comparison has the room that the terminal has; names that are cut and the same stand on lines of their own.
+long=$(printf 'x%.0s' $(seq 40))
+for i in 1 2; do
+    cp square.msh "$long$i$long.msh"
+done
+cp square.msh 網格曲面網格曲面網格曲面.msh
+on_terminal 0 80 "$program" quality "$long"?"$long.msh" square.msh 網*.msh
+for i in 1 2; do
+    grep -q "^$long$i$long.msh\$" screen || fail "the whole name: $(cat screen)"
+done
+grep -q "^square.msh  *375 " screen || fail "a short name: $(cat screen)"
+python3 - <<'END' || fail "wide characters: $(cat screen)"
+line = [line for line in open("screen", encoding="utf-8").read().split("\n") if line.startswith("網")][0]
+name = line.split()[0]
+assert "..." in name and name.endswith(".msh")
+wide = sum(ord(c) > 0x1100 for c in line)
+head = [line for line in open("screen", encoding="utf-8").read().split("\n") if line.startswith("file")][0]
+assert line.index(" 375") + 4 + wide == head.index("elements") + len("elements"), line
+assert len(name) + sum(ord(c) > 0x1100 for c in name) in (19, 20, 21), name # the middle is whole
+END
+on_terminal 0 150 "$program" quality "$long"?"$long.msh" square.msh
+grep -q "^${long}1$long.msh  *375 " screen || fail "a name where there is room: $(cat screen)"
+awk 'length($0) > 150 { exit 1 }' screen || fail "wider than the terminal"
+
 # -q is silent, and so is everything but the mesh where standard output takes it.
 on_terminal 0 80 "$program" smooth bracket.msh -o out.msh -q
 [ ! -s raw ] || fail "-q on a terminal: $(cat -v raw)"
@@ -88,6 +112,18 @@ for columns in 200 80 60 40 20 5; do
     on_terminal 0 $columns /bin/sh -c "exec '$program' smooth in.mesh -o out.mesh >/dev/null"
     grep -q "$escape\[K" raw || fail "no line on $columns columns"
     [ ! -s screen ] || [ -z "$(tr -d '\n' <screen)" ] || fail "left on $columns columns: $(cat screen)"
+    python3 - $columns <<'END' || fail "the line on $columns columns: $(tr '\r' '\n' <raw)"
+import re, sys
+# Parts are there or not, and none is cut; the bar is always the same, or never there.
+lines = [line for line in open("raw", encoding="utf-8", newline="").read().replace("\x1b[K", "").split("\r") if line]
+bars = {len(found.group()) if found else 0 for found in (re.search(r"\[[#.]*\]", line) for line in lines)}
+assert len(bars) <= 1, bars
+columns = int(sys.argv[1])
+assert bars <= {0} if columns < 40 else 0 not in bars, bars
+for line in lines:
+    assert re.fullmatch(r"[a-z]+(, sweep \d+)?( \[[#.]*\] +\d+ %)?(, RMS [\d.]+(, about [\d:]+ (s|min|h) left)?)?", line), line
+    assert columns < 70 or "sweep" not in line or "RMS" in line, line
+END
 done
 
 # The bar never goes back; while elements are inverted the line tells how many.
@@ -102,7 +138,7 @@ shares = [int(re.search(r"(\d+) %", line).group(1)) for line in lines]
 assert len(shares) >= 5 and shares == sorted(shares) and shares[0] == 0 and 90 <= shares[-1] <= 100, shares
 for line in lines:
     bar, share = re.search(r"\[([#.]*)\] +(\d+) %", line).groups()
-    assert abs(bar.count("#") / len(bar) - int(share) / 100) <= 0.06, line
+    assert abs(bar.count("#") / len(bar) - int(share) / 100) <= 1 / len(bar) + 0.01, line
     assert len(line) <= 79 + len("\x1b[K"), line
     if "untangling" in line:
         assert "inverted" in line and "RMS" not in line and "left" not in line, line
@@ -138,7 +174,7 @@ r, lines = json.load(open("report.json")), open("err").read().split("\n")
 begin = next(i for i, line in enumerate(lines) if line.startswith("sweep "))
 head = lines[begin].split()
 sweeps = [line for line in lines[begin + 1:] if re.match(r" *\d+ ", line)]
-colours = [line for line in lines[begin + 1:] if re.match(r" +colour \d+/", line)]
+colours = [line for line in lines[begin + 1:] if re.match(r" +(colour \d+/|step)", line)]
 assert len(sweeps) == len(r["sweeps"])
 for i, (line, sweep) in enumerate(zip(sweeps, r["sweeps"])):
     row = dict(zip(head, line.split()))
@@ -164,8 +200,16 @@ elif r["untangling_sweeps"] == 0: # untangling has calls besides those of the co
             sums.append(total)
             total = 0
     assert sums == [sweep["visits"] for sweep in r["sweeps"]]
-else:
-    assert len(colours) > len(sweeps)
+else: # its steps are of no colour: they are counted in each sweep, as are the colours
+    assert any(" step 2 " in line for line in colours)
+    wanted = {"colour": 1, "step": 1}
+    for line in lines[begin + 1:]:
+        if line in sweeps:
+            wanted = {"colour": 1, "step": 1}
+        elif line in colours:
+            kind, number = line.split()[:2]
+            assert int(number.split("/")[0]) == wanted[kind], line
+            wanted[kind] += 1
 END
     done
 done

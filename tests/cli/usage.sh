@@ -144,6 +144,20 @@ for arguments in --help "smooth --help" "quality --help" --version "smooth --ver
 done
 expect_status 0 "$program" --version
 grep -q '^planish [0-9]*\.[0-9]*\.[0-9]*$' out || fail "version line"
+awk 'length($0) > 80 { exit 1 }' out || fail "version wider than 80 columns"
+
+# A reader that has seen enough is no error to be told: the pipe is closed when the program comes to it.
+for arguments in --help "smooth --help" "--generate bash" "--generate man" --version "quality $sample"; do
+    mkfifo closed
+    # shellcheck disable=SC2086
+    (exec 3>closed && read -r _ <gone && exec "$program" $arguments >&3 2>err) &
+    mkfifo gone
+    : <closed
+    echo >gone
+    wait $!
+    [ $? -eq 2 ] && [ ! -s err ] || fail "$arguments to a closed pipe: $(cat err)"
+    rm closed gone
+done
 expect_status 0 "$program" smooth --help
 awk 'length($0) > 80 { exit 1 }' out || fail "help wider than 80 columns"
 finish
