@@ -112,10 +112,10 @@ static inline uint8_t shortest_edge(const search *s, int64_t element, const int 
     int shortest = 0;
     for (int k = 0; k < dim * (dim + 1) / 2; k++) {
         const double square = edge_between(s, ends_of(s, element, k, dim), dim).square;
-        const int is_less = square < least;
-        second = is_less ? least : square < second ? square : second;
-        shortest = is_less ? k : shortest;
-        least = is_less ? square : least;
+        const double larger = square > least ? square : least;
+        second = larger < second ? larger : second;
+        shortest = square < least ? k : shortest;
+        least = square < least ? square : least;
         most = square > most ? square : most;
     }
     const int is_thin = least > 0 && most >= THIN * THIN * least;
