@@ -3,11 +3,11 @@
 # keeps them; then they are kept, to the bit.
 . "$(dirname "$0")/common.sh"
 
-# A cube of 10 cells in each direction, the lowest three rows a tenth as high: 1800 thin elements, of which
-# 1728 have a node that is not on the surface.
-# layered.mesh has one region, parts.mesh and parts.msh one more for the layers, mixed.mesh for a
-# quarter of the others, too. In folded.mesh they lie over the others, inverted. In flat.mesh all cells are low;
-# in grown.mesh four rows grow by 1.5, of which the last two are not thin any more.
+# A cube of 10 cells in each direction, the lowest three rows a tenth as high: 1800 thin elements, of
+# which 1728 have a node that is not on the surface. layered.mesh has one region, parts.mesh and
+# parts.msh one more for the layers, mixed.mesh for a quarter of the others, too. In folded.mesh they
+# lie over the others, inverted. In flat.mesh all cells are low; in grown.mesh four rows grow by 1.5,
+# of which the last two are not thin any more.
 python3 "$cli/make_mesh.py" 10 0.01 cube.mesh
 python3 - <<'END'
 import mesh_file
