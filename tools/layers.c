@@ -9,14 +9,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is said of a mesh begins with so many of its elements, and with so many at least. */
-static const double MANY = 0.01;
+/* What is said of a mesh begins with so many of its elements, and with so many at least: of bad
+ * meshes one in a hundred looks like layers by chance. */
+static const double MANY = 0.02;
 enum { MANY_AT_LEAST = 100 };
-/* Thin elements have radius ratios above this: about 2.3 those of triangles that just count, more
- * those of tetrahedra. A mesh with fewer than MANY of them has not many thin ones. */
-static const double RATIO_OF_THIN = 2.5;
-/* Groups are made of layers if so much of them is, and name the layers if they hold so much. */
-static const double OF_GROUP = 0.8, OF_LAYERS = 0.9;
+/* Thin elements have radius ratios above this, or are inverted: about 2.3 those of triangles that
+ * just count, more those of tetrahedra. Only a mesh with so many of them is looked at: their rows
+ * go on with as many better ones, or more. */
+static const double RATIO_OF_THIN = 2.5, MANY_OF_THIN = 0.01;
+/* Groups are made of layers if so much of them is, name the layers if they hold so much, but not if
+ * they leave less than the rest of the mesh. */
+static const double OF_GROUP = 0.8, OF_LAYERS = 0.9, OF_MESH = 0.95;
 enum { MOST_TAGS = 64, MOST_NAMED = 4, TAG_SIZE = 64 };
 
 static int complain_memory(const pl_job *job) {
@@ -108,15 +111,17 @@ static int add_option(char *text, size_t size, const char *tag) {
 /** The options that hold the layers by groups: in job->layers.fix, or "". */
 static void name_groups(pl_job *job, const groups *g) {
     pl_layers *layers = &job->layers;
-    int64_t n_held = 0;
+    int64_t n_held = 0, n_in_groups = 0;
     int n = 0, fits = !g->is_useless;
     for (int i = 0; i < g->n && fits; i++)
         if ((double)g->group[i].n_loose >= OF_GROUP * (double)g->group[i].n) {
             n_held += g->group[i].n_loose;
+            n_in_groups += g->group[i].n;
             fits =
                 ++n <= MOST_NAMED && add_option(layers->fix, sizeof layers->fix, g->group[i].tag);
         }
-    if (!fits || (double)n_held < OF_LAYERS * (double)layers->n_loose)
+    if (!fits || (double)n_held < OF_LAYERS * (double)layers->n_loose ||
+        (double)n_in_groups > OF_MESH * (double)job->mesh.n_elements)
         layers->fix[0] = '\0';
 }
 
@@ -142,10 +147,10 @@ static int find_groups(pl_job *job, const uint8_t *is_loose) {
 /* ---- counting ------------------------------------------------------------------------------- */
 
 static int may_have_many(const planish_quality *quality) {
-    int64_t n = 0;
+    int64_t n = quality->inverted; /* none of these is in the histogram */
     for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
         n += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
-    return (double)n >= MANY * (double)quality->n_elements;
+    return (double)n >= MANY_OF_THIN * (double)quality->n_elements;
 }
 
 /** Of the marked elements only those keep their mark that have a node that moves. */
@@ -190,16 +195,26 @@ int pl_layers_count(pl_job *job, const planish_quality *quality) {
 
 /* ---- saying --------------------------------------------------------------------------------- */
 
+/** "23 %": in full only if it is all, and never as a power of ten. */
+static void format_part(char *text, size_t size, int64_t n, int64_t of) {
+    const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
+    if (n > 0 && percent < 0.1)
+        snprintf(text, size, "< 0.1 %%");
+    else if (percent < 9.95)
+        snprintf(text, size, "%.2g %%", percent);
+    else
+        snprintf(text, size, "%.0f %%", n < of && percent > 99 ? 99 : percent);
+}
+
 void pl_layers_print(FILE *stream, const pl_job *job) {
     const pl_layers *layers = &job->layers;
     const int64_t n = job->arguments->fix_layers ? layers->n : layers->n_loose;
-    const double percent = 100 * (double)n / (double)job->mesh.n_elements;
+    char part[16];
+    format_part(part, sizeof part, n, job->mesh.n_elements);
     if (job->arguments->fix_layers)
-        pl_note(stream, "%" PRId64 " elements (%.2g %%) are thin in layers, and held", n, percent);
+        pl_note(stream, "%" PRId64 " elements (%s) are thin in layers, and held", n, part);
     else if (are_many(job))
         pl_note(stream,
-                "%" PRId64 " elements (%.2g %%) are thin in layers, as in a boundary layer; "
-                "smoothing %s them regular: %s keeps them",
-                n, percent, job->arguments->command == PL_COMMAND_SMOOTH ? "makes" : "would make",
-                layers->fix[0] ? layers->fix : "--fix-layers");
+                "%" PRId64 " elements (%s) are thin in layers (a boundary layer?): %s keeps them",
+                n, part, layers->fix[0] ? layers->fix : "--fix-layers");
 }

@@ -18,8 +18,8 @@ void pl_layers_hold(const pl_job *job, uint8_t *constraint);
  *  plan. Returns as pl_layers_find. */
 int pl_layers_count(pl_job *job, const planish_quality *quality);
 
-/** Say what is held, or what smoothing does (would do: it is not asked for) to how many elements,
- *  if there are enough, and what keeps them. */
+/** Say how many elements are held; or how many are not, if there are enough, and what keeps them as
+ *  they are. */
 void pl_layers_print(FILE *stream, const pl_job *job);
 
 #endif

@@ -90,10 +90,13 @@ static void add_slides(document *json, cJSON *mesh, const pl_job *job) {
 
 /** Null: not looked for. */
 static void add_layers(document *json, cJSON *mesh, const pl_job *job) {
-    if (job->layers.n >= 0)
+    if (job->layers.n >= 0) {
         add_integer(json, mesh, "layer_elements", job->layers.n);
-    else
+        add_integer(json, mesh, "free_layer_elements", job->layers.n_loose);
+    } else {
         add(json, mesh, "layer_elements", cJSON_CreateNull());
+        add(json, mesh, "free_layer_elements", cJSON_CreateNull());
+    }
 }
 
 static void add_mesh(document *json, cJSON *root, const pl_job *job) {

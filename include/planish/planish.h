@@ -161,9 +161,11 @@ PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surf
 /** Find the elements that are thin in layers, as those of a boundary layer or of a stretched mesh
  *  are: which somebody wanted so, and smoothing would make regular. Their shortest edge is at most
  *  a quarter of their longest, and edges of elements around go along with it; that of slivers, and
- *  of elements that are bad by chance, does not (docs/algorithm.md). is_layer [n_elements] is
- *  filled with 0 or 1; *n_layer (may be NULL) counts the ones. It costs little where few elements
- *  are thin. threads: as in planish_options. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ *  of elements that are bad by chance, does not. And those of the rows before and behind them, as
+ *  long as their shortest edge goes on across the layer, and is shorter than their others by 1.2
+ *  (docs/algorithm.md). is_layer [n_elements] is filled with 0 or 1; *n_layer (may be NULL) counts
+ *  the ones. It costs little where few elements are thin. threads: as in planish_options. Errors:
+ *  _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer,
                                     int64_t *n_layer, planish_error *error);
 

@@ -2,8 +2,9 @@
  *
  * In goes a mesh, out comes a mark for each element. An element that is thin has a shortest edge
  * across its layer; in a layer those of the elements around it are parallel to it and about as
- * long, on each other and side by side, elsewhere they are not. Nothing is asked of the boundary,
- * so that layers may be anywhere, and in one or many.
+ * long, on each other and side by side, elsewhere they are not. From the elements found so their
+ * rows are followed to those that are hardly thin any more: most layers grow until they are not.
+ * Nothing is asked of the boundary, so that layers may be anywhere, and in one or many.
  */
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -11,6 +12,7 @@
 #include "topology/frame.h"
 #include "topology/topology.h"
 
+#include <math.h>
 #include <string.h>
 
 /* An element is thin if its longest edge is at least so many times its shortest: beyond what
@@ -24,10 +26,26 @@
 /* The part of the elements around an edge whose shortest edge has to go along with it. Around the
  * edges of a single layer two fifths do, with as many elements on the other side. */
 #define COMPANY 0.25
+/* Rows go on while the shortest edge of an element is shorter than all others of it by this factor:
+ * they are by how much a row is wider than high. */
+#define WIDE 1.2
 
 enum {
-    CHUNK = 8192,  /* elements or nodes that one thread looks at at a time */
-    NOT_THIN = 255 /* in place of a shortest edge */
+    CHUNK = 8192,   /* elements or nodes that one thread looks at at a time, */
+    ROW_CHUNK = 512 /* and elements of layers, which have more to look at */
+};
+
+/* What is known of an element: the number of its shortest edge, and */
+enum {
+    NUMBER = 7,  /* where that is */
+    IS_THIN = 8, /* by THIN */
+    IS_WIDE = 16 /* by WIDE */
+};
+
+/* What becomes of an element. */
+enum {
+    IN_LAYER = 1,
+    WENT_ON = 2 /* from its shortest edge, which may be that of others */
 };
 
 /* Of a node with more elements no more than about so many are looked at: each thin one asks. */
@@ -39,11 +57,15 @@ static const uint8_t corners_of[6][2] = {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3},
 typedef struct search {
     const planish_mesh *mesh; /* dense */
     pl_frame frame;
-    uint8_t *shortest; /* [n_elements] number of the shortest edge of thin elements, or NOT_THIN */
-    uint8_t *unasked;  /* [n_nodes] 0 for the ends of these edges, else 1 */
+    uint8_t *shortest;       /* [n_elements] the shortest edge, and how short it is */
+    uint8_t *mark;           /* [n_elements] */
+    uint8_t asks;            /* elements of which shortest says so ask for what is around them: */
+    uint8_t *unasked;        /* [n_nodes] 0 for the ends of their edges, else 1 */
     pl_incidence incidence;  /* of the ends */
-    uint8_t *is_layer;       /* [n_elements] the caller's */
+    int32_t *row;            /* [n_elements] the first n_layer: those marked IN_LAYER, by row */
+    int64_t n_followed;      /* of those, in rows before the one that is being followed */
     int64_t n_thin, n_layer; /* so far; shared */
+    uint8_t *is_layer;       /* [n_elements] the caller's */
 } search;
 
 /** The nodes of an edge, the one of the lower number first. */
@@ -63,6 +85,14 @@ static inline ends ends_of(const search *s, int64_t element, int number, const i
     return (ends){{a < b ? a : b, a < b ? b : a}};
 }
 
+static inline ends shortest_of(const search *s, int64_t element, const int dim) {
+    return ends_of(s, element, s->shortest[element] & NUMBER, dim);
+}
+
+static inline int are_same(const ends *a, const ends *b) {
+    return a->node[0] == b->node[0] && a->node[1] == b->node[1];
+}
+
 static inline edge edge_between(const search *s, ends at, const int dim) {
     edge e = {.at = at};
     for (int d = 0; d < dim; d++) {
@@ -76,24 +106,28 @@ static inline edge edge_between(const search *s, ends at, const int dim) {
 
 /* ---- thin elements -------------------------------------------------------------------------- */
 
-/** Number of the shortest edge of an element, or NOT_THIN. */
-static inline uint8_t thin_edge(const search *s, int64_t element, const int dim) {
-    double least = 0, most = 0;
+/** What is known of an element. */
+static inline uint8_t shortest_edge(const search *s, int64_t element, const int dim) {
+    double least = INFINITY, second = INFINITY, most = 0;
     int shortest = 0;
     for (int k = 0; k < dim * (dim + 1) / 2; k++) {
         const double square = edge_between(s, ends_of(s, element, k, dim), dim).square;
-        shortest = k == 0 || square < least ? k : shortest;
-        least = k == 0 || square < least ? square : least;
+        const double larger = square > least ? square : least;
+        second = larger < second ? larger : second;
+        shortest = square < least ? k : shortest;
+        least = square < least ? square : least;
         most = square > most ? square : most;
     }
-    return least > 0 && most >= THIN * THIN * least ? (uint8_t)shortest : NOT_THIN;
+    const int is_thin = least > 0 && most >= THIN * THIN * least;
+    const int is_wide = least > 0 && second >= WIDE * WIDE * least;
+    return (uint8_t)(shortest | (is_thin ? IS_THIN : 0) | (is_wide ? IS_WIDE : 0));
 }
 
 static inline void find_thin(search *s, int64_t begin, int64_t end, const int dim) {
     int64_t n = 0;
     for (int64_t i = begin; i < end; i++) {
-        s->shortest[i] = thin_edge(s, i, dim);
-        n += s->shortest[i] != NOT_THIN;
+        s->shortest[i] = shortest_edge(s, i, dim);
+        n += (s->shortest[i] & IS_THIN) != 0;
     }
     __atomic_fetch_add(&s->n_thin, n, __ATOMIC_RELAXED);
 }
@@ -107,15 +141,25 @@ static void find_thin_chunk(void *context, int64_t begin, int64_t end, int threa
         find_thin(s, begin, end, 2);
 }
 
+/* ---- elements around ------------------------------------------------------------------------ */
+
 static void ask_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const search *s = context;
-    const int corners = s->mesh->dim + 1;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        for (int j = 0; s->shortest[i] != NOT_THIN && j < 2; j++) {
-            const int32_t *node = s->mesh->elements + i * corners;
-            __atomic_store_n(&s->unasked[node[corners_of[s->shortest[i]][j]]], 0, __ATOMIC_RELAXED);
+        if (s->shortest[i] & s->asks) {
+            const ends at = shortest_of(s, i, s->mesh->dim);
+            for (int j = 0; j < 2; j++)
+                __atomic_store_n(&s->unasked[at.node[j]], 0, __ATOMIC_RELAXED);
         }
+}
+
+/** The incidence of the ends of the edges of those that ask; of more than before, or the first. */
+static int ask(search *s, uint8_t asks, int threads, planish_error *error) {
+    pl_incidence_destroy(&s->incidence);
+    s->asks = asks;
+    pl_parallel_for(threads, s->mesh->n_elements, CHUNK, ask_chunk, s);
+    return pl_incidence_create(s->mesh, s->unasked, threads, &s->incidence, error);
 }
 
 /* ---- layers --------------------------------------------------------------------------------- */
@@ -125,12 +169,17 @@ typedef struct company {
     int64_t n, n_along; /* those that were looked at, whose shortest edge goes along */
 } company;
 
-static inline int go_along(const edge *a, const edge *b, const int dim) {
-    double product = 0;
+static inline double product(const edge *a, const edge *b, const int dim) {
+    double sum = 0;
     for (int d = 0; d < dim; d++)
-        product += a->way[d] * b->way[d];
+        sum += a->way[d] * b->way[d];
+    return sum;
+}
+
+static inline int go_along(const edge *a, const edge *b, const int dim) {
+    const double p = product(a, b, dim);
     return a->square <= ALIKE * ALIKE * b->square && b->square <= ALIKE * ALIKE * a->square &&
-           product * product >= PARALLEL * PARALLEL * a->square * b->square;
+           p * p >= PARALLEL * PARALLEL * a->square * b->square;
 }
 
 static inline void look_around(const search *s, int32_t node, const edge *e, company *c,
@@ -139,13 +188,12 @@ static inline void look_around(const search *s, int32_t node, const edge *e, com
     const int64_t step = (end - begin) / MOST_LOOKED_AT + 1;
     for (int64_t i = begin; i < end; i += step) {
         const int32_t element = s->incidence.element[i];
-        const uint8_t number = s->shortest[element];
-        if (number == NOT_THIN) {
+        if (!(s->shortest[element] & IS_THIN)) {
             c->n++;
             continue;
         }
-        const ends at = ends_of(s, element, number, dim);
-        if (at.node[0] == e->at.node[0] && at.node[1] == e->at.node[1])
+        const ends at = shortest_of(s, element, dim);
+        if (are_same(&at, &e->at))
             continue;
         const edge other = edge_between(s, at, dim);
         c->n++;
@@ -172,9 +220,9 @@ static inline int64_t decide(const search *s, int32_t node, const int dim) {
     int64_t n = 0;
     for (int64_t i = s->incidence.offset[node]; i < s->incidence.offset[node + 1]; i++) {
         const int32_t element = s->incidence.element[i];
-        if (s->shortest[element] == NOT_THIN)
+        if (!(s->shortest[element] & IS_THIN))
             continue;
-        const ends at = ends_of(s, element, s->shortest[element], dim);
+        const ends at = shortest_of(s, element, dim);
         if (at.node[0] != node)
             continue;
         int k = 0;
@@ -186,7 +234,7 @@ static inline int64_t decide(const search *s, int32_t node, const int dim) {
             kept[k].end = at.node[1];
             kept[k].is_layer = (uint8_t)has_company(s, &e, dim);
         }
-        s->is_layer[element] = kept[k].is_layer;
+        s->mark[element] = kept[k].is_layer ? IN_LAYER : 0;
         n += kept[k].is_layer;
     }
     return n;
@@ -202,23 +250,114 @@ static void decide_chunk(void *context, int64_t begin, int64_t end, int thread) 
     __atomic_fetch_add(&s->n_layer, n, __ATOMIC_RELAXED);
 }
 
-/** Nothing can fail any more when the caller's array is written to. */
-static int decide_all(search *s, int threads, planish_error *error) {
-    const planish_mesh *mesh = s->mesh;
-    int status = PLANISH_OK;
-    s->unasked = pl_alloc(mesh->n_nodes, 1);
-    if (!s->unasked)
-        return pl_fail_memory(error, "thin elements");
-    memset(s->unasked, 1, (size_t)mesh->n_nodes);
-    pl_parallel_for(threads, mesh->n_elements, CHUNK, ask_chunk, s);
-    status = pl_incidence_create(mesh, s->unasked, threads, &s->incidence, error);
-    if (!status) {
-        memset(s->is_layer, 0, (size_t)mesh->n_elements);
-        pl_parallel_for(threads, mesh->n_nodes, CHUNK, decide_chunk, s);
+/* ---- their rows ----------------------------------------------------------------------------- */
+
+/** The elements of layers into s->row; n_layer becomes how many there are, again. */
+static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    search *s = context;
+    int64_t n = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        n += s->mark[i];
+    n = __atomic_fetch_add(&s->n_layer, n, __ATOMIC_RELAXED);
+    for (int64_t i = begin; i < end; i++)
+        if (s->mark[i])
+            s->row[n++] = (int32_t)i;
+}
+
+static inline int has_mark(const search *s, int64_t element, uint8_t mark) {
+    return __atomic_load_n(&s->mark[element], __ATOMIC_RELAXED) & mark;
+}
+
+/** Mark an element IN_LAYER, and perhaps more; if it was not, it is one of the next row. */
+static inline void put_in(search *s, int32_t element, uint8_t mark) {
+    const uint8_t old = __atomic_fetch_or(&s->mark[element], mark, __ATOMIC_RELAXED);
+    if (!(old & IN_LAYER))
+        s->row[__atomic_fetch_add(&s->n_layer, 1, __ATOMIC_RELAXED)] = element;
+}
+
+/** Whether edge b, of which one end is that of edge a of that number, goes on from there as a did.
+ */
+static inline int goes_on(const edge *a, int end, const edge *b, const int dim) {
+    const int is_turned = b->at.node[1 - end] != a->at.node[end];
+    return (product(a, b, dim) < 0) == is_turned && go_along(a, b, dim);
+}
+
+/** From the shortest edge of an element to those of the rows before and behind it. */
+static inline void go_on(search *s, int64_t element, const int dim) {
+    if (has_mark(s, element, WENT_ON))
+        return;
+    const edge e = edge_between(s, shortest_of(s, element, dim), dim);
+    for (int j = 0; j < 2; j++) {
+        const int32_t node = e.at.node[j];
+        const int64_t begin = s->incidence.offset[node], end = s->incidence.offset[node + 1];
+        const int64_t step = (end - begin) / MOST_LOOKED_AT + 1;
+        for (int64_t i = begin; i < end; i += step) {
+            const int32_t around = s->incidence.element[i];
+            if (!(s->shortest[around] & IS_WIDE) || has_mark(s, around, WENT_ON))
+                continue;
+            const ends at = shortest_of(s, around, dim);
+            if (are_same(&at, &e.at)) {
+                put_in(s, around, IN_LAYER | WENT_ON);
+            } else if (at.node[0] == node || at.node[1] == node) {
+                const edge other = edge_between(s, at, dim);
+                if (goes_on(&e, j, &other, dim))
+                    put_in(s, around, IN_LAYER);
+            }
+        }
     }
+}
+
+/** What is found does not depend on who is first: all that can be reached is, whatever the way. */
+static void go_on_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    search *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        if (s->mesh->dim == 3)
+            go_on(s, s->row[s->n_followed + i], 3);
+        else
+            go_on(s, s->row[s->n_followed + i], 2);
+}
+
+/* ---- all of it ------------------------------------------------------------------------------ */
+
+static int find_seeds(search *s, int threads, planish_error *error) {
+    const int status = ask(s, IS_THIN, threads, error);
+    if (!status)
+        pl_parallel_for(threads, s->mesh->n_nodes, CHUNK, decide_chunk, s);
     return status;
 }
 
+/** Row by row, until there are no more. */
+static int follow_rows(search *s, int threads, planish_error *error) {
+    const int status = ask(s, IS_THIN | IS_WIDE, threads, error);
+    if (status)
+        return status;
+    s->n_layer = 0;
+    pl_parallel_for(threads, s->mesh->n_elements, CHUNK, list_chunk, s);
+    while (s->n_followed < s->n_layer) {
+        const int64_t n = s->n_layer - s->n_followed;
+        pl_parallel_for(threads, n, ROW_CHUNK, go_on_chunk, s);
+        s->n_followed += n;
+    }
+    return PLANISH_OK;
+}
+
+static int find_marks(search *s, int threads, planish_error *error) {
+    const int64_t n = s->mesh->n_elements;
+    s->mark = pl_alloc_zero(n, 1);
+    s->unasked = pl_alloc(s->mesh->n_nodes, 1);
+    if (!s->mark || !s->unasked)
+        return pl_fail_memory(error, "thin elements");
+    memset(s->unasked, 1, (size_t)s->mesh->n_nodes);
+    int status = find_seeds(s, threads, error);
+    if (status || s->n_layer == 0)
+        return status;
+    s->row = pl_alloc(n, sizeof *s->row);
+    return s->row ? follow_rows(s, threads, error) : pl_fail_memory(error, "thin elements");
+}
+
+/** The caller's array is written to when nothing can fail any more. */
 static int find_layers(search *s, int threads, planish_error *error) {
     const int64_t n = s->mesh->n_elements;
     int status = pl_frame_create(s->mesh, threads, &s->frame, error);
@@ -227,13 +366,14 @@ static int find_layers(search *s, int threads, planish_error *error) {
         status = pl_fail_memory(error, "thin elements");
     if (!status) {
         pl_parallel_for(threads, n, CHUNK, find_thin_chunk, s);
-        if (s->n_thin > 0)
-            status = decide_all(s, threads, error);
-        else
-            memset(s->is_layer, 0, (size_t)n);
+        status = s->n_thin > 0 ? find_marks(s, threads, error) : PLANISH_OK;
     }
+    for (int64_t i = 0; !status && i < n; i++)
+        s->is_layer[i] = s->n_layer > 0 && s->mark[i] & IN_LAYER;
     pl_incidence_destroy(&s->incidence);
+    pl_free(s->row);
     pl_free(s->unasked);
+    pl_free(s->mark);
     pl_free(s->shortest);
     return status;
 }

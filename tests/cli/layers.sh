@@ -3,9 +3,11 @@
 # keeps them; then they are kept, to the bit.
 . "$(dirname "$0")/common.sh"
 
-# A cube of 10 cells in each direction, the lowest three rows a tenth as high: 1800 thin elements.
-# layered.mesh has one region, parts.mesh and parts.msh one more for the layers, mixed.mesh for a
-# quarter of the others, too.
+# A cube of 10 cells in each direction, the lowest three rows a tenth as high: 1800 thin elements, of
+# which 1728 have a node that is not on the surface. layered.mesh has one region, parts.mesh and
+# parts.msh one more for the layers, mixed.mesh for a quarter of the others, too. In folded.mesh they
+# lie over the others, inverted. In flat.mesh all cells are low; in grown.mesh four rows grow by 1.5,
+# of which the last two are not thin any more.
 python3 "$cli/make_mesh.py" 10 0.01 cube.mesh
 python3 - <<'END'
 import mesh_file
@@ -17,19 +19,30 @@ def height(z):
     return z / 10 if z <= ROWS / N else z - ROWS / N * 0.9
 
 
+def write(name, points, elements, regions):
+    with open(name + ".mesh", "w") as file:
+        file.write("MeshVersionFormatted 2\nDimension 3\nVertices\n%d\n" % len(points))
+        file.writelines("%r %r %r 0\n" % p for p in points)
+        file.write("Tetrahedra\n%d\n" % len(regions))
+        file.writelines("%d %d %d %d %d\n" % (*(n + 1 for n in e), r)
+                        for e, r in zip(elements, regions))
+        file.write("End\n")
+
+
 points = [(x, y, height(round(z * N) / N)) for x, y, z in cube.points]
 is_thin = [max(points[n][2] for n in e) <= (ROWS + 0.5) / N / 10 for e in cube.elements]
 assert sum(is_thin) == 6 * ROWS * N * N
 parts = [1 + t for t in is_thin]
 mixed = [p if i % 4 else 2 for i, p in enumerate(parts)]
 for name, regions in (("layered", cube.regions), ("parts", parts), ("mixed", mixed)):
-    with open(name + ".mesh", "w") as file:
-        file.write("MeshVersionFormatted 2\nDimension 3\nVertices\n%d\n" % len(points))
-        file.writelines("%r %r %r 0\n" % p for p in points)
-        file.write("Tetrahedra\n%d\n" % len(parts))
-        file.writelines("%d %d %d %d %d\n" % (*(n + 1 for n in e), r)
-                        for e, r in zip(cube.elements, regions))
-        file.write("End\n")
+    write(name, points, cube.elements, regions)
+TOP = ROWS / N / 10
+write("folded", [(x, y, z if z > TOP else 2 * TOP - z) for x, y, z in points], cube.elements, parts)
+flat = [(x, y, z / 10) for x, y, z in cube.points]
+write("flat", flat, cube.elements, cube.regions)
+grown = [(x, y, 0.02 * (1.5 ** round(10 * z) - 1) / 0.5 if z < 0.45 else z - 0.2375)
+         for x, y, z in cube.points]
+write("grown", grown, cube.elements, cube.regions)
 with open("parts.msh", "w") as file:
     file.write("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n3 1 \"far\"\n"
                "3 2 \"near the wall\"\n$EndPhysicalNames\n$Nodes\n%d\n" % len(points))
@@ -57,19 +70,16 @@ END
 for command in "smooth layered.mesh -o out.mesh" "quality layered.mesh"; do
     expect_status 0 "$program" $command --json report.json
     [ "$(grep -c '^note: .* thin in layers' err)" -eq 1 ] || fail "one note was expected: $command"
-    expect_text ": --fix-layers keeps them"
-    expect_json "r['mesh']['layer_elements'] == 1800"
+    expect_text "note: 1728 elements (29 %) are thin in layers (a boundary layer?): --fix-layers keeps them"
+    expect_json "(r['mesh']['layer_elements'], r['mesh']['free_layer_elements']) == (1800, 1728)"
     expect_status 0 "$program" $command -q --json report.json
     [ ! -s err ] || fail "nothing should be said with -q: $command"
     expect_json "r['mesh']['layer_elements'] == 1800"
     expect_status 0 "$program" $command -q
 done
-expect_status 0 "$program" quality layered.mesh
-expect_text "smoothing would make them regular"
 expect_status 0 "$program" quality "$sample" layered.mesh
 [ "$(grep -c "thin in layers" err)" -eq 1 ] && expect_text "note: layered.mesh: "
 expect_status 0 "$program" smooth layered.mesh -o out.mesh
-expect_text "smoothing makes them regular"
 kept layered.mesh out.mesh no
 
 # ---- kept
@@ -80,6 +90,7 @@ for options in "" "--slide auto" "--method laplacian" "--objective worst"; do
             --json report.json
         expect_text "are thin in layers, and held"
         expect_json "r['mesh']['layer_elements'] == 1800 <= r['mesh']['fixed_elements']"
+        expect_json "r['mesh']['free_layer_elements'] == 0"
         kept layered.mesh out$threads.mesh yes
     done
     cmp out1.mesh out2.mesh || fail "the threads change the bits: $options"
@@ -99,11 +110,21 @@ for case in "parts.mesh|3:2|--fix 3:2" "parts.msh|near the wall|--fix 'near the 
     expect_text ": $option keeps them"
     expect_status 0 "$program" smooth $file -o out.${file##*.} --ignore-regions --fix "$tag" --json report.json
     ! grep -q "thin in layers" err || fail "they are held"
-    expect_json "r['mesh']['layer_elements'] == 1800"
+    expect_json "r['mesh']['layer_elements'] == 1800 and r['mesh']['free_layer_elements'] == 0"
     kept $file out.${file##*.} yes
 done
 expect_status 0 "$program" quality mixed.mesh
 expect_text ": --fix-layers keeps them"
+expect_status 0 "$program" quality flat.mesh # all of it: with --fix nothing would move
+expect_text "5832 elements (97 %) are thin in layers (a boundary layer?): --fix-layers keeps them"
+
+# ---- inverted ones, and those of rows that are not thin any more
+
+expect_status 0 "$program" quality folded.mesh --ignore-regions --json report.json
+expect_text "1728 elements (29 %) are thin in layers (a boundary layer?): --fix 3:2 keeps them"
+expect_json "r['quality']['inverted'] == r['mesh']['layer_elements'] == 1800"
+expect_status 0 "$program" smooth grown.mesh -o out.mesh --fix-layers --json report.json
+expect_json "r['mesh']['layer_elements'] == 2400"
 
 # ---- meshes without layers
 
@@ -111,7 +132,7 @@ for file in "$sample" cube.mesh; do
     for command in "smooth $file -o out.${file##*.}" "quality $file"; do
         expect_status 0 "$program" $command --json report.json
         ! grep -q "thin in layers" err || fail "there are none: $command"
-        expect_json "not r['mesh']['layer_elements']"
+        expect_json "not r['mesh']['layer_elements'] and not r['mesh']['free_layer_elements']"
     done
 done
 python3 "$cli/make_mesh.py" 10 0.9 tangled.mesh

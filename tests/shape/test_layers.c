@@ -75,14 +75,21 @@ static int is_thin(int dim, double height) {
     return sqrt(dim - 1 + height * height) >= 4 * height;
 }
 
-/** Fails the test unless exactly the thin elements of the cells of the last direction are found. */
+/** Whether rows of that height go on from those that are thin, among which is the first. */
+static int is_row(double height) {
+    return 1 >= 1.2 * height;
+}
+
+/** Fails the test unless exactly the elements of the cells of the last direction that are thin, or
+ *  of rows that go on, are found. */
 static void check_heights(int dim, const double *height) {
+    const int has_rows = is_thin(dim, height[0]);
     test_mesh box;
     test_mesh_box(&box, dim, CELLS);
     const int64_t n = box.mesh.n_elements;
     uint8_t *expected = malloc((size_t)n);
     for (int64_t i = 0; i < n; i++)
-        expected[i] = (uint8_t)is_thin(dim, height[cell_of(&box, i, dim - 1)]);
+        expected[i] = (uint8_t)(has_rows && is_row(height[cell_of(&box, i, dim - 1)]));
     set_heights(&box, dim - 1, height);
     uint8_t *is_layer = find(&box.mesh, 1, NULL);
     assert_memory_equal(is_layer, expected, (size_t)n);
@@ -105,17 +112,41 @@ static void layers_on_a_wall_are_found(void **state) {
             }
 }
 
-/** Those that are thin, up to the one that grew too high. */
+/** All rows up to the one that is about as high as wide, of which most are not thin. */
 static void layers_may_grow(void **state) {
     (void)state;
-    static const double growths[] = {1.2, 1.5, 2};
+    static const double growths[] = {1.2, 1.3, 1.5, 2}, firsts[] = {0.01, 0.1, 0.2};
     double height[CELLS];
     for (int dim = 2; dim <= 3; dim++)
-        for (size_t i = 0; i < sizeof growths / sizeof *growths; i++) {
-            fill_heights(height, CELLS, 0.1, growths[i]);
-            assert_false(is_thin(dim, height[CELLS - 1]));
-            check_heights(dim, height);
+        for (size_t i = 0; i < sizeof growths / sizeof *growths; i++)
+            for (size_t k = 0; k < sizeof firsts / sizeof *firsts; k++) {
+                fill_heights(height, CELLS, firsts[k], growths[i]);
+                check_heights(dim, height);
+            }
+    assert_true(is_row(height[2]) && !is_thin(3, height[2]) && !is_row(height[3]));
+}
+
+/** From the thin rows in the middle to both sides, as far as they go along. */
+static void rows_go_on_to_both_sides(void **state) {
+    (void)state;
+    static const double height[CELLS] = {1, 0.3, 0.8, 0.6, 0.4, 0.2, 0.2, 0.4, 1.1, 0.5};
+    for (int dim = 2; dim <= 3; dim++) {
+        test_mesh box;
+        test_mesh_box(&box, dim, CELLS);
+        const int64_t n = box.mesh.n_elements;
+        uint8_t *expected = malloc((size_t)n);
+        for (int64_t i = 0; i < n; i++) {
+            const int cell = cell_of(&box, i, dim - 1);
+            expected[i] = (cell >= 2 && cell <= 7) || is_thin(dim, height[cell]);
         }
+        set_heights(&box, dim - 1, height);
+        uint8_t *is_layer = find(&box.mesh, 1, NULL);
+        for (int64_t i = 0; i < n; i++)
+            assert_int_equal(is_layer[i], expected[i]);
+        free(is_layer);
+        free(expected);
+        test_mesh_destroy(&box);
+    }
 }
 
 /** On two walls at right angles: all elements that are thin in one direction only, but for some at
@@ -149,25 +180,34 @@ static void corners_have_layers(void **state) {
     }
 }
 
-/** The box bent to a half of a ring: the layers' directions turn. */
+/** Bend the box to so much of a ring of layers, whose inner wall has edges about 1 long. */
+static void bend(test_mesh *box, double whole_angle) {
+    const int dim = box->mesh.dim;
+    for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
+        double *x = box->coordinates + i * dim;
+        const double angle = x[0] * whole_angle / CELLS, radius = CELLS / whole_angle + x[dim - 1];
+        x[0] = radius * cos(angle);
+        x[dim - 1] = radius * sin(angle);
+    }
+}
+
+/** The box bent to a half of a ring: the layers' directions turn. Then to a ring of ten corners, as
+ *  a coarse mesh has them: by 36 degrees from edge to edge. Thin layers, and those that grow. */
 static void walls_may_be_curved(void **state) {
     (void)state;
-    static const double PI = 3.14159265358979323846;
+    static const double PI = 3.14159265358979323846, growths[] = {1, 1.3};
     double height[CELLS];
-    fill_heights(height, CELLS, 0.1, 1);
-    for (int dim = 2; dim <= 3; dim++) {
-        test_mesh box;
-        test_mesh_box(&box, dim, CELLS);
-        set_heights(&box, dim - 1, height);
-        for (int64_t i = 0; i < box.mesh.n_nodes; i++) {
-            double *x = box.coordinates + i * dim;
-            const double angle = x[0] * PI / CELLS, radius = CELLS / PI + x[dim - 1];
-            x[0] = radius * cos(angle);
-            x[dim - 1] = radius * sin(angle);
-        }
-        assert_int_equal(count(&box.mesh), box.mesh.n_elements);
-        test_mesh_destroy(&box);
-    }
+    for (int dim = 2; dim <= 3; dim++)
+        for (int turns = 1; turns <= 2; turns++)
+            for (int i = 0; i < 2; i++) {
+                test_mesh box;
+                test_mesh_box(&box, dim, CELLS);
+                fill_heights(height, CELLS, 0.06, growths[i]);
+                set_heights(&box, dim - 1, height);
+                bend(&box, turns * PI);
+                assert_int_equal(count(&box.mesh), box.mesh.n_elements);
+                test_mesh_destroy(&box);
+            }
 }
 
 /* ---- other meshes --------------------------------------------------------------------------- */
@@ -272,15 +312,16 @@ static void collapsed_elements_are_none(void **state) {
 
 /* ---- promises ------------------------------------------------------------------------------- */
 
-/** A box with layers that are a little uneven, some of whose elements are found. */
+/** A box with layers that are a little uneven and grow, some of whose elements are found. */
 static void create_uneven(test_mesh *box, int dim) {
-    double height[CELLS];
-    fill_heights(height, 6, 0.12, 1.1);
+    enum { LAYERS = 4 };
+    const double first = 0.15, growth = 1.3;
+    const double top = first * (pow(growth, LAYERS) - 1) / (growth - 1);
     test_mesh_box(box, dim, CELLS);
     test_mesh_perturb(box, 0.1, 2);
     for (int64_t i = 0; i < box->mesh.n_nodes; i++) {
         double *x = &box->coordinates[i * dim + dim - 1];
-        *x = *x < 6 ? 0.15 * *x : *x - 6 + 0.9;
+        *x = *x < LAYERS ? first * (pow(growth, *x) - 1) / (growth - 1) : *x - LAYERS + top;
     }
     test_mesh_renumber(box, 5, NULL);
 }
@@ -437,6 +478,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(layers_on_a_wall_are_found),
         cmocka_unit_test(layers_may_grow),
+        cmocka_unit_test(rows_go_on_to_both_sides),
         cmocka_unit_test(corners_have_layers),
         cmocka_unit_test(walls_may_be_curved),
         cmocka_unit_test(short_edges_alone_are_no_layers),
