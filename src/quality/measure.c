@@ -80,7 +80,7 @@ static inline void put_states(const pass *p, const pl_block *b, int64_t first, i
 
 static inline void put_ratios(const pass *p, const pl_block *b, int64_t first, int count) {
     for (int l = 0; l < count; l++)
-        p->ratio[first + l] = b->valid[l] != 0 ? sqrt(b->square[l]) : 0;
+        p->ratio[first + l] = b->valid[l] != 0 ? sqrt(pl_larger(1, b->square[l])) : 0;
 }
 
 /** Evaluate elements begin .. end - 1 of the pass. */

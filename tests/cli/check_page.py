@@ -158,6 +158,17 @@ def check_bad(picture, state, mesh):
         assert tuple(round(x, 4) for x in corners[i:i + mesh.dim]) in places
 
 
+def check_ratios(drawn, mesh):
+    """Radius ratios of all triangles, in steps of a fiftieth of their logarithm; 0: inverted."""
+    assert len(drawn) == len(mesh.elements)
+    for step, t in zip(drawn, mesh_file.corners(mesh)):
+        if mesh_file.volume(t) <= 0:
+            assert step == 0, "an inverted triangle is drawn as valid"
+        else:
+            ratio = min(mesh_file.radius_ratio(t), math.exp(254 / 50))
+            assert abs(math.log(ratio) * 50 + 0.5 - step) < 0.6, (step, ratio)
+
+
 def check_picture(page, files):
     picture = json.loads(page.scripts["picture-data"])
     assert len(picture["states"]) == len(files)
@@ -166,7 +177,7 @@ def check_picture(page, files):
         check_surface(picture, state, mesh)
         check_bad(picture, state, mesh)
         if mesh.dim == 2:
-            assert len(unpack(state["ratios"], "B")) == len(mesh.elements)
+            check_ratios(unpack(state["ratios"], "B"), mesh)
 
 
 def main():

@@ -37,6 +37,25 @@ check_page quality.html quality.json tangled.mesh
 expect_status 0 "$program" report quality.json -o again.html
 cmp quality.html again.html || fail "the page of quality's JSON"
 
+# Regular elements, whose radius ratio rounding might take below 1.
+python3 - >regular.mesh <<'END'
+import math, random
+random.seed(5)
+n = 300
+print("MeshVersionFormatted 2 Dimension 2 Vertices", 3 * n)
+for i in range(n):
+    turn, size = random.uniform(0, 7), random.uniform(0.1, 0.4)
+    for j in range(3):
+        angle = turn + j * 2 * math.pi / 3
+        print(i % 20 + size * math.cos(angle), i // 20 + size * math.sin(angle), 0)
+print("Triangles", n)
+for i in range(n):
+    print(3 * i + 1, 3 * i + 2, 3 * i + 3, 1)
+print("End")
+END
+expect_status 0 "$program" quality regular.mesh --json regular.json --report regular.html -q
+check_page regular.html regular.json regular.mesh
+
 # Of more triangles than are drawn: coarsely, but for the bad ones.
 python3 - >large.mesh <<'END'
 n = 240  # 2 n n triangles of a square, rows pushed to and fro

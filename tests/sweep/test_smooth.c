@@ -240,6 +240,35 @@ static void floats_stay_floats(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Also where rounding is on the other side: of regular triangles, turned by chance. */
+static void ratios_are_one_or_more(void **state) {
+    enum { N = 300 };
+    const double third = 2.0943951023931955; /* of a turn */
+    double x[N][3][2], ratio[N];
+    int32_t triangle[N][3];
+    planish_plan *plan;
+    (void)state;
+    srand(5);
+    for (int i = 0; i < N; i++) {
+        const double turn = rand() % 1000, size = 1 + rand() % 1000;
+        for (int j = 0; j < 3; j++) {
+            triangle[i][j] = 3 * i + j;
+            x[i][j][0] = 5000.0 * i + size * cos(turn + j * third);
+            x[i][j][1] = size * sin(turn + j * third);
+        }
+    }
+    const planish_mesh mesh = {.dim = 2,
+                               .n_nodes = 3 * N,
+                               .n_elements = N,
+                               .coordinates = &x[0][0][0],
+                               .elements = triangle[0]};
+    assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
+    assert_int_equal(planish_measure_elements(plan, &x[0][0][0], ratio, NULL), 0);
+    for (int i = 0; i < N; i++)
+        assert_true(ratio[i] >= 1 && ratio[i] < 1 + 1e-9);
+    planish_plan_destroy(plan);
+}
+
 static void ratios_of_inverted_elements_are_none(void **state) {
     int dim = *(int *)*state;
     planish_plan *plan;
@@ -651,6 +680,7 @@ int main(void) {
         BOTH(powers_of_two_change_no_bit),
         BOTH(far_from_the_origin_it_works),
         BOTH(element_order_does_not_invert),
+        cmocka_unit_test(ratios_are_one_or_more),
         BOTH(floats_stay_floats),
         BOTH(coordinates_are_rounded_as_the_caller_says),
         BOTH(ratios_of_inverted_elements_are_none),

@@ -96,9 +96,9 @@ static void put_layers(pl_markup *page, const cJSON *mesh) {
         return;
     pl_markup_put(page, "<p class=\"quiet\">");
     pl_markup_put_count(page, n);
-    pl_markup_put(page,
-                  " elements are thin in layers, as in a boundary layer. Smoothing makes such "
-                  "elements regular, unless <code>--fix-layers</code> holds them.</p>\n");
+    pl_markup_put(page, " elements were thin in layers, as in a boundary layer, and free to move: "
+                        "smoothing makes them regular, unless <code>--fix-layers</code> holds "
+                        "them.</p>\n");
 }
 
 /** What an end that is not the plain one needs to be said of. */
