@@ -79,8 +79,9 @@ for command in "smooth layered.mesh -o out.mesh" "quality layered.mesh"; do
 done
 expect_status 0 "$program" quality "$sample" layered.mesh
 [ "$(grep -c "thin in layers" err)" -eq 1 ] && expect_text "note: layered.mesh: "
-expect_status 0 "$program" smooth layered.mesh -o out.mesh
+expect_status 0 "$program" smooth layered.mesh -o out.mesh --report page.html
 kept layered.mesh out.mesh no
+grep -q "elements were thin in layers" page.html || fail "the page should say it, too"
 
 # ---- kept
 
@@ -95,7 +96,8 @@ for options in "" "--slide auto" "--method laplacian" "--objective worst"; do
     done
     cmp out1.mesh out2.mesh || fail "the threads change the bits: $options"
 done
-expect_status 0 "$program" quality layered.mesh --fix-layers -q --json report.json
+expect_status 0 "$program" quality layered.mesh --fix-layers -q --json report.json --report page.html
+! grep -q "elements were thin in layers" page.html || fail "layers that are held need no warning in the page"
 expect_json "r['mesh']['layer_elements'] == 1800 <= r['mesh']['fixed_elements']"
 could_slide() {
     "$program" quality layered.mesh "$@" -q --json - | python3 -c "import json, sys; print(json.load(sys.stdin)['mesh']['could_slide'])"

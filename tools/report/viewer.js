@@ -384,8 +384,18 @@ function draw() {
     }
 }
 
+/** Of a plane mesh that is wider than high, the view is no higher than it needs. */
+function fitHeight(holder) {
+    holder.style.height = '';
+    if (dim === 2 && extent[0] > 0) {
+        const needed = 1.1 * holder.clientWidth * extent[1] / extent[0];
+        holder.style.height = Math.max(100, Math.min(holder.clientHeight, needed)) + 'px';
+    }
+}
+
 function resize() {
     for (const view of views) {
+        fitHeight(view.holder);
         const width = view.holder.clientWidth, height = view.holder.clientHeight;
         view.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
         view.renderer.setSize(width, height);
