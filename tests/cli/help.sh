@@ -123,6 +123,8 @@ mistyped "unknown command 'qualtiy'; did you mean quality?" help qualtiy
 mistyped "unknown command 'polish'; it must be smooth, quality or report" polish
 mistyped "smooth, quality or report"
 mistyped "'quality' is a second one" help smooth quality
+expect_status 0 "$program" help help
+grep -q "^Usage: planish COMMAND" out || fail "help of help"
 mistyped "no result is named" report
 mistyped "one result is expected" report a.json b.json
 finish
