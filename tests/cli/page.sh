@@ -212,6 +212,8 @@ for i in $(seq 0 39); do
     "$program" report spoilt$i.json -o spoilt.html -q 2>err
     status=$?
     [ $status = 0 ] || { [ $status = 2 ] && [ "$(wc -l <err)" = 1 ]; } || fail "spoilt$i.json: $status"
+    [ $status = 2 ] || ! sed '/<script/,/<\/script>/d' spoilt.html | grep -qE '[^a-z]-?(nan|inf)[^a-z]' ||
+        fail "spoilt$i.json: numbers that are none in the page"
 done
 
 # Nothing is overwritten by a slip, and nothing is left half-written.

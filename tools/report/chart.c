@@ -83,7 +83,7 @@ static void put_bar(pl_markup *page, const pl_histogram *h, int series, int bin,
     const double step = FRAME_WIDTH / h->n_bins, width = 0.8 * step / h->n_series;
     const double x = LEFT + step * (bin + 0.1) + width * series;
     const double count = h->count[series][bin], height = bar_height(count, most);
-    if (count < 1)
+    if (!(count >= 1)) /* NAN: the result says none */
         return;
     pl_markup_put(page,
                   "<rect class=\"bar s%d\" x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" "

@@ -27,6 +27,9 @@ static int read_bins(const pl_figures *figures, const char *key, bins *b) {
             pl_figure_list(histogram, "edges", b->edges, MOST_BINS + 1) != n + 1)
             return 0;
         b->n = n;
+        for (int i = 0; i < n; i++)
+            if (!isfinite(b->edges[i]))
+                return 0;
     }
     if (!isfinite(b->edges[b->n])) /* null is how JSON says infinite */
         b->edges[b->n] = INFINITY;

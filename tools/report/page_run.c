@@ -119,7 +119,7 @@ static void put_claim(pl_markup *page, const pl_figures *figures, const char *cl
 /** Lists of elements that fall short: the first of them. */
 static void put_list(pl_markup *page, const pl_figures *figures, const char *key, const char *one,
                      const char *several) {
-    enum { MOST = 20 };
+    enum { MOST = 20, ALL = 17 }; /* elements, and digits of their numbers */
     double number[MOST];
     const int n = pl_figure_list(figures->result, key, number, MOST);
     if (n == 0)
@@ -127,8 +127,10 @@ static void put_list(pl_markup *page, const pl_figures *figures, const char *key
     pl_markup_put(page, "<p><strong>");
     pl_markup_put_number_of(page, n, one, several);
     pl_markup_put(page, ":</strong>");
-    for (int i = 0; i < n && i < MOST; i++)
-        pl_markup_put(page, "%s %.17g", i ? "," : "", number[i]);
+    for (int i = 0; i < n && i < MOST; i++) {
+        pl_markup_put(page, i ? ", " : " ");
+        pl_markup_put_digits(page, number[i], ALL);
+    }
     pl_markup_put(page, "%s</p>\n", n > MOST ? " ..." : ".");
 }
 

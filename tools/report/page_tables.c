@@ -72,7 +72,7 @@ static void put_factor(pl_markup *page, double before, double after) {
         pl_markup_put(page, "\xC3\x97&#8239;%.4g", factor);
     else if (factor > 0 && 1 / factor >= large && isfinite(1 / factor))
         pl_markup_put(page, "\xC3\xB7&#8239;%.4g", 1 / factor);
-    else if (factor > 0)
+    else if (factor > 0 && isfinite(factor))
         pl_markup_put(page, "%+.3g&#8239;%%", 100 * (factor - 1));
 }
 
@@ -200,8 +200,10 @@ static void put_numbers(pl_markup *page, const cJSON *object, const char *key, i
     enum { MOST = 4 };
     double number[MOST];
     const int listed = pl_figure_list(object, key, number, MOST);
-    for (int i = 0; i < listed && i < MOST; i++)
-        pl_markup_put(page, "%s%.*g", i ? between : "", digits, number[i]);
+    for (int i = 0; i < listed && i < MOST; i++) {
+        pl_markup_put(page, "%s", i ? between : "");
+        pl_markup_put_digits(page, number[i], digits);
+    }
 }
 
 static void put_region(pl_markup *page, const cJSON *element) {
@@ -216,10 +218,11 @@ static void put_element(pl_markup *page, const cJSON *element) {
     const int is_inverted = cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(element, "radius_ratio"));
     const double number = pl_figure(element, "element");
     const cJSON *movable = cJSON_GetObjectItemCaseSensitive(element, "movable");
-    pl_markup_put(page,
-                  "<tr><th scope=\"row\">%.17g</th><td><button type=\"button\" hidden "
-                  "aria-label=\"show element %.17g\" data-place=\"",
-                  number, number);
+    pl_markup_put(page, "<tr><th scope=\"row\">");
+    pl_markup_put_digits(page, number, ALL);
+    pl_markup_put(page, "</th><td><button type=\"button\" hidden aria-label=\"show element ");
+    pl_markup_put_digits(page, number, ALL);
+    pl_markup_put(page, "\" data-place=\"");
     put_numbers(page, element, "place", ALL, ",");
     pl_markup_put(page, "\">show</button></td><td>");
     if (is_inverted)

@@ -532,8 +532,9 @@ function connect() {
     mesh.addEventListener('change', showLines);
     section.querySelector('button').addEventListener('click', () => { lookAtAll(); drawSoon(); });
     for (const button of document.querySelectorAll('button[data-place]')) {
-        button.hidden = false;
-        button.addEventListener('click', () => visit(button.dataset.place.split(',').map(Number)));
+        const place = button.dataset.place.split(',').map(Number);
+        button.hidden = place.length !== dim || !place.every(Number.isFinite);
+        button.addEventListener('click', () => visit(place));
     }
     for (const part of section.querySelectorAll('.controls, .help, .colours'))
         part.hidden = false;
