@@ -409,6 +409,15 @@ static int check_filters(io_hdf5 *file, const char *path, hid_t list, int *is_pl
     return n < 0 ? hdf5_fail_library(file, path, "its filters cannot be read") : PLANISH_OK;
 }
 
+/** The library takes for granted that the bytes of all values are there, and would read elsewhere.
+ */
+static int fail_place(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
+    return io_hdf5_fail(file, path,
+                        "its %lld values are not where they should be; the file is damaged or cut "
+                        "short",
+                        (long long)d->shape.n);
+}
+
 static int check_layout(io_hdf5 *file, const char *path, hid_t list, hdf5_dataset *d) {
     H5D_layout_t layout = H5Pget_layout(list);
     if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
@@ -419,6 +428,9 @@ static int check_layout(io_hdf5 *file, const char *path, hid_t list, hdf5_datase
         return io_hdf5_fail(file, path,
                             "its data are stored in other files, which is not read; h5repack -l "
                             "CONTI IN OUT puts them into one");
+    if (layout == H5D_COMPACT &&
+        H5Dget_storage_size(d->id) != (hsize_t)d->shape.n * (hsize_t)d->size)
+        return fail_place(file, path, d);
     d->is_chunked = layout == H5D_CHUNKED;
     d->chunk[0] = d->chunk[1] = 1;
     if (d->is_chunked && H5Pget_chunk(list, 2, d->chunk) != d->shape.rank)
@@ -450,13 +462,19 @@ static int check_size(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
     return PLANISH_OK;
 }
 
-/** Where its bytes are, if they are all there and as they are read. */
-static void find_place(const io_hdf5 *file, hdf5_dataset *d) {
+/** Where its bytes are, if they are in one piece and have been written: all in the file then, and
+ * as many as its values need. The library takes both for granted, and reads what is not there. */
+static int find_place(io_hdf5 *file, const char *path, hdf5_dataset *d) {
     haddr_t offset = d->is_chunked || d->shape.n == 0 ? HADDR_UNDEF : H5Dget_offset(d->id);
     const haddr_t size = (haddr_t)file->model->input.size;
+    const haddr_t needed = (haddr_t)(d->shape.n * d->size);
     d->offset = -1;
-    if (offset != HADDR_UNDEF && offset <= size && (haddr_t)(d->shape.n * d->size) <= size - offset)
-        d->offset = (int64_t)offset;
+    if (offset == HADDR_UNDEF)
+        return PLANISH_OK;
+    if (offset > size || needed > size - offset || H5Dget_storage_size(d->id) != needed)
+        return fail_place(file, path, d);
+    d->offset = (int64_t)offset;
+    return PLANISH_OK;
 }
 
 int hdf5_dataset_open(io_hdf5 *file, const char *path, hdf5_dataset *d) {
@@ -478,7 +496,7 @@ int hdf5_dataset_open(io_hdf5 *file, const char *path, hdf5_dataset *d) {
     if (!status)
         status = check_size(file, path, d);
     if (!status)
-        find_place(file, d);
+        status = find_place(file, path, d);
     if (list >= 0)
         H5Pclose(list);
     return status;

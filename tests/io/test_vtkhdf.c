@@ -311,6 +311,26 @@ static void the_input_may_be_replaced(void **state) {
     builder_release(&b);
 }
 
+/** A compact array stands behind its number of bytes, which is damaged here. */
+static void values_without_bytes_are_refused(void **state) {
+    (void)state;
+    grid g = right;
+    g.is_compact = 1;
+    file_builder b = make(&g);
+    const double first[] = {0, 0, 0, 1}; /* and what comes before: version, class, bytes */
+    const unsigned char head[] = {3, 0, N_POINTS * 3 * sizeof(double), 0};
+    char array[sizeof head + sizeof first];
+    memcpy(array, head, sizeof head);
+    memcpy(array + sizeof head, first, sizeof first);
+    int64_t at = 0;
+    while (at + (int64_t)sizeof array < b.size && memcmp(b.data + at, array, sizeof array) != 0)
+        at++;
+    assert_true(at + (int64_t)sizeof array < b.size);
+    b.data[at + 2] = 0;
+    builder_expect_error(&b, &io_format_vtkhdf, "values are not where they should be");
+    builder_release(&b);
+}
+
 /** How the library tells of errors is the caller's. */
 static herr_t listener(hid_t stack, void *data) {
     (void)stack;
@@ -337,6 +357,7 @@ int main(void) {
         cmocka_unit_test(a_grid_is_read),
         cmocka_unit_test(partitions_follow_each_other),
         cmocka_unit_test(wrong_files_are_refused),
+        cmocka_unit_test(values_without_bytes_are_refused),
         cmocka_unit_test(nothing_breaks_it),
         cmocka_unit_test_setup_teardown(coordinates_come_back, test_folder_create,
                                         test_folder_remove),
