@@ -173,9 +173,12 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
     return 0;
 }
 
+int pl_layers_are_many(int64_t n, int64_t n_elements) {
+    return n >= MANY_AT_LEAST && (double)n >= MANY * (double)n_elements;
+}
+
 static int are_many(const pl_job *job) {
-    const int64_t n = job->layers.n_loose;
-    return n >= MANY_AT_LEAST && (double)n >= MANY * (double)job->mesh.n_elements;
+    return pl_layers_are_many(job->layers.n_loose, job->mesh.n_elements);
 }
 
 int pl_layers_count(pl_job *job, const planish_quality *quality) {

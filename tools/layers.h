@@ -22,4 +22,7 @@ int pl_layers_count(pl_job *job, const planish_quality *quality);
  *  they are. */
 void pl_layers_print(FILE *stream, const pl_job *job);
 
+/** Whether n of n_elements are so many that they are spoken of. */
+int pl_layers_are_many(int64_t n, int64_t n_elements);
+
 #endif

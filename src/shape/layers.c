@@ -17,18 +17,18 @@
 
 /* An element is thin if its longest edge is at least so many times its shortest: beyond what
  * unstructured meshes of any quality have often, below what layers are made for. */
-#define THIN 4.0
+static const double THIN = 4;
 /* Shortest edges go along with each other if they are within such a factor of each other, as those
  * of layers that grow, */
-#define ALIKE 2.5
+static const double ALIKE = 2.5;
 /* and have at least this cosine, of 25 degrees: walls are curved, and have corners. */
-#define PARALLEL 0.906
+static const double PARALLEL = 0.906;
 /* The part of the elements around an edge whose shortest edge has to go along with it. Around the
  * edges of a single layer two fifths do, with as many elements on the other side. */
-#define COMPANY 0.25
+static const double COMPANY = 0.25;
 /* Rows go on while the shortest edge of an element is shorter than all others of it by this factor:
  * they are by how much a row is wider than high. */
-#define WIDE 1.2
+static const double WIDE = 1.2;
 
 enum {
     CHUNK = 8192,   /* elements or nodes that one thread looks at at a time, */

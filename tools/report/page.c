@@ -1,7 +1,8 @@
 /* page: the report as one HTML page that needs nothing else: its head, what was done in a sentence,
- * the picture; the other parts are in page_tables.c and page_charts.c. */
+ * the picture; the other parts are in page_tables.c, page_charts.c and page_run.c. */
 #include "report/page.h"
 
+#include "layers.h"
 #include "report/assets.h"
 
 #include <math.h>
@@ -90,9 +91,7 @@ static void put_gain(pl_markup *page, const pl_figures *figures) {
 /** Layers that smoothing makes regular: their elements, if they are many. */
 static void put_layers(pl_markup *page, const cJSON *mesh) {
     const int64_t n = pl_figure_count(mesh, "free_layer_elements");
-    const double many = 0.02; /* as on the terminal */
-    const int64_t at_least = 100;
-    if (n < at_least || (double)n < many * (double)pl_figure_count(mesh, "elements"))
+    if (!pl_layers_are_many(n, pl_figure_count(mesh, "elements")))
         return;
     pl_markup_put(page, "<p class=\"quiet\">");
     pl_markup_put_count(page, n);
@@ -142,9 +141,7 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</p>\n<p class=\"verdict%s\">%s: ", valid ? "" : " bad",
                   valid ? "Valid" : "Not valid");
     put_mesh(page, figures, mesh);
-    pl_markup_put(page, valid ? ", each of them positive, decided exactly."
-                              : ", some of them "
-                                "inverted.");
+    pl_markup_put(page, valid ? ", each of them positive, decided exactly." : ", some inverted.");
     pl_markup_put(page, "</p>\n");
     put_layers(page, mesh);
     put_remarks(page, figures);

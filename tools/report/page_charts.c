@@ -161,8 +161,9 @@ static void read_history(const pl_figures *figures, const cJSON *sweeps, history
 }
 
 static void put_curves(pl_markup *page, const history *h, int over_time) {
-    const pl_curves curves = {.title = over_time ? "RMS radius ratio over time"
-                                                 : "RMS radius ratio after each sweep",
+    const pl_curves curves = {.title = over_time
+                                           ? "RMS of the ratio that is minimised, over time"
+                                           : "RMS of the ratio that is minimised, after each sweep",
                               .x_axis = over_time ? "seconds within sweeps" : "sweeps",
                               .n = h->n,
                               .x = over_time ? h->time : h->sweep,
