@@ -1,0 +1,34 @@
+/* effort: how much randomised tests do, and their random numbers.
+ *
+ * Tests that draw their cases do a few of them in tools/check and many in tools/check --long, which
+ * sets PLANISH_LONG. PLANISH_SEED, a number, draws other cases. Figures are printed for
+ * docs/reliability.md.
+ */
+#ifndef TEST_SUPPORT_EFFORT_H
+#define TEST_SUPPORT_EFFORT_H
+
+#include <stdint.h>
+
+/** much if PLANISH_LONG is set, else little. */
+int64_t effort(int64_t little, int64_t much);
+
+/** The state that a sequence of random numbers begins with: one for each number, and others with
+ *  each PLANISH_SEED. Never 0. */
+uint64_t effort_seed(uint64_t number);
+
+/** The next 64 random bits (xorshift64*, Marsaglia 2003, Vigna 2016). */
+uint64_t random_bits(uint64_t *state);
+
+/** In [0, n), n > 0. */
+int64_t random_below(uint64_t *state, int64_t n);
+
+/** In [0, 1). */
+double random_unit(uint64_t *state);
+
+/** In [low, high). */
+double random_between(uint64_t *state, double low, double high);
+
+/** A line "figure: text" on standard output. */
+void figure(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+#endif
