@@ -303,7 +303,7 @@ static uint64_t hash_result(const planish_result *r) {
     return hash;
 }
 
-enum { LINE = 128 };
+enum { LINE = 128, ENOUGH = 5 /* differences to show */ };
 
 /** One line of the list: mesh, way, checksum of the coordinates, hash of the result. */
 static void smooth_line(subject *s, const char *shape, int way, const planish_options *options,
@@ -370,7 +370,7 @@ static void expect_list(int threads, planish_isa isa, const char *write) {
     for (size_t shape = 0; shape < sizeof shapes / sizeof *shapes; shape++) {
         subject s;
         subject_create(&s, (int)shape);
-        for (size_t way = 0; way < sizeof ways / sizeof *ways; way++) {
+        for (size_t way = 0; way < sizeof ways / sizeof *ways && different < ENOUGH; way++) {
             planish_options options;
             if (!is_asked((int)shape, (int)way) || !set_way(&s, ways[way].how, &options))
                 continue;
@@ -381,7 +381,7 @@ static void expect_list(int threads, planish_isa isa, const char *write) {
         }
         subject_destroy(&s);
     }
-    assert_true(write || fgetc(list) == EOF);
+    assert_true(write || different || fgetc(list) == EOF);
     assert_int_equal(fclose(list), 0);
     assert_int_equal(different, 0);
 }
