@@ -17,6 +17,10 @@ enum {
  * have the right sign: Shewchuk's bound (certificate.c), larger for the product's own rounding. */
 static const double CERTAIN = 8 * 0x1p-53;
 
+/* What underflow adds to the error: coordinates that are scaled lose up to 2^-1074 each, as their
+ * products do, and meet factors below 2^50 (SCALE_LIMIT) afterwards. */
+static const double UNDERFLOW_ERROR = 0x1p-960;
+
 /* |D| below this multiple of the same product: so flat that the kernels, to which D from another of
  * its nodes may be nothing but rounding, leave its stars alone. */
 static const double FLAT = 0x1p-44;
@@ -79,14 +83,16 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
     double edges[3][3] = {{0}}, sign = problem->sign ? problem->sign[index] : 1;
     pl_edges(dim, scaled, edges);
     e.determinant = sign * pl_determinant_of_edges(dim, edges);
-    if (!(fabs(e.determinant) > CERTAIN * permanent_bound(&e, dim))) {
+    const double per_measure = dim == 3 ? 6 : 2;
+    e.measure = ldexp(e.determinant / per_measure, dim * e.exponent);
+    if (!(fabs(e.determinant) > CERTAIN * permanent_bound(&e, dim) + UNDERFLOW_ERROR)) {
         int exponent;
         double exact = sign * pl_certified_determinant(dim, vertex, &exponent);
         e.determinant = ldexp(exact, exponent - dim * e.exponent);
         if (exact > 0 && !(e.determinant > 0))
             e.determinant = 0x1p-1022; /* as flat as can be said */
+        e.measure = ldexp(exact / per_measure, exponent);
     }
-    e.measure = ldexp(e.determinant / (dim == 3 ? 6 : 2), dim * e.exponent);
     return e;
 }
 

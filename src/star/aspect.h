@@ -78,6 +78,20 @@ PL_INLINE edges edges_at(const star *s, int64_t i, const lanes *x, const int dim
     return e;
 }
 
+/** The link's own edges from its nodes: as differences of those at x short ones lose their digits,
+ *  which sums of the squares do not mind. */
+PL_INLINE void sharpen_link(const star *s, int64_t i, edges *e, const int dim) {
+    static const uint8_t columns[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
+    for (int j = 0, k = dim; j < dim; j++)
+        for (int other = j + 1; other < dim; other++, k++) {
+            e->square[k] = lanes_of(0);
+            for (int d = 0; d < dim; d++) {
+                lanes difference = load(s, columns[other][d], i) - load(s, columns[j][d], i);
+                e->square[k] += difference * difference;
+            }
+        }
+}
+
 static inline int n_edges(const int dim) {
     return dim == 3 ? 6 : 3;
 }
@@ -173,6 +187,7 @@ PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
                           const int dim) {
     const int n = n_edges(dim);
     edges e = edges_at(s, i, x, dim);
+    sharpen_link(s, i, &e, dim);
     lanes longest = e.square[0], shortest = e.square[0], large[6], small[6];
     for (int k = 1; k < n; k++) {
         longest = lanes_max(e.square[k], longest);
@@ -216,10 +231,11 @@ PL_INLINE void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) {
 
 PL_INLINE void radius_ratio_3d(const star *s, int64_t i, vec3 x, aspect *a, const int derive) {
     const lanes one = lanes_of(1);
-    vec3 r[3], m[3];
+    vec3 r[3], e[3], m[3];
     lanes area[3];
     edges_from(s, i, x, r);
-    tetrahedra t = tetrahedra_at(s, i, x, areas_from(r, m, area));
+    link_edges_from(s, i, e);
+    tetrahedra t = tetrahedra_at(s, i, x, areas_from(r, e, m, area));
     lanes q = t.s * (a->inverse_d * a->inverse_d);
     a->square = t.N * (q * q) * lanes_of(RR2_FACTOR_3D);
     if (!derive)
@@ -228,8 +244,8 @@ PL_INLINE void radius_ratio_3d(const star *s, int64_t i, vec3 x, aspect *a, cons
     lanes h[6], inverse_s = one / t.s;
     for (int k = 0; k < 6; k++)
         h[k] = lanes_of(0);
-    for (int j = 0; j < 3; j++) /* the edge from p_j to the next is r_j less the next r */
-        add_area(m[j], vec3_minus(r[j], r[(j + 1) % 3]), one / area[j], &gs, h);
+    for (int j = 0; j < 3; j++)
+        add_area(m[j], e[j], one / area[j], &gs, h);
     coefficients f = coefficients_of(&t, a->inverse_d, one / t.N, one);
     vec3 l = log_derivatives_3d(&f, t.c, t.n, vec3_scaled(gs, inverse_s), one, a->h);
     for (int k = 0; k < 6; k++)
@@ -360,9 +376,9 @@ PL_INLINE void worst_angle_3d(const star *s, int64_t i, const lanes *x, aspect *
     lanes mm[3], ee[3], rr[3];
     worst_part part[6];
     edges_from(s, i, (vec3){x[0], x[1], x[2]}, r);
+    link_edges_from(s, i, e);
     for (int j = 0; j < 3; j++) {
-        m[j] = vec3_cross(r[j], r[(j + 1) % 3]);
-        e[j] = vec3_minus(r[j], r[(j + 1) % 3]);
+        m[j] = vec3_cross(e[j], r[j]);
         mm[j] = vec3_dot(m[j], m[j]);
         ee[j] = vec3_dot(e[j], e[j]);
         rr[j] = vec3_dot(r[j], r[j]);

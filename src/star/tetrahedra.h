@@ -19,21 +19,31 @@ PL_INLINE void edges_from(const star *s, int64_t i, vec3 x, vec3 r[3]) {
     r[2] = vec3_minus(x, vec3_load(s, P2X, P2Y, P2Z, i));
 }
 
+/** The link's own edges, from each of its nodes to the next. From the nodes: as differences of the
+ *  edges at x short ones would lose their digits, and with them what is made of them. */
+PL_INLINE void link_edges_from(const star *s, int64_t i, vec3 e[3]) {
+    const vec3 p[3] = {vec3_load(s, P0X, P0Y, P0Z, i), vec3_load(s, P1X, P1Y, P1Z, i),
+                       vec3_load(s, P2X, P2Y, P2Z, i)};
+    for (int j = 0; j < 3; j++)
+        e[j] = vec3_minus(p[(j + 1) % 3], p[j]);
+}
+
 /** Normals m of the faces at x and their lengths; returns the sum of these, the faces' areas times
  *  two. Each tetrahedron by itself: the plain form of link_edges.h. */
-PL_INLINE lanes areas_from(const vec3 r[3], vec3 m[3], lanes area[3]) {
+PL_INLINE lanes areas_from(const vec3 r[3], const vec3 e[3], vec3 m[3], lanes area[3]) {
     for (int j = 0; j < 3; j++) {
-        m[j] = vec3_cross(r[j], r[(j + 1) % 3]);
+        m[j] = vec3_cross(e[j], r[j]);
         area[j] = lanes_sqrt(vec3_dot(m[j], m[j]));
     }
     return (area[0] + area[1]) + area[2];
 }
 
 PL_INLINE lanes areas_at(const star *s, int64_t i, vec3 x) {
-    vec3 r[3], m[3];
+    vec3 r[3], e[3], m[3];
     lanes area[3];
     edges_from(s, i, x, r);
-    return areas_from(r, m, area);
+    link_edges_from(s, i, e);
+    return areas_from(r, e, m, area);
 }
 
 /** areas: of the faces at x, times two. */

@@ -1,11 +1,19 @@
-/* reference: all measures of an element from textbook formulas in long double, sharing nothing with
- * src/geometry. For tests; elements are positive. */
+/* reference: all measures of an element from textbook formulas in long double, or where
+ * REFERENCE_IN_QUAD is defined with 113 bits, sharing nothing with src/geometry. For tests;
+ * elements are positive. */
 #ifndef TEST_GEOMETRY_REFERENCE_H
 #define TEST_GEOMETRY_REFERENCE_H
 
 #include <math.h>
 
+#ifdef REFERENCE_IN_QUAD
+#include <quadmath.h>
+__extension__ typedef __float128 real;
+#define REAL(function) function##q
+#else
 typedef long double real;
+#define REAL(function) function##l
+#endif
 
 /** The measures, in the order of planish_quality's spreads; angles in degrees. */
 typedef struct reference {
@@ -17,7 +25,7 @@ static inline real reference_distance(int dim, const double *a, const double *b)
     real square = 0;
     for (int d = 0; d < dim; d++)
         square += ((real)b[d] - (real)a[d]) * ((real)b[d] - (real)a[d]);
-    return sqrtl(square);
+    return REAL(sqrt)(square);
 }
 
 /** Edges at vertex v [dim + 1], as columns that keep the orientation. */
@@ -37,11 +45,16 @@ static inline real reference_determinant(int dim, const real m[3][3]) {
            m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
 }
 
-/** Area by Heron. */
-static inline real reference_area(int dim, const double *a, const double *b, const double *c) {
-    const real x = reference_distance(dim, a, b), y = reference_distance(dim, b, c);
-    const real z = reference_distance(dim, c, a), s = (x + y + z) / 2;
-    return sqrtl(s * (s - x) * (s - y) * (s - z));
+/** Area of a triangle in space by the cross product. */
+static inline real reference_area(const double *a, const double *b, const double *c) {
+    real square = 0;
+    for (int d = 0; d < 3; d++) {
+        const int i = (d + 1) % 3, j = (d + 2) % 3;
+        const real n = ((real)b[i] - (real)a[i]) * ((real)c[j] - (real)a[j]) -
+                       ((real)b[j] - (real)a[j]) * ((real)c[i] - (real)a[i]);
+        square += n * n;
+    }
+    return REAL(sqrt)(square) / 2;
 }
 
 /** Distance of vertex 0 from the point c with 2 e_j . c = |e_j|^2, by Cramer. */
@@ -58,7 +71,7 @@ static inline real reference_circumradius(int dim, const double *const v[]) {
         const real c = reference_determinant(dim, m) / reference_determinant(dim, e);
         c2 += c * c;
     }
-    return sqrtl(c2);
+    return REAL(sqrt)(c2);
 }
 
 /** dim times the measure by the measure of the boundary. */
@@ -71,13 +84,13 @@ static inline real reference_inradius(int dim, const double *const v[]) {
                (reference_distance(2, v[0], v[1]) + reference_distance(2, v[1], v[2]) +
                 reference_distance(2, v[2], v[0]));
     return determinant / 2 /
-           (reference_area(3, v[0], v[1], v[2]) + reference_area(3, v[0], v[1], v[3]) +
-            reference_area(3, v[0], v[2], v[3]) + reference_area(3, v[1], v[2], v[3]));
+           (reference_area(v[0], v[1], v[2]) + reference_area(v[0], v[1], v[3]) +
+            reference_area(v[0], v[2], v[3]) + reference_area(v[1], v[2], v[3]));
 }
 
 /** dim det(T)^(2/dim) / |T|^2, T = A W^-1 the map from the regular element (Knupp). */
 static inline real reference_mean_ratio(int dim, const double *const v[]) {
-    const real s3 = sqrtl(3), s6 = sqrtl(6);
+    const real s3 = REAL(sqrt)(3), s6 = REAL(sqrt)(6);
     /* W^-1 of edges (1, 0, 0), (1/2, sqrt(3)/2, 0), (1/2, sqrt(3)/6, sqrt(6)/3) */
     const real inverse[3][3] = {{1, -1 / s3, -1 / s6}, {0, 2 / s3, -1 / s6}, {0, 0, 3 / s6}};
     real a[3][3], t[3][3] = {{0}}, norm = 0;
@@ -88,7 +101,7 @@ static inline real reference_mean_ratio(int dim, const double *const v[]) {
                 t[i][j] += a[i][k] * inverse[k][j];
             norm += t[i][j] * t[i][j];
         }
-    return dim * powl(reference_determinant(dim, t), 2.0L / dim) / norm;
+    return dim * REAL(pow)(reference_determinant(dim, t), (real)2 / dim) / norm;
 }
 
 /** Least over the vertices of D / product of the edges there, by that of the regular element. */
@@ -99,9 +112,9 @@ static inline real reference_scaled_jacobian(int dim, const double *const v[]) {
         reference_edges(dim, v, at, e);
         for (int j = 0; j <= dim; j++)
             product *= j == at ? 1 : reference_distance(dim, v[at], v[j]);
-        least = fminl(least, reference_determinant(dim, e) / product);
+        least = REAL(fmin)(least, reference_determinant(dim, e) / product);
     }
-    return least * (dim == 3 ? sqrtl(2) : 2 / sqrtl(3));
+    return least * (dim == 3 ? REAL(sqrt)(2) : 2 / REAL(sqrt)(3));
 }
 
 /** At the edge (in the plane: the vertex) i j, between what points from it to k and to l. */
@@ -125,11 +138,11 @@ static inline real reference_angle(int dim, const double *const v[], int i, int 
     }
     real sum = 0, difference = 0; /* Kahan: no loss near 0 and 180 degrees */
     for (int d = 0; d < dim; d++) {
-        const real a = p[d] / sqrtl(pp), b = q[d] / sqrtl(qq);
+        const real a = p[d] / REAL(sqrt)(pp), b = q[d] / REAL(sqrt)(qq);
         sum += (a + b) * (a + b);
         difference += (a - b) * (a - b);
     }
-    return 2 * atan2l(sqrtl(difference), sqrtl(sum)) * (180 / acosl(-1));
+    return 2 * REAL(atan2)(REAL(sqrt)(difference), REAL(sqrt)(sum)) * (180 / REAL(acos)(-1));
 }
 
 static inline void reference_angles(int dim, const double *const v[], reference *r) {
@@ -141,8 +154,8 @@ static inline void reference_angles(int dim, const double *const v[], reference 
     for (int i = 0; i < (dim == 3 ? 6 : 3); i++) {
         const int *n = dim == 3 ? space[i] : plane[i];
         const real angle = reference_angle(dim, v, n[0], n[1], n[2], n[3]);
-        r->smallest_angle = fminl(r->smallest_angle, angle);
-        r->largest_angle = fmaxl(r->largest_angle, angle);
+        r->smallest_angle = REAL(fmin)(r->smallest_angle, angle);
+        r->largest_angle = REAL(fmax)(r->largest_angle, angle);
     }
 }
 
@@ -152,13 +165,14 @@ static inline reference reference_of(int dim, const double *const v[]) {
     for (int i = 0; i < dim; i++)
         for (int j = i + 1; j <= dim; j++) {
             const real length = reference_distance(dim, v[i], v[j]);
-            longest = fmaxl(longest, length);
-            shortest = fminl(shortest, length);
+            longest = REAL(fmax)(longest, length);
+            shortest = REAL(fmin)(shortest, length);
         }
     const real circumradius = reference_circumradius(dim, v), inradius = reference_inradius(dim, v);
     r.radius_ratio = circumradius / (dim * inradius);
-    r.circumradius_to_edge = circumradius / longest * (dim == 3 ? 4 / sqrtl(6) : sqrtl(3));
-    r.edge_to_inradius = longest / inradius / (dim == 3 ? 2 * sqrtl(6) : 2 * sqrtl(3));
+    r.circumradius_to_edge =
+        circumradius / longest * (dim == 3 ? 4 / REAL(sqrt)(6) : REAL(sqrt)(3));
+    r.edge_to_inradius = longest / inradius / (dim == 3 ? 2 * REAL(sqrt)(6) : 2 * REAL(sqrt)(3));
     r.edge_ratio = longest / shortest;
     r.mean_ratio = reference_mean_ratio(dim, v);
     r.scaled_jacobian = reference_scaled_jacobian(dim, v);

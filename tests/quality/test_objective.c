@@ -365,6 +365,32 @@ static void nearly_flat_triangles_are_decided_exactly(void **state) {
     }
 }
 
+/** Triangles so thin that in their own scale the measure underflows, wholly or in part: it is known
+ *  to its last digits all the same. */
+static void underflow_takes_nothing_from_volumes(void **state) {
+    (void)state;
+    static const int32_t elements[] = {0, 1, 2};
+    static const uint8_t is_free[3];
+    static const double needles[][6] = {{0, 0, 0x1p700, 0, 0, 0x1p-500},
+                                        {0, 0, 0x1.3333333333333p520, 0x1.999999999999ap521,
+                                         0x1.999999999999ap-556, 0x1.6666666666666p-554}};
+    for (int i = 0; i < 2; i++) {
+        const double *x = needles[i];
+        uint8_t state_of;
+        const double area = (double)(((long double)x[2] * x[5] - (long double)x[3] * x[4]) / 2);
+        pl_objective_problem problem = {.dim = 2,
+                                        .n_elements = 1,
+                                        .elements = elements,
+                                        .is_free = is_free,
+                                        .coordinates = x,
+                                        .min_volume = area,
+                                        .threads = 1};
+        assert_int_equal(pl_find_below(&problem, &state_of), 0);
+        problem.min_volume = 1.01 * area;
+        assert_int_equal(pl_find_below(&problem, &state_of), 1);
+    }
+}
+
 /** All in one plane, or on one point: nothing is valid, nothing is counted as it were. */
 static void flat_elements_are_not_valid(void **state) {
     int dim = *(int *)*state;
@@ -397,6 +423,7 @@ int main(void) {
         BOTH(threads_change_no_bit),
         BOTH(elements_below_are_found),
         cmocka_unit_test(nearly_flat_triangles_are_decided_exactly),
+        cmocka_unit_test(underflow_takes_nothing_from_volumes),
         BOTH(flat_elements_are_not_valid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
