@@ -187,12 +187,14 @@ static inline void cone_judge(cone_search *search, int k) {
     if (!(broken < search->broken))
         return;
     search->broken = broken;
-    search->best.n_active = k;
-    memcpy(search->best.point, residual, sizeof residual);
-    for (int i = 0; i < k; i++) {
-        search->best.active[i] = search->set[i];
-        search->best.multiplier[i] = lambda[i] > 0 ? lambda[i] : 0;
-    }
+    cone_point *best = &search->best;
+    best->n_active = 0;
+    memcpy(best->point, residual, sizeof residual);
+    for (int i = 0; i < k; i++)
+        if (lambda[i] > 0) { /* others are of rounding, and no part of a proof */
+            best->active[best->n_active] = search->set[i];
+            best->multiplier[best->n_active++] = lambda[i];
+        }
 }
 
 /** All sets that extend the first k rows by working rows from number first on. */
@@ -227,7 +229,8 @@ static inline int cone_enumerate(const cone *c, double tolerance, cone_point *ou
 }
 
 /** Project p [n] on the cone of m rows; 0 if that could not be done (out is then not to be used).
- *  p and rows are finite. */
+ *  p and rows are finite, and 0 or of lengths between 1e-150 and 1e150, so that squares are exact
+ *  enough. */
 static inline int cone_project(const double (*rows)[CONE_DIM], int64_t m, const double *p, int n,
                                cone_point *out) {
     const cone c = {rows, m, p, n};
