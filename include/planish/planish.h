@@ -9,8 +9,10 @@
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
  *
  * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
- * Floating-point environment: round to nearest, subnormals not flushed to zero (the default of
- * every system); otherwise the bits, and near rounding the promises, are not those stated here.
+ * Floating-point environment: whatever the caller's, each thread computes with the usual one (round
+ * to nearest, subnormals kept, no traps) while it works for a call, and has its own again, flags
+ * included, when the call or task returns. Functions of the caller's are called with the usual one
+ * of doubles, and are to leave it so.
  * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
  * by planish_options_init): what is reserved in them is for later versions of the library.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
