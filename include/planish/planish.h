@@ -382,13 +382,14 @@ PLANISH_API void planish_options_init(planish_options *options);
 typedef struct planish_plan planish_plan;
 
 typedef struct planish_plan_info {
-    int64_t n_free;               /* nodes that may move anywhere */
-    int64_t n_sliding;            /* nodes that may move on a plane, line or surface */
-    int64_t n_unused;             /* nodes of no element */
-    int64_t n_fixed_elements;     /* elements all of whose nodes are fixed */
-    int64_t n_components;         /* of elements joined by facets; 0: was not needed */
-    int64_t n_reversed;           /* elements whose order in the input is the negative one */
-    int64_t n_boundary_facets;    /* facets of one element */
+    int64_t n_free;            /* nodes that may move anywhere */
+    int64_t n_sliding;         /* nodes that may move on a plane, line or surface */
+    int64_t n_unused;          /* nodes of no element */
+    int64_t n_fixed_elements;  /* elements all of whose nodes are fixed */
+    int64_t n_components;      /* of elements joined by facets; 0: was not needed */
+    int64_t n_reversed;        /* elements whose order in the input is the negative one */
+    int64_t n_boundary_facets; /* facets of one element; with only_worse_than or around, these and
+                                  the next are 0 if they were not needed */
     int64_t n_nonmanifold_facets; /* facets of more than two elements; their nodes are fixed */
     int64_t n_duplicate_elements; /* elements with the same nodes as an earlier one; likewise */
     int n_colours;
@@ -447,9 +448,10 @@ typedef struct planish_spread {
 typedef struct planish_quality {
     int64_t n_elements;
     int64_t inverted;  /* elements whose measure is not positive, decided exactly */
-    double min_volume; /* signed; areas in 2-D */
+    double min_volume; /* signed; areas in 2-D; infinite where no double holds it */
     double max_volume;
-    double total_volume; /* sum of the signed volumes */
+    double total_volume; /* sum of the signed volumes; no number if some of both signs are infinite
+                          */
     double rms_radius_ratio;
     double rms_radius_ratio_movable; /* over elements with a free node */
     double mean_radius_ratio;

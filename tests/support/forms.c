@@ -1,5 +1,4 @@
-/* The other forms of problems.h. */
-#include "support/problems.h"
+#include "support/forms.h"
 
 #include "support/meshes.h"
 
@@ -29,19 +28,20 @@ void test_problem_scale(test_problem *p, int exponent) {
 
 void test_problem_move(test_problem *p, double factor, double shift) {
     const int dim = p->mesh.dim;
-    const double volume = pow(factor, dim);
     for (int64_t i = 0; i < p->mesh.n_nodes * dim; i++) {
         p->coordinates[i] = p->coordinates[i] * factor + shift;
         p->lower[i] = p->lower[i] * factor + shift;
         p->upper[i] = p->upper[i] * factor + shift;
     }
     for (int64_t i = 0; i < p->mesh.n_elements; i++)
-        p->min_volume[i] *= volume;
+        for (int d = 0; d < dim; d++) /* one by one: 0 stays 0 */
+            p->min_volume[i] *= factor;
     for (int d = 0; d < 3; d++) {
         p->options.box_lower[d] = p->options.box_lower[d] * factor + shift;
         p->options.box_upper[d] = p->options.box_upper[d] * factor + shift;
     }
-    p->options.min_volume *= volume;
+    for (int d = 0; d < dim; d++)
+        p->options.min_volume *= factor;
     p->options.max_displacement *= factor;
 }
 
@@ -169,4 +169,108 @@ void test_problem_turn_corners(test_problem *p, int only_even, unsigned seed) {
 void test_problem_reverse(test_problem *p) {
     for (int64_t i = 0; i < p->mesh.n_elements; i++)
         exchange(p->elements + i * (p->mesh.dim + 1), 0, 1);
+}
+
+/* ---- the forms --------------------------------------------------------------------------------
+ */
+
+static void axes(test_problem *p, unsigned seed) {
+    static const int two[] = {1, 0}, three[] = {1, 2, 0}, sign[] = {1, 1, 1};
+    (void)seed;
+    test_problem_turn_axes(p, p->mesh.dim == 3 ? three : two, sign);
+}
+
+/** One of the 48 symmetries of a box, or of the 8 of a rectangle. */
+static void symmetry(test_problem *p, unsigned seed) {
+    int32_t *place = permutation(p->mesh.dim, &seed);
+    int axis[3] = {0, 0, 0}, sign[3];
+    for (int d = 0; d < 3; d++) {
+        axis[d] = d < p->mesh.dim ? place[d] : 0;
+        sign[d] = test_random(&seed) < 0.5 ? -1 : 1;
+    }
+    test_problem_turn_axes(p, axis, sign);
+    free(place);
+}
+
+static void mirror(test_problem *p, unsigned seed) {
+    static const int axis[] = {0, 1, 2}, sign[] = {-1, 1, 1};
+    (void)seed;
+    test_problem_turn_axes(p, axis, sign);
+}
+
+static void mirror_positive(test_problem *p, unsigned seed) {
+    mirror(p, seed);
+    test_problem_reverse(p);
+}
+
+static void reverse(test_problem *p, unsigned seed) {
+    (void)seed;
+    test_problem_reverse(p);
+}
+
+static void even_corners(test_problem *p, unsigned seed) {
+    test_problem_turn_corners(p, 1, seed);
+}
+
+static void any_corners(test_problem *p, unsigned seed) {
+    test_problem_turn_corners(p, 0, seed);
+}
+
+static void renumber(test_problem *p, unsigned seed) {
+    test_problem_renumber_nodes(p, seed);
+    test_problem_renumber_elements(p, seed + 1);
+}
+
+static void shift(test_problem *p, unsigned seed) {
+    (void)seed;
+    test_problem_move(p, 1, -0x1p20);
+}
+
+static void thirds(test_problem *p, unsigned seed) {
+    (void)seed;
+    test_problem_move(p, 1.0 / 3, 0);
+}
+
+static void far_away(test_problem *p, unsigned seed) {
+    (void)seed;
+    test_problem_move(p, 1e-3, 1e6);
+}
+
+static void rotated(test_problem *p, unsigned seed) {
+    (void)seed;
+    test_problem_rotate(p);
+}
+
+static void everything(test_problem *p, unsigned seed) {
+    rotated(p, seed);
+    symmetry(p, seed);
+    thirds(p, seed);
+    renumber(p, seed);
+    any_corners(p, seed);
+}
+
+const test_form test_forms[] = {
+    {"axes", FORM_RENAMED, axes},
+    {"symmetry", FORM_RENAMED, symmetry},
+    {"mirrored", FORM_RENAMED, mirror},
+    {"mirrored, positive", FORM_RENAMED, mirror_positive},
+    {"reversed", FORM_RENAMED, reverse},
+    {"even corners", FORM_RENAMED, even_corners},
+    {"any corners", FORM_RENAMED, any_corners},
+    {"nodes", FORM_RENAMED, test_problem_renumber_nodes},
+    {"elements", FORM_RENAMED, test_problem_renumber_elements},
+    {"both", FORM_RENAMED, renumber},
+    {"shifted", FORM_SHIFTED, shift},
+    {"by thirds", FORM_ROUNDED, thirds},
+    {"rotated", FORM_ROUNDED, rotated},
+    {"everything", FORM_ROUNDED, everything},
+    {"far away", FORM_FAR, far_away},
+    {0},
+};
+
+int test_form_suits(const test_form *form, test_wish wish) {
+    const int turns = form->apply == rotated || form->apply == everything;
+    if (wish == WISH_BOUNDS && turns)
+        return 0;
+    return wish != WISH_FLOAT || form->kind == FORM_RENAMED;
 }
