@@ -21,16 +21,17 @@ static const double BEFORE[] = {
 /* Of RR above it the sign may turn where coordinates are rounded anew. */
 #define FLAT 1e5
 
-/** How far the objectives may be apart in the end, relative: what was converged to hangs on the
- *  order of visits where there are several optima, and on nothing else. */
-static double apart(test_wish wish) {
-    if (wish == WISH_WORST_RATIO || wish == WISH_WORST_ANGLE)
-        return 0.01; /* worst_rise: what F may be given for the worst */
-    if (wish == WISH_EDGE_RATIO)
-        return 0.01; /* next to no derivative where edges change places as the longest */
-    if (wish >= WISH_LAPLACIAN)
-        return 0.01; /* five sweeps are no limit */
-    return wish == WISH_HOPELESS ? INFINITY : 2e-3;
+/* How far the objectives may be apart in the end, relative. There are several optima, and which one
+ * is converged to hangs on the order of visits; but that is rare, and they are close. */
+#define APART   0.02
+#define USUALLY 1e-4 /* in 9 of 10 cases */
+
+/** Whether what is converged to is an optimum of F, and not of the worst element, which F may be
+ *  given for, nor the state after some sweeps. The edge ratio has next to no derivative where edges
+ *  change places as the longest. */
+static int is_optimum(test_wish wish) {
+    return wish < WISH_LAPLACIAN && wish != WISH_WORST_RATIO && wish != WISH_WORST_ANGLE &&
+           wish != WISH_EDGE_RATIO;
 }
 
 /** A form of a problem, and both solved. */
@@ -102,19 +103,26 @@ static void compare_before(const pair *t) {
     expect_equal(t, "n_free", a->n_free, b->n_free);
     expect_equal(t, "n_sliding", a->n_sliding, b->n_sliding);
     expect_equal(t, "n_fixed_elements", a->n_fixed_elements, b->n_fixed_elements);
-    if (t->wish != WISH_ONLY_WORSE &&
-        t->wish != WISH_AROUND) /* facets are counted there only if they are needed */
+    if (t->wish != WISH_ONLY_WORSE && t->wish != WISH_AROUND) /* counted there only if needed */
         expect_equal(t, "n_boundary_facets", a->n_boundary_facets, b->n_boundary_facets);
     expect_equal(t, "n_fixed", p->n_fixed, q->n_fixed);
     if (t->form->kind > FORM_SHIFTED && t->wish == WISH_HOPELESS)
         return; /* flat elements, and proofs that need more than rounding */
     expect_equal(t, "inverted", p->inverted, q->inverted);
-    expect_equal(t, "unfixable", t->a.unfixable, t->b.unfixable);
+    if (t->wish == WISH_HOPELESS) /* which ones of several proofs: that hangs on their order */
+        expect_equal(t, "anything unfixable", t->a.unfixable > 0, t->b.unfixable > 0);
+    else
+        expect_equal(t, "unfixable", t->a.unfixable, t->b.unfixable);
     const double tolerance = 2 * BEFORE[t->form->kind] * p->max_radius_ratio;
     expect_near(t, "rms_radius_ratio", p->rms_radius_ratio, q->rms_radius_ratio, tolerance);
     expect_near(t, "max_radius_ratio", p->max_radius_ratio, q->max_radius_ratio, tolerance);
     if (t->form->kind == FORM_SHIFTED && memcmp(p, q, sizeof *p) != 0)
         differ(t, "the quality", 0, 1);
+}
+
+/** Elements that are brought above their least volume may become worse than the worst. */
+static int asks_for_volumes(test_wish wish) {
+    return wish == WISH_LEAST_VOLUME || wish == WISH_OWN_VOLUMES || wish == WISH_FRACTION;
 }
 
 /** What it is smoothed to; returns how far F is from that of the first form. */
@@ -126,9 +134,10 @@ static double compare_after(const pair *t) {
     }
     expect_equal(t, "inverted in the end", t->a.after.inverted, q->inverted);
     expect_equal(t, "below least volumes", t->a.below > 0, t->b.below > 0);
-    expect_near(t, "the objective", t->a.result.objective, t->b.result.objective, apart(t->wish));
-    if (before->inverted == 0 && t->wish < WISH_LAPLACIAN)
-        assert_true(q->max_radius_ratio <= before->max_radius_ratio);
+    expect_near(t, "the objective", t->a.result.objective, t->b.result.objective, APART);
+    const int may_be_worse = t->wish >= WISH_LAPLACIAN || asks_for_volumes(t->wish);
+    if (before->inverted == 0 && !may_be_worse && q->max_radius_ratio > before->max_radius_ratio)
+        differ(t, "the worst", before->max_radius_ratio, q->max_radius_ratio);
     return fabs(t->b.result.objective / t->a.result.objective - 1);
 }
 
@@ -136,7 +145,7 @@ static void forms_are_the_same_mesh(void **state) {
     const int dim = *(int *)*state;
     uint64_t random = effort_seed(23 + (uint64_t)dim);
     double element = 0, farthest = 0, far = 0, usual = 0;
-    int n = 0;
+    int n = 0, n_optima = 0, n_apart = 0;
     for (int i = 0; i < effort(1, 40); i++)
         for (int wish = 0; wish < WISHES; wish++)
             for (const test_form *form = test_forms; form->name; form++) {
@@ -147,14 +156,19 @@ static void forms_are_the_same_mesh(void **state) {
                 compare_before(&t);
                 double *worst = form->kind == FORM_FAR ? &far : &element;
                 *worst = fmax(*worst, compare_elements(&t));
-                double *most = apart((test_wish)wish) > 5e-3 ? &farthest : &usual;
-                *most = fmax(*most, compare_after(&t));
+                const int optimum = is_optimum((test_wish)wish);
+                const double apart = compare_after(&t);
+                double *most = optimum ? &usual : &farthest;
+                *most = fmax(*most, apart);
+                n_optima += optimum;
+                n_apart += optimum && apart > USUALLY;
                 destroy(&t);
                 n++;
             }
     figure("%d-D: %d forms; RR differs by %.1e of its square, far away by %.1e; F in the end by "
-           "%.1e, for the worst, edges and averages by %.1e",
-           dim, n, element, far, usual, farthest);
+           "more than %g in %d of %d cases, at most %.1e; for the worst, edges and averages %.1e",
+           dim, n, element, far, USUALLY, n_apart, n_optima, usual, farthest);
+    assert_true(n_apart < n_optima / 10);
 }
 
 int main(void) {
