@@ -9,8 +9,10 @@
  * *error (may be NULL) says what and where, and outputs are untouched unless stated otherwise.
  *
  * Conventions: node and element indices start at 0. dim is 2 (triangles) or 3 (tetrahedra).
- * Floating-point environment: round to nearest, subnormals not flushed to zero (the default of
- * every system); otherwise the bits, and near rounding the promises, are not those stated here.
+ * Floating-point environment: whatever the caller's, each thread computes with the usual one (round
+ * to nearest, subnormals kept, no traps) while it works for a call, and has its own again, flags
+ * included, when the call or task returns. Functions of the caller's are called with the usual one
+ * of doubles, and are to leave it so.
  * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
  * by planish_options_init): what is reserved in them is for later versions of the library.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
@@ -380,13 +382,14 @@ PLANISH_API void planish_options_init(planish_options *options);
 typedef struct planish_plan planish_plan;
 
 typedef struct planish_plan_info {
-    int64_t n_free;               /* nodes that may move anywhere */
-    int64_t n_sliding;            /* nodes that may move on a plane, line or surface */
-    int64_t n_unused;             /* nodes of no element */
-    int64_t n_fixed_elements;     /* elements all of whose nodes are fixed */
-    int64_t n_components;         /* of elements joined by facets; 0: was not needed */
-    int64_t n_reversed;           /* elements whose order in the input is the negative one */
-    int64_t n_boundary_facets;    /* facets of one element */
+    int64_t n_free;            /* nodes that may move anywhere */
+    int64_t n_sliding;         /* nodes that may move on a plane, line or surface */
+    int64_t n_unused;          /* nodes of no element */
+    int64_t n_fixed_elements;  /* elements all of whose nodes are fixed */
+    int64_t n_components;      /* of elements joined by facets; 0: was not needed */
+    int64_t n_reversed;        /* elements whose order in the input is the negative one */
+    int64_t n_boundary_facets; /* facets of one element; with only_worse_than or around, these and
+                                  the next are 0 if they were not needed */
     int64_t n_nonmanifold_facets; /* facets of more than two elements; their nodes are fixed */
     int64_t n_duplicate_elements; /* elements with the same nodes as an earlier one; likewise */
     int n_colours;
@@ -445,9 +448,10 @@ typedef struct planish_spread {
 typedef struct planish_quality {
     int64_t n_elements;
     int64_t inverted;  /* elements whose measure is not positive, decided exactly */
-    double min_volume; /* signed; areas in 2-D */
+    double min_volume; /* signed; areas in 2-D; infinite where no double holds it */
     double max_volume;
-    double total_volume; /* sum of the signed volumes */
+    double total_volume; /* sum of the signed volumes; no number if some of both signs are infinite
+                          */
     double rms_radius_ratio;
     double rms_radius_ratio_movable; /* over elements with a free node */
     double mean_radius_ratio;

@@ -14,6 +14,15 @@ pl_context *pl_context_enter(pl_context *context) {
     return before;
 }
 
+pl_outside pl_call_enter(pl_context *context) {
+    return (pl_outside){.context = pl_context_enter(context), .arithmetic = pl_arithmetic_usual()};
+}
+
+void pl_call_leave(const pl_outside *outside) {
+    pl_context_enter(outside->context);
+    pl_arithmetic_set(&outside->arithmetic);
+}
+
 void pl_context_begin(pl_context *context) {
     context->call++;
     context->failed = 0;

@@ -9,6 +9,8 @@
 
 #include <planish/planish.h>
 
+#include "base/arithmetic.h"
+
 typedef struct pl_context {
     planish_allocator allocator;   /* allocate NULL: the system's */
     planish_parallel_fn *parallel; /* NULL: OpenMP's */
@@ -32,6 +34,17 @@ void pl_context_destroy(pl_context *context);
 /** Enter context (NULL: none) on this thread; the one before, to be entered again at the end.
  * Around every function of the caller's there is none. */
 pl_context *pl_context_enter(pl_context *context);
+
+/** What a thread was in before it worked for a call. */
+typedef struct pl_outside {
+    pl_context *context;
+    pl_arithmetic arithmetic;
+} pl_outside;
+
+/** This thread begins to work for a call: it enters context (may be NULL), and computes as usual;
+ * and ends: all is as it was outside. Functions of the caller's compute as usual, too. */
+pl_outside pl_call_enter(pl_context *context);
+void pl_call_leave(const pl_outside *outside);
 
 /** A call that works on the plan begins; and ends: what it and the one before it did not want of
  * the kept blocks is released. */

@@ -65,10 +65,10 @@ static void run_share(const loop *l, share *s, int thread) {
 /** What each thread does. */
 static void run_thread(void *a_loop, int thread) {
     loop *l = a_loop;
-    pl_context *before = pl_context_enter(l->context);
+    const pl_outside outside = pl_call_enter(l->context);
     for (int s = 0; s < l->n_shares; s++)
         run_share(l, &l->shares[(thread + s) % l->n_shares], thread);
-    pl_context_enter(before);
+    pl_call_leave(&outside);
 }
 
 /** Call work(data, t) for all threads t, by the caller's means or by OpenMP's. */

@@ -4,6 +4,7 @@
 #include "io/output.h"
 #include "io/view.h"
 
+#include "base/context.h"
 #include "base/status.h"
 
 #include <inttypes.h>
@@ -80,6 +81,7 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
     if (!target)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s: meshes are converted to .vtu and .vtk only", path);
+    const pl_outside outside = pl_call_enter(NULL);
     const io_view view = io_view_of(&file->model, coordinates, constraint, radius_ratio);
     int status = io_output_open(path, temporaries, &output, error);
     if (!status)
@@ -91,6 +93,7 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
     if (!status)
         status = io_output_commit(&output, temporaries, error);
     io_output_release(&output, temporaries);
+    pl_call_leave(&outside);
     if (!status && lost && lost_size > 0) {
         losses l = {lost, lost_size, 0};
         lost[0] = '\0';

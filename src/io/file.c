@@ -5,6 +5,7 @@
 #include "io/number.h"
 #include "io/output.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -126,10 +127,8 @@ static void rest(const io_model *model) {
         io_bytes_rest(&model->companion[i]);
 }
 
-int planish_file_open(const char *path, const char *format, int threads, planish_file **out,
-                      planish_error *error) {
-    if (!path || !out)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "path and file must not be NULL");
+static int open_file(const char *path, const char *format, int threads, planish_file **out,
+                     planish_error *error) {
     planish_file *file = pl_alloc_zero(1, sizeof *file);
     if (!file)
         return pl_fail_memory(error, path);
@@ -144,6 +143,16 @@ int planish_file_open(const char *path, const char *format, int threads, planish
         planish_file_close(file);
     else
         *out = file;
+    return status;
+}
+
+int planish_file_open(const char *path, const char *format, int threads, planish_file **out,
+                      planish_error *error) {
+    if (!path || !out)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "path and file must not be NULL");
+    const pl_outside outside = pl_call_enter(NULL);
+    const int status = open_file(path, format, threads, out, error);
+    pl_call_leave(&outside);
     return status;
 }
 

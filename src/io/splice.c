@@ -11,6 +11,7 @@
 #include "io/output.h"
 #include "io/text.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/round.h"
@@ -453,6 +454,7 @@ int planish_file_write(const planish_file *file, const char *path, const double 
                        "file, path and coordinates must not be NULL");
     int alone = file->model.n_companions == 0 || io_output_is_stream(path);
     int n_companions = alone ? 0 : file->model.n_companions;
+    const pl_outside outside = pl_call_enter(NULL);
     char *main_path = with_extension_of(path, alone ? path : file->model.input.path);
     io_output *output = pl_alloc(n_companions + 1, sizeof *output);
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
@@ -466,5 +468,6 @@ int planish_file_write(const planish_file *file, const char *path, const double 
                       (io_temporaries){temporary, temporary_size}, output, n_companions, error);
     pl_free(output);
     pl_free(main_path);
+    pl_call_leave(&outside);
     return status;
 }

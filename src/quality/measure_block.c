@@ -1,7 +1,9 @@
-/* measure_block: gathering, and elements that the plain formulas are not certain of, one by one.
+/* measure_block: gathering, and elements that the plain formulas are not certain of.
  *
- * Of these the sign of D is exact (certificate.h); each is looked at in its own scale, and what can
- * still be out of a double's range, D and short edges, carries its exponent along.
+ * Those whose size is out of range are evaluated again by the same formulas, in a size of about 1.
+ * What is uncertain still is looked at one by one. Of these the sign of D is exact (certificate.h);
+ * each is looked at in its own scale, and what can still be out of a double's range, D and short
+ * edges, carries its exponent along.
  */
 #include "quality/measure_block.h"
 #include "base/fetch.h"
@@ -9,6 +11,7 @@
 #include "quality/certificate.h"
 
 #include <float.h>
+#include <string.h>
 
 /* ---- Gathering ---------------------------------------------------------------------------- */
 
@@ -39,6 +42,52 @@ void pl_block_gather(const pl_mesh_state *mesh, int64_t first, int count, pl_blo
         gather(mesh, first, count, b, 3);
     else
         gather(mesh, first, count, b, 2);
+}
+
+/* ---- Elements out of range ------------------------------------------------------------------ */
+
+/** Whether the plain formulas could over- or underflow with lane l. */
+static int is_out_of_range(const pl_block *b, int l, int dim) {
+    double edges[3][3] = {{0}};
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            edges[j][d] = b->x[j + 1][d][l] - b->x[0][d][l];
+    return !(pl_permanent_bound(dim, edges) < INFINITY);
+}
+
+/** Bring lane l to a size of about 1, by a power of two; its exponent before. */
+static int scale_lane(pl_block *b, int l, int dim) {
+    double half = 0; /* of the longest component of an edge, because the whole could overflow */
+    int exponent;
+    for (int j = 1; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            half = pl_larger(half, fabs(b->x[j][d][l] / 2 - b->x[0][d][l] / 2));
+    frexp(half, &exponent);
+    for (int j = 0; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            b->x[j][d][l] = ldexp(b->x[j][d][l], -exponent);
+    return exponent;
+}
+
+/** Evaluate the lanes that are out of range again, scaled: elements that are the same but for a
+ *  power of two have the same measures, bit for bit, whatever their size. */
+static void evaluate_scaled(pl_block *b, int dim) {
+    const pl_block before = *b;
+    int exponent[PL_LANES] = {0}, n_scaled = 0;
+    for (int l = 0; l < PL_LANES; l++)
+        if (b->certain[l] == 0 && is_out_of_range(b, l, dim)) {
+            exponent[l] = scale_lane(b, l, dim);
+            n_scaled++;
+        }
+    if (n_scaled == 0)
+        return;
+    if (dim == 3)
+        pl_block_evaluate(b, 3, 1);
+    else
+        pl_block_evaluate(b, 2, 1);
+    for (int l = 0; l < PL_LANES; l++)
+        b->volume[l] = ldexp(b->volume[l], dim * exponent[l]);
+    memcpy(b->x, before.x, sizeof b->x);
 }
 
 /* ---- Elements one by one ------------------------------------------------------------------- */
@@ -212,6 +261,7 @@ static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *
 }
 
 void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b) {
+    evaluate_scaled(b, mesh->dim);
     for (int l = 0; l < count; l++)
         if (b->certain[l] == 0)
             resolve(mesh, first + l, l, b);

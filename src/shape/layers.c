@@ -6,6 +6,7 @@
  * rows are followed to those that are hardly thin any more: most layers grow until they are not.
  * Nothing is asked of the boundary, so that layers may be anywhere, and in one or many.
  */
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -387,13 +388,16 @@ int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer
     if (!is_layer)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "is_layer must not be NULL");
     const int used = pl_thread_count(threads);
+    const pl_outside outside = pl_call_enter(NULL);
+    search s = {.is_layer = is_layer};
     pl_dense dense;
     int status = pl_dense_create(mesh, used, &dense, error);
-    if (status)
-        return status;
-    search s = {.mesh = &dense.mesh, .is_layer = is_layer};
-    status = find_layers(&s, used, error);
-    pl_dense_destroy(&dense);
+    if (!status) {
+        s.mesh = &dense.mesh;
+        status = find_layers(&s, used, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
     if (!status && n_layer)
         *n_layer = s.n_layer;
     return status;

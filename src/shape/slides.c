@@ -1,6 +1,7 @@
 /* slides: planish_find_slides, which nodes of a mesh can slide on what. */
 #include "shape/shape.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
@@ -243,16 +244,18 @@ int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface
     if (!constraint || !direction)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
     const int used = pl_thread_count(threads);
+    const pl_outside outside = pl_call_enter(NULL);
     pl_dense dense;
     int status = pl_dense_create(mesh, used, &dense, error);
-    if (status)
-        return status;
-    status = check_tags(mesh, surface, error);
-    if (!status)
-        status = check_constraints(mesh, error);
-    if (!status)
-        status = find_slides(&dense.mesh, surface, used, constraint, direction, &found, error);
-    pl_dense_destroy(&dense);
+    if (!status) {
+        status = check_tags(mesh, surface, error);
+        if (!status)
+            status = check_constraints(mesh, error);
+        if (!status)
+            status = find_slides(&dense.mesh, surface, used, constraint, direction, &found, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
     if (!status && info)
         *info = found;
     return status;

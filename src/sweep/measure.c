@@ -71,9 +71,9 @@ int planish_measure(const planish_plan *plan, const double *coordinates, planish
     if (!plan || !coordinates || !quality)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and quality must not be NULL");
-    pl_context *before = pl_context_enter(plan->context);
+    const pl_outside outside = pl_call_enter(plan->context);
     const int status = check_and_measure(plan, coordinates, quality, NULL, error);
-    pl_context_enter(before);
+    pl_call_leave(&outside);
     return status;
 }
 
@@ -82,9 +82,9 @@ int planish_measure_elements(const planish_plan *plan, const double *coordinates
     if (!plan || !coordinates || !radius_ratio)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and radius_ratio must not be NULL");
-    pl_context *before = pl_context_enter(plan->context);
+    const pl_outside outside = pl_call_enter(plan->context);
     const int status = check_and_measure(plan, coordinates, NULL, radius_ratio, error);
-    pl_context_enter(before);
+    pl_call_leave(&outside);
     return status;
 }
 

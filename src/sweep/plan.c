@@ -219,13 +219,8 @@ static planish_plan *make(const planish_mesh *mesh, const planish_options *optio
     return plan;
 }
 
-int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
-                        planish_plan **out, planish_error *error) {
-    planish_options defaults;
-    if (!mesh || !out)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and plan must not be NULL");
-    planish_options_init(&defaults);
-    options = options ? options : &defaults;
+static int create(const planish_mesh *mesh, const planish_options *options, planish_plan **out,
+                  planish_error *error) {
     int status = pl_options_check(options, error);
     if (!status)
         status = check_kernel(options, error);
@@ -246,6 +241,18 @@ int planish_plan_create(const planish_mesh *mesh, const planish_options *options
     context->keeps = 1;
     *out = plan;
     return PLANISH_OK;
+}
+
+int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
+                        planish_plan **out, planish_error *error) {
+    planish_options defaults;
+    if (!mesh || !out)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh and plan must not be NULL");
+    planish_options_init(&defaults);
+    const pl_outside outside = pl_call_enter(NULL);
+    const int status = create(mesh, options ? options : &defaults, out, error);
+    pl_call_leave(&outside);
+    return status;
 }
 
 void planish_plan_destroy(planish_plan *plan) {

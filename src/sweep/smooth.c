@@ -363,13 +363,13 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
         planish_options_init(&defaults);
         options = &defaults;
     }
-    pl_context *before = pl_context_enter(plan->context);
+    const pl_outside outside = pl_call_enter(plan->context);
     pl_context_begin(plan->context);
     int status = pl_call_check(plan, coordinates, options, error);
     if (!status)
         status = smooth_in_context(plan, coordinates, options, &found, error);
     pl_context_end(plan->context);
-    pl_context_enter(before);
+    pl_call_leave(&outside);
     if (!status && result)
         *result = found;
     return status;

@@ -260,7 +260,7 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
         planish_options_init(&defaults);
         options = &defaults;
     }
-    pl_context *before = pl_context_enter(plan->context);
+    const pl_outside outside = pl_call_enter(plan->context);
     int status = pl_call_check(plan, coordinates, options, error);
     if (!status)
         status = room_create(plan, coordinates, &r, error);
@@ -270,7 +270,7 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
             hand_out(&r, 0, state);
         room_destroy(&r);
     }
-    pl_context_enter(before);
+    pl_call_leave(&outside);
     if (!status)
         *n_below = n;
     return status;
@@ -296,7 +296,7 @@ int planish_find_unfixable(const planish_plan *plan, const double *coordinates, 
     room r;
     if (!plan || !coordinates || !n)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan, coordinates and n must not be NULL");
-    pl_context *before = pl_context_enter(plan->context);
+    const pl_outside outside = pl_call_enter(plan->context);
     const pl_points points = pl_plan_all_points(plan, coordinates);
     int status = pl_points_check(&points, plan->threads, error);
     if (!status)
@@ -307,7 +307,7 @@ int planish_find_unfixable(const planish_plan *plan, const double *coordinates, 
             hand_out(&r, 1, unfixable);
         room_destroy(&r);
     }
-    pl_context_enter(before);
+    pl_call_leave(&outside);
     if (!status)
         *n = found;
     return status;
