@@ -128,6 +128,12 @@ void random_call_get(const random_call *call, double *x);
 /** Whether all that is the caller's, but the smoothed coordinates, is as it was. */
 int random_call_is_untouched(const random_call *call);
 
+/** The callbacks of a call, whose mesh and options are drawn already. */
+void random_callbacks_draw(random_call *call, uint64_t *state);
+
+/** The progress callback; user is a random_watch. */
+int random_call_progress(const planish_progress *progress, void *user);
+
 /** Before each call: the progress callback begins anew. */
 void random_call_rewind(random_call *call);
 

@@ -4,6 +4,7 @@
  * PLANISH_CASE=NUMBER does one case alone, and says what it is. Cases are the same whatever ran
  * before them.
  */
+#include "support/delaunay.h"
 #include "support/effort.h"
 #include "support/promises.h"
 
@@ -13,11 +14,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #include <cmocka.h>
 
-enum { POINTS = 120, DESCRIPTION = 2000 };
+enum { POINTS = 100, DESCRIPTION = 2000 };
 
 /** What the cases came to. */
 typedef struct tally {
@@ -134,6 +134,16 @@ static void smooth_thrice(trial *t, uint64_t *state) {
     promise_destroy(&t->promise);
 }
 
+/** Room for coordinates, and those that the call starts from. */
+static void make_room(trial *t) {
+    const size_t values = (size_t)(t->call.dense.n_nodes * t->call.dense.dim) + 1;
+    t->start = calloc(3 * values, sizeof *t->start);
+    assert_non_null(t->start);
+    t->before = t->start + values;
+    t->after = t->before + values;
+    random_call_get(&t->call, t->start);
+}
+
 static void run_case(int64_t number, tally *sums) {
     uint64_t state = effort_seed((uint64_t)number);
     int level[N_FACTORS];
@@ -143,11 +153,7 @@ static void run_case(int64_t number, tally *sums) {
     if (!has_isa(level[OF_ISA]))
         level[OF_ISA] = PLANISH_ISA_AUTO;
     random_call_create(&t.call, level, POINTS, &state);
-    const size_t values = (size_t)(t.call.dense.n_nodes * t.call.dense.dim) + 1;
-    t.start = calloc(3 * values, sizeof *t.start);
-    t.before = t.start + values;
-    t.after = t.before + values;
-    random_call_get(&t.call, t.start);
+    make_room(&t);
     const int status = planish_plan_create(&t.call.given, &t.call.plan_options, &t.plan, &error);
     if (status) {
         has_failed(&t, status, &error);
@@ -164,34 +170,148 @@ static void run_case(int64_t number, tally *sums) {
     free(t.start);
 }
 
+/* ---- the same bits --------------------------------------------------------------------------- */
+
+/** A call whose end is no matter of luck or patience. */
+static void make_repeatable(random_call *call) {
+    enum { ENOUGH = 400 }; /* calls of progress */
+    call->options.time_limit = call->plan_options.time_limit = 0;
+    call->heap.failing = -1;
+    call->options.progress = random_call_progress;
+    if (call->watch.stop_at < 0)
+        call->watch.stop_at = ENOUGH;
+}
+
+/** Smooth with so many threads and this kernel. */
+static void repeat(trial *t, int threads, planish_isa isa, planish_result *result) {
+    random_call *call = &t->call;
+    planish_options of_plan = call->plan_options;
+    planish_error error = {.text = ""};
+    of_plan.threads = threads;
+    of_plan.isa = isa;
+    random_call_put(call, t->start);
+    random_call_rewind(call);
+    *result = (planish_result){.sweeps = -1};
+    int status = planish_plan_create(&call->given, &of_plan, &t->plan, &error);
+    if (!status)
+        status = planish_smooth(t->plan, call->coordinates, &call->options, result, &error);
+    expect(t, !status || promise_refusal(call) != 0, error.text);
+    result->seconds = 0;
+    planish_plan_destroy(t->plan);
+    t->plan = NULL;
+}
+
+static void expect_same(trial *t, const planish_result *first, const planish_result *other) {
+    const size_t size = (size_t)(t->call.dense.n_nodes * t->call.dense.dim) * sizeof(double);
+    random_call_get(&t->call, t->after);
+    expect(t, memcmp(t->before, t->after, size) == 0, "other bits");
+    expect(t, memcmp(first, other, sizeof *first) == 0, "the same bits, but another result");
+}
+
+static void repeat_case(int64_t number, tally *sums) {
+    static const int threads[] = {1, 2, 3, 5, 8};
+    enum { THREADS = 5, LARGE_EVERY = 10, LARGE = 2000 };
+    const int64_t repetitions = effort(5, 20);
+    uint64_t state = effort_seed((uint64_t)number + (UINT64_C(1) << 32));
+    int level[N_FACTORS];
+    planish_result first, other;
+    trial t = {.number = number, .sums = sums};
+    pairs_draw(&sums->seen, &state, level);
+    const int is_large = number % LARGE_EVERY == LARGE_EVERY - 1;
+    if (is_large)
+        level[OF_SHAPE] = RANDOM_BOX;
+    random_call_create(&t.call, level, is_large ? LARGE : POINTS, &state);
+    make_repeatable(&t.call);
+    make_room(&t);
+    repeat(&t, 1, PLANISH_ISA_AUTO, &first);
+    random_call_get(&t.call, t.before);
+    sums->moved += first.moved_nodes;
+    for (int i = 1; i < THREADS + repetitions; i++) {
+        const int isa = (int)random_below(&state, PLANISH_ISA_AVX512 + 1);
+        repeat(&t, i < THREADS ? threads[i] : 3, has_isa(isa) ? (planish_isa)isa : PLANISH_ISA_AUTO,
+               &other);
+        expect_same(&t, &first, &other);
+    }
+    random_call_destroy(&t.call);
+    free(t.start);
+}
+
 /* ---- the tests ----------------------------------------------------------------------------- */
 
-static void promises_are_kept(void **state) {
-    static tally sums = {.seen = {.n_factors = N_FACTORS, .factor = random_factors}};
+/** Do n cases, or the one that is asked for. */
+static void do_cases(void (*body)(int64_t, tally *), int64_t n, tally *sums) {
     const char *one = getenv("PLANISH_CASE");
-    const int64_t n = getenv("N") ? atoi(getenv("N")) : effort(300, 100000);
+    sums->seen = (pairs){.n_factors = N_FACTORS, .factor = random_factors};
+    if (one)
+        body(strtoll(one, NULL, 10), sums);
+    for (int64_t i = 0; !one && i < n; i++)
+        body(i, sums);
+}
+
+static void promises_are_kept(void **state) {
+    static tally sums;
+    const int64_t n = effort(200, 100000);
     int64_t missing;
     (void)state;
-    for (int64_t i = one ? strtoll(one, NULL, 10) : 0; i < n; i++) {
-        const clock_t begin = clock();
-        run_case(i, &sums);
-        const double seconds = (double)(clock() - begin) / CLOCKS_PER_SEC;
-        if (seconds > 1 || one)
-            printf("case %lld: %g s\n", (long long)i, seconds);
-        if (one)
-            break;
-    }
-    const int64_t all = pairs_count(&sums.seen, is_allowed, 0, &missing);
-    figure("%lld meshes, %lld smoothed of %lld elements on average, %lld calls, %lld nodes moved",
+    do_cases(run_case, n, &sums);
+    const int64_t all =
+        pairs_count(&sums.seen, is_allowed, getenv("PLANISH_LONG") != NULL, &missing);
+    figure("%lld meshes, %lld smoothed, of %lld elements on average: %lld calls, %lld nodes moved",
            (long long)n, (long long)sums.smoothed, (long long)(sums.elements / (sums.smoothed + 1)),
            (long long)sums.calls, (long long)sums.moved);
-    figure("%lld refused, %lld without memory, %lld stopped", (long long)sums.refused,
+    figure("%lld refused, %lld without memory, %lld calls stopped", (long long)sums.refused,
            (long long)sums.without_memory, (long long)sums.stopped);
-    figure("%lld of %lld pairs of levels occurred", (long long)(all - missing), (long long)all);
+    figure("%lld of %lld pairs of levels of %d factors occurred", (long long)(all - missing),
+           (long long)all, N_FACTORS);
+    assert_int_equal(sums.broken, 0);
+    if (getenv("PLANISH_LONG") && !getenv("PLANISH_CASE"))
+        assert_int_equal(missing, 0);
+}
+
+static void bits_are_the_same(void **state) {
+    static tally sums;
+    const int64_t n = effort(10, 1000);
+    (void)state;
+    do_cases(repeat_case, n, &sums);
+    figure("%lld meshes, %lld nodes moved: the same bits with 1, 2, 3, 5 and 8 threads and in %lld "
+           "repetitions",
+           (long long)n, (long long)sums.moved, (long long)effort(5, 20));
     assert_int_equal(sums.broken, 0);
 }
 
+/** What the cases are made of: the meshes are Delaunay, and fill the box. */
+static void delaunay_meshes_are_such(void **state) {
+    (void)state;
+    uint64_t bits = effort_seed(0);
+    for (int dim = 2; dim <= 3; dim++) {
+        delaunay d;
+        test_mesh mesh;
+        planish_quality quality;
+        delaunay_begin(&d, dim);
+        for (int i = 0; i < 80; i++) {
+            int32_t point[3];
+            for (int k = 0; k < 3; k++) /* every fourth on a lattice */
+                point[k] =
+                    (int32_t)random_below(&bits, i % 4 ? DELAUNAY_GRID : 4) * (i % 4 ? 1 : 256);
+            delaunay_insert(&d, point);
+        }
+        for (int64_t i = 0; i < d.n_elements; i++)
+            for (int32_t k = 0; k < d.n_points; k++)
+                assert_true(delaunay_depth(&d, i, d.point + 3 * k) <= 0);
+        delaunay_take(&d, &mesh);
+        assert_int_equal(planish_measure_mesh(&mesh.mesh, NULL, &quality, NULL), 0);
+        assert_int_equal(quality.inverted, 0);
+        assert_true(quality.total_volume > 1 - 1e-12 && quality.total_volume < 1 + 1e-12);
+        test_mesh_destroy(&mesh);
+        delaunay_end(&d);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(promises_are_kept)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(delaunay_meshes_are_such),
+        cmocka_unit_test(promises_are_kept),
+        cmocka_unit_test(bits_are_the_same),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
