@@ -22,6 +22,8 @@
 enum { STEP_BACKTRACKS = 10, STEP_EXPANSIONS = 60 };
 /* How far below its floor an element may come by rounding, as g. */
 #define GRAZE 1e-6
+/* And by how much one that is below already, where the node moves along its link facet. */
+#define LOWERED 1e-12
 
 /* ---- the direction without constraints ------------------------------------------------------ */
 
@@ -174,6 +176,29 @@ static inline int within_limits(const local *here, const trial *t, const int gua
             !has_acute_angle(&here->s, t->position, limits->acuteness / (1 + error), guarded, dim));
 }
 
+/** Whether no element at position is below its floor and lower than now, of which GVALUE is. The
+ *  lowest of a star, which may be far below, says nothing of the others. */
+static inline int lowers_none(const local *here, const double *position, const int dim) {
+    const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
+                        lanes_of(dim == 3 ? position[2] : 0)};
+    const lanes met = lanes_of(PLANISH_VOLUME_TOLERANCE), graze = lanes_of(GRAZE);
+    const star *s = &here->s;
+    lanes most[PL_PACKS];
+    for (int k = 0; k < PL_PACKS; k++)
+        most[k] = lanes_of(NEVER_ACTIVE);
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            const int64_t j = i + k * PL_PACK;
+            const lanes now = load(s, GVALUE, j);
+            const lanes may = lanes_select(lanes_greater(now, met), now + lanes_of(LOWERED),
+                                           lanes_max(now, graze));
+            aspect a;
+            measure_at(s, j, x, &a, dim);
+            most[k] = lanes_max(volume_constraint(s, j, a.D) - may, most[k]);
+        }
+    return lanes_largest(most) <= 0;
+}
+
 /** Whether a trial may be taken: valid beyond doubt, no element worse than the limit, and the sum
  *  below bound and surely below that of now; guarded: no element below its floor, and the node
  *  within its bounds. Not so for values that are not numbers. */
@@ -184,6 +209,8 @@ static inline int acceptable(const local *here, const trial *t, const objective 
         return 0;
     if (guarded && !(value->worst <= (now->worst > GRAZE ? now->worst : GRAZE) &&
                      within_bounds(&here->b, t->position, dim)))
+        return 0;
+    if (guarded && now->worst > PLANISH_VOLUME_TOLERANCE && !lowers_none(here, t->position, dim))
         return 0;
     return within_limits(here, t, guarded, dim);
 }

@@ -69,12 +69,23 @@ static int64_t put_all_back(const pl_run *r) {
     return n;
 }
 
-/** Whether an element is worse than the worst at the start. Sweeps see to it that only angles are,
- *  and to rounding others: nodes that move together have one star for all, next to one of them. */
+int pl_run_has_followers(const pl_run *r) {
+    return r->options->method == PLANISH_METHOD_PLANISH && r->plan->sliding.n_followers > 0;
+}
+
+/** Whether F has risen, where it must not. */
+static int has_risen(const pl_run *r) {
+    return r->inverted_at_start == 0 && r->below_at_start == 0 && r->result->worst_sweeps == 0 &&
+           pl_run_objective(r) > r->result->objective_before;
+}
+
+/** Whether the mesh is worse than at the start. Sweeps see to it that only angles are, and to
+ *  rounding others: nodes that move together have one star for all, next to one of them. */
 static int is_worse(const pl_run *r) {
     const pl_star_limits now = pl_run_limits(r, 1);
     return now.acuteness > r->at_start.acuteness || now.rr2 > r->at_start.rr2 ||
-           pl_run_inverted(r) > 0;
+           pl_run_inverted(r) > r->inverted_at_start ||
+           (pl_run_has_followers(r) && (pl_run_below(r) > r->below_at_start || has_risen(r)));
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
@@ -91,8 +102,7 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
             break;
     }
     pl_free(state);
-    if (is_worse(r) || pl_run_below(r) > 0 ||
-        (r->result->worst_sweeps == 0 && pl_run_objective(r) > r->result->objective_before)) {
+    if (is_worse(r) || pl_run_below(r) > r->below_at_start || has_risen(r)) {
         r->result->put_back += put_all_back(r);
         pl_run_measure(r);
     }

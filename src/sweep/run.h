@@ -35,7 +35,8 @@ typedef struct pl_run {
     int is_for_worst;        /* sweeps are those of pl_run_worst */
     int restoring;           /* the last sweep brought elements above their least volume */
     pl_star_limits at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
-    double start;            /* clock */
+    int64_t inverted_at_start, below_at_start;
+    double start; /* clock */
     double sweep_start;
     int sweep;
     int in_vain; /* sweeps that max_sweeps does not count: those before nodes were put back */
@@ -111,8 +112,13 @@ int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
 /* ---- angles.c -------------------------------------------------------------------------------- */
 
-/** If the mesh as measured last has a smaller angle than at the start, put the nodes around back to
- * where they were; how many is the result's. Errors: _MEMORY. */
+/** Whether nodes move with others, whose stars alone have been looked at: rounding may do to their
+ * own elements what it has not done to those. */
+int pl_run_has_followers(const pl_run *r);
+
+/** If the mesh as measured last has a smaller angle than at the start, or with followers anything
+ *  else that is worse, put the nodes around back to where they were; how many is the result's.
+ *  Errors: _MEMORY. */
 int pl_run_put_back_angles(pl_run *r, planish_error *error);
 
 /* ---- worst.c --------------------------------------------------------------------------------- */

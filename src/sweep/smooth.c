@@ -170,12 +170,18 @@ static int sweeps(pl_run *r, planish_error *error) {
     return status;
 }
 
+/** Whether what sweeps do is to be looked at afterwards. */
+static int is_looked_at(const pl_run *r) {
+    return r->at_start.acuteness < INFINITY || pl_run_has_followers(r);
+}
+
 /** Angles smaller than any of the mesh as it came go back, and are swept with that as a limit. */
 static int keep_angles(pl_run *r, planish_error *error) {
-    if (!(r->at_start.acuteness < INFINITY))
+    if (!is_looked_at(r))
         return PLANISH_OK;
     int status = pl_run_put_back_angles(r, error);
-    if (status || r->result->put_back == 0 || was_cut_short(r))
+    if (status || r->result->put_back == 0 || was_cut_short(r) ||
+        !(r->at_start.acuteness < INFINITY))
         return status;
     prepare_problem(r);
     r->in_vain = r->sweep;
@@ -203,7 +209,7 @@ static int work(pl_run *r, planish_error *error) {
     status = keep_angles(r, error);
     if (!status && r->options->worst != PLANISH_WORST_NONE && !was_cut_short(r))
         status = pl_run_worst(r, error);
-    if (!status && r->result->worst_sweeps > 0 && r->at_start.acuteness < INFINITY)
+    if (!status && r->result->worst_sweeps > 0 && is_looked_at(r))
         status = pl_run_put_back_angles(r, error); /* to be sure */
     return status;
 }
@@ -231,11 +237,20 @@ static void begin_sliding(planish_plan *plan) {
         begin_following(plan, &plan->sliding.follower[k]);
 }
 
-/** Whether no angle may become smaller than the smallest of the mesh as it came. */
-static int is_promised_angles(const pl_run *r) {
+/** What no element may become worse than, to be looked at afterwards: as sweeps do not see to it
+ *  that no angle becomes smaller than the smallest of the mesh as it came, where that is promised,
+ *  nor to the elements of followers. */
+static void note_start(pl_run *r) {
     const planish_options *o = r->options;
-    return o->method == PLANISH_METHOD_PLANISH && o->objective == PLANISH_RADIUS_RATIO &&
-           !(o->area_weight > 0) && pl_run_inverted(r) == 0 && pl_run_below(r) == 0;
+    r->inverted_at_start = pl_run_inverted(r);
+    r->below_at_start = pl_run_below(r);
+    r->at_start = pl_star_no_limits();
+    if (o->method != PLANISH_METHOD_PLANISH || r->inverted_at_start > 0 || r->below_at_start > 0)
+        return;
+    if (o->objective == PLANISH_RADIUS_RATIO && !(o->area_weight > 0))
+        r->at_start = pl_run_limits(r, 1);
+    else if (pl_run_has_followers(r))
+        r->at_start.rr2 = pl_run_limits(r, 1).rr2;
 }
 
 /** Coordinates into the plan; the guard, with a delta that may be a fraction of the volume of all
@@ -280,7 +295,7 @@ static int smooth(pl_run *r, planish_error *error) {
     pl_run_measure(r);
     r->rest.below -= plan->scope == PL_PART_OF_ALL ? pl_run_below(r) : 0;
     r->result->objective_before = pl_run_objective(r);
-    r->at_start = is_promised_angles(r) ? pl_run_limits(r, 1) : pl_star_no_limits();
+    note_start(r);
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
     if (plan->interior.stars.n_stars + plan->sliding.stars.n_stars > 0)
