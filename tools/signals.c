@@ -81,12 +81,17 @@ static void handle_ends(void (*handler)(int)) {
     handle_unless_ignored(SIGHUP, handler);
 }
 
-/* libgomp ends the process with a line of its own and status 1 where it has no memory or no thread.
- * That status would say that there is a mesh. */
+/* libgomp ends the process with a line of its own and status 1 where it has no memory or no thread,
+ * HDF5 with 255. The first would say that there is a mesh. */
 static void on_exit_by_others(void) {
+    static const char text[] =
+        "planish: ended by a library that it uses, probably for want of memory or threads\n";
     if (atomic_load(&is_done))
         return;
+    clear_line();
     remove_temporaries();
+    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written;
     _exit(atomic_load(&status_now));
 }
 

@@ -63,7 +63,7 @@ typedef struct planish_hold {
 
 /** Which nodes the file (and hold, may be NULL) fixes: constraint [n_nodes] is filled with
  *  planish_constraint. Nodes on the boundary are not among them unless the file says so.
- *  Errors: _ARGUMENT (a tag that the file does not have; the text lists those it has). */
+ *  Errors: _ARGUMENT (a tag that the file does not have; the text lists those it has), _MEMORY. */
 PLANISH_API int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                                          uint8_t *constraint, planish_error *error);
 

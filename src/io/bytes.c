@@ -23,6 +23,8 @@ static char *copy_text(const char *text) {
 }
 
 static int fail_errno(const char *path, const char *what, planish_error *error) {
+    if (errno == ENOMEM)
+        return pl_fail_memory(error, path);
     return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
 }
 

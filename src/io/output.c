@@ -19,6 +19,8 @@ enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
 enum { WRITE_AT_ONCE = 1 << 30 };
 
 static int fail_errno(const char *path, const char *what, planish_error *error) {
+    if (errno == ENOMEM)
+        return pl_fail_memory(error, path);
     return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
 }
 
@@ -89,7 +91,7 @@ int io_output_is_stream(const char *path) {
 /** path with a link at its end followed, also one that leads nowhere yet. Owned; NULL: errno. */
 static char *follow_links(const char *path) {
     char *at = pl_alloc(PATH_MAX, 1), *link = pl_alloc(PATH_MAX, 1);
-    int status = at && link && strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
+    int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
     if (!status)
         strcpy(at, path);
     for (int i = 0; !status; i++) {

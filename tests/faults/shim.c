@@ -2,9 +2,9 @@
  *
  *   FAULT=CALL:N:WHAT  the N-th CALL (from 0) of the program, any of those below, fails with the
  *                      error number WHAT; or it is "short": it does the half of what it was asked
- *   FAULT_LOG=FILE     gets a line "CALL N LIBRARY" where the fault happened, whose memory it was,
- *                      and without FAULT, as the program ends, a line "CALL N -" for each CALL: how
- *                      many there were
+ *   FAULT_LOG=FILE     gets a line "CALL N" where the fault happened, and without FAULT, as the
+ *                      program ends, a line "CALL N" for each CALL: how many there were; and a line
+ *                      "LIBRARY SIGNAL" if the program crashes, in whose code it did
  *
  * What happens before main and in the system's libraries without their names being looked up is not
  * counted. Linux with glibc.
@@ -12,8 +12,10 @@
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
+#include <execinfo.h>
 #include <fcntl.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -81,9 +83,9 @@ static struct {
 
 /* ---- the fault ----------------------------------------------------------------------------- */
 
-static void write_log(call c, long n, const char *library) {
+static void write_log(const char *name, long n) {
     char line[512];
-    const int length = snprintf(line, sizeof line, "%s %ld %s\n", names[c], n, library);
+    const int length = snprintf(line, sizeof line, "%s %ld\n", name, n);
     const long fd = fault.log ? syscall(SYS_openat, AT_FDCWD, fault.log,
                                         O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600)
                               : -1;
@@ -91,24 +93,14 @@ static void write_log(call c, long n, const char *library) {
         syscall(SYS_close, fd);
 }
 
-/** The file of the program or library that has the code at address. */
-static const char *library_of(const void *address) {
-    Dl_info about;
-    return address && dladdr(address, &about) && about.dli_fname ? about.dli_fname : "-";
-}
-
-/** What is to become of this call from caller (or NULL); errno is set if it fails. */
-static int meet_from(call c, const void *caller) {
+/** What is to become of this call; errno is set if it fails. */
+static int meet(call c) {
     if (!fault.is_on || atomic_fetch_add(&fault.count[c], 1) != fault.number ||
         (int)c != fault.wanted)
         return DONE;
-    write_log(c, fault.number, library_of(caller));
+    write_log(names[c], fault.number);
     errno = fault.error_number;
     return fault.is_short ? SHORT : FAILS;
-}
-
-static int meet(call c) {
-    return meet_from(c, NULL);
 }
 
 static int fails(call c) {
@@ -137,10 +129,51 @@ static void read_fault(void) {
     fault.error_number = (int)strtol(what + 1, NULL, 10);
 }
 
+/* ---- crashes ------------------------------------------------------------------------------- */
+
+/** The file that has the code at address, if that is the program's or a library's own, but not
+ *  those that crash for others: this one, and the C library, which aborts where memory is amiss. */
+static const char *culprit_at(void *address) {
+    Dl_info about, own, system;
+    if (!dladdr(address, &about) || !dladdr((void *)&fault, &own) ||
+        !dladdr(dlsym(RTLD_NEXT, "abort"), &system) || about.dli_fbase == own.dli_fbase ||
+        about.dli_fbase == system.dli_fbase)
+        return NULL;
+    return about.dli_fname;
+}
+
+static void on_crash(int signal_number) {
+    void *frame[64];
+    const char *culprit = NULL;
+    fault.is_on = 0;
+    const int n = backtrace(frame, sizeof frame / sizeof *frame);
+    for (int i = 0; i < n && !culprit; i++)
+        culprit = culprit_at(frame[i]);
+    write_log(culprit ? culprit : "unknown", signal_number);
+    signal(signal_number, SIG_DFL);
+    raise(signal_number);
+}
+
+/** On a stack of its own, as there are libraries that recur without end. */
+static void watch_crashes(void) {
+    static char room[1 << 16];
+    static const int crashes[] = {SIGSEGV, SIGABRT, SIGFPE};
+    const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
+    struct sigaction action = {.sa_handler = on_crash, .sa_flags = SA_ONSTACK};
+    void *frame[1];
+    backtrace(frame, 1); /* what it needs is loaded now */
+    sigaltstack(&stack, NULL);
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
+        sigaction(crashes[i], &action, NULL);
+}
+
+/* ---- the beginning and the end --------------------------------------------------------------- */
+
 static int (*real_main)(int, char **, char **);
 
 static int main_with_faults(int argc, char **argv, char **environment) {
     read_fault();
+    watch_crashes();
     unsetenv("LD_PRELOAD"); /* of what the program starts nothing is counted */
     fault.is_on = 1;
     return real_main(argc, argv, environment);
@@ -160,14 +193,10 @@ int __libc_start_main(int (*main)(int, char **, char **), int argc, char **argv,
 __attribute__((destructor)) static void write_counts(void) {
     fault.is_on = 0;
     for (int c = 0; c < N_CALLS && fault.wanted < 0; c++)
-        write_log((call)c, atomic_load(&fault.count[c]), "-");
+        write_log(names[c], atomic_load(&fault.count[c]));
 }
 
 /* ---- memory -------------------------------------------------------------------------------- */
-
-static int lacks(call c, const void *caller) {
-    return meet_from(c, caller) == FAILS;
-}
 
 extern void *__libc_malloc(size_t size);
 extern void *__libc_calloc(size_t count, size_t size);
@@ -175,26 +204,23 @@ extern void *__libc_realloc(void *block, size_t size);
 extern void *__libc_memalign(size_t alignment, size_t size);
 
 void *malloc(size_t size) {
-    return lacks(MALLOC, __builtin_return_address(0)) ? NULL : __libc_malloc(size);
+    return fails(MALLOC) ? NULL : __libc_malloc(size);
 }
 
 void *calloc(size_t count, size_t size) {
-    return lacks(CALLOC, __builtin_return_address(0)) ? NULL : __libc_calloc(count, size);
+    return fails(CALLOC) ? NULL : __libc_calloc(count, size);
 }
 
 void *realloc(void *block, size_t size) {
-    return lacks(REALLOC, __builtin_return_address(0)) ? NULL : __libc_realloc(block, size);
+    return fails(REALLOC) ? NULL : __libc_realloc(block, size);
 }
 
 void *aligned_alloc(size_t alignment, size_t size) {
-    return lacks(ALIGNED_ALLOC, __builtin_return_address(0)) ? NULL
-                                                             : __libc_memalign(alignment, size);
+    return fails(ALIGNED_ALLOC) ? NULL : __libc_memalign(alignment, size);
 }
 
 int posix_memalign(void **block, size_t alignment, size_t size) {
-    void *fresh = lacks(POSIX_MEMALIGN, __builtin_return_address(0))
-                      ? NULL
-                      : __libc_memalign(alignment, size);
+    void *fresh = fails(POSIX_MEMALIGN) ? NULL : __libc_memalign(alignment, size);
     if (!fresh)
         return ENOMEM;
     *block = fresh;
