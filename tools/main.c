@@ -5,6 +5,7 @@
 #include "signals.h"
 #include "suggest.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,16 +75,12 @@ static int run_command(const pl_command_text *command, int argc, char **argv) {
  *  go into a mesh. A closed standard output stays an error for what is meant for it. */
 static void open_standard_streams(void) {
     for (int descriptor = 0; descriptor <= 2; descriptor++)
-        if (fcntl(descriptor, F_GETFD) == -1 &&
+        if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF &&
             open("/dev/null", descriptor == STDOUT_FILENO ? O_RDONLY : O_RDWR) != descriptor)
             _exit(PL_EXIT_FAILED);
 }
 
-int main(int argc, char **argv) {
-    open_standard_streams();
-    pl_signals_install();
-    /* hwloc would print what it does not find on odd machines; placement copes without. */
-    setenv("HWLOC_HIDE_ERRORS", "2", 0);
+static int run(int argc, char **argv) {
     const char *word = argc > 1 ? argv[1] : NULL;
     char names[128];
     if (!word)
@@ -101,4 +98,12 @@ int main(int argc, char **argv) {
     if (strcmp(word, "--generate") == 0 && argc == 3)
         return pl_generate_command(argv[2]);
     return complain_command(word);
+}
+
+int main(int argc, char **argv) {
+    open_standard_streams();
+    pl_signals_install();
+    /* hwloc would print what it does not find on odd machines; placement copes without. */
+    setenv("HWLOC_HIDE_ERRORS", "2", 0);
+    return pl_signals_done(run(argc, argv));
 }

@@ -600,7 +600,7 @@ static int make_room(pl_arguments *arguments, int argc) {
     if (arguments->inputs && arguments->fix && arguments->slide_tag && arguments->min_volume_tag &&
         arguments->min_volume_value)
         return 0;
-    return pl_complain(PL_EXIT_FAILED, "out of memory");
+    return pl_complain(PL_EXIT_FAILED, "out of memory for the command line");
 }
 
 int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {

@@ -26,12 +26,13 @@ int pl_output_is_stdout(const char *path) {
            !S_ISCHR(named.st_mode) && same_inode(&named, &standard);
 }
 
-/** The folder that path is in, to be freed; NULL without memory. */
-static char *folder_of(const char *path) {
+/** The folder that path is in, as folder [PATH_MAX], which is cut as no name of a file can be. */
+static void folder_of(const char *path, char *folder) {
     const char *slash = strrchr(path, '/');
     if (!slash)
-        return strdup(".");
-    return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
+        strcpy(folder, ".");
+    else
+        snprintf(folder, PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
 }
 
 static const char *base_of(const char *path) {
@@ -42,13 +43,11 @@ static const char *base_of(const char *path) {
 /** Whether two names of files that need not exist are of one file in one folder. */
 static int same_place(const char *a, const char *b) {
     struct stat folder_a, folder_b;
-    char *in_a = folder_of(a), *in_b = folder_of(b);
-    const int same = in_a && in_b && strcmp(base_of(a), base_of(b)) == 0 &&
-                     stat(in_a, &folder_a) == 0 && stat(in_b, &folder_b) == 0 &&
-                     same_inode(&folder_a, &folder_b);
-    free(in_a);
-    free(in_b);
-    return same;
+    char in_a[PATH_MAX], in_b[PATH_MAX];
+    folder_of(a, in_a);
+    folder_of(b, in_b);
+    return strcmp(base_of(a), base_of(b)) == 0 && stat(in_a, &folder_a) == 0 &&
+           stat(in_b, &folder_b) == 0 && same_inode(&folder_a, &folder_b);
 }
 
 int pl_output_same_file(const char *a, const char *b) {
@@ -79,6 +78,7 @@ int pl_output_hits_mesh(const char *path, const char *mesh_path) {
 
 int pl_output_check(const char *path) {
     struct stat status;
+    char target[PATH_MAX], folder[PATH_MAX];
     if (strcmp(path, "-") == 0)
         return 0;
     const int exists = stat(path, &status) == 0;
@@ -88,17 +88,13 @@ int pl_output_check(const char *path) {
         return 0; /* nothing is made beside it, or it is made where the link leads */
     if (path[0] && path[strlen(path) - 1] == '/')
         return pl_complain(PL_EXIT_FAILED, "%s: is no name for a file", path);
-    char *target = exists ? realpath(path, NULL) : strdup(path);
-    char *folder = target ? folder_of(target) : NULL;
-    int result = 0;
-    if (!folder)
-        result = pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
-    else if (access(folder, W_OK | X_OK) != 0)
-        result = pl_complain(PL_EXIT_FAILED, "%s: its folder cannot be written: %s", path,
-                             strerror(errno));
-    free(folder);
-    free(target);
-    return result;
+    if (exists && !realpath(path, target))
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
+    folder_of(exists ? target : path, folder);
+    if (access(folder, W_OK | X_OK) != 0)
+        return pl_complain(PL_EXIT_FAILED, "%s: its folder cannot be written: %s", path,
+                           strerror(errno));
+    return 0;
 }
 
 /** Whether path, which may be NULL, is standard output. */
@@ -143,7 +139,6 @@ int pl_output_check_all(const pl_arguments *arguments) {
 int pl_output_write_text(const char *path, pl_temporary which, const char *text, size_t length,
                          planish_error *error) {
     if (strcmp(path, "-") == 0) {
-        errno = 0;
         if (fwrite(text, 1, length, stdout) == length && fflush(stdout) == 0)
             return 0;
         snprintf(error->text, sizeof error->text, "standard output: %s", strerror(errno));

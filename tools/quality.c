@@ -71,6 +71,12 @@ static void print_notes(const pl_compared *mesh) {
     }
 }
 
+/** There is no memory for the meshes together. */
+static int complain_meshes(const pl_arguments *arguments, const char *what) {
+    return pl_complain(PL_EXIT_FAILED, "%s (and %d more): out of memory for %s",
+                       arguments->inputs[0], arguments->n_inputs - 1, what);
+}
+
 /** All of one mesh. */
 static void print_table(run *r, const pl_job *job, const pl_measured *measured) {
     if (r->arguments->verbosity == PL_QUIET || is_comparison(r))
@@ -143,7 +149,7 @@ static int print_comparison(const run *r) {
     if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
         return 0;
     if (pl_comparison_print(r->stream, r->mesh, r->n, pl_arguments_bound_volumes(r->arguments)))
-        return pl_complain(PL_EXIT_FAILED, "out of memory for the names of %d meshes", r->n);
+        return complain_meshes(r->arguments, "the table");
     for (int i = 0; i < r->n && n_worst > 0; i++) {
         fputc('\n', r->stream);
         pl_text_put(r->stream, r->mesh[i].name);
@@ -193,7 +199,7 @@ int pl_quality_command(const pl_arguments *arguments) {
     r.stream = pl_output_takes_stdout(arguments) ? stderr : stdout;
     r.mesh = calloc((size_t)arguments->n_inputs, sizeof *r.mesh);
     if (!r.mesh)
-        return pl_complain(PL_EXIT_FAILED, "out of memory for %d meshes", arguments->n_inputs);
+        return complain_meshes(arguments, "the figures");
     pl_progress_init(&r.progress, arguments);
     pl_quality_report_begin(&r.report);
     status = measure_all(&r);

@@ -21,6 +21,10 @@
 
 /* ---- the page ------------------------------------------------------------------------------- */
 
+static const char *shown(const char *path) {
+    return strcmp(path, "-") == 0 ? "standard output" : path;
+}
+
 static int write_page(const char *path, const pl_figures *figures, const pl_picture *picture,
                       const char *no_picture, int failed) {
     planish_error error;
@@ -28,7 +32,7 @@ static int write_page(const char *path, const pl_figures *figures, const pl_pict
     int status = 0;
     pl_page_make(&page, figures, picture, no_picture);
     if (page.failed)
-        status = pl_complain(failed, "out of memory for the page %s", path);
+        status = pl_complain(failed, "the page: %s: out of memory", shown(path));
     else if (pl_output_write_text(path, PL_TEMPORARY_PAGE, page.text, page.length, &error))
         status = pl_complain(failed, "the page: %s", error.text);
     pl_markup_free(&page);
@@ -41,7 +45,7 @@ static int write_page_of(const char *path, const char *json, const pl_picture *p
     cJSON *result = cJSON_Parse(json);
     int status;
     if (!result || pl_figures_find(result, &figures)) /* it is ours: only memory can be short */
-        status = pl_complain(failed, "out of memory for the page %s", path);
+        status = pl_complain(failed, "the page: %s: out of memory", shown(path));
     else
         status = write_page(path, &figures, picture, NULL, failed);
     cJSON_Delete(result);
@@ -59,7 +63,8 @@ int pl_reports_write(const pl_arguments *arguments, const char *json, const pl_p
                      int failed) {
     int status = 0, page = 0;
     if (!json)
-        return pl_complain(failed, "out of memory for the report");
+        return pl_complain(failed, "%s: out of memory for the report",
+                           shown(arguments->json ? arguments->json : arguments->report));
     if (arguments->json)
         status = write_json(arguments->json, json, failed);
     if (arguments->report)
@@ -79,39 +84,41 @@ int pl_report_draw(const pl_job *job, const char *name, pl_picture **picture) {
 /* A result of some million elements that fall short has hundreds of megabytes; more is none. */
 static const size_t LARGEST_JSON = (size_t)1 << 30;
 
-/** Read all of file into *text, which grows; its length. errno says what is wrong, if anything. */
-static size_t read_all(FILE *file, char **text) {
-    size_t capacity = 1 << 16, n = 0;
-    errno = 0;
+/** Read all of file into *text, to be freed, of *length; 0, or an errno that says what is wrong. */
+static int read_all(FILE *file, char **text, size_t *length) {
+    size_t capacity = 1 << 16;
+    *length = 0;
     *text = malloc(capacity);
-    while (*text && !ferror(file) && !feof(file)) {
-        n += fread(*text + n, 1, capacity - n, file);
-        if (n < capacity)
+    while (*text && !feof(file)) {
+        errno = 0;
+        *length += fread(*text + *length, 1, capacity - *length, file);
+        if (ferror(file) && errno != EINTR)
+            return errno ? errno : EIO;
+        if (ferror(file))
+            clearerr(file);
+        if (*length < capacity)
             continue;
         capacity *= 2;
         char *longer = capacity <= LARGEST_JSON ? realloc(*text, capacity) : NULL;
-        errno = longer ? 0 : capacity > LARGEST_JSON ? EFBIG : ENOMEM;
         if (!longer)
-            free(*text);
+            return capacity <= LARGEST_JSON ? ENOMEM : EFBIG;
         *text = longer;
     }
-    return n;
+    return *text ? 0 : ENOMEM;
 }
 
 /** The text of the file at path, to be freed, or NULL after a message. */
 static char *read_text(const char *path, size_t *length) {
     FILE *file = fopen(path, "rb");
     char *text = NULL;
-    if (file)
-        *length = read_all(file, &text);
-    if (!file || errno || !text) {
-        pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno ? errno : ENOMEM));
-        free(text);
-        text = NULL;
-    }
+    const int wrong = file ? read_all(file, &text, length) : errno;
     if (file)
         fclose(file);
-    return text;
+    if (!wrong)
+        return text;
+    pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(wrong));
+    free(text);
+    return NULL;
 }
 
 /** Line of text, from 1, that the byte at belongs to. */
@@ -216,7 +223,10 @@ static int is_same(const planish_mesh *mesh, const char *checksum) {
 static int draw_job(drawing *d, pl_job *job, const wanted *w) {
     planish_error error;
     int status = 0;
-    if (planish_plan_create(&job->mesh, &job->options, &job->plan, &error)) {
+    const int code = planish_plan_create(&job->mesh, &job->options, &job->plan, &error);
+    if (code == PLANISH_ERROR_MEMORY)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (code) {
         lack(d, w, error.text);
         return 0;
     }
@@ -238,8 +248,9 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     int status = 0;
     *why = "cannot be read any more";
     planish_options_init(&job.options);
-    if (planish_file_open(path, w->format, job.options.threads, &job.file, &error))
-        return 0;
+    const int code = planish_file_open(path, w->format, job.options.threads, &job.file, &error);
+    if (code)
+        return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
     *why = "has other coordinates now";
     job.mesh = planish_file_mesh(job.file);
     if (is_same(&job.mesh, w->checksum)) {

@@ -6,11 +6,13 @@
 #include <signal.h>
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 /* The only changing globals of the program: a signal handler can reach nothing else. */
-static atomic_int stop_asked, bus_error_met, line_is_shown;
+static atomic_int stop_asked, bus_error_met, line_is_shown, is_done;
+static atomic_int status_now = PL_EXIT_FAILED; /* if somebody else ends the program */
 static char temporary_paths[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
 
 static void remove_temporaries(void) {
@@ -52,7 +54,7 @@ static void on_bus_error(int signal_number) {
     remove_temporaries();
     const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
     (void)written;
-    _exit(PL_EXIT_FAILED);
+    _exit(atomic_load(&status_now));
 }
 
 static void handle(int signal_number, void (*handler)(int)) {
@@ -79,7 +81,22 @@ static void handle_ends(void (*handler)(int)) {
     handle_unless_ignored(SIGHUP, handler);
 }
 
+/* libgomp ends the process with a line of its own and status 1 where it has no memory or no thread,
+ * HDF5 with 255. The first would say that there is a mesh. */
+static void on_exit_by_others(void) {
+    static const char text[] =
+        "planish: ended by a library that it uses, probably for want of memory or threads\n";
+    if (atomic_load(&is_done))
+        return;
+    clear_line();
+    remove_temporaries();
+    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written;
+    _exit(atomic_load(&status_now));
+}
+
 void pl_signals_install(void) {
+    atexit(on_exit_by_others);
     handle(SIGPIPE, SIG_IGN);
     handle(SIGXFSZ, SIG_IGN); /* a limit on the size of files is an error like a full disk */
     handle(SIGBUS, on_bus_error);
@@ -92,6 +109,15 @@ void pl_signals_install_stop(void) {
 
 int pl_signals_stop_asked(void) {
     return atomic_load(&stop_asked);
+}
+
+void pl_signals_set_written(void) {
+    atomic_store(&status_now, PL_EXIT_PARTLY);
+}
+
+int pl_signals_done(int status) {
+    atomic_store(&is_done, 1);
+    return status;
 }
 
 char *pl_signals_temporary(pl_temporary which) {

@@ -22,7 +22,8 @@ enum { PL_TEMPORARY_SIZE = 16384 };
 #define PL_ERASE_TO_END "\033[K"
 
 /** For every command: SIGPIPE and SIGBUS; and SIGINT, SIGTERM and SIGHUP, unless the parent had
- *  them ignored, end the program at once, with nothing half written left behind. */
+ *  them ignored, end the program at once, with nothing half written left behind. So does a library
+ *  that calls exit, which is then a failure. */
 void pl_signals_install(void);
 
 /** For smooth, when there is something to save: the first of SIGINT, SIGTERM and SIGHUP asks to
@@ -31,6 +32,12 @@ void pl_signals_install_stop(void);
 
 /** Whether a signal asked to stop. */
 int pl_signals_stop_asked(void);
+
+/** The mesh has been written: whatever ends the program now, that is so. */
+void pl_signals_set_written(void);
+
+/** The program ends by itself; returns status. */
+int pl_signals_done(int status);
 
 /** The place where the paths of temporary files are kept while there are any: PL_TEMPORARY_SIZE
  *  bytes, each path ends with '\0' and an empty one ends the list (as in planish_file_write). */

@@ -57,7 +57,8 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     pl_progress_clear(progress);
     if (progress->out_of_memory) /* no reason to lose the mesh */
-        pl_note(stderr, "out of memory for the history of the sweeps; the report lacks some");
+        pl_note(stderr, "%s: out of memory for the history of the sweeps; the report lacks some",
+                job->arguments->output);
     return 0;
 }
 
@@ -309,6 +310,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     pl_progress_phase(progress, PL_PHASE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
+    pl_signals_set_written();
     pl_progress_clear(progress);
     int report = take_after(job, result) ? PL_EXIT_PARTLY : 0;
     result->total_seconds = pl_seconds() - job->begin;

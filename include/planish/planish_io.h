@@ -63,7 +63,7 @@ typedef struct planish_hold {
 
 /** Which nodes the file (and hold, may be NULL) fixes: constraint [n_nodes] is filled with
  *  planish_constraint. Nodes on the boundary are not among them unless the file says so.
- *  Errors: _ARGUMENT (a tag that the file does not have; the text lists those it has). */
+ *  Errors: _ARGUMENT (a tag that the file does not have; the text lists those it has), _MEMORY. */
 PLANISH_API int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                                          uint8_t *constraint, planish_error *error);
 
@@ -111,8 +111,8 @@ PLANISH_API int planish_file_can_write(const planish_file *file, const char *pat
  *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
  *  signal handler that removes them. TetGen's .ele, .face and .edge are written along with .node.
  *  Errors: _FILE, _MEMORY, _ARGUMENT, _FORMAT (the input is not what was read any more); nothing is
- *  left behind then (but if one of TetGen's files
- *  could not be renamed after another had been, that one is in its place). */
+ *  left behind then (but if one of TetGen's files cannot be renamed, those that had already been,
+ *  .node the last, stay where they replaced others). */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);

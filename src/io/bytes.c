@@ -1,11 +1,12 @@
 /* bytes: the content of a file, mapped where it can be. */
 #include "io/bytes.h"
 
+#include "io/descriptor.h"
+
 #include "base/memory.h"
 #include "base/status.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -22,6 +23,8 @@ static char *copy_text(const char *text) {
 }
 
 static int fail_errno(const char *path, const char *what, planish_error *error) {
+    if (errno == ENOMEM)
+        return pl_fail_memory(error, path);
     return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
 }
 
@@ -92,7 +95,7 @@ int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
     *bytes = (io_bytes){.path = copy_text(path), .fd = -1};
     if (!bytes->path)
         return pl_fail_memory(error, path);
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = io_descriptor_open(path, O_RDONLY, 0);
     int status =
         fd < 0 ? fail_errno(path, "cannot be opened", error) : open_descriptor(fd, bytes, error);
     if (fd >= 0 && bytes->fd != fd)

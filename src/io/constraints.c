@@ -228,10 +228,9 @@ static int hold_interfaces(const planish_file *file, uint8_t *constraint, planis
     return PLANISH_OK;
 }
 
-int planish_file_constraints(const planish_file *file, const planish_hold *hold,
-                             uint8_t *constraint, planish_error *error) {
-    if (!file || !constraint)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
+/** constraint [n_nodes] is filled, whether or not that fails. */
+static int find_constraints(const planish_file *file, const planish_hold *hold, uint8_t *constraint,
+                            planish_error *error) {
     const int slide = hold && hold->slide;
     const unsigned undecided =
         (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
@@ -245,6 +244,19 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
         status = hold_interfaces(file, constraint, error);
     if (!status && hold && hold->n_tags > 0)
         status = hold_tags(&file->model, hold, constraint, error);
+    return status;
+}
+
+int planish_file_constraints(const planish_file *file, const planish_hold *hold,
+                             uint8_t *constraint, planish_error *error) {
+    if (!file || !constraint)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
+    uint8_t *found = pl_alloc(file->model.n_nodes, 1);
+    const int status = found ? find_constraints(file, hold, found, error)
+                             : pl_fail_memory(error, "the constraints of nodes");
+    if (!status)
+        memcpy(constraint, found, (size_t)file->model.n_nodes);
+    pl_free(found);
     return status;
 }
 

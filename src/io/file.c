@@ -110,6 +110,24 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
                    input->path, names);
 }
 
+static int count_regions(planish_file *file, planish_error *error) {
+    const io_cells *cells = io_file_elements(file);
+    const int32_t *region = io_cells_regions(cells);
+    int32_t last = 0;
+    for (int64_t i = 0; region && i < cells->n; i++)
+        last = region[i] > last ? region[i] : last;
+    file->n_regions = region ? 0 : 1;
+    uint8_t *seen = region ? pl_alloc_zero((int64_t)last + 1, 1) : NULL;
+    if (region && !seen)
+        return pl_fail_memory(error, file->model.input.path);
+    for (int64_t i = 0; region && i < cells->n; i++) {
+        file->n_regions += !seen[region[i]];
+        seen[region[i]] = 1;
+    }
+    pl_free(seen);
+    return PLANISH_OK;
+}
+
 static int read_model(planish_file *file, planish_error *error) {
     const io_bytes *input = &file->model.input;
     if (is_gzip(input))
@@ -117,7 +135,9 @@ static int read_model(planish_file *file, planish_error *error) {
                        "%s: is compressed; unpack it first: gunzip -c %s > OUT", input->path,
                        input->path);
     int status = file->format->read(&file->model, error);
-    return status ? status : io_model_finish(&file->model, error);
+    if (!status)
+        status = io_model_finish(&file->model, error);
+    return status ? status : count_regions(file, error);
 }
 
 /** Nothing is read again until it is written. */
@@ -188,22 +208,6 @@ const io_cells *io_file_elements(const planish_file *file) {
     return file->model.dim == 3 ? &file->model.tetrahedron : &file->model.triangle;
 }
 
-static int64_t count_regions(const planish_file *file) {
-    const io_cells *cells = io_file_elements(file);
-    const int32_t *region = io_cells_regions(cells);
-    int32_t last = 0;
-    for (int64_t i = 0; region && i < cells->n; i++)
-        last = region[i] > last ? region[i] : last;
-    uint8_t *seen = region ? pl_alloc_zero((int64_t)last + 1, 1) : NULL;
-    int64_t count = region ? 0 : 1;
-    for (int64_t i = 0; seen && i < cells->n; i++) {
-        count += !seen[region[i]];
-        seen[region[i]] = 1;
-    }
-    pl_free(seen);
-    return count;
-}
-
 static double round_to_field(double value, void *user) {
     const io_model *model = user;
     return io_round_to_field(value, model->field_width, model->implied_exponent);
@@ -230,7 +234,7 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                                 .round_user = (void *)(uintptr_t)&file->model,
                                 .n_other_elements = file->model.n_other,
                                 .n_lower_elements = file->model.n_lower,
-                                .n_regions = count_regions(file),
+                                .n_regions = file->n_regions,
                                 .bytes = file->model.input.size,
                                 .ends_open = any_ends_open(file)};
 }

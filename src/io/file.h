@@ -7,6 +7,7 @@
 struct planish_file {
     io_model model;
     const io_format *format;
+    int64_t n_regions; /* distinct ones among the elements smoothed */
 };
 
 /** The format called name, or NULL. */

@@ -1,11 +1,12 @@
 /* output: write a file beside its place and rename it, or straight into a pipe or device. */
 #include "io/output.h"
 
+#include "io/descriptor.h"
+
 #include "base/memory.h"
 #include "base/status.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,12 +19,20 @@ enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
 enum { WRITE_AT_ONCE = 1 << 30 };
 
 static int fail_errno(const char *path, const char *what, planish_error *error) {
+    if (errno == ENOMEM)
+        return pl_fail_memory(error, path);
     return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
 }
 
 /* ---- the list of temporary files ---------------------------------------------------------- */
 
-/** Add path; written so that the list is whole at any moment a signal may read it. */
+/* Both are written so that the list is whole at any moment a signal may read it: what stands behind
+ * a path begins to count with its first byte. */
+
+static void set_first(char *path, char byte) {
+    __atomic_store_n(path, byte, __ATOMIC_SEQ_CST);
+}
+
 static void temporaries_add(io_temporaries list, const char *path) {
     size_t at = 0, length = strlen(path);
     if (!list.paths)
@@ -34,7 +43,7 @@ static void temporaries_add(io_temporaries list, const char *path) {
         return;
     list.paths[at + length + 1] = '\0';
     memcpy(list.paths + at + 1, path + 1, length);
-    __atomic_store_n(&list.paths[at], path[0], __ATOMIC_SEQ_CST);
+    set_first(&list.paths[at], path[0]);
 }
 
 static void temporaries_remove(io_temporaries list, const char *path) {
@@ -45,8 +54,11 @@ static void temporaries_remove(io_temporaries list, const char *path) {
         at += strlen(list.paths + at) + 1;
     if (at >= list.size || !list.paths[at])
         return;
-    size_t next = at + strlen(list.paths + at) + 1;
-    memmove(list.paths + at, list.paths + next, list.size - next);
+    const size_t next = at + strlen(list.paths + at) + 1;
+    const char first = list.paths[next];
+    set_first(&list.paths[at], '\0');
+    memmove(list.paths + at + 1, list.paths + next + 1, list.size - next - 1);
+    set_first(&list.paths[at], first);
 }
 
 /* ---- where it goes ------------------------------------------------------------------------ */
@@ -79,7 +91,7 @@ int io_output_is_stream(const char *path) {
 /** path with a link at its end followed, also one that leads nowhere yet. Owned; NULL: errno. */
 static char *follow_links(const char *path) {
     char *at = pl_alloc(PATH_MAX, 1), *link = pl_alloc(PATH_MAX, 1);
-    int status = at && link && strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
+    int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
     if (!status)
         strcpy(at, path);
     for (int i = 0; !status; i++) {
@@ -103,9 +115,24 @@ static char *follow_links(const char *path) {
     return at;
 }
 
+/** Create the temporary file, which is listed before it is there. */
+static int create(const char *path, mode_t mode, io_temporaries temporaries) {
+    if (access(path, F_OK) == 0) {
+        errno = EEXIST; /* another one's, which a signal must not remove */
+        return -1;
+    }
+    temporaries_add(temporaries, path);
+    const int fd = io_descriptor_open(path, O_WRONLY | O_CREAT | O_EXCL, mode);
+    const int reason = errno;
+    if (fd < 0)
+        temporaries_remove(temporaries, path);
+    errno = reason;
+    return fd;
+}
+
 /** Create TARGET.planish-N beside target: as open for others as any new file if there is no target
  *  whose mode it will get. */
-static int create_temporary(io_output *output) {
+static int create_temporary(io_temporaries temporaries, io_output *output) {
     mode_t mode = access(output->target, F_OK) ? 0666 : 0600;
     const char *slash = strrchr(output->target, '/');
     size_t folder = slash ? (size_t)(slash - output->target) + 1 : 0;
@@ -120,7 +147,7 @@ static int create_temporary(io_output *output) {
     for (int i = 0; i < MAX_NAMES; i++) {
         snprintf(output->temporary, size, "%.*s.planish-%ld-%d", (int)kept, output->target,
                  (long)getpid(), i);
-        int fd = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+        const int fd = create(output->temporary, mode, temporaries);
         if (fd >= 0 || errno != EEXIST)
             return fd;
     }
@@ -146,7 +173,7 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
         return fail_errno(path, "cannot be written", error);
     if (stat(output->target, &about) == 0 && S_ISDIR(about.st_mode))
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a file to write", path);
-    output->fd = create_temporary(output);
+    output->fd = create_temporary(temporaries, output);
     if (output->fd < 0) {
         int reason = errno;
         pl_free(output->temporary);
@@ -154,7 +181,6 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
         errno = reason;
         return fail_errno(path, "cannot be written", error);
     }
-    temporaries_add(temporaries, output->temporary);
     output->replaces = access(output->target, F_OK) == 0;
     keep_mode_and_owner(output->fd, output->target);
     return PLANISH_OK;
@@ -162,11 +188,12 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
 
 int io_output_open(const char *path, io_temporaries temporaries, io_output *output,
                    planish_error *error) {
-    *output = (io_output){-1, NULL, NULL, 0};
+    *output = (io_output){.fd = -1};
     if (!io_output_is_stream(path))
         return open_beside(path, temporaries, output, error);
     int named = named_descriptor(path);
-    output->fd = named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : open(path, O_WRONLY | O_CLOEXEC);
+    output->fd =
+        named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : io_descriptor_open(path, O_WRONLY, 0);
     output->target = pl_alloc((int64_t)strlen(path) + 1, 1);
     if (output->fd < 0)
         return fail_errno(path, "cannot be written", error);
@@ -182,7 +209,9 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
         ssize_t written = write(output->fd, data, wanted);
         if (written < 0 && errno == EINTR)
             continue;
-        if (written < 0)
+        if (written == 0)
+            errno = ENOSPC; /* a device that takes no more and says no why */
+        if (written <= 0)
             return fail_errno(output->target, "cannot be written", error);
         data += written;
         size -= written;
@@ -193,13 +222,13 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
 /** What it replaces may be the only copy: then the bytes must be on the disk before the rename. Not
  *  0: errno says why they are not. EINVAL: this file system knows no such thing. */
 static int settle(const io_output *output, int fd) {
-    return output->replaces && fsync(fd) && errno != EINVAL;
+    return output->replaces && io_descriptor_sync(fd) && errno != EINVAL;
 }
 
 int io_output_finish(io_output *output, planish_error *error) {
     int failed = settle(output, output->fd);
     int reason = errno;
-    if (close(output->fd) == 0)
+    if (io_descriptor_close(output->fd) == 0)
         errno = reason;
     else
         failed = 1;
@@ -210,7 +239,7 @@ int io_output_finish(io_output *output, planish_error *error) {
 int io_output_sync(const io_output *output, planish_error *error) {
     if (!output->replaces)
         return PLANISH_OK;
-    int fd = open(output->temporary, O_RDONLY | O_CLOEXEC);
+    int fd = io_descriptor_open(output->temporary, O_RDONLY, 0);
     int failed = fd < 0 || settle(output, fd), reason = errno;
     if (fd >= 0)
         close(fd);
@@ -226,7 +255,13 @@ int io_output_commit(io_output *output, io_temporaries temporaries, planish_erro
     temporaries_remove(temporaries, output->temporary);
     pl_free(output->temporary);
     output->temporary = NULL;
+    output->is_committed = 1;
     return PLANISH_OK;
+}
+
+void io_output_undo(const io_output *output) {
+    if (output->is_committed && !output->replaces)
+        unlink(output->target);
 }
 
 void io_output_release(io_output *output, io_temporaries temporaries) {
@@ -238,5 +273,5 @@ void io_output_release(io_output *output, io_temporaries temporaries) {
     }
     pl_free(output->temporary);
     pl_free(output->target);
-    *output = (io_output){-1, NULL, NULL, 0};
+    *output = (io_output){.fd = -1};
 }

@@ -18,7 +18,8 @@ typedef struct io_output {
     int fd;
     char *target;    /* where the file will be: symbolic links followed; owned */
     char *temporary; /* where it is now, owned; NULL: written directly */
-    int replaces;    /* there is a file in its place already */
+    int replaces;    /* there was a file in its place already */
+    int is_committed;
 } io_output;
 
 /** Not 0 if path is written as it is: a pipe, a device, a name of an open file (/dev/stdout). */
@@ -36,6 +37,8 @@ int io_output_finish(io_output *output, planish_error *error);
 int io_output_sync(const io_output *output, planish_error *error);
 /** Rename to the target, after io_output_finish. */
 int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error);
+/** Take back io_output_commit: remove the target, if it is a new one. */
+void io_output_undo(const io_output *output);
 /** Remove what is left (the temporary file, if it was not renamed) and release. */
 void io_output_release(io_output *output, io_temporaries temporaries);
 

@@ -424,6 +424,17 @@ static int check_inputs_unchanged(const planish_file *file, int n_companions,
     return status;
 }
 
+/** Rename all temporary files: the one with the coordinates, the first, in the end, so that no file
+ *  is new if that one is not. */
+static int commit_all(io_output *output, int n, io_temporaries temporaries, planish_error *error) {
+    int status = PLANISH_OK;
+    for (int i = n - 1; i >= 0 && !status; i--)
+        status = io_output_commit(&output[i], temporaries, error);
+    for (int i = 0; i < n && status; i++)
+        io_output_undo(&output[i]);
+    return status;
+}
+
 /** Write all temporary files, then rename all. output [1 + n_companions]. */
 static int write_all(const planish_file *file, const char *path, const char *main_path,
                      const double *coordinates, int threads, io_temporaries temporaries,
@@ -440,8 +451,8 @@ static int write_all(const planish_file *file, const char *path, const char *mai
             write_companion(&file->model.companion[i], path, temporaries, &output[i + 1], error);
     if (!status)
         status = check_inputs_unchanged(file, n_companions, error);
-    for (int i = 0; i <= n_companions && !status; i++)
-        status = io_output_commit(&output[i], temporaries, error);
+    if (!status)
+        status = commit_all(output, 1 + n_companions, temporaries, error);
     for (int i = 0; i <= n_companions; i++)
         io_output_release(&output[i], temporaries);
     return status;
@@ -459,7 +470,7 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     io_output *output = pl_alloc(n_companions + 1, sizeof *output);
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
     for (int i = 0; i <= n_companions && output; i++)
-        output[i] = (io_output){-1, NULL, NULL, 0};
+        output[i] = (io_output){.fd = -1};
     if (!status && !alone)
         status = check_strangers(file, path, error);
     if (!status)

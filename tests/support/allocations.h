@@ -16,4 +16,10 @@ void allocations_fail_one(int64_t permitted);
 /** Whether that one has failed; ends the wait for it. */
 int allocations_failed(void);
 
+/** Begin to count; the first allocations succeed, the n after them fail, and all others succeed. */
+void allocations_fail_some(int64_t first, int64_t n);
+
+/** Allocations asked for since then. */
+int64_t allocations_counted(void);
+
 #endif

@@ -1,0 +1,190 @@
+/* Every function of planish.h, with every option: whichever allocation fails, the call says so and
+ * leaves everything as it was, or gives what it would have given, and so does the next call. */
+#include "support/effort.h"
+#include "support/faults.h"
+#include "support/worlds.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* ---- the calls ------------------------------------------------------------------------------- */
+
+/** A copy of the coordinates, to be freed. */
+static double *copy_of(const test_world *w) {
+    double *x = malloc((size_t)w->n_doubles * sizeof *x);
+    memcpy(x, w->mesh.coordinates, (size_t)w->n_doubles * sizeof *x);
+    return x;
+}
+
+static int is_original(const test_world *w, const double *x) {
+    return memcmp(x, w->mesh.coordinates, (size_t)w->n_doubles * sizeof *x) == 0;
+}
+
+/** planish_find_slides and planish_find_layers. */
+static void look_at_shape(const test_world *w, faults *f) {
+    const int64_t n = w->mesh.n_nodes, dim = w->mesh.dim;
+    const size_t bytes = (size_t)(n * dim) * sizeof(double);
+    uint8_t *constraint = malloc((size_t)n), *layer = malloc((size_t)w->mesh.n_elements);
+    double *direction = calloc((size_t)(n * dim), sizeof *direction);
+    planish_slide_info info = {0};
+    planish_error error;
+    int64_t n_layer = -1;
+    int status;
+    do {
+        faults_mark(constraint, (size_t)n);
+        faults_mark(direction, bytes);
+        status = planish_find_slides(&w->mesh, NULL, w->options.threads, constraint, direction,
+                                     &info, &error);
+        assert_true(!status || (faults_is_marked(constraint, (size_t)n) &&
+                                faults_is_marked(direction, bytes) && info.n_surface == 0));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, constraint, (size_t)n);
+    faults_add(f, &info, sizeof info);
+    do {
+        faults_mark(layer, (size_t)w->mesh.n_elements);
+        status = planish_find_layers(&w->mesh, w->options.threads, layer, &n_layer, &error);
+        assert_true(!status ||
+                    (faults_is_marked(layer, (size_t)w->mesh.n_elements) && n_layer == -1));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, layer, (size_t)w->mesh.n_elements);
+    faults_add(f, &n_layer, sizeof n_layer);
+    free(constraint);
+    free(direction);
+    free(layer);
+}
+
+/** planish_measure and planish_measure_elements. */
+static void measure(const test_world *w, faults *f, const planish_plan *plan, const double *x) {
+    const size_t bytes = (size_t)w->mesh.n_elements * sizeof(double);
+    double *ratio = malloc(bytes);
+    planish_quality quality;
+    planish_error error;
+    int status;
+    do {
+        faults_mark(&quality, sizeof quality);
+        status = planish_measure(plan, x, &quality, &error);
+        assert_true(!status || faults_is_marked(&quality, sizeof quality));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, &quality, sizeof quality);
+    do {
+        faults_mark(ratio, bytes);
+        status = planish_measure_elements(plan, x, ratio, &error);
+        assert_true(!status || faults_is_marked(ratio, bytes));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, ratio, bytes);
+    free(ratio);
+}
+
+/** planish_check_volumes and planish_find_unfixable. */
+static void check(const test_world *w, faults *f, const planish_options *options,
+                  const planish_plan *plan, const double *x) {
+    const size_t n = (size_t)w->mesh.n_elements;
+    uint8_t *state = malloc(n);
+    int64_t count = -1;
+    planish_error error;
+    int status;
+    do {
+        faults_mark(state, n);
+        status = planish_check_volumes(plan, x, options, state, &count, &error);
+        assert_true(!status || (faults_is_marked(state, n) && count == -1));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, state, n);
+    faults_add(f, &count, sizeof count);
+    count = -1;
+    do {
+        faults_mark(state, n);
+        status = planish_find_unfixable(plan, x, state, &count, &error);
+        assert_true(!status || (faults_is_marked(state, n) && count == -1));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, state, n);
+    faults_add(f, &count, sizeof count);
+    free(state);
+}
+
+static void smooth(const test_world *w, faults *f, const planish_options *options,
+                   planish_plan *plan, double *x) {
+    planish_result result;
+    planish_error error;
+    int status;
+    do {
+        faults_mark(&result, sizeof result);
+        status = planish_smooth(plan, x, options, &result, &error);
+        assert_true(!status || (is_original(w, x) && faults_is_marked(&result, sizeof result)));
+    } while (faults_refused(f, status, &error));
+    result.seconds = 0;
+    faults_add(f, x, (size_t)w->n_doubles * sizeof *x);
+    faults_add(f, &result, sizeof result);
+}
+
+static planish_plan *make_plan(const test_world *w, faults *f, const planish_options *options) {
+    planish_plan *plan = NULL;
+    planish_plan_info info;
+    planish_error error;
+    int status;
+    uint8_t *is_free = malloc((size_t)w->mesh.n_nodes);
+    do {
+        status = planish_plan_create(&w->mesh, options, &plan, &error);
+        assert_true(!status || plan == NULL);
+    } while (faults_refused(f, status, &error));
+    planish_plan_get_info(plan, &info);
+    planish_plan_get_free(plan, is_free);
+    faults_add(f, &info.n_free, sizeof info.n_free);
+    faults_add(f, is_free, (size_t)w->mesh.n_nodes);
+    free(is_free);
+    return plan;
+}
+
+/** All calls, smoothing twice: once from the start and once from where that led. */
+static void call_all(const void *context, faults *f) {
+    const test_world *w = context;
+    planish_options options = w->options;
+    planish_quality quality;
+    planish_error error;
+    int status;
+    if (w->has_allocator)
+        options.allocator = &f->allocator;
+    if (!w->mesh.elements64)
+        look_at_shape(w, f);
+    do {
+        faults_mark(&quality, sizeof quality);
+        status = planish_measure_mesh(&w->mesh, &options, &quality, &error);
+        assert_true(!status || faults_is_marked(&quality, sizeof quality));
+    } while (faults_refused(f, status, &error));
+    faults_add(f, &quality, sizeof quality);
+    double *x = copy_of(w);
+    planish_plan *plan = make_plan(w, f, &options);
+    measure(w, f, plan, x);
+    check(w, f, &options, plan, x);
+    smooth(w, f, &options, plan, x);
+    const uint64_t checksum = planish_checksum(&w->mesh);
+    faults_add(f, &checksum, sizeof checksum);
+    measure(w, f, plan, x);
+    check(w, f, &options, plan, x);
+    planish_plan_destroy(plan);
+    free(x);
+}
+
+static void every_allocation_fails_once(void **state) {
+    (void)state;
+    int64_t runs = 0;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int i = 0; i < test_world_count(); i++) {
+            test_world w;
+            char name[64];
+            test_world_create(&w, dim, i);
+            snprintf(name, sizeof name, "%s, %d-D", w.name, dim);
+            runs += faults_try(name, call_all, &w, 20);
+            test_world_destroy(&w);
+        }
+    figure("%d scenarios, %d runs without some memory", 2 * test_world_count(), (int)runs);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(every_allocation_fails_once)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
