@@ -339,13 +339,12 @@ int pl_report_command(const pl_arguments *arguments) {
     char output[PATH_MAX];
     pl_figures figures;
     drawing d = {.json_path = arguments->input, .figures = &figures};
-    int status = find_output(arguments, output, sizeof output);
-    if (status)
-        return status;
-    cJSON *result = read_result(arguments->input, &figures);
+    cJSON *result = read_result(arguments->input, &figures); /* first: what is no JSON is that */
     if (!result)
         return PL_EXIT_FAILED;
-    status = report(&d, output, arguments->verbosity == PL_QUIET);
+    int status = find_output(arguments, output, sizeof output);
+    if (!status)
+        status = report(&d, output, arguments->verbosity == PL_QUIET);
     pl_picture_free(d.picture);
     cJSON_Delete(result);
     return status;

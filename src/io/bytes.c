@@ -14,6 +14,9 @@
 
 enum { MAPPED_NO, MAPPED_YES, MAPPED_BORROWED }; /* io_bytes.mapped */
 
+/* What a device of characters may give: a terminal, somebody's typing. Others have no end. */
+static const int64_t LARGEST_OF_DEVICE = 1 << 20;
+
 static char *copy_text(const char *text) {
     size_t size = strlen(text) + 1;
     char *copy = pl_alloc((int64_t)size, 1);
@@ -47,7 +50,23 @@ static int map_regular(int fd, const struct stat *about, io_bytes *bytes, planis
     return PLANISH_OK;
 }
 
-static int read_stream(int fd, io_bytes *bytes, planish_error *error) {
+/** How much may come of what is no regular file: half of the machine's memory, since what never
+ *  ends would take all of it, and the process would be killed. */
+static int64_t largest_stream(const struct stat *about) {
+    const int64_t pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    if (S_ISCHR(about->st_mode))
+        return LARGEST_OF_DEVICE;
+    return pages > 0 && size > 0 ? pages / 2 * size : INT64_MAX;
+}
+
+static int fail_endless(int64_t largest, const char *path, planish_error *error) {
+    return pl_fail(error, PLANISH_ERROR_FILE,
+                   "%s: there are more than %lld MB, and no end: give a mesh file, which is not "
+                   "read into memory",
+                   path, (long long)(largest >> 20));
+}
+
+static int read_stream(int fd, int64_t largest, io_bytes *bytes, planish_error *error) {
     enum { BLOCK = 1 << 20 };
     char *data = NULL;
     int64_t size = 0, capacity = 0;
@@ -68,6 +87,10 @@ static int read_stream(int fd, io_bytes *bytes, planish_error *error) {
         if (got == 0)
             break;
         size += got;
+        if (size > largest) {
+            pl_free(data);
+            return fail_endless(largest, bytes->path, error);
+        }
     }
     bytes->data = data;
     bytes->size = size;
@@ -83,7 +106,7 @@ static int open_descriptor(int fd, io_bytes *bytes, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a mesh file", bytes->path);
     int status = PLANISH_OK;
     if (!S_ISREG(about.st_mode))
-        status = read_stream(fd, bytes, error);
+        status = read_stream(fd, largest_stream(&about), bytes, error);
     else if (about.st_size > 0)
         status = map_regular(fd, &about, bytes, error);
     if (!status && bytes->size == 0)

@@ -80,6 +80,12 @@ static int utf8_length(const unsigned char *text) {
     return length;
 }
 
+/** Whether XML knows no such character: control characters, U+FFFE and U+FFFF. */
+static int is_unknown(const unsigned char *text, int length) {
+    return text[0] < ' ' ||
+           (length == 3 && text[0] == 0xEF && text[1] == 0xBF && (text[2] & 0xFE) == 0xBE);
+}
+
 /** A name as an attribute's value. What is no UTF-8 is taken for Latin-1, which older files have.
  */
 static void put_name(markup *m, const char *name) {
@@ -99,7 +105,7 @@ static void put_name(markup *m, const char *name) {
         else if (length == 0)
             put(m, "%c%c", 0xC0 | *c >> 6, 0x80 | (*c & 0x3F));
         else
-            put(m, "%.*s", length, *c < ' ' ? " " : (const char *)c);
+            put(m, "%.*s", length, is_unknown(c, length) ? " " : (const char *)c);
         c += length > 0 ? length : 1;
     }
 }
