@@ -1040,6 +1040,51 @@ static void without_memory_nothing_changes(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+static double to_multiple(double value, void *user) {
+    const double unit = *(const double *)user;
+    return rint(value / unit) * unit;
+}
+
+/** Where elements below their least volume are left alone no other one comes below, whatever
+ *  coordinates are rounded to. */
+static void none_comes_below(void **state) {
+    (void)state;
+    int64_t moved = 0, kept = 0;
+    for (int i = 0; i < 40; i++) {
+        test_mesh box;
+        smoothed s;
+        planish_plan *plan;
+        planish_options options = defaults();
+        const int dim = 2 + i % 2;
+        double unit = i % 4 < 2 ? 0.1 : 0.03;
+        bad_box(&box, dim, 6, (unsigned)i);
+        options.untangle = 0;
+        options.min_volume = 0.95 * regular_volume(dim);
+        options.precision = PLANISH_ROUNDED;
+        options.round = to_multiple;
+        options.round_user = &unit;
+        smooth(&box.mesh, &options, &s);
+        uint8_t *before = malloc((size_t)box.mesh.n_elements);
+        uint8_t *after = malloc((size_t)box.mesh.n_elements);
+        int64_t n;
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+        assert_int_equal(planish_check_volumes(plan, box.coordinates, &options, before, &n, NULL),
+                         0);
+        assert_int_equal(planish_check_volumes(plan, s.coordinates, &options, after, &n, NULL), 0);
+        for (int64_t k = 0; k < box.mesh.n_elements; k++) {
+            assert_true(before[k] != PLANISH_VOLUME_MET || after[k] == PLANISH_VOLUME_MET);
+            kept += before[k] != PLANISH_VOLUME_MET;
+        }
+        moved += s.result.moved_nodes;
+        planish_plan_destroy(plan);
+        free(before);
+        free(after);
+        free(s.coordinates);
+        test_mesh_destroy(&box);
+    }
+    assert_true(moved > 0 && kept > 0);
+}
+
 int main(void) {
     static int dims[] = {2, 3};
 #define BOTH(test)                                                                                 \
@@ -1047,6 +1092,7 @@ int main(void) {
 #test " 3-D", test, NULL, NULL, &dims[1]                                                   \
     }
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(none_comes_below),
         BOTH(f_never_rises),
         BOTH(f_is_the_weighted_sum),
         BOTH(least_volumes_are_reached),

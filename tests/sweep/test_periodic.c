@@ -304,6 +304,53 @@ static void other_options_hold(void **state) {
     }
 }
 
+/** To whole multiples of user. */
+static double to_multiple(double value, void *user) {
+    const double unit = *(const double *)user;
+    return rint(value / unit) * unit;
+}
+
+/** Turn the mesh, and the directions that its nodes slide in, by angle in the first two. */
+static void turn(const periodic_box *p, double angle) {
+    const double c = cos(angle), s = sin(angle);
+    for (int64_t i = 0; i < p->mesh.n_nodes; i++) {
+        double *turned[] = {p->box.coordinates + i * p->mesh.dim, p->direction + i * p->mesh.dim};
+        for (int k = 0; k < 2; k++) {
+            const double x = turned[k][0], y = turned[k][1];
+            turned[k][0] = c * x - s * y;
+            turned[k][1] = s * x + c * y;
+        }
+    }
+}
+
+/** Where coordinates are rounded, the elements around a node that follows another one are not what
+ *  those around that one are: they have to be looked at. */
+static void rounding_harms_no_follower(void **state) {
+    const int dim = *(int *)*state;
+    static const planish_objective objectives[] = {PLANISH_RADIUS_RATIO, PLANISH_MEAN_RATIO};
+    int64_t moved = 0;
+    for (int i = 0; i < 20; i++) {
+        periodic_box p;
+        planish_options options = defaults();
+        double unit = i % 4 < 2 ? 0.3 : 0.05;
+        create(&p, dim, dim, 0.13);
+        turn(&p, 0.05 + 0.07 * i);
+        options.objective = objectives[i % 2];
+        options.precision = PLANISH_ROUNDED;
+        options.round = to_multiple;
+        options.round_user = &unit;
+        run r = smooth(&p.mesh, &options);
+        assert_int_equal(r.before.inverted, 0);
+        assert_int_equal(r.after.inverted, 0);
+        assert_true(r.after.max_radius_ratio <= r.before.max_radius_ratio);
+        assert_true(r.result.objective <= r.result.objective_before);
+        moved += r.result.moved_nodes;
+        free(r.coordinates);
+        destroy(&p);
+    }
+    assert_true(moved > 0);
+}
+
 /** What cannot move together is held: nodes that slide otherwise, or not at all; rotations; a
  *  translation of one pair; and any nonsense does no harm. */
 static void what_is_not_alike_is_held(void **state) {
@@ -450,6 +497,7 @@ int main(void) {
         BOTH(pairs_end_at_their_common_optimum),
         BOTH(bits_do_not_depend_on_threads_or_scale),
         BOTH(other_options_hold),
+        BOTH(rounding_harms_no_follower),
         BOTH(what_is_not_alike_is_held),
         BOTH(pairs_inside_are_held),
         cmocka_unit_test(thin_meshes_are_held),
