@@ -2,9 +2,9 @@
  *
  *   FAULT=CALL:N:WHAT  the N-th CALL (from 0) of the program, any of those below, fails with the
  *                      error number WHAT; or it is "short": it does the half of what it was asked
- *   FAULT_LOG=FILE     gets a line "CALL N" where the fault happened, and without FAULT, as the
- *                      program ends, a line "CALL N" for each CALL: how many there were; and a line
- *                      "LIBRARY SIGNAL" if the program crashes, in whose code it did
+ *   FAULT_LOG=FILE     gets a line "CALL N LIBRARY" where the fault happened, in whose code it was,
+ *                      and without FAULT, as the program ends, a line "CALL N -" for each CALL: how
+ *                      many there were
  *
  * What happens before main and in the system's libraries without their names being looked up is not
  * counted. Linux with glibc.
@@ -15,7 +15,6 @@
 #include <execinfo.h>
 #include <fcntl.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -83,9 +82,9 @@ static struct {
 
 /* ---- the fault ----------------------------------------------------------------------------- */
 
-static void write_log(const char *name, long n) {
+static void write_log(const char *name, long n, const char *library) {
     char line[512];
-    const int length = snprintf(line, sizeof line, "%s %ld\n", name, n);
+    const int length = snprintf(line, sizeof line, "%s %ld %s\n", name, n, library);
     const long fd = fault.log ? syscall(SYS_openat, AT_FDCWD, fault.log,
                                         O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0600)
                               : -1;
@@ -93,12 +92,35 @@ static void write_log(const char *name, long n) {
         syscall(SYS_close, fd);
 }
 
+/** Where library code begins that address is in, or NULL; its file. */
+static void *library_of(void *address, const char **file) {
+    Dl_info about = {.dli_fname = "-"};
+    void *base = dladdr(address, &about) ? about.dli_fbase : NULL;
+    *file = about.dli_fname;
+    return base;
+}
+
+/** The file of the innermost caller but this library and the C library, which calls for others. */
+static const char *caller(void) {
+    void *frame[64];
+    const char *file = "-";
+    void *own = library_of(&fault, &file), *system = library_of(dlsym(RTLD_NEXT, "abort"), &file);
+    const int n = backtrace(frame, sizeof frame / sizeof *frame);
+    for (int i = 0; i < n; i++) {
+        void *library = library_of(frame[i], &file);
+        if (library && library != own && library != system)
+            return file;
+    }
+    return "-";
+}
+
 /** What is to become of this call; errno is set if it fails. */
 static int meet(call c) {
     if (!fault.is_on || atomic_fetch_add(&fault.count[c], 1) != fault.number ||
         (int)c != fault.wanted)
         return DONE;
-    write_log(names[c], fault.number);
+    fault.is_on = 0; /* there is no other */
+    write_log(names[c], fault.number, caller());
     errno = fault.error_number;
     return fault.is_short ? SHORT : FAILS;
 }
@@ -129,51 +151,14 @@ static void read_fault(void) {
     fault.error_number = (int)strtol(what + 1, NULL, 10);
 }
 
-/* ---- crashes ------------------------------------------------------------------------------- */
-
-/** The file that has the code at address, if that is the program's or a library's own, but not
- *  those that crash for others: this one, and the C library, which aborts where memory is amiss. */
-static const char *culprit_at(void *address) {
-    Dl_info about, own, system;
-    if (!dladdr(address, &about) || !dladdr((void *)&fault, &own) ||
-        !dladdr(dlsym(RTLD_NEXT, "abort"), &system) || about.dli_fbase == own.dli_fbase ||
-        about.dli_fbase == system.dli_fbase)
-        return NULL;
-    return about.dli_fname;
-}
-
-static void on_crash(int signal_number) {
-    void *frame[64];
-    const char *culprit = NULL;
-    fault.is_on = 0;
-    const int n = backtrace(frame, sizeof frame / sizeof *frame);
-    for (int i = 0; i < n && !culprit; i++)
-        culprit = culprit_at(frame[i]);
-    write_log(culprit ? culprit : "unknown", signal_number);
-    signal(signal_number, SIG_DFL);
-    raise(signal_number);
-}
-
-/** On a stack of its own, as there are libraries that recur without end. */
-static void watch_crashes(void) {
-    static char room[1 << 16];
-    static const int crashes[] = {SIGSEGV, SIGABRT, SIGFPE};
-    const stack_t stack = {.ss_sp = room, .ss_size = sizeof room};
-    struct sigaction action = {.sa_handler = on_crash, .sa_flags = SA_ONSTACK};
-    void *frame[1];
-    backtrace(frame, 1); /* what it needs is loaded now */
-    sigaltstack(&stack, NULL);
-    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
-        sigaction(crashes[i], &action, NULL);
-}
-
 /* ---- the beginning and the end --------------------------------------------------------------- */
 
 static int (*real_main)(int, char **, char **);
 
 static int main_with_faults(int argc, char **argv, char **environment) {
+    void *frame[1];
     read_fault();
-    watch_crashes();
+    backtrace(frame, 1);    /* what it needs is loaded now */
     unsetenv("LD_PRELOAD"); /* of what the program starts nothing is counted */
     fault.is_on = 1;
     return real_main(argc, argv, environment);
@@ -193,7 +178,7 @@ int __libc_start_main(int (*main)(int, char **, char **), int argc, char **argv,
 __attribute__((destructor)) static void write_counts(void) {
     fault.is_on = 0;
     for (int c = 0; c < N_CALLS && fault.wanted < 0; c++)
-        write_log(names[c], atomic_load(&fault.count[c]));
+        write_log(names[c], atomic_load(&fault.count[c]), "-");
 }
 
 /* ---- memory -------------------------------------------------------------------------------- */
