@@ -238,7 +238,7 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     int status = 0;
     *why = "cannot be read any more";
     planish_options_init(&job.options);
-    if (planish_file_open(path, w->format, job.options.threads, &job.file, &error))
+    if (planish_file_open_isolated(path, w->format, job.options.threads, &job.file, &error))
         return 0;
     *why = "has other coordinates now";
     job.mesh = planish_file_mesh(job.file);

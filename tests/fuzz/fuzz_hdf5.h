@@ -4,8 +4,9 @@
  *     FUZZ_HDF5(io_format_NAME)
  *
  * As fuzz_reader.h, but for what comes back: in a damaged file the library's records may say that
- * coordinates stand among other data, and what is written then changes these. Unchanged coordinates
- * give the same bytes.
+ * coordinates stand among other data, and what is written then changes these; and what it finds in
+ * such a file may depend on what was asked before, so that packed coordinates are read but refused
+ * when they are to be written. Unchanged coordinates that are written give the same bytes.
  *
  * The library itself (1.10) is not proof against all damage: it asks for memory of any size and
  * uses it without looking whether it came, loses memory when it fails, and reads beyond what it has
