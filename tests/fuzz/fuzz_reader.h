@@ -155,7 +155,7 @@ static inline void fuzz_check_converted(const planish_file *file) {
     char path[FUZZ_PATH_SIZE], lost[64];
     uint8_t *constraint = malloc((size_t)mesh.n_nodes + 1);
     double *ratio = calloc((size_t)mesh.n_elements + 1, sizeof *ratio);
-    planish_file *again;
+    planish_file *again = NULL;
     planish_error error;
     fuzz_require(constraint && ratio, "memory");
     fuzz_path(path, to_legacy ? ".vtk" : ".vtu");
