@@ -129,8 +129,8 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments) {
     job->options = arguments->library;
     job->options.bind = !arguments->leave_unbound && !user_binds_threads();
     job->options.threads = pl_threads_to_use(arguments->library.threads);
-    if (planish_file_open(arguments->input, arguments->format, job->options.threads, &job->file,
-                          &error))
+    if (planish_file_open_isolated(arguments->input, arguments->format, job->options.threads,
+                                   &job->file, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     planish_file_get_info(job->file, &job->file_info);
     job->options.precision = job->file_info.precision;

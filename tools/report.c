@@ -248,7 +248,8 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     int status = 0;
     *why = "cannot be read any more";
     planish_options_init(&job.options);
-    const int code = planish_file_open(path, w->format, job.options.threads, &job.file, &error);
+    const int code =
+        planish_file_open_isolated(path, w->format, job.options.threads, &job.file, &error);
     if (code)
         return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
     *why = "has other coordinates now";

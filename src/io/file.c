@@ -2,6 +2,7 @@
 #include "io/file.h"
 
 #include "io/bytes.h"
+#include "io/child.h"
 #include "io/number.h"
 #include "io/output.h"
 
@@ -140,6 +141,36 @@ static int read_model(planish_file *file, planish_error *error) {
     return status ? status : count_regions(file, error);
 }
 
+/** A file that is tried. */
+typedef struct trial {
+    planish_file file; /* its input, and nothing else yet */
+    const char *format;
+} trial;
+
+/** Do all that opening the file does, and look whether packed coordinates will be found again; for
+ *  a child process, which releases nothing. */
+static int try_file(void *data, planish_error *error) {
+    trial *t = data;
+    planish_file *file = &t->file;
+    file->model.threads = 1;
+    int status = choose_format(file, t->format, error);
+    if (!status)
+        status = read_model(file, error);
+    if (!status && file->format->amend)
+        status = file->format->amend(&file->model, file->model.coordinates, NULL, error);
+    return status;
+}
+
+/** The HDF5 library crashes on some files: whether it does on this one is tried out in a child. */
+static int try_isolated(planish_file *file, const char *format, planish_error *error) {
+    const io_bytes *input = &file->model.input;
+    trial t = {.file = *file, .format = format}; /* in the child nothing is isolated any more */
+    if (!io_is_hdf5(input->data, input->size))
+        return PLANISH_OK;
+    file->model.is_isolated = 1;
+    return io_child_run(try_file, &t, input->path, error);
+}
+
 /** Nothing is read again until it is written. */
 static void rest(const io_model *model) {
     io_bytes_rest(&model->input);
@@ -147,13 +178,15 @@ static void rest(const io_model *model) {
         io_bytes_rest(&model->companion[i]);
 }
 
-static int open_file(const char *path, const char *format, int threads, planish_file **out,
-                     planish_error *error) {
+static int open_file(const char *path, const char *format, int threads, int isolated,
+                     planish_file **out, planish_error *error) {
     planish_file *file = pl_alloc_zero(1, sizeof *file);
     if (!file)
         return pl_fail_memory(error, path);
     file->model.threads = pl_thread_count(threads);
     int status = io_bytes_open(path, &file->model.input, error);
+    if (!status && isolated)
+        status = try_isolated(file, format, error);
     if (!status)
         status = choose_format(file, format, error);
     if (!status)
@@ -166,14 +199,24 @@ static int open_file(const char *path, const char *format, int threads, planish_
     return status;
 }
 
-int planish_file_open(const char *path, const char *format, int threads, planish_file **out,
-                      planish_error *error) {
+static int open_as_usual(const char *path, const char *format, int threads, int isolated,
+                         planish_file **out, planish_error *error) {
     if (!path || !out)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "path and file must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
-    const int status = open_file(path, format, threads, out, error);
+    const int status = open_file(path, format, threads, isolated, out, error);
     pl_call_leave(&outside);
     return status;
+}
+
+int planish_file_open(const char *path, const char *format, int threads, planish_file **file,
+                      planish_error *error) {
+    return open_as_usual(path, format, threads, 0, file, error);
+}
+
+int planish_file_open_isolated(const char *path, const char *format, int threads,
+                               planish_file **file, planish_error *error) {
+    return open_as_usual(path, format, threads, 1, file, error);
 }
 
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,

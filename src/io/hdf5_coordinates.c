@@ -8,6 +8,7 @@
 #include "base/round.h"
 #include "base/status.h"
 #include "io/bytes.h"
+#include "io/child.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -384,28 +385,44 @@ static hid_t open_copy(const char *path) {
     return file;
 }
 
-int io_hdf5_amend(const io_model *model, const double *coordinates, const char *path,
-                  planish_error *error) {
+/** What is asked of io_hdf5_amend. */
+typedef struct request {
+    const io_model *model;
+    const double *coordinates;
+    const char *path;
+} request;
+
+static int amend(void *data, planish_error *error) {
+    const request *r = data;
+    const io_model *model = r->model;
     const amended *list = model->encoding;
-    if (!list || list->n == 0)
-        return PLANISH_OK;
     hdf5_voice voice = hdf5_silence();
-    amendment a = {.coordinates = coordinates};
+    amendment a = {.coordinates = r->coordinates};
     a.file = (io_hdf5){.model = (io_model *)(uintptr_t)model, .error = error};
     a.file.id = hdf5_open_bytes(model->input.data, model->input.size);
     int status = amend_places(&a);
-    if (!status && a.is_changed && !path)
+    if (!status && a.is_changed && !r->path)
         status = pl_fail(error, PLANISH_ERROR_FILE,
                          "%s: its coordinates (%s) are compressed or packed, so that the result "
                          "cannot be written to a pipe or device; give the name of a file",
                          model->input.path, list->place[0].path);
     if (!status && a.is_changed) {
         a.is_writing = 1;
-        a.file.id = open_copy(path);
+        a.file.id = open_copy(r->path);
         status = amend_places(&a);
     }
     hdf5_restore(voice);
     return status;
+}
+
+int io_hdf5_amend(const io_model *model, const double *coordinates, const char *path,
+                  planish_error *error) {
+    const amended *list = model->encoding;
+    request r = {model, coordinates, path};
+    if (!list || list->n == 0)
+        return PLANISH_OK;
+    return model->is_isolated ? io_child_run(amend, &r, model->input.path, error)
+                              : amend(&r, error);
 }
 
 #endif

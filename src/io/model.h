@@ -121,6 +121,7 @@ typedef struct io_model {
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
     int n_companions;
     int threads;
+    int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
     planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */
     int field_width;             /* narrowest field of a coordinate, with PLANISH_ROUNDED */
     int implied_exponent;        /* exponents are written without an e (Nastran) */

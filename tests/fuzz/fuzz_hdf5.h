@@ -4,13 +4,15 @@
  *     FUZZ_HDF5(io_format_NAME)
  *
  * As fuzz_reader.h, but for what comes back: in a damaged file the library's records may say that
- * coordinates stand among other data, and what is written then changes these. Unchanged coordinates
- * give the same bytes.
+ * coordinates stand among other data, and what is written then changes these; and what it finds in
+ * such a file may depend on what was asked before, so that packed coordinates are read but refused
+ * when they are to be written. Unchanged coordinates that are written give the same bytes.
  *
  * The library itself (1.10) is not proof against all damage: it asks for memory of any size and
  * uses it without looking whether it came, loses memory when it fails, and reads beyond what it has
- * allocated. These are not reported here, so that what is, is planish's; where it crashes, the
- * fuzzing ends.
+ * allocated. These are not reported here, so that what is, is planish's. Where it crashes, the
+ * fuzzing ends with status 0, and the input is left as hdf5-crash-PID in the folder that
+ * PLANISH_FUZZ_CRASHES names, if it does: planish_file_open_isolated is for such files.
  */
 #ifndef FUZZ_HDF5_H
 #define FUZZ_HDF5_H
@@ -21,6 +23,7 @@
 
 #include <dlfcn.h>
 #include <execinfo.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <unistd.h>
@@ -41,6 +44,7 @@ int __lsan_is_turned_off(void) {
     return 1;
 }
 
+#ifdef PLANISH_FUZZ
 /** Whether the innermost calls, past the handler and functions like memcpy, are of libhdf5. */
 static int is_in_library(void) {
     enum { INNERMOST = 6 };
@@ -55,12 +59,24 @@ static int is_in_library(void) {
 }
 
 static struct sigaction reporter; /* what reports crashes */
+static const uint8_t *input;      /* [input_size], for the handler */
+static size_t input_size;
+
+static void keep_input(void) {
+    const char *folder = getenv("PLANISH_FUZZ_CRASHES");
+    char path[256];
+    snprintf(path, sizeof path, "%s/hdf5-crash-%ld", folder, (long)getpid());
+    const int file = folder ? open(path, O_WRONLY | O_CREAT | O_TRUNC, 0644) : -1;
+    const ssize_t written = file >= 0 ? write(file, input, input_size) : 0;
+    (void)written;
+}
 
 static void on_crash(int signal_number) {
     static const char text[] = "the HDF5 library crashed: end of the fuzzing\n";
     if (is_in_library()) {
         const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
         (void)written;
+        keep_input();
         _exit(0);
     }
     sigaction(signal_number, &reporter, NULL); /* and the crash happens again */
@@ -74,10 +90,22 @@ int LLVMFuzzerInitialize(int *argc, char ***argv) {
     return sigaction(SIGSEGV, &action, &reporter);
 }
 
+static inline void fuzz_hdf5_remember(const uint8_t *data, size_t size) {
+    input = data;
+    input_size = size;
+}
+#else
+static inline void fuzz_hdf5_remember(const uint8_t *data, size_t size) {
+    (void)data;
+    (void)size;
+}
+#endif
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 #define FUZZ_HDF5(format)                                                                          \
     int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {                                 \
+        fuzz_hdf5_remember(data, size);                                                            \
         return fuzz_reader(&format, data, size, 0);                                                \
     }
 

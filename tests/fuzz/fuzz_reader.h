@@ -4,10 +4,13 @@
  *     FUZZ_READER(io_format_NAME)
  *
  * Nothing may crash, leak or hang. A mesh that is read has nodes in range and finite coordinates;
- * written unchanged it is the same bytes; written with other coordinates it reads as these.
+ * written unchanged it is the same bytes; written with other coordinates it reads as these;
+ * converted it reads as the same mesh. Files are written to the folder that TMPDIR names.
  */
 #ifndef FUZZ_READER_H
 #define FUZZ_READER_H
+
+#include "fuzz_require.h"
 
 #include "io/file.h"
 
@@ -17,18 +20,14 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { FUZZ_PATH_SIZE = 128 };
-
-static inline void fuzz_require(int condition, const char *what) {
-    if (condition)
-        return;
-    fprintf(stderr, "broken promise: %s\n", what);
-    abort();
-}
+enum { FUZZ_PATH_SIZE = 256 };
 
 /** A path of this process for a file with that ending, in text. */
 static inline const char *fuzz_path(char *text, const char *ending) {
-    snprintf(text, FUZZ_PATH_SIZE, "/tmp/planish-fuzz-%ld%s", (long)getpid(), ending);
+    const char *folder = getenv("TMPDIR");
+    const int length = snprintf(text, FUZZ_PATH_SIZE, "%s/planish-fuzz-%ld%s",
+                                folder ? folder : "/tmp", (long)getpid(), ending);
+    fuzz_require(length < FUZZ_PATH_SIZE, "TMPDIR is short");
     return text;
 }
 
@@ -103,13 +102,17 @@ static inline double *fuzz_move(const planish_file *file) {
     return moved;
 }
 
-/** Write file, unchanged: input is its bytes. */
+/** Write file, unchanged: input is its bytes. may_refuse: an error is an answer, too. */
 static inline void fuzz_check_same(const planish_file *file, const char *path, const void *input,
-                                   size_t size) {
-    planish_error error;
-    if (planish_file_write(file, path, planish_file_mesh(file).coordinates, 1, NULL, 0, &error))
-        fuzz_require(0, error.text);
-    fuzz_require(fuzz_same_bytes(path, input, size), "unchanged coordinates give the same bytes");
+                                   size_t size, int may_refuse) {
+    planish_error error = {.code = 0};
+    const int status =
+        planish_file_write(file, path, planish_file_mesh(file).coordinates, 1, NULL, 0, &error);
+    if (status)
+        fuzz_require(may_refuse && error.code == status, error.text);
+    else
+        fuzz_require(fuzz_same_bytes(path, input, size),
+                     "unchanged coordinates give the same bytes");
 }
 
 /** Write file with other coordinates, and read it again. */
@@ -135,6 +138,41 @@ static inline void fuzz_check_moved(const planish_file *file, const char *path) 
     free(moved);
 }
 
+static inline void fuzz_check_same_mesh(const planish_mesh *a, const planish_mesh *b) {
+    fuzz_require(a->dim == b->dim && a->n_nodes == b->n_nodes && a->n_elements == b->n_elements,
+                 "the converted mesh has the same size");
+    for (int64_t i = 0; i < a->n_nodes * a->dim; i++)
+        fuzz_require(a->coordinates[i] == b->coordinates[i],
+                     "the converted mesh has the same coordinates");
+    for (int64_t i = 0; i < a->n_elements * (a->dim + 1); i++)
+        fuzz_require(a->elements[i] == b->elements[i], "the converted mesh has the same elements");
+}
+
+/** Convert the file to VTK's XML, or its legacy format, and read it again. */
+static inline void fuzz_check_converted(const planish_file *file) {
+    const int to_legacy = strcmp(file->format->name, "vtu") == 0;
+    planish_mesh mesh = planish_file_mesh(file), other;
+    char path[FUZZ_PATH_SIZE], lost[64];
+    uint8_t *constraint = malloc((size_t)mesh.n_nodes + 1);
+    double *ratio = calloc((size_t)mesh.n_elements + 1, sizeof *ratio);
+    planish_file *again = NULL;
+    planish_error error;
+    fuzz_require(constraint && ratio, "memory");
+    fuzz_path(path, to_legacy ? ".vtk" : ".vtu");
+    if (planish_file_constraints(file, NULL, constraint, &error) ||
+        planish_file_convert(file, path, mesh.coordinates, constraint, ratio, NULL, 0, lost,
+                             sizeof lost, &error) ||
+        planish_file_open(path, NULL, 1, &again, &error))
+        fuzz_require(0, error.text);
+    fuzz_require(strlen(lost) < sizeof lost, "what is lost is a text");
+    other = planish_file_mesh(again);
+    fuzz_check_same_mesh(&mesh, &other);
+    planish_file_close(again);
+    unlink(path);
+    free(constraint);
+    free(ratio);
+}
+
 /** tells: what is written with other coordinates reads as these. */
 static inline int fuzz_reader(const io_format *format, const uint8_t *data, size_t size,
                               int tells) {
@@ -150,8 +188,9 @@ static inline int fuzz_reader(const io_format *format, const uint8_t *data, size
     }
     fuzz_check_mesh(file);
     fuzz_check_questions(file);
+    fuzz_check_converted(file);
     fuzz_path(path, format->extensions[0]);
-    fuzz_check_same(file, path, data, size);
+    fuzz_check_same(file, path, data, size, !tells);
     if (tells) {
         fuzz_check_moved(file, path);
     } else {

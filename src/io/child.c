@@ -1,0 +1,124 @@
+/* child: a function run in a process of its own, so that it may crash.
+ *
+ * fork alone makes one that has the bytes of the file, of a pipe too, and all that was found out so
+ * far. The caller may have threads, which the child has not: it must use nothing that they may have
+ * been at. The C library sees to its own memory and streams.
+ */
+#define _GNU_SOURCE /* for pipe2, which not all systems have */
+#include "io/child.h"
+
+#include "base/status.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+
+/** What the child says in the end; less than a pipe takes at once. */
+typedef struct answer {
+    int status;
+    planish_error error;
+} answer;
+
+/** A crash is to end the child as the system does it: without the caller's handlers, a core file or
+ *  text. What ends the caller ends the child. */
+static void become_quiet(void) {
+    static const int signals[] = {SIGSEGV, SIGBUS,  SIGABRT, SIGFPE, SIGILL,
+                                  SIGINT,  SIGTERM, SIGHUP,  SIGPIPE};
+    const struct rlimit none = {0, 0};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        signal(signals[i], SIG_DFL);
+    setrlimit(RLIMIT_CORE, &none);
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (nowhere >= 0) {
+        dup2(nowhere, STDOUT_FILENO);
+        dup2(nowhere, STDERR_FILENO);
+    }
+}
+
+static void be_child(io_child_fn *function, void *data, int to_parent) {
+    answer a;
+    memset(&a, 0, sizeof a);
+    become_quiet();
+    a.status = function(data, &a.error);
+    const int told = write(to_parent, &a, sizeof a) == (ssize_t)sizeof a;
+    _exit(told ? 0 : 1); /* nothing of the caller's is flushed or called */
+}
+
+/** Whether the child has answered. */
+static int hear(int from_child, answer *a) {
+    size_t n = 0;
+    while (n < sizeof *a) {
+        const ssize_t got = read(from_child, (char *)a + n, sizeof *a - n);
+        if (got > 0)
+            n += (size_t)got;
+        else if (got == 0 || errno != EINTR)
+            break;
+    }
+    return n == sizeof *a;
+}
+
+/** The signal that the child was ended by, or 0. A caller that ignores SIGCHLD is not told. */
+static int wait_for(pid_t child) {
+    int how = 0;
+    pid_t ended;
+    do
+        ended = waitpid(child, &how, 0);
+    while (ended < 0 && errno == EINTR);
+    return ended == child && WIFSIGNALED(how) ? WTERMSIG(how) : 0;
+}
+
+/** A pipe that programs started meanwhile by other threads do not get, or not for long. */
+static int make_pipe(int ends[2]) {
+#ifdef __linux__
+    return pipe2(ends, O_CLOEXEC);
+#else
+    return pipe(ends) || fcntl(ends[0], F_SETFD, FD_CLOEXEC) || fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+#endif
+}
+
+/** Fork; the child, or a negative number. Errors are in errno. *from_child is to be closed. */
+static pid_t start(io_child_fn *function, void *data, int *from_child) {
+    int ends[2];
+    if (make_pipe(ends))
+        return -1;
+    const pid_t child = fork();
+    if (child == 0)
+        be_child(function, data, ends[1]);
+    const int why = errno;
+    close(ends[1]);
+    if (child < 0)
+        close(ends[0]);
+    errno = why;
+    *from_child = ends[0];
+    return child;
+}
+
+int io_child_run(io_child_fn *function, void *data, const char *path, planish_error *error) {
+    answer a;
+    int from_child;
+    const pid_t child = start(function, data, &from_child);
+    if (child < 0)
+        return pl_fail(error, PLANISH_ERROR_MEMORY,
+                       "%s: no process could be started to try it in: %s", path, strerror(errno));
+    const int answered = hear(from_child, &a);
+    const int signal_number = wait_for(child);
+    close(from_child);
+    if (!answered)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: the HDF5 library crashed on it (signal %d, in a process of its own); "
+                       "the file is damaged, or memory was short",
+                       path, signal_number);
+    if (a.status && error)
+        *error = a.error;
+    return a.status;
+}
