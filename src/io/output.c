@@ -17,10 +17,6 @@ enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
 /* Largest single write(): Linux takes no more than just below 2^31 bytes. */
 enum { WRITE_AT_ONCE = 1 << 30 };
 
-static int fail_errno(const char *path, const char *what, planish_error *error) {
-    return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
-}
-
 /* ---- the list of temporary files ---------------------------------------------------------- */
 
 /** Add path; written so that the list is whole at any moment a signal may read it. */
@@ -143,7 +139,7 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
     struct stat about;
     output->target = follow_links(path);
     if (!output->target)
-        return fail_errno(path, "cannot be written", error);
+        return pl_fail_errno(error, path, "cannot be written");
     if (stat(output->target, &about) == 0 && S_ISDIR(about.st_mode))
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a file to write", path);
     output->fd = create_temporary(output);
@@ -152,7 +148,7 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
         pl_free(output->temporary);
         output->temporary = NULL;
         errno = reason;
-        return fail_errno(path, "cannot be written", error);
+        return pl_fail_errno(error, path, "cannot be written");
     }
     temporaries_add(temporaries, output->temporary);
     output->replaces = access(output->target, F_OK) == 0;
@@ -169,7 +165,7 @@ int io_output_open(const char *path, io_temporaries temporaries, io_output *outp
     output->fd = named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : open(path, O_WRONLY | O_CLOEXEC);
     output->target = pl_alloc((int64_t)strlen(path) + 1, 1);
     if (output->fd < 0)
-        return fail_errno(path, "cannot be written", error);
+        return pl_fail_errno(error, path, "cannot be written");
     if (!output->target)
         return pl_fail_memory(error, path);
     strcpy(output->target, path);
@@ -183,7 +179,7 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
         if (written < 0 && errno == EINTR)
             continue;
         if (written < 0)
-            return fail_errno(output->target, "cannot be written", error);
+            return pl_fail_errno(error, output->target, "cannot be written");
         data += written;
         size -= written;
     }
@@ -204,7 +200,7 @@ int io_output_finish(io_output *output, planish_error *error) {
     else
         failed = 1;
     output->fd = -1;
-    return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
+    return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
 }
 
 int io_output_sync(const io_output *output, planish_error *error) {
@@ -215,14 +211,14 @@ int io_output_sync(const io_output *output, planish_error *error) {
     if (fd >= 0)
         close(fd);
     errno = reason;
-    return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
+    return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
 }
 
 int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error) {
     if (!output->temporary)
         return PLANISH_OK;
     if (rename(output->temporary, output->target))
-        return fail_errno(output->target, "cannot be replaced", error);
+        return pl_fail_errno(error, output->target, "cannot be replaced");
     temporaries_remove(temporaries, output->temporary);
     pl_free(output->temporary);
     output->temporary = NULL;
