@@ -37,7 +37,7 @@ static void temporaries_remove(io_temporaries list, const char *path) {
     size_t at = 0;
     if (!list.paths)
         return;
-    while (at < list.size && list.paths[at] && strcmp(list.paths + at, path))
+    while (at < list.size && list.paths[at] && strcmp(list.paths + at, path) != 0)
         at += strlen(list.paths + at) + 1;
     if (at >= list.size || !list.paths[at])
         return;
@@ -61,7 +61,7 @@ static int named_descriptor(const char *path) {
             continue;
         size_t digits = strspn(path + length, "0123456789");
         if (digits > 0 && digits < 9 && path[length + digits] == '\0')
-            return atoi(path + length);
+            return (int)strtol(path + length, NULL, 10);
     }
     return -1;
 }
