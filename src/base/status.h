@@ -18,6 +18,12 @@ int pl_fail_at(planish_error *error, planish_status code, int64_t element, int64
                const char *format, ...) PL_PRINTF(5, 6);
 
 /** The usual error of a failed allocation of what. */
-int pl_fail_memory(planish_error *error, const char *what);
+static inline int pl_fail_memory(planish_error *error, const char *what) {
+    pl_fail(error, PLANISH_ERROR_MEMORY, "out of memory for %s", what);
+    return PLANISH_ERROR_MEMORY;
+}
+
+/** What the system says (errno) of what was tried with the file of this path. */
+int pl_fail_errno(planish_error *error, const char *path, const char *what);
 
 #endif

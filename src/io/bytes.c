@@ -25,12 +25,6 @@ static char *copy_text(const char *text) {
     return copy;
 }
 
-static int fail_errno(const char *path, const char *what, planish_error *error) {
-    if (errno == ENOMEM)
-        return pl_fail_memory(error, path);
-    return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
-}
-
 /** When a file was last written to, in ns. */
 static int64_t time_of(const struct stat *about) {
     return (int64_t)about->st_mtim.tv_sec * 1000000000 + about->st_mtim.tv_nsec;
@@ -40,7 +34,7 @@ static int64_t time_of(const struct stat *about) {
 static int map_regular(int fd, const struct stat *about, io_bytes *bytes, planish_error *error) {
     void *data = mmap(NULL, (size_t)about->st_size, PROT_READ, MAP_PRIVATE, fd, 0);
     if (data == MAP_FAILED)
-        return fail_errno(bytes->path, "cannot be mapped", error);
+        return pl_fail_errno(error, bytes->path, "cannot be mapped");
     madvise(data, (size_t)about->st_size, MADV_SEQUENTIAL);
     bytes->data = data;
     bytes->size = about->st_size;
@@ -82,7 +76,7 @@ static int read_stream(int fd, int64_t largest, io_bytes *bytes, planish_error *
             continue;
         if (got < 0) {
             pl_free(data);
-            return fail_errno(bytes->path, "cannot be read", error);
+            return pl_fail_errno(error, bytes->path, "cannot be read");
         }
         if (got == 0)
             break;
@@ -101,7 +95,7 @@ static int read_stream(int fd, int64_t largest, io_bytes *bytes, planish_error *
 static int open_descriptor(int fd, io_bytes *bytes, planish_error *error) {
     struct stat about;
     if (fstat(fd, &about))
-        return fail_errno(bytes->path, "cannot be read", error);
+        return pl_fail_errno(error, bytes->path, "cannot be read");
     if (S_ISDIR(about.st_mode))
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a mesh file", bytes->path);
     int status = PLANISH_OK;
@@ -120,7 +114,7 @@ int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
         return pl_fail_memory(error, path);
     int fd = io_descriptor_open(path, O_RDONLY, 0);
     int status =
-        fd < 0 ? fail_errno(path, "cannot be opened", error) : open_descriptor(fd, bytes, error);
+        fd < 0 ? pl_fail_errno(error, path, "cannot be opened") : open_descriptor(fd, bytes, error);
     if (fd >= 0 && bytes->fd != fd)
         close(fd);
     if (status)
@@ -145,7 +139,7 @@ int io_bytes_check_unchanged(const io_bytes *bytes, planish_error *error) {
     if (bytes->mapped != MAPPED_YES)
         return PLANISH_OK;
     if (fstat(bytes->fd, &about))
-        return fail_errno(bytes->path, "cannot be read", error);
+        return pl_fail_errno(error, bytes->path, "cannot be read");
     if (about.st_size == bytes->size && time_of(&about) == bytes->modified)
         return PLANISH_OK;
     return pl_fail(error, PLANISH_ERROR_FILE,

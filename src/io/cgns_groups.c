@@ -210,7 +210,7 @@ static int for_members(groups *g, const char *path, member_fn *put, int32_t in_c
                  {"PointListDonor", 1, 0},
                  {"ElementList", 0, 0},
                  {"ElementRange", 0, 1}};
-    char child[IO_HDF5_PATH_SIZE], location[NAME_SIZE];
+    char child[IO_HDF5_PATH_SIZE], location[NAME_SIZE] = "";
     int status = io_hdf5_path(g->r->file, child, "%s/GridLocation", path);
     if (!status)
         status = cgns_text(g->r, child, location, sizeof location);

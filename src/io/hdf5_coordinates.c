@@ -310,7 +310,7 @@ static int write_blocks(const hdf5_dataset *d, const double *before, const doubl
     for (int64_t begin = 0; begin < rows; begin += d->row_block) {
         const int64_t n = rows - begin < d->row_block ? rows - begin : d->row_block;
         if (memcmp(before + begin * width, after + begin * width,
-                   (size_t)(n * width) * sizeof *before) &&
+                   (size_t)(n * width) * sizeof *before) != 0 &&
             write_rows(d, after, begin, n))
             return -1;
     }

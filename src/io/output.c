@@ -18,12 +18,6 @@ enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
 /* Largest single write(): Linux takes no more than just below 2^31 bytes. */
 enum { WRITE_AT_ONCE = 1 << 30 };
 
-static int fail_errno(const char *path, const char *what, planish_error *error) {
-    if (errno == ENOMEM)
-        return pl_fail_memory(error, path);
-    return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, strerror(errno));
-}
-
 /* ---- the list of temporary files ---------------------------------------------------------- */
 
 /* Both are written so that the list is whole at any moment a signal may read it: what stands behind
@@ -50,7 +44,7 @@ static void temporaries_remove(io_temporaries list, const char *path) {
     size_t at = 0;
     if (!list.paths)
         return;
-    while (at < list.size && list.paths[at] && strcmp(list.paths + at, path))
+    while (at < list.size && list.paths[at] && strcmp(list.paths + at, path) != 0)
         at += strlen(list.paths + at) + 1;
     if (at >= list.size || !list.paths[at])
         return;
@@ -77,7 +71,7 @@ static int named_descriptor(const char *path) {
             continue;
         size_t digits = strspn(path + length, "0123456789");
         if (digits > 0 && digits < 9 && path[length + digits] == '\0')
-            return atoi(path + length);
+            return (int)strtol(path + length, NULL, 10);
     }
     return -1;
 }
@@ -170,7 +164,7 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
     struct stat about;
     output->target = follow_links(path);
     if (!output->target)
-        return fail_errno(path, "cannot be written", error);
+        return pl_fail_errno(error, path, "cannot be written");
     if (stat(output->target, &about) == 0 && S_ISDIR(about.st_mode))
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a file to write", path);
     output->fd = create_temporary(temporaries, output);
@@ -179,7 +173,7 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
         pl_free(output->temporary);
         output->temporary = NULL;
         errno = reason;
-        return fail_errno(path, "cannot be written", error);
+        return pl_fail_errno(error, path, "cannot be written");
     }
     output->replaces = access(output->target, F_OK) == 0;
     keep_mode_and_owner(output->fd, output->target);
@@ -196,7 +190,7 @@ int io_output_open(const char *path, io_temporaries temporaries, io_output *outp
         named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : io_descriptor_open(path, O_WRONLY, 0);
     output->target = pl_alloc((int64_t)strlen(path) + 1, 1);
     if (output->fd < 0)
-        return fail_errno(path, "cannot be written", error);
+        return pl_fail_errno(error, path, "cannot be written");
     if (!output->target)
         return pl_fail_memory(error, path);
     strcpy(output->target, path);
@@ -212,7 +206,7 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
         if (written == 0)
             errno = ENOSPC; /* a device that takes no more and says no why */
         if (written <= 0)
-            return fail_errno(output->target, "cannot be written", error);
+            return pl_fail_errno(error, output->target, "cannot be written");
         data += written;
         size -= written;
     }
@@ -233,7 +227,7 @@ int io_output_finish(io_output *output, planish_error *error) {
     else
         failed = 1;
     output->fd = -1;
-    return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
+    return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
 }
 
 int io_output_sync(const io_output *output, planish_error *error) {
@@ -244,14 +238,14 @@ int io_output_sync(const io_output *output, planish_error *error) {
     if (fd >= 0)
         close(fd);
     errno = reason;
-    return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
+    return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
 }
 
 int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error) {
     if (!output->temporary)
         return PLANISH_OK;
     if (rename(output->temporary, output->target))
-        return fail_errno(output->target, "cannot be replaced", error);
+        return pl_fail_errno(error, output->target, "cannot be replaced");
     temporaries_remove(temporaries, output->temporary);
     pl_free(output->temporary);
     output->temporary = NULL;

@@ -361,6 +361,7 @@ static int read_binary(target *t, vtu_document *document, int64_t n, planish_err
         return status;
     t->values = &values;
     pl_parallel_for(t->model->threads, n, CHUNK_VALUES, copy_chunk, t);
+    t->values = NULL;
     if (atomic_load(&t->failed))
         status = vtu_fail(t->model, t->array, error, "a number of it is out of range");
     vtu_values_release(&values);

@@ -157,6 +157,9 @@ static int find_shape(decision *d, const planish_surface *tags, const pl_surface
         begin_outputs(d);
         decide_all(d);
     }
+    d->planes = NULL;
+    d->lines = NULL;
+    d->n_ridges = NULL;
     pl_free(n_ridges);
     pl_free(ridges.ridge);
     pl_planes_destroy(&planes);
