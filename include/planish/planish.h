@@ -524,7 +524,7 @@ typedef struct planish_result {
     int64_t put_back;        /* times that a node went back to its start, because its elements had
                                 a smaller angle than the mesh before; F may have risen there, but
                                 not above that at the start */
-    int64_t inverted;        /* elements that are not positive at the end */
+    int64_t inverted;        /* elements not positive in doubles; planish_measure is exact */
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */

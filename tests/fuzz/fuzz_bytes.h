@@ -68,4 +68,12 @@ static inline double take_finite(fuzz_bytes *bytes) {
     return isfinite(value) ? value : 0;
 }
 
+/** Give one of n numbers another value. Not in one expression: compilers differ in what is taken
+ *  first. */
+static inline void take_change(fuzz_bytes *bytes, double *number, int64_t n) {
+    const int64_t high = take_byte(bytes);
+    const int64_t at = (high << 8) + take_byte(bytes);
+    number[at % n] = take_real(bytes);
+}
+
 #endif

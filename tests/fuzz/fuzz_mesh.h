@@ -42,15 +42,12 @@ static inline int64_t fuzz_at(const planish_mesh *mesh, int64_t i, int d) {
 
 /* ---- connectivity --------------------------------------------------------------------------- */
 
-/** Elements of any nodes, some of which may not be there. */
+/** Elements of any nodes, which may be there twice. */
 static inline void fuzz_any_elements(fuzz_bytes *bytes, int dim, test_mesh *mesh) {
     int32_t elements[4 * 40];
     const int n = 1 + take_below(bytes, 40), n_nodes = 1 + take_below(bytes, 30);
-    const int range = n_nodes + take_chance(bytes, 4);
     for (int i = 0; i < n * (dim + 1); i++)
-        elements[i] = take_below(bytes, range);
-    if (take_chance(bytes, 8))
-        elements[take_below(bytes, n)] = (int32_t)take_bits(bytes);
+        elements[i] = take_below(bytes, n_nodes);
     test_mesh_create(mesh, dim, n_nodes, NULL, n, elements);
 }
 
@@ -60,8 +57,8 @@ static inline void fuzz_join_boxes(fuzz_bytes *bytes, int dim, test_mesh *mesh) 
     test_mesh_box(&other, dim, 1 + take_below(bytes, 2));
     const int64_t first = mesh->mesh.n_nodes, n = other.mesh.n_nodes;
     test_mesh_append(mesh, &other, take_below(bytes, 2));
-    test_mesh_join(mesh, (int32_t)(take_byte(bytes) % first),
-                   (int32_t)(first + take_byte(bytes) % n));
+    const int32_t a = (int32_t)(take_byte(bytes) % first);
+    test_mesh_join(mesh, a, (int32_t)(first + take_byte(bytes) % n));
     test_mesh_destroy(&other);
 }
 
@@ -90,17 +87,25 @@ static inline void fuzz_connect(fuzz_bytes *bytes, int dim, test_mesh *mesh) {
 /** Spoil places and elements. */
 static inline void fuzz_deform(fuzz_bytes *bytes, test_mesh *mesh) {
     const int64_t n = mesh->mesh.n_nodes * mesh->mesh.dim;
-    test_mesh_perturb(mesh, take_below(bytes, 8) / 20.0, take_byte(bytes));
+    const double amount = take_below(bytes, 8) / 20.0;
+    test_mesh_perturb(mesh, amount, take_byte(bytes));
     for (int k = take_below(bytes, 16); k > 0 && n > 0; k--)
-        mesh->coordinates[(take_byte(bytes) << 8 | take_byte(bytes)) % n] = take_real(bytes);
+        take_change(bytes, mesh->coordinates, n);
     for (int k = take_below(bytes, 4); k > 0; k--)
         test_mesh_reverse(mesh, take_byte(bytes) % mesh->mesh.n_elements);
     if (take_chance(bytes, 8))
-        test_mesh_reverse_some(mesh, 1 + (unsigned)take_below(bytes, 4), take_byte(bytes));
-    if (take_chance(bytes, 8))
-        test_mesh_transform(mesh, ldexp(1, 8 * (int8_t)take_byte(bytes)), take_finite(bytes));
+        test_mesh_reverse_some(mesh, 2, take_byte(bytes));
+    if (take_chance(bytes, 8)) {
+        const double scale = ldexp(1, 8 * (int8_t)take_byte(bytes));
+        test_mesh_transform(mesh, scale, take_finite(bytes));
+    }
     if (take_chance(bytes, 8))
         test_mesh_renumber(mesh, take_byte(bytes), NULL);
+    if (take_chance(bytes, 32)) { /* a node that may not be there */
+        const int64_t at = take_byte(bytes) % mesh->mesh.n_elements;
+        mesh->elements[at] =
+            (int32_t)(take_below(bytes, 2) ? mesh->mesh.n_nodes : take_bits(bytes));
+    }
 }
 
 /* ---- forms of arrays ------------------------------------------------------------------------ */
@@ -149,8 +154,10 @@ static inline void fuzz_add_neighbours(fuzz_bytes *bytes, fuzz_mesh *m, const te
     int32_t *narrow = fuzz_block(m, n, sizeof *narrow);
     for (int64_t i = 0; i < n; i++)
         wide[i] = fuzz_neighbour(from, i / corners, (int)(i % corners));
-    for (int k = take_chance(bytes, 4) ? take_below(bytes, 4) : 0; k > 0; k--)
-        wide[take_byte(bytes) % n] = take_integer(bytes);
+    for (int k = take_chance(bytes, 4) ? take_below(bytes, 4) : 0; k > 0; k--) {
+        const int64_t at = take_byte(bytes) % n;
+        wide[at] = take_integer(bytes);
+    }
     for (int64_t i = 0; i < n; i++)
         narrow[i] = (int32_t)wide[i];
     if (take_below(bytes, 2))
@@ -182,7 +189,7 @@ static inline void fuzz_constrain(fuzz_bytes *bytes, fuzz_mesh *m) {
     for (int64_t i = 0; i < n * m->mesh.dim; i++)
         direction[i] = (double)(i % 3 == 0);
     for (int k = take_below(bytes, 8); k > 0 && n > 0; k--)
-        direction[take_byte(bytes) % (n * m->mesh.dim)] = take_real(bytes);
+        take_change(bytes, direction, n * m->mesh.dim);
     m->mesh.constraint = constraint;
     m->mesh.direction = take_chance(bytes, 16) ? NULL : direction;
 }
@@ -202,7 +209,7 @@ static inline void fuzz_ask_volumes(fuzz_bytes *bytes, fuzz_mesh *m) {
     for (int64_t i = 0; i < m->mesh.n_elements; i++)
         least[i] = usual;
     for (int k = take_below(bytes, 6); k > 0; k--)
-        least[take_byte(bytes) % m->mesh.n_elements] = take_real(bytes);
+        take_change(bytes, least, m->mesh.n_elements);
     m->mesh.min_volume = least;
 }
 

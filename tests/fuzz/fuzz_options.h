@@ -96,8 +96,9 @@ static inline void fuzz_bound(fuzz_bytes *bytes, fuzz_mesh *m, planish_options *
         lower[i] = m->mesh.coordinates[i] - take_below(bytes, 16) / 16.0;
         upper[i] = m->mesh.coordinates[i] + take_below(bytes, 16) / 16.0;
     }
+    double *changed = take_below(bytes, 2) ? lower : upper;
     if (n > 0 && take_chance(bytes, 4))
-        (take_below(bytes, 2) ? lower : upper)[take_byte(bytes) % n] = take_real(bytes);
+        take_change(bytes, changed, n);
     o->lower = take_chance(bytes, 4) ? NULL : lower;
     o->upper = take_chance(bytes, 4) ? NULL : upper;
 }
