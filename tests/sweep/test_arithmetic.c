@@ -159,7 +159,8 @@ static void solve_in_all(test_wish wish, int dim, int exponent) {
 static void bits_do_not_depend_on_the_callers(void **state) {
     const int dim = *(int *)*state;
     for (int wish = 0; wish < WISHES; wish++)
-        solve_in_all((test_wish)wish, dim, 0);
+        if (wish != WISH_HOPELESS || effort(0, 1)) /* which takes hundreds of sweeps */
+            solve_in_all((test_wish)wish, dim, 0);
     solve_in_all(WISH_PLAIN, dim, -1045);
     solve_in_all(WISH_EDGE_RATIO, dim, -1030);
 }
