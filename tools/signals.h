@@ -29,6 +29,11 @@ void pl_signals_install(void);
  *  stop. */
 void pl_signals_install_stop(void);
 
+/** For the two files that meet signals: take the line away that is shown, and remove what is half
+ *  written; and ask to stop: whether that had been asked before. */
+void pl_signals_clean_up(void);
+int pl_signals_ask_stop(void);
+
 /** Whether a signal asked to stop. */
 int pl_signals_stop_asked(void);
 
