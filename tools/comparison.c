@@ -4,6 +4,8 @@
 #include "terminal.h"
 #include "text.h"
 
+#include "base/system.h"
+
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -81,7 +83,7 @@ static size_t common_folder(const pl_compared *mesh, int n) {
             same++;
         common = same;
     }
-    while (common > 0 && mesh[0].name[common - 1] != '/')
+    while (common > 0 && !pl_path_is_separator(mesh[0].name[common - 1]))
         common--;
     return common > 1 ? common : 0;
 }

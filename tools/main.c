@@ -2,15 +2,12 @@
 #include "commands.h"
 #include "help.h"
 #include "message.h"
+#include "platform.h"
 #include "signals.h"
 #include "suggest.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char *with(planish_feature feature) {
     return planish_has(feature) ? "with" : "without";
@@ -71,15 +68,6 @@ static int run_command(const pl_command_text *command, int argc, char **argv) {
     return status;
 }
 
-/** A closed standard stream would give its number to the next file opened, and messages would then
- *  go into a mesh. A closed standard output stays an error for what is meant for it. */
-static void open_standard_streams(void) {
-    for (int descriptor = 0; descriptor <= 2; descriptor++)
-        if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF &&
-            open("/dev/null", descriptor == STDOUT_FILENO ? O_RDONLY : O_RDWR) != descriptor)
-            _exit(PL_EXIT_FAILED);
-}
-
 static int run(int argc, char **argv) {
     const char *word = argc > 1 ? argv[1] : NULL;
     char names[128];
@@ -101,9 +89,9 @@ static int run(int argc, char **argv) {
 }
 
 int main(int argc, char **argv) {
-    open_standard_streams();
+    argv = pl_platform_begin(argc, argv);
+    if (!argv)
+        return PL_EXIT_FAILED;
     pl_signals_install();
-    /* hwloc would print what it does not find on odd machines; placement copes without. */
-    setenv("HWLOC_HIDE_ERRORS", "2", 0);
     return pl_signals_done(run(argc, argv));
 }

@@ -2,13 +2,9 @@
 #ifndef PL_TOOLS_MESSAGE_H
 #define PL_TOOLS_MESSAGE_H
 
-#include <stdio.h>
+#include "base/printf.h"
 
-#if defined(__GNUC__)
-#define PL_MESSAGE_FORMAT(text, first) __attribute__((format(printf, text, first)))
-#else
-#define PL_MESSAGE_FORMAT(text, first)
-#endif
+#include <stdio.h>
 
 /** Exit statuses of the program. */
 enum {
@@ -21,14 +17,14 @@ enum {
 /** Each takes the line of the progress away first (terminal.h). */
 
 /** Print "planish: text" as one line (control characters become '?'); returns status. */
-int pl_complain(int status, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
+int pl_complain(int status, const char *format, ...) PL_PRINTF(2, 3);
 
 /** The same for a bad command line, with a hint to the help of command (NULL: of the program);
  *  returns PL_EXIT_USAGE. */
-int pl_complain_usage(const char *command, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
+int pl_complain_usage(const char *command, const char *format, ...) PL_PRINTF(2, 3);
 
 /** Print "note: text" as one line on stream. */
-void pl_note(FILE *stream, const char *format, ...) PL_MESSAGE_FORMAT(2, 3);
+void pl_note(FILE *stream, const char *format, ...) PL_PRINTF(2, 3);
 
 /** Write out what is buffered on stdout; returns status, or failed if it cannot: with a message,
  *  unless it is that nobody reads on. */

@@ -177,9 +177,10 @@ static const char *set_min_volume(pl_arguments *arguments, const char *value) {
         arguments->library.min_volume = volume;
         return NULL;
     }
-    char *tag = strndup(value, (size_t)(sign - value));
+    char *tag = strdup(value);
     if (!tag)
         return "needs more memory than there is";
+    tag[sign - value] = '\0';
     arguments->min_volume_tag[arguments->n_min_volumes] = tag;
     arguments->min_volume_value[arguments->n_min_volumes++] = volume;
     return NULL;

@@ -3,59 +3,46 @@
 
 #include "message.h"
 
+#include "base/system.h"
 #include "io/output.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-static int same_inode(const struct stat *a, const struct stat *b) {
-    return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
-}
-
 int pl_output_is_stdout(const char *path) {
-    struct stat named, standard;
+    pl_file_status named, standard;
     if (strcmp(path, "/dev/stdout") == 0)
         return 1;
-    return stat(path, &named) == 0 && fstat(STDOUT_FILENO, &standard) == 0 &&
-           !S_ISCHR(named.st_mode) && same_inode(&named, &standard);
+    return pl_file_find(path, &named) == 0 && pl_file_find_open(STDOUT_FILENO, &standard) == 0 &&
+           named.kind != PL_FILE_CHARACTERS && pl_file_is_same(&named, &standard);
 }
 
 /** The folder that path is in, as folder [PATH_MAX], which is cut as no name of a file can be. */
 static void folder_of(const char *path, char *folder) {
-    const char *slash = strrchr(path, '/');
-    if (!slash)
-        strcpy(folder, ".");
-    else
-        snprintf(folder, PATH_MAX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
-}
-
-static const char *base_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
+    const size_t length = (size_t)(pl_path_name(path) - path);
+    snprintf(folder, PATH_MAX, "%.*s", length ? (int)length : 1, length ? path : ".");
 }
 
 /** Whether two names of files that need not exist are of one file in one folder. */
 static int same_place(const char *a, const char *b) {
-    struct stat folder_a, folder_b;
+    pl_file_status folder_a, folder_b;
     char in_a[PATH_MAX], in_b[PATH_MAX];
     folder_of(a, in_a);
     folder_of(b, in_b);
-    return strcmp(base_of(a), base_of(b)) == 0 && stat(in_a, &folder_a) == 0 &&
-           stat(in_b, &folder_b) == 0 && same_inode(&folder_a, &folder_b);
+    return strcmp(pl_path_name(a), pl_path_name(b)) == 0 && pl_file_find(in_a, &folder_a) == 0 &&
+           pl_file_find(in_b, &folder_b) == 0 && pl_file_is_same(&folder_a, &folder_b);
 }
 
 int pl_output_same_file(const char *a, const char *b) {
-    struct stat status_a, status_b;
+    pl_file_status status_a, status_b;
     if (strcmp(a, b) == 0 || same_place(a, b))
         return 1;
-    return stat(a, &status_a) == 0 && stat(b, &status_b) == 0 && S_ISREG(status_a.st_mode) &&
-           same_inode(&status_a, &status_b);
+    return pl_file_find(a, &status_a) == 0 && pl_file_find(b, &status_b) == 0 &&
+           status_a.kind == PL_FILE_REGULAR && pl_file_is_same(&status_a, &status_b);
 }
 
 int pl_output_hits_mesh(const char *path, const char *mesh_path) {
@@ -77,21 +64,24 @@ int pl_output_hits_mesh(const char *path, const char *mesh_path) {
 }
 
 int pl_output_check(const char *path) {
-    struct stat status;
-    char target[PATH_MAX], folder[PATH_MAX];
+    pl_file_status status;
+    char link[2]; /* only whether it is one is asked */
+    char folder[PATH_MAX];
     if (strcmp(path, "-") == 0)
         return 0;
-    const int exists = stat(path, &status) == 0;
-    if (exists && S_ISDIR(status.st_mode))
+    const int exists = pl_file_find(path, &status) == 0;
+    if (exists && status.kind == PL_FILE_FOLDER)
         return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
-    if (io_output_is_stream(path) || (!exists && lstat(path, &status) == 0))
+    if (io_output_is_stream(path) || (!exists && pl_path_read_link(path, link, sizeof link) == 0))
         return 0; /* nothing is made beside it, or it is made where the link leads */
-    if (path[0] && path[strlen(path) - 1] == '/')
+    if (path[0] && !*pl_path_name(path))
         return pl_complain(PL_EXIT_FAILED, "%s: is no name for a file", path);
-    if (exists && !realpath(path, target))
+    char *target = exists ? pl_path_resolve(path) : NULL;
+    if (exists && !target)
         return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
     folder_of(exists ? target : path, folder);
-    if (access(folder, W_OK | X_OK) != 0)
+    free(target);
+    if (pl_folder_check_writable(folder))
         return pl_complain(PL_EXIT_FAILED, "%s: its folder cannot be written: %s", path,
                            strerror(errno));
     return 0;

@@ -10,6 +10,7 @@
 #include "layers.h"
 #include "message.h"
 #include "output.h"
+#include "platform.h"
 #include "progress.h"
 #include "report.h"
 #include "result.h"
@@ -50,13 +51,14 @@ static void put_notes(FILE *stream, const pl_job *job) {
 
 /** Keep the notes of a mesh until its row is printed. */
 static int keep_notes(const run *r, const pl_job *job, pl_compared *mesh) {
-    size_t size;
     if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
         return 0;
-    FILE *stream = open_memstream(&mesh->notes, &size);
-    if (stream)
-        put_notes(stream, job);
-    if (!stream || fclose(stream) != 0)
+    pl_memory_stream stream;
+    pl_memory_stream_open(&stream);
+    if (stream.file)
+        put_notes(stream.file, job);
+    mesh->notes = pl_memory_stream_close(&stream);
+    if (!mesh->notes)
         return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the notes", mesh->name);
     return 0;
 }

@@ -11,13 +11,14 @@
 #include "report/page.h"
 #include "text.h"
 
+#include "base/system.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* ---- the page ------------------------------------------------------------------------------- */
 
@@ -109,7 +110,8 @@ static int read_all(FILE *file, char **text, size_t *length) {
 
 /** The text of the file at path, to be freed, or NULL after a message. */
 static char *read_text(const char *path, size_t *length) {
-    FILE *file = fopen(path, "rb");
+    const int fd = pl_file_open(path, PL_FILE_READ);
+    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
     char *text = NULL;
     const int wrong = file ? read_all(file, &text, length) : errno;
     if (file)
@@ -202,15 +204,14 @@ enum { N_PLACES = 3 };
 /** Place i at which file may be: as it is named, from here or from the folder of the JSON; in that
  *  folder. Whether there is a regular file. */
 static int find_place(const drawing *d, const char *file, int i, char *path, size_t size) {
-    const char *slash = strrchr(d->json_path, '/'), *base = strrchr(file, '/');
-    const int folder = i > 0 && slash ? (int)(slash - d->json_path) + 1 : 0;
-    const char *name = i == 2 && base ? base + 1 : file;
-    struct stat status;
-    if (!file[0] || (i == 1 && file[0] == '/'))
+    const int folder = i > 0 ? (int)(pl_path_name(d->json_path) - d->json_path) : 0;
+    const char *name = i == 2 ? pl_path_name(file) : file;
+    pl_file_status status;
+    if (!file[0] || (i == 1 && pl_path_is_absolute(file)))
         return 0;
     const int length = snprintf(path, size, "%.*s%s", folder, d->json_path, name);
-    return length > 0 && (size_t)length < size && stat(path, &status) == 0 &&
-           S_ISREG(status.st_mode);
+    return length > 0 && (size_t)length < size && pl_file_find(path, &status) == 0 &&
+           status.kind == PL_FILE_REGULAR;
 }
 
 /** Whether the mesh has the coordinates that the result says. */
@@ -300,8 +301,8 @@ static int draw(drawing *d) {
 /** Where the page goes: to output, or beside the JSON under its name. */
 static int find_output(const pl_arguments *arguments, char *path, size_t size) {
     const char *json = arguments->input, *output = arguments->output;
-    const char *slash = strrchr(json, '/'), *dot = strrchr(json, '.');
-    const int has_extension = dot && dot != json && (!slash || dot > slash + 1);
+    const char *name = pl_path_name(json), *dot = strrchr(name, '.');
+    const int has_extension = dot && dot != name;
     const int stem = (int)(has_extension ? (size_t)(dot - json) : strlen(json));
     const int length =
         output ? snprintf(path, size, "%s", output) : snprintf(path, size, "%.*s.html", stem, json);

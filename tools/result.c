@@ -5,6 +5,7 @@
  */
 #include "result.h"
 
+#include "platform.h"
 #include "utf8.h"
 
 #include <cjson/cJSON.h>
@@ -14,7 +15,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 
 /** A document that is being made. cJSON calls may fail for want of memory; failed remembers. */
 typedef struct document {
@@ -309,11 +309,6 @@ static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl
     add_elements(json, root, "below_min", job, state, PLANISH_VOLUME_BELOW, NULL);
 }
 
-static int64_t peak_memory_bytes(void) {
-    struct rusage usage;
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? (int64_t)usage.ru_maxrss * 1024 : 0;
-}
-
 /** The text of root with a line end, or NULL; root is released. */
 static char *finish(document *json, cJSON *root) {
     char *text = json->failed ? NULL : cJSON_Print(root);
@@ -373,7 +368,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_fixed(&json, root, &result->after);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
     add_text(&json, root, "reason", result->reason);
-    add_integer(&json, root, "peak_memory_bytes", peak_memory_bytes());
+    add_integer(&json, root, "peak_memory_bytes", pl_peak_memory_bytes());
     return finish(&json, root);
 }
 

@@ -30,6 +30,14 @@ void pl_signals_install(void);
  *  stop. */
 void pl_signals_install_stop(void);
 
+/** For the two files that meet signals, and by them: let signals end the program as said; take the
+ *  line away that is shown, and remove what is half written; that, and end with a line of text; ask
+ *  to stop: whether that had been asked before. */
+void pl_signals_install_ends(void);
+void pl_signals_clean_up(void);
+void pl_signals_end(const char *text);
+int pl_signals_ask_stop(void);
+
 /** Whether a signal asked to stop. */
 int pl_signals_stop_asked(void);
 

@@ -19,6 +19,7 @@
 #include "volumes.h"
 
 #include "base/clock.h"
+#include "base/printf.h"
 
 #include <inttypes.h>
 #include <stdarg.h>
@@ -136,8 +137,7 @@ static int write_mesh(const pl_job *job, pl_result *result) {
 }
 
 /** Add a part to the reason, after "; " if it is not the first. */
-static void add_reason(pl_result *result, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
+static void add_reason(pl_result *result, const char *format, ...) PL_PRINTF(2, 3);
 static void add_reason(pl_result *result, const char *format, ...) {
     const size_t used = strlen(result->reason), size = sizeof result->reason;
     const char *joint = used ? "; " : "";

@@ -1,15 +1,11 @@
 /* terminal: what a stream can show: colours, blocks, and a line that is written over. */
 #include "terminal.h"
 
+#include "platform.h"
 #include "signals.h"
 
-#include <langinfo.h>
 #include <limits.h>
-#include <locale.h>
 #include <stdlib.h>
-#include <string.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
 enum { USUAL_COLUMNS = 80 };
 
@@ -19,8 +15,7 @@ static int is_set(const char *name) {
 }
 
 int pl_terminal_is(FILE *stream) {
-    const char *kind = getenv("TERM");
-    return isatty(fileno(stream)) && kind && kind[0] && strcmp(kind, "dumb") != 0;
+    return pl_console_is(stream) && pl_console_obeys();
 }
 
 int pl_terminal_has_colours(FILE *stream) {
@@ -28,25 +23,16 @@ int pl_terminal_has_colours(FILE *stream) {
 }
 
 int pl_terminal_has_blocks(FILE *stream) {
-    if (!pl_terminal_is(stream))
-        return 0;
-    locale_t locale = newlocale(LC_CTYPE_MASK, "", (locale_t)0); /* the program's own stays C */
-    if (!locale)
-        return 0;
-    const int is_utf8 = strcmp(nl_langinfo_l(CODESET, locale), "UTF-8") == 0;
-    freelocale(locale);
-    return is_utf8;
+    return pl_terminal_is(stream) && pl_console_is_utf8();
 }
 
 int pl_terminal_columns(FILE *stream) {
-    struct winsize size;
-    if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0)
-        return size.ws_col;
-    return USUAL_COLUMNS;
+    const int columns = pl_console_columns(stream);
+    return columns > 0 ? columns : USUAL_COLUMNS;
 }
 
 int pl_terminal_room(FILE *stream) {
-    return isatty(fileno(stream)) ? pl_terminal_columns(stream) : INT_MAX;
+    return pl_console_is(stream) ? pl_terminal_columns(stream) : INT_MAX;
 }
 
 const char *pl_style_begin(FILE *stream, pl_style style) {

@@ -18,7 +18,7 @@ typedef struct pl_bad_element {
     double place[3];                              /* [dim] its centroid */
     int64_t node[4];                              /* [dim + 1] the file's numbers */
     const char *region; /* a tag of the file, of pl_worst.tag, or NULL: it has none */
-    int is_movable; /* it has a node that may move */
+    int is_movable;     /* it has a node that may move */
 } pl_bad_element;
 
 typedef struct pl_worst {
@@ -31,8 +31,8 @@ typedef struct pl_worst {
     int64_t n_tags;
 } pl_worst;
 
-/** Find the n worst elements of the mesh as it is now, or all if there are fewer; of each only which
- *  it is and its radius ratio. Returns 0, or an exit status after a message. */
+/** Find the n worst elements of the mesh as it is now, or all if there are fewer; of each only
+ * which it is and its radius ratio. Returns 0, or an exit status after a message. */
 int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst);
 
 /** The same, and all that there is to say of them. */

@@ -7,6 +7,8 @@
 #ifndef PL_BASE_CONTEXT_H
 #define PL_BASE_CONTEXT_H
 
+#include "base/printf.h"
+
 #include <planish/planish.h>
 
 #include "base/arithmetic.h"
@@ -55,10 +57,6 @@ void pl_context_end(pl_context *context);
 pl_context *pl_context_current(void);
 
 /** Tell the caller, if it listens; on the thread that called the library. */
-void pl_log(planish_log_level level, const char *format, ...)
-#if defined(__GNUC__)
-    __attribute__((format(printf, 2, 3)))
-#endif
-    ;
+void pl_log(planish_log_level level, const char *format, ...) PL_PRINTF(2, 3);
 
 #endif

@@ -2,6 +2,7 @@
 #include "base/memory.h"
 
 #include "base/context.h"
+#include "base/system.h"
 
 #include <limits.h>
 #include <sched.h>
@@ -73,7 +74,7 @@ static pl_block *fresh_block(pl_context *owner, size_t bytes) {
             return NULL;
         block = (pl_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
     } else {
-        start = aligned_alloc(ALIGNMENT, bytes + ALIGNMENT);
+        start = pl_system_allocate(ALIGNMENT, bytes + ALIGNMENT);
         block = start;
     }
     if (!start)
@@ -89,7 +90,7 @@ static void release_block(pl_block *block) {
     if (owner)
         __atomic_fetch_sub(&owner->bytes, (int64_t)block->bytes, __ATOMIC_RELAXED);
     if (!owner || !owner->allocator.allocate) {
-        free(block->start);
+        pl_system_release(block->start);
         return;
     }
     pl_context *before = pl_context_enter(NULL);

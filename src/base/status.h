@@ -2,13 +2,9 @@
 #ifndef PL_BASE_STATUS_H
 #define PL_BASE_STATUS_H
 
-#include <planish/planish.h>
+#include "base/printf.h"
 
-#if defined(__GNUC__)
-#define PL_PRINTF(text, first) __attribute__((format(printf, text, first)))
-#else
-#define PL_PRINTF(text, first)
-#endif
+#include <planish/planish.h>
 
 /** Write code and text into *error (may be NULL), element and node as none; returns code. */
 int pl_fail(planish_error *error, planish_status code, const char *format, ...) PL_PRINTF(3, 4);

@@ -20,22 +20,23 @@ static inline uint16_t io_load_u16(const char *at, int swapped) {
     return (uint16_t)((bits & 0xffu) << 8 | bits >> 8);
 }
 
-static inline uint32_t io_load_u32(const char *at, int swapped) {
-    uint32_t bits;
-    memcpy(&bits, at, sizeof bits);
-    if (!swapped)
-        return bits;
+static inline uint32_t io_swap_u32(uint32_t bits) {
     bits = (bits & 0x00ff00ffu) << 8 | (bits >> 8 & 0x00ff00ffu);
     return bits << 16 | bits >> 16;
 }
 
+static inline uint32_t io_load_u32(const char *at, int swapped) {
+    uint32_t bits;
+    memcpy(&bits, at, sizeof bits);
+    return swapped ? io_swap_u32(bits) : bits;
+}
+
 static inline uint64_t io_load_u64(const char *at, int swapped) {
-    if (!swapped) {
-        uint64_t bits;
-        memcpy(&bits, at, sizeof bits);
+    uint64_t bits;
+    memcpy(&bits, at, sizeof bits);
+    if (!swapped)
         return bits;
-    }
-    return (uint64_t)io_load_u32(at, 1) << 32 | io_load_u32(at + 4, 1);
+    return (uint64_t)io_swap_u32((uint32_t)bits) << 32 | io_swap_u32((uint32_t)(bits >> 32));
 }
 
 static inline int32_t io_load_i32(const char *at, int swapped) {

@@ -1,15 +1,12 @@
 /* bytes: the content of a file, mapped where it can be. */
 #include "io/bytes.h"
 
-#include "io/descriptor.h"
-
 #include "base/memory.h"
 #include "base/status.h"
+#include "base/system.h"
 
 #include <errno.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { MAPPED_NO, MAPPED_YES, MAPPED_BORROWED }; /* io_bytes.mapped */
@@ -25,32 +22,10 @@ static char *copy_text(const char *text) {
     return copy;
 }
 
-/** When a file was last written to, in ns. */
-static int64_t time_of(const struct stat *about) {
-    return (int64_t)about->st_mtim.tv_sec * 1000000000 + about->st_mtim.tv_nsec;
-}
-
-/** The descriptor stays open: the file may get another name meanwhile. */
-static int map_regular(int fd, const struct stat *about, io_bytes *bytes, planish_error *error) {
-    void *data = mmap(NULL, (size_t)about->st_size, PROT_READ, MAP_PRIVATE, fd, 0);
-    if (data == MAP_FAILED)
-        return pl_fail_errno(error, bytes->path, "cannot be mapped");
-    madvise(data, (size_t)about->st_size, MADV_SEQUENTIAL);
-    bytes->data = data;
-    bytes->size = about->st_size;
-    bytes->mapped = MAPPED_YES;
-    bytes->fd = fd;
-    bytes->modified = time_of(about);
-    return PLANISH_OK;
-}
-
 /** How much may come of what is no regular file: half of the machine's memory, since what never
  *  ends would take all of it, and the process would be killed. */
-static int64_t largest_stream(const struct stat *about) {
-    const int64_t pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
-    if (S_ISCHR(about->st_mode))
-        return LARGEST_OF_DEVICE;
-    return pages > 0 && size > 0 ? pages / 2 * size : INT64_MAX;
+static int64_t largest_stream(const pl_file_status *about) {
+    return about->kind == PL_FILE_CHARACTERS ? LARGEST_OF_DEVICE : pl_system_memory() / 2;
 }
 
 static int fail_endless(int64_t largest, const char *path, planish_error *error) {
@@ -92,16 +67,53 @@ static int read_stream(int fd, int64_t largest, io_bytes *bytes, planish_error *
     return PLANISH_OK;
 }
 
+static int is_as_before(const pl_file_status *now, int64_t size, int64_t modified) {
+    return now->size == size && now->modified == modified;
+}
+
+static int fail_changed(const io_bytes *bytes, planish_error *error) {
+    return pl_fail(error, PLANISH_ERROR_FILE,
+                   "%s: was changed while it was in use; run again when it is complete",
+                   bytes->path);
+}
+
+/** Read a file to its end where none can be mapped. */
+static int read_regular(int fd, const pl_file_status *about, io_bytes *bytes,
+                        planish_error *error) {
+    pl_file_status now;
+    int status = read_stream(fd, INT64_MAX, bytes, error);
+    if (!status && pl_file_find_open(fd, &now))
+        status = pl_fail_errno(error, bytes->path, "cannot be read");
+    if (!status && !is_as_before(&now, about->size, about->modified))
+        status = fail_changed(bytes, error);
+    return status;
+}
+
+/** The descriptor stays open: the file may get another name meanwhile. */
+static int map_regular(int fd, const pl_file_status *about, io_bytes *bytes, planish_error *error) {
+    const char *data = pl_file_map(fd, about->size);
+    if (!data && errno == ENOSYS)
+        return read_regular(fd, about, bytes, error);
+    if (!data)
+        return pl_fail_errno(error, bytes->path, "cannot be mapped");
+    bytes->data = data;
+    bytes->size = about->size;
+    bytes->mapped = MAPPED_YES;
+    bytes->fd = fd;
+    bytes->modified = about->modified;
+    return PLANISH_OK;
+}
+
 static int open_descriptor(int fd, io_bytes *bytes, planish_error *error) {
-    struct stat about;
-    if (fstat(fd, &about))
+    pl_file_status about;
+    if (pl_file_find_open(fd, &about))
         return pl_fail_errno(error, bytes->path, "cannot be read");
-    if (S_ISDIR(about.st_mode))
+    if (about.kind == PL_FILE_FOLDER)
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a mesh file", bytes->path);
     int status = PLANISH_OK;
-    if (!S_ISREG(about.st_mode))
+    if (about.kind != PL_FILE_REGULAR)
         status = read_stream(fd, largest_stream(&about), bytes, error);
-    else if (about.st_size > 0)
+    else if (about.size > 0)
         status = map_regular(fd, &about, bytes, error);
     if (!status && bytes->size == 0)
         status = pl_fail(error, PLANISH_ERROR_FORMAT, "%s: the file is empty", bytes->path);
@@ -112,7 +124,7 @@ int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
     *bytes = (io_bytes){.path = copy_text(path), .fd = -1};
     if (!bytes->path)
         return pl_fail_memory(error, path);
-    int fd = io_descriptor_open(path, O_RDONLY, 0);
+    int fd = pl_file_open(path, PL_FILE_READ);
     int status =
         fd < 0 ? pl_fail_errno(error, path, "cannot be opened") : open_descriptor(fd, bytes, error);
     if (fd >= 0 && bytes->fd != fd)
@@ -130,32 +142,29 @@ int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *
 }
 
 void io_bytes_rest(const io_bytes *bytes) {
-    if (bytes->mapped == MAPPED_YES) /* a refusal does no harm */
-        madvise((void *)(uintptr_t)bytes->data, (size_t)bytes->size, MADV_DONTNEED);
+    if (bytes->mapped == MAPPED_YES)
+        pl_file_rest(bytes->data, bytes->size);
 }
 
 int io_bytes_check_unchanged(const io_bytes *bytes, planish_error *error) {
-    struct stat about;
+    pl_file_status now;
     if (bytes->mapped != MAPPED_YES)
         return PLANISH_OK;
-    if (fstat(bytes->fd, &about))
+    if (pl_file_find_open(bytes->fd, &now))
         return pl_fail_errno(error, bytes->path, "cannot be read");
-    if (about.st_size == bytes->size && time_of(&about) == bytes->modified)
-        return PLANISH_OK;
-    return pl_fail(error, PLANISH_ERROR_FILE,
-                   "%s: was changed while it was in use; run again when it is complete",
-                   bytes->path);
+    return is_as_before(&now, bytes->size, bytes->modified) ? PLANISH_OK
+                                                            : fail_changed(bytes, error);
 }
 
 int io_bytes_are_of(const io_bytes *bytes, int fd) {
-    struct stat input, other;
-    return bytes->mapped == MAPPED_YES && fstat(bytes->fd, &input) == 0 && fstat(fd, &other) == 0 &&
-           input.st_dev == other.st_dev && input.st_ino == other.st_ino;
+    pl_file_status input, other;
+    return bytes->mapped == MAPPED_YES && pl_file_find_open(bytes->fd, &input) == 0 &&
+           pl_file_find_open(fd, &other) == 0 && pl_file_is_same(&input, &other);
 }
 
 void io_bytes_close(io_bytes *bytes) {
     if (bytes->mapped == MAPPED_YES) {
-        munmap((void *)(uintptr_t)bytes->data, (size_t)bytes->size);
+        pl_file_unmap(bytes->data, bytes->size);
         close(bytes->fd);
     }
     if (bytes->mapped == MAPPED_NO)

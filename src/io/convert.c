@@ -5,6 +5,7 @@
 #include "io/view.h"
 
 #include "base/context.h"
+#include "base/printf.h"
 #include "base/status.h"
 
 #include <inttypes.h>
@@ -36,7 +37,7 @@ typedef struct losses {
     size_t size, length;
 } losses;
 
-static void lose(losses *l, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void lose(losses *l, const char *format, ...) PL_PRINTF(2, 3);
 static void lose(losses *l, const char *format, ...) {
     va_list arguments;
     if (!l->text || l->length >= l->size)

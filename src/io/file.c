@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "base/system.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -57,8 +58,8 @@ int io_format_has_extension(const io_format *format, const char *path) {
 }
 
 const char *io_extension(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot && !strchr(dot, '/') ? dot : path + strlen(path);
+    const char *dot = strrchr(pl_path_name(path), '.');
+    return dot ? dot : path + strlen(path);
 }
 
 int io_is_hdf5(const char *data, int64_t size) {

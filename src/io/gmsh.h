@@ -7,6 +7,8 @@
 #ifndef PL_IO_GMSH_H
 #define PL_IO_GMSH_H
 
+#include "base/printf.h"
+
 #include "io/records.h"
 
 /** A type of element. dim and nodes 0 and 0: none of that number, or one of variable size. */
@@ -64,7 +66,7 @@ static inline int64_t gmsh_node(const gmsh_reader *reader, int64_t number) {
 
 /** An error at a place of the file: its line where it is text, its byte where it is binary. */
 int gmsh_fail(const gmsh_reader *reader, const char *at, planish_error *error, const char *format,
-              ...) __attribute__((format(printf, 4, 5)));
+              ...) PL_PRINTF(4, 5);
 
 /** The next number: text or binary (int32; size_t of 8 bytes; double). what: for the message. */
 int gmsh_take_int(gmsh_reader *reader, int32_t *value, const char *what);

@@ -12,6 +12,8 @@
 #ifndef PL_IO_HDF5_H
 #define PL_IO_HDF5_H
 
+#include "base/printf.h"
+
 #include "io/binary.h"
 #include "io/model.h"
 
@@ -25,16 +27,14 @@ int io_hdf5_open(io_model *model, io_hdf5 **file, planish_error *error);
 void io_hdf5_close(io_hdf5 *file);
 
 /** "FILE: PATH: text" as a _FORMAT error. */
-int io_hdf5_fail(io_hdf5 *file, const char *path, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+int io_hdf5_fail(io_hdf5 *file, const char *path, const char *format, ...) PL_PRINTF(3, 4);
 
 /* ---- objects: paths begin at the root ------------------------------------------------------ */
 
 enum { IO_HDF5_PATH_SIZE = 1024 };
 
 /** The path that format gives, in path [IO_HDF5_PATH_SIZE]; fails if it is too long. */
-int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
+int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) PL_PRINTF(3, 4);
 
 typedef enum io_hdf5_kind { IO_HDF5_NONE, IO_HDF5_GROUP, IO_HDF5_DATASET } io_hdf5_kind;
 io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path);

@@ -8,6 +8,8 @@
 #ifndef PL_IO_MEDIT_H
 #define PL_IO_MEDIT_H
 
+#include "base/printf.h"
+
 #include "io/records.h"
 
 typedef enum medit_kind {
@@ -58,7 +60,7 @@ const medit_keyword *medit_find_code(int64_t code);
 
 /** An error at a place of the file: its line where it is text, its byte where it is binary. */
 int medit_fail(const medit_reader *reader, const char *at, planish_error *error, const char *format,
-               ...) __attribute__((format(printf, 4, 5)));
+               ...) PL_PRINTF(4, 5);
 
 /** Refuse a version or dimension that is unknown, or note it. */
 int medit_set_version(medit_reader *reader, const char *at, int64_t version);

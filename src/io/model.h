@@ -8,6 +8,8 @@
 #ifndef PL_IO_MODEL_H
 #define PL_IO_MODEL_H
 
+#include "base/printf.h"
+
 #include <planish/planish_io.h>
 
 /** A position in the file; every function stops at end and never reads behind it. */
@@ -248,9 +250,9 @@ extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format
 
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
-                 ...) __attribute__((format(printf, 4, 5)));
+                 ...) PL_PRINTF(4, 5);
 /** "FILE: byte N: text" for binary parts. */
 int io_fail_byte(const io_model *model, const char *at, planish_error *error, const char *format,
-                 ...) __attribute__((format(printf, 4, 5)));
+                 ...) PL_PRINTF(4, 5);
 
 #endif

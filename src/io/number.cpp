@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
 namespace {
 
-constexpr long farthest = 1L << 40; // decimal exponents beyond it are as good as it
-constexpr int longest_token = 512;  // of numbers with a Fortran exponent
+constexpr int64_t farthest = int64_t(1) << 40; // decimal exponents beyond it are as good as it
+constexpr int longest_token = 512;             // of numbers with a Fortran exponent
 
 bool is_space(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
@@ -19,7 +20,7 @@ bool is_space(char c) {
 // digit that is not zero says which.
 double beyond_range(const char *begin, const char *end) {
     bool negative = *begin == '-';
-    long exponent = 0, shift = 0; // shift: places from that digit to the point, if positive
+    int64_t exponent = 0, shift = 0; // shift: places from that digit to the point, if positive
     bool seen_point = false, seen_digit = false;
     for (const char *c = begin; c < end; c++) {
         if (*c == 'e' || *c == 'E') {

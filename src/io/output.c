@@ -1,17 +1,15 @@
 /* output: write a file beside its place and rename it, or straight into a pipe or device. */
 #include "io/output.h"
 
-#include "io/descriptor.h"
-
 #include "base/memory.h"
 #include "base/status.h"
+#include "base/system.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
@@ -77,9 +75,10 @@ static int named_descriptor(const char *path) {
 }
 
 int io_output_is_stream(const char *path) {
-    struct stat about;
+    pl_file_status about;
     return named_descriptor(path) >= 0 ||
-           (stat(path, &about) == 0 && !S_ISREG(about.st_mode) && !S_ISDIR(about.st_mode));
+           (pl_file_find(path, &about) == 0 && about.kind != PL_FILE_REGULAR &&
+            about.kind != PL_FILE_FOLDER);
 }
 
 /** path with a link at its end followed, also one that leads nowhere yet. Owned; NULL: errno. */
@@ -88,17 +87,13 @@ static char *follow_links(const char *path) {
     int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
     if (!status)
         strcpy(at, path);
-    for (int i = 0; !status; i++) {
-        ssize_t length = readlink(at, link, PATH_MAX - 1);
-        if (length < 0)
-            break; /* no link: the end */
-        link[length] = '\0';
-        char *slash = strrchr(at, '/');
-        size_t folder = link[0] == '/' || !slash ? 0 : (size_t)(slash - at) + 1;
-        if (i == MAX_LINKS || folder + (size_t)length >= PATH_MAX)
+    for (int i = 0; !status && pl_path_read_link(at, link, PATH_MAX) == 0; i++) {
+        const size_t length = strlen(link);
+        const size_t folder = pl_path_is_absolute(link) ? 0 : (size_t)(pl_path_name(at) - at);
+        if (i == MAX_LINKS || folder + length >= PATH_MAX)
             status = ELOOP;
         else
-            memcpy(at + folder, link, (size_t)length + 1);
+            memcpy(at + folder, link, length + 1);
     }
     pl_free(link);
     if (status) {
@@ -110,13 +105,13 @@ static char *follow_links(const char *path) {
 }
 
 /** Create the temporary file, which is listed before it is there. */
-static int create(const char *path, mode_t mode, io_temporaries temporaries) {
-    if (access(path, F_OK) == 0) {
+static int create(const char *path, pl_file_use use, io_temporaries temporaries) {
+    if (pl_file_exists(path)) {
         errno = EEXIST; /* another one's, which a signal must not remove */
         return -1;
     }
     temporaries_add(temporaries, path);
-    const int fd = io_descriptor_open(path, O_WRONLY | O_CREAT | O_EXCL, mode);
+    const int fd = pl_file_open(path, use);
     const int reason = errno;
     if (fd < 0)
         temporaries_remove(temporaries, path);
@@ -127,9 +122,9 @@ static int create(const char *path, mode_t mode, io_temporaries temporaries) {
 /** Create TARGET.planish-N beside target: as open for others as any new file if there is no target
  *  whose mode it will get. */
 static int create_temporary(io_temporaries temporaries, io_output *output) {
-    mode_t mode = access(output->target, F_OK) ? 0666 : 0600;
-    const char *slash = strrchr(output->target, '/');
-    size_t folder = slash ? (size_t)(slash - output->target) + 1 : 0;
+    const pl_file_use use =
+        pl_file_exists(output->target) ? PL_FILE_CREATE_PRIVATE : PL_FILE_CREATE;
+    size_t folder = (size_t)(pl_path_name(output->target) - output->target);
     size_t size = folder + LONGEST_KEPT + 48, kept = strlen(output->target);
     if (kept > folder + LONGEST_KEPT)
         kept = folder + LONGEST_KEPT; /* the whole name must be legal, too */
@@ -140,32 +135,21 @@ static int create_temporary(io_temporaries temporaries, io_output *output) {
     }
     for (int i = 0; i < MAX_NAMES; i++) {
         snprintf(output->temporary, size, "%.*s.planish-%ld-%d", (int)kept, output->target,
-                 (long)getpid(), i);
-        const int fd = create(output->temporary, mode, temporaries);
+                 pl_process_number(), i);
+        const int fd = create(output->temporary, use, temporaries);
         if (fd >= 0 || errno != EEXIST)
             return fd;
     }
     return -1;
 }
 
-static void keep_mode_and_owner(int fd, const char *target) {
-    struct stat about;
-    if (stat(target, &about))
-        return;
-    /* Only root may give a file away; for others the file becomes theirs, as with any new one. */
-    if (about.st_uid != geteuid() || about.st_gid != getegid())
-        if (fchown(fd, about.st_uid, about.st_gid))
-            errno = 0;
-    fchmod(fd, about.st_mode & 07777);
-}
-
 static int open_beside(const char *path, io_temporaries temporaries, io_output *output,
                        planish_error *error) {
-    struct stat about;
+    pl_file_status about;
     output->target = follow_links(path);
     if (!output->target)
         return pl_fail_errno(error, path, "cannot be written");
-    if (stat(output->target, &about) == 0 && S_ISDIR(about.st_mode))
+    if (pl_file_find(output->target, &about) == 0 && about.kind == PL_FILE_FOLDER)
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a file to write", path);
     output->fd = create_temporary(temporaries, output);
     if (output->fd < 0) {
@@ -175,8 +159,8 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
         errno = reason;
         return pl_fail_errno(error, path, "cannot be written");
     }
-    output->replaces = access(output->target, F_OK) == 0;
-    keep_mode_and_owner(output->fd, output->target);
+    output->replaces = pl_file_exists(output->target);
+    pl_file_take_mode(output->fd, output->target);
     return PLANISH_OK;
 }
 
@@ -186,8 +170,7 @@ int io_output_open(const char *path, io_temporaries temporaries, io_output *outp
     if (!io_output_is_stream(path))
         return open_beside(path, temporaries, output, error);
     int named = named_descriptor(path);
-    output->fd =
-        named >= 0 ? fcntl(named, F_DUPFD_CLOEXEC, 0) : io_descriptor_open(path, O_WRONLY, 0);
+    output->fd = named >= 0 ? pl_file_duplicate(named) : pl_file_open(path, PL_FILE_WRITE);
     output->target = pl_alloc((int64_t)strlen(path) + 1, 1);
     if (output->fd < 0)
         return pl_fail_errno(error, path, "cannot be written");
@@ -199,7 +182,7 @@ int io_output_open(const char *path, io_temporaries temporaries, io_output *outp
 
 int io_output_write(io_output *output, const char *data, int64_t size, planish_error *error) {
     while (size > 0) {
-        size_t wanted = size < WRITE_AT_ONCE ? (size_t)size : WRITE_AT_ONCE;
+        unsigned wanted = size < WRITE_AT_ONCE ? (unsigned)size : WRITE_AT_ONCE;
         ssize_t written = write(output->fd, data, wanted);
         if (written < 0 && errno == EINTR)
             continue;
@@ -214,15 +197,15 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
 }
 
 /** What it replaces may be the only copy: then the bytes must be on the disk before the rename. Not
- *  0: errno says why they are not. EINVAL: this file system knows no such thing. */
+ *  0: errno says why they are not. */
 static int settle(const io_output *output, int fd) {
-    return output->replaces && io_descriptor_sync(fd) && errno != EINVAL;
+    return output->replaces && pl_file_settle(fd);
 }
 
 int io_output_finish(io_output *output, planish_error *error) {
     int failed = settle(output, output->fd);
     int reason = errno;
-    if (io_descriptor_close(output->fd) == 0)
+    if (pl_file_close(output->fd) == 0)
         errno = reason;
     else
         failed = 1;
@@ -233,7 +216,7 @@ int io_output_finish(io_output *output, planish_error *error) {
 int io_output_sync(const io_output *output, planish_error *error) {
     if (!output->replaces)
         return PLANISH_OK;
-    int fd = io_descriptor_open(output->temporary, O_RDONLY, 0);
+    int fd = pl_file_open(output->temporary, PL_FILE_READ);
     int failed = fd < 0 || settle(output, fd), reason = errno;
     if (fd >= 0)
         close(fd);
@@ -244,7 +227,7 @@ int io_output_sync(const io_output *output, planish_error *error) {
 int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error) {
     if (!output->temporary)
         return PLANISH_OK;
-    if (rename(output->temporary, output->target))
+    if (pl_file_replace(output->temporary, output->target))
         return pl_fail_errno(error, output->target, "cannot be replaced");
     temporaries_remove(temporaries, output->temporary);
     pl_free(output->temporary);
@@ -262,7 +245,7 @@ void io_output_release(io_output *output, io_temporaries temporaries) {
     if (output->fd >= 0)
         close(output->fd);
     if (output->temporary) {
-        unlink(output->temporary);
+        pl_file_remove(output->temporary);
         temporaries_remove(temporaries, output->temporary);
     }
     pl_free(output->temporary);

@@ -16,10 +16,9 @@
 #include "base/parallel.h"
 #include "base/round.h"
 #include "base/status.h"
+#include "base/system.h"
 
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { CHUNK_NODES = 8192 };
 
@@ -318,12 +317,11 @@ static int amend_main(const planish_file *file, const double *coordinates, const
                       planish_error *error) {
     if (!file->format->amend || !file->model.encoding || !output->temporary)
         return PLANISH_OK;
-    struct stat about; /* it may have the mode of a file that must not be written */
-    const int is_closed = stat(output->temporary, &about) == 0 && !(about.st_mode & S_IWUSR) &&
-                          chmod(output->temporary, (about.st_mode & 07777) | S_IWUSR) == 0;
+    /* It may have the mode of a file that must not be written. */
+    const int former = pl_file_make_writable(output->temporary);
     int status = file->format->amend(&file->model, coordinates, output->temporary, error);
-    if (is_closed)
-        chmod(output->temporary, about.st_mode & 07777);
+    if (former >= 0)
+        pl_file_set_mode(output->temporary, former);
     return status ? status : io_output_sync(output, error);
 }
 
@@ -342,8 +340,8 @@ static char *with_extension_of(const char *path, const char *other) {
 }
 
 static int same_file(const char *a, const char *b) {
-    struct stat x, y;
-    return stat(a, &x) == 0 && stat(b, &y) == 0 && x.st_dev == y.st_dev && x.st_ino == y.st_ino;
+    pl_file_status x, y;
+    return pl_file_find(a, &x) == 0 && pl_file_find(b, &y) == 0 && pl_file_is_same(&x, &y);
 }
 
 static int write_companion(const io_bytes *companion, const char *path, io_temporaries temporaries,
@@ -380,7 +378,7 @@ static int is_companion(const planish_file *file, const char *path) {
  *  another kind that a companion would take the place of. */
 static int check_stranger(const planish_file *file, const char *path, int is_written,
                           planish_error *error) {
-    if (access(path, F_OK) != 0 || is_companion(file, path) == is_written)
+    if (!pl_file_exists(path) || is_companion(file, path) == is_written)
         return PLANISH_OK;
     return pl_fail(error, PLANISH_ERROR_FILE,
                    is_written ? "%s: is no such file of this mesh and would be overwritten; remove "

@@ -20,12 +20,12 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "base/system.h"
 
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 #include <strings.h>
-#include <unistd.h>
 
 /** One of the files. */
 typedef struct part {
@@ -365,7 +365,7 @@ static int open_beside(const char *path, const char *extension, int needed, io_b
     strcpy(beside + base, extension);
     int status = PLANISH_OK;
     memset(bytes, 0, sizeof *bytes);
-    if (access(beside, F_OK) == 0)
+    if (pl_file_exists(beside))
         status = io_bytes_open(beside, bytes, error);
     else if (needed)
         status = pl_fail(error, PLANISH_ERROR_FILE,

@@ -124,8 +124,8 @@ static void skip_number_blocks(io_cursor *cursor) {
     enum { BLOCK = 64 };
     while (cursor->end - cursor->at >= BLOCK) {
         int other = 0;
-        for (int i = 0; i < BLOCK; i++)
-            other |= (cursor->at[i] >= 'A') | (cursor->at[i] == '#') | (cursor->at[i] < 0);
+        for (int i = 0; i < BLOCK; i++) /* also bytes that are negative where char is signed */
+            other |= ((unsigned char)cursor->at[i] >= 'A') | (cursor->at[i] == '#');
         if (other)
             return;
         cursor->at += BLOCK;

@@ -3,6 +3,7 @@
 #include "io/view.h"
 
 #include "base/memory.h"
+#include "base/printf.h"
 #include "base/status.h"
 #include "io/binary.h"
 
@@ -30,7 +31,7 @@ static void flush_text(markup *m) {
     m->length = 0;
 }
 
-static void put(markup *m, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void put(markup *m, const char *format, ...) PL_PRINTF(2, 3);
 static void put(markup *m, const char *format, ...) {
     char text[512];
     va_list arguments;

@@ -234,7 +234,7 @@ static pl_shape certified_shape(int dim, const element *e, const double edges[3]
 /** Evaluate lane l anew: in the element's own scale, with the exact sign. */
 static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *b) {
     const int dim = mesh->dim;
-    element e;
+    element e = {.vertex = {NULL}}; /* for compilers that do not see that dim > 0 */
     for (int j = 0; j <= dim; j++)
         e.vertex[j] = mesh->coordinates + (int64_t)mesh->elements[number * (dim + 1) + j] * dim;
     int exponent;

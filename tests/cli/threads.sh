@@ -2,12 +2,19 @@
 # The same bits on any number of threads, and the ways to say how many.
 . "$(dirname "$0")/common.sh"
 
+"$program" --version | grep -q "without OpenMP" && has_threads=0 || has_threads=1
+
+# expect_threads N: the last run had so many, or one if there is no more to be had.
+expect_threads() {
+    [ $has_threads = 1 ] || set -- 1
+    expect_json "r['threads'] == $1"
+}
+
 expect_status 0 "$program" smooth "$sample" -o one.msh -j 1 -q
 for threads in 2 3 4 7; do
     expect_status 0 "$program" smooth "$sample" -o many.msh -j $threads --json report.json -q
     cmp one.msh many.msh || fail "$threads threads give another mesh than 1"
-    python3 -c "import json; assert json.load(open('report.json'))['threads'] == $threads" ||
-        fail "-j $threads: another number of threads"
+    expect_threads $threads
 done
 
 # The report has a number for the bits, which that of the file is.
@@ -24,12 +31,10 @@ CHECK
 
 # OMP_NUM_THREADS is respected, -j wins over it.
 expect_status 0 env OMP_NUM_THREADS=3 "$program" smooth "$sample" -o many.msh --json report.json -q
-python3 -c "import json; assert json.load(open('report.json'))['threads'] == 3" ||
-    fail "OMP_NUM_THREADS"
+expect_threads 3 # OMP_NUM_THREADS
 expect_status 0 env OMP_NUM_THREADS=3 "$program" smooth "$sample" -o many.msh -j 2 \
     --json report.json -q
-python3 -c "import json; assert json.load(open('report.json'))['threads'] == 2" ||
-    fail "-j beside OMP_NUM_THREADS"
+expect_threads 2 # -j beside OMP_NUM_THREADS
 
 # A system that cannot start so many threads gives fewer; with too little memory for anything it is
 # one line and 2, but never a mesh missing after 1. (Sanitizers need more than that for themselves.)

@@ -1,4 +1,5 @@
 /* OFF: what is read, what is held, what is refused, what is written. */
+#include "io/binary.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
@@ -113,7 +114,7 @@ static void wrong_files_are_refused(void **state) {
 static void build_binary(file_builder *b, const char *first, int extra) {
     static const float xy[] = {0, 0, 1, 0, 1, 1, 0, 1, 3, 3, 4, 3, 4, 4, 0.1f, 4};
     static const int faces[] = {3, 0, 1, 2, 0, 4, 4, 5, 6, 7, 1, 9, 3, 0, 2, 3, 0};
-    *b = (file_builder){.binary = 1, .swapped = 1}; /* of a little-endian machine */
+    *b = (file_builder){.binary = 1, .swapped = io_machine_is_little()};
     builder_text(b, "%s", first);
     builder_integer(b, 8, 4);
     builder_integer(b, 3, 4);

@@ -7,6 +7,8 @@
 #ifndef TEST_SUPPORT_EFFORT_H
 #define TEST_SUPPORT_EFFORT_H
 
+#include "base/printf.h"
+
 #include <stdint.h>
 
 /** much if PLANISH_LONG is set, else little. */
@@ -29,6 +31,6 @@ double random_unit(uint64_t *state);
 double random_between(uint64_t *state, double low, double high);
 
 /** A line "figure: text" on standard output. */
-void figure(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void figure(const char *format, ...) PL_PRINTF(1, 2);
 
 #endif

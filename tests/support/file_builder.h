@@ -3,6 +3,8 @@
 #ifndef TEST_SUPPORT_FILE_BUILDER_H
 #define TEST_SUPPORT_FILE_BUILDER_H
 
+#include "base/printf.h"
+
 #include <planish/planish_io.h>
 
 #include "io/file.h"
@@ -19,8 +21,7 @@ typedef struct file_builder {
 void builder_release(file_builder *builder);
 
 /** Text as it is. */
-void builder_text(file_builder *builder, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
+void builder_text(file_builder *builder, const char *format, ...) PL_PRINTF(2, 3);
 
 /** A number: text and a space, or size bytes (integers 1, 2, 4, 8; reals 4, 8). */
 void builder_integer(file_builder *builder, int64_t value, int size);

@@ -2,14 +2,10 @@
 #ifndef PL_REPORT_MARKUP_H
 #define PL_REPORT_MARKUP_H
 
+#include "base/printf.h"
+
 #include <stddef.h>
 #include <stdint.h>
-
-#if defined(__GNUC__)
-#define PL_MARKUP_FORMAT __attribute__((format(printf, 2, 3)))
-#else
-#define PL_MARKUP_FORMAT
-#endif
 
 /** A text under construction. Once memory is short it stays as it is, and failed remembers. */
 typedef struct pl_markup {
@@ -19,7 +15,7 @@ typedef struct pl_markup {
 } pl_markup;
 
 /** Add text as printf does; nothing is escaped. */
-void pl_markup_put(pl_markup *markup, const char *format, ...) PL_MARKUP_FORMAT;
+void pl_markup_put(pl_markup *markup, const char *format, ...) PL_PRINTF(2, 3);
 
 /** Add size bytes as they are. */
 void pl_markup_put_bytes(pl_markup *markup, const char *bytes, size_t size);

@@ -5,6 +5,8 @@
 #include "layers.h"
 #include "report/assets.h"
 
+#include "base/system.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -20,8 +22,8 @@ int pl_page_can_draw(void) {
 
 /** The last part of a path. */
 static const char *name_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
+    const char *name = pl_path_name(path);
+    return name[0] ? name : path;
 }
 
 static const char *input_of(const pl_figures *figures) {

@@ -1,0 +1,111 @@
+/* system: what operating systems do in ways of their own: memory, files and their names. One of
+ * system_posix.c and system_windows.c is built; what the program alone needs is in
+ * tools/platform.h.
+ *
+ * Paths are UTF-8 on Windows and bytes elsewhere. Files are descriptors of the C library, for its
+ * read, write and close. What fails sets errno.
+ */
+#ifndef PL_BASE_SYSTEM_H
+#define PL_BASE_SYSTEM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* ---- memory --------------------------------------------------------------------------------- */
+
+/** bytes, a multiple of alignment; NULL: there are none. Released by pl_system_release alone. */
+void *pl_system_allocate(size_t alignment, size_t bytes);
+void pl_system_release(void *start);
+
+/** Bytes of memory that the machine has; INT64_MAX: not known. */
+int64_t pl_system_memory(void);
+
+/* ---- names of files ------------------------------------------------------------------------- */
+
+/** Whether c ends the name of a folder in a path. */
+int pl_path_is_separator(char c);
+
+/** The part of path behind its folder; all of it if it has none. */
+const char *pl_path_name(const char *path);
+
+/** Whether path begins at a root, not at the present folder. */
+int pl_path_is_absolute(const char *path);
+
+/** The path that the link at path leads to, in text [size] with its '\0'; -1: it is no link. */
+int pl_path_read_link(const char *path, char *text, size_t size);
+
+/** path without links, from the root; to be freed, or NULL. */
+char *pl_path_resolve(const char *path);
+
+/** Whether files can be made in the folder at path: 0, or not 0 and errno. */
+int pl_folder_check_writable(const char *path);
+
+/* ---- files ---------------------------------------------------------------------------------- */
+
+typedef enum pl_file_kind {
+    PL_FILE_REGULAR,
+    PL_FILE_FOLDER,
+    PL_FILE_CHARACTERS, /* a terminal, or a device such as /dev/null */
+    PL_FILE_STREAM      /* a pipe, and all else that has no size */
+} pl_file_kind;
+
+typedef struct pl_file_status {
+    pl_file_kind kind;
+    int64_t size;            /* in bytes */
+    int64_t modified;        /* when it was last written to, in ns */
+    uint64_t device, number; /* both together are of one file alone */
+} pl_file_status;
+
+/** What is known of the file at path, links followed, or of an open one: 0, or not 0 and errno. */
+int pl_file_find(const char *path, pl_file_status *status);
+int pl_file_find_open(int fd, pl_file_status *status);
+
+/** Whether there is something at path, links followed. */
+int pl_file_exists(const char *path);
+
+/** Whether both are of one file. */
+int pl_file_is_same(const pl_file_status *a, const pl_file_status *b);
+
+typedef enum pl_file_use {
+    PL_FILE_READ,
+    PL_FILE_WRITE,         /* a file that exists */
+    PL_FILE_CREATE,        /* one that does not (else EEXIST), as open for others as any new one */
+    PL_FILE_CREATE_PRIVATE /* for nobody else */
+} pl_file_use;
+
+/** A descriptor that programs that are started do not inherit, or -1; and its end: 0, or errno.
+ *  Signals do not interrupt them. */
+int pl_file_open(const char *path, pl_file_use use);
+int pl_file_close(int fd);
+
+/** Another descriptor of what is open as fd, or -1. */
+int pl_file_duplicate(int fd);
+
+/** The size bytes of a regular file, which will be read in their order; NULL: it cannot be mapped,
+ *  with errno ENOSYS where no file can, as one that is mapped could not be replaced. */
+const char *pl_file_map(int fd, int64_t size);
+void pl_file_unmap(const char *data, int64_t size);
+/** A mapped file will not be read for some time: it need not be in memory until then. */
+void pl_file_rest(const char *data, int64_t size);
+
+/** Wait until what was written is on the disk, where the file system knows of that: 0, or errno. */
+int pl_file_settle(int fd);
+
+/** Let an open file have the mode and owner of the one at path, as far as that is allowed. */
+void pl_file_take_mode(int fd, const char *path);
+
+/** Allow to write the file at path: what it was before, for pl_file_set_mode; -1: nothing is to do,
+ *  or can be done. */
+int pl_file_make_writable(const char *path);
+void pl_file_set_mode(const char *path, int mode);
+
+/** Give the file at from the name to, in one step, whether or not there is one. 0, or errno. */
+int pl_file_replace(const char *from, const char *to);
+
+/** Remove a file; a signal handler may. */
+int pl_file_remove(const char *path);
+
+/** A number that no other running process has. */
+long pl_process_number(void);
+
+#endif

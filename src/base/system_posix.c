@@ -1,0 +1,177 @@
+/* system: as POSIX has it. */
+#include "base/system.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+void *pl_system_allocate(size_t alignment, size_t bytes) {
+    return aligned_alloc(alignment, bytes);
+}
+
+void pl_system_release(void *start) {
+    free(start);
+}
+
+int64_t pl_system_memory(void) {
+    const int64_t pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    return pages > 0 && size > 0 ? pages * size : INT64_MAX;
+}
+
+/* ---- names of files ------------------------------------------------------------------------- */
+
+int pl_path_is_separator(char c) {
+    return c == '/';
+}
+
+const char *pl_path_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+int pl_path_is_absolute(const char *path) {
+    return path[0] == '/';
+}
+
+int pl_path_read_link(const char *path, char *text, size_t size) {
+    const ssize_t length = readlink(path, text, size - 1);
+    if (length >= 0)
+        text[length] = '\0';
+    return length >= 0 ? 0 : -1;
+}
+
+char *pl_path_resolve(const char *path) {
+    return realpath(path, NULL);
+}
+
+int pl_folder_check_writable(const char *path) {
+    return access(path, W_OK | X_OK);
+}
+
+/* ---- files ---------------------------------------------------------------------------------- */
+
+static pl_file_status status_of(const struct stat *about) {
+    return (pl_file_status){.kind = S_ISREG(about->st_mode)   ? PL_FILE_REGULAR
+                                    : S_ISDIR(about->st_mode) ? PL_FILE_FOLDER
+                                    : S_ISCHR(about->st_mode) ? PL_FILE_CHARACTERS
+                                                              : PL_FILE_STREAM,
+                            .size = about->st_size,
+                            .modified = (int64_t)about->st_mtim.tv_sec * 1000000000 +
+                                        about->st_mtim.tv_nsec,
+                            .device = about->st_dev,
+                            .number = about->st_ino};
+}
+
+int pl_file_find(const char *path, pl_file_status *status) {
+    struct stat about;
+    if (stat(path, &about))
+        return -1;
+    *status = status_of(&about);
+    return 0;
+}
+
+int pl_file_find_open(int fd, pl_file_status *status) {
+    struct stat about;
+    if (fstat(fd, &about))
+        return -1;
+    *status = status_of(&about);
+    return 0;
+}
+
+int pl_file_exists(const char *path) {
+    return access(path, F_OK) == 0;
+}
+
+int pl_file_is_same(const pl_file_status *a, const pl_file_status *b) {
+    return a->device == b->device && a->number == b->number;
+}
+
+int pl_file_open(const char *path, pl_file_use use) {
+    static const int flags[] = {[PL_FILE_READ] = O_RDONLY,
+                                [PL_FILE_WRITE] = O_WRONLY,
+                                [PL_FILE_CREATE] = O_WRONLY | O_CREAT | O_EXCL,
+                                [PL_FILE_CREATE_PRIVATE] = O_WRONLY | O_CREAT | O_EXCL};
+    int fd;
+    do
+        fd = open(path, flags[use] | O_CLOEXEC, use == PL_FILE_CREATE ? 0666 : 0600);
+    while (fd < 0 && errno == EINTR);
+    return fd;
+}
+
+/** Interrupted, it is closed all the same: again would be another file by now. */
+int pl_file_close(int fd) {
+    return close(fd) && errno != EINTR ? -1 : 0;
+}
+
+int pl_file_duplicate(int fd) {
+    return fcntl(fd, F_DUPFD_CLOEXEC, 0);
+}
+
+const char *pl_file_map(int fd, int64_t size) {
+    if ((uint64_t)size > SIZE_MAX) {
+        errno = ENOMEM;
+        return NULL;
+    }
+    void *data = mmap(NULL, (size_t)size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED)
+        return NULL;
+    madvise(data, (size_t)size, MADV_SEQUENTIAL);
+    return data;
+}
+
+void pl_file_unmap(const char *data, int64_t size) {
+    munmap((void *)(uintptr_t)data, (size_t)size);
+}
+
+void pl_file_rest(const char *data, int64_t size) {
+    madvise((void *)(uintptr_t)data, (size_t)size, MADV_DONTNEED); /* a refusal does no harm */
+}
+
+/** EINVAL: this file system knows no such thing. */
+int pl_file_settle(int fd) {
+    int status;
+    do
+        status = fsync(fd);
+    while (status && errno == EINTR);
+    return status && errno != EINVAL;
+}
+
+void pl_file_take_mode(int fd, const char *path) {
+    struct stat about;
+    if (stat(path, &about))
+        return;
+    /* Only root may give a file away; for others the file becomes theirs, as with any new one. */
+    if (about.st_uid != geteuid() || about.st_gid != getegid())
+        if (fchown(fd, about.st_uid, about.st_gid))
+            errno = 0;
+    fchmod(fd, about.st_mode & 07777);
+}
+
+int pl_file_make_writable(const char *path) {
+    struct stat about;
+    if (stat(path, &about) || about.st_mode & S_IWUSR)
+        return -1;
+    const mode_t mode = about.st_mode & 07777;
+    return chmod(path, mode | S_IWUSR) ? -1 : (int)mode;
+}
+
+void pl_file_set_mode(const char *path, int mode) {
+    chmod(path, (mode_t)mode);
+}
+
+int pl_file_replace(const char *from, const char *to) {
+    return rename(from, to);
+}
+
+int pl_file_remove(const char *path) {
+    return unlink(path);
+}
+
+long pl_process_number(void) {
+    return getpid();
+}
