@@ -358,7 +358,8 @@ typedef struct planish_options {
     const int64_t *around_elements; /* [n_around] an element of each; NULL: they are looked for */
     planish_progress_fn *progress;  /* or NULL */
     void *progress_user;            /* handed to progress */
-    planish_project_fn *project;    /* of nodes with PLANISH_ON_SURFACE; NULL: these stay */
+    planish_project_fn *project;    /* of nodes with PLANISH_ON_SURFACE; NULL: these stay, but count
+                                       as nodes that slide */
     void *project_user;             /* handed to project */
     /* Of planish_plan_create; a plan keeps them: */
     const planish_allocator *allocator; /* copied; NULL: the system's */

@@ -124,7 +124,7 @@ static uint64_t smooth_one(const crowd *c, int64_t i) {
     level[OF_TANGLE] = RANDOM_VALID;
     if (level[OF_SHAPE] == RANDOM_GARBAGE)
         level[OF_SHAPE] = RANDOM_DELAUNAY;
-    random_call_create(&call, level, POINTS, &seed);
+    random_call_create(&call, level, random_call_points(level, POINTS, &seed), &seed);
     call.heap.failing = -1;
     int status = planish_plan_create(&call.given, &call.plan_options, &plan, NULL);
     call.watch.plan = plan;

@@ -16,7 +16,6 @@ typedef struct promise {
     uint8_t *is_known; /* [n_elements] to the plan */
     uint8_t *is_free;  /* [n_nodes] that planish calls free, */
     uint8_t *may_move; /* and those that the header lets move at all */
-    int64_t put_back;  /* of all calls so far */
     char text[PROMISE_TEXT];
 } promise;
 
@@ -25,6 +24,9 @@ typedef struct promise {
 void promise_create(promise *p, const random_call *call, const planish_plan *plan,
                     const double *coordinates);
 void promise_destroy(promise *p);
+
+/** Note what is broken; the first one stands. Returns 0, for short statements. */
+int promise_break(promise *p, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /** After a call with options (of the call, or defaults) that brought before to after, both
  *  [n_nodes][dim]: NULL if all was kept, else what was not. */

@@ -127,12 +127,16 @@ int random_call_is_untouched(const random_call *call) {
 
 /* ---- the mesh ------------------------------------------------------------------------------ */
 
-static void draw_mesh(random_call *call, int most_points, uint64_t *state) {
-    enum { MOST_TANGLED = 40 }; /* untangling may take long, and be in vain */
+int random_call_points(const int *level, int most, uint64_t *state) {
+    enum { FEWEST = 4, MOST_TANGLED = 40 }; /* untangling may take long, and be in vain */
+    const int tangled = level[OF_TANGLE] != RANDOM_VALID || level[OF_SHAPE] == RANDOM_GARBAGE;
+    if (tangled && most > MOST_TANGLED)
+        most = MOST_TANGLED;
+    return (int)exp(random_between(state, log(FEWEST), log(most)));
+}
+
+static void draw_mesh(random_call *call, int n_points, uint64_t *state) {
     const int *l = call->level;
-    const int tangled = l[OF_TANGLE] != RANDOM_VALID || l[OF_SHAPE] == RANDOM_GARBAGE;
-    const int most = tangled && most_points > MOST_TANGLED ? MOST_TANGLED : most_points;
-    const double size = exp(random_between(state, log(4), log(most)));
     const random_choice choice = {.dim = 2 + l[OF_DIM],
                                   .shape = (random_shape)l[OF_SHAPE],
                                   .cut = (random_cut)l[OF_CUT],
@@ -142,7 +146,7 @@ static void draw_mesh(random_call *call, int most_points, uint64_t *state) {
                                   .tangle = (random_tangle)l[OF_TANGLE],
                                   .place = (random_place)l[OF_PLACE],
                                   .is_periodic = l[OF_PERIODIC],
-                                  .n_points = (int)size};
+                                  .n_points = n_points};
     random_mesh_create(&call->mesh, &choice, state);
     if (l[OF_PRECISION] == PLANISH_FLOAT)
         random_mesh_to_floats(&call->mesh);
@@ -367,14 +371,14 @@ static void reconcile(int *level, uint64_t *state) {
         level[OF_AROUND] = 0;
 }
 
-void random_call_create(random_call *call, const int *level, int most_points, uint64_t *state) {
+void random_call_create(random_call *call, const int *level, int n_points, uint64_t *state) {
     static const double worse_than[] = {0, 1.3, 3, 1e300};
     *call = (random_call){.n_blocks = 0};
     memcpy(call->level, level, sizeof call->level);
     reconcile(call->level, state);
     level = call->level;
     planish_options_init(&call->options);
-    draw_mesh(call, most_points, state);
+    draw_mesh(call, n_points, state);
     draw_constraints(call, state);
     draw_least_volumes(call, state);
     lay_out(call);

@@ -117,8 +117,11 @@ typedef struct random_call {
 /** Whether two levels can be in a call that is not refused. */
 int random_levels_allowed(int a, int level_a, int b, int level_b);
 
-/** most_points: of the mesh, about. */
-void random_call_create(random_call *call, const int *level, int most_points, uint64_t *state);
+/** A number of points for a mesh of these levels, mostly a small one. */
+int random_call_points(const int *level, int most, uint64_t *state);
+
+/** n_points: of the mesh, about. */
+void random_call_create(random_call *call, const int *level, int n_points, uint64_t *state);
 void random_call_destroy(random_call *call);
 
 /** Coordinates as the caller has them, from and to [n_nodes][dim]. */

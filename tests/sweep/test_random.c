@@ -152,7 +152,7 @@ static void run_case(int64_t number, tally *sums) {
     pairs_draw(&sums->seen, &state, level);
     if (!has_isa(level[OF_ISA]))
         level[OF_ISA] = PLANISH_ISA_AUTO;
-    random_call_create(&t.call, level, POINTS, &state);
+    random_call_create(&t.call, level, random_call_points(level, POINTS, &state), &state);
     make_room(&t);
     const int status = planish_plan_create(&t.call.given, &t.call.plan_options, &t.plan, &error);
     if (status) {
@@ -210,7 +210,7 @@ static void expect_same(trial *t, const planish_result *first, const planish_res
 
 static void repeat_case(int64_t number, tally *sums) {
     static const int threads[] = {1, 2, 3, 5, 8};
-    enum { THREADS = 5, LARGE_EVERY = 10, LARGE = 2000 };
+    enum { THREADS = 5, LARGE_EVERY = 4, LARGE = 2000 }; /* several chunks for each colour */
     const int64_t repetitions = effort(5, 20);
     uint64_t state = effort_seed((uint64_t)number + (UINT64_C(1) << 32));
     int level[N_FACTORS];
@@ -218,9 +218,12 @@ static void repeat_case(int64_t number, tally *sums) {
     trial t = {.number = number, .sums = sums};
     pairs_draw(&sums->seen, &state, level);
     const int is_large = number % LARGE_EVERY == LARGE_EVERY - 1;
-    if (is_large)
+    if (is_large) {
         level[OF_SHAPE] = RANDOM_BOX;
-    random_call_create(&t.call, level, is_large ? LARGE : POINTS, &state);
+        level[OF_TANGLE] = RANDOM_VALID;
+    }
+    const int n_points = is_large ? LARGE : random_call_points(level, POINTS, &state);
+    random_call_create(&t.call, level, n_points, &state);
     make_repeatable(&t.call);
     make_room(&t);
     repeat(&t, 1, PLANISH_ISA_AUTO, &first);
