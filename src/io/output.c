@@ -236,15 +236,12 @@ int io_output_finish(io_output *output, planish_error *error) {
     return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
 }
 
-int io_output_sync(const io_output *output, planish_error *error) {
-    if (!output->replaces)
-        return PLANISH_OK;
-    int fd = io_descriptor_open(output->temporary, O_RDONLY, 0);
-    int failed = fd < 0 || settle(output, fd), reason = errno;
-    if (fd >= 0)
-        close(fd);
-    errno = reason;
-    return failed ? fail_errno(output->target, "cannot be written", error) : PLANISH_OK;
+int io_output_rewrite(io_output *output, const char *data, int64_t size, planish_error *error) {
+    output->fd = io_descriptor_open(output->temporary, O_WRONLY | O_TRUNC, 0);
+    if (output->fd < 0)
+        return fail_errno(output->target, "cannot be written", error);
+    const int status = io_output_write(output, data, size, error);
+    return status ? status : io_output_finish(output, error);
 }
 
 int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error) {

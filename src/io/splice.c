@@ -302,7 +302,7 @@ static int write_main(const planish_file *file, const double *coordinates, int t
                 .edits = &edits};
     int status = s.pieces ? PLANISH_OK : pl_fail_memory(error, "the text of coordinates");
     if (!status && file->format->amend && !output->temporary)
-        status = file->format->amend(&file->model, coordinates, NULL, error);
+        status = file->format->amend(&file->model, coordinates, output, error);
     if (!status && file->model.encoding && file->format->encode)
         status = file->format->encode(&file->model, coordinates, threads, &edits, error);
     if (!status)
@@ -313,17 +313,19 @@ static int write_main(const planish_file *file, const double *coordinates, int t
 }
 
 /** What the format changes in the finished copy itself. */
-static int amend_main(const planish_file *file, const double *coordinates, const io_output *output,
+static int amend_main(const planish_file *file, const double *coordinates, io_output *output,
                       planish_error *error) {
     if (!file->format->amend || !file->model.encoding || !output->temporary)
         return PLANISH_OK;
-    struct stat about; /* it may have the mode of a file that must not be written */
-    const int is_closed = stat(output->temporary, &about) == 0 && !(about.st_mode & S_IWUSR) &&
-                          chmod(output->temporary, (about.st_mode & 07777) | S_IWUSR) == 0;
-    int status = file->format->amend(&file->model, coordinates, output->temporary, error);
+    struct stat about; /* it may have the mode of a file that must not be written, or read */
+    const mode_t wanted = S_IWUSR | S_IRUSR;
+    const int is_closed = stat(output->temporary, &about) == 0 &&
+                          (about.st_mode & wanted) != wanted &&
+                          chmod(output->temporary, (about.st_mode & 07777) | wanted) == 0;
+    const int status = file->format->amend(&file->model, coordinates, output, error);
     if (is_closed)
         chmod(output->temporary, about.st_mode & 07777);
-    return status ? status : io_output_sync(output, error);
+    return status;
 }
 
 /* ---- the file and its companions ----------------------------------------------------------- */
