@@ -69,6 +69,7 @@ int pl_file_is_same(const pl_file_status *a, const pl_file_status *b);
 typedef enum pl_file_use {
     PL_FILE_READ,
     PL_FILE_WRITE,         /* a file that exists */
+    PL_FILE_REWRITE,       /* the same, emptied first */
     PL_FILE_CREATE,        /* one that does not (else EEXIST), as open for others as any new one */
     PL_FILE_CREATE_PRIVATE /* for nobody else */
 } pl_file_use;
@@ -94,9 +95,9 @@ int pl_file_settle(int fd);
 /** Let an open file have the mode and owner of the one at path, as far as that is allowed. */
 void pl_file_take_mode(int fd, const char *path);
 
-/** Allow to write the file at path: what it was before, for pl_file_set_mode; -1: nothing is to do,
+/** Allow to read and write the file at path: what it was before, for pl_file_set_mode; -1: nothing is to do,
  *  or can be done. */
-int pl_file_make_writable(const char *path);
+int pl_file_make_accessible(const char *path);
 void pl_file_set_mode(const char *path, int mode);
 
 /** Give the file at from the name to, in one step, whether or not there is one. 0, or errno. */

@@ -94,6 +94,7 @@ int pl_file_is_same(const pl_file_status *a, const pl_file_status *b) {
 int pl_file_open(const char *path, pl_file_use use) {
     static const int flags[] = {[PL_FILE_READ] = O_RDONLY,
                                 [PL_FILE_WRITE] = O_WRONLY,
+                                [PL_FILE_REWRITE] = O_WRONLY | O_TRUNC,
                                 [PL_FILE_CREATE] = O_WRONLY | O_CREAT | O_EXCL,
                                 [PL_FILE_CREATE_PRIVATE] = O_WRONLY | O_CREAT | O_EXCL};
     int fd;
@@ -152,12 +153,13 @@ void pl_file_take_mode(int fd, const char *path) {
     fchmod(fd, about.st_mode & 07777);
 }
 
-int pl_file_make_writable(const char *path) {
+int pl_file_make_accessible(const char *path) {
+    const mode_t wanted = S_IRUSR | S_IWUSR;
     struct stat about;
-    if (stat(path, &about) || about.st_mode & S_IWUSR)
+    if (stat(path, &about) || (about.st_mode & wanted) == wanted)
         return -1;
     const mode_t mode = about.st_mode & 07777;
-    return chmod(path, mode | S_IWUSR) ? -1 : (int)mode;
+    return chmod(path, mode | wanted) ? -1 : (int)mode;
 }
 
 void pl_file_set_mode(const char *path, int mode) {

@@ -180,11 +180,15 @@ int pl_file_is_same(const pl_file_status *a, const pl_file_status *b) {
 }
 
 int pl_file_open(const char *path, pl_file_use use) {
-    const int is_new = use == PL_FILE_CREATE || use == PL_FILE_CREATE_PRIVATE;
+    static const DWORD creation[] = {[PL_FILE_READ] = OPEN_EXISTING,
+                                     [PL_FILE_WRITE] = OPEN_EXISTING,
+                                     [PL_FILE_REWRITE] = TRUNCATE_EXISTING,
+                                     [PL_FILE_CREATE] = CREATE_NEW,
+                                     [PL_FILE_CREATE_PRIVATE] = CREATE_NEW};
     /* A folder can be opened only so; reading it is refused later, with a better message. */
     const DWORD flags = use == PL_FILE_READ ? FILE_FLAG_BACKUP_SEMANTICS : FILE_ATTRIBUTE_NORMAL;
-    HANDLE file = open_handle(path, use == PL_FILE_READ ? GENERIC_READ : GENERIC_WRITE,
-                              is_new ? CREATE_NEW : OPEN_EXISTING, flags);
+    HANDLE file =
+        open_handle(path, use == PL_FILE_READ ? GENERIC_READ : GENERIC_WRITE, creation[use], flags);
     if (file == INVALID_HANDLE_VALUE)
         return -1;
     const int fd = _open_osfhandle((intptr_t)file, _O_BINARY | _O_NOINHERIT |
@@ -229,7 +233,7 @@ void pl_file_take_mode(int fd, const char *path) {
     (void)path;
 }
 
-int pl_file_make_writable(const char *path) {
+int pl_file_make_accessible(const char *path) {
     (void)path;
     return -1;
 }

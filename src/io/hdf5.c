@@ -1,7 +1,4 @@
 /* hdf5: objects of an HDF5 file by their path, their attributes, numbers and text.
- *
- * The core driver of the library reads from the bytes in memory: its functions for memory are
- * replaced by ones that hand it these bytes and copy nothing.
  */
 #ifdef PL_HDF5
 #include "io/hdf5_object.h"
@@ -90,64 +87,7 @@ int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) {
     return io_hdf5_fail(file, path, "this name is too long");
 }
 
-/* ---- the bytes as a file ------------------------------------------------------------------ */
-
-static void *image_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
-    (void)size;
-    (void)op;
-    return image;
-}
-
-/** Source and destination are the same bytes. */
-static void *image_copy(void *to, const void *from, size_t size, H5FD_file_image_op_t op,
-                        void *image) {
-    (void)from;
-    (void)size;
-    (void)op;
-    (void)image;
-    return to;
-}
-
-/** Only a file that is written grows. */
-static void *image_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *image) {
-    (void)at;
-    (void)size;
-    (void)op;
-    (void)image;
-    return NULL;
-}
-
-static herr_t image_free(void *at, H5FD_file_image_op_t op, void *image) {
-    (void)at;
-    (void)op;
-    (void)image;
-    return 0;
-}
-
-static void *udata_copy(void *image) {
-    return image;
-}
-
-static herr_t udata_free(void *image) {
-    (void)image;
-    return 0;
-}
-
-hid_t hdf5_open_bytes(const char *data, int64_t size) {
-    enum { INCREMENT = 1 << 16 };
-    void *image = (void *)(uintptr_t)data;
-    H5FD_file_image_callbacks_t callbacks = {image_malloc, image_copy, image_realloc, image_free,
-                                             udata_copy,   udata_free, image};
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
-    if (access >= 0 && H5Pset_fapl_core(access, INCREMENT, 0) >= 0 &&
-        H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&
-        H5Pset_file_image(access, image, (size_t)size) >= 0)
-        /* The driver wants a name that no file has. */
-        file = H5Fopen("/dev/null/mesh", H5F_ACC_RDONLY, access);
-    if (access >= 0)
-        H5Pclose(access);
-    return file;
-}
+/* ---- the file ------------------------------------------------------------------------------ */
 
 /** Links to other files lead nowhere. */
 static herr_t refuse_link(const char *parent_file, const char *parent_group, const char *child_file,
@@ -184,7 +124,7 @@ int io_hdf5_recognise(const char *data, int64_t size, const char *path) {
     if (!io_is_hdf5(data, size))
         return 0;
     hdf5_voice voice = hdf5_silence();
-    hid_t file = hdf5_open_bytes(data, size), access = hdf5_link_access();
+    hid_t file = hdf5_open_bytes(data, size, 0), access = hdf5_link_access();
     int found = file >= 0 && access >= 0 && kind_in(file, access, path) != IO_HDF5_NONE;
     if (file >= 0)
         H5Fclose(file);
@@ -205,7 +145,7 @@ int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
     if (!file)
         return pl_fail_memory(error, model->input.path);
     *file = (io_hdf5){.model = model, .error = error, .voice = hdf5_silence(), .access = -1};
-    file->id = hdf5_open_bytes(model->input.data, model->input.size);
+    file->id = hdf5_open_bytes(model->input.data, model->input.size, 0);
     int status = PLANISH_OK;
     if (file->id < 0)
         status = hdf5_fail_library(file, "/", "cannot be opened");

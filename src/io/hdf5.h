@@ -105,7 +105,7 @@ int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place);
 int io_hdf5_coordinates_end(io_hdf5 *file);
 
 /* For io_format: what io_hdf5_coordinates has left in model->encoding. */
-int io_hdf5_amend(const io_model *model, const double *coordinates, const char *path,
+int io_hdf5_amend(const io_model *model, const double *coordinates, io_output *output,
                   planish_error *error);
 void io_hdf5_release(io_model *model);
 

@@ -9,6 +9,7 @@
 #include "base/status.h"
 #include "io/bytes.h"
 #include "io/child.h"
+#include "io/output.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -317,13 +318,6 @@ static int write_blocks(const hdf5_dataset *d, const double *before, const doubl
     return 0;
 }
 
-static int fail_write(io_hdf5 *file, const char *path) {
-    hdf5_fail_library(file, path, "its coordinates cannot be written");
-    if (file->error)
-        file->error->code = PLANISH_ERROR_FILE;
-    return PLANISH_ERROR_FILE;
-}
-
 static int amend_dataset(amendment *a, const io_hdf5_place *place, const hdf5_dataset *d,
                          double *values, double *before) {
     io_hdf5 *file = &a->file;
@@ -334,7 +328,7 @@ static int amend_dataset(amendment *a, const io_hdf5_place *place, const hdf5_da
     const int changed = put_values(a, place, d->size == sizeof(float), values);
     a->is_changed |= changed;
     if (a->is_writing && changed && write_blocks(d, before, values))
-        return fail_write(file, place->path);
+        return hdf5_fail_library(file, place->path, "its coordinates cannot be changed");
     return PLANISH_OK;
 }
 
@@ -364,61 +358,69 @@ static int amend_places(amendment *a) {
         status = hdf5_fail_library(&a->file, "/", "cannot be opened");
     for (int64_t i = 0; i < list->n && !status && !(a->is_changed && !a->is_writing); i++)
         status = amend_place(a, &list->place[i]);
-    if (a->file.access >= 0)
-        H5Pclose(a->file.access);
-    if (a->file.id >= 0 && H5Fclose(a->file.id) < 0 && !status && a->is_writing)
-        status = fail_write(&a->file, "/");
     return status;
 }
 
-/** The finished copy, which nobody else knows yet. */
-static hid_t open_copy(const char *path) {
-    hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
-    if (access < 0)
-        return -1;
-        /* Some file systems cannot lock. */
-#if H5_VERSION_GE(1, 12, 1) || (H5_VERSION_GE(1, 10, 7) && H5_VERSION_LE(1, 10, 99))
-    H5Pset_file_locking(access, 0, 1);
-#endif
-    file = H5Fopen(path, H5F_ACC_RDWR, access);
-    H5Pclose(access);
-    return file;
+static void close_amended(amendment *a) {
+    if (a->file.access >= 0)
+        H5Pclose(a->file.access);
+    if (a->file.id >= 0)
+        H5Fclose(a->file.id);
+}
+
+/** What the file at path becomes: *bytes [*size], to be released by pl_free. */
+static int change(amendment *a, const char *path, char **bytes, int64_t *size) {
+    io_bytes finished;
+    int status = io_bytes_open(path, &finished, a->file.error);
+    if (status)
+        return status;
+    a->is_writing = 1;
+    a->file.id = hdf5_open_bytes(finished.data, finished.size, 1);
+    status = amend_places(a);
+    if (!status)
+        status = hdf5_take_bytes(&a->file, finished.data, bytes, size);
+    close_amended(a);
+    io_bytes_close(&finished);
+    return status;
 }
 
 /** What is asked of io_hdf5_amend. */
 typedef struct request {
     const io_model *model;
     const double *coordinates;
-    const char *path;
+    io_output *output;
 } request;
 
 static int amend(void *data, planish_error *error) {
     const request *r = data;
     const io_model *model = r->model;
     const amended *list = model->encoding;
+    char *bytes = NULL;
+    int64_t size = 0;
     hdf5_voice voice = hdf5_silence();
     amendment a = {.coordinates = r->coordinates};
     a.file = (io_hdf5){.model = (io_model *)(uintptr_t)model, .error = error};
-    a.file.id = hdf5_open_bytes(model->input.data, model->input.size);
+    a.file.id = hdf5_open_bytes(model->input.data, model->input.size, 0);
     int status = amend_places(&a);
-    if (!status && a.is_changed && !r->path)
+    close_amended(&a);
+    if (!status && a.is_changed && !r->output->temporary)
         status = pl_fail(error, PLANISH_ERROR_FILE,
                          "%s: its coordinates (%s) are compressed or packed, so that the result "
                          "cannot be written to a pipe or device; give the name of a file",
                          model->input.path, list->place[0].path);
-    if (!status && a.is_changed) {
-        a.is_writing = 1;
-        a.file.id = open_copy(r->path);
-        status = amend_places(&a);
-    }
+    if (!status && a.is_changed)
+        status = change(&a, r->output->temporary, &bytes, &size);
     hdf5_restore(voice);
+    if (!status && a.is_changed)
+        status = io_output_rewrite(r->output, bytes, size, error);
+    pl_free(bytes);
     return status;
 }
 
-int io_hdf5_amend(const io_model *model, const double *coordinates, const char *path,
+int io_hdf5_amend(const io_model *model, const double *coordinates, io_output *output,
                   planish_error *error) {
     const amended *list = model->encoding;
-    request r = {model, coordinates, path};
+    request r = {model, coordinates, output};
     if (!list || list->n == 0)
         return PLANISH_OK;
     return model->is_isolated ? io_child_run(amend, &r, model->input.path, error)

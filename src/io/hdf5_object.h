@@ -1,4 +1,5 @@
-/* hdf5_object: what hdf5.c and hdf5_coordinates.c share: open objects of the HDF5 library. */
+/* hdf5_object: what hdf5.c, hdf5_image.c and hdf5_coordinates.c share: open objects of the HDF5
+ * library. */
 #ifndef PL_IO_HDF5_OBJECT_H
 #define PL_IO_HDF5_OBJECT_H
 
@@ -39,8 +40,12 @@ typedef struct hdf5_dataset {
 hdf5_voice hdf5_silence(void);
 void hdf5_restore(hdf5_voice voice);
 
-/** Open the bytes as a file, to be read; negative on failure. */
-hid_t hdf5_open_bytes(const char *data, int64_t size);
+/** Open the bytes as a file, to be read, or changed in a copy in memory; negative on failure. */
+hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing);
+
+/** What has become of a file that was opened to be changed: *bytes [*size], to be released by
+ *  pl_free. before: the bytes that it was made of. */
+int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size);
 
 /** Access to links that stays in the file; negative on failure. */
 hid_t hdf5_link_access(void);

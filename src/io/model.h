@@ -12,6 +12,8 @@
 
 #include <planish/planish_io.h>
 
+#include "io/output.h"
+
 /** A position in the file; every function stops at end and never reads behind it. */
 typedef struct io_cursor {
     const char *at, *end;
@@ -236,10 +238,10 @@ typedef struct io_format {
      *  all. */
     int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
                   planish_error *error);
-    /** Change in the finished copy at path what neither spans nor encode can say (compressed
-     *  coordinates). path NULL: it goes to a pipe or device, fail if there is any such change.
-     * NULL: there is nothing of the kind. */
-    int (*amend)(const io_model *model, const double *coordinates, const char *path,
+    /** Change in the finished copy, output, what neither spans nor encode can say (compressed
+     *  coordinates). If that goes to a pipe or device: before anything is written, fail if there is
+     *  any such change. NULL: there is nothing of the kind. */
+    int (*amend)(const io_model *model, const double *coordinates, io_output *output,
                  planish_error *error);
     void (*release)(io_model *model); /* of model->encoding; NULL: there is none */
 } io_format;

@@ -213,15 +213,12 @@ int io_output_finish(io_output *output, planish_error *error) {
     return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
 }
 
-int io_output_sync(const io_output *output, planish_error *error) {
-    if (!output->replaces)
-        return PLANISH_OK;
-    int fd = pl_file_open(output->temporary, PL_FILE_READ);
-    int failed = fd < 0 || settle(output, fd), reason = errno;
-    if (fd >= 0)
-        close(fd);
-    errno = reason;
-    return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
+int io_output_rewrite(io_output *output, const char *data, int64_t size, planish_error *error) {
+    output->fd = pl_file_open(output->temporary, PL_FILE_REWRITE);
+    if (output->fd < 0)
+        return pl_fail_errno(error, output->target, "cannot be written");
+    const int status = io_output_write(output, data, size, error);
+    return status ? status : io_output_finish(output, error);
 }
 
 int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error) {

@@ -32,9 +32,8 @@ int io_output_open(const char *path, io_temporaries temporaries, io_output *outp
 int io_output_write(io_output *output, const char *data, int64_t size, planish_error *error);
 /** Close: all bytes have been taken by the system. */
 int io_output_finish(io_output *output, planish_error *error);
-/** After io_output_finish and changes to the temporary file: these are where io_output_finish would
- *  have brought them. */
-int io_output_sync(const io_output *output, planish_error *error);
+/** After io_output_finish: write size bytes in place of all that has been written, and finish. */
+int io_output_rewrite(io_output *output, const char *data, int64_t size, planish_error *error);
 /** Rename to the target, after io_output_finish. */
 int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error);
 /** Take back io_output_commit: remove the target, if it is a new one. */

@@ -302,7 +302,7 @@ static int write_main(const planish_file *file, const double *coordinates, int t
                 .edits = &edits};
     int status = s.pieces ? PLANISH_OK : pl_fail_memory(error, "the text of coordinates");
     if (!status && file->format->amend && !output->temporary)
-        status = file->format->amend(&file->model, coordinates, NULL, error);
+        status = file->format->amend(&file->model, coordinates, output, error);
     if (!status && file->model.encoding && file->format->encode)
         status = file->format->encode(&file->model, coordinates, threads, &edits, error);
     if (!status)
@@ -313,16 +313,16 @@ static int write_main(const planish_file *file, const double *coordinates, int t
 }
 
 /** What the format changes in the finished copy itself. */
-static int amend_main(const planish_file *file, const double *coordinates, const io_output *output,
+static int amend_main(const planish_file *file, const double *coordinates, io_output *output,
                       planish_error *error) {
     if (!file->format->amend || !file->model.encoding || !output->temporary)
         return PLANISH_OK;
-    /* It may have the mode of a file that must not be written. */
-    const int former = pl_file_make_writable(output->temporary);
-    int status = file->format->amend(&file->model, coordinates, output->temporary, error);
+    /* It may have the mode of a file that must not be written, or read. */
+    const int former = pl_file_make_accessible(output->temporary);
+    const int status = file->format->amend(&file->model, coordinates, output, error);
     if (former >= 0)
         pl_file_set_mode(output->temporary, former);
-    return status ? status : io_output_sync(output, error);
+    return status;
 }
 
 /* ---- the file and its companions ----------------------------------------------------------- */

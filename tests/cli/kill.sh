@@ -2,7 +2,7 @@
 # Signals at random moments: tests/faults/interrupt.py. stop.sh has those at moments that are known.
 . "$(dirname "$0")/common.sh"
 
-python3 "$cli/make_mesh.py" 20 0.2 in.mesh || exit 1
+python3 "$cli/make_mesh.py" 14 0.2 in.mesh || exit 1
 python3 - <<'END' || exit 1
 import mesh_file
 mesh = mesh_file.read("in.mesh")

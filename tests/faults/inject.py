@@ -78,6 +78,7 @@ SCENARIOS = [
     smoothing("tetgen.node", inputs=["tetgen.node", "tetgen.ele"], outputs=["out.node", "out.ele"]),
     smoothing("netgen.vol"), smoothing("abaqus.inp"), smoothing("nastran.bdf"),
     smoothing("square.off"), smoothing("cube.vtkhdf"), smoothing("cube.med", "--slide auto"),
+    smoothing("packed.vtkhdf"),
     scenario("convert to vtu", "smooth ascii41.msh -o out.vtu -q -j 1 --max-sweeps 1",
              ["ascii41.msh"], ["out.vtu"]),
     scenario("convert to vtk", "smooth medit.mesh -o out.vtk -q -j 1 --max-sweeps 1 --json r.json",
@@ -186,11 +187,14 @@ class Runs:
         self.lacks_sweeps = "out of memory for the history of the sweeps" in done.stderr.decode()
         complaints = [line for line in lines if line.startswith("planish: ")]
         extra = set(found) - set(s.inputs) - set(s.outputs)
+        is_crash = done.returncode < 0 and self.is_fragile()
+        if is_crash:  # as after SIGKILL
+            extra = {name for name in extra if ".planish-" not in name}
         if extra:
             return f"left behind: {extra}"
         if any(found.get(name) != data for name, data in self.input.items() if name not in s.outputs):
             return "an input was touched"
-        if done.returncode < 0 and self.is_fragile():
+        if is_crash:
             self.n_crashes += 1
             return self.look_at_outputs(found)
         if done.returncode not in ((0, 1, 2) if s.arguments[0] == "smooth" else (0, 2)):
@@ -276,6 +280,21 @@ def run_scenario(shim, s):
     return runs
 
 
+def pack():
+    """cube.vtkhdf with packed coordinates: HDF5 itself writes those. Whether there is h5py."""
+    try:
+        import h5py
+    except ImportError:
+        print("not tried: packed coordinates (python3-h5py)")
+        return False
+    shutil.copy("originals/cube.vtkhdf", "originals/packed.vtkhdf")
+    with h5py.File("originals/packed.vtkhdf", "r+") as file:
+        points = file["VTKHDF/Points"][:]
+        del file["VTKHDF/Points"]
+        file["VTKHDF"].create_dataset("Points", data=points, chunks=(32, 3), compression="gzip")
+    return True
+
+
 def main():
     shim, words = os.path.abspath(sys.argv[1]), sys.argv[2:]
     random.seed(SEED)
@@ -284,6 +303,8 @@ def main():
     subprocess.run([PROGRAM, "smooth", "medit.mesh", "-o", "smoothed.mesh", "--json", "result.json",
                     "-q"], cwd="originals", check=True)
     asked = [s for s in SCENARIOS if not words or any(word in s.name for word in words)]
+    if not pack():
+        asked = [s for s in asked if "packed" not in s.name]
     done = [run_scenario(shim, s) for s in asked]
     n, problems = sum(r.n for r in done), sum(r.problems for r in done)
     crashes = sum(r.n_crashes for r in done)

@@ -86,19 +86,27 @@ class Runs:
         assert run.returncode == 0
         return time.monotonic() - begin
 
-    def moment(self):
-        """Seconds after the start: any, but the end, where files are written, more often."""
-        first = random.choice([0, 0.6])
-        return self.seconds * random.uniform(first, 1.05)
+    def wait_for_moment(self, run):
+        """Any after the start, or one at which a temporary file is there: two signals follow then."""
+        end = time.monotonic() + self.seconds * random.uniform(0, 1.05)
+        if random.random() < 0.6:
+            time.sleep(end - time.monotonic())
+            return False
+        while run.poll() is None:
+            if any(".planish-" in name for name in os.listdir("run")):
+                return True
+        return False
 
     def try_signals(self, numbers):
         is_old = random.random() < 0.5
         self.prepare(is_old)
         run = self.start()
-        time.sleep(self.moment())
+        is_writing = self.wait_for_moment(run)
+        if is_writing and signal.SIGKILL not in numbers:
+            numbers = 2 * numbers[:1]
         for i, number in enumerate(numbers):
-            if i > 0:
-                time.sleep(self.seconds * random.choice([0, random.uniform(0, 0.3)]))
+            if i > 0:  # two at the same time would be one
+                time.sleep(0.001 if is_writing else self.seconds * random.uniform(0, 0.3))
             if run.poll() is None:
                 run.send_signal(number)
         error = run.communicate(timeout=TIME_LIMIT)[1].decode()
@@ -147,7 +155,7 @@ def main():
     random.seed(int(os.environ.get("PLANISH_SEED", "1")))
     for number in ENDS:
         signal.signal(number, signal.SIG_DFL)  # those ignored here would be there, too
-    total = 1000 if LONG else 24
+    total = 1000 if LONG else 28
     problems = 0
     for scenario in SCENARIOS:
         runs = Runs(scenario)
