@@ -317,7 +317,8 @@ static void values_without_bytes_are_refused(void **state) {
     grid g = right;
     g.is_compact = 1;
     file_builder b = make(&g);
-    const double first[] = {0, 0, 0, 1}; /* and what comes before: version, class, bytes */
+    /* 0, 0, 0, 1 in little-endian order, and what comes before: version, class, bytes. */
+    const unsigned char first[4 * sizeof(double)] = {[30] = 0xf0, [31] = 0x3f};
     const unsigned char head[] = {3, 0, N_POINTS * 3 * sizeof(double), 0};
     char array[sizeof head + sizeof first];
     memcpy(array, head, sizeof head);
