@@ -325,7 +325,7 @@ typedef struct planish_options {
                                     only stay positive. At most one of the two */
     double area_weight;          /* mu2 = 1 - mu1, 0 .. 1: weight of g = 1 - V/delta in F; above 0
                                     every element needs a delta */
-    const double *lower, *upper; /* [n_nodes][dim] bounds of the coordinates, or NULL: none */
+    const double *lower, *upper; /* [n_nodes][dim] whatever the strides: bounds, or NULL: none */
     double box_lower[3];         /* bounds for all nodes, -INFINITY and INFINITY: none; a node */
     double box_upper[3];         /* that starts outside of its bounds stays where it is */
     double max_displacement;     /* how far from its start a node may go; 0: any distance */

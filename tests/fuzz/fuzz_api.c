@@ -178,7 +178,8 @@ static void check_bounds(const work *w, const double *before) {
             if (x == before[at])
                 continue;
             fuzz_require(!(x < o->box_lower[d] || x > o->box_upper[d]), "nodes stay in the box");
-            fuzz_require(!(o->lower && x < o->lower[at]) && !(o->upper && x > o->upper[at]),
+            fuzz_require(!(o->lower && x < o->lower[i * mesh->dim + d]) &&
+                             !(o->upper && x > o->upper[i * mesh->dim + d]),
                          "nodes stay in their bounds");
             fuzz_require(o->max_displacement == 0 || o->displacement_unit != PLANISH_UNIT_MESH ||
                              fabs(x - before[at]) <= o->max_displacement * (1 + 1e-9),
@@ -233,7 +234,7 @@ static void smooth(work *w, int is_first) {
     planish_error error;
     double *before = copy_of(w->x, w->mesh.n_coordinates, sizeof *before);
     const int known = measure(w, w->plan, &quality);
-    const int same_bits = take_chance(&w->bytes, 2) && is_first;
+    const int same_bits = !take_chance(&w->bytes, 4) && is_first;
     if (succeeded(planish_smooth(w->plan, w->x, &w->options, &result, &error), &error)) {
         check_moves(w, before);
         check_bounds(w, before);

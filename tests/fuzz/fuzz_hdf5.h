@@ -33,7 +33,7 @@ const char *__asan_default_suppressions(void);
 int __lsan_is_turned_off(void);
 
 const char *__asan_default_options(void) {
-    return "allocator_may_return_null=1";
+    return "allocator_may_return_null=1:max_allocation_size_mb=256";
 }
 
 const char *__asan_default_suppressions(void) {

@@ -90,11 +90,13 @@ static inline void fuzz_choose(fuzz_bytes *bytes, planish_options *o) {
 }
 
 static inline void fuzz_bound(fuzz_bytes *bytes, fuzz_mesh *m, planish_options *o) {
-    const int64_t n = m->n_coordinates;
+    const planish_mesh *mesh = &m->mesh;
+    const int64_t n = mesh->n_nodes * mesh->dim;
     double *lower = fuzz_block(m, n, sizeof *lower), *upper = fuzz_block(m, n, sizeof *upper);
     for (int64_t i = 0; i < n; i++) {
-        lower[i] = m->mesh.coordinates[i] - take_below(bytes, 16) / 16.0;
-        upper[i] = m->mesh.coordinates[i] + take_below(bytes, 16) / 16.0;
+        const double x = mesh->coordinates[fuzz_at(mesh, i / mesh->dim, (int)(i % mesh->dim))];
+        lower[i] = x - take_below(bytes, 16) / 16.0;
+        upper[i] = x + take_below(bytes, 16) / 16.0;
     }
     double *changed = take_below(bytes, 2) ? lower : upper;
     if (n > 0 && take_chance(bytes, 4))
