@@ -55,9 +55,8 @@ static const int measure_of[FUNCTIONS] = {0,
                                           PLANISH_RADIUS_RATIO};
 /* The multiples of value, gradient and Hessian; 32nd powers, and so the shares of edges in the
  * smoothed ratio, have 32 times the error. */
-static const double allowed[FUNCTIONS][3] = {{16, 16, 16},   {16, 16, 16},    {16, 16, 16},
-                                             {16, 128, 128}, {512, 512, 512}, {512, 512, 512},
-                                             {16, 16, 16}};
+static const double allowed[FUNCTIONS][3] = {
+    {8, 8, 8}, {8, 8, 8}, {8, 8, 8}, {8, 256, 256}, {256, 256, 256}, {256, 256, 256}, {8, 8, 8}};
 
 /* ---- stars ---------------------------------------------------------------------------------- */
 
