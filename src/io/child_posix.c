@@ -50,8 +50,11 @@ static void be_child(io_child_fn *function, void *data, int to_parent) {
     memset(&a, 0, sizeof a);
     become_quiet();
     a.status = function(data, &a.error);
-    const int told = write(to_parent, &a, sizeof a) == (ssize_t)sizeof a;
-    _exit(told ? 0 : 1); /* nothing of the caller's is flushed or called */
+    ssize_t told;
+    do
+        told = write(to_parent, &a, sizeof a); /* all or nothing of what is so short */
+    while (told < 0 && errno == EINTR);
+    _exit(told == (ssize_t)sizeof a ? 0 : 1); /* nothing of the caller's is flushed or called */
 }
 
 /** Whether the child has answered. */

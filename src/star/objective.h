@@ -16,16 +16,17 @@
 
 /** The objective at a position. */
 typedef struct objective {
-    double sum, max;         /* of RR^2 */
-    double error;            /* relative, of sum and max: a bound of what rounding can have done */
-    int positive;            /* all D > 0 */
-    int certain;             /* all D > 0 beyond doubt of rounding */
+    double sum, max; /* of RR^2 */
+    double error;    /* relative, of sum and max: what the rounding of D can have done, see below */
+    int positive;    /* all D > 0 */
+    int certain;     /* all D > 0 beyond doubt of rounding */
     double shortfall, worst; /* sum of max(0, g)^2 and largest g; guarded only */
 } objective;
 
 /* The relative error of RR^2 ~ N / D^4 is at most that of D, sqrt(ROUNDING) |x - p0| / D, times
  * this: 4 for D^4, and N is at least as well known, because |alpha| = 2 D R with R >= |x - p0| / 2.
- */
+ * Areas are not in it: that of a face at x, |e x r|, is known to 2^-53 |e| |r| / |e x r|, which is
+ * more than that of D where an edge at x is very short and the elements around it are not flat. */
 #define ERROR_FACTOR 8
 
 /** Derivatives of the sum: gradient, Hessian (xx xy xz yy yz zz; 2-D: xx xy yy), and the mean
