@@ -4,16 +4,17 @@
 passed=0 failed=0 skipped=0
 jobs=$(nproc)
 sample=docs/examples/bracket.msh
-fuzz_seconds=${PLANISH_FUZZ_SECONDS:-5}
 
-# step NAME FUNCTION: one thing that passes or fails.
+# step NAME COMMAND ...: one thing that passes or fails.
 step() {
-    echo "== $1"
-    if "$2"; then
+    local name=$1
+    shift
+    echo "== $name"
+    if "$@"; then
         passed=$((passed + 1))
     else
         failed=$((failed + 1))
-        echo "FAILED: $1"
+        echo "FAILED: $name"
     fi
 }
 
@@ -44,7 +45,7 @@ run_tests() {
     shift
     echo "== testing $folder"
     rm -f "$report"
-    ctest --test-dir "$folder" --output-on-failure --output-junit "$PWD/$report" "$@"
+    ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure --output-junit "$PWD/$report" "$@"
     all=$(count '<testcase ' "$report")
     good=$(count '<testcase .*status="run"' "$report")
     out=$(count '<skipped message="SKIP_' "$report")
@@ -79,55 +80,6 @@ check_clang() {
         -DCMAKE_BUILD_TYPE=Release -DPLANISH_DEVELOPER=ON -DPLANISH_BENCH=OFF &&
         run_tests build-clang --label-regex unit &&
         same_bits build-check build-clang
-}
-
-# Every target starts from the small meshes of the tests.
-check_fuzzers() {
-    local target corpus=build-fuzz/corpus count=0
-    build_tree build-fuzz -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
-        -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPLANISH_TESTS=OFF -DPLANISH_BENCH=OFF \
-        -DPLANISH_FUZZ=ON || return 1
-    for target in build-fuzz/fuzz/fuzz_*; do
-        [ -x "$target" ] || continue
-        count=$((count + 1))
-        rm -rf "$corpus"
-        mkdir -p "$corpus"
-        "$target" -max_total_time="$fuzz_seconds" -rss_limit_mb=2048 -timeout=10 -print_final_stats=0 \
-            -verbosity=0 -artifact_prefix=build-fuzz/ "$corpus" tests/data >build-fuzz/log 2>&1 ||
-            { cat build-fuzz/log; return 1; }
-    done
-    echo "$count fuzz targets"
-    [ "$count" -gt 0 ]
-}
-
-# Valgrind 3.19 lacks an instruction (vmovq between registers) that compilers emit for AVX.
-check_valgrind() {
-    build_tree build-valgrind -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPLANISH_TESTS=OFF \
-        -DPLANISH_BENCH=OFF -DPLANISH_X86_KERNELS=OFF &&
-        OMP_NUM_THREADS=1 valgrind -q --error-exitcode=9 --leak-check=full \
-            --errors-for-leak-kinds=definite \
-            build-valgrind/planish smooth "$sample" -o build-valgrind/sample.msh --max-sweeps 2 -q
-}
-
-# libomp tells the sanitizer about its barriers through Archer; libgomp does not, and every
-# parallel loop would look like a race. The mesh is large enough that a colour is shared out.
-check_races() {
-    local archer
-    archer=$(find /usr/lib -name 'libarcher.so' 2>/dev/null | head -n 1)
-    if [ -z "$archer" ]; then
-        echo "libarcher.so (of libomp-dev) was not found"
-        return 1
-    fi
-    build_tree build-tsan -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
-        -DCMAKE_BUILD_TYPE=RelWithDebInfo -DPLANISH_TESTS=OFF -DPLANISH_BENCH=OFF \
-        -DPLANISH_SANITIZE=thread &&
-        make_cube build-tsan/cube.mesh &&
-        OMP_TOOL_LIBRARIES=$archer TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=9" \
-            build-tsan/planish smooth build-tsan/cube.mesh -o build-tsan/smooth.mesh -j 4 -q
-}
-
-check_abi() {
-    tools/install/abi check
 }
 
 # finish FULL: the count as the last line, and the exit status.

@@ -17,9 +17,13 @@ packages_build=(
 # shellcheck disable=SC2034
 packages_check=(
     libcmocka-dev # unit tests
+    libgmp-dev    # exact arithmetic that results are compared with
     python3       # scripts of the tests: reads reports, measures meshes independently
     python3-numpy # the Python module
     pkg-config    # how other programs find the library
+    clang libomp-dev libclang-rt-dev # the other compiler, its OpenMP, its sanitizers and the fuzzer
+    clang-tidy cppcheck # static analysis
+    valgrind      # memory, independently of the sanitizers
 )
 # shellcheck disable=SC2034
 packages_full=(
@@ -27,13 +31,18 @@ packages_full=(
     python3-vtk9                 # another program's quality measures
     coinor-libipopt-dev          # all nodes at once, to compare with
     gmsh tetgen python3-netgen   # meshes as their generators write them
-    clang libomp-dev             # the other compiler, its OpenMP
-    libclang-rt-dev              # its sanitizers and the fuzzer
     chromium                     # the page of a report, as a browser shows it
-    valgrind                     # memory, independently of the sanitizers
     abigail-tools                # the library's interface, compared with the last release
     libcgns-dev libmedc-dev python3-h5py # owners of formats in HDF5
     libtet1.5-dev libgmsh-dev libcgal-dev # meshers that the library is embedded in
+)
+
+# shellcheck disable=SC2034
+packages_long=(
+    gcc-aarch64-linux-gnu g++-aarch64-linux-gnu # other machines
+    gcc-s390x-linux-gnu g++-s390x-linux-gnu gcc-i686-linux-gnu
+    qemu-user                    # runs their programs
+    g++-mingw-w64-x86-64-posix wine64 dpkg-dev # Windows
 )
 
 is_installed() {
