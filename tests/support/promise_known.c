@@ -199,7 +199,10 @@ int promise_refusal(const random_call *call) {
     }
     if (o->area_weight > 0 && !all)
         return o->around ? -1 : 1; /* of the elements around */
-    /* Fractions of no domain, weights of volumes that differ by orders of magnitude: */
-    return call->level[OF_TANGLE] != RANDOM_VALID || call->level[OF_SHAPE] == RANDOM_GARBAGE ? -1
-                                                                                             : 0;
+    /* Fractions of no domain, weights of volumes that differ by orders of magnitude; floats far
+       from the origin may leave nothing of a mesh. */
+    const int *l = call->level;
+    const int may_be_nothing = l[OF_TANGLE] != RANDOM_VALID || l[OF_SHAPE] == RANDOM_GARBAGE ||
+                               (l[OF_PLACE] == RANDOM_FAR && l[OF_PRECISION] == PLANISH_FLOAT);
+    return may_be_nothing ? -1 : 0;
 }
