@@ -7,6 +7,8 @@
 
 /* Measures of a component that sum up to less than this of their absolute values cancel. */
 #define CANCELLED 1e-9L
+/* So do those below this of the products of their edges, which doubles lose. */
+#define ROUNDING 1e-14L
 
 static void *checked(void *memory) {
     if (!memory)
@@ -101,10 +103,11 @@ void test_inside(const planish_mesh *mesh, const uint8_t *is_known, uint8_t *is_
 
 /** Of elements: a forest whose links say whether the orders at both ends are opposite. */
 typedef struct forest {
-    int64_t *parent;         /* [m] */
-    uint8_t *parity;         /* [m] */
-    uint8_t *failed;         /* [m] of roots: neighbours contradict one another */
-    long double *sum, *size; /* [m] of roots: of the measures, and of their absolute values */
+    int64_t *parent; /* [m] */
+    uint8_t *parity; /* [m] */
+    uint8_t *failed; /* [m] of roots: neighbours contradict one another */
+    long double *sum,
+        *doubt; /* [m] of roots: of the measures, and of what may be wrong with them */
 } forest;
 
 static int64_t root_of(const forest *f, int64_t i, int *parity) {
@@ -126,13 +129,25 @@ static void join(forest *f, const test_facet *a, const test_facet *b) {
     f->failed[root_a] |= f->failed[root_b];
 }
 
-static long double measure(const planish_mesh *mesh, const double *x, int64_t element) {
+static long double length(const long double *v, int dim) {
+    long double square = 0;
+    for (int d = 0; d < dim; d++)
+        square += v[d] * v[d];
+    return sqrtl(square);
+}
+
+/** dim! times the signed measure in the file's order; *product: of the edges. */
+static long double measure(const planish_mesh *mesh, const double *x, int64_t element,
+                           long double *product) {
     const int dim = mesh->dim;
     const int32_t *node = mesh->elements + element * (dim + 1);
     long double e[3][3];
-    for (int j = 0; j < dim; j++)
+    *product = 1;
+    for (int j = 0; j < dim; j++) {
         for (int d = 0; d < dim; d++)
             e[j][d] = (long double)x[node[j + 1] * dim + d] - (long double)x[node[0] * dim + d];
+        *product *= length(e[j], dim);
+    }
     if (dim == 2)
         return e[0][0] * e[1][1] - e[0][1] * e[1][0];
     return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
@@ -146,7 +161,7 @@ static void forest_create(forest *f, int64_t m) {
                   .parity = checked(calloc(n, 1)),
                   .failed = checked(calloc(n, 1)),
                   .sum = checked(calloc(n, sizeof *f->sum)),
-                  .size = checked(calloc(n, sizeof *f->size))};
+                  .doubt = checked(calloc(n, sizeof *f->doubt))};
     for (int64_t i = 0; i < m; i++)
         f->parent[i] = i;
 }
@@ -156,7 +171,7 @@ static void forest_destroy(forest *f) {
     free(f->parity);
     free(f->failed);
     free(f->sum);
-    free(f->size);
+    free(f->doubt);
 }
 
 /** The order of an element against that of its root; the file's where that makes no sense. */
@@ -179,14 +194,15 @@ int64_t test_orient(const planish_mesh *mesh, const double *coordinates, const u
             join(&f, &facets.facet[i], &facets.facet[i + 1]);
     }
     for (int64_t i = 0; i < m; i++) {
-        const long double v = order_of(&f, i, &root) * measure(mesh, coordinates, i);
+        long double product;
+        const long double v = order_of(&f, i, &root) * measure(mesh, coordinates, i, &product);
         f.sum[root] += v;
-        f.size[root] += fabsl(v);
+        f.doubt[root] += CANCELLED * fabsl(v) + ROUNDING * product;
     }
     for (int64_t i = 0; i < m; i++) {
         const int order = order_of(&f, i, &root);
         sign[i] = (int8_t)(f.sum[root] < 0 ? -order : order);
-        doubtful += !(fabsl(f.sum[root]) > CANCELLED * f.size[root]) && f.size[root] > 0;
+        doubtful += (!is_known || is_known[i]) && fabsl(f.sum[root]) <= f.doubt[root];
     }
     forest_destroy(&f);
     free(facets.facet);

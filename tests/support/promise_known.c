@@ -137,8 +137,8 @@ static int common_order(const promise *p, const double *x) {
     return positive == n ? 1 : negative == n ? -1 : 0;
 }
 
-/** What the plan knows of, and the signs of these elements. Where measures cancel they are
- *  planish's; and where the plan is for some nodes, and measures agree, facets are not asked. */
+/** What the plan knows of, and the signs of these elements. Where the plan is for some nodes, and
+ *  measures agree, facets are not asked. */
 static void find_known(promise *p, const double *x) {
     const planish_mesh *mesh = &p->call->dense;
     const planish_options *o = &p->call->plan_options;
@@ -147,14 +147,15 @@ static void find_known(promise *p, const double *x) {
         promise_break(p, "planish_measure_elements failed");
     for (int64_t i = 0; i < mesh->n_elements; i++)
         p->is_known[i] = (uint8_t)!isnan(ratio[i]);
-    const int64_t doubtful = test_orient(mesh, x, p->is_known, p->sign);
+    p->n_doubtful = test_orient(mesh, x, p->is_known, p->sign);
     const int order = o->around || o->only_worse_than > 0 ? common_order(p, x) : 0;
     const worth_problem problem = {.mesh = mesh, .sign = p->sign};
     for (int64_t i = 0; i < mesh->n_elements; i++) {
         if (!p->is_known[i] || worth_is_positive(&problem, x, i) == (ratio[i] > 0))
             continue;
         p->sign[i] = (int8_t)(order ? order : -p->sign[i]);
-        if ((doubtful == 0 && order == 0) || worth_is_positive(&problem, x, i) != (ratio[i] > 0))
+        if (p->n_doubtful == 0 &&
+            (order == 0 || worth_is_positive(&problem, x, i) != (ratio[i] > 0)))
             promise_break(p, "element %lld has RR %g", (long long)i, ratio[i]);
     }
     free(ratio);
@@ -198,7 +199,10 @@ int promise_refusal(const random_call *call) {
     }
     if (o->area_weight > 0 && !all)
         return o->around ? -1 : 1; /* of the elements around */
-    /* Fractions of no domain, weights of volumes that differ by orders of magnitude: */
-    return call->level[OF_TANGLE] != RANDOM_VALID || call->level[OF_SHAPE] == RANDOM_GARBAGE ? -1
-                                                                                             : 0;
+    /* Fractions of no domain, weights of volumes that differ by orders of magnitude; floats far
+       from the origin may leave nothing of a mesh. */
+    const int *l = call->level;
+    const int may_be_nothing = l[OF_TANGLE] != RANDOM_VALID || l[OF_SHAPE] == RANDOM_GARBAGE ||
+                               (l[OF_PLACE] == RANDOM_FAR && l[OF_PRECISION] == PLANISH_FLOAT);
+    return may_be_nothing ? -1 : 0;
 }

@@ -341,7 +341,7 @@ const char *promise_broken(promise *p, const planish_options *options, const dou
     }
     t.was = worth_of(&t.problem, before);
     t.is = worth_of(&t.problem, after);
-    if (check_nodes(&t) && check_elements(&t) && check_result(&t))
+    if (check_nodes(&t) && p->n_doubtful == 0 && check_elements(&t) && check_result(&t))
         check_looks(&t);
     free(t.is_movable);
     return p->text[0] ? p->text : NULL;

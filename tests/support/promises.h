@@ -12,10 +12,11 @@ typedef struct promise {
     const random_call *call;
     const planish_plan *plan;
     planish_plan_info info;
-    int8_t *sign;      /* [n_elements] */
-    uint8_t *is_known; /* [n_elements] to the plan */
-    uint8_t *is_free;  /* [n_nodes] that planish calls free, */
-    uint8_t *may_move; /* and those that the header lets move at all */
+    int8_t *sign;       /* [n_elements] */
+    int64_t n_doubtful; /* elements whose measures cancel: then nothing is said of elements */
+    uint8_t *is_known;  /* [n_elements] to the plan */
+    uint8_t *is_free;   /* [n_nodes] that planish calls free, */
+    uint8_t *may_move;  /* and those that the header lets move at all */
     char text[PROMISE_TEXT];
 } promise;
 
