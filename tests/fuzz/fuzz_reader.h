@@ -161,12 +161,16 @@ static inline void fuzz_check_converted(const planish_file *file) {
     fuzz_path(path, to_legacy ? ".vtk" : ".vtu");
     if (planish_file_constraints(file, NULL, constraint, &error) ||
         planish_file_convert(file, path, mesh.coordinates, constraint, ratio, NULL, 0, lost,
-                             sizeof lost, &error) ||
-        planish_file_open(path, NULL, 1, &again, &error))
+                             sizeof lost, &error))
         fuzz_require(0, error.text);
     fuzz_require(strlen(lost) < sizeof lost, "what is lost is a text");
-    other = planish_file_mesh(again);
-    fuzz_check_same_mesh(&mesh, &other);
+    const int status = planish_file_open(path, NULL, 1, &again, &error);
+    if (!status) {
+        other = planish_file_mesh(again);
+        fuzz_check_same_mesh(&mesh, &other);
+    } else if (!strstr(error.text, "this planish was built without")) {
+        fuzz_require(0, error.text);
+    }
     planish_file_close(again);
     unlink(path);
     free(constraint);

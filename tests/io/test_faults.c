@@ -171,6 +171,15 @@ static void call_all(const void *world, faults *f) {
 
 enum { SOME = 40 };
 
+/** Whether this build has the libraries that the file takes. */
+static int can_be_read(const char *path) {
+    planish_file *file = NULL;
+    planish_error error;
+    const int status = planish_file_open(path, NULL, 1, &file, &error);
+    planish_file_close(file);
+    return !status || !strstr(error.text, "this planish was built without");
+}
+
 static int64_t try_file(const char *name, const char *path, const char *folder) {
     const case_of c = {path, folder, strrchr(path, '.')};
     return faults_try(name, call_all, &c, SOME);
@@ -190,7 +199,9 @@ static void every_allocation_fails_once(void **state) {
     int64_t runs = 0;
     for (int i = 0; i < N; i++) {
         char path[TEST_PATH_SIZE];
-        runs += try_file(names[i], test_path_from(path, "PLANISH_TEST_DATA", names[i]), *state);
+        test_path_from(path, "PLANISH_TEST_DATA", names[i]);
+        if (can_be_read(path))
+            runs += try_file(names[i], path, *state);
     }
     figure("%d files, %d runs without some memory", N, (int)runs);
 }
