@@ -5,12 +5,12 @@
 # something left behind.
 . "$(dirname "$0")/common.sh"
 
-# tame STATUS FILES COMMAND...: ends with that status (2: after one line) within a minute, and then there
+# tame STATUS FILES COMMAND...: ends with that status (2: after one line) within minutes, and then there
 # are so many files here.
 tame() {
     local wanted=$1 files=$2
     shift 2
-    expect_status "$wanted" timeout 100 "$@"
+    expect_status "$wanted" timeout 300 "$@"
     [ "$wanted" -ne 2 ] || expect_one_line
     rm -f out err
     [ "$(find . -mindepth 1 -printf x | wc -c)" -eq "$files" ] || fail "left behind by $*: $(ls -A)"
