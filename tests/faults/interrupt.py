@@ -137,7 +137,7 @@ class Runs:
             return "" if complete == set(outputs) else f"not complete: {before}"
         if status not in [-n for n in numbers]:
             return "exit status"
-        if error:
+        if error and "interrupted by a signal" not in error:  # the mesh was written by then
             return "a message, though it was ended by the signal"
         if len(numbers) == 1 and complete and numbers[0] != signal.SIGKILL and \
                 self.scenario.arguments.startswith("smooth"):
