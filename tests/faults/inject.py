@@ -18,10 +18,11 @@ import sys
 
 PROGRAM = os.environ["PLANISH_PROGRAM"]
 DATA = os.path.join(os.environ["PLANISH_SOURCE"], "tests", "data")
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that wait leave the core to others
 LONG = bool(os.environ.get("PLANISH_LONG"))
 SEED = int(os.environ.get("PLANISH_SEED", "1"))
 OLD = b"what was there before\n"
-TIME_LIMIT = 60  # seconds that mean that a run hangs
+TIME_LIMIT = 600  # seconds that mean that a run hangs
 SOME = 25  # faults of a scenario in the short form
 
 # What may go wrong with each call. Memory has one way; EINTR and "short" have to be survived.

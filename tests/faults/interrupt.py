@@ -18,9 +18,10 @@ import sys
 import time
 
 PROGRAM = os.environ["PLANISH_PROGRAM"]
+os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # threads that wait leave the core to others
 LONG = bool(os.environ.get("PLANISH_LONG"))
 OLD = b"what was there before\n"
-TIME_LIMIT = 120  # seconds that mean that a run hangs
+TIME_LIMIT = 600  # seconds that mean that a run hangs
 ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 Scenario = collections.namedtuple("Scenario", "name arguments inputs outputs")
