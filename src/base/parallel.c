@@ -1,4 +1,4 @@
-/* parallel: the only loop that runs on several threads, and the sums and scans built on it. */
+/* parallel: the only loop that runs on several threads, and the scans built on it. */
 #include "base/parallel.h"
 
 #include "base/context.h"
@@ -127,29 +127,6 @@ void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context) {
         run_threads(pl_context_current(), threads, run_each, &e);
     else
         run_each(&e, 0);
-}
-
-struct sum {
-    pl_chunk_sum_fn *body;
-    void *context;
-    double *partial;
-    int64_t chunk;
-};
-
-static void sum_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    struct sum *sum = context;
-    sum->partial[begin / sum->chunk] = sum->body(sum->context, begin, end, thread);
-}
-
-double pl_parallel_sum(int threads, int64_t n, int64_t chunk, pl_chunk_sum_fn *body, void *context,
-                       double *partial) {
-    struct sum sum = {body, context, partial, chunk};
-    pl_parallel_for(threads, n, chunk, sum_chunk, &sum);
-    int64_t chunks = n > 0 ? (n - 1) / chunk + 1 : 0;
-    double total = 0;
-    for (int64_t i = 0; i < chunks; i++)
-        total += partial[i];
-    return total;
 }
 
 enum { SCAN_BLOCKS = 64 }; /* blocks of a parallel scan: more than threads that pay for one */

@@ -1,8 +1,8 @@
-/* parallel: the only loop that runs on several threads, and the sums and scans built on it.
+/* parallel: the only loop that runs on several threads, and the scans built on it.
  *
  * All parallel work of the library and of the file formats goes through pl_parallel_for, so that
- * one place decides how chunks meet threads. Results never depend on the number of threads: chunk
- * sizes are the caller's, and sums add the chunks' results in the chunks' order.
+ * one place decides how chunks meet threads. Results never depend on the number of threads: sums of
+ * chunks are exact (sum.h).
  */
 #ifndef PL_BASE_PARALLEL_H
 #define PL_BASE_PARALLEL_H
@@ -26,14 +26,6 @@ void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, v
 
 /** Call body(context, t, t + 1, t) on thread t of each of the threads that pl_parallel_for uses. */
 void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context);
-
-/** A chunk that returns a value. */
-typedef double pl_chunk_sum_fn(void *context, int64_t begin, int64_t end, int thread);
-
-/** Sum of body over the chunks, in the chunks' order: the same bits for any number of threads.
- *  partial: room for (n + chunk - 1) / chunk numbers. */
-double pl_parallel_sum(int threads, int64_t n, int64_t chunk, pl_chunk_sum_fn *body, void *context,
-                       double *partial);
 
 /** In-place exclusive prefix sum of values[0 .. n-1]; values[n] becomes the total (values has n + 1
  *  entries), which is returned. */

@@ -23,16 +23,17 @@ enum {
 /** The mesh and the results of its chunks. */
 typedef struct pass {
     const pl_mesh_state *mesh;
-    int64_t chunk;        /* elements of a chunk, a function of the mesh alone */
-    int64_t n_chunks;     /* at most MAX_CHUNKS */
-    pl_ratio_sums *basic; /* [n_chunks] */
-    pl_full_sums *full;   /* [n_chunks], or NULL: not wanted */
-    uint8_t *state;       /* [n_elements] PL_FINE, ..., or NULL: not wanted */
-    double *ratio;        /* [n_elements] RR, 0 of elements that are not valid; NULL: not wanted */
-    double limit2;        /* RR^2 above which an element is worse, */
-    double acute_limit;   /* or the acuteness of an angle, */
-    double blunt;         /* and RR^2 up to which it has no such angle */
-    int64_t acuteness;    /* bits of the largest so far; shared */
+    int64_t chunk;         /* elements of a chunk, a function of the mesh alone */
+    int64_t n_chunks;      /* at most MAX_CHUNKS */
+    pl_ratio_sums *basic;  /* [n_chunks] */
+    pl_full_sums *full;    /* [n_chunks], or NULL: not wanted */
+    uint8_t *state;        /* [n_elements] PL_FINE, ..., or NULL: not wanted */
+    double *ratio;         /* [n_elements] RR, 0 of elements that are not valid; NULL: not wanted */
+    double limit2;         /* RR^2 above which an element is worse, */
+    double acute_limit;    /* or the acuteness of an angle, */
+    double blunt;          /* and RR^2 up to which it has no such angle */
+    int64_t acuteness;     /* bits of the largest so far; shared */
+    pl_sum movable, fixed; /* see pl_ratio_sums; shared */
 } pass;
 
 static pass begin_pass(const pl_mesh_state *mesh) {
@@ -87,9 +88,12 @@ static inline void put_ratios(const pass *p, const pl_block *b, int64_t first, i
 PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim, const int full) {
     pl_basic_lanes basic;
     pl_full_lanes more;
+    pl_sum movable, fixed;
     pl_block b;
     double blunt = pl_blunt_ratio_square(dim, largest_so_far(p));
     memset(&basic, 0, sizeof basic);
+    memset(&movable, 0, sizeof movable);
+    memset(&fixed, 0, sizeof fixed);
     if (full)
         pl_clear_full(&more);
     for (int64_t first = begin; first < end; first += PL_LANES) {
@@ -99,6 +103,7 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
         if (!pl_block_is_certain(&b))
             pl_block_resolve(p->mesh, first, count, &b);
         pl_add_basic(&b, &basic);
+        pl_add_squares(&b, &movable, &fixed);
         if (!full && p->ratio)
             put_ratios(p, &b, first, count);
         else if (!full && !p->state && pl_block_largest_square(&b) > blunt)
@@ -113,6 +118,8 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
         }
     }
     pl_reduce_basic(&basic, &p->basic[begin / p->chunk]);
+    pl_sum_share(&p->movable, &movable);
+    pl_sum_share(&p->fixed, &fixed);
     if (full)
         pl_reduce_full(&more, &p->full[begin / p->chunk]);
 }
@@ -157,12 +164,19 @@ static void any_chunk(void *context, int64_t begin, int64_t end, int thread) {
         base_chunk(context, begin, end);
 }
 
+static pl_ratio_sums total_of(const pass *p) {
+    pl_ratio_sums sums = pl_total_basic(p->n_chunks, p->basic);
+    sums.movable = pl_sum_value(&p->movable);
+    sums.fixed = pl_sum_value(&p->fixed);
+    return sums;
+}
+
 static void sum_ratios(const pl_mesh_state *mesh, int threads, pl_ratio_sums *sums) {
     pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(mesh);
     p.basic = part;
     pl_parallel_for(threads, mesh->n_elements, p.chunk, any_chunk, &p);
-    *sums = pl_total_basic(p.n_chunks, p.basic);
+    *sums = total_of(&p);
     sums->acuteness = largest_so_far(&p);
 }
 
@@ -288,7 +302,7 @@ int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_
     if (!p.full)
         return pl_fail_memory(error, "measuring the mesh");
     pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
-    pl_ratio_sums basic = pl_total_basic(p.n_chunks, p.basic);
+    pl_ratio_sums basic = total_of(&p);
     pl_full_sums full = pl_total_full(p.n_chunks, p.full);
     pl_free(p.full);
 

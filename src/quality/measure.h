@@ -1,8 +1,9 @@
 /* measure: what a mesh is worth, in one pass over its elements.
  *
- * Sums run over chunks that depend on the mesh alone and are added in the chunks' order, with a
- * fixed number of accumulators in each: the same bits for any number of threads and instruction
- * set. Which elements are valid is decided exactly (certificate.h).
+ * The sums that RMS values come from are rounded once (base/sum.h); the others run over chunks that
+ * depend on the mesh alone and are added in the chunks' order, with a fixed number of accumulators
+ * in each: the same bits for any number of threads and instruction set. Which elements are valid is
+ * decided exactly (certificate.h).
  */
 #ifndef PL_QUALITY_MEASURE_H
 #define PL_QUALITY_MEASURE_H

@@ -32,8 +32,6 @@ void pl_clear_full(pl_full_lanes *lanes) {
 void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums) {
     memset(sums, 0, sizeof *sums);
     for (int l = 0; l < PL_LANES; l++) {
-        sums->movable += lanes->movable[l];
-        sums->fixed += lanes->fixed[l];
         sums->max = pl_larger(lanes->max[l], sums->max);
         sums->n_movable += (int64_t)lanes->n_movable[l];
         sums->n_fixed += (int64_t)lanes->n_fixed[l];
@@ -102,8 +100,6 @@ void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums) {
 pl_ratio_sums pl_total_basic(int64_t n_chunks, const pl_ratio_sums *part) {
     pl_ratio_sums total = {0};
     for (int64_t i = 0; i < n_chunks; i++) {
-        total.movable += part[i].movable;
-        total.fixed += part[i].fixed;
         total.max = pl_larger(part[i].max, total.max);
         total.n_movable += part[i].n_movable;
         total.n_fixed += part[i].n_fixed;

@@ -1,11 +1,12 @@
 /* measure_sums: what the elements of a chunk, and of the mesh, come to.
  *
- * One accumulator per lane while a chunk is gone through; then the lanes are added in their order,
- * and the chunks in theirs.
+ * The sums of RR^2 are rounded once (base/sum.h). Of the others there is one accumulator per lane
+ * while a chunk is gone through; then the lanes are added in their order, and the chunks in theirs.
  */
 #ifndef PL_QUALITY_MEASURE_SUMS_H
 #define PL_QUALITY_MEASURE_SUMS_H
 
+#include "base/sum.h"
 #include "quality/measure.h"
 #include "quality/measure_block.h"
 
@@ -20,7 +21,7 @@ static const double PL_ANGLE_BIN_ROUNDING = 1e-9;
 
 /** What both passes accumulate, one column per lane. */
 typedef struct pl_basic_lanes {
-    double movable[PL_LANES], fixed[PL_LANES], max[PL_LANES]; /* see pl_ratio_sums */
+    double max[PL_LANES]; /* see pl_ratio_sums */
     double n_movable[PL_LANES], n_fixed[PL_LANES], inverted[PL_LANES];
 } pl_basic_lanes;
 
@@ -52,13 +53,18 @@ typedef struct pl_full_sums {
 PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
     for (int l = 0; l < PL_LANES; l++) {
         double square = b->valid[l] != 0 ? b->square[l] : 0;
-        sums->movable[l] += b->is_free[l] != 0 ? square : 0;
-        sums->fixed[l] += b->is_free[l] != 0 ? 0 : square;
         sums->max[l] = pl_larger(b->is_free[l] != 0 ? square : 0, sums->max[l]);
         sums->n_movable[l] += b->is_free[l] != 0 ? b->valid[l] : 0;
         sums->n_fixed[l] += b->is_free[l] != 0 ? 0 : b->valid[l];
         sums->inverted[l] += b->present[l] - b->valid[l];
     }
+}
+
+/** RR^2 of the valid ones. */
+PL_INLINE void pl_add_squares(const pl_block *b, pl_sum *movable, pl_sum *fixed) {
+    for (int l = 0; l < PL_LANES; l++)
+        if (b->valid[l] != 0)
+            pl_sum_add(b->is_free[l] != 0 ? movable : fixed, b->square[l]);
 }
 
 /** The volumes, of elements that are valid or not. */

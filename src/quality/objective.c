@@ -3,6 +3,7 @@
 #include "quality/objective.h"
 
 #include "base/parallel.h"
+#include "base/sum.h"
 #include "geometry/angle.h"
 #include "quality/certificate.h"
 
@@ -10,7 +11,7 @@
 
 enum {
     MIN_CHUNK = 512, /* elements that pay for being handed to a thread */
-    MAX_CHUNKS = 512 /* more than threads need, few enough for their sums to live on the stack */
+    MAX_CHUNKS = 512 /* more than threads need */
 };
 
 /* |D| above this multiple of the product of the edges' sums of absolute components is certain to
@@ -28,12 +29,19 @@ static const double FLAT = 0x1p-44;
 /* Exponents of scales, and of what ldexp is asked for, stay within this. */
 enum { SCALE_LIMIT = 1000 };
 
+/** pl_objective_sums, of a chunk or of all. */
+typedef struct exact_sums {
+    pl_sum ratio[2], radius[2], volume[2], shortfall, domain;
+    int64_t n[2], inverted, below;
+    double radius_max, acuteness;
+} exact_sums;
+
 /** The work on all chunks. */
 typedef struct work {
     const pl_objective_problem *problem;
-    pl_objective_sums *partial; /* [chunks] */
-    int64_t chunk;
-    uint8_t *state;   /* [m] or NULL */
+    exact_sums *sums;              /* shared, but the largest: */
+    int64_t radius_max, acuteness; /* bits of doubles, ordered as these; shared */
+    uint8_t *state;                /* [m] or NULL */
     double flat;      /* for state: D not above this times the permanent is below, too; -1: no */
     int64_t *n_below; /* for state; shared */
 } work;
@@ -130,7 +138,7 @@ static int has_free_node(const pl_objective_problem *problem, int64_t index, con
 /** Take in the angles of an element, if its RR^2 does not say that they are larger than *blunt's.
  */
 static void take_angles(const element *e, const double *const x[], double radius, double *blunt,
-                        pl_objective_sums *sums, const int dim) {
+                        exact_sums *sums, const int dim) {
     double edges[3][3] = {{0}};
     if (radius <= *blunt)
         return;
@@ -143,13 +151,14 @@ static void take_angles(const element *e, const double *const x[], double radius
 }
 
 /** blunt: RR^2 up to which an element has no smaller angle than those added so far. */
-static inline void add_element(const pl_objective_problem *problem, int64_t index,
-                               pl_objective_sums *sums, double *blunt, const int dim) {
+static inline void add_element(const pl_objective_problem *problem, int64_t index, exact_sums *sums,
+                               double *blunt, const int dim) {
     element e = element_at(problem, index, dim);
     double g = volume_constraint(least_volume(problem, index), &e);
-    sums->domain += e.measure;
+    pl_sum_add(&sums->domain, e.measure);
     sums->below += g > PLANISH_VOLUME_TOLERANCE;
-    sums->shortfall += g > 0 ? g * g : 0;
+    if (g > 0)
+        pl_sum_add(&sums->shortfall, g * g);
     if (!(e.determinant > 0)) {
         sums->inverted++;
         return;
@@ -158,53 +167,77 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
     double radius = pl_radius_ratio_square(dim, x);
     int movable = has_free_node(problem, index, dim);
     sums->n[movable]++;
-    sums->radius[movable] += radius;
+    pl_sum_add(&sums->radius[movable], radius);
     if (movable) {
         sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
         take_angles(&e, x, radius, blunt, sums, dim);
     }
-    sums->ratio[movable] += aspect_square(problem, x, radius, dim);
-    sums->volume[movable] += g > -INFINITY ? g * g : 0;
+    pl_sum_add(&sums->ratio[movable], aspect_square(problem, x, radius, dim));
+    if (g > -INFINITY)
+        pl_sum_add(&sums->volume[movable], g * g);
+}
+
+static void raise_to(int64_t *largest, double value) {
+    int64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    pl_raise_to(largest, bits);
+}
+
+static double double_of(int64_t bits) {
+    double value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+static void share(work *w, exact_sums *part) {
+    exact_sums *sums = w->sums;
+    for (int movable = 0; movable < 2; movable++) {
+        pl_sum_share(&sums->ratio[movable], &part->ratio[movable]);
+        pl_sum_share(&sums->radius[movable], &part->radius[movable]);
+        pl_sum_share(&sums->volume[movable], &part->volume[movable]);
+        __atomic_fetch_add(&sums->n[movable], part->n[movable], __ATOMIC_RELAXED);
+    }
+    pl_sum_share(&sums->shortfall, &part->shortfall);
+    pl_sum_share(&sums->domain, &part->domain);
+    __atomic_fetch_add(&sums->inverted, part->inverted, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&sums->below, part->below, __ATOMIC_RELAXED);
+    raise_to(&w->radius_max, part->radius_max);
+    raise_to(&w->acuteness, part->acuteness);
 }
 
 static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const work *w = context;
-    pl_objective_sums *sums = &w->partial[begin / w->chunk];
+    work *w = context;
+    exact_sums sums;
     (void)thread;
     double blunt = 0;
-    memset(sums, 0, sizeof *sums);
+    memset(&sums, 0, sizeof sums);
     for (int64_t i = begin; i < end; i++) {
         if (w->problem->dim == 3)
-            add_element(w->problem, i, sums, &blunt, 3);
+            add_element(w->problem, i, &sums, &blunt, 3);
         else
-            add_element(w->problem, i, sums, &blunt, 2);
+            add_element(w->problem, i, &sums, &blunt, 2);
     }
-}
-
-static void add_sums(const pl_objective_sums *part, pl_objective_sums *sums) {
-    for (int movable = 0; movable < 2; movable++) {
-        sums->ratio[movable] += part->ratio[movable];
-        sums->radius[movable] += part->radius[movable];
-        sums->volume[movable] += part->volume[movable];
-        sums->n[movable] += part->n[movable];
-    }
-    sums->radius_max = fmax(part->radius_max, sums->radius_max);
-    sums->acuteness = fmax(part->acuteness, sums->acuteness);
-    sums->inverted += part->inverted;
-    sums->below += part->below;
-    sums->shortfall += part->shortfall;
-    sums->domain += part->domain;
+    share(w, &sums);
 }
 
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
-    pl_objective_sums partial[MAX_CHUNKS];
+    exact_sums exact;
     int64_t n = problem->n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
-    chunk = chunk < MIN_CHUNK ? MIN_CHUNK : chunk;
-    work w = {.problem = problem, .partial = partial, .chunk = chunk};
-    pl_parallel_for(problem->threads, n, chunk, add_chunk, &w);
-    memset(sums, 0, sizeof *sums);
-    for (int64_t i = 0; i < (n + chunk - 1) / chunk; i++)
-        add_sums(&partial[i], sums);
+    work w = {.problem = problem, .sums = &exact};
+    memset(&exact, 0, sizeof exact);
+    pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &w);
+    *sums = (pl_objective_sums){.radius_max = double_of(w.radius_max),
+                                .acuteness = double_of(w.acuteness),
+                                .inverted = (double)exact.inverted,
+                                .below = (double)exact.below,
+                                .shortfall = pl_sum_value(&exact.shortfall),
+                                .domain = pl_sum_value(&exact.domain)};
+    for (int movable = 0; movable < 2; movable++) {
+        sums->ratio[movable] = pl_sum_value(&exact.ratio[movable]);
+        sums->radius[movable] = pl_sum_value(&exact.radius[movable]);
+        sums->volume[movable] = pl_sum_value(&exact.volume[movable]);
+        sums->n[movable] = (double)exact.n[movable];
+    }
 }
 
 static void classify_chunk(void *context, int64_t begin, int64_t end, int thread) {

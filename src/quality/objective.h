@@ -1,6 +1,7 @@
 /* objective: the paper's F of a mesh and what it is made of: aspect ratios of the kind asked for,
  * and volumes against their least values. The guarded sweeps are judged by it; measure.h has the
- * radius ratio alone, faster. Sums run in fixed order: the same bits for any number of threads.
+ * radius ratio alone, faster. Sums are rounded once (base/sum.h): the same bits for any number of
+ * threads and order of the elements.
  */
 #ifndef PL_QUALITY_OBJECTIVE_H
 #define PL_QUALITY_OBJECTIVE_H

@@ -141,7 +141,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
         __atomic_store_n(&problem->changed[node], 1, __ATOMIC_RELAXED);
     tally->restored += restored > 0;
     if (moved > restored)
-        tally->decrease += before - now.sum;
+        pl_sum_add(&tally->decrease, before - now.sum);
     tally->improved += before - now.sum > IMPROVED * before;
 }
 
@@ -182,7 +182,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     double rest = sqrt(dot(direction, direction, dim)) * size;
     double residual = now.sum > 0 ? rest / now.sum : 0; /* f is 0 at its very best */
     sum->residual = residual > sum->residual ? residual : sum->residual;
-    sum->residual2 += residual * residual;
+    pl_sum_add(&sum->residual2, residual * residual);
     sum->n_stars++;
     for (int i = 0; i < point.n_active; i++) {
         int64_t facet = (int64_t)a.rows[point.active[i]][ROW_LENGTH - 1];

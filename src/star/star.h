@@ -13,6 +13,7 @@
 
 #include "base/link.h"
 #include "base/round.h"
+#include "base/sum.h"
 
 #include <planish/planish.h>
 
@@ -105,7 +106,7 @@ typedef struct pl_star_problem {
 
 /** What a range of visits did. */
 typedef struct pl_star_tally {
-    double decrease;     /* of the stars' functions, at least 0; by what restored nothing */
+    pl_sum decrease;     /* of the stars' functions, at least 0; by what restored nothing */
     int64_t visits;      /* stars looked at */
     int64_t evaluations; /* of their function */
     int64_t improved;    /* stars whose function fell by more than a hundredth of itself */
@@ -115,7 +116,7 @@ typedef struct pl_star_tally {
 /** First-order optimality of a range of stars. */
 typedef struct pl_star_optimality {
     double residual;   /* largest |P| h / f: P the projection of -grad f, h the star's size */
-    double residual2;  /* sum of the squares of these */
+    pl_sum residual2;  /* sum of the squares of these */
     double multiplier; /* largest of a g_k, for the star's function f */
     int64_t n_active;  /* constraints with a multiplier */
     int64_t n_stars;   /* feasible stars looked at */
@@ -177,7 +178,7 @@ typedef void pl_star_optimality_fn(const pl_star_problem *problem, int64_t begin
 /** The regularised energy of elements around a range of stars. Those of several free nodes of the
  * patch are shared by these, so that sums over the patch's stars count each element once. */
 typedef struct pl_star_energy {
-    double sum;      /* of the elements' energies */
+    pl_sum sum;      /* of the elements' energies */
     double least;    /* smallest measure, less its floor, relative to the one that is wanted */
     int64_t tangled; /* elements that are not positive beyond doubt, or below their floor, times
                         PL_SHARES */

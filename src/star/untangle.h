@@ -80,7 +80,7 @@ static inline void untangle_star(const pl_star_problem *problem, int64_t index, 
     }
     if (fall > 0)
         settle(&here, node, x, size2, place, dim);
-    tally->decrease += fall;
+    pl_sum_add(&tally->decrease, fall);
 }
 
 static inline int may_move(const pl_star_problem *problem, int64_t index) {
@@ -112,7 +112,7 @@ static inline void give_slope(const local *here, const derivatives *derivative,
 static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_t begin,
                                           int64_t end, double *scratch, pl_star_slope *slope,
                                           const int dim) {
-    pl_star_energy total = {0, INFINITY, 0};
+    pl_star_energy total = {.least = INFINITY};
     int64_t evaluations = 0;
     for (int64_t i = begin; i < end; i++) {
         if (!may_move(problem, i))
@@ -127,7 +127,7 @@ static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_
                   : energy_at(&here.s, problem->untangling->epsilon, x, NULL, 0, dim);
         if (slope)
             give_slope(&here, &derivative, &slope[i - begin]);
-        total.sum += now.shared;
+        pl_sum_add(&total.sum, now.shared);
         total.least = now.least < total.least ? now.least : total.least;
         total.tangled += (int64_t)now.tangled;
     }

@@ -54,7 +54,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, dou
     if (!(decrease > 0))
         return;
     settle(&here, node, x, size2, place, dim);
-    tally->decrease += decrease;
+    pl_sum_add(&tally->decrease, decrease);
     tally->improved += decrease > IMPROVED * sum;
 }
 

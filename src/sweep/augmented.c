@@ -28,25 +28,26 @@ enum { MOST_SWEEPS = 40 };
 typedef struct update {
     const pl_run *run;
     int wake;
+    int64_t largest; /* bits of the largest change; shared */
 } update;
 
 static void update_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const update *u = context;
+    update *u = context;
     const planish_plan *plan = u->run->plan;
-    plan->partial[begin / PL_CHUNK_STARS] =
-        pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
-                              plan->scratch + plan->scratch_stride * thread);
+    const double change = pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
+                                                plan->scratch + plan->scratch_stride * thread);
+    int64_t bits; /* of doubles that are not negative: ordered as these are */
+    memcpy(&bits, &change, sizeof bits);
+    pl_raise_to(&u->largest, bits);
 }
 
 /** Update the multipliers of all elements; returns the largest change. */
 static double update_shifts(const pl_run *r, int wake) {
     const int64_t n = r->plan->interior.stars.n_stars;
-    update u = {r, wake};
-    double largest = 0;
+    update u = {r, wake, 0};
+    double largest;
     pl_parallel_for(r->plan->threads, n, PL_CHUNK_STARS, update_chunk, &u);
-    for (int64_t i = 0; i * PL_CHUNK_STARS < n; i++)
-        if (r->plan->partial[i] > largest)
-            largest = r->plan->partial[i];
+    memcpy(&largest, &u.largest, sizeof largest);
     return largest;
 }
 

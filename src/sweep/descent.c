@@ -44,20 +44,19 @@ typedef struct energies {
 static void energy_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const energies *e = context;
     const planish_plan *plan = e->t->run->plan;
-    e->t->partial[begin / PL_TANGLE_CHUNK] = plan->kernel->guarded->energy[plan->dim - 2](
+    pl_star_energy found = plan->kernel->guarded->energy[plan->dim - 2](
         &e->t->problem, begin, end, plan->scratch + plan->scratch_stride * thread,
         e->slope + begin);
+    pl_tangle_add(e->t, thread, &found);
 }
 
 /** The patch's energy, and its slopes. */
 static double energy_of_patch(void *context, double enough, pl_star_slope *slope) {
     const descent *d = context;
-    const planish_plan *plan = d->t->run->plan;
     energies e = {d->t, slope};
     (void)enough;
-    pl_parallel_for(plan->threads, plan->interior.stars.n_stars, PL_TANGLE_CHUNK, energy_chunk, &e);
-    pl_tangle_total(d->t, (plan->interior.stars.n_stars + PL_TANGLE_CHUNK - 1) / PL_TANGLE_CHUNK);
-    return d->keep && d->t->energy.tangled > 0 ? INFINITY : d->t->energy.sum;
+    pl_tangle_total(d->t, energy_chunk, &e);
+    return d->keep && d->t->energy.tangled > 0 ? INFINITY : pl_tangle_energy(d->t);
 }
 
 static int has_patience(const descent *d) {
@@ -91,12 +90,12 @@ static int solve(descent *d, const patience *how) {
         fmax(pl_first_epsilon(t->energy.least), -how->first_epsilon * t->energy.least);
     pl_lbfgs_begin(&d->m);
     for (int i = 0; i < how->epsilons && t->energy.tangled > 0 && has_patience(d); i++) {
-        const double before = t->energy.sum;
+        const double before = pl_tangle_energy(t);
         stopped = descend(d, how->iterations, how->calm_fall);
         if (stopped || t->asked.epsilon < -EPSILON_IN_VAIN * t->energy.least)
             return stopped;
         t->asked.epsilon =
-            pl_next_epsilon(t->asked.epsilon, before, t->energy.sum, t->energy.least);
+            pl_next_epsilon(t->asked.epsilon, before, pl_tangle_energy(t), t->energy.least);
         pl_lbfgs_begin(&d->m);
     }
     return 0;

@@ -15,8 +15,7 @@ int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *
     p->star = pl_alloc(p->n, sizeof *p->star);
     p->vectors = pl_alloc_zero(p->n * p->dim * n_vectors, sizeof *p->vectors);
     p->field = pl_alloc_zero(plan->n_nodes * p->dim, sizeof *p->field);
-    p->partial = pl_alloc(p->n / PL_PATCH_CHUNK + 1, sizeof *p->partial);
-    if (!p->star || !p->vectors || !p->field || !p->partial)
+    if (!p->star || !p->vectors || !p->field)
         return 0;
     for (int64_t s = 0, i = 0; s < n_stars; s++)
         if (!in_patch || in_patch[plan->interior.centre[s]])
@@ -28,7 +27,6 @@ void pl_patch_destroy(pl_patch *p) {
     pl_free(p->star);
     pl_free(p->vectors);
     pl_free(p->field);
-    pl_free(p->partial);
 }
 
 /* ---- vectors ------------------------------------------------------------------------------- */
@@ -43,21 +41,28 @@ typedef struct operation {
     double *a;
     const double *b, *c;
     double factor;
+    pl_sum *sum; /* shared */
 } operation;
 
-static double product_chunk(void *context, int64_t begin, int64_t end, int thread) {
+static void product_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
-    double sum = 0;
+    const int dim = o->p->dim;
+    pl_sum sum = {{0}, 0, 0, 0, 0};
     (void)thread;
-    for (int64_t i = begin * o->p->dim; i < end * o->p->dim; i++)
-        sum += o->b[i] * o->c[i];
-    return sum;
+    for (int64_t i = begin; i < end; i++) {
+        double of_node = 0;
+        for (int d = 0; d < dim; d++)
+            of_node += o->b[i * dim + d] * o->c[i * dim + d];
+        pl_sum_add(&sum, of_node);
+    }
+    pl_sum_share(o->sum, &sum);
 }
 
 double pl_patch_product(const pl_patch *p, const double *b, const double *c) {
-    operation o = {p, NULL, b, c, 0};
-    return pl_parallel_sum(p->run->plan->threads, p->n, PL_PATCH_CHUNK, product_chunk, &o,
-                           p->partial);
+    pl_sum sum = {{0}, 0, 0, 0, 0};
+    operation o = {p, NULL, b, c, 0, &sum};
+    pl_patch_for(p, product_chunk, &o);
+    return pl_sum_value(&sum);
 }
 
 static void combine_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -69,7 +74,7 @@ static void combine_chunk(void *context, int64_t begin, int64_t end, int thread)
 
 void pl_patch_combine(const pl_patch *p, double *a, const double *b, double factor,
                       const double *c) {
-    operation o = {p, a, b, c, factor};
+    operation o = {p, a, b, c, factor, NULL};
     pl_patch_for(p, combine_chunk, &o);
 }
 
@@ -82,7 +87,7 @@ static void take_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 void pl_patch_take(const pl_patch *p, double *a, const double *field) {
-    operation o = {p, a, field, NULL, 0};
+    operation o = {p, a, field, NULL, 0, NULL};
     pl_patch_for(p, take_chunk, &o);
 }
 
@@ -95,7 +100,7 @@ static void put_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 void pl_patch_put(const pl_patch *p, double *field, const double *a) {
-    operation o = {p, field, a, NULL, 0};
+    operation o = {p, field, a, NULL, 0, NULL};
     pl_patch_for(p, put_chunk, &o);
 }
 
@@ -114,6 +119,6 @@ static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 void pl_patch_admit(const pl_patch *p, double *x, const double *start) {
-    operation o = {p, x, start, NULL, 0};
+    operation o = {p, x, start, NULL, 0, NULL};
     pl_patch_for(p, admit_chunk, &o);
 }

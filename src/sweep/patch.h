@@ -2,8 +2,7 @@
  *
  * Sweeps move one node at a time and even out what is wrong within a few elements; where much is
  * tangled, or a boundary has moved far, all nodes have to give way together. Vectors are over the
- * patch's nodes in visiting order, [n][dim]; sums are of fixed chunks, so that the bits do not
- * depend on the threads.
+ * patch's nodes in visiting order, [n][dim]; their products are sums over the nodes, rounded once.
  */
 #ifndef PL_SWEEP_PATCH_H
 #define PL_SWEEP_PATCH_H
@@ -20,7 +19,6 @@ typedef struct pl_patch {
     int32_t *star;   /* [n] */
     double *vectors; /* those that pl_patch_create was asked for, zero at first */
     double *field;   /* [n_nodes][dim] by inner numbers, 0 outside of the patch */
-    double *partial; /* [chunks] */
 } pl_patch;
 
 enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */

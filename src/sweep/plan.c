@@ -13,8 +13,8 @@
 
 enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096 };
 
-static double count_fixed(void *context, int64_t begin, int64_t end, int thread) {
-    const planish_plan *plan = context;
+static void count_fixed(void *context, int64_t begin, int64_t end, int thread) {
+    planish_plan *plan = context;
     (void)thread;
     int64_t count = 0;
     for (int64_t i = begin; i < end; i++) {
@@ -24,11 +24,7 @@ static double count_fixed(void *context, int64_t begin, int64_t end, int thread)
             movable |= plan->is_free[element[j]];
         count += !movable;
     }
-    return (double)count;
-}
-
-static int64_t chunks_of(int64_t n, int64_t chunk) {
-    return n / chunk + 1;
+    __atomic_fetch_add(&plan->info.n_fixed_elements, count, __ATOMIC_RELAXED);
 }
 
 static int64_t larger(int64_t a, int64_t b) {
@@ -38,18 +34,14 @@ static int64_t larger(int64_t a, int64_t b) {
 static int prepare_scratch(planish_plan *plan, planish_error *error) {
     int64_t values = plan->n_nodes * plan->dim;
     const pl_stars *interior = &plan->interior.stars, *sliding = &plan->sliding.stars;
-    const int64_t n_stars = larger(interior->n_stars, sliding->n_stars);
     int64_t bytes = pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
                                          larger(interior->max_link, sliding->max_link));
     plan->scratch_stride = bytes / (int64_t)sizeof(double);
     plan->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof(double));
     plan->measured = pl_alloc(values, sizeof(double));
     plan->changed = pl_alloc_zero(plan->n_nodes + plan->n_images, 1);
-    plan->partial =
-        pl_alloc(chunks_of(n_stars, PL_CHUNK_STARS) + chunks_of(plan->n_elements, CHUNK_ELEMENTS),
-                 sizeof(double));
     plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
-    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->partial || !plan->scratch)
+    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->scratch)
         return pl_fail_memory(error, "the working space of a plan");
     const pl_points points = pl_plan_points(plan, plan->coordinates);
     if (pl_points_are_dense(&points))
@@ -70,8 +62,8 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     planish_plan_info *info = &plan->info;
     info->n_free = plan->interior.stars.n_stars;
     info->n_sliding = plan->sliding.stars.n_stars + count_followers(plan);
-    info->n_fixed_elements = (int64_t)pl_parallel_sum(
-        plan->threads, plan->n_elements, CHUNK_ELEMENTS, count_fixed, plan, plan->partial);
+    info->n_fixed_elements = 0;
+    pl_parallel_for(plan->threads, plan->n_elements, CHUNK_ELEMENTS, count_fixed, plan);
     if (plan->scope == PL_PART_OF_ALL)
         info->n_fixed_elements += plan->whole.n_elements - plan->n_elements;
     info->n_components = d->boundary.n_components;
@@ -151,7 +143,6 @@ static void destroy(planish_plan *plan) {
     pl_free(plan->coordinates);
     pl_free(plan->measured);
     pl_free(plan->changed);
-    pl_free(plan->partial);
     pl_free(plan->scratch);
     pl_free(plan);
 }

@@ -131,7 +131,7 @@ static void keep_track(pl_run *r, const pl_sweep_tally *tally) {
     if (r->guard.star.penalty > 0)
         return; /* what falls is another function; it is measured in the end */
     double *sum = r->plain ? &r->sums.movable : &r->totals.ratio[1];
-    *sum -= tally->decrease;
+    *sum -= pl_sum_value(&tally->decrease);
     if (r->restoring || r->options->area_weight > 0 ||
         r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
         pl_run_measure(r);

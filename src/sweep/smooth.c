@@ -85,8 +85,9 @@ static int judge(pl_run *r, planish_error *error) {
     if (status)
         return status;
     result->kkt_residual = optimality.n_stars > 0 ? optimality.residual : NAN;
-    result->kkt_rms =
-        optimality.n_stars > 0 ? pl_rms(optimality.residual2, (double)optimality.n_stars) : NAN;
+    result->kkt_rms = optimality.n_stars > 0
+                          ? pl_rms(pl_sum_value(&optimality.residual2), (double)optimality.n_stars)
+                          : NAN;
     result->max_multiplier = optimality.multiplier * r->factor;
     result->n_active = optimality.n_active;
     return PLANISH_OK;

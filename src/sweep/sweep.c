@@ -9,8 +9,8 @@ typedef struct colour_pass {
     const planish_plan *plan;
     const pl_star_problem *problem;
     planish_method method;
-    int64_t first;                                   /* star */
-    int64_t visits, evaluations, improved, restored; /* shared */
+    int64_t first;       /* star */
+    pl_star_tally tally; /* shared */
 } colour_pass;
 
 static pl_star_tally visit(const colour_pass *pass, int64_t begin, int64_t end, double *scratch) {
@@ -24,16 +24,16 @@ static pl_star_tally visit(const colour_pass *pass, int64_t begin, int64_t end, 
     return plan->kernel->visit[plan->dim - 2](pass->problem, begin, end, scratch);
 }
 
-static double visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
+static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
     colour_pass *pass = context;
     const planish_plan *plan = pass->plan;
     pl_star_tally tally = visit(pass, pass->first + begin, pass->first + end,
                                 plan->scratch + plan->scratch_stride * thread);
-    __atomic_fetch_add(&pass->visits, tally.visits, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&pass->evaluations, tally.evaluations, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&pass->improved, tally.improved, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&pass->restored, tally.restored, __ATOMIC_RELAXED);
-    return tally.decrease;
+    pl_sum_share(&pass->tally.decrease, &tally.decrease);
+    __atomic_fetch_add(&pass->tally.visits, tally.visits, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&pass->tally.evaluations, tally.evaluations, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&pass->tally.improved, tally.improved, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&pass->tally.restored, tally.restored, __ATOMIC_RELAXED);
 }
 
 /** Where a follower is. What it follows may not have moved: then it is where it was, as it was. */
@@ -62,17 +62,20 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
     if (visits->n_followers > 0)
         pl_follow(plan, problem);
     for (int c = 0; c < visits->n_colours && !tally->stopped; c++) {
-        colour_pass pass = {plan, problem, method, visits->colour_begin[c], 0, 0, 0, 0};
+        colour_pass pass = {.plan = plan,
+                            .problem = problem,
+                            .method = method,
+                            .first = visits->colour_begin[c]};
         int64_t n = visits->colour_begin[c + 1] - pass.first;
-        tally->decrease +=
-            pl_parallel_sum(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass, plan->partial);
-        tally->visits += pass.visits;
-        tally->evaluations += pass.evaluations;
-        tally->improved += pass.improved;
-        tally->restored += pass.restored;
+        pl_parallel_for(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass);
+        pl_sum_share(&tally->decrease, &pass.tally.decrease);
+        tally->visits += pass.tally.visits;
+        tally->evaluations += pass.tally.evaluations;
+        tally->improved += pass.tally.improved;
+        tally->restored += pass.tally.restored;
         tally->colours++;
         if (visits->n_followers > 0)
             pl_follow(plan, problem);
-        tally->stopped = after_colour(context, tally->colours, pass.visits);
+        tally->stopped = after_colour(context, tally->colours, pass.tally.visits);
     }
 }

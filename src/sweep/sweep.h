@@ -42,7 +42,7 @@ typedef int pl_after_colour_fn(void *context, int colours_done, int64_t visits);
 
 /** What one sweep did. */
 typedef struct pl_sweep_tally {
-    double decrease; /* of the stars' functions, see pl_star_tally */
+    pl_sum decrease; /* of the stars' functions, see pl_star_tally */
     int64_t visits, evaluations;
     int64_t improved; /* stars whose function fell by more than a hundredth of itself */
     int64_t restored; /* stars in which elements were brought nearer to their least volume */

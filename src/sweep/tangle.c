@@ -283,27 +283,43 @@ void pl_tangle_mark(pl_tangle *t, int layers) {
 
 /* ---- energy -------------------------------------------------------------------------------- */
 
-static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const pl_tangle *t = context;
-    const planish_plan *plan = t->run->plan;
-    t->partial[begin / PL_TANGLE_CHUNK] = plan->kernel->guarded->energy[plan->dim - 2](
-        &t->problem, begin, end, plan->scratch + plan->scratch_stride * thread, NULL);
+static void add(pl_star_energy *energy, pl_star_energy *part) {
+    pl_sum_share(&energy->sum, &part->sum);
+    energy->least = fmin(energy->least, part->least);
+    energy->tangled += part->tangled;
 }
 
-void pl_tangle_total(pl_tangle *t, int64_t n_chunks) {
-    t->energy = (pl_star_energy){0, INFINITY, 0};
-    for (int64_t i = 0; i < n_chunks; i++) {
-        t->energy.sum += t->partial[i].sum;
-        t->energy.least = fmin(t->energy.least, t->partial[i].least);
-        t->energy.tangled += t->partial[i].tangled;
-    }
+void pl_tangle_add(pl_tangle *t, int thread, pl_star_energy *found) {
+    add(&t->of_thread[thread], found);
+}
+
+static const pl_star_energy NO_ENERGY = {.least = INFINITY};
+
+void pl_tangle_total(pl_tangle *t, pl_chunk_fn *add_chunk, void *context) {
+    const planish_plan *plan = t->run->plan;
+    for (int i = 0; i < plan->threads; i++)
+        t->of_thread[i] = NO_ENERGY;
+    pl_parallel_for(plan->threads, plan->interior.stars.n_stars, PL_TANGLE_CHUNK, add_chunk,
+                    context);
+    t->energy = NO_ENERGY;
+    for (int i = 0; i < plan->threads; i++)
+        add(&t->energy, &t->of_thread[i]);
+}
+
+double pl_tangle_energy(const pl_tangle *t) {
+    return pl_sum_value(&t->energy.sum);
+}
+
+static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    pl_tangle *t = context;
+    const planish_plan *plan = t->run->plan;
+    pl_star_energy found = plan->kernel->guarded->energy[plan->dim - 2](
+        &t->problem, begin, end, plan->scratch + plan->scratch_stride * thread, NULL);
+    pl_tangle_add(t, thread, &found);
 }
 
 void pl_tangle_measure(pl_tangle *t) {
-    const planish_plan *plan = t->run->plan;
-    const int64_t n = plan->interior.stars.n_stars;
-    pl_parallel_for(plan->threads, n, PL_TANGLE_CHUNK, measure_chunk, t);
-    pl_tangle_total(t, (n + PL_TANGLE_CHUNK - 1) / PL_TANGLE_CHUNK);
+    pl_tangle_total(t, measure_chunk, t);
 }
 
 /* ---- all of it ----------------------------------------------------------------------------- */
@@ -337,8 +353,8 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     t->best = pl_alloc(plan->n_nodes * plan->dim, sizeof *t->best);
     t->star_of = pl_alloc(plan->n_nodes, sizeof *t->star_of);
     t->queue = pl_alloc(plan->interior.stars.n_stars, sizeof *t->queue);
-    t->partial = pl_alloc(plan->interior.stars.n_stars / PL_TANGLE_CHUNK + 1, sizeof *t->partial);
-    if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->partial)
+    t->of_thread = pl_alloc(plan->threads, sizeof *t->of_thread);
+    if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->of_thread)
         return pl_fail_memory(error, "untangling");
     number_stars(t);
     t->scale = pl_box_of_fixed(plan).scale;
@@ -355,6 +371,6 @@ void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->best);
     pl_free(t->star_of);
     pl_free(t->queue);
-    pl_free(t->partial);
+    pl_free(t->of_thread);
     *t = (pl_tangle){0};
 }

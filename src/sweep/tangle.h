@@ -2,6 +2,7 @@
 #ifndef PL_SWEEP_TANGLE_H
 #define PL_SWEEP_TANGLE_H
 
+#include "base/parallel.h"
 #include "sweep/run.h"
 
 enum { PL_TANGLE_CHUNK = 256 }; /* stars that one thread takes at a time */
@@ -16,22 +17,22 @@ typedef enum pl_tangle_state {
 /** What untangling works on. Arrays are owned, and by inner numbers but for state. */
 typedef struct pl_tangle {
     pl_run *run;
-    pl_star_problem problem;  /* of visits that untangle */
-    pl_star_guard guard;      /* bounds, and floors if elements are to be brought above them */
-    pl_star_untangling asked; /* in_patch, size and link_skip point to what follows */
-    uint8_t *in_patch;        /* [n_nodes] */
-    double *size;             /* [n_nodes] */
-    uint8_t *link_skip;       /* [link facets of all stars], or NULL: none is skipped */
-    uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
-    uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
-    double *best;             /* [n_nodes][dim] the best coordinates so far */
-    int32_t *star_of;         /* [n_nodes] the star of each free node; else -1 */
-    int32_t *queue;           /* [n_stars] */
-    double scale;             /* a power of two: times it the domain is about 1 wide */
-    pl_star_energy *partial;  /* of chunks of stars */
-    int64_t n_tangled;        /* elements whose state is PL_TANGLED */
-    int64_t n_patch;          /* nodes of the patch */
-    pl_star_energy energy;    /* of the patch, as computed last */
+    pl_star_problem problem;   /* of visits that untangle */
+    pl_star_guard guard;       /* bounds, and floors if elements are to be brought above them */
+    pl_star_untangling asked;  /* in_patch, size and link_skip point to what follows */
+    uint8_t *in_patch;         /* [n_nodes] */
+    double *size;              /* [n_nodes] */
+    uint8_t *link_skip;        /* [link facets of all stars], or NULL: none is skipped */
+    uint8_t *is_hopeless;      /* [n_elements] to be given up, or NULL: none */
+    uint8_t *state;            /* [n_elements] pl_tangle_state, as found last */
+    double *best;              /* [n_nodes][dim] the best coordinates so far */
+    int32_t *star_of;          /* [n_nodes] the star of each free node; else -1 */
+    int32_t *queue;            /* [n_stars] */
+    double scale;              /* a power of two: times it the domain is about 1 wide */
+    pl_star_energy *of_thread; /* [threads] of the stars that each has looked at */
+    int64_t n_tangled;         /* elements whose state is PL_TANGLED */
+    int64_t n_patch;           /* nodes of the patch */
+    pl_star_energy energy;     /* of the patch, as computed last */
 } pl_tangle;
 
 /* ---- tangle.c ------------------------------------------------------------------------------ */
@@ -57,8 +58,13 @@ void pl_tangle_find_sizes(pl_tangle *t);
 /** The patch's energy with the present epsilon. */
 void pl_tangle_measure(pl_tangle *t);
 
-/** The same from t->partial [n_chunks]. */
-void pl_tangle_total(pl_tangle *t, int64_t n_chunks);
+/** The same by add_chunk, which is called with context for chunks of PL_TANGLE_CHUNK stars and is
+ * to hand what it finds to pl_tangle_add. */
+void pl_tangle_total(pl_tangle *t, pl_chunk_fn *add_chunk, void *context);
+void pl_tangle_add(pl_tangle *t, int thread, pl_star_energy *found);
+
+/** The sum of energies of the total. */
+double pl_tangle_energy(const pl_tangle *t);
 
 /* ---- descent.c: all nodes of the patch at once ------------------------------------------------
  */

@@ -107,13 +107,13 @@ static int regularised_sweeps(pl_tangle *t, int most) {
     t->asked.epsilon = pl_first_epsilon(t->energy.least);
     pl_tangle_measure(t);
     for (int i = 0; i < most && t->energy.tangled > 0 && !stopped; i++) {
-        const double before = t->energy.sum;
+        const double before = pl_tangle_energy(t);
         stopped = sweep(t->run, &t->problem);
         pl_tangle_measure(t);
         if (t->energy.tangled == 0)
             break;
         t->asked.epsilon =
-            pl_next_epsilon(t->asked.epsilon, before, t->energy.sum, t->energy.least);
+            pl_next_epsilon(t->asked.epsilon, before, pl_tangle_energy(t), t->energy.least);
         pl_tangle_measure(t);
     }
     return stopped;

@@ -1,4 +1,4 @@
-/* The parallel loop, ordered sums, scans and checked allocation. */
+/* The parallel loop, scans and checked allocation. */
 #include "base/memory.h"
 #include "base/parallel.h"
 
@@ -32,27 +32,6 @@ static void every_index_once(void **state) {
             assert_int_equal(count[sizes[s]], 0);
             free(count);
         }
-}
-
-static double harmonic(void *context, int64_t begin, int64_t end, int thread) {
-    (void)context;
-    (void)thread;
-    double sum = 0;
-    for (int64_t i = begin; i < end; i++)
-        sum += 1.0 / (double)(i + 1);
-    return sum;
-}
-
-static void sums_do_not_depend_on_threads(void **state) {
-    (void)state;
-    double *partial = malloc(sizeof(double) * (N / 100 + 1));
-    double one = pl_parallel_sum(1, N, 100, harmonic, NULL, partial);
-    assert_true(one > 12.09 && one < 12.091); /* log N + Euler's constant */
-    for (int threads = 2; threads <= 8; threads++) {
-        double sum = pl_parallel_sum(threads, N, 100, harmonic, NULL, partial);
-        assert_memory_equal(&sum, &one, sizeof one);
-    }
-    free(partial);
 }
 
 static void prefix_sums_are_exclusive(void **state) {
@@ -102,7 +81,6 @@ static void growing_keeps_the_content(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_index_once),
-        cmocka_unit_test(sums_do_not_depend_on_threads),
         cmocka_unit_test(prefix_sums_are_exclusive),
         cmocka_unit_test(impossible_sizes_are_refused),
         cmocka_unit_test(growing_keeps_the_content),

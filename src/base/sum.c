@@ -1,0 +1,95 @@
+/* sum: exact sums of doubles. */
+#include "base/sum.h"
+
+#include <math.h>
+
+static const int64_t DIGIT = (int64_t)1 << PL_SUM_BITS;
+
+void pl_sum_carry(pl_sum *sum) {
+    for (int i = 0; i + 1 < PL_SUM_DIGITS; i++) {
+        sum->digit[i + 1] += sum->digit[i] / DIGIT;
+        sum->digit[i] %= DIGIT;
+    }
+    sum->n_added = 0;
+}
+
+void pl_sum_add_special(pl_sum *sum, double term) {
+    sum->n_nan += isnan(term) != 0;
+    sum->n_positive += term > 0;
+    sum->n_negative += term < 0;
+}
+
+static void share(int64_t *shared, int64_t part) {
+    if (part != 0)
+        __atomic_fetch_add(shared, part, __ATOMIC_RELAXED);
+}
+
+void pl_sum_share(pl_sum *shared, pl_sum *part) {
+    pl_sum_carry(part);
+    for (int i = 0; i < PL_SUM_DIGITS; i++)
+        share(&shared->digit[i], part->digit[i]);
+    share(&shared->n_positive, part->n_positive);
+    share(&shared->n_negative, part->n_negative);
+    share(&shared->n_nan, part->n_nan);
+}
+
+/** Carry so that no digit but the last is negative: that has the sum's sign. */
+static void borrow(pl_sum *sum) {
+    for (int i = 0; i + 1 < PL_SUM_DIGITS; i++) {
+        const int64_t rest = sum->digit[i] & (DIGIT - 1);
+        sum->digit[i + 1] += (sum->digit[i] - rest) / DIGIT;
+        sum->digit[i] = rest;
+    }
+}
+
+static int bits_of(uint64_t digit) {
+    int n = 0;
+    for (; digit > 0; digit >>= 1)
+        n++;
+    return n;
+}
+
+/** Round bits * 2^exponent, whose highest bit is set, and something less than 2^exponent if more.
+ */
+static double round_even(uint64_t bits, int more, int exponent) {
+    enum { EXTRA = 11 }; /* bits that a double has no room for */
+    const uint64_t half = (uint64_t)1 << (EXTRA - 1);
+    const uint64_t rest = bits & (((uint64_t)1 << EXTRA) - 1);
+    uint64_t mantissa = bits >> EXTRA;
+    const int odd = (int)(mantissa & 1);
+    mantissa += rest > half || (rest == half && (more || odd));
+    return ldexp((double)mantissa, exponent + EXTRA); /* subnormal sums have no bits to lose */
+}
+
+/** Of digits of 32 bits, none negative. */
+static double value_of_digits(const int64_t *digit) {
+    int top = PL_SUM_DIGITS - 1;
+    while (top > 0 && digit[top] == 0)
+        top--;
+    const uint64_t first = (uint64_t)digit[top], second = top > 0 ? (uint64_t)digit[top - 1] : 0;
+    const uint64_t third = top > 1 ? (uint64_t)digit[top - 2] : 0;
+    const int n = bits_of(first); /* at most 32, as sums of so many terms are not made */
+    if (n == 0)
+        return 0;
+    const uint64_t bits = first << (64 - n) | second << (PL_SUM_BITS - n) | third >> n;
+    int more = (third & (((uint64_t)1 << n) - 1)) != 0;
+    for (int i = 0; i < top - 2; i++)
+        more |= digit[i] != 0;
+    return round_even(bits, more, PL_SUM_BITS * (top - 2) + n - 1075);
+}
+
+double pl_sum_value(const pl_sum *sum) {
+    pl_sum s = *sum;
+    if (s.n_nan > 0 || (s.n_positive > 0 && s.n_negative > 0))
+        return NAN;
+    if (s.n_positive > 0 || s.n_negative > 0)
+        return s.n_positive > 0 ? INFINITY : -INFINITY;
+    borrow(&s);
+    const int negative = s.digit[PL_SUM_DIGITS - 1] < 0;
+    for (int i = 0; negative && i < PL_SUM_DIGITS; i++)
+        s.digit[i] = -s.digit[i];
+    if (negative)
+        borrow(&s);
+    const double value = value_of_digits(s.digit);
+    return negative ? -value : value;
+}
