@@ -57,7 +57,8 @@ typedef enum planish_status {
     PLANISH_ERROR_MESH = -2,     /* the mesh is not one: index out of range, NaN, ... */
     PLANISH_ERROR_MEMORY = -3,   /* memory could not be allocated */
     PLANISH_ERROR_FILE = -4,     /* a file could not be opened, read or written */
-    PLANISH_ERROR_FORMAT = -5    /* a file's content is not what its format says */
+    PLANISH_ERROR_FORMAT = -5,   /* a file's content is not what its format says */
+    PLANISH_ERROR_PROCESS = -6   /* another process that has a part of the mesh was not reached */
 } planish_status;
 
 typedef struct planish_error {
@@ -112,8 +113,55 @@ typedef struct planish_mesh {
                                     that has not that corner, -1: none. Or NULL; see
                                     planish_plan_create for what they save */
     const int64_t *neighbours64; /* the same, in place of neighbours */
-    const void *reserved[8];     /* NULL */
+    const struct planish_part *part; /* what this process has of the mesh; NULL: all of it */
+    const void *reserved[7];         /* NULL */
 } planish_mesh;
+
+/* ---- A mesh that several processes have ---------------------------------------------------------
+ */
+
+/** What a node is to a process that has a part of the mesh. */
+typedef enum planish_role {
+    PLANISH_OWN = 0,    /* it moves it, and no other process has it */
+    PLANISH_SHARED = 1, /* it moves it, and others have it as a ghost */
+    PLANISH_GHOST = 2   /* another process moves it */
+} planish_role;
+
+/** Called with the value of a ghost that has arrived. */
+typedef void planish_take_fn(int32_t ghost, const void *value, void *taker);
+
+/** What a process has of a mesh that several processes share, and how it reaches the others: for
+ * MPI or the like (docs/distributed.md). Every node of the mesh is OWN or SHARED in one process.
+ * That has all elements of the node, with all their nodes: those of other processes are its GHOSTs.
+ *  Nodes and elements are in the order in which the whole mesh has them, here as there.
+ *
+ *  All processes make the same calls on their plans, with the same options, at the same time; each
+ *  call then does what it would do with the whole mesh in one process, to the last bit, and its
+ *  results (planish_result, planish_plan_info but for threads and bytes) are those of the whole
+ * mesh.
+ *
+ *  The functions are called by the thread that called the library, on all processes in the same
+ *  order; they return 0, or anything else if others were not reached: the call then fails with
+ *  PLANISH_ERROR_PROCESS. If a call fails in one process only, the others wait for it in theirs: so
+ *  end them all (MPI_Abort). */
+typedef struct planish_part {
+    const int64_t *node_number; /* [n_nodes] ascending: numbers of the nodes in the whole mesh */
+    const uint8_t *node_role;   /* [n_nodes] of planish_role */
+    const uint8_t *is_counted; /* [n_elements] 1 in one of the processes that have the element, that
+                                  counts it; 0 in the others */
+    /** Set values [n] to their sums over the processes. */
+    int (*add)(int64_t *values, int n, void *user);
+    /** Likewise to the largest. */
+    int (*largest)(int64_t *values, int n, void *user);
+    /** Send values [n][size] (bytes) of the n nodes node [n], all of them SHARED, to the processes
+     *  that have them as ghosts, which are told of nothing else; no later send begins before
+     *  receive. Neither array is changed until that is called, which lets work go on meanwhile. */
+    int (*send)(const int32_t *node, int64_t n, const void *values, int64_t size, void *user);
+    /** Wait for what others have sent; call take(ghost, its value [size], taker) for each. */
+    int (*receive)(planish_take_fn *take, void *taker, void *user);
+    void *user;
+    const void *reserved[4]; /* NULL */
+} planish_part;
 
 /* ---- Nodes that can slide ------------------------------------------------------------------- */
 

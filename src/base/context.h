@@ -19,6 +19,11 @@ typedef struct pl_context {
     void *parallel_user;
     planish_log_fn *log; /* or NULL */
     void *log_user;
+    const planish_part *part; /* see parts.h; NULL: the whole mesh is in this process */
+    int unreached;            /* another process was not reached */
+    int32_t *shared;          /* [n_shared] the part's SHARED nodes, and */
+    void *shared_values;      /* [n_shared] room for a value of each */
+    int64_t n_shared;
     int keeps;     /* blocks that are released are kept for the next that want some */
     int64_t bytes; /* of all blocks, those that are kept among them */
     int failed;    /* an allocation has failed since this was 0 */

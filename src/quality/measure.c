@@ -6,6 +6,7 @@
 #include "quality/measure.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "geometry/angle.h"
 #include "quality/measure_block.h"
@@ -23,17 +24,17 @@ enum {
 /** The mesh and the results of its chunks. */
 typedef struct pass {
     const pl_mesh_state *mesh;
-    int64_t chunk;         /* elements of a chunk, a function of the mesh alone */
-    int64_t n_chunks;      /* at most MAX_CHUNKS */
-    pl_ratio_sums *basic;  /* [n_chunks] */
-    pl_full_sums *full;    /* [n_chunks], or NULL: not wanted */
-    uint8_t *state;        /* [n_elements] PL_FINE, ..., or NULL: not wanted */
-    double *ratio;         /* [n_elements] RR, 0 of elements that are not valid; NULL: not wanted */
-    double limit2;         /* RR^2 above which an element is worse, */
-    double acute_limit;    /* or the acuteness of an angle, */
-    double blunt;          /* and RR^2 up to which it has no such angle */
-    int64_t acuteness;     /* bits of the largest so far; shared */
-    pl_sum movable, fixed; /* see pl_ratio_sums; shared */
+    int64_t chunk;        /* elements of a chunk, a function of the mesh alone */
+    int64_t n_chunks;     /* at most MAX_CHUNKS */
+    pl_ratio_sums *basic; /* [n_chunks] */
+    pl_full_sums *full;   /* [n_chunks], or NULL: not wanted */
+    uint8_t *state;       /* [n_elements] PL_FINE, ..., or NULL: not wanted */
+    double *ratio;        /* [n_elements] RR, 0 of elements that are not valid; NULL: not wanted */
+    double limit2;        /* RR^2 above which an element is worse, */
+    double acute_limit;   /* or the acuteness of an angle, */
+    double blunt;         /* and RR^2 up to which it has no such angle */
+    int64_t acuteness;    /* bits of the largest so far; shared */
+    pl_sum sum[2];        /* of RR^2 of elements that are fixed, and movable; shared */
 } pass;
 
 static pass begin_pass(const pl_mesh_state *mesh) {
@@ -118,8 +119,8 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
         }
     }
     pl_reduce_basic(&basic, &p->basic[begin / p->chunk]);
-    pl_sum_share(&p->movable, &movable);
-    pl_sum_share(&p->fixed, &fixed);
+    pl_sum_share(&p->sum[1], &movable);
+    pl_sum_share(&p->sum[0], &fixed);
     if (full)
         pl_reduce_full(&more, &p->full[begin / p->chunk]);
 }
@@ -166,9 +167,22 @@ static void any_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 static pl_ratio_sums total_of(const pass *p) {
     pl_ratio_sums sums = pl_total_basic(p->n_chunks, p->basic);
-    sums.movable = pl_sum_value(&p->movable);
-    sums.fixed = pl_sum_value(&p->fixed);
+    sums.movable = pl_sum_value(&p->sum[1]);
+    sums.fixed = pl_sum_value(&p->sum[0]);
     return sums;
+}
+
+/** What other processes have counted, and found the largest. */
+static void add_parts(pl_ratio_sums *sums) {
+    int64_t counts[] = {sums->n_movable, sums->n_fixed, sums->inverted};
+    double most[] = {sums->max, sums->acuteness};
+    pl_parts_add(counts, 3);
+    pl_parts_largest(most, 2);
+    sums->n_movable = counts[0];
+    sums->n_fixed = counts[1];
+    sums->inverted = counts[2];
+    sums->max = most[0];
+    sums->acuteness = most[1];
 }
 
 static void sum_ratios(const pl_mesh_state *mesh, int threads, pl_ratio_sums *sums) {
@@ -176,8 +190,10 @@ static void sum_ratios(const pl_mesh_state *mesh, int threads, pl_ratio_sums *su
     pass p = begin_pass(mesh);
     p.basic = part;
     pl_parallel_for(threads, mesh->n_elements, p.chunk, any_chunk, &p);
+    pl_parts_add_sums(p.sum, 2);
     *sums = total_of(&p);
     sums->acuteness = largest_so_far(&p);
+    add_parts(sums);
 }
 
 void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,

@@ -38,8 +38,9 @@ void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, c
                          const uint8_t *is_free, const double *coordinates, int threads,
                          pl_ratio_sums *sums);
 
-/** The same where is_movable [n_elements] says of each element what counts: 1 as with a free node.
- */
+/** The same where is_movable [n_elements] says of each element what it counts as: 1 with a free
+ * node, 0 without, PL_ELSEWHERE nothing, as another process counts it. */
+enum { PL_ELSEWHERE = 2 };
 void pl_sum_radius_ratio_by(int dim, int64_t n_elements, const int32_t *elements,
                             const int8_t *sign, const uint8_t *is_movable,
                             const double *coordinates, int threads, pl_ratio_sums *sums);

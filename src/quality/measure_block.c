@@ -9,6 +9,7 @@
 #include "base/fetch.h"
 #include "geometry/angle.h"
 #include "quality/certificate.h"
+#include "quality/measure.h"
 
 #include <float.h>
 #include <string.h>
@@ -33,7 +34,8 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
         }
         b->is_free[l] = is_free != 0;
         b->sign[l] = mesh->sign ? mesh->sign[element] : 1;
-        b->present[l] = l < count;
+        b->present[l] =
+            l < count && !(mesh->is_movable && mesh->is_movable[element] == PL_ELSEWHERE);
     }
 }
 

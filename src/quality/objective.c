@@ -3,6 +3,7 @@
 #include "quality/objective.h"
 
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/sum.h"
 #include "geometry/angle.h"
 #include "quality/certificate.h"
@@ -29,9 +30,12 @@ static const double FLAT = 0x1p-44;
 /* Exponents of scales, and of what ldexp is asked for, stay within this. */
 enum { SCALE_LIMIT = 1000 };
 
+/** The sums of pl_objective_sums; of the first three there are two. */
+enum { RATIO = 0, RADIUS = 2, VOLUME = 4, SHORTFALL = 6, DOMAIN, N_SUMS };
+
 /** pl_objective_sums, of a chunk or of all. */
 typedef struct exact_sums {
-    pl_sum ratio[2], radius[2], volume[2], shortfall, domain;
+    pl_sum sum[N_SUMS];
     int64_t n[2], inverted, below;
     double radius_max, acuteness;
 } exact_sums;
@@ -155,10 +159,10 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
                                double *blunt, const int dim) {
     element e = element_at(problem, index, dim);
     double g = volume_constraint(least_volume(problem, index), &e);
-    pl_sum_add(&sums->domain, e.measure);
+    pl_sum_add(&sums->sum[DOMAIN], e.measure);
     sums->below += g > PLANISH_VOLUME_TOLERANCE;
     if (g > 0)
-        pl_sum_add(&sums->shortfall, g * g);
+        pl_sum_add(&sums->sum[SHORTFALL], g * g);
     if (!(e.determinant > 0)) {
         sums->inverted++;
         return;
@@ -167,14 +171,14 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
     double radius = pl_radius_ratio_square(dim, x);
     int movable = has_free_node(problem, index, dim);
     sums->n[movable]++;
-    pl_sum_add(&sums->radius[movable], radius);
+    pl_sum_add(&sums->sum[RADIUS + movable], radius);
     if (movable) {
         sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
         take_angles(&e, x, radius, blunt, sums, dim);
     }
-    pl_sum_add(&sums->ratio[movable], aspect_square(problem, x, radius, dim));
+    pl_sum_add(&sums->sum[RATIO + movable], aspect_square(problem, x, radius, dim));
     if (g > -INFINITY)
-        pl_sum_add(&sums->volume[movable], g * g);
+        pl_sum_add(&sums->sum[VOLUME + movable], g * g);
 }
 
 static void raise_to(int64_t *largest, double value) {
@@ -191,14 +195,10 @@ static double double_of(int64_t bits) {
 
 static void share(work *w, exact_sums *part) {
     exact_sums *sums = w->sums;
-    for (int movable = 0; movable < 2; movable++) {
-        pl_sum_share(&sums->ratio[movable], &part->ratio[movable]);
-        pl_sum_share(&sums->radius[movable], &part->radius[movable]);
-        pl_sum_share(&sums->volume[movable], &part->volume[movable]);
+    for (int i = 0; i < N_SUMS; i++)
+        pl_sum_share(&sums->sum[i], &part->sum[i]);
+    for (int movable = 0; movable < 2; movable++)
         __atomic_fetch_add(&sums->n[movable], part->n[movable], __ATOMIC_RELAXED);
-    }
-    pl_sum_share(&sums->shortfall, &part->shortfall);
-    pl_sum_share(&sums->domain, &part->domain);
     __atomic_fetch_add(&sums->inverted, part->inverted, __ATOMIC_RELAXED);
     __atomic_fetch_add(&sums->below, part->below, __ATOMIC_RELAXED);
     raise_to(&w->radius_max, part->radius_max);
@@ -211,7 +211,10 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     double blunt = 0;
     memset(&sums, 0, sizeof sums);
+    const uint8_t *is_counted = w->problem->is_counted;
     for (int64_t i = begin; i < end; i++) {
+        if (is_counted && !is_counted[i])
+            continue;
         if (w->problem->dim == 3)
             add_element(w->problem, i, &sums, &blunt, 3);
         else
@@ -220,22 +223,36 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     share(w, &sums);
 }
 
+/** What other processes have summed up. */
+static void add_parts(exact_sums *sums) {
+    int64_t counts[] = {sums->n[0], sums->n[1], sums->inverted, sums->below};
+    pl_parts_add_sums(sums->sum, N_SUMS);
+    pl_parts_add(counts, sizeof counts / sizeof *counts);
+    sums->n[0] = counts[0];
+    sums->n[1] = counts[1];
+    sums->inverted = counts[2];
+    sums->below = counts[3];
+}
+
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
     exact_sums exact;
     int64_t n = problem->n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
     work w = {.problem = problem, .sums = &exact};
     memset(&exact, 0, sizeof exact);
     pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &w);
-    *sums = (pl_objective_sums){.radius_max = double_of(w.radius_max),
-                                .acuteness = double_of(w.acuteness),
+    double most[] = {double_of(w.radius_max), double_of(w.acuteness)};
+    add_parts(&exact);
+    pl_parts_largest(most, 2);
+    *sums = (pl_objective_sums){.radius_max = most[0],
+                                .acuteness = most[1],
                                 .inverted = (double)exact.inverted,
                                 .below = (double)exact.below,
-                                .shortfall = pl_sum_value(&exact.shortfall),
-                                .domain = pl_sum_value(&exact.domain)};
+                                .shortfall = pl_sum_value(&exact.sum[SHORTFALL]),
+                                .domain = pl_sum_value(&exact.sum[DOMAIN])};
     for (int movable = 0; movable < 2; movable++) {
-        sums->ratio[movable] = pl_sum_value(&exact.ratio[movable]);
-        sums->radius[movable] = pl_sum_value(&exact.radius[movable]);
-        sums->volume[movable] = pl_sum_value(&exact.volume[movable]);
+        sums->ratio[movable] = pl_sum_value(&exact.sum[RATIO + movable]);
+        sums->radius[movable] = pl_sum_value(&exact.sum[RADIUS + movable]);
+        sums->volume[movable] = pl_sum_value(&exact.sum[VOLUME + movable]);
         sums->n[movable] = (double)exact.n[movable];
     }
 }

@@ -17,6 +17,7 @@ typedef struct pl_objective_problem {
     const uint8_t *is_free;  /* [n], or */
     const uint8_t
         *is_movable; /* [m] 1: counts as having a free node; NULL: is_free says which do */
+    const uint8_t *is_counted; /* [m] 0: not summed up, as another process does it; NULL: all 1 */
     const double *coordinates; /* [n][dim] */
     planish_objective objective;
     double min_volume;            /* of elements without their own; 0: none */

@@ -138,7 +138,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     if (moved)
         settle(&here, node, x, size2, place, dim);
     if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
-        __atomic_store_n(&problem->changed[node], 1, __ATOMIC_RELAXED);
+        __atomic_fetch_or(&problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
     tally->restored += restored > 0;
     if (moved > restored)
         pl_sum_add(&tally->decrease, before - now.sum);

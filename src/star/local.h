@@ -86,9 +86,9 @@ static inline int claim(const pl_star_problem *problem, int64_t index) {
 /** Tell the nodes of the star, and its own, that their stars have changed. Several threads may tell
  *  one node at the same time, the same. */
 static inline void tell_neighbours(const pl_star_problem *problem, int32_t node, const star *s) {
-    __atomic_store_n(&problem->changed[node], 1, __ATOMIC_RELAXED);
+    __atomic_store_n(&problem->changed[node], PL_CHANGED | PL_TOLD, __ATOMIC_RELAXED);
     for (int64_t i = 0; i < s->n_ring; i++)
-        __atomic_store_n(&problem->changed[s->ring[i]], 1, __ATOMIC_RELAXED);
+        __atomic_store_n(&problem->changed[s->ring[i]], PL_CHANGED, __ATOMIC_RELAXED);
 }
 
 /** Move the node from place (as in the mesh) to x (scaled). */

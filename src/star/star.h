@@ -89,7 +89,8 @@ typedef struct pl_star_problem {
     const int32_t *ring;        /* neighbours, see pl_stars */
     const int64_t *link_offset; /* [n_stars + 1] */
     pl_link link;               /* of all stars, see pl_stars */
-    uint8_t *changed;           /* [n_nodes] 1: the star of the node changed since its visit */
+    uint8_t *changed;           /* [n_nodes] of what follows; 0: the star of the node has not
+                                   changed since its visit */
     planish_direction direction;
     pl_star_limits limits;      /* a move that makes an element worse is refused */
     double still;               /* a move shorter than this fraction of the star's size changes
@@ -103,6 +104,9 @@ typedef struct pl_star_problem {
     void *project_user;
     const pl_star_untangling *untangling; /* NULL but for visits that untangle */
 } pl_star_problem;
+
+/** Of a node whose star has changed; and that it has moved itself, and told its neighbours. */
+enum { PL_CHANGED = 1, PL_TOLD = 2 };
 
 /** What a range of visits did. */
 typedef struct pl_star_tally {

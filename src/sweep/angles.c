@@ -8,6 +8,7 @@
 #include "sweep/run.h"
 
 #include "base/memory.h"
+#include "base/parts.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -26,7 +27,7 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
         const int64_t node = plan->elements[element * (plan->dim + 1) + j];
         double *now = plan->coordinates + (int64_t)plan->inner[node] * plan->dim;
         const double *start = r->outside + node * plan->dim;
-        n += memcmp(now, start, size) != 0;
+        n += pl_is_own(pl_part_here(), node) && memcmp(now, start, size) != 0;
         memcpy(now, start, size);
     }
     return n;
@@ -57,7 +58,9 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
         if (state[i] != PL_FINE)
             n += put_back_nodes(r, i);
     put_back_followers(r);
+    pl_ghosts_update(plan, plan->coordinates, plan->dim * (int64_t)sizeof *plan->coordinates);
     pl_run_measure(r);
+    pl_parts_add(&n, 1);
     return n;
 }
 
@@ -66,6 +69,7 @@ static int64_t put_all_back(const pl_run *r) {
     int64_t n = 0;
     for (int64_t i = 0; i < r->plan->n_elements; i++)
         n += put_back_nodes(r, i);
+    pl_parts_add(&n, 1);
     return n;
 }
 

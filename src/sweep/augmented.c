@@ -10,6 +10,7 @@
 #include "sweep/run.h"
 
 #include "base/memory.h"
+#include "base/parts.h"
 #include "base/parallel.h"
 
 #include <string.h>
@@ -48,6 +49,7 @@ static double update_shifts(const pl_run *r, int wake) {
     double largest;
     pl_parallel_for(r->plan->threads, n, PL_CHUNK_STARS, update_chunk, &u);
     memcpy(&largest, &u.largest, sizeof largest);
+    pl_parts_largest(&largest, 1);
     return largest;
 }
 
@@ -81,6 +83,7 @@ static void wake_moved(const planish_plan *plan, const double *before) {
              i < plan->interior.stars.ring_offset[s + 1]; i++)
             plan->changed[plan->interior.stars.ring[i]] = 1;
     }
+    pl_ghosts_wake(plan, before);
 }
 
 /** Better in every respect that is promised; what is left below cannot be helped, but must not be

@@ -2,6 +2,8 @@
  * gradients. */
 #include "sweep/patch.h"
 
+#include "base/parts.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -27,6 +29,8 @@ pl_box pl_box_of_fixed(const planish_plan *plan) {
             b.lower[d] = fmin(b.lower[d], x);
             b.upper[d] = fmax(b.upper[d], x);
         }
+    pl_parts_smallest(b.lower, dim);
+    pl_parts_largest(b.upper, dim);
     for (int d = 0; d < dim; d++)
         width = fmax(width, 0.5 * b.upper[d] - 0.5 * b.lower[d]);
     frexp(width, &exponent);
@@ -128,8 +132,8 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
         share(p, z, residual);
         square = pl_patch_product(p, residual, z);
         pl_patch_combine(p, way, z, square / last, way);
-        tally->visits += p->n;
-        tally->stopped = pl_run_after_colour(r, pl_plan_colours(r->plan), p->n);
+        tally->visits += p->n_all;
+        tally->stopped = pl_run_ask_all(r, pl_plan_colours(r->plan), p->n);
     }
     pl_patch_combine(p, x, zero, 1 / fixed.scale, x);
     pl_patch_admit(p, x, start);

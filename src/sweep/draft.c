@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "geometry/simplex.h"
 
@@ -40,7 +41,7 @@ void pl_draft_destroy(pl_draft *d) {
  *  constraint says so. */
 static int can_be_free(const pl_draft *d, int64_t i, int used) {
     const uint8_t *constraint = d->mesh->constraint;
-    return used && (!d->is_selected || d->is_selected[i]) &&
+    return used && pl_is_own(d->mesh->part, i) && (!d->is_selected || d->is_selected[i]) &&
            (!constraint || constraint[i] == PLANISH_FREE) && !(d->is_paired && d->is_paired[i]) &&
            !d->boundary.on_boundary[i];
 }
@@ -84,15 +85,18 @@ static void find_candidates(planish_plan *plan, pl_draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
-    d->interior.n = pl_prefix_sum(plan->threads, (plan->n_nodes - 1) / CHUNK_NODES + 1, d->count);
+    d->interior.n =
+        pl_prefix_sum(plan->threads, (plan->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
 }
 
 static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
     find_candidates(plan, d);
-    return pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free,
-                           d->interior.node, d->interior.n, 0, plan->threads, &d->interior.rings,
-                           error);
+    const int status =
+        pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free, d->interior.node,
+                        d->interior.n, 0, plan->threads, &d->interior.rings, error);
+    pl_parts_update(NULL, plan->is_free, sizeof *plan->is_free);
+    return status;
 }
 
 /** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then
@@ -123,22 +127,30 @@ static int find_free(planish_plan *plan, pl_draft *d, planish_error *error) {
 /** The work of order_visits. */
 typedef struct arrangement {
     const planish_plan *plan;
+    const planish_part *part;
     const pl_candidates *c;
     pl_visits *visits;
     int64_t n_chunks;
-    int64_t *begin; /* [n_colours * n_chunks + 1] first visit of colour c in chunk k, at
-                       c * n_chunks + k; counts at first */
+    int64_t *begin; /* [2 n_colours * n_chunks + 1] first visit of group g in chunk k, at
+                       g * n_chunks + k; counts at first */
 } arrangement;
+
+/** Of the nodes of a colour those that other processes wait for come first. */
+static int group_of(const arrangement *a, int64_t r) {
+    const planish_part *part = a->part;
+    const int waits = !part || part->node_role[a->c->node[r]] != PLANISH_SHARED;
+    return 2 * a->c->colour[r] + waits;
+}
 
 static void count_colours(void *context, int64_t begin, int64_t end, int thread) {
     const arrangement *a = context;
     int64_t *count = a->begin + begin / CHUNK_RINGS;
     (void)thread;
-    for (int c = 0; c < a->visits->n_colours; c++)
-        count[c * a->n_chunks] = 0;
+    for (int g = 0; g < 2 * a->visits->n_colours; g++)
+        count[g * a->n_chunks] = 0;
     for (int64_t r = begin; r < end; r++)
         if (a->c->colour[r] >= 0)
-            count[a->c->colour[r] * a->n_chunks]++;
+            count[group_of(a, r) * a->n_chunks]++;
 }
 
 static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
@@ -148,7 +160,7 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     for (int64_t r = begin; r < end; r++) {
         if (a->c->colour[r] < 0)
             continue;
-        int64_t place = next[a->c->colour[r] * a->n_chunks]++;
+        int64_t place = next[group_of(a, r) * a->n_chunks]++;
         a->c->visit[place] = (int32_t)r;
         a->visits->centre[place] = a->plan->inner[a->c->node[r]];
     }
@@ -157,8 +169,12 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
 /** Colour the rings and put them in order of colour, along the curve within each. */
 static int order_visits(const planish_plan *plan, const pl_periodic *periodic, pl_candidates *c,
                         pl_visits *visits, planish_error *error) {
-    arrangement a = {.plan = plan, .c = c, .visits = visits, .n_chunks = c->n / CHUNK_RINGS + 1};
-    c->colour = pl_alloc(c->n, sizeof *c->colour);
+    arrangement a = {.plan = plan,
+                     .part = pl_part_here(),
+                     .c = c,
+                     .visits = visits,
+                     .n_chunks = c->n / CHUNK_RINGS + 1};
+    c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->n_nodes), sizeof *c->colour);
     c->visit = pl_alloc(c->rings.n_free, sizeof *c->visit);
     visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
     if (!c->colour || !c->visit || !visits->centre)
@@ -169,16 +185,22 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
                                      c->colour, &visits->n_colours, error);
     if (status)
         return status;
+    visits->n_all = c->rings.n_free;
+    pl_parts_add(&visits->n_all, 1);
+    const int n_groups = 2 * visits->n_colours;
     visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
-    a.begin = pl_alloc_zero(visits->n_colours * a.n_chunks + 1, sizeof *a.begin);
-    if (!visits->colour_begin || !a.begin) {
+    visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
+    a.begin = pl_alloc_zero(n_groups * a.n_chunks + 1, sizeof *a.begin);
+    if (!visits->colour_begin || !visits->inside_begin || !a.begin) {
         pl_free(a.begin);
         return pl_fail_memory(error, "the colours of nodes");
     }
     pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, count_colours, &a);
-    pl_prefix_sum(plan->threads, visits->n_colours * a.n_chunks, a.begin);
+    pl_prefix_sum(plan->threads, n_groups * a.n_chunks, a.begin);
     for (int i = 0; i <= visits->n_colours; i++)
-        visits->colour_begin[i] = a.begin[i * a.n_chunks];
+        visits->colour_begin[i] = a.begin[2 * i * a.n_chunks];
+    for (int i = 0; i < visits->n_colours; i++)
+        visits->inside_begin[i] = a.begin[(2 * i + 1) * a.n_chunks];
     pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, list_visits, &a);
     pl_free(a.begin);
     return PLANISH_OK;

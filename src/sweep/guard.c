@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/round.h"
 #include "base/status.h"
 #include "geometry/simplex.h"
@@ -28,6 +29,7 @@ pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                   .elements = is_part ? whole->elements : plan->elements,
                                   .sign = is_part ? whole->sign : plan->sign,
                                   .is_free = is_part ? whole->is_free : plan->is_free,
+                                  .is_counted = pl_plan_counted(plan),
                                   .coordinates = all,
                                   .objective = options->objective,
                                   .min_volume = delta,
@@ -126,7 +128,7 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
         for (int d = 0; outside && d < dim; d++)
             lower[d] = upper[d] = x[d];
         w->is_free[i] = w->plan->is_free[i] && !outside;
-        held += outside && w->plan->is_free[i];
+        held += outside && w->plan->is_free[i] && pl_is_own(pl_part_here(), i);
     }
     __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
 }
@@ -226,6 +228,7 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
         w.visits = visits[i];
         pl_parallel_for(plan->threads, visits[i]->stars.n_stars, CHUNK_NODES, limit_stars, &w);
     }
+    pl_parts_add(&w.held, 1);
     guard->held_outside = w.held;
     bound_leaders(&w);
     return PLANISH_OK;
@@ -273,6 +276,7 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
                                           .elements = plan->elements,
                                           .sign = plan->sign,
                                           .is_free = plan->is_free,
+                                          .is_counted = pl_plan_counted(plan),
                                           .coordinates = coordinates,
                                           .objective = options->objective,
                                           .min_volume = delta,

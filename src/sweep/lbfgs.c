@@ -103,8 +103,8 @@ int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally) {
         const double enough = before + ARMIJO * slope * step;
         place(m, step);
         evaluate(m, enough);
-        tally->visits += m->p.n;
-        tally->stopped = pl_run_after_colour(r, tally->colours, m->p.n);
+        tally->visits += m->p.n_all;
+        tally->stopped = pl_run_ask_all(r, tally->colours, m->p.n);
         if (m->value < enough) {
             remember(m);
             return 1;

@@ -2,6 +2,7 @@
 #include "sweep/patch.h"
 
 #include "base/memory.h"
+#include "base/parts.h"
 
 #include <string.h>
 
@@ -20,6 +21,8 @@ int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *
     for (int64_t s = 0, i = 0; s < n_stars; s++)
         if (!in_patch || in_patch[plan->interior.centre[s]])
             p->star[i++] = (int32_t)s;
+    p->n_all = p->n;
+    pl_parts_add(&p->n_all, 1);
     return 1;
 }
 
@@ -62,6 +65,7 @@ double pl_patch_product(const pl_patch *p, const double *b, const double *c) {
     pl_sum sum = {{0}, 0, 0, 0, 0};
     operation o = {p, NULL, b, c, 0, &sum};
     pl_patch_for(p, product_chunk, &o);
+    pl_parts_add_sums(&sum, 1);
     return pl_sum_value(&sum);
 }
 
@@ -91,6 +95,10 @@ void pl_patch_take(const pl_patch *p, double *a, const double *field) {
     pl_patch_for(p, take_chunk, &o);
 }
 
+static void update_ghosts(const pl_patch *p, double *field) {
+    pl_ghosts_update(p->run->plan, field, p->dim * (int64_t)sizeof *field);
+}
+
 static void put_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
     const int dim = o->p->dim;
@@ -102,6 +110,7 @@ static void put_chunk(void *context, int64_t begin, int64_t end, int thread) {
 void pl_patch_put(const pl_patch *p, double *field, const double *a) {
     operation o = {p, field, a, NULL, 0, NULL};
     pl_patch_for(p, put_chunk, &o);
+    update_ghosts(p, field);
 }
 
 static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -121,4 +130,5 @@ static void admit_chunk(void *context, int64_t begin, int64_t end, int thread) {
 void pl_patch_admit(const pl_patch *p, double *x, const double *start) {
     operation o = {p, x, start, NULL, 0, NULL};
     pl_patch_for(p, admit_chunk, &o);
+    update_ghosts(p, p->run->plan->coordinates);
 }

@@ -15,10 +15,10 @@ typedef struct pl_patch {
     pl_run *run;
     const pl_star_problem *problem; /* says where nodes can be */
     int dim;
-    int64_t n;
-    int32_t *star;   /* [n] */
-    double *vectors; /* those that pl_patch_create was asked for, zero at first */
-    double *field;   /* [n_nodes][dim] by inner numbers, 0 outside of the patch */
+    int64_t n, n_all; /* nodes; and of all processes */
+    int32_t *star;    /* [n] */
+    double *vectors;  /* those that pl_patch_create was asked for, zero at first */
+    double *field;    /* [n_nodes][dim] by inner numbers, 0 outside of the patch */
 } pl_patch;
 
 enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */

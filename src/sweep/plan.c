@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 
 #include <inttypes.h>
@@ -17,12 +18,13 @@ static void count_fixed(void *context, int64_t begin, int64_t end, int thread) {
     planish_plan *plan = context;
     (void)thread;
     int64_t count = 0;
+    const uint8_t *is_counted = pl_plan_counted(plan);
     for (int64_t i = begin; i < end; i++) {
         const int32_t *element = plan->elements + i * (plan->dim + 1);
         int movable = 0;
         for (int j = 0; j <= plan->dim; j++)
             movable |= plan->is_free[element[j]];
-        count += !movable;
+        count += !movable && (!is_counted || is_counted[i]);
     }
     __atomic_fetch_add(&plan->info.n_fixed_elements, count, __ATOMIC_RELAXED);
 }
@@ -54,7 +56,7 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
 static int64_t count_followers(const planish_plan *plan) {
     int64_t n = 0;
     for (int64_t i = 0; i < plan->n_nodes; i++)
-        n += plan->is_free[i] == PL_SLIDES;
+        n += plan->is_free[i] == PL_SLIDES && pl_is_own(pl_part_here(), i);
     return n - plan->sliding.stars.n_stars;
 }
 
@@ -78,6 +80,26 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->binding = pl_placement_text(plan->placement);
 }
 
+/** What this process has counted becomes what all have. */
+static void fill_info_of_all(planish_plan *plan) {
+    planish_plan_info *info = &plan->info;
+    int64_t *const count[] = {&info->n_free,
+                              &info->n_sliding,
+                              &info->n_fixed_elements,
+                              &info->n_reversed,
+                              &info->n_boundary_facets,
+                              &info->n_nonmanifold_facets,
+                              &info->n_duplicate_elements,
+                              &info->n_unused};
+    enum { N = sizeof count / sizeof *count };
+    int64_t values[N];
+    for (int i = 0; i < N; i++)
+        values[i] = *count[i];
+    pl_parts_add(values, N);
+    for (int i = 0; i < N; i++)
+        *count[i] = values[i];
+}
+
 /** What planish_measure tells of all of the mesh. */
 static void note_free_of_all(planish_plan *plan) {
     for (int64_t i = 0; plan->whole.is_free && i < plan->n_nodes; i++)
@@ -87,18 +109,23 @@ static void note_free_of_all(planish_plan *plan) {
 static int prepare(planish_plan *plan, pl_draft *d, planish_error *error) {
     int status = pl_draft_finish(plan, d, error);
     if (!status)
+        status = pl_ghosts_create(plan, d->mesh, d->order, error);
+    if (!status)
         status = prepare_scratch(plan, error);
     if (status)
         return status;
     fill_info(plan, d);
+    fill_info_of_all(plan);
     note_free_of_all(plan);
-    return PLANISH_OK;
+    return pl_parts_check(error);
 }
 
 static int build(planish_plan *plan, const planish_mesh *mesh, const planish_options *options,
                  planish_error *error) {
     pl_draft d = {.options = options};
     int status = pl_draft_begin(plan, mesh, &d, error);
+    if (!status)
+        status = pl_parts_begin(mesh->n_nodes, error);
     if (!status)
         status = prepare(plan, &d, error);
     pl_draft_destroy(&d);
@@ -118,10 +145,13 @@ static void visits_destroy(pl_visits *visits) {
     pl_stars_destroy(&visits->stars);
     pl_free(visits->centre);
     pl_free(visits->colour_begin);
+    pl_free(visits->inside_begin);
     pl_free(visits->follower);
 }
 
 static void destroy(planish_plan *plan) {
+    pl_ghosts_destroy(&plan->ghosts);
+    pl_parts_end(plan->context);
     visits_destroy(&plan->interior);
     visits_destroy(&plan->sliding);
     pl_free(plan->slide);
@@ -222,6 +252,7 @@ static int create(const planish_mesh *mesh, const planish_options *options, plan
     pl_context *context = pl_context_create(options);
     if (!context)
         return pl_fail_memory(error, "a plan");
+    context->part = mesh->part;
     pl_context *before = pl_context_enter(context);
     planish_plan *plan = make(mesh, options, context, &status, error);
     pl_context_enter(before);

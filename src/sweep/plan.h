@@ -3,6 +3,7 @@
 #define PL_SWEEP_PLAN_H
 
 #include "base/context.h"
+#include "sweep/ghosts.h"
 #include "star/star.h"
 #include "sweep/placement.h"
 #include "topology/points.h"
@@ -13,7 +14,9 @@ typedef struct pl_visits {
     pl_stars stars;        /* rings in inner numbers */
     int32_t *centre;       /* [n_stars] inner number of each star's node */
     int64_t *colour_begin; /* [n_colours + 1] first star of each colour */
+    int64_t *inside_begin; /* [n_colours] first of them that is not SHARED with other processes */
     int n_colours;
+    int64_t n_all; /* stars of all processes */
     int64_t n_followers;
     pl_follower
         *follower; /* nodes that move with those of the stars, and images: by inner numbers */
@@ -62,6 +65,7 @@ struct planish_plan {
     pl_visits sliding;                     /* and of those that stay on a plane, line or surface: */
     int64_t n_images;                      /* nodes after the mesh's own, see pl_periodic */
     pl_star_slide *slide; /* [sliding.stars.n_stars] which; point is where a call starts */
+    pl_ghosts ghosts;     /* if other processes have parts of the mesh */
     pl_context *context;  /* entered by every call */
     pl_placement *placement;
     int threads;
@@ -101,6 +105,11 @@ static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element)
 
 static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
     return plan->node_of ? plan->node_of[node] : node;
+}
+
+/** [n_elements] 1: this process counts the element; NULL: all of them. */
+static inline const uint8_t *pl_plan_counted(const planish_plan *plan) {
+    return plan->context->part ? plan->context->part->is_counted : NULL;
 }
 
 enum { PL_CHUNK_STARS = 32 }; /* stars that one thread takes at a time */

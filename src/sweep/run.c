@@ -4,6 +4,7 @@
 #include "base/clock.h"
 #include "base/context.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "geometry/angle.h"
 
 #include <math.h>
@@ -65,8 +66,12 @@ pl_star_limits pl_run_limits(const pl_run *r, double margin) {
 
 static void measure_ratios(pl_run *r) {
     const planish_plan *plan = r->plan;
-    pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
-                        plan->measured, plan->threads, &r->sums);
+    if (plan->ghosts.is_movable)
+        pl_sum_radius_ratio_by(plan->dim, plan->n_elements, plan->elements, plan->sign,
+                               plan->ghosts.is_movable, plan->measured, plan->threads, &r->sums);
+    else
+        pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
+                            plan->measured, plan->threads, &r->sums);
     r->measured = r->sums.movable;
     r->sums.fixed += r->rest.ratio;
     r->sums.n_fixed += (int64_t)r->rest.n;
@@ -79,6 +84,7 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r) {
                                   .elements = plan->elements,
                                   .sign = plan->sign,
                                   .is_free = r->guard.is_free ? r->guard.is_free : plan->is_free,
+                                  .is_counted = pl_plan_counted(plan),
                                   .coordinates = plan->measured,
                                   .objective = r->options->objective,
                                   .min_volume = r->guard.min_volume,
@@ -176,24 +182,21 @@ static int ask(const pl_run *r, const planish_progress *progress) {
     return answer;
 }
 
-static int call_progress(pl_run *r, const planish_progress *progress) {
-    if (!ask(r, progress))
-        return 0;
-    r->stop = PLANISH_STOP_INTERRUPTED;
-    return 1;
-}
-
 int pl_run_after_colour(void *run, int colours_done, int64_t visits) {
-    pl_run *r = run;
+    const pl_run *r = run;
     planish_progress progress = progress_of(r, colours_done, 0);
     progress.colour_visits = visits;
-    if (call_progress(r, &progress))
-        return 1;
-    if (r->options->time_limit > 0 && progress.elapsed >= r->options->time_limit) {
-        r->stop = PLANISH_STOP_TIME_LIMIT;
-        return 1;
-    }
+    if (ask(r, &progress))
+        return PLANISH_STOP_INTERRUPTED;
+    if (r->options->time_limit > 0 && progress.elapsed >= r->options->time_limit)
+        return PLANISH_STOP_TIME_LIMIT;
     return 0;
+}
+
+int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits) {
+    double answer = pl_run_after_colour(r, colours_done, visits);
+    pl_parts_largest(&answer, 1);
+    return (int)answer;
 }
 
 void pl_run_begin_sweep(pl_run *r) {
@@ -206,9 +209,11 @@ int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
     r->result->evaluations += tally->evaluations;
     planish_progress progress = progress_of(r, tally->colours, tally->visits);
     progress.sweep_done = 1;
-    if (!tally->stopped)
-        return call_progress(r, &progress);
-    ask(r, &progress); /* the reason to stop stands, whatever the answer */
+    const int stopped = pl_parts_any(ask(r, &progress));
+    if (!tally->stopped && !stopped)
+        return 0;
+    /* The reason to stop that there was before stands, whatever the answer. */
+    r->stop = tally->stopped ? (planish_stop)tally->stopped : PLANISH_STOP_INTERRUPTED;
     return 1;
 }
 
@@ -260,7 +265,7 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
     double after = objective_of_movable(r);
     if (visits == 0)
         return 1;
-    const int64_t n_stars = r->plan->interior.stars.n_stars + r->plan->sliding.stars.n_stars;
+    const int64_t n_stars = r->plan->interior.n_all + r->plan->sliding.n_all;
     if (r->restoring || (double)r->improved > MANY_STARS * (double)n_stars) {
         convergence->n_falls = 0;
         return 0;
@@ -284,10 +289,9 @@ enum { SWEEPS_UNTIL_SLOW = 20 };
 
 /** Whether help is wanted: something is wrong that is much larger than the elements. */
 static int is_slow(const pl_run *r, const pl_convergence *trend, int patience) {
-    return r->plain && r->plan->interior.stars.n_stars > 0 &&
-           r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0) &&
-           trend->n_falls >= patience && trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL &&
-           pl_remainder(trend) > SLOW_REMAINDER;
+    return r->plain && r->plan->interior.n_all > 0 && r->options->direction == PLANISH_NEWTON &&
+           !(r->problem.rr2_skip > 0) && trend->n_falls >= patience &&
+           trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL && pl_remainder(trend) > SLOW_REMAINDER;
 }
 
 /** What is known of how the sweeps go. */

@@ -78,10 +78,13 @@ void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally);
 int pl_run_sweep(pl_run *r, int64_t *visits);
 
 /** What every sweep begins and ends with, and is asked after each colour. The last two are not 0 if
- *  the run is to end here; r->stop then says why. */
+ *  the run is to end here; r->stop says why after the end of the sweep. */
 void pl_run_begin_sweep(pl_run *r);
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
 int pl_run_after_colour(void *run, int colours_done, int64_t visits);
+
+/** pl_run_after_colour, and what the other processes were told: the largest answer. */
+int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits);
 
 /** Sweeps that smooth may still be begun. */
 int pl_run_sweeps_left(const pl_run *r);

@@ -8,6 +8,7 @@
 
 #include "base/context.h"
 #include "base/memory.h"
+#include "base/parts.h"
 
 #include <math.h>
 #include <string.h>
@@ -61,7 +62,7 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
         f->slope = slope;
         f->refused = 0;
         pl_parallel_for(r->plan->threads, r->plan->interior.stars.n_stars, CHUNK, slope_chunk, f);
-        value = f->refused ? INFINITY : value;
+        value = pl_parts_any(f->refused) ? INFINITY : value;
     }
     if (!(value <= enough)) {
         r->sums = before;
@@ -178,6 +179,7 @@ static void look(objective_of_all *f) {
         if (value.certain)
             f->rr2_limit = fmax(f->rr2_limit, value.max * (1 + value.error));
     }
+    pl_parts_largest(&f->rr2_limit, 1);
 }
 
 /** Multiply all coordinates, and see to it that they are measured as before. */
@@ -214,7 +216,7 @@ enum { LARGEST = 1 << 21 };
 
 int pl_run_help(pl_run *r, pl_help help, double fall) {
     const double unit = r->unit;
-    if (r->plan->interior.stars.n_stars > LARGEST || unit > TINY ||
+    if (r->plan->interior.n_all > LARGEST || unit > TINY ||
         (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
         return 0;
     pl_log(PLANISH_LOG_DETAIL, "sweeps are slow: %s",

@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "geometry/angle.h"
 
@@ -37,7 +38,7 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
         const double far = plan->is_free[i] ? pl_distance(dim, inside, start) : 0;
         if (!(far > 0))
             continue;
-        moved++;
+        moved += pl_is_own(pl_part_here(), i);
         farthest = fmax(farthest, far);
         for (int d = 0; d < dim; d++)
             t->run->coordinates[pl_point_at(&t->points, i, d)] = inside[d];
@@ -51,8 +52,10 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
 static void transfer_out(pl_run *r) {
     transfer t = {r, pl_plan_points(r->plan, r->coordinates), 0, 0};
     pl_parallel_for(r->plan->threads, r->plan->n_nodes, CHUNK_NODES, transfer_chunk, &t);
+    pl_parts_add(&t.moved, 1);
     r->result->moved_nodes = t.moved;
     memcpy(&r->result->max_displacement, &t.far_bits, sizeof t.far_bits);
+    pl_parts_largest(&r->result->max_displacement, 1);
 }
 
 /* ---- a call --------------------------------------------------------------------------------- */
@@ -109,7 +112,7 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
         status = pl_mark_infeasible(plan, &r->problem, state, &n_infeasible, NULL, error);
     }
     pl_free(state);
-    if (n_infeasible > 0)
+    if (pl_parts_any(n_infeasible > 0))
         r->stop = PLANISH_STOP_INFEASIBLE;
     return status;
 }
@@ -141,7 +144,7 @@ static void give_up_in_vain(pl_run *r, const pl_objective_sums *start) {
 
 /** All that moves many nodes together moves the interior's. */
 static int has_interior(const pl_run *r) {
-    return r->plan->interior.stars.n_stars > 0;
+    return r->plan->interior.n_all > 0;
 }
 
 /** Do what of pl_run_untangle and the like; the mesh is then ready for sweeps. *done: there was
@@ -299,7 +302,7 @@ static int smooth(pl_run *r, planish_error *error) {
     note_start(r);
     prepare_problem(r);
     r->stop = PLANISH_STOP_CONVERGED;
-    if (plan->interior.stars.n_stars + plan->sliding.stars.n_stars > 0)
+    if (plan->interior.n_all + plan->sliding.n_all > 0)
         status = work(r, error);
     if (!status)
         status = judge(r, error);

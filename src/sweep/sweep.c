@@ -3,6 +3,7 @@
 #include "sweep/sweep.h"
 
 #include "base/parallel.h"
+#include "base/parts.h"
 
 /** One colour under way. */
 typedef struct colour_pass {
@@ -56,26 +57,73 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     }
 }
 
+/** Visit a range of stars of a colour. */
+static void visit_stars(colour_pass *pass, int64_t begin, int64_t end) {
+    pass->first = begin;
+    pl_parallel_for(pass->plan->threads, end - begin, PL_CHUNK_STARS, visit_chunk, pass);
+}
+
+/** Visit a colour; while the others hear of the nodes that they wait for, those inside. */
+static void visit_colour(colour_pass *pass, const pl_visits *visits, int colour) {
+    const planish_plan *plan = pass->plan;
+    const int64_t begin = visits->colour_begin[colour], inside = visits->inside_begin[colour];
+    const int64_t end = visits->colour_begin[colour + 1];
+    if (plan->context->part) {
+        pl_ghosts_note(plan, visits, begin, inside);
+        visit_stars(pass, begin, inside);
+        pl_ghosts_send(plan, visits, begin, inside);
+    }
+    visit_stars(pass, inside, end);
+    if (plan->context->part)
+        pl_ghosts_receive(plan);
+}
+
+/** What the processes have done, and said, together. */
+static void add_parts(pl_sweep_tally *tally) {
+    int64_t counts[] = {tally->visits, tally->evaluations, tally->improved, tally->restored};
+    double stopped = tally->stopped;
+    pl_parts_add_sums(&tally->decrease, 1);
+    pl_parts_add(counts, sizeof counts / sizeof *counts);
+    pl_parts_largest(&stopped, 1);
+    tally->visits = counts[0];
+    tally->evaluations = counts[1];
+    tally->improved = counts[2];
+    tally->restored = counts[3];
+    tally->stopped = (int)stopped;
+}
+
+static void add(pl_sweep_tally *tally, pl_sweep_tally *part) {
+    pl_sum_share(&tally->decrease, &part->decrease);
+    tally->visits += part->visits;
+    tally->evaluations += part->evaluations;
+    tally->improved += part->improved;
+    tally->restored += part->restored;
+    tally->stopped = part->stopped;
+}
+
 void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
               planish_method method, pl_after_colour_fn *after_colour, void *context,
               pl_sweep_tally *tally) {
+    const int together = plan->context->part != NULL; /* none stops alone */
+    pl_sweep_tally mine = {.stopped = 0};
+    if (tally->stopped)
+        return;
     if (visits->n_followers > 0)
         pl_follow(plan, problem);
-    for (int c = 0; c < visits->n_colours && !tally->stopped; c++) {
-        colour_pass pass = {.plan = plan,
-                            .problem = problem,
-                            .method = method,
-                            .first = visits->colour_begin[c]};
-        int64_t n = visits->colour_begin[c + 1] - pass.first;
-        pl_parallel_for(plan->threads, n, PL_CHUNK_STARS, visit_chunk, &pass);
-        pl_sum_share(&tally->decrease, &pass.tally.decrease);
-        tally->visits += pass.tally.visits;
-        tally->evaluations += pass.tally.evaluations;
-        tally->improved += pass.tally.improved;
-        tally->restored += pass.tally.restored;
+    for (int c = 0; c < visits->n_colours && (!mine.stopped || together); c++) {
+        colour_pass pass = {.plan = plan, .problem = problem, .method = method};
+        visit_colour(&pass, visits, c);
+        pl_sum_share(&mine.decrease, &pass.tally.decrease);
+        mine.visits += pass.tally.visits;
+        mine.evaluations += pass.tally.evaluations;
+        mine.improved += pass.tally.improved;
+        mine.restored += pass.tally.restored;
         tally->colours++;
         if (visits->n_followers > 0)
             pl_follow(plan, problem);
-        tally->stopped = after_colour(context, tally->colours, pass.tally.visits);
+        const int said = after_colour(context, tally->colours, pass.tally.visits);
+        mine.stopped = said > mine.stopped ? said : mine.stopped;
     }
+    add_parts(&mine);
+    add(tally, &mine);
 }

@@ -36,8 +36,8 @@ void pl_select_around(const planish_mesh *mesh, const planish_options *options, 
 
 /* ---- sweep.c: one pass over the colours ---------------------------------------------------- */
 
-/** Asked after every colour (colours done so far, nodes visited in this one): a result other than 0
- *  ends the sweep there. */
+/** Asked after every colour (colours done so far, nodes visited in this one): a result other than
+ * 0, a planish_stop, ends the sweep there; with other processes, all of it, when the sweep ends. */
 typedef int pl_after_colour_fn(void *context, int colours_done, int64_t visits);
 
 /** What one sweep did. */
@@ -47,7 +47,7 @@ typedef struct pl_sweep_tally {
     int64_t improved; /* stars whose function fell by more than a hundredth of itself */
     int64_t restored; /* stars in which elements were brought nearer to their least volume */
     int colours;      /* done */
-    int stopped;      /* what pl_after_colour_fn said */
+    int stopped;      /* what pl_after_colour_fn said; the largest of the processes */
 } pl_sweep_tally;
 
 /** Put the nodes that follow others, and images, to where these say; a change of theirs is one of

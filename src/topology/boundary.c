@@ -2,6 +2,7 @@
 #include "topology/topology.h"
 
 #include "base/memory.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "topology/facets.h"
 #include "topology/local_map.h"
@@ -13,8 +14,10 @@ typedef struct census {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     pl_boundary *boundary;
-    int consistent; /* elements joined by a facet traverse it in opposite directions */
-    int failed;     /* memory ran out */
+    const planish_part *part; /* of which facets at its own nodes are looked at: all their elements
+                                 are here */
+    int consistent;           /* elements joined by a facet traverse it in opposite directions */
+    int failed;               /* memory ran out */
 } census;
 
 static void add(int64_t *counter, int64_t n) {
@@ -56,7 +59,7 @@ static void find_duplicates(census *c, int32_t node) {
         int32_t number = number_of_nodes(dim, &map, s);
         if (number >= known)
             continue;
-        add(&c->boundary->n_duplicate_elements, 1);
+        add(&c->boundary->n_duplicate_elements, pl_is_own(c->part, node));
         for (int j = 0; j <= dim; j++)
             hold(c, s[j]);
     }
@@ -72,11 +75,18 @@ static void hold_facet(census *c, int32_t node, const pl_facet *facet) {
         hold(c, facet->node[1]);
 }
 
+static int is_here(const census *c, int32_t node, const pl_facet *facet) {
+    return pl_is_own(c->part, node) || pl_is_own(c->part, facet->node[0]) ||
+           (facet->node[1] >= 0 && pl_is_own(c->part, facet->node[1]));
+}
+
 static void count_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
     census *c = context;
     int64_t outer = 0, nonmanifold = 0;
     int same_direction = 0, twins = 0;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
+        if (!is_here(c, node, facet))
+            continue;
         outer += facet->count == 1;
         nonmanifold += facet->count > 2;
         twins |= facet->twin;
@@ -84,8 +94,10 @@ static void count_facets(void *context, int32_t node, const pl_facet *facets, in
         if (facet->count != 2)
             hold_facet(c, node, facet);
     }
-    add(&c->boundary->n_boundary_facets, outer);
-    add(&c->boundary->n_nonmanifold_facets, nonmanifold);
+    if (pl_is_own(c->part, node)) { /* each in one process */
+        add(&c->boundary->n_boundary_facets, outer);
+        add(&c->boundary->n_nonmanifold_facets, nonmanifold);
+    }
     if (same_direction)
         __atomic_store_n(&c->consistent, 0, __ATOMIC_RELAXED);
     if (twins || nonmanifold)
@@ -110,11 +122,11 @@ int pl_boundary_create(const planish_mesh *mesh, int all_positive, int threads,
 int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
                      const uint8_t *is_inside, int threads, pl_boundary *boundary,
                      planish_error *error) {
-    census c = {mesh, incidence, boundary, 1, 0};
+    census c = {mesh, incidence, boundary, pl_part_here(), 1, 0};
     int status = pl_facets_match(mesh, incidence, is_inside, threads, count_facets, &c, error);
     if (!status && c.failed)
         status = pl_fail_memory(error, "duplicate elements");
-    if (!status && !(boundary->is_guess && c.consistent))
+    if (!status && !(boundary->is_guess && !pl_parts_any(!c.consistent)))
         status = pl_orientation_create(mesh, incidence, threads, boundary, error);
     return status;
 }

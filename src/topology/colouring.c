@@ -6,11 +6,15 @@
  * A parallel graph coloring heuristic, SIAM J. Sci. Comput. 14, 1993). Here every node counts those
  * it waits for; the thread that colours the last of them colours the node as well. There are no
  * rounds and no barriers, and what becomes ready lies close to what has just been coloured.
+ *
+ * With other processes there are rounds: nodes wait for ghosts of higher priority, too, and when
+ * nothing can be done without more of them, their colours are fetched.
  */
 #include "topology/topology.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -22,21 +26,28 @@ enum {
     MASK_COLOURS = 64 /* colours in a mask */
 };
 
-/** The graph of the free nodes, numbered by their rings, and the state of its colouring. */
+/** The graph of the free nodes, numbered by their rings (ghosts: from n_rings on), and the state of
+ *  its colouring. */
 typedef struct work {
     const pl_rings *rings;
+    const planish_part *part;  /* or NULL */
+    int64_t n_nodes, n_all;    /* n_rings and the ghosts that take part */
+    int64_t *of_nodes;         /* [n_nodes] what ghosts are asked; NULL: there are none */
     const int32_t *node;       /* [n_rings] the caller's number, -1: none */
     const int32_t *number;     /* [n_nodes] of each node, or NULL: itself */
     const int32_t *moves_with; /* [n_nodes] or NULL */
     int32_t *ring_of;          /* [n_nodes] ring of each node, -1: not free */
     int32_t *neighbour; /* [offset[n_rings]] rings of the free neighbours, packed to the front of
                            each ring's room */
-    uint64_t *priority; /* [n_rings] larger: earlier; distinct */
+    uint64_t *priority; /* [n_all] larger: earlier; distinct */
     int32_t *higher;    /* [n_rings] neighbours of higher priority, which come first */
-    int32_t *waiting;   /* [n_rings] uncoloured neighbours of higher priority, and 1 until the
+    int32_t *waiting;   /* [n_all] uncoloured neighbours of higher priority, and 1 until the
                            loop over all nodes has come past */
     int32_t *next;      /* [n_rings] below it on a thread's stack, -1: none */
-    int32_t *colour;    /* [n_rings] */
+    int32_t *colour;    /* [n_all] */
+    int32_t *ghost;     /* [n_all - n_rings] their nodes, */
+    uint8_t *is_new;    /* and whether their colours have just come */
+    int32_t *held;      /* [n_rings] those that wait for ghosts */
     int max_colour;
 } work;
 
@@ -51,6 +62,8 @@ static uint32_t hash_of(uint32_t number) {
 }
 
 static uint32_t number_of(const work *w, int32_t node) {
+    if (w->part)
+        return (uint32_t)w->part->node_number[node];
     return (uint32_t)(w->number ? w->number[node] : node);
 }
 
@@ -192,44 +205,154 @@ static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) 
     }
 }
 
+/* ---- ghosts ------------------------------------------------------------------------------- */
+
+/** Ask of what ghosts there are which take part. */
+static void find_ghosts(work *w) {
+    for (int64_t i = 0; i < w->n_nodes; i++)
+        w->of_nodes[i] = w->ring_of[i] >= 0;
+    pl_parts_update(NULL, w->of_nodes, sizeof *w->of_nodes);
+    for (int64_t i = 0; i < w->n_nodes; i++) {
+        if (w->part->node_role[i] != PLANISH_GHOST || !w->of_nodes[i])
+            continue;
+        w->ring_of[i] = (int32_t)w->n_all;
+        w->ghost[w->n_all++ - w->rings->n_rings] = (int32_t)i;
+    }
+}
+
+static void find_priorities_of_ghosts(work *w) {
+    const int64_t n = w->rings->n_rings;
+    for (int64_t i = 0; i < w->n_nodes; i++)
+        w->of_nodes[i] = w->ring_of[i] >= 0 ? (int64_t)w->priority[w->ring_of[i]] : 0;
+    pl_parts_update(NULL, w->of_nodes, sizeof *w->of_nodes);
+    for (int64_t g = n; g < w->n_all; g++) {
+        w->priority[g] = (uint64_t)w->of_nodes[w->ghost[g - n]];
+        w->colour[g] = UNCOLOURED;
+        w->waiting[g] = INT32_MAX; /* for another process */
+    }
+}
+
+static void fetch_colours(const work *w) {
+    const int64_t n = w->rings->n_rings;
+    for (int64_t i = 0; i < w->n_nodes; i++)
+        w->of_nodes[i] = w->ring_of[i] >= 0 ? w->colour[w->ring_of[i]] : UNCOLOURED;
+    pl_parts_update(NULL, w->of_nodes, sizeof *w->of_nodes);
+    for (int64_t g = n; g < w->n_all; g++) {
+        const int32_t colour = (int32_t)w->of_nodes[w->ghost[g - n]];
+        w->is_new[g - n] = w->colour[g] != colour;
+        w->colour[g] = colour;
+    }
+}
+
+/** Of the nodes that r waits for the ghosts; or only those whose colours are new. */
+static int32_t count_ghosts(const work *w, int64_t r, int new_only) {
+    const int32_t *neighbour = w->neighbour + w->rings->offset[r];
+    const int64_t first = w->rings->n_rings;
+    int32_t n = 0;
+    for (int32_t i = 0; i < w->higher[r]; i++)
+        n += neighbour[i] >= first && (!new_only || w->is_new[neighbour[i] - first]);
+    return n;
+}
+
+/** Colour r, for which so many ghosts have got theirs, and what waits for it, if it can be done. */
+static void colour_after(work *w, int32_t r, int32_t n_new) {
+    if (n_new == 0 || __atomic_sub_fetch(w->waiting + r, n_new, __ATOMIC_ACQ_REL) != 0)
+        return;
+    const int colour = colour_from(w, r);
+    w->max_colour = colour > w->max_colour ? colour : w->max_colour;
+}
+
+/** Colour what is left, in rounds. */
+static void colour_with_ghosts(work *w) {
+    int64_t n_held = 0;
+    for (int64_t r = 0; r < w->rings->n_rings; r++)
+        if (w->node[r] >= 0 && w->colour[r] == UNCOLOURED && count_ghosts(w, r, 0) > 0)
+            w->held[n_held++] = (int32_t)r;
+    while (pl_parts_any(n_held > 0)) {
+        int64_t n_left = 0;
+        fetch_colours(w);
+        for (int64_t k = 0; k < n_held; k++)
+            colour_after(w, w->held[k], count_ghosts(w, w->held[k], 1));
+        for (int64_t k = 0; k < n_held; k++)
+            if (w->colour[w->held[k]] == UNCOLOURED)
+                w->held[n_left++] = w->held[k];
+        n_held = n_left;
+    }
+}
+
 /* ---- the colouring ------------------------------------------------------------------------ */
 
-static void run(work *w, int64_t n_nodes, int threads) {
-    int64_t n_rings = w->rings->n_rings;
-    pl_parallel_for(threads, n_nodes, CHUNK_NODES, clear_ring_of, w);
+static void run(work *w, int threads) {
+    const int64_t n_rings = w->rings->n_rings;
+    pl_parallel_for(threads, w->n_nodes, CHUNK_NODES, clear_ring_of, w);
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, set_ring_of, w);
+    if (w->of_nodes)
+        find_ghosts(w);
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, make_graph, w);
+    if (w->of_nodes)
+        find_priorities_of_ghosts(w);
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, count_waiting, w);
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, colour_chunk, w);
+    if (w->of_nodes)
+        colour_with_ghosts(w);
+}
+
+/** Room for what ghosts take; 0 without memory. */
+static int allocate_for_ghosts(work *w, int64_t n_ghosts) {
+    if (!w->part)
+        return 1;
+    w->of_nodes = pl_alloc(w->n_nodes, sizeof *w->of_nodes);
+    w->ghost = pl_alloc(n_ghosts, sizeof *w->ghost);
+    w->is_new = pl_alloc(n_ghosts, sizeof *w->is_new);
+    w->held = pl_alloc(w->rings->n_rings, sizeof *w->held);
+    return w->of_nodes && w->ghost && w->is_new && w->held;
+}
+
+static int allocate(work *w, int64_t n_ghosts) {
+    const int64_t n = w->rings->n_rings;
+    w->ring_of = pl_alloc(w->n_nodes, sizeof *w->ring_of);
+    w->neighbour = pl_alloc(w->rings->offset[n], sizeof *w->neighbour);
+    w->priority = pl_alloc(n + n_ghosts, sizeof *w->priority);
+    w->higher = pl_alloc(n, sizeof *w->higher);
+    w->waiting = pl_alloc(n + n_ghosts, sizeof *w->waiting);
+    w->next = pl_alloc(n, sizeof *w->next);
+    return w->ring_of && w->neighbour && w->priority && w->higher && w->waiting && w->next &&
+           allocate_for_ghosts(w, n_ghosts);
+}
+
+static void release(work *w) {
+    pl_free(w->ring_of);
+    pl_free(w->neighbour);
+    pl_free(w->priority);
+    pl_free(w->higher);
+    pl_free(w->waiting);
+    pl_free(w->next);
+    pl_free(w->of_nodes);
+    pl_free(w->ghost);
+    pl_free(w->is_new);
+    pl_free(w->held);
 }
 
 int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_t *number,
                         int64_t n_nodes, const int32_t *moves_with, int threads, int32_t *colour,
                         int *n_colours, planish_error *error) {
-    int64_t n = rings->n_rings;
     work w = {.rings = rings,
+              .part = pl_part_here(),
+              .n_nodes = n_nodes,
+              .n_all = rings->n_rings,
               .node = node,
               .number = number,
               .moves_with = moves_with,
               .colour = colour,
               .max_colour = -1};
-    w.ring_of = pl_alloc(n_nodes, sizeof *w.ring_of);
-    w.neighbour = pl_alloc(rings->offset[n], sizeof *w.neighbour);
-    w.priority = pl_alloc(n, sizeof *w.priority);
-    w.higher = pl_alloc(n, sizeof *w.higher);
-    w.waiting = pl_alloc(n, sizeof *w.waiting);
-    w.next = pl_alloc(n, sizeof *w.next);
-    int done = w.ring_of && w.neighbour && w.priority && w.higher && w.waiting && w.next;
+    const int done = allocate(&w, pl_parts_ghosts(n_nodes));
     if (done)
-        run(&w, n_nodes, threads);
-    pl_free(w.ring_of);
-    pl_free(w.neighbour);
-    pl_free(w.priority);
-    pl_free(w.higher);
-    pl_free(w.waiting);
-    pl_free(w.next);
+        run(&w, threads);
+    release(&w);
     if (!done)
         return pl_fail_memory(error, "the colours of the nodes");
-    *n_colours = w.max_colour + 1;
+    double most = w.max_colour;
+    pl_parts_largest(&most, 1);
+    *n_colours = (int)most + 1;
     return PLANISH_OK;
 }

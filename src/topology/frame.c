@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -72,9 +73,12 @@ int pl_frame_create(const planish_mesh *mesh, int threads, pl_frame *frame, plan
     search s = {.mesh = mesh, .boxes = pl_alloc(chunks, sizeof *s.boxes)};
     if (!s.boxes)
         return pl_fail_memory(error, "the bounding box");
+    s.boxes[0] = box_of_nodes(mesh->dim, mesh->coordinates, 0, 0);
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, search_chunk, &s);
     for (int64_t i = 1; i < chunks; i++)
         extend(&s.boxes[0], &s.boxes[i], mesh->dim);
+    pl_parts_smallest(s.boxes[0].low, mesh->dim);
+    pl_parts_largest(s.boxes[0].high, mesh->dim);
     *frame = frame_of_box(&s.boxes[0], mesh->dim);
     pl_free(s.boxes);
     return PLANISH_OK;

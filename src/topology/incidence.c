@@ -119,7 +119,7 @@ int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int th
         s.bits++;
     s.n_buckets = ((n - 1) >> s.bits) + 1;
     s.chunk = m / MAX_CHUNKS + 1 > MIN_CHUNK ? m / MAX_CHUNKS + 1 : MIN_CHUNK;
-    s.n_chunks = (m - 1) / s.chunk + 1;
+    s.n_chunks = (m + s.chunk - 1) / s.chunk;
     s.begin = pl_alloc(s.n_buckets * s.n_chunks + 1, sizeof *s.begin);
     incidence->offset = pl_alloc(n + 1, sizeof *incidence->offset);
     int status = PLANISH_OK;

@@ -184,7 +184,7 @@ int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planis
     int64_t n = mesh->n_nodes;
     sort s = {.mesh = mesh, .order = order};
     int status = pl_frame_create(mesh, threads, &s.frame, error);
-    if (status)
+    if (status || n == 0)
         return status;
     s.chunk = n / MAX_CHUNKS + 1 > MIN_CHUNK ? n / MAX_CHUNKS + 1 : MIN_CHUNK;
     s.n_chunks = (n - 1) / s.chunk + 1;

@@ -13,6 +13,7 @@
 #include "base/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "geometry/simplex.h"
 #include "topology/facets.h"
@@ -276,6 +277,8 @@ int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *bou
     if (status)
         return status;
     pl_parallel_for(threads, m, CHUNK, count_chunk, &w);
+    w.n_not_positive = pl_parts_any(w.n_not_positive > 0);
+    w.n_not_negative = pl_parts_any(w.n_not_negative > 0);
     boundary->is_guess = w.n_not_positive == 0 || w.n_not_negative == 0;
     if (w.n_not_negative > 0)
         return PLANISH_OK;
@@ -283,6 +286,8 @@ int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *bou
     if (!boundary->sign)
         return pl_fail_memory(error, "the orientation of the elements");
     boundary->n_reversed = m;
+    for (int64_t i = 0; mesh->part && i < m; i++)
+        boundary->n_reversed -= !mesh->part->is_counted[i];
     pl_parallel_for(threads, m, CHUNK, set_negative, &w);
     return PLANISH_OK;
 }

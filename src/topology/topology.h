@@ -152,9 +152,10 @@ void pl_periodic_destroy(pl_periodic *periodic);
 /** Colour the nodes of rings so that no two neighbours share a colour. colour [n_rings]: 0 ..
  *  n_colours-1, -1 where there is no node. Greedy in the order (more free neighbours first, then a
  *  hash of the node's number, then its number), computed in parallel after Jones and Plassmann
- *  (1993): the result is that of the serial greedy algorithm, whatever the order of the rings.
- *  number [n_nodes] is that number, ascending; NULL: node is.
- *  moves_with [n_nodes]: the node that each moves with counts for it; NULL: itself. */
+ *  (1993): the result is that of the serial greedy algorithm, whatever the order of the rings, and
+ *  whichever processes have parts of the mesh; colour has room for all ghosts, too
+ * (pl_parts_ghosts). number [n_nodes] is that number, ascending; NULL: node is. moves_with
+ * [n_nodes]: the node that each moves with counts for it; NULL: itself. */
 int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_t *number,
                         int64_t n_nodes, const int32_t *moves_with, int threads, int32_t *colour,
                         int *n_colours, planish_error *error);

@@ -92,7 +92,7 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_elements is %" PRId64 "; it must lie between 0 and %" PRId32,
                        mesh->n_elements, INT32_MAX);
-    if (mesh->n_elements == 0)
+    if (mesh->n_elements == 0 && !mesh->part)
         return pl_fail(error, PLANISH_ERROR_MESH, "the mesh has no elements; give at least one");
     if (!mesh->elements == !mesh->elements64)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,

@@ -1,0 +1,55 @@
+/* parts: what is asked of the other processes that have parts of the mesh (planish_part).
+ *
+ * A call on a plan enters its context, which knows the part; where the whole mesh is in one process
+ * these functions do nothing. With parts every process calls them in the same order: whether one is
+ * called must be decided by what all of them know.
+ */
+#ifndef PL_BASE_PARTS_H
+#define PL_BASE_PARTS_H
+
+#include "base/context.h"
+#include "base/sum.h"
+
+#include <planish/planish.h>
+
+/** The part that this process has, or NULL: the whole mesh. */
+const planish_part *pl_part_here(void);
+
+/** Sums over the processes, in place. */
+void pl_parts_add(int64_t *values, int n);
+void pl_parts_add_sums(pl_sum *sums, int n);
+
+/** Largest and smallest of the processes, in place; no NaN. */
+void pl_parts_largest(double *values, int n);
+void pl_parts_smallest(double *values, int n);
+
+/** 1 if value is not 0 in any process; 0 if they are not reached. */
+int pl_parts_any(int value);
+
+/** Whether this process is the one whose say counts for node: it is no ghost. */
+static inline int pl_is_own(const planish_part *part, int64_t node) {
+    return !part || part->node_role[node] != PLANISH_GHOST;
+}
+
+enum { PL_LARGEST_VALUE = 3 * sizeof(double) + 1 };
+
+/** Make ready for pl_parts_update in the context of this thread, whose part is set; n_nodes: its.
+ * To be undone in any case. Errors: _MEMORY. */
+int pl_parts_begin(int64_t n_nodes, planish_error *error);
+void pl_parts_end(pl_context *context);
+
+/** The ghosts of the part, 0 without one; n_nodes: its. */
+int64_t pl_parts_ghosts(int64_t n_nodes);
+
+/** Set the ghosts in values [n_nodes][size] to what their processes have: node i is at inner[i]
+ *  (NULL: at i). size: at most PL_LARGEST_VALUE. */
+void pl_parts_update(const int32_t *inner, void *values, int64_t size);
+
+/** planish_part.send, and .receive, if they are reached. */
+void pl_parts_send(const int32_t *node, int64_t n, const void *values, int64_t size);
+void pl_parts_receive(planish_take_fn *take, void *taker);
+
+/** PLANISH_ERROR_PROCESS if another process was not reached since the context was made. */
+int pl_parts_check(planish_error *error);
+
+#endif

@@ -1,0 +1,228 @@
+/* A mesh that several processes have: the same bits as in one. */
+#include "support/effort.h"
+#include "support/meshes.h"
+#include "support/world.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* ---- ways to smooth ------------------------------------------------------------------------- */
+
+typedef struct way {
+    const char *name;
+    planish_options options;
+} way;
+
+enum {
+    PLAIN,
+    FLETCHER_REEVES,
+    MEAN_RATIO,
+    EDGE_RATIO,
+    MIN_VOLUME,
+    WEIGHT,
+    BOUNDS,
+    NEAR,
+    FLOAT,
+    LAPLACIAN,
+    FEW_SWEEPS,
+    N_WAYS
+};
+
+static const char *const names[] = {"plain",      "fletcher-reeves", "mean-ratio", "edge-ratio",
+                                    "min-volume", "weight",          "bounds",     "near",
+                                    "float",      "laplacian",       "few-sweeps"};
+
+static planish_options options_of(int which) {
+    planish_options o;
+    planish_options_init(&o);
+    o.threads = 1;
+    switch (which) {
+    case FLETCHER_REEVES:
+        o.direction = PLANISH_FLETCHER_REEVES;
+        break;
+    case MEAN_RATIO:
+        o.objective = PLANISH_MEAN_RATIO;
+        break;
+    case EDGE_RATIO:
+        o.objective = PLANISH_EDGE_RATIO;
+        break;
+    case MIN_VOLUME:
+        o.min_volume = 0.12;
+        break;
+    case WEIGHT:
+        o.min_volume = 0.1;
+        o.area_weight = 0.3;
+        break;
+    case BOUNDS:
+        for (int d = 0; d < 3; d++) {
+            o.box_lower[d] = 1.03;
+            o.box_upper[d] = 4.01;
+        }
+        break;
+    case NEAR:
+        o.max_displacement = 0.03;
+        break;
+    case FLOAT:
+        o.precision = PLANISH_FLOAT;
+        break;
+    case LAPLACIAN:
+        o.method = PLANISH_METHOD_LAPLACIAN;
+        break;
+    case FEW_SWEEPS:
+        o.max_sweeps = 2;
+        break;
+    default:
+        break;
+    }
+    return o;
+}
+
+/* ---- alone and together --------------------------------------------------------------------- */
+
+typedef struct outcome {
+    int status;
+    planish_result result;
+    planish_plan_info info;
+    planish_error error;
+} outcome;
+
+static outcome smooth(const planish_mesh *mesh, const planish_options *options,
+                      double *coordinates) {
+    planish_plan *plan = NULL;
+    outcome o = {.status = planish_plan_create(mesh, options, &plan, &o.error)};
+    if (!o.status) {
+        planish_plan_get_info(plan, &o.info);
+        o.status = planish_smooth(plan, coordinates, options, &o.result, &o.error);
+    }
+    planish_plan_destroy(plan);
+    return o;
+}
+
+typedef struct job {
+    const planish_options *options;
+    outcome outcome[8];
+} job;
+
+static void smooth_part(world_part *part, void *user) {
+    job *j = user;
+    j->outcome[part->rank] = smooth(&part->mesh, j->options, part->coordinates);
+}
+
+static void assert_same(double a, double b) {
+    assert_memory_equal(&a, &b, sizeof a);
+}
+
+static void assert_same_result(const planish_result *a, const planish_result *b) {
+    assert_int_equal(a->stop, b->stop);
+    assert_int_equal(a->sweeps, b->sweeps);
+    assert_int_equal(a->visits, b->visits);
+    assert_int_equal(a->evaluations, b->evaluations);
+    assert_int_equal(a->moved_nodes, b->moved_nodes);
+    assert_int_equal(a->inverted, b->inverted);
+    assert_int_equal(a->below_min_volume, b->below_min_volume);
+    assert_int_equal(a->held_outside, b->held_outside);
+    assert_int_equal(a->n_active, b->n_active);
+    assert_same(a->rms, b->rms);
+    assert_same(a->rms_movable, b->rms_movable);
+    assert_same(a->objective, b->objective);
+    assert_same(a->objective_before, b->objective_before);
+    assert_same(a->max_displacement, b->max_displacement);
+    assert_same(a->min_volume, b->min_volume);
+    if (a->kkt_residual == a->kkt_residual) {
+        assert_same(a->kkt_residual, b->kkt_residual);
+        assert_same(a->kkt_rms, b->kkt_rms);
+    }
+}
+
+static void assert_same_info(const planish_plan_info *a, const planish_plan_info *b) {
+    assert_int_equal(a->n_free, b->n_free);
+    assert_int_equal(a->n_sliding, b->n_sliding);
+    assert_int_equal(a->n_fixed_elements, b->n_fixed_elements);
+    assert_int_equal(a->n_colours, b->n_colours);
+    assert_int_equal(a->n_boundary_facets, b->n_boundary_facets);
+    assert_int_equal(a->n_nonmanifold_facets, b->n_nonmanifold_facets);
+    assert_int_equal(a->n_duplicate_elements, b->n_duplicate_elements);
+    assert_int_equal(a->n_reversed, b->n_reversed);
+    assert_int_equal(a->n_unused, b->n_unused);
+}
+
+/** Smooth mesh in one process, and in n that own its nodes as owner says. */
+static void compare(const planish_mesh *mesh, const planish_options *options, int n,
+                    const int *owner) {
+    const size_t values = (size_t)mesh->n_nodes * (size_t)mesh->dim;
+    double *alone = malloc(values * sizeof *alone), *together = malloc(values * sizeof *together);
+    world w;
+    job j = {.options = options};
+    memcpy(alone, mesh->coordinates, values * sizeof *alone);
+    const outcome expected = smooth(mesh, options, alone);
+    assert_int_equal(expected.status, 0);
+    world_create(&w, mesh, n, owner);
+    world_run(&w, smooth_part, &j);
+    for (int k = 0; k < n; k++) {
+        if (j.outcome[k].status)
+            fail_msg("process %d: %s", k, j.outcome[k].error.text);
+        assert_same_info(&j.outcome[k].info, &expected.info);
+        assert_same_result(&j.outcome[k].result, &expected.result);
+    }
+    world_gather(&w, mesh->dim, together);
+    assert_memory_equal(together, alone, values * sizeof *alone);
+    world_destroy(&w);
+    free(alone);
+    free(together);
+}
+
+/* ---- who owns what -------------------------------------------------------------------------- */
+
+enum { SLABS, SCATTERED, ONE_HAS_ALL, N_OWNINGS };
+
+static void own(const planish_mesh *mesh, int owning, int n, uint64_t seed, int *owner) {
+    uint64_t random = effort_seed(seed);
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        if (owning == SLABS)
+            owner[i] = (int)(i * n / mesh->n_nodes);
+        else if (owning == SCATTERED)
+            owner[i] = (int)random_below(&random, n);
+        else
+            owner[i] = n - 1;
+    }
+}
+
+static void check(test_mesh *m, int n, int owning, uint64_t seed) {
+    int *owner = malloc((size_t)m->mesh.n_nodes * sizeof *owner);
+    own(&m->mesh, owning, n, seed, owner);
+    for (int i = 0; i < N_WAYS; i++) {
+        const planish_options options = options_of(i);
+        print_message("%d-D, %d processes, owning %d: %s\n", m->mesh.dim, n, owning, names[i]);
+        compare(&m->mesh, &options, n, owner);
+    }
+    free(owner);
+}
+
+static void the_bits_are_those_of_one_process(void **state) {
+    const int dim = *(int *)*state;
+    for (int n = 1; n <= 4; n++)
+        for (int owning = 0; owning < N_OWNINGS; owning++) {
+            test_mesh m;
+            test_mesh_box(&m, dim, dim == 3 ? 5 : 9);
+            test_mesh_perturb(&m, 0.14, (unsigned)(n + 10 * owning));
+            if (owning == SCATTERED)
+                test_mesh_renumber(&m, (unsigned)n, NULL);
+            check(&m, n, owning, (uint64_t)n);
+            test_mesh_destroy(&m);
+        }
+}
+
+int main(void) {
+    static int dims[] = {2, 3};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[0]),
+        cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[1]),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
