@@ -307,10 +307,47 @@ static void fill_angles(const pl_full_sums *full, planish_quality *q) {
     memcpy(q->angle_counts, full->by_angle, sizeof full->by_angle);
 }
 
-int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-               const uint8_t *is_free, const double *coordinates, int threads,
-               planish_quality *quality, planish_error *error) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
+static int64_t count_elsewhere(const uint8_t *is_movable, int64_t n_elements) {
+    int64_t n = 0;
+    for (int64_t i = 0; is_movable && i < n_elements; i++)
+        n += is_movable[i] == PL_ELSEWHERE;
+    return n;
+}
+
+/** Sums of what the processes have summed up. */
+static void add_sums_of_parts(double *sums, int n) {
+    pl_sum exact;
+    for (int i = 0; i < n && pl_part_here(); i++) {
+        memset(&exact, 0, sizeof exact);
+        pl_sum_add(&exact, sums[i]);
+        pl_parts_add_sums(&exact, 1);
+        sums[i] = pl_sum_value(&exact);
+    }
+}
+
+/** What other processes have found. The worst element is told by those that have it. */
+static void add_full_parts(pl_full_sums *f) {
+    const double worst_here = f->worst_ratio;
+    double *const largest[] = {&f->largest_volume, &f->worst_ratio, &f->worst_fixed_ratio,
+                               &f->movable_ratio, &f->movable_cosine};
+    pl_parts_add(&f->n_unmovable, 1);
+    pl_parts_add(f->at_least, PLANISH_HISTOGRAM_BINS);
+    pl_parts_add(f->by_angle, PLANISH_ANGLE_BINS);
+    add_sums_of_parts(&f->volume_sum, 1);
+    add_sums_of_parts(f->sum, PL_N_MEASURES);
+    pl_parts_smallest(&f->smallest_volume, 1);
+    pl_parts_smallest(f->min, PL_N_MEASURES);
+    pl_parts_largest(f->max, PL_N_MEASURES);
+    for (size_t i = 0; i < sizeof largest / sizeof *largest; i++)
+        pl_parts_largest(largest[i], 1);
+    if (f->worst_ratio > worst_here)
+        f->worst_element = -1;
+}
+
+int pl_measure_by(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+                  const uint8_t *is_free, const uint8_t *is_movable, const double *coordinates,
+                  int threads, planish_quality *quality, planish_error *error) {
+    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, is_movable};
     pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
     p.basic = part;
@@ -318,20 +355,32 @@ int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_
     if (!p.full)
         return pl_fail_memory(error, "measuring the mesh");
     pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
+    pl_parts_add_sums(p.sum, 2);
     pl_ratio_sums basic = total_of(&p);
     pl_full_sums full = pl_total_full(p.n_chunks, p.full);
+    int64_t n = n_elements - count_elsewhere(is_movable, n_elements);
+    add_parts(&basic);
+    add_full_parts(&full);
+    pl_parts_add(&n, 1);
     pl_free(p.full);
 
-    planish_quality q = {.n_elements = n_elements};
+    planish_quality q = {.n_elements = n};
     fill_ratios(&basic, &full, &q);
     fill_spreads(basic.n_movable + basic.n_fixed, &full, &q);
     fill_histogram(basic.n_movable + basic.n_fixed, &full, &q);
     fill_angles(&full, &q);
-    if (n_elements > 0) {
+    if (n > 0) {
         q.min_volume = full.smallest_volume;
         q.max_volume = full.largest_volume;
         q.total_volume = full.volume_sum;
     }
     *quality = q;
     return 0;
+}
+
+int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+               const uint8_t *is_free, const double *coordinates, int threads,
+               planish_quality *quality, planish_error *error) {
+    return pl_measure_by(dim, n_elements, elements, sign, is_free, NULL, coordinates, threads,
+                         quality, error);
 }

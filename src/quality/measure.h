@@ -21,6 +21,14 @@ int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_
                const uint8_t *is_free, const double *coordinates, int threads,
                planish_quality *quality, planish_error *error);
 
+/** The same where is_movable [n_elements] says of each element what it counts as: 1 with a free
+ * node, 0 without, PL_ELSEWHERE nothing, as another process counts it; with NULL is_free says it.
+ */
+enum { PL_ELSEWHERE = 2 };
+int pl_measure_by(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
+                  const uint8_t *is_free, const uint8_t *is_movable, const double *coordinates,
+                  int threads, planish_quality *quality, planish_error *error);
+
 /** Radius ratios over the valid elements (positive measure, decided exactly). */
 typedef struct pl_ratio_sums {
     double movable;    /* sum of RR^2 over the elements with a free node */
@@ -38,9 +46,7 @@ void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, c
                          const uint8_t *is_free, const double *coordinates, int threads,
                          pl_ratio_sums *sums);
 
-/** The same where is_movable [n_elements] says of each element what it counts as: 1 with a free
- * node, 0 without, PL_ELSEWHERE nothing, as another process counts it. */
-enum { PL_ELSEWHERE = 2 };
+/** The same by is_movable, as pl_measure_by. */
 void pl_sum_radius_ratio_by(int dim, int64_t n_elements, const int32_t *elements,
                             const int8_t *sign, const uint8_t *is_movable,
                             const double *coordinates, int threads, pl_ratio_sums *sums);

@@ -50,6 +50,21 @@ static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, pl_
     return copy_min_volumes(plan, d->mesh, error);
 }
 
+/** What is not possible, so far, where other processes have parts of the mesh. */
+static int check_alone(const planish_mesh *mesh, const planish_options *options,
+                       planish_error *error) {
+    const char *what = options->only_worse_than > 0 ? "options.only_worse_than"
+                       : options->around            ? "options.around"
+                       : mesh->n_periodic > 0       ? "mesh.periodic"
+                                                    : NULL;
+    return what && mesh->part
+               ? pl_fail(
+                     error, PLANISH_ERROR_ARGUMENT,
+                     "%s is not possible with a mesh in parts; do without it, or in one process",
+                     what)
+               : PLANISH_OK;
+}
+
 /** The draft for all of the mesh. */
 static int take_all(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
                     planish_error *error) {
@@ -146,6 +161,9 @@ static int take_around(planish_plan *plan, const planish_mesh *mesh, pl_draft *d
 
 int pl_draft_begin(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
                    planish_error *error) {
+    const int status = check_alone(mesh, d->options, error);
+    if (status)
+        return status;
     return d->options->around ? take_around(plan, mesh, d, error) : take_all(plan, mesh, d, error);
 }
 

@@ -325,13 +325,15 @@ static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slide
     const pl_incidence *incidence = periodic ? &d->around : &d->incidence;
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         const int32_t node = d->order[i];
-        if (!slides[node] || (periodic && periodic->moves_with[node] != node))
+        if (!slides[node] || !pl_is_own(d->mesh->part, node) ||
+            (periodic && periodic->moves_with[node] != node))
             continue;
         plan->is_free[node] = PL_SLIDES;
         c->node[c->n++] = node;
     }
     status = pl_rings_create(&around, incidence, periodic ? periodic->sign : plan->sign,
                              plan->is_free, c->node, c->n, 1, plan->threads, &c->rings, error);
+    pl_parts_update(NULL, plan->is_free, sizeof *plan->is_free);
     if (!status)
         status = order_visits(plan, periodic, c, &plan->sliding, error);
     if (!status)
@@ -348,7 +350,7 @@ static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slide
 static int prepare_sliding(planish_plan *plan, pl_draft *d, planish_error *error) {
     int64_t n = 0;
     int status = check_constraints(plan, d->mesh, &n, error);
-    if (status || n == 0)
+    if (status || !(plan->context->part ? pl_parts_any(n > 0) : n > 0))
         return status;
     uint8_t *slides = pl_alloc(plan->n_nodes, 1);
     d->sliding.node = pl_alloc(n, sizeof *d->sliding.node);

@@ -17,8 +17,9 @@ static int measure(const planish_plan *plan, const double *coordinates, planish_
     if (plan->scope == PL_PART_OF_ALL)
         return pl_measure(plan->dim, whole->n_elements, whole->elements, whole->sign,
                           whole->is_free, coordinates, plan->threads, quality, error);
-    const int status = pl_measure(plan->dim, plan->n_elements, plan->elements, plan->sign,
-                                  plan->is_free, coordinates, plan->threads, quality, error);
+    const int status =
+        pl_measure_by(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
+                      plan->ghosts.is_movable, coordinates, plan->threads, quality, error);
     if (!status && quality->worst_element >= 0)
         quality->worst_element = pl_plan_element(plan, quality->worst_element);
     return status;

@@ -126,7 +126,12 @@ int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
     int status = pl_facets_match(mesh, incidence, is_inside, threads, count_facets, &c, error);
     if (!status && c.failed)
         status = pl_fail_memory(error, "duplicate elements");
-    if (!status && !(boundary->is_guess && !pl_parts_any(!c.consistent)))
+    const int agree = boundary->is_guess && !pl_parts_any(!c.consistent);
+    if (!status && !agree && mesh->part)
+        status = pl_fail(error, PLANISH_ERROR_MESH,
+                         "elements are inverted, or not all of the same orientation, which is not "
+                         "possible with a mesh in parts; do it in one process");
+    else if (!status && !agree)
         status = pl_orientation_create(mesh, incidence, threads, boundary, error);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "support/meshes.h"
 #include "support/world.h"
 
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -89,6 +90,7 @@ typedef struct outcome {
     int status;
     planish_result result;
     planish_plan_info info;
+    planish_quality quality;
     planish_error error;
 } outcome;
 
@@ -100,6 +102,8 @@ static outcome smooth(const planish_mesh *mesh, const planish_options *options,
         planish_plan_get_info(plan, &o.info);
         o.status = planish_smooth(plan, coordinates, options, &o.result, &o.error);
     }
+    if (!o.status)
+        o.status = planish_measure(plan, coordinates, &o.quality, &o.error);
     planish_plan_destroy(plan);
     return o;
 }
@@ -152,6 +156,30 @@ static void assert_same_info(const planish_plan_info *a, const planish_plan_info
     assert_int_equal(a->n_unused, b->n_unused);
 }
 
+static int is_near(double a, double b) {
+    return fabs(a - b) <= 1e-14 * fabs(b);
+}
+
+/** Means are sums of the processes' sums: they may differ by rounding. */
+static void assert_same_quality(const planish_quality *a, const planish_quality *b) {
+    assert_int_equal(a->n_elements, b->n_elements);
+    assert_int_equal(a->inverted, b->inverted);
+    assert_int_equal(a->n_fixed, b->n_fixed);
+    assert_same(a->rms_radius_ratio, b->rms_radius_ratio);
+    assert_same(a->rms_radius_ratio_movable, b->rms_radius_ratio_movable);
+    assert_same(a->max_radius_ratio, b->max_radius_ratio);
+    assert_same(a->min_angle_deg, b->min_angle_deg);
+    assert_same(a->max_angle_deg, b->max_angle_deg);
+    assert_same(a->min_volume, b->min_volume);
+    assert_same(a->max_volume, b->max_volume);
+    assert_same(a->edge_ratio.min, b->edge_ratio.min);
+    assert_same(a->edge_ratio.max, b->edge_ratio.max);
+    assert_memory_equal(a->histogram_counts, b->histogram_counts, sizeof a->histogram_counts);
+    assert_memory_equal(a->angle_counts, b->angle_counts, sizeof a->angle_counts);
+    assert_true(is_near(a->mean_radius_ratio, b->mean_radius_ratio));
+    assert_true(is_near(a->total_volume, b->total_volume));
+}
+
 /** Smooth mesh in one process, and in n that own its nodes as owner says. */
 static void compare(const planish_mesh *mesh, const planish_options *options, int n,
                     const int *owner) {
@@ -169,6 +197,7 @@ static void compare(const planish_mesh *mesh, const planish_options *options, in
             fail_msg("process %d: %s", k, j.outcome[k].error.text);
         assert_same_info(&j.outcome[k].info, &expected.info);
         assert_same_result(&j.outcome[k].result, &expected.result);
+        assert_same_quality(&j.outcome[k].quality, &expected.quality);
     }
     world_gather(&w, mesh->dim, together);
     assert_memory_equal(together, alone, values * sizeof *alone);
@@ -193,14 +222,25 @@ static void own(const planish_mesh *mesh, int owning, int n, uint64_t seed, int 
     }
 }
 
+/** All ways, with the boundary held and sliding. */
 static void check(test_mesh *m, int n, int owning, uint64_t seed) {
-    int *owner = malloc((size_t)m->mesh.n_nodes * sizeof *owner);
+    const size_t nodes = (size_t)m->mesh.n_nodes;
+    int *owner = malloc(nodes * sizeof *owner);
+    uint8_t *constraint = malloc(nodes);
+    double *direction = calloc(3 * nodes, sizeof *direction);
+    planish_mesh slides = m->mesh;
     own(&m->mesh, owning, n, seed, owner);
+    assert_int_equal(planish_find_slides(&m->mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
+    slides.constraint = constraint;
+    slides.direction = direction;
     for (int i = 0; i < N_WAYS; i++) {
         const planish_options options = options_of(i);
         print_message("%d-D, %d processes, owning %d: %s\n", m->mesh.dim, n, owning, names[i]);
         compare(&m->mesh, &options, n, owner);
+        compare(&slides, &options, n, owner);
     }
+    free(constraint);
+    free(direction);
     free(owner);
 }
 
