@@ -75,7 +75,8 @@ static int take_all(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
     plan->elements = d->mesh->elements;
     plan->own_elements = d->dense.elements;
     d->dense.elements = NULL;
-    return copy_min_volumes(plan, d->mesh, error);
+    status = pl_check_part(d->mesh, error);
+    return status ? status : copy_min_volumes(plan, d->mesh, error);
 }
 
 /* ---- plans for a few nodes ---------------------------------------------------------------- */

@@ -96,7 +96,7 @@ static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
         pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free, d->interior.node,
                         d->interior.n, 0, plan->threads, &d->interior.rings, error);
     pl_parts_update(NULL, plan->is_free, sizeof *plan->is_free);
-    return status;
+    return status ? status : pl_parts_check(error);
 }
 
 /** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then

@@ -339,6 +339,8 @@ static int smooth(pl_run *r, planish_error *error) {
     if (!status && __atomic_load_n(&plan->context->failed, __ATOMIC_RELAXED))
         status = pl_fail_memory(error, "the smoothing of a mesh");
     if (!status)
+        status = pl_parts_check(error);
+    if (!status)
         transfer_out(r);
     return status;
 }

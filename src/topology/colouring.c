@@ -354,5 +354,5 @@ int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_
     double most = w.max_colour;
     pl_parts_largest(&most, 1);
     *n_colours = (int)most + 1;
-    return PLANISH_OK;
+    return pl_parts_check(error);
 }

@@ -81,5 +81,5 @@ int pl_frame_create(const planish_mesh *mesh, int threads, pl_frame *frame, plan
     pl_parts_largest(s.boxes[0].high, mesh->dim);
     *frame = frame_of_box(&s.boxes[0], mesh->dim);
     pl_free(s.boxes);
-    return PLANISH_OK;
+    return pl_parts_check(error);
 }

@@ -109,6 +109,59 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
+/* ---- a part of a mesh ------------------------------------------------------------------------ */
+
+static int check_nodes_of_part(const planish_mesh *mesh, planish_error *error) {
+    const planish_part *part = mesh->part;
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const int64_t number = part->node_number[i], before = i > 0 ? part->node_number[i - 1] : -1;
+        if (number <= before || number > UINT32_MAX)
+            return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i,
+                              "mesh.part.node_number of node %" PRId64 " is %" PRId64
+                              ", behind %" PRId64 "; give ascending numbers, below 2^32",
+                              i, number, before);
+        if (part->node_role[i] > PLANISH_GHOST)
+            return pl_fail_at(error, PLANISH_ERROR_MESH, -1, i,
+                              "mesh.part.node_role of node %" PRId64
+                              " is %d; give a planish_role, 0 to %d",
+                              i, part->node_role[i], PLANISH_GHOST);
+    }
+    return PLANISH_OK;
+}
+
+/** What is next to a ghost is another process's ghost. */
+static int check_elements_of_part(const planish_mesh *mesh, planish_error *error) {
+    const int corners = mesh->dim + 1;
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        int n[PLANISH_GHOST + 1] = {0};
+        for (int j = 0; j < corners; j++)
+            n[mesh->part->node_role[mesh->elements[i * corners + j]]]++;
+        if (n[PLANISH_GHOST] == corners || (n[PLANISH_GHOST] > 0 && n[PLANISH_OWN] > 0))
+            return pl_fail_at(error, PLANISH_ERROR_MESH, i, -1,
+                              "element %" PRId64
+                              " of mesh.part has %s; nodes at a GHOST are SHARED "
+                              "or GHOSTs, not all of them GHOSTs",
+                              i, n[PLANISH_OWN] > 0 ? "both GHOST and OWN nodes" : "GHOSTs only");
+    }
+    return PLANISH_OK;
+}
+
+int pl_check_part(const planish_mesh *mesh, planish_error *error) {
+    const planish_part *part = mesh->part;
+    if (!part)
+        return PLANISH_OK;
+    if (!part->add || !part->largest || !part->send || !part->receive)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.part must have the functions add, largest, send and receive");
+    if ((!part->node_number || !part->node_role) && mesh->n_nodes > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.part.node_number and node_role must not be NULL");
+    if (!part->is_counted && mesh->n_elements > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.part.is_counted must not be NULL");
+    const int status = check_nodes_of_part(mesh, error);
+    return status ? status : check_elements_of_part(mesh, error);
+}
+
 /* ---- a dense copy ------------------------------------------------------------------------- */
 
 /** The work on all elements of 64 bits. */

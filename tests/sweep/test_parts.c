@@ -258,11 +258,132 @@ static void the_bits_are_those_of_one_process(void **state) {
         }
 }
 
+/* ---- what is wrong --------------------------------------------------------------------------- */
+
+/** Each of the calls for others fails once: the call fails in all processes, none waits, and no
+ * node has moved. */
+static void processes_that_are_lost_end_the_call(void **state) {
+    const int dim = *(int *)*state;
+    const planish_options options = options_of(PLAIN);
+    test_mesh m;
+    int owner[1000], n_failed = 0, status;
+    test_mesh_box(&m, dim, 3);
+    test_mesh_perturb(&m, 0.14, 5);
+    own(&m.mesh, SLABS, 3, 0, owner);
+    for (int call = 0;; call++) {
+        world w;
+        job j = {.options = &options};
+        world_create(&w, &m.mesh, 3, owner);
+        w.fails_at = call;
+        world_run(&w, smooth_part, &j);
+        status = j.outcome[0].status;
+        for (int k = 0; k < 3; k++) {
+            assert_int_equal(j.outcome[k].status, status);
+            for (int64_t i = 0; status && i < w.parts[k].mesh.n_nodes * dim; i++)
+                assert_true(w.parts[k].coordinates[i] ==
+                            m.coordinates[w.parts[k].node_number[i / dim] * dim + i % dim]);
+        }
+        world_destroy(&w);
+        if (!status)
+            break;
+        assert_int_equal(status, PLANISH_ERROR_PROCESS);
+        n_failed++;
+    }
+    assert_true(n_failed > 50);
+    test_mesh_destroy(&m);
+}
+
+static void parts_that_are_none_are_refused(void **state) {
+    (void)state;
+    const planish_options options = options_of(PLAIN);
+    const int owner[9] = {0};
+    test_mesh m;
+    world w;
+    test_mesh_box(&m, 2, 2);
+    world_create(&w, &m.mesh, 1, owner);
+    world_part *p = &w.parts[0];
+    static const struct {
+        int which, status;
+        const char *text;
+    } faults[] = {
+        {0, PLANISH_ERROR_ARGUMENT, "functions"},  {1, PLANISH_ERROR_ARGUMENT, "node_role"},
+        {2, PLANISH_ERROR_ARGUMENT, "is_counted"}, {3, PLANISH_ERROR_MESH, "ascending"},
+        {4, PLANISH_ERROR_MESH, "2^32"},           {5, PLANISH_ERROR_MESH, "planish_role"},
+        {6, PLANISH_ERROR_MESH, "GHOSTs only"},    {7, PLANISH_ERROR_MESH, "both GHOST and OWN"}};
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        planish_part part = p->part;
+        int64_t number[9];
+        uint8_t role[9];
+        memcpy(number, p->node_number, sizeof number);
+        memcpy(role, p->node_role, sizeof role);
+        part.node_number = number;
+        part.node_role = role;
+        if (faults[i].which == 0)
+            part.receive = NULL;
+        if (faults[i].which == 1)
+            part.node_role = NULL;
+        if (faults[i].which == 2)
+            part.is_counted = NULL;
+        if (faults[i].which == 3)
+            number[4] = number[3];
+        if (faults[i].which == 4)
+            number[8] = INT64_C(1) << 32;
+        if (faults[i].which == 5)
+            role[2] = 3;
+        if (faults[i].which == 6)
+            memset(role, PLANISH_GHOST, sizeof role);
+        if (faults[i].which == 7)
+            role[4] = PLANISH_GHOST;
+        p->mesh.part = &part;
+        const outcome o = smooth(&p->mesh, &options, p->coordinates);
+        assert_int_equal(o.status, faults[i].status);
+        assert_non_null(strstr(o.error.text, faults[i].text));
+    }
+    world_destroy(&w);
+    test_mesh_destroy(&m);
+}
+
+/** What is only possible in one process is refused in all. */
+static void what_is_not_possible_in_parts_is_refused(void **state) {
+    (void)state;
+    enum { SELECT, WORST, TANGLED, BELOW, N };
+    static const char *const texts[] = {"only_worse_than", "options.worst", "inverted",
+                                        "least volume"};
+    for (int i = 0; i < N; i++) {
+        planish_options options = options_of(PLAIN);
+        test_mesh m;
+        int owner[1000];
+        world w;
+        job j = {.options = &options};
+        test_mesh_box(&m, 3, 4);
+        test_mesh_perturb(&m, i == TANGLED ? 0.6 : 0.14, 5);
+        own(&m.mesh, SLABS, 2, 0, owner);
+        if (i == SELECT)
+            options.only_worse_than = 2;
+        if (i == WORST)
+            options.worst = PLANISH_WORST_ANGLE;
+        if (i == BELOW)
+            options.min_volume = 0.2;
+        world_create(&w, &m.mesh, 2, owner);
+        world_run(&w, smooth_part, &j);
+        for (int k = 0; k < 2; k++) {
+            assert_int_not_equal(j.outcome[k].status, 0);
+            assert_non_null(strstr(j.outcome[k].error.text, texts[i]));
+        }
+        world_destroy(&w);
+        test_mesh_destroy(&m);
+    }
+}
+
 int main(void) {
     static int dims[] = {2, 3};
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[0]),
         cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[1]),
+        cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[0]),
+        cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[1]),
+        cmocka_unit_test(parts_that_are_none_are_refused),
+        cmocka_unit_test(what_is_not_possible_in_parts_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
