@@ -38,6 +38,10 @@ packages_full=(
 )
 
 # shellcheck disable=SC2034
+packages_mpi=(
+    libopenmpi-dev openmpi-bin # processes that share a mesh
+)
+# shellcheck disable=SC2034
 packages_long=(
     gcc-aarch64-linux-gnu g++-aarch64-linux-gnu # other machines
     gcc-s390x-linux-gnu g++-s390x-linux-gnu gcc-i686-linux-gnu
