@@ -185,6 +185,21 @@ static int check_bounds(const planish_plan *plan, const planish_options *options
     return PLANISH_OK;
 }
 
+/** Where the bound (sign 1: the lower one, -1: the upper) of a follower is for the node that it
+ *  follows: so that its place, rounded as pl_follow does, is never beyond it. Exact where it is at
+ * its bound. */
+static double bound_of_leader(const pl_follower *f, int d, double bound, int sign) {
+    enum { TRIES = 8 };
+    double limit = f->origin[d] + (bound - f->start[d]);
+    for (int i = 0; i < TRIES; i++) {
+        const double place = f->start[d] + (limit - f->origin[d]), beyond = sign * (bound - place);
+        if (!(beyond > 0))
+            return limit;
+        limit = nextafter(limit + sign * beyond, sign > 0 ? INFINITY : -INFINITY);
+    }
+    return f->origin[d];
+}
+
 /** Nodes that others follow are bounded by what bounds these, too; all are held if one is. */
 static void bound_leaders(const work *w) {
     const planish_plan *plan = w->plan;
@@ -196,9 +211,9 @@ static void bound_leaders(const work *w) {
         double *lower = w->lower + (int64_t)f->of * dim, *upper = w->upper + (int64_t)f->of * dim;
         const double *low = w->lower + (int64_t)f->node * dim;
         const double *high = w->upper + (int64_t)f->node * dim;
-        for (int d = 0; d < dim; d++) { /* exact where a node is at its bound */
-            lower[d] = fmax(lower[d], f->origin[d] + (low[d] - f->start[d]));
-            upper[d] = fmin(upper[d], f->origin[d] + (high[d] - f->start[d]));
+        for (int d = 0; d < dim; d++) {
+            lower[d] = fmax(lower[d], bound_of_leader(f, d, low[d], 1));
+            upper[d] = fmin(upper[d], bound_of_leader(f, d, high[d], -1));
         }
     }
 }

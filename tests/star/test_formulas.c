@@ -329,9 +329,10 @@ static found energy(star_case *c) {
     found f = {0};
     c->s.problem.guard = &c->guard;
     c->s.problem.untangling = &c->asked;
-    f.sum = pl_star_kernel_select(PLANISH_ISA_AUTO)
-                ->guarded->energy[c->s.dim - 2](&c->s.problem, 0, 1, c->s.scratch, &slope)
-                .sum;
+    const pl_star_energy of_star =
+        pl_star_kernel_select(PLANISH_ISA_AUTO)
+            ->guarded->energy[c->s.dim - 2](&c->s.problem, 0, 1, c->s.scratch, &slope);
+    f.sum = pl_sum_value(&of_star.sum);
     c->s.problem.untangling = NULL;
     memcpy(f.gradient, slope.gradient, sizeof f.gradient);
     memcpy(f.hessian, slope.hessian, sizeof f.hessian);

@@ -605,6 +605,35 @@ static void wrong_arguments_are_named(void **state) {
     test_mesh_destroy(&box);
 }
 
+/** What is looked at from neighbour to neighbour is not worth more than one thread. */
+static void a_few_nodes_are_for_one_thread(void **state) {
+    (void)state;
+    enum { NODES = 2 };
+    test_mesh box;
+    planish_options options = defaults();
+    int64_t nodes[NODES], elements[NODES];
+    test_mesh_box(&box, 3, 12);
+    for (int i = 0; i < NODES; i++) {
+        nodes[i] = 6 * 13 * 13 + 6 * 13 + 5 + i;
+        elements[i] = element_of(&box.mesh, nodes[i]);
+    }
+    int32_t *neighbours = neighbours_of(&box.mesh);
+    box.mesh.neighbours = neighbours;
+    options.threads = 0;
+    options.around = nodes;
+    options.around_elements = elements;
+    for (options.n_around = 1; options.n_around <= NODES; options.n_around++) {
+        planish_plan *plan;
+        planish_plan_info info;
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+        planish_plan_get_info(plan, &info);
+        assert_int_equal(info.threads, 1);
+        planish_plan_destroy(plan);
+    }
+    free(neighbours);
+    test_mesh_destroy(&box);
+}
+
 static void memory_may_run_out(void **state) {
     (void)state;
     test_mesh box;
@@ -652,6 +681,7 @@ int main(void) {
         cmocka_unit_test(numbers_are_the_callers),
         cmocka_unit_test(what_is_outside_is_infeasible),
         cmocka_unit_test(wrong_arguments_are_named),
+        cmocka_unit_test(a_few_nodes_are_for_one_thread),
         cmocka_unit_test(memory_may_run_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -10,6 +10,7 @@
 #include <signal.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #ifdef _OPENMP
@@ -586,6 +587,11 @@ static void a_log_tells_what_is_done(void **state) {
     options.log_user = &n;
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
     assert_non_null(strstr(n.all, "216 of 512 nodes may move"));
+    planish_plan_info info;
+    char megabytes[32];
+    planish_plan_get_info(plan, &info);
+    snprintf(megabytes, sizeof megabytes, "; %.3g MB", (double)info.bytes / 1e6);
+    assert_non_null(strstr(n.all, megabytes));
     assert_int_equal(planish_smooth(plan, box.coordinates, &options, NULL, NULL), 0);
     assert_non_null(strstr(n.all, "converged after"));
     assert_int_equal(n.n[PLANISH_LOG_NOTE], 0);

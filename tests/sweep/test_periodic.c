@@ -351,6 +351,39 @@ static void rounding_harms_no_follower(void **state) {
     assert_true(moved > 0);
 }
 
+/** Every node has bounds of its own, near where it is, and sums of ways are rounded: no follower
+ * goes beyond its bounds by a bit, where those of the node that it follows let that go. */
+static void followers_stay_within_their_bounds(void **state) {
+    const int dim = *(int *)*state;
+    int64_t at_bound = 0;
+    for (int i = 0; i < 40; i++) {
+        periodic_box p;
+        planish_options options = defaults();
+        unsigned seed = (unsigned)i + 1;
+        create(&p, dim, dim, 0.13);
+        turn(&p, 0.05 + 0.07 * i);
+        const int64_t n = p.mesh.n_nodes * dim;
+        double *lower = malloc((size_t)n * sizeof *lower),
+               *upper = malloc((size_t)n * sizeof *upper);
+        for (int64_t k = 0; k < n; k++) {
+            lower[k] = p.mesh.coordinates[k] - 0.05 * test_random(&seed);
+            upper[k] = p.mesh.coordinates[k] + 0.05 * test_random(&seed);
+        }
+        options.lower = lower;
+        options.upper = upper;
+        run r = smooth(&p.mesh, &options);
+        for (int64_t k = 0; k < n; k++) {
+            assert_true(lower[k] <= r.coordinates[k] && r.coordinates[k] <= upper[k]);
+            at_bound += lower[k] == r.coordinates[k] || r.coordinates[k] == upper[k];
+        }
+        free(lower);
+        free(upper);
+        free(r.coordinates);
+        destroy(&p);
+    }
+    assert_true(at_bound > 40);
+}
+
 /** What cannot move together is held: nodes that slide otherwise, or not at all; rotations; a
  *  translation of one pair; and any nonsense does no harm. */
 static void what_is_not_alike_is_held(void **state) {
@@ -498,6 +531,7 @@ int main(void) {
         BOTH(bits_do_not_depend_on_threads_or_scale),
         BOTH(other_options_hold),
         BOTH(rounding_harms_no_follower),
+        BOTH(followers_stay_within_their_bounds),
         BOTH(what_is_not_alike_is_held),
         BOTH(pairs_inside_are_held),
         cmocka_unit_test(thin_meshes_are_held),

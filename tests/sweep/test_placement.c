@@ -9,6 +9,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -106,9 +107,16 @@ static void binding_is_undone(void **state) {
     assert_int_equal(sched_getaffinity(0, sizeof inside, &inside), 0);
     pl_placement_leave(placement);
     assert_int_equal(sched_getaffinity(0, sizeof after, &after), 0);
-    if (pl_placement_cpu(placement, 0) >= 0)
+    if (pl_placement_cpu(placement, 0) >= 0) {
+        char first[64]; /* of the list that is told: the lowest CPU, which is that of one core */
+        int lowest = pl_placement_cpu(placement, 0);
+        for (int t = 1; t < pl_placement_threads(placement); t++)
+            lowest =
+                pl_placement_cpu(placement, t) < lowest ? pl_placement_cpu(placement, t) : lowest;
+        snprintf(first, sizeof first, "one thread per core, on CPUs %d", lowest);
         assert_int_equal(CPU_COUNT(&inside), 1);
-    else
+        assert_non_null(strstr(pl_placement_text(placement), first));
+    } else
         assert_true(CPU_EQUAL(&before, &inside));
     assert_true(CPU_EQUAL(&before, &after));
     pl_placement_destroy(placement);
