@@ -136,9 +136,11 @@ typedef void planish_take_fn(int32_t ghost, const void *value, void *taker);
  *  Nodes and elements are in the order in which the whole mesh has them, here as there.
  *
  *  All processes make the same calls on their plans, with the same options, at the same time; each
- *  call then does what it would do with the whole mesh in one process, to the last bit, and its
- *  results (planish_result, planish_plan_info but for threads and bytes) are those of the whole
- * mesh.
+ *  call then does what it would do with the whole mesh in one process, to the last bit. Its results
+ *  (planish_result, planish_quality, planish_progress but for colour_visits, planish_plan_info but
+ * for threads and bytes) are those of the whole mesh; what is said of single nodes and elements,
+ * and how many planish_check_volumes and planish_find_unfixable find, is of those that this process
+ * has. What is given here stays until the plan is destroyed.
  *
  *  The functions are called by the thread that called the library, on all processes in the same
  *  order; they return 0, or anything else if others were not reached: the call then fails with

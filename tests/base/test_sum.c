@@ -53,6 +53,10 @@ static double draw(int kind, uint64_t *state) {
     }
 }
 
+/* ---- the nearest double -------------------------------------------------------------------- */
+
+#ifdef PLANISH_HAVE_GMP
+
 /** n terms, at most MOST; CANCELLING: but for some, each comes with its opposite. */
 static int64_t draw_terms(int kind, uint64_t *state, double *x) {
     const int64_t n = random_below(state, MOST + 1);
@@ -60,10 +64,6 @@ static int64_t draw_terms(int kind, uint64_t *state, double *x) {
         x[i] = kind == CANCELLING && i % 2 == 1 && i % 9 != 0 ? -x[i - 1] : draw(kind, state);
     return n;
 }
-
-/* ---- the nearest double -------------------------------------------------------------------- */
-
-#ifdef PLANISH_HAVE_GMP
 
 /** x as a multiple of 2^-1074. */
 static void set_units(mpz_t units, double x) {

@@ -1,7 +1,7 @@
 /* A mesh that several processes have: the same bits as in one. */
 #include "support/effort.h"
 #include "support/meshes.h"
-#include "support/world.h"
+#include "support/processes.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -113,7 +113,7 @@ typedef struct job {
     outcome outcome[8];
 } job;
 
-static void smooth_part(world_part *part, void *user) {
+static void smooth_part(process *part, void *user) {
     job *j = user;
     j->outcome[part->rank] = smooth(&part->mesh, j->options, part->coordinates);
 }
@@ -185,13 +185,13 @@ static void compare(const planish_mesh *mesh, const planish_options *options, in
                     const int *owner) {
     const size_t values = (size_t)mesh->n_nodes * (size_t)mesh->dim;
     double *alone = malloc(values * sizeof *alone), *together = malloc(values * sizeof *together);
-    world w;
+    processes w;
     job j = {.options = options};
     memcpy(alone, mesh->coordinates, values * sizeof *alone);
     const outcome expected = smooth(mesh, options, alone);
     assert_int_equal(expected.status, 0);
-    world_create(&w, mesh, n, owner);
-    world_run(&w, smooth_part, &j);
+    processes_create(&w, mesh, n, owner);
+    processes_run(&w, smooth_part, &j);
     for (int k = 0; k < n; k++) {
         if (j.outcome[k].status)
             fail_msg("process %d: %s", k, j.outcome[k].error.text);
@@ -199,9 +199,9 @@ static void compare(const planish_mesh *mesh, const planish_options *options, in
         assert_same_result(&j.outcome[k].result, &expected.result);
         assert_same_quality(&j.outcome[k].quality, &expected.quality);
     }
-    world_gather(&w, mesh->dim, together);
+    processes_gather(&w, mesh->dim, together);
     assert_memory_equal(together, alone, values * sizeof *alone);
-    world_destroy(&w);
+    processes_destroy(&w);
     free(alone);
     free(together);
 }
@@ -271,11 +271,11 @@ static void processes_that_are_lost_end_the_call(void **state) {
     test_mesh_perturb(&m, 0.14, 5);
     own(&m.mesh, SLABS, 3, 0, owner);
     for (int call = 0;; call++) {
-        world w;
+        processes w;
         job j = {.options = &options};
-        world_create(&w, &m.mesh, 3, owner);
+        processes_create(&w, &m.mesh, 3, owner);
         w.fails_at = call;
-        world_run(&w, smooth_part, &j);
+        processes_run(&w, smooth_part, &j);
         status = j.outcome[0].status;
         for (int k = 0; k < 3; k++) {
             assert_int_equal(j.outcome[k].status, status);
@@ -283,7 +283,7 @@ static void processes_that_are_lost_end_the_call(void **state) {
                 assert_true(w.parts[k].coordinates[i] ==
                             m.coordinates[w.parts[k].node_number[i / dim] * dim + i % dim]);
         }
-        world_destroy(&w);
+        processes_destroy(&w);
         if (!status)
             break;
         assert_int_equal(status, PLANISH_ERROR_PROCESS);
@@ -298,10 +298,10 @@ static void parts_that_are_none_are_refused(void **state) {
     const planish_options options = options_of(PLAIN);
     const int owner[9] = {0};
     test_mesh m;
-    world w;
+    processes w;
     test_mesh_box(&m, 2, 2);
-    world_create(&w, &m.mesh, 1, owner);
-    world_part *p = &w.parts[0];
+    processes_create(&w, &m.mesh, 1, owner);
+    process *p = &w.parts[0];
     static const struct {
         int which, status;
         const char *text;
@@ -339,7 +339,7 @@ static void parts_that_are_none_are_refused(void **state) {
         assert_int_equal(o.status, faults[i].status);
         assert_non_null(strstr(o.error.text, faults[i].text));
     }
-    world_destroy(&w);
+    processes_destroy(&w);
     test_mesh_destroy(&m);
 }
 
@@ -353,7 +353,7 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
         planish_options options = options_of(PLAIN);
         test_mesh m;
         int owner[1000];
-        world w;
+        processes w;
         job j = {.options = &options};
         test_mesh_box(&m, 3, 4);
         test_mesh_perturb(&m, i == TANGLED ? 0.6 : 0.14, 5);
@@ -364,13 +364,13 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
             options.worst = PLANISH_WORST_ANGLE;
         if (i == BELOW)
             options.min_volume = 0.2;
-        world_create(&w, &m.mesh, 2, owner);
-        world_run(&w, smooth_part, &j);
+        processes_create(&w, &m.mesh, 2, owner);
+        processes_run(&w, smooth_part, &j);
         for (int k = 0; k < 2; k++) {
             assert_int_not_equal(j.outcome[k].status, 0);
             assert_non_null(strstr(j.outcome[k].error.text, texts[i]));
         }
-        world_destroy(&w);
+        processes_destroy(&w);
         test_mesh_destroy(&m);
     }
 }

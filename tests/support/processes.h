@@ -1,15 +1,15 @@
-/* world: a mesh in parts, and threads that have them, as processes would. */
-#ifndef TEST_SUPPORT_WORLD_H
-#define TEST_SUPPORT_WORLD_H
+/* processes: a mesh in parts, and threads that have them, as processes would. */
+#ifndef TEST_SUPPORT_PROCESSES_H
+#define TEST_SUPPORT_PROCESSES_H
 
 #include <planish/planish.h>
 
 #include <pthread.h>
 
-typedef struct world world;
+typedef struct processes processes;
 
-/** The part of one process; everything is owned but the functions' world. */
-typedef struct world_part {
+/** The part of one process; everything is owned but of. */
+typedef struct process {
     planish_mesh mesh; /* with part */
     planish_part part;
     double *coordinates;
@@ -17,30 +17,30 @@ typedef struct world_part {
     int64_t *node_number, *element_number;
     uint8_t *node_role, *is_counted, *constraint;
     double *direction, *min_volume;
-    world *world;
+    processes *of; /* all of them */
     int rank;
     const int32_t *sent_node; /* what it has sent, until the others have it */
     int64_t n_sent, sent_size;
     const void *sent;
     int64_t n_messages, n_values; /* all that it has sent */
-} world_part;
+} process;
 
-struct world {
+struct processes {
     int n;
-    world_part *parts; /* [n] */
+    process *parts; /* [n] */
     pthread_barrier_t barrier;
     int64_t **offered; /* [n] values to be added up or compared */
     int fails_at;      /* call of a function that fails in every process, counted down; -1: none */
 };
 
 /** Split mesh into n parts; owner [n_nodes] < n says which process owns a node. */
-void world_create(world *w, const planish_mesh *mesh, int n, const int *owner);
-void world_destroy(world *w);
+void processes_create(processes *w, const planish_mesh *mesh, int n, const int *owner);
+void processes_destroy(processes *w);
 
 /** Call body(part, user) for each part in a thread of its own, all at the same time. */
-void world_run(world *w, void (*body)(world_part *part, void *user), void *user);
+void processes_run(processes *w, void (*body)(process *part, void *user), void *user);
 
 /** Put the coordinates of all parts together: each node as its owner has it. */
-void world_gather(const world *w, int dim, double *coordinates);
+void processes_gather(const processes *w, int dim, double *coordinates);
 
 #endif

@@ -1,5 +1,5 @@
-/* world: a mesh in parts, and threads that have them. */
-#include "support/world.h"
+/* processes: a mesh in parts, and threads that have them. */
+#include "support/processes.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -16,18 +16,18 @@ static void *room(int64_t n, size_t size) {
 
 /* ---- what processes do together ------------------------------------------------------------- */
 
-static int failing(world_part *p) {
-    const int fails = p->world->fails_at == 0;
-    pthread_barrier_wait(&p->world->barrier);
-    if (p->rank == 0 && p->world->fails_at >= 0)
-        p->world->fails_at--;
-    pthread_barrier_wait(&p->world->barrier);
+static int failing(process *p) {
+    const int fails = p->of->fails_at == 0;
+    pthread_barrier_wait(&p->of->barrier);
+    if (p->rank == 0 && p->of->fails_at >= 0)
+        p->of->fails_at--;
+    pthread_barrier_wait(&p->of->barrier);
     return fails;
 }
 
 /** values become those of all processes: their sums, or the largest. */
-static int combine(world_part *p, int64_t *values, int n, int largest) {
-    world *w = p->world;
+static int combine(process *p, int64_t *values, int n, int largest) {
+    processes *w = p->of;
     int64_t *result = room(n, sizeof *result);
     w->offered[p->rank] = values;
     pthread_barrier_wait(&w->barrier);
@@ -57,7 +57,7 @@ static int largest(int64_t *values, int n, void *user) {
 
 static int send_values(const int32_t *node, int64_t n, const void *values, int64_t size,
                        void *user) {
-    world_part *p = user;
+    process *p = user;
     for (int64_t i = 0; i < n; i++)
         if (p->node_role[node[i]] != PLANISH_SHARED)
             abort();
@@ -71,7 +71,7 @@ static int send_values(const int32_t *node, int64_t n, const void *values, int64
 }
 
 /** The node of that number, or -1. */
-static int64_t find(const world_part *p, int64_t number) {
+static int64_t find(const process *p, int64_t number) {
     int64_t low = 0, high = p->mesh.n_nodes;
     while (low < high) {
         const int64_t middle = (low + high) / 2;
@@ -84,11 +84,11 @@ static int64_t find(const world_part *p, int64_t number) {
 }
 
 static int receive_values(planish_take_fn *take, void *taker, void *user) {
-    world_part *p = user;
-    world *w = p->world;
+    process *p = user;
+    processes *w = p->of;
     pthread_barrier_wait(&w->barrier);
     for (int k = 0; k < w->n; k++) {
-        const world_part *q = &w->parts[k];
+        const process *q = &w->parts[k];
         for (int64_t i = 0; k != p->rank && i < q->n_sent; i++) {
             const int64_t ghost = find(p, q->node_number[q->sent_node[i]]);
             if (ghost >= 0)
@@ -130,8 +130,8 @@ static uint8_t *find_shared(const planish_mesh *mesh, const int *owner) {
     return shared;
 }
 
-static void take_nodes(world_part *p, const planish_mesh *mesh, const int *owner,
-                       const uint8_t *has, const uint8_t *shared, int32_t *local) {
+static void take_nodes(process *p, const planish_mesh *mesh, const int *owner, const uint8_t *has,
+                       const uint8_t *shared, int32_t *local) {
     const int dim = mesh->dim;
     int64_t n = 0;
     p->node_number = room(mesh->n_nodes, sizeof *p->node_number);
@@ -158,7 +158,7 @@ static void take_nodes(world_part *p, const planish_mesh *mesh, const int *owner
     p->mesh.n_nodes = n;
 }
 
-static void take_elements(world_part *p, const planish_mesh *mesh, const int *owner,
+static void take_elements(process *p, const planish_mesh *mesh, const int *owner,
                           const int32_t *local) {
     const int corners = mesh->dim + 1;
     int64_t n = 0;
@@ -182,11 +182,11 @@ static void take_elements(world_part *p, const planish_mesh *mesh, const int *ow
     p->mesh.n_elements = n;
 }
 
-static void part_create(world_part *p, world *w, int rank, const planish_mesh *mesh,
+static void part_create(process *p, processes *w, int rank, const planish_mesh *mesh,
                         const int *owner, const uint8_t *shared) {
     uint8_t *has = find_nodes(mesh, owner, rank);
     int32_t *local = room(mesh->n_nodes, sizeof *local);
-    *p = (world_part){.world = w, .rank = rank, .mesh = {.dim = mesh->dim}};
+    *p = (process){.of = w, .rank = rank, .mesh = {.dim = mesh->dim}};
     take_nodes(p, mesh, owner, has, shared, local);
     take_elements(p, mesh, owner, local);
     p->part = (planish_part){.node_number = p->node_number,
@@ -207,9 +207,9 @@ static void part_create(world_part *p, world *w, int rank, const planish_mesh *m
     free(local);
 }
 
-void world_create(world *w, const planish_mesh *mesh, int n, const int *owner) {
+void processes_create(processes *w, const planish_mesh *mesh, int n, const int *owner) {
     uint8_t *shared = find_shared(mesh, owner);
-    *w = (world){.n = n, .fails_at = -1};
+    *w = (processes){.n = n, .fails_at = -1};
     w->parts = room(n, sizeof *w->parts);
     w->offered = room(n, sizeof *w->offered);
     pthread_barrier_init(&w->barrier, NULL, (unsigned)n);
@@ -218,9 +218,9 @@ void world_create(world *w, const planish_mesh *mesh, int n, const int *owner) {
     free(shared);
 }
 
-void world_destroy(world *w) {
+void processes_destroy(processes *w) {
     for (int k = 0; k < w->n; k++) {
-        world_part *p = &w->parts[k];
+        process *p = &w->parts[k];
         free(p->coordinates);
         free(p->elements);
         free(p->node_number);
@@ -239,8 +239,8 @@ void world_destroy(world *w) {
 /* ---- threads --------------------------------------------------------------------------------- */
 
 typedef struct task {
-    world_part *part;
-    void (*body)(world_part *part, void *user);
+    process *part;
+    void (*body)(process *part, void *user);
     void *user;
 } task;
 
@@ -250,7 +250,7 @@ static void *run(void *a_task) {
     return NULL;
 }
 
-void world_run(world *w, void (*body)(world_part *part, void *user), void *user) {
+void processes_run(processes *w, void (*body)(process *part, void *user), void *user) {
     pthread_t *thread = room(w->n, sizeof *thread);
     task *tasks = room(w->n, sizeof *tasks);
     for (int k = 0; k < w->n; k++) {
@@ -264,9 +264,9 @@ void world_run(world *w, void (*body)(world_part *part, void *user), void *user)
     free(tasks);
 }
 
-void world_gather(const world *w, int dim, double *coordinates) {
+void processes_gather(const processes *w, int dim, double *coordinates) {
     for (int k = 0; k < w->n; k++) {
-        const world_part *p = &w->parts[k];
+        const process *p = &w->parts[k];
         for (int64_t i = 0; i < p->mesh.n_nodes; i++)
             if (p->node_role[i] != PLANISH_GHOST)
                 memcpy(coordinates + p->node_number[i] * dim, p->coordinates + i * dim,
