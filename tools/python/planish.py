@@ -53,7 +53,8 @@ class _Mesh(ctypes.Structure):
         ("component_stride", c_int64),
         ("neighbours", c_void_p),
         ("neighbours64", c_void_p),
-        ("reserved", c_void_p * 8),
+        ("part", c_void_p),
+        ("reserved", c_void_p * 7),
     ]
 
 
