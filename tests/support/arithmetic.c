@@ -54,6 +54,16 @@ static void trap_upwards(void) {
 }
 #endif
 
+int test_arithmetic_can_trap(void) {
+#ifdef __GLIBC__
+    const int can = feenableexcept(FE_DIVBYZERO) != -1;
+    test_arithmetic_reset();
+    return can;
+#else
+    return 0;
+#endif
+}
+
 const test_arithmetic test_arithmetics[] = {
     {"upwards", round_upwards},
     {"downwards", round_downwards},

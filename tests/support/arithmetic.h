@@ -14,6 +14,9 @@ extern const test_arithmetic test_arithmetics[];
 /** The one that every process starts with. */
 void test_arithmetic_reset(void);
 
+/** Whether exceptions of this CPU can trap: those of most ARM cores cannot. */
+int test_arithmetic_can_trap(void);
+
 /** What an environment does, and the flags it has raised. */
 typedef struct test_arithmetic_state {
     int rounding, flags, traps;            /* as <fenv.h> tells them */

@@ -222,7 +222,8 @@ static void they_are_others(void **state) {
         a->set();
         const test_arithmetic_state now = test_arithmetic_now();
         test_arithmetic_reset();
-        assert_false(same_state(&usual, &now));
+        if (strcmp(a->name, "traps") != 0 || test_arithmetic_can_trap())
+            assert_false(same_state(&usual, &now));
     }
 }
 
