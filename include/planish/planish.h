@@ -117,8 +117,7 @@ typedef struct planish_mesh {
     const void *reserved[7];         /* NULL */
 } planish_mesh;
 
-/* ---- A mesh that several processes have ---------------------------------------------------------
- */
+/* ---- A mesh that several processes have ----------------------------------------------------- */
 
 /** What a node is to a process that has a part of the mesh. */
 typedef enum planish_role {

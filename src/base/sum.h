@@ -3,7 +3,7 @@
  * Every term is added to a number wide enough for all doubles, as in R. M. Neal, Fast exact
  * summation using small and large superaccumulators (2015); it is rounded once, at the end. So the
  * sum has the same bits in whatever order, by however many threads or processes, the terms are
- * added. A term costs some 2 ns.
+ * added.
  */
 #ifndef PL_BASE_SUM_H
 #define PL_BASE_SUM_H

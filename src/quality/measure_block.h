@@ -49,8 +49,7 @@ typedef struct pl_mesh_state {
     const int8_t *sign;
     const uint8_t *is_free;
     const double *coordinates;
-    const uint8_t
-        *is_movable; /* [n_elements] see pl_sum_radius_ratio_by; NULL: is_free says which do */
+    const uint8_t *is_movable; /* [n_elements] see pl_measure_by; NULL: is_free says which do */
 } pl_mesh_state;
 
 /** PL_LANES elements, one per lane; lanes past the last element are not present. */
