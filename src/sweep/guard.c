@@ -7,6 +7,7 @@
 #include "base/round.h"
 #include "base/status.h"
 #include "geometry/simplex.h"
+#include "quality/certificate.h"
 
 #include <float.h>
 #include <inttypes.h>
@@ -81,9 +82,12 @@ typedef struct work {
     const planish_options *options;
     const double *coordinates;
     double *lower, *upper, *start, *radius; /* by inner numbers */
+    uint8_t *group; /* likewise: of nodes that move together, and LEFT_ALONE */
     uint8_t *is_free;
-    int64_t held; /* shared */
+    int64_t held, left_alone; /* shared */
 } work;
+
+enum { GROUPED = 1, LEFT_ALONE = 2 }; /* bits */
 
 /** x, or where less than doubles can be stored the next such value that is not below (above) it:
  *  looked for in growing steps. */
@@ -125,9 +129,10 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
             bound(w, i, d, &lower[d], &upper[d]);
             outside |= !(lower[d] <= x[d] && x[d] <= upper[d]);
         }
-        for (int d = 0; outside && d < dim; d++)
+        const int stays = outside || (w->group && w->group[w->plan->inner[i]] & LEFT_ALONE);
+        for (int d = 0; stays && d < dim; d++)
             lower[d] = upper[d] = x[d];
-        w->is_free[i] = w->plan->is_free[i] && !outside;
+        w->is_free[i] = w->plan->is_free[i] && !stays;
         held += outside && w->plan->is_free[i] && pl_is_own(pl_part_here(), i);
     }
     __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
@@ -166,6 +171,47 @@ static int has_box(const planish_plan *plan, const planish_options *options) {
     for (int d = 0; d < plan->dim; d++)
         any |= options->box_lower[d] > -INFINITY || options->box_upper[d] < INFINITY;
     return any;
+}
+
+static void leave_alone(void *context, int64_t begin, int64_t end, int thread) {
+    work *w = context;
+    const planish_plan *plan = w->plan;
+    int64_t left_alone = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int32_t *node = plan->elements + i * (plan->dim + 1);
+        const double *vertex[4];
+        int grouped = 0;
+        for (int j = 0; j <= plan->dim; j++) {
+            vertex[j] = w->coordinates + (int64_t)node[j] * plan->dim;
+            grouped |= __atomic_load_n(&w->group[plan->inner[node[j]]], __ATOMIC_RELAXED) & GROUPED;
+        }
+        if (!grouped || pl_measure_sign(plan->dim, vertex) * (plan->sign ? plan->sign[i] : 1) > 0)
+            continue;
+        left_alone++;
+        for (int j = 0; j <= plan->dim; j++)
+            __atomic_fetch_or(&w->group[plan->inner[node[j]]], LEFT_ALONE, __ATOMIC_RELAXED);
+    }
+    __atomic_fetch_add(&w->left_alone, left_alone, __ATOMIC_RELAXED);
+}
+
+/** Find the nodes at elements that are not positive and shall stay as they are, where some of them
+ * move with others: the copy that the leader sees may be positive, by the rounding of its place.
+ * 0 without memory. */
+static int find_left_alone(work *w) {
+    const planish_plan *plan = w->plan;
+    const pl_visits *visits = &plan->sliding;
+    if (w->options->untangle || w->options->method != PLANISH_METHOD_PLANISH ||
+        visits->n_followers == 0)
+        return 1;
+    w->group = pl_alloc_zero(plan->n_nodes, sizeof *w->group);
+    if (!w->group)
+        return 0;
+    for (int64_t k = 0; k < visits->n_followers; k++)
+        if (visits->follower[k].node < plan->n_nodes)
+            w->group[visits->follower[k].node] = w->group[visits->follower[k].of] = GROUPED;
+    pl_parallel_for(plan->threads, plan->n_elements, CHUNK_NODES, leave_alone, w);
+    return 1;
 }
 
 /** Bounds that are numbers, or infinite. */
@@ -222,8 +268,8 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
                        const double *coordinates, pl_guard *guard, planish_error *error) {
     const int64_t values = plan->n_nodes * plan->dim;
     work w = {.plan = plan, .options = options, .coordinates = coordinates};
-    int memory = 1;
-    if (has_box(plan, options)) {
+    int memory = find_left_alone(&w);
+    if (memory && (has_box(plan, options) || w.left_alone > 0)) {
         guard->star.lower = w.lower = pl_alloc(values, sizeof *w.lower);
         guard->star.upper = w.upper = pl_alloc(values, sizeof *w.upper);
         guard->is_free = w.is_free = pl_alloc(plan->n_nodes, sizeof *w.is_free);
@@ -234,8 +280,10 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
         guard->star.radius = w.radius = pl_alloc(plan->n_nodes, sizeof *w.radius);
         memory = memory && w.start && w.radius;
     }
-    if (!memory)
+    if (!memory) {
+        pl_free(w.group);
         return pl_fail_memory(error, "the bounds of the nodes");
+    }
     if (w.lower)
         pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, bound_nodes, &w);
     const pl_visits *visits[] = {&plan->interior, &plan->sliding};
@@ -246,6 +294,7 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
     pl_parts_add(&w.held, 1);
     guard->held_outside = w.held;
     bound_leaders(&w);
+    pl_free(w.group);
     return PLANISH_OK;
 }
 

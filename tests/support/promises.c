@@ -13,10 +13,10 @@
 #define ANGLE_SLACK 1e-9L
 /* What the library says in doubles, against long double. */
 #define REPORTED 1e-9L
-/* times that the worse the elements are, */
-#define DOUBLES 1e-13L
-/* Where elements are so bad that doubles say nothing of them. */
-#define HOPELESS 1e7L
+/* and this for each rounding that the volumes of bad elements magnify. */
+#define DOUBLES 1e-15L
+/* Where that is more, doubles say nothing of the elements. */
+#define HOPELESS 1e-2L
 
 /* ---- nodes --------------------------------------------------------------------------------- */
 
@@ -211,9 +211,9 @@ static int check_elements(const trial *t) {
 
 /* ---- what the result says ------------------------------------------------------------------ */
 
-static int agree(const trial *t, const char *what, real mine, double theirs) {
-    const real ratio = fmaxl(t->was.rms_ratio, t->is.rms_ratio); /* about what is lost of D */
-    if (fabsl(mine - theirs) <= (REPORTED + DOUBLES * ratio) * fabsl(mine))
+/** Of a mean over elements which may be off by loss roundings. */
+static int agree(const trial *t, const char *what, real mine, real loss, double theirs) {
+    if (DOUBLES * loss > HOPELESS || fabsl(mine - theirs) <= (REPORTED + DOUBLES * loss) * mine)
         return 1;
     return promise_break(t->p, "%s is %.18Lg, not %.17g", what, mine, theirs);
 }
@@ -251,11 +251,11 @@ static int check_result(const trial *t) {
     if (!(isnan(r->kkt_residual) || r->kkt_residual >= 0) || !(r->seconds >= 0) ||
         !(r->max_multiplier >= 0) || r->visits < 0 || r->evaluations < 0 || r->n_active < 0)
         return promise_break(t->p, "numbers of the result make no sense");
-    if (t->was.rms_ratio > HOPELESS || t->is.rms_ratio > HOPELESS)
-        return 1;
-    return agree(t, "F before", t->was.objective, r->objective_before) &&
-           agree(t, "F", t->is.objective, r->objective) && agree(t, "rms", t->is.rms, r->rms) &&
-           (!t->is_sure || agree(t, "rms_movable", t->is.rms_movable, r->rms_movable));
+    return agree(t, "F before", t->was.objective, t->was.loss, r->objective_before) &&
+           agree(t, "F", t->is.objective, t->is.loss, r->objective) &&
+           agree(t, "rms", t->is.rms, t->is.loss, r->rms) &&
+           (!t->is_sure ||
+            agree(t, "rms_movable", t->is.rms_movable, t->is.loss_movable, r->rms_movable));
 }
 
 /** Elements below their least volume, which is a fraction of the domain's as it is now: where nodes
@@ -281,7 +281,7 @@ static int check_looks(const trial *t) {
         q.inverted != t->is.inverted || q.n_elements != t->is.n_elements)
         return promise_break(t->p, "planish_measure: %lld inverted elements, not %lld",
                              (long long)q.inverted, (long long)t->is.inverted);
-    if (t->is.rms_ratio < HOPELESS && !agree(t, "RR", t->is.rms_ratio, q.rms_radius_ratio))
+    if (!agree(t, "RR", t->is.rms_ratio, t->is.loss_ratio, q.rms_radius_ratio))
         return 0;
     if (!check_volumes(t))
         return 0;

@@ -179,6 +179,7 @@ static int is_movable(const worth_problem *p, int64_t element) {
 /** Sums over the valid elements. */
 typedef struct sums {
     real square, square_movable, square_ratio, square_g;
+    real loss, loss_movable, loss_ratio; /* of squares times what is lost of them */
     int64_t n, n_movable;
 } sums;
 
@@ -199,15 +200,19 @@ static void add_valid(const worth_problem *p, int64_t element, const shape *s, s
     const real ratio = radius_ratio(s), aspect = aspect_ratio(s, p->objective);
     const double least = worth_least(p, element);
     const real v = volume_of(s), g = least > 0 ? 1 - v / least : 0;
+    const real loss = 1 / s->determinant; /* edges are of length 1: what cancels in it */
     sum->n++;
     sum->square += aspect * aspect;
     sum->square_ratio += ratio * ratio;
+    sum->loss += aspect * aspect * loss;
+    sum->loss_ratio += ratio * ratio * loss;
     sum->square_g += g * g;
     w->smallest = sum->n == 1 ? v : fminl(w->smallest, v);
     if (!is_movable(p, element))
         return;
     sum->n_movable++;
     sum->square_movable += aspect * aspect;
+    sum->loss_movable += aspect * aspect * loss;
     w->worst = fmaxl(w->worst, ratio);
     w->smallest_angle = fminl(w->smallest_angle, smallest_angle(s));
 }
@@ -235,6 +240,9 @@ worth worth_of(const worth_problem *p, const double *coordinates) {
     w.rms_movable = rms(sum.square_movable, sum.n_movable);
     w.rms_ratio = rms(sum.square_ratio, sum.n);
     w.multiple = rms(sum.square_g, sum.n);
+    w.loss = sum.n > 0 ? sum.loss / sum.square : 0;
+    w.loss_movable = sum.n_movable > 0 ? sum.loss_movable / sum.square_movable : 0;
+    w.loss_ratio = sum.n > 0 ? sum.loss_ratio / sum.square_ratio : 0;
     w.objective = (1 - (real)p->area_weight) * w.rms + (real)p->area_weight * w.multiple;
     return w;
 }

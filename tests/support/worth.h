@@ -19,17 +19,18 @@ typedef struct worth_problem {
 } worth_problem;
 
 typedef struct worth {
-    int64_t n_elements;               /* known ones */
-    int64_t inverted;                 /* decided exactly */
-    int64_t below;                    /* below 0.997 of the least volume, beyond rounding, */
-    int64_t nearly;                   /* and those and what may be so by rounding */
-    real objective;                   /* F over the valid elements */
-    real rms, rms_movable, rms_ratio; /* of AR; of those with a movable node; of RR */
-    real worst;                       /* largest RR of valid elements with a movable node, */
-    real smallest_angle;              /* and smallest angle of these, degrees; 180 without any */
-    real domain;                      /* sum of the signed volumes */
-    real multiple;                    /* RMS of g */
-    real smallest, mean;              /* volume of valid elements, and mean |volume| */
+    int64_t n_elements;                  /* known ones */
+    int64_t inverted;                    /* decided exactly */
+    int64_t below;                       /* below 0.997 of the least volume, beyond rounding, */
+    int64_t nearly;                      /* and those and what may be so by rounding */
+    real objective;                      /* F over the valid elements */
+    real rms, rms_movable, rms_ratio;    /* of AR; of those with a movable node; of RR */
+    real loss, loss_movable, loss_ratio; /* how many roundings of double these may be off by */
+    real worst;                          /* largest RR of valid elements with a movable node, */
+    real smallest_angle;                 /* and smallest angle of these, degrees; 180 without any */
+    real domain;                         /* sum of the signed volumes */
+    real multiple;                       /* RMS of g */
+    real smallest, mean;                 /* volume of valid elements, and mean |volume| */
 } worth;
 
 /** At coordinates [n_nodes][dim]. */

@@ -3,6 +3,7 @@
 #include "support/meshes.h"
 
 #include "geometry/simplex.h"
+#include "quality/certificate.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -384,6 +385,58 @@ static void followers_stay_within_their_bounds(void **state) {
     assert_true(at_bound > 40);
 }
 
+static int is_positive(const planish_mesh *mesh, int64_t element) {
+    const double *vertex[4];
+    for (int j = 0; j <= mesh->dim; j++)
+        vertex[j] =
+            mesh->coordinates + (int64_t)mesh->elements[element * (mesh->dim + 1) + j] * mesh->dim;
+    return pl_measure_sign(mesh->dim, vertex) > 0;
+}
+
+/** A node of some element, at inside, comes to lie where the node at side of the same one is. */
+static void flatten(const periodic_box *p, int64_t element, int side, int inside) {
+    const int dim = p->mesh.dim;
+    const int32_t *node = p->mesh.elements + element * (dim + 1);
+    for (int d = 0; d < dim; d++)
+        p->box.coordinates[(int64_t)node[inside] * dim + d] =
+            p->box.coordinates[(int64_t)node[side] * dim + d];
+}
+
+/** Where an edge at a follower has no length its elements are flat, though their copies next to the
+ * leader may not be, by a bit: they are left alone if that is asked for. */
+static void flat_elements_are_left_alone(void **state) {
+    const int dim = *(int *)*state;
+    int64_t kept = 0, moved = 0;
+    for (int i = 0; i < 60; i++) {
+        periodic_box p;
+        planish_options options = defaults();
+        create(&p, dim, 1, 0.13);
+        turn(&p, 0.05 + 0.07 * i);
+        int64_t n = 0; /* every so many of the elements with an edge from a side to the inside */
+        for (int64_t k = 0; k < p.mesh.n_elements; k++) {
+            const int32_t *node = p.mesh.elements + k * (dim + 1);
+            for (int j = 0; j < dim; j++)
+                if ((p.constraint[node[j]] == PLANISH_FREE) !=
+                        (p.constraint[node[j + 1]] == PLANISH_FREE) &&
+                    n++ % 37 == i % 37)
+                    flatten(&p, k, j + (p.constraint[node[j]] == PLANISH_FREE),
+                            j + (p.constraint[node[j]] != PLANISH_FREE));
+        }
+        options.untangle = 0;
+        run r = smooth(&p.mesh, &options);
+        for (int64_t k = 0; k < p.mesh.n_elements; k++)
+            for (int j = 0; j <= dim && !is_positive(&p.mesh, k); j++, kept++)
+                for (int d = 0; d < dim; d++) {
+                    const int64_t at = (int64_t)p.mesh.elements[k * (dim + 1) + j] * dim + d;
+                    assert_true(r.coordinates[at] == p.mesh.coordinates[at]);
+                }
+        moved += r.result.moved_nodes;
+        free(r.coordinates);
+        destroy(&p);
+    }
+    assert_true(kept > 0 && moved > 0);
+}
+
 /** What cannot move together is held: nodes that slide otherwise, or not at all; rotations; a
  *  translation of one pair; and any nonsense does no harm. */
 static void what_is_not_alike_is_held(void **state) {
@@ -532,6 +585,7 @@ int main(void) {
         BOTH(other_options_hold),
         BOTH(rounding_harms_no_follower),
         BOTH(followers_stay_within_their_bounds),
+        BOTH(flat_elements_are_left_alone),
         BOTH(what_is_not_alike_is_held),
         BOTH(pairs_inside_are_held),
         cmocka_unit_test(thin_meshes_are_held),
