@@ -5,6 +5,7 @@
 #ifndef PL_TOOLS_COMMANDS_H
 #define PL_TOOLS_COMMANDS_H
 
+#include "engine.h"
 #include "options.h"
 
 #include <stddef.h>
@@ -13,6 +14,9 @@
 int pl_smooth_command(const pl_arguments *arguments);
 int pl_quality_command(const pl_arguments *arguments);
 int pl_report_command(const pl_arguments *arguments);
+
+/** pl_smooth_command, with another engine than this process. */
+int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine);
 
 /** Print what the tables say as kind: man (a manual page), bash or zsh (completion). For the
  *  installation. */

@@ -120,12 +120,13 @@ static int find_box(pl_job *job) {
     return 0;
 }
 
-int pl_job_read(pl_job *job, const pl_arguments *arguments) {
+int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine) {
     planish_error error;
     memset(job, 0, sizeof *job);
     job->could_slide = job->layers.n = -1;
     job->begin = pl_seconds();
     job->arguments = arguments;
+    job->engine = engine;
     job->options = arguments->library;
     job->options.bind = !arguments->leave_unbound && !user_binds_threads();
     job->options.threads = pl_threads_to_use(arguments->library.threads);
@@ -235,12 +236,12 @@ int pl_job_count_slides(pl_job *job) {
         return 0;
     uint8_t *constraint = malloc(n), *is_inside = malloc(n);
     double *direction = new_directions(job);
-    if (!constraint || !is_inside || !direction) {
+    if (!constraint || !is_inside || !direction)
         status = complain_nodes(job);
-    } else {
-        planish_plan_get_free(job->plan, is_inside);
+    if (!status)
+        status = pl_job_get_free(job, is_inside);
+    if (!status)
         status = find_slides(job, is_inside, constraint, direction);
-    }
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
         n_sliding += constraint[i] > PLANISH_FIXED;
     if (!status)
@@ -255,11 +256,17 @@ int pl_job_count_slides(pl_job *job) {
 int pl_job_plan(pl_job *job) {
     planish_error error;
     const double begin = pl_seconds();
-    if (planish_plan_create(&job->mesh, &job->options, &job->plan, &error))
+    if (job->engine->plan_create(job, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    planish_plan_get_info(job->plan, &job->plan_info);
     job->setup_seconds = pl_seconds() - begin;
     return 0;
+}
+
+int pl_job_get_free(const pl_job *job, uint8_t *is_free) {
+    planish_error error;
+    return job->engine->get_free(job, is_free, &error)
+               ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+               : 0;
 }
 
 /** A ratio over no element has no value; 0 would read as better than perfect. */
@@ -279,7 +286,7 @@ static void forget_measures(planish_quality *quality) {
 
 int pl_job_measure(const pl_job *job, planish_quality *quality) {
     planish_error error;
-    if (planish_measure(job->plan, job->mesh.coordinates, quality, &error))
+    if (job->engine->measure(job, quality, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (quality->max_radius_ratio == 0)
         forget_measures(quality);
@@ -295,7 +302,8 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
 }
 
 void pl_job_close(pl_job *job) {
-    planish_plan_destroy(job->plan);
+    if (job->engine)
+        job->engine->plan_destroy(job);
     free(job->min_volume);
     free(job->is_layer);
     free(job->direction);

@@ -5,6 +5,7 @@
 #ifndef PL_TOOLS_JOB_H
 #define PL_TOOLS_JOB_H
 
+#include "engine.h"
 #include "options.h"
 
 #include <planish/planish_io.h>
@@ -16,8 +17,19 @@ typedef struct pl_layers {
     char fix[256];   /* options that hold them by their groups, or "" */
 } pl_layers;
 
+/** What several processes that share the mesh have sent to one another, all of them together. */
+typedef struct pl_traffic {
+    int n_processes;     /* 0: one process works by itself, and nothing else is set */
+    int in_parts;        /* 0: one has done it all, as the others could not help */
+    int64_t messages;    /* values of nodes, and sums */
+    int64_t nodes;       /* values of nodes in them */
+    int64_t bytes;       /* of all messages */
+    double wait_seconds; /* of the process that has waited longest for others */
+} pl_traffic;
+
 typedef struct pl_job {
     const pl_arguments *arguments; /* the caller's */
+    const pl_engine *engine;       /* the caller's */
     planish_options options;       /* those of the arguments, and what file and machine say */
     planish_file *file;
     planish_file_info file_info;
@@ -30,6 +42,7 @@ typedef struct pl_job {
     double *min_volume;  /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
+    pl_traffic traffic;   /* of smoothing */
     double begin;         /* pl_seconds when the job began */
     double read_seconds;  /* file and constraints */
     double shape_seconds; /* nodes that slide, or could; layers, without --fix-layers */
@@ -37,7 +50,7 @@ typedef struct pl_job {
 } pl_job;
 
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */
-int pl_job_read(pl_job *job, const pl_arguments *arguments);
+int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine);
 
 /** Find the nodes that slide, if any shall. */
 int pl_job_find_slides(pl_job *job);
@@ -50,6 +63,9 @@ int pl_job_is_told(const pl_job *job);
 
 /** Where none shall, and any may move, count the nodes that could; there is a plan. */
 int pl_job_count_slides(pl_job *job);
+
+/** is_free [mesh.n_nodes] as planish_plan_get_free. */
+int pl_job_get_free(const pl_job *job, uint8_t *is_free);
 
 /** Measure the mesh as it is now. */
 int pl_job_measure(const pl_job *job, planish_quality *quality);

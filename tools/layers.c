@@ -159,10 +159,10 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
     uint8_t *moves = malloc((size_t)job->mesh.n_nodes + 1);
     if (!moves)
         return complain_memory(job);
-    planish_plan_get_free(job->plan, moves);
-    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+    const int status = pl_job_get_free(job, moves);
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
         moves[i] |= job->constraint[i] > PLANISH_FIXED;
-    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+    for (int64_t i = 0; !status && i < job->mesh.n_elements; i++) {
         int is_loose = 0;
         for (int j = 0; is_layer[i] && j < corners; j++)
             is_loose |= moves[job->mesh.elements[i * corners + j]];
@@ -170,7 +170,7 @@ static int keep_loose(pl_job *job, uint8_t *is_layer) {
         job->layers.n_loose += is_loose;
     }
     free(moves);
-    return 0;
+    return status;
 }
 
 int pl_layers_are_many(int64_t n, int64_t n_elements) {

@@ -133,7 +133,7 @@ static int measure_file(run *r, const char *input) {
     arguments.input = input;
     mesh->name = input;
     pl_progress_phase(&r->progress, PL_PHASE_READING);
-    int status = pl_job_read(&job, &arguments);
+    int status = pl_job_read(&job, &arguments, &pl_engine_here);
     if (!status)
         status = measure_job(r, &job, mesh);
     mesh->n_elements = job.mesh.n_elements;

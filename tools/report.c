@@ -224,7 +224,7 @@ static int is_same(const planish_mesh *mesh, const char *checksum) {
 static int draw_job(drawing *d, pl_job *job, const wanted *w) {
     planish_error error;
     int status = 0;
-    const int code = planish_plan_create(&job->mesh, &job->options, &job->plan, &error);
+    const int code = job->engine->plan_create(job, &error);
     if (code == PLANISH_ERROR_MEMORY)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (code) {
@@ -244,7 +244,7 @@ static int draw_job(drawing *d, pl_job *job, const wanted *w) {
  *  Returns 0, or an exit status after a message. */
 static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
     pl_arguments arguments = {.command = PL_COMMAND_REPORT, .input = path};
-    pl_job job = {.arguments = &arguments};
+    pl_job job = {.arguments = &arguments, .engine = &pl_engine_here};
     planish_error error;
     int status = 0;
     *why = "cannot be read any more";

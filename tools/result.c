@@ -233,6 +233,19 @@ static void add_seconds(document *json, cJSON *root, const pl_job *job, const pl
     add_real(json, seconds, "total", result->total_seconds);
 }
 
+/** Of several processes. */
+static void add_traffic(document *json, cJSON *root, const pl_traffic *traffic) {
+    if (traffic->n_processes == 0)
+        return;
+    cJSON *processes = new_object(json, root, "processes");
+    add_integer(json, processes, "count", traffic->n_processes);
+    add(json, processes, "in_parts", cJSON_CreateBool(traffic->in_parts));
+    add_integer(json, processes, "messages", traffic->messages);
+    add_integer(json, processes, "node_values", traffic->nodes);
+    add_integer(json, processes, "bytes", traffic->bytes);
+    add_real(json, processes, "longest_wait_seconds", traffic->wait_seconds);
+}
+
 static void add_fixed(document *json, cJSON *root, const planish_quality *quality) {
     cJSON *fixed = new_object(json, root, "fixed");
     add_integer(json, fixed, "count", quality->n_fixed);
@@ -364,6 +377,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_integer(&json, root, "threads", job->plan_info.threads);
     add_text(&json, root, "binding", job->plan_info.binding);
     add_text(&json, root, "isa", job->plan_info.isa);
+    add_traffic(&json, root, &job->traffic);
     add_seconds(&json, root, job, result);
     add_fixed(&json, root, &result->after);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);

@@ -51,8 +51,7 @@ static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
                                 */
     job->options.progress = pl_progress_step;
     job->options.progress_user = progress;
-    const int code = planish_smooth(job->plan, planish_file_coordinates(job->file), &job->options,
-                                    &result->smooth, &error);
+    const int code = job->engine->smooth(job, &result->smooth, &error);
     result->smooth_seconds = pl_seconds() - begin;
     if (code)
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
@@ -112,7 +111,7 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
         snprintf(error->text, sizeof error->text, "out of memory for the radius ratios");
         return error->code = PLANISH_ERROR_MEMORY;
     }
-    int code = planish_measure_elements(job->plan, coordinates, ratio, error);
+    int code = job->engine->measure_elements(job, ratio, error);
     if (!code)
         code = planish_file_convert(job->file, output, coordinates, job->constraint, ratio,
                                     pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE,
@@ -322,6 +321,10 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
 }
 
 int pl_smooth_command(const pl_arguments *arguments) {
+    return pl_smooth_by(arguments, &pl_engine_here);
+}
+
+int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     pl_job job;
     pl_result result = {.reason = ""};
     pl_progress progress;
@@ -330,7 +333,7 @@ int pl_smooth_command(const pl_arguments *arguments) {
         return status;
     pl_progress_init(&progress, arguments);
     pl_progress_phase(&progress, PL_PHASE_READING);
-    status = pl_job_read(&job, arguments);
+    status = pl_job_read(&job, arguments, engine);
     if (!status)
         status = check_extension(&job);
     if (!status)

@@ -13,7 +13,7 @@ enum { MOST_NAMED = 10 };
 static int check(const pl_job *job, const planish_options *options, uint8_t *state,
                  int64_t *n_below) {
     planish_error error;
-    if (planish_check_volumes(job->plan, job->mesh.coordinates, options, state, n_below, &error))
+    if (job->engine->check_volumes(job, options, state, n_below, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     return 0;
 }
@@ -84,8 +84,7 @@ int pl_unfixable_find(const pl_job *job, int64_t n_inverted, pl_unfixable *unfix
     unfixable->state = make_states(job);
     if (!unfixable->state)
         return PL_EXIT_FAILED;
-    if (planish_find_unfixable(job->plan, job->mesh.coordinates, unfixable->state, &unfixable->n,
-                               &error))
+    if (job->engine->find_unfixable(job, unfixable->state, &unfixable->n, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     return 0;
 }

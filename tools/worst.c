@@ -69,7 +69,7 @@ int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
     int status = 0;
     if (!worst->bad || !ratio)
         status = complain_memory(job);
-    else if (planish_measure_elements(job->plan, job->mesh.coordinates, ratio, &error))
+    else if (job->engine->measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     else if (worst->n > 0)
         select_worst(ratio, n_elements, worst);
@@ -78,8 +78,10 @@ int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
 }
 
 int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst) {
-    const int status = pl_worst_select(job, n, worst);
-    return !status && pl_worst_place(job, worst) ? complain_memory(job) : status;
+    int status = pl_worst_select(job, n, worst);
+    if (!status)
+        status = pl_worst_place(job, worst);
+    return status < 0 ? complain_memory(job) : status;
 }
 
 int pl_worst_find_asked(const pl_job *job, pl_worst *worst) {

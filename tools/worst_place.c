@@ -87,8 +87,8 @@ int pl_worst_place(const pl_job *job, pl_worst *worst) {
     const int32_t *region = planish_file_surface(job->file, NULL).region;
     uint8_t *is_free = malloc((size_t)job->mesh.n_nodes + 1);
     int status = is_free ? make_tags(region, job->mesh.n_elements, worst) : -1;
-    if (is_free)
-        planish_plan_get_free(job->plan, is_free);
+    if (!status)
+        status = pl_job_get_free(job, is_free);
     for (int64_t i = 0; i < worst->n && !status; i++) {
         place(job, is_free, &worst->bad[i]);
         status = find_region(job, region, worst, &worst->bad[i]);

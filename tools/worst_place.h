@@ -5,7 +5,8 @@
 #include "worst.h"
 
 /** Fill in all but element and radius_ratio of worst->bad, from the mesh as it is now. Returns 0,
- *  or -1 without memory; what there is by then is the owner's to release. */
+ *  -1 without memory, or an exit status after a message; what there is by then is the owner's to
+ *  release. */
 int pl_worst_place(const pl_job *job, pl_worst *worst);
 
 #endif

@@ -58,7 +58,8 @@ typedef enum planish_status {
     PLANISH_ERROR_MEMORY = -3,   /* memory could not be allocated */
     PLANISH_ERROR_FILE = -4,     /* a file could not be opened, read or written */
     PLANISH_ERROR_FORMAT = -5,   /* a file's content is not what its format says */
-    PLANISH_ERROR_PROCESS = -6   /* another process that has a part of the mesh was not reached */
+    PLANISH_ERROR_PROCESS = -6,  /* another process that has a part of the mesh was not reached */
+    PLANISH_ERROR_PARTS = -7     /* that is not possible with a mesh in parts, only with the whole */
 } planish_status;
 
 typedef struct planish_error {

@@ -59,7 +59,7 @@ static int check_alone(const planish_mesh *mesh, const planish_options *options,
                                                     : NULL;
     return what && mesh->part
                ? pl_fail(
-                     error, PLANISH_ERROR_ARGUMENT,
+                     error, PLANISH_ERROR_PARTS,
                      "%s is not possible with a mesh in parts; do without it, or in one process",
                      what)
                : PLANISH_OK;

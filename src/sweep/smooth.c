@@ -169,7 +169,7 @@ static int sweeps(pl_run *r, planish_error *error) {
         !has_interior(r) || r->stop != PLANISH_STOP_CONVERGED)
         return PLANISH_OK;
     if (r->plan->context->part && pl_run_below(r) > 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+        return pl_fail(error, PLANISH_ERROR_PARTS,
                        "%" PRId64 " elements stay below their least volume: raising them is not "
                        "possible with a mesh in parts; set options.untangle to 0",
                        pl_run_below(r));
@@ -207,12 +207,12 @@ static int check_alone(const pl_run *r, planish_error *error) {
     if (!r->plan->context->part || o->method != PLANISH_METHOD_PLANISH)
         return PLANISH_OK;
     if (o->worst != PLANISH_WORST_NONE)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+        return pl_fail(error, PLANISH_ERROR_PARTS,
                        "options.worst is not possible with a mesh in parts; do without it, or in "
                        "one process");
     if (o->untangle && pl_run_is_tangled(r))
         return pl_fail(
-            error, PLANISH_ERROR_ARGUMENT,
+            error, PLANISH_ERROR_PARTS,
             "%" PRId64 " elements are inverted, others flat perhaps: untangling is not "
             "possible with a mesh in parts; set options.untangle to 0, or untangle it in "
             "one process",

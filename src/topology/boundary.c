@@ -128,7 +128,7 @@ int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
         status = pl_fail_memory(error, "duplicate elements");
     const int agree = boundary->is_guess && !pl_parts_any(!c.consistent);
     if (!status && !agree && mesh->part)
-        status = pl_fail(error, PLANISH_ERROR_MESH,
+        status = pl_fail(error, PLANISH_ERROR_PARTS,
                          "elements are inverted, or not all of the same orientation, which is not "
                          "possible with a mesh in parts; do it in one process");
     else if (!status && !agree)

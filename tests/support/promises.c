@@ -240,6 +240,7 @@ static int check_stop(const trial *t) {
 
 static int check_result(const trial *t) {
     const planish_result *r = t->result;
+    const planish_options *o = t->options;
     if (!check_stop(t))
         return 0;
     if (r->inverted != t->is.inverted)
@@ -251,8 +252,11 @@ static int check_result(const trial *t) {
     if (!(isnan(r->kkt_residual) || r->kkt_residual >= 0) || !(r->seconds >= 0) ||
         !(r->max_multiplier >= 0) || r->visits < 0 || r->evaluations < 0 || r->n_active < 0)
         return promise_break(t->p, "numbers of the result make no sense");
-    return agree(t, "F before", t->was.objective, t->was.loss, r->objective_before) &&
-           agree(t, "F", t->is.objective, t->is.loss, r->objective) &&
+    /* The least volume may be a fraction of what is left when volumes cancel. */
+    const real least = o->area_weight > 0 && o->min_volume_fraction > 0 ? t->was.loss_domain : 0;
+    return agree(t, "F before", t->was.objective, t->was.loss_objective + least,
+                 r->objective_before) &&
+           agree(t, "F", t->is.objective, t->is.loss_objective + least, r->objective) &&
            agree(t, "rms", t->is.rms, t->is.loss, r->rms) &&
            (!t->is_sure ||
             agree(t, "rms_movable", t->is.rms_movable, t->is.loss_movable, r->rms_movable));

@@ -179,15 +179,18 @@ static int is_movable(const worth_problem *p, int64_t element) {
 /** Sums over the valid elements. */
 typedef struct sums {
     real square, square_movable, square_ratio, square_g;
-    real loss, loss_movable, loss_ratio; /* of squares times what is lost of them */
+    real loss, loss_movable, loss_ratio, loss_g; /* of squares times what is lost of them */
+    real loss_domain;
     int64_t n, n_movable;
 } sums;
 
-static void add_volume(const worth_problem *p, int64_t element, const shape *s, worth *w) {
+static void add_volume(const worth_problem *p, int64_t element, const shape *s, sums *sum,
+                       worth *w) {
     const real v = volume_of(s), least = worth_least(p, element) * (1 - PLANISH_VOLUME_TOLERANCE);
     const real cube = s->determinant != 0 ? v / s->determinant : 0;
     const real doubt = VOLUME_ROUNDING * (fabsl(cube) + least);
     w->domain += v;
+    sum->loss_domain += fabsl(cube);
     w->mean += fabsl(v);
     if (least > 0) {
         w->below += v < least - doubt;
@@ -207,6 +210,7 @@ static void add_valid(const worth_problem *p, int64_t element, const shape *s, s
     sum->loss += aspect * aspect * loss;
     sum->loss_ratio += ratio * ratio * loss;
     sum->square_g += g * g;
+    sum->loss_g += g * g * loss;
     w->smallest = sum->n == 1 ? v : fminl(w->smallest, v);
     if (!is_movable(p, element))
         return;
@@ -215,6 +219,10 @@ static void add_valid(const worth_problem *p, int64_t element, const shape *s, s
     sum->loss_movable += aspect * aspect * loss;
     w->worst = fmaxl(w->worst, ratio);
     w->smallest_angle = fminl(w->smallest_angle, smallest_angle(s));
+}
+
+static real ratio(real a, real b) {
+    return b > 0 ? a / b : 0;
 }
 
 static real rms(real sum, int64_t n) {
@@ -229,7 +237,7 @@ worth worth_of(const worth_problem *p, const double *coordinates) {
             continue;
         const shape s = shape_of(p, coordinates, i);
         w.n_elements++;
-        add_volume(p, i, &s, &w);
+        add_volume(p, i, &s, &sum, &w);
         if (worth_is_positive(p, coordinates, i))
             add_valid(p, i, &s, &sum, &w);
         else
@@ -240,9 +248,14 @@ worth worth_of(const worth_problem *p, const double *coordinates) {
     w.rms_movable = rms(sum.square_movable, sum.n_movable);
     w.rms_ratio = rms(sum.square_ratio, sum.n);
     w.multiple = rms(sum.square_g, sum.n);
-    w.loss = sum.n > 0 ? sum.loss / sum.square : 0;
-    w.loss_movable = sum.n_movable > 0 ? sum.loss_movable / sum.square_movable : 0;
-    w.loss_ratio = sum.n > 0 ? sum.loss_ratio / sum.square_ratio : 0;
+    w.loss = ratio(sum.loss, sum.square);
+    w.loss_movable = ratio(sum.loss_movable, sum.square_movable);
+    w.loss_ratio = ratio(sum.loss_ratio, sum.square_ratio);
+    w.loss_domain = ratio(sum.loss_domain, fabsl(w.domain));
     w.objective = (1 - (real)p->area_weight) * w.rms + (real)p->area_weight * w.multiple;
+    w.loss_objective =
+        ratio((1 - (real)p->area_weight) * w.rms * w.loss +
+                  (real)p->area_weight * w.multiple * ratio(sum.loss_g, sum.square_g),
+              w.objective);
     return w;
 }

@@ -25,7 +25,8 @@ typedef struct worth {
     int64_t nearly;                      /* and those and what may be so by rounding */
     real objective;                      /* F over the valid elements */
     real rms, rms_movable, rms_ratio;    /* of AR; of those with a movable node; of RR */
-    real loss, loss_movable, loss_ratio; /* how many roundings of double these may be off by */
+    real loss, loss_movable, loss_ratio; /* how many roundings of double these may be off by, */
+    real loss_objective, loss_domain;    /* and F, and the domain */
     real worst;                          /* largest RR of valid elements with a movable node, */
     real smallest_angle;                 /* and smallest angle of these, degrees; 180 without any */
     real domain;                         /* sum of the signed volumes */

@@ -367,7 +367,7 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
         processes_create(&w, &m.mesh, 2, owner);
         processes_run(&w, smooth_part, &j);
         for (int k = 0; k < 2; k++) {
-            assert_int_not_equal(j.outcome[k].status, 0);
+            assert_int_equal(j.outcome[k].status, PLANISH_ERROR_PARTS);
             assert_non_null(strstr(j.outcome[k].error.text, texts[i]));
         }
         processes_destroy(&w);

@@ -175,7 +175,7 @@ static int take_ratios(const pl_picture *picture, const pl_job *job, state *to) 
     to->ratio = malloc((size_t)surface->n_triangles + 1);
     if (!ratio || !to->ratio)
         status = complain_memory(job);
-    else if (planish_measure_elements(job->plan, job->mesh.coordinates, ratio, &error))
+    else if (job->engine->measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     for (int64_t i = 0; !status && i < surface->n_triangles; i++)
         to->ratio[i] = byte_of_ratio(ratio[surface->element[i]]);
