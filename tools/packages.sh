@@ -40,6 +40,8 @@ packages_full=(
 # shellcheck disable=SC2034
 packages_mpi=(
     libopenmpi-dev openmpi-bin # processes that share a mesh
+    libpetsc-real-dev pkg-config # planish-mpi
+    procps # tests end processes
 )
 # shellcheck disable=SC2034
 packages_long=(

@@ -14,7 +14,7 @@ typedef struct search {
     pl_star_problem problem;
     uint8_t *state;
     double *scratch;     /* of the kernels */
-    int32_t *star_of;    /* [n] by inner numbers: the star of a free node */
+    int32_t *star_of;    /* [n] by inner numbers: the star of a free node; -1: of a ghost */
     int32_t *next_facet; /* [n_stars] link facets of the star seen so far */
     uint8_t *is_fixed;   /* [n] by inner numbers */
     uint8_t *is_wanted;  /* [n_stars] a proof at the star would tell of an element */
@@ -47,6 +47,7 @@ static void number_stars(search *s) {
     const planish_plan *plan = s->plan;
     for (int64_t i = 0; i < plan->n_nodes; i++)
         s->is_fixed[plan->inner[i]] = !plan->is_free[i];
+    memset(s->star_of, -1, (size_t)plan->n_nodes * sizeof *s->star_of);
     for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
         s->star_of[plan->interior.centre[i]] = (int32_t)i;
 }
@@ -95,7 +96,7 @@ static void look_at_elements(search *s) {
         int64_t node = only_free_node(plan, i);
         if (node == -1 || has_coincident_nodes(s, i))
             s->state[i] = PLANISH_VOLUME_INFEASIBLE;
-        else if (node >= 0)
+        else if (node >= 0 && star_of_node(s, node) >= 0)
             s->is_wanted[star_of_node(s, node)] = 1;
     }
 }
@@ -116,7 +117,7 @@ static int64_t mark_elements(search *s, int given_up) {
     for (int64_t i = 0; i < plan->n_elements; i++) {
         for (int j = 0; j <= plan->dim; j++) {
             int32_t node = plan->elements[i * (plan->dim + 1) + j];
-            if (plan->is_free[node] != PL_INTERIOR)
+            if (plan->is_free[node] != PL_INTERIOR || star_of_node(s, node) < 0)
                 continue;
             int32_t star = star_of_node(s, node);
             int64_t facet = plan->interior.stars.link_offset[star] + s->next_facet[star]++;

@@ -1,0 +1,123 @@
+/* main: planish-mpi, the program for meshes that MPI processes share. */
+#include "crew.h"
+
+#include "help.h"
+#include "commands.h"
+#include "message.h"
+#include "platform.h"
+#include "signals.h"
+
+#include "base/parallel.h"
+
+#include <petscsys.h>
+
+#include <sched.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+/** What the first process tells the others before there is a crew. */
+typedef struct start {
+    int status;  /* of a command line that asks for no work, else -1 */
+    int threads; /* that the command line asks for, for each process, or 0 */
+} start;
+
+static int print_version(void) {
+    int major, minor;
+    MPI_Get_version(&major, &minor);
+    printf("planish-mpi %s\nSmooths meshes that several processes share.\nMPI %d.%d, PETSc "
+           "%d.%d.%d.\n",
+           planish_version(), major, minor, PETSC_VERSION_MAJOR, PETSC_VERSION_MINOR,
+           PETSC_VERSION_SUBMINOR);
+    return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
+}
+
+static int print_help(void) {
+    printf("planish-mpi is 'planish smooth' by several processes (docs/distributed.md):\n\n"
+           "    mpirun -n 4 planish-mpi IN -o OUT [OPTION...]\n\n"
+           "Its options are those of 'planish smooth'; -j is for each process.\n\n");
+    pl_help_print_command(pl_command_row(PL_COMMAND_SMOOTH));
+    return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
+}
+
+/** Understand the command line, in the first process. */
+static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
+    static char command[] = "smooth"; /* whose options these are */
+    argv[0] = command;
+    start s = {.status = pl_arguments_parse(arguments, PL_COMMAND_SMOOTH, argc, argv)};
+    if (!s.status && arguments->help)
+        s.status = print_help();
+    else if (!s.status && arguments->version)
+        s.status = print_version();
+    else if (!s.status)
+        s.status = -1;
+    s.threads = arguments->library.threads;
+    return s;
+}
+
+/** The threads of each process, if none were asked for: processes of one machine that mpirun has
+ * not given cores of their own share all of them, and must not be bound to the same ones. */
+static int share_cores(int *bind) {
+    MPI_Comm machine;
+    int n_here, cores = pl_thread_count(0);
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    MPI_Comm_size(machine, &n_here);
+    MPI_Allreduce(MPI_IN_PLACE, &cores, 1, MPI_INT, MPI_MIN, machine);
+    MPI_Comm_free(&machine);
+    *bind = (long)cores * n_here <= sysconf(_SC_NPROCESSORS_ONLN);
+    return *bind || cores < n_here ? (*bind ? cores : 1) : cores / n_here;
+}
+
+/** The first process is told to stop, and tells the others. */
+static void ignore_signals(void) {
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
+        signal(signals[i], SIG_IGN);
+}
+
+static int work(int rank, const start *s, pl_arguments *arguments) {
+    pl_crew crew;
+    int bind;
+    const int threads = share_cores(&bind);
+    pl_crew_create(&crew, s->threads > 0 ? s->threads : threads, bind);
+    arguments->library.threads = crew.threads;
+    arguments->leave_unbound |= !bind;
+    const int status = rank == 0 ? pl_crew_lead(&crew, arguments) : pl_crew_follow(&crew);
+    pl_crew_destroy(&crew);
+    return status;
+}
+
+static int run(int argc, char **argv) {
+    int rank;
+    pl_arguments arguments = {.input = NULL};
+    start s = {.status = -1};
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    if (rank == 0) {
+        pl_signals_install();
+        s = read_arguments(argc, argv, &arguments);
+    } else {
+        ignore_signals();
+    }
+    MPI_Bcast(&s, sizeof s, MPI_BYTE, 0, MPI_COMM_WORLD);
+    const int status = s.status >= 0 ? s.status : work(rank, &s, &arguments);
+    if (rank == 0)
+        pl_arguments_free(&arguments);
+    return status;
+}
+
+int main(int argc, char **argv) {
+    int provided;
+    argv = pl_platform_begin(argc, argv);
+    if (!argv || MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided))
+        return PL_EXIT_FAILED;
+    /* Errors are told by us, as they are of planish; options of PETSc may be in PETSC_OPTIONS. */
+    PetscOptionsSetValue(NULL, "-no_signal_handler", "true");
+    if (PetscInitializeNoArguments())
+        MPI_Abort(MPI_COMM_WORLD, PL_EXIT_FAILED);
+    PetscPushErrorHandler(PetscReturnErrorHandler, NULL);
+    const int status = run(argc, argv);
+    PetscFinalize();
+    MPI_Finalize();
+    return pl_signals_done(status);
+}

@@ -1,0 +1,603 @@
+/* share: a mesh is cut and handed out by DMPlex. */
+#include "share.h"
+
+#include "partition.h"
+
+#include <petscdmplex.h>
+#include <petscsf.h>
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** The mesh as DMPlex hands it out: numbers of the whole mesh, cells and nodes in its order. */
+typedef struct piece {
+    int dim, rank;
+    int64_t n_cells, n_nodes; /* with the overlap */
+    int32_t *corner;          /* [n_cells][dim + 1] numbers */
+    int32_t *cell;            /* [n_cells] numbers */
+    int32_t *node;            /* [n_nodes] numbers */
+    int *owner;               /* [n_nodes] rank */
+    PetscSF cells, nodes;     /* from the first process's to these */
+    PetscSF points;           /* DMPlex's own, of points that other processes own, */
+    int64_t first_node;       /* and the point that node 0 is */
+    int64_t n_points;
+} piece;
+
+/** What each process must know of the whole. */
+typedef struct outline {
+    int64_t n_nodes, n_elements;
+    int dim, has_constraint, has_direction, has_min_volume;
+} outline;
+
+static int fail(planish_error *error, int code, const char *text) {
+    *error = (planish_error){.code = code, .element = -1, .node = -1};
+    snprintf(error->text, sizeof error->text, "%s", text);
+    return code;
+}
+
+static int fail_memory(planish_error *error) {
+    return fail(error, PLANISH_ERROR_MEMORY, "out of memory for the parts of the mesh");
+}
+
+static int fail_petsc(planish_error *error, PetscErrorCode code) {
+    const char *text = NULL;
+    PetscErrorMessage(code, &text, NULL);
+    *error = (planish_error){.code = code == PETSC_ERR_MEM ? PLANISH_ERROR_MEMORY
+                                                           : PLANISH_ERROR_PROCESS,
+                             .element = -1,
+                             .node = -1};
+    snprintf(error->text, sizeof error->text, "PETSc could not share the mesh out: %s",
+             text ? text : "for a reason of its own");
+    return error->code;
+}
+
+/** At least one element, so that NULL is want of memory. */
+static void *new_array(int64_t n, size_t size) {
+    return calloc((size_t)n + 1, size);
+}
+
+/* ---- cut and handed out --------------------------------------------------------------------- */
+
+/** The mesh as a DMPlex, all of it in the first process. */
+static PetscErrorCode make_plex(MPI_Comm comm, const outline *o, const planish_mesh *whole,
+                                DM *dm) {
+    const PetscInt n_cells = whole ? (PetscInt)o->n_elements : 0;
+    const PetscInt n_nodes = whole ? (PetscInt)o->n_nodes : 0;
+    const PetscInt corners = o->dim + 1;
+    PetscInt *corner = NULL;
+    PetscCall(PetscMalloc1((size_t)n_cells * (size_t)corners + 1, &corner));
+    for (int64_t i = 0; i < (int64_t)n_cells * corners; i++)
+        corner[i] = whole->elements[i];
+    /* Of coordinates it needs none: a line of zeros for each node, that soon goes away. */
+    PetscReal *zero = NULL;
+    PetscCall(PetscCalloc1((size_t)n_nodes + 1, &zero));
+    PetscErrorCode code = DMPlexCreateFromCellListPetsc(comm, o->dim, n_cells, n_nodes, corners,
+                                                        PETSC_FALSE, corner, 1, zero, dm);
+    PetscCall(PetscFree(corner));
+    PetscCall(PetscFree(zero));
+    return code;
+}
+
+/** Cut it by cells, and give each process its piece with all cells at the piece's nodes. */
+static PetscErrorCode hand_out(DM dm, const planish_mesh *whole, PetscSF *migration, DM *out) {
+    PetscPartitioner partitioner;
+    PetscCall(DMSetBasicAdjacency(dm, PETSC_FALSE, PETSC_TRUE));
+    PetscCall(DMPlexGetPartitioner(dm, &partitioner));
+    PetscCall(pl_partition(PetscObjectComm((PetscObject)dm), whole, partitioner));
+    return DMPlexDistribute(dm, 1, migration, out);
+}
+
+/** Of migration what goes to the points begin .. end here, which are cells or nodes: their first
+ * one is point root_begin in the first process, that has n_roots. *number: which they are. */
+static PetscErrorCode select_points(MPI_Comm comm, PetscSF migration, PetscInt begin, PetscInt end,
+                                    int64_t root_begin, int64_t n_roots, PetscSF *sf,
+                                    int32_t **number) {
+    PetscInt n_leaves;
+    const PetscInt *local;
+    const PetscSFNode *remote;
+    PetscInt *leaf = NULL, n = 0;
+    PetscSFNode *root = NULL;
+    PetscCall(PetscSFGetGraph(migration, NULL, &n_leaves, &local, &remote));
+    PetscCall(PetscMalloc1((size_t)(end - begin) + 1, &leaf));
+    PetscCall(PetscMalloc1((size_t)(end - begin) + 1, &root));
+    *number = new_array(end - begin, sizeof **number);
+    PetscCheck(*number, PETSC_COMM_SELF, PETSC_ERR_MEM, "Numbers");
+    for (PetscInt i = 0; i < n_leaves; i++) {
+        const PetscInt point = local ? local[i] : i;
+        if (point < begin || point >= end)
+            continue;
+        leaf[n] = point - begin;
+        root[n].rank = remote[i].rank;
+        root[n].index = remote[i].index - (PetscInt)root_begin;
+        (*number)[leaf[n]] = (int32_t)root[n].index;
+        n++;
+    }
+    PetscCheck(n == end - begin, PETSC_COMM_SELF, PETSC_ERR_PLIB, "Points from nowhere");
+    PetscCall(PetscSFCreate(comm, sf));
+    return PetscSFSetGraph(*sf, (PetscInt)n_roots, n, leaf, PETSC_OWN_POINTER, root,
+                           PETSC_OWN_POINTER);
+}
+
+static PetscErrorCode find_owners(piece *p, DM dm) {
+    PetscInt n_leaves;
+    const PetscInt *local;
+    const PetscSFNode *remote;
+    PetscCall(DMGetPointSF(dm, &p->points));
+    PetscCall(PetscObjectReference((PetscObject)p->points));
+    PetscCall(PetscSFGetGraph(p->points, NULL, &n_leaves, &local, &remote));
+    p->owner = new_array(p->n_nodes, sizeof *p->owner);
+    PetscCheck(p->owner, PETSC_COMM_SELF, PETSC_ERR_MEM, "Owners");
+    for (int64_t i = 0; i < p->n_nodes; i++)
+        p->owner[i] = p->rank;
+    for (PetscInt i = 0; i < n_leaves; i++) {
+        const int64_t node = (local ? local[i] : i) - p->first_node;
+        if (node >= 0 && node < p->n_nodes)
+            p->owner[node] = (int)remote[i].rank;
+    }
+    return 0;
+}
+
+/** Values of count elements of type of cells or nodes, from the first process's. */
+static PetscErrorCode bring(PetscSF sf, MPI_Datatype type, int count, const void *from, void *to) {
+    MPI_Datatype row;
+    MPI_Type_contiguous(count, type, &row);
+    MPI_Type_commit(&row);
+    PetscCall(PetscSFBcastBegin(sf, row, from, to, MPI_REPLACE));
+    PetscCall(PetscSFBcastEnd(sf, row, from, to, MPI_REPLACE));
+    MPI_Type_free(&row);
+    return 0;
+}
+
+/** What has come here of dm, to which migration has led. */
+static PetscErrorCode take_piece(MPI_Comm comm, DM dm, PetscSF migration, const outline *o,
+                                 const planish_mesh *whole, piece *p) {
+    PetscInt cell_begin, cell_end, node_begin, node_end, point_end;
+    PetscCall(DMPlexGetChart(dm, NULL, &point_end));
+    PetscCall(DMPlexGetHeightStratum(dm, 0, &cell_begin, &cell_end));
+    PetscCall(DMPlexGetDepthStratum(dm, 0, &node_begin, &node_end));
+    p->n_points = point_end;
+    p->n_cells = cell_end - cell_begin;
+    p->n_nodes = p->n_cells > 0 ? node_end - node_begin : 0; /* cells of nothing have depth 0 */
+    p->first_node = node_begin;
+    PetscCall(select_points(comm, migration, cell_begin, cell_begin + (PetscInt)p->n_cells, 0,
+                            whole ? o->n_elements : 0, &p->cells, &p->cell));
+    PetscCall(select_points(comm, migration, node_begin, node_begin + (PetscInt)p->n_nodes,
+                            o->n_elements, whole ? o->n_nodes : 0, &p->nodes, &p->node));
+    PetscCall(find_owners(p, dm));
+    p->corner = new_array(p->n_cells * (o->dim + 1), sizeof *p->corner);
+    PetscCheck(p->corner, PETSC_COMM_SELF, PETSC_ERR_MEM, "Corners");
+    return bring(p->cells, MPI_INT32_T, o->dim + 1, whole ? whole->elements : NULL, p->corner);
+}
+
+static PetscErrorCode cut(MPI_Comm comm, const outline *o, const planish_mesh *whole, piece *p) {
+    DM dm = NULL, out = NULL;
+    PetscSF migration = NULL;
+    MPI_Comm_rank(comm, &p->rank);
+    p->dim = o->dim;
+    PetscCall(make_plex(comm, o, whole, &dm));
+    PetscCall(hand_out(dm, whole, &migration, &out));
+    PetscCall(DMDestroy(&dm));
+    PetscCall(take_piece(comm, out, migration, o, whole, p));
+    PetscCall(PetscSFDestroy(&migration));
+    return DMDestroy(&out);
+}
+
+static void destroy_piece(piece *p) {
+    free(p->corner);
+    free(p->cell);
+    free(p->node);
+    free(p->owner);
+    PetscSFDestroy(&p->cells);
+    PetscSFDestroy(&p->nodes);
+    PetscSFDestroy(&p->points);
+}
+
+/* ---- the part ------------------------------------------------------------------------------- */
+
+/** Nodes and elements of the part, in the order of the whole mesh: where each is in the piece; -1:
+ * a node of no element, that only the first process has. Everything is owned. */
+typedef struct selection {
+    int64_t n_nodes, n_elements;
+    int64_t *node, *element; /* in the piece */
+    int32_t *number;         /* [n_nodes] in the whole mesh */
+    int32_t *here;           /* [piece's n_nodes] in the part, or -1 */
+} selection;
+
+typedef struct numbered {
+    int32_t number;
+    int64_t at;
+} numbered;
+
+static int compare_numbered(const void *a, const void *b) {
+    const numbered *p = a, *q = b;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+/** The places of the numbers [n], ascending by them; NULL without memory. */
+static numbered *sort_numbers(const int32_t *number, int64_t n) {
+    numbered *sorted = new_array(n, sizeof *sorted);
+    for (int64_t i = 0; sorted && i < n; i++)
+        sorted[i] = (numbered){number[i], i};
+    if (sorted)
+        qsort(sorted, (size_t)n, sizeof *sorted, compare_numbered);
+    return sorted;
+}
+
+static int64_t find_number(const numbered *sorted, int64_t n, int32_t number) {
+    const numbered key = {.number = number};
+    const numbered *found = bsearch(&key, sorted, (size_t)n, sizeof *sorted, compare_numbered);
+    return found ? found->at : -1;
+}
+
+/** Elements with a node of this process, and their nodes. Corners become places in the piece. */
+static int select_elements(piece *p, const numbered *nodes, selection *s) {
+    const int corners = p->dim + 1;
+    numbered *cells = sort_numbers(p->cell, p->n_cells);
+    s->element = new_array(p->n_cells, sizeof *s->element);
+    s->here = new_array(p->n_nodes, sizeof *s->here);
+    if (!cells || !s->element || !s->here) {
+        free(cells);
+        return -1;
+    }
+    memset(s->here, -1, (size_t)p->n_nodes * sizeof *s->here);
+    for (int64_t i = 0; i < p->n_cells; i++) {
+        const int64_t cell = cells[i].at;
+        int32_t *corner = p->corner + cell * corners;
+        int is_ours = 0;
+        for (int j = 0; j < corners; j++) {
+            corner[j] = (int32_t)find_number(nodes, p->n_nodes, corner[j]);
+            is_ours |= p->owner[corner[j]] == p->rank;
+        }
+        for (int j = 0; is_ours && j < corners; j++)
+            s->here[corner[j]] = 0;
+        if (is_ours)
+            s->element[s->n_elements++] = cell;
+    }
+    free(cells);
+    return 0;
+}
+
+/** Number the nodes of the selected elements; unused [n] ones, by their numbers, are among them. */
+static int select_nodes(const piece *p, const numbered *nodes, const int32_t *unused, int64_t n,
+                        selection *s) {
+    int64_t k = 0;
+    s->node = new_array(p->n_nodes + n, sizeof *s->node);
+    s->number = new_array(p->n_nodes + n, sizeof *s->number);
+    if (!s->node || !s->number)
+        return -1;
+    for (int64_t i = 0; i <= p->n_nodes; i++) {
+        for (; k < n && (i == p->n_nodes || unused[k] < nodes[i].number); k++) {
+            s->node[s->n_nodes] = -1;
+            s->number[s->n_nodes++] = unused[k];
+        }
+        if (i == p->n_nodes || s->here[nodes[i].at] < 0)
+            continue;
+        s->here[nodes[i].at] = (int32_t)s->n_nodes;
+        s->node[s->n_nodes] = nodes[i].at;
+        s->number[s->n_nodes++] = nodes[i].number;
+    }
+    return 0;
+}
+
+/** The nodes of no element of whole, [*n]; NULL without memory. */
+static int32_t *find_unused(const planish_mesh *whole, int64_t *n) {
+    const int64_t n_nodes = whole ? whole->n_nodes : 0;
+    const int64_t n_corners = whole ? whole->n_elements * (whole->dim + 1) : 0;
+    uint8_t *is_used = new_array(n_nodes, 1);
+    *n = 0;
+    for (int64_t i = 0; is_used && i < n_corners; i++)
+        is_used[whole->elements[i]] = 1;
+    for (int64_t i = 0; is_used && i < n_nodes; i++)
+        *n += !is_used[i];
+    int32_t *unused = is_used ? new_array(*n, sizeof *unused) : NULL;
+    *n = 0;
+    for (int64_t i = 0; unused && i < n_nodes; i++)
+        if (!is_used[i])
+            unused[(*n)++] = (int32_t)i;
+    free(is_used);
+    return unused;
+}
+
+static int select_part(piece *p, const planish_mesh *whole, selection *s) {
+    int64_t n_unused;
+    numbered *nodes = sort_numbers(p->node, p->n_nodes);
+    int32_t *unused = find_unused(whole, &n_unused);
+    int status = nodes && unused ? 0 : -1;
+    if (!status)
+        status = select_elements(p, nodes, s);
+    if (!status)
+        status = select_nodes(p, nodes, unused, n_unused, s);
+    free(nodes);
+    free(unused);
+    return status;
+}
+
+static void destroy_selection(selection *s) {
+    free(s->node);
+    free(s->element);
+    free(s->number);
+    free(s->here);
+}
+
+/** Values of the nodes (or, with elements, of these) of the part, of count elements of type, from
+ *  the whole mesh's; NULL without memory. */
+static void *take_values(const piece *p, const selection *s, int of_elements, MPI_Datatype type,
+                         int count, const void *whole) {
+    int bytes;
+    MPI_Type_size(type, &bytes);
+    const size_t size = (size_t)bytes * (size_t)count;
+    char *of_piece = new_array(of_elements ? p->n_cells : p->n_nodes, size);
+    const int64_t n = of_elements ? s->n_elements : s->n_nodes;
+    const int64_t *at = of_elements ? s->element : s->node;
+    char *values = of_piece ? new_array(n, size) : NULL;
+    if (!values || bring(of_elements ? p->cells : p->nodes, type, count, whole, of_piece)) {
+        free(values);
+        values = NULL;
+    }
+    for (int64_t i = 0; values && i < n; i++) /* of nodes that are unused whole is there */
+        memcpy(values + (size_t)i * size,
+               at[i] >= 0 ? of_piece + (size_t)at[i] * size
+                          : (const char *)whole + (size_t)s->number[i] * size,
+               size);
+    free(of_piece);
+    return values;
+}
+
+/** Who has which ghosts of ours: create the exchange. */
+static int make_exchange(pl_share *share, MPI_Comm comm, const piece *p, const selection *s,
+                         planish_error *error) {
+    int *at_root = new_array(p->n_points, sizeof *at_root),
+        *at = new_array(p->n_points, sizeof *at);
+    pl_ghost *ghost = new_array(s->n_nodes, sizeof *ghost);
+    int64_t n = 0;
+    int status = at_root && at && ghost ? 0 : fail_memory(error);
+    for (int64_t i = 0; !status && i < p->n_nodes; i++)
+        at_root[p->first_node + i] = s->here[i];
+    if (!status && bring(p->points, MPI_INT, 1, at_root, at))
+        status = fail_petsc(error, PETSC_ERR_LIB);
+    for (int64_t i = 0; !status && i < s->n_nodes; i++)
+        if (s->node[i] >= 0 && p->owner[s->node[i]] != p->rank)
+            ghost[n++] = (pl_ghost){.node = (int32_t)i,
+                                    .owner = p->owner[s->node[i]],
+                                    .of_node = at[p->first_node + s->node[i]]};
+    if (!status)
+        status = pl_exchange_create(&share->exchange, comm, ghost, n, s->n_nodes, error);
+    free(at_root);
+    free(at);
+    free(ghost);
+    return status;
+}
+
+/** elements, node_number and element_number. */
+static int number_part(pl_share *share, const piece *p, const selection *s) {
+    const int corners = p->dim + 1;
+    share->elements = new_array(s->n_elements * corners, sizeof *share->elements);
+    share->element_number = new_array(s->n_elements, sizeof *share->element_number);
+    share->node_number = new_array(s->n_nodes, sizeof *share->node_number);
+    if (!share->elements || !share->element_number || !share->node_number)
+        return -1;
+    for (int64_t i = 0; i < s->n_elements; i++) {
+        share->element_number[i] = p->cell[s->element[i]];
+        for (int j = 0; j < corners; j++)
+            share->elements[i * corners + j] = s->here[p->corner[s->element[i] * corners + j]];
+    }
+    for (int64_t i = 0; i < s->n_nodes; i++)
+        share->node_number[i] = s->number[i];
+    return 0;
+}
+
+/** An element is counted where its first node by number is moved. */
+static int find_roles(pl_share *share, const piece *p, const selection *s) {
+    const int corners = p->dim + 1;
+    share->role = new_array(s->n_nodes, 1);
+    share->is_counted = new_array(s->n_elements, 1);
+    if (!share->role || !share->is_counted)
+        return -1;
+    for (int64_t i = 0; i < s->n_nodes; i++) {
+        const int is_ghost = s->node[i] >= 0 && p->owner[s->node[i]] != p->rank;
+        share->role[i] = (uint8_t)(is_ghost                                  ? PLANISH_GHOST
+                                   : pl_exchange_shares(&share->exchange, i) ? PLANISH_SHARED
+                                                                             : PLANISH_OWN);
+    }
+    for (int64_t i = 0; i < s->n_elements; i++) {
+        const int32_t *node = share->elements + i * corners;
+        int32_t first = node[0];
+        for (int j = 1; j < corners; j++)
+            first = node[j] < first ? node[j] : first;
+        share->is_counted[i] = share->role[first] != PLANISH_GHOST;
+    }
+    return 0;
+}
+
+static int take_part(pl_share *share, MPI_Comm comm, const outline *o, const planish_mesh *whole,
+                     const piece *p, const selection *s, planish_error *error) {
+    const int dim = o->dim;
+    share->coordinates = take_values(p, s, 0, MPI_DOUBLE, dim, whole ? whole->coordinates : NULL);
+    if (o->has_constraint)
+        share->constraint =
+            take_values(p, s, 0, MPI_UNSIGNED_CHAR, 1, whole ? whole->constraint : NULL);
+    if (o->has_direction)
+        share->direction = take_values(p, s, 0, MPI_DOUBLE, dim, whole ? whole->direction : NULL);
+    if (o->has_min_volume)
+        share->min_volume = take_values(p, s, 1, MPI_DOUBLE, 1, whole ? whole->min_volume : NULL);
+    if (!share->coordinates || (o->has_constraint && !share->constraint) ||
+        (o->has_direction && !share->direction) || (o->has_min_volume && !share->min_volume) ||
+        number_part(share, p, s))
+        return fail_memory(error);
+    const int status = make_exchange(share, comm, p, s, error);
+    if (status)
+        return status;
+    return find_roles(share, p, s) ? fail_memory(error) : PLANISH_OK;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------ */
+
+/** One process has the whole mesh as its part. */
+static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
+                    planish_error *error) {
+    const int64_t n = whole->n_nodes, m = whole->n_elements;
+    const int dim = whole->dim;
+#define COPY(to, from, count)                                                                      \
+    if (from) {                                                                                    \
+        (to) = new_array((count), sizeof *(to));                                                   \
+        if (!(to))                                                                                 \
+            return fail_memory(error);                                                             \
+        memcpy((to), (from), (size_t)(count) * sizeof *(to));                                      \
+    }
+    COPY(share->coordinates, whole->coordinates, n * dim)
+    COPY(share->elements, whole->elements, m * (dim + 1))
+    COPY(share->constraint, whole->constraint, n)
+    COPY(share->direction, whole->direction, n * dim)
+    COPY(share->min_volume, whole->min_volume, m)
+#undef COPY
+    share->role = new_array(n, 1); /* PLANISH_OWN */
+    share->is_counted = new_array(m, 1);
+    share->node_number = new_array(n, sizeof *share->node_number);
+    share->element_number = new_array(m, sizeof *share->element_number);
+    if (!share->role || !share->is_counted || !share->node_number || !share->element_number)
+        return fail_memory(error);
+    memset(share->is_counted, 1, (size_t)m);
+    for (int64_t i = 0; i < n; i++)
+        share->node_number[i] = i;
+    for (int64_t i = 0; i < m; i++)
+        share->element_number[i] = i;
+    share->mesh.n_nodes = n;
+    share->mesh.n_elements = m;
+    return pl_exchange_create(&share->exchange, comm, NULL, 0, n, error);
+}
+
+static int share_out(pl_share *share, MPI_Comm comm, const outline *o, const planish_mesh *whole,
+                     planish_error *error) {
+    piece p = {.dim = o->dim};
+    selection s = {.n_nodes = 0};
+    const PetscErrorCode code = cut(comm, o, whole, &p);
+    int status = code ? fail_petsc(error, code) : PLANISH_OK;
+    if (!status && select_part(&p, whole, &s))
+        status = fail_memory(error);
+    if (!status)
+        status = take_part(share, comm, o, whole, &p, &s, error);
+    share->mesh.n_nodes = s.n_nodes;
+    share->mesh.n_elements = s.n_elements;
+    destroy_selection(&s);
+    destroy_piece(&p);
+    return status;
+}
+
+static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *number,
+                            const uint8_t *out, int without, int64_t n) {
+    int rank, n_ranks, status = 0;
+    MPI_Comm_rank(comm, &rank);
+    MPI_Comm_size(comm, &n_ranks);
+    int32_t *mine = new_array(n, sizeof *mine);
+    *c = (pl_collection){.comm = comm};
+    for (int64_t i = 0; mine && i < n; i++)
+        if (!out || out[i] != without)
+            mine[c->n++] = (int32_t)number[i];
+    if (rank == 0) {
+        c->count = new_array(n_ranks, sizeof *c->count);
+        c->at = new_array(n_ranks, sizeof *c->at);
+    }
+    if (!mine || (rank == 0 && (!c->count || !c->at)))
+        status = -1;
+    if (!status)
+        MPI_Gather(&c->n, 1, MPI_INT, c->count, 1, MPI_INT, 0, comm);
+    for (int k = 1; !status && rank == 0 && k <= n_ranks; k++)
+        c->at[k] = c->at[k - 1] + c->count[k - 1];
+    if (!status && rank == 0 && !(c->number = new_array(c->at[n_ranks], sizeof *c->number)))
+        status = -1;
+    if (!status)
+        MPI_Gatherv(mine, c->n, MPI_INT32_T, c->number, c->count, c->at, MPI_INT32_T, 0, comm);
+    free(mine);
+    return status;
+}
+
+int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
+                    planish_error *error) {
+    int n_ranks;
+    outline o = {0};
+    *share = (pl_share){.mesh = {.dim = 0}};
+    MPI_Comm_size(comm, &n_ranks);
+    if (whole)
+        o = (outline){.n_nodes = whole->n_nodes,
+                      .n_elements = whole->n_elements,
+                      .dim = whole->dim,
+                      .has_constraint = whole->constraint != NULL,
+                      .has_direction = whole->direction != NULL,
+                      .has_min_volume = whole->min_volume != NULL};
+    MPI_Bcast(&o, sizeof o, MPI_BYTE, 0, comm);
+    if (n_ranks > 1 && o.n_nodes + o.n_elements > PETSC_MAX_INT)
+        return fail(
+            error, PLANISH_ERROR_PARTS,
+            "PETSc was built with integers of 32 bits, which are too short for a mesh of so "
+            "many nodes and elements; one with 64 is needed");
+    const int status = n_ranks > 1 ? share_out(share, comm, &o, whole, error)
+                                   : take_all(share, comm, whole, error);
+    if (status)
+        return status;
+    share->part = (planish_part){.node_number = share->node_number,
+                                 .node_role = share->role,
+                                 .is_counted = share->is_counted};
+    pl_exchange_serve(&share->exchange, &share->part);
+    share->mesh.dim = o.dim;
+    share->mesh.coordinates = share->coordinates;
+    share->mesh.elements = share->elements;
+    share->mesh.constraint = share->constraint;
+    share->mesh.direction = share->direction;
+    share->mesh.min_volume = share->min_volume;
+    share->mesh.part = &share->part;
+    const planish_mesh *mesh = &share->mesh;
+    return start_collection(&share->own_nodes, comm, share->node_number, share->role, PLANISH_GHOST,
+                            mesh->n_nodes) ||
+                   start_collection(&share->counted_elements, comm, share->element_number,
+                                    share->is_counted, 0, mesh->n_elements) ||
+                   start_collection(&share->all_elements, comm, share->element_number, NULL, 0,
+                                    mesh->n_elements)
+               ? fail_memory(error)
+               : PLANISH_OK;
+}
+
+static void destroy_collection(pl_collection *c) {
+    free(c->count);
+    free(c->at);
+    free(c->number);
+}
+
+void pl_share_destroy(pl_share *share) {
+    pl_exchange_destroy(&share->exchange);
+    destroy_collection(&share->own_nodes);
+    destroy_collection(&share->counted_elements);
+    destroy_collection(&share->all_elements);
+    free(share->coordinates);
+    free(share->direction);
+    free(share->min_volume);
+    free(share->elements);
+    free(share->constraint);
+    free(share->role);
+    free(share->is_counted);
+    free(share->node_number);
+    free(share->element_number);
+    *share = (pl_share){.mesh = {.dim = 0}};
+}
+
+int pl_collect(const pl_collection *c, const void *values, int size, void *whole) {
+    int n_ranks;
+    MPI_Datatype row;
+    MPI_Comm_size(c->comm, &n_ranks);
+    const int64_t n = c->at ? c->at[n_ranks] : 0;
+    char *all = c->at ? new_array(n, (size_t)size) : NULL, *to = whole;
+    if (c->at && !all)
+        return -1;
+    MPI_Type_contiguous(size, MPI_BYTE, &row);
+    MPI_Type_commit(&row);
+    MPI_Gatherv(values, c->n, row, all, c->count, c->at, row, 0, c->comm);
+    MPI_Type_free(&row);
+    for (int64_t i = 0; i < n; i++) {
+        char *place = to + (int64_t)c->number[i] * size;
+        if (size > 1 || (uint8_t)all[i] > (uint8_t)*place)
+            memcpy(place, all + i * size, (size_t)size);
+    }
+    free(all);
+    return 0;
+}

@@ -1,0 +1,44 @@
+/* share: what a process has of a mesh that the first process has read, and others work on, too.
+ *
+ * PETSc's DMPlex cuts the mesh into pieces (PT-Scotch) with one layer of overlap, and hands them
+ * out.
+ */
+#ifndef PL_MPI_SHARE_H
+#define PL_MPI_SHARE_H
+
+#include "exchange.h"
+
+/** Numbers of what each process has, in the first one: to collect values there. */
+typedef struct pl_collection {
+    MPI_Comm comm;
+    int n;           /* of this process */
+    int *count, *at; /* [ranks], in the first process; owned */
+    int32_t *number; /* [at[last] + count[last]] likewise, in the whole mesh */
+} pl_collection;
+
+/** The part of this process. Everything is owned. */
+typedef struct pl_share {
+    planish_mesh mesh; /* its arrays are those that follow */
+    planish_part part;
+    double *coordinates, *direction, *min_volume;
+    int32_t *elements;
+    uint8_t *constraint, *role, *is_counted;
+    int64_t *node_number, *element_number; /* in the whole mesh */
+    pl_exchange exchange;
+    pl_collection own_nodes, counted_elements, all_elements;
+} pl_share;
+
+/** Share whole, which the first process has (the others: NULL). Collective. Returns 0, or a
+ * negative planish_status with *error filled in, not in all processes the same; to be destroyed in
+ * any case.
+ */
+int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
+                    planish_error *error);
+void pl_share_destroy(pl_share *share);
+
+/** Collect values [n][size] of all processes: the first one puts them to whole [.][size], in the
+ *  order of the whole mesh; where several have the same number the byte that is larger is taken, of
+ * values of one byte. Returns 0, or -1 without memory. */
+int pl_collect(const pl_collection *collection, const void *values, int size, void *whole);
+
+#endif

@@ -1,0 +1,106 @@
+#!/usr/bin/env bash
+# planish-mpi: on 1, 2, 3 and more processes the file, checksum and exit status of `planish smooth`, with
+# its options; and what goes wrong is told once, and ends all processes.
+set -u
+work=$(mktemp -d) || exit 1
+trap 'rm -rf "$work"' EXIT
+fail() { echo "program.sh: $*" >&2; exit 1; }
+
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+# together N ARGUMENT...: planish-mpi in N processes, and its exit status.
+together() {
+    local n=$1
+    shift
+    timeout 250 mpirun --oversubscribe -n "$n" "$PLANISH_MPI_PROGRAM" "$@"
+}
+
+# compare FILE HOW OPTION...: HOW: parts or alone, what the processes are to do.
+compare() {
+    local file=$1 how=$2 extension=${1##*.} n status expected
+    shift 2
+    "$PLANISH_PROGRAM" smooth "$file" -o "$work/0.$extension" -q -j 1 --json "$work/0.json" "$@" 2>"$work/0.err"
+    expected=$?
+    for n in 1 2 3 5; do
+        rm -f "$work/n.$extension"
+        together $n "$file" -o "$work/n.$extension" -q -j 1 --json "$work/n.json" "$@" 2>"$work/n.err"
+        status=$?
+        [ $status = $expected ] || fail "$file $*: status $status, not $expected: $(cat "$work/n.err")"
+        cmp "$work/0.$extension" "$work/n.$extension" || fail "$file $*: other bytes with $n processes"
+        python3 "$PLANISH_SOURCE/tests/mpi/compare.py" "$work/0.json" "$work/n.json" $n $how ||
+            fail "$file $*: another report with $n processes"
+    done
+}
+
+sample=$PLANISH_SOURCE/docs/examples/bracket.msh
+python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 6 0.9 "$work/tangled.mesh" || fail "no mesh"
+python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 9 0.15 "$work/valid.mesh" || fail "no mesh"
+compare "$sample" parts
+compare "$sample" parts --slide auto
+compare "$sample" parts --min-volume-fraction 1e-6 --area-weight 0.2 --objective mean-ratio
+compare "$sample" alone --objective worst
+compare "$work/valid.mesh" parts --report "$work/report.html"
+compare "$work/valid.mesh" parts --box 0.1,0.1,0.1,0.9,0.9,0.9 --direction fletcher-reeves
+compare "$work/valid.mesh" parts --method laplacian
+compare "$work/valid.mesh" alone --only-worse-than 2
+compare "$work/tangled.mesh" alone
+compare "$PLANISH_SOURCE/tests/data/square.msh" parts
+compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
+[ -s "$work/report.html" ] || fail "no report"
+
+# More processes than elements, and nodes of no element.
+cat >"$work/one.mesh" <<'MESH'
+MeshVersionFormatted 2
+Dimension 3
+Vertices
+5
+0 0 0 1
+7 7 7 1
+1 0 0 1
+0 1 0 1
+0 0 1 1
+Tetrahedra
+1
+1 3 4 5 1
+End
+MESH
+compare "$work/one.mesh" parts
+
+# One line of error, of one process, and its status in all.
+for n in 1 3; do
+    together $n "$work/none.mesh" -o "$work/out.mesh" 2>"$work/err"
+    [ $? = 2 ] || fail "a missing file"
+    [ "$(grep -c '^planish: .*none.mesh' "$work/err")" = 1 ] || fail "a missing file: $(cat "$work/err")"
+    together $n "$work/one.mesh" -o "$work/out.mesh" --wrong 2>"$work/err"
+    [ $? = 64 ] || fail "a wrong option"
+    [ "$(grep -c '^planish: unknown option' "$work/err")" = 1 ] || fail "a wrong option: $(cat "$work/err")"
+    together $n "$work/one.mesh" -o /dev/full 2>"$work/err"
+    [ $? = 2 ] || fail "a full disk"
+done
+together 2 --version >"$work/out" || fail "--version"
+grep -q "^planish-mpi [0-9]" "$work/out" || fail "--version: $(cat "$work/out")"
+together 2 --help | grep -q "mpirun -n 4 planish-mpi IN -o OUT" || fail "--help"
+
+# A process that dies ends the others; nothing is left half written.
+python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 50 0.2 "$work/large.mesh" || fail "no mesh"
+mkdir "$work/end"
+for signal in KILL TERM; do
+    together 3 "$work/large.mesh" -o "$work/end/out.mesh" -v -j 1 --tolerance 1e-13 --max-sweeps 100000 \
+        >/dev/null 2>"$work/err" &
+    run=$!
+    for _ in $(seq 600); do # until they are at it
+        grep -q "smoothing" "$work/err" && break
+        sleep 0.1
+    done
+    if [ $signal = KILL ]; then
+        pkill -KILL -n -f "^$PLANISH_MPI_PROGRAM $work/large.mesh"
+    else
+        pkill -TERM -f "^mpirun .*$work/large.mesh"
+    fi
+    wait $run
+    status=$?
+    [ $status != 0 ] && [ $status != 124 ] || fail "a process that is ended by $signal: status $status"
+    sleep 1
+    pgrep -f "^$PLANISH_MPI_PROGRAM $work/large.mesh" >/dev/null && fail "processes stay after $signal"
+    [ -z "$(find "$work/end" -type f ! -name out.mesh)" ] || fail "half written after $signal: $(ls -A "$work/end")"
+done
+exit 0
