@@ -1,35 +1,9 @@
-/* share: a mesh is cut and handed out by DMPlex. */
+/* share: from what DMPlex hands out to what planish wants of a part. */
 #include "share.h"
 
-#include "partition.h"
-
-#include <petscdmplex.h>
-#include <petscsf.h>
-
-#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-/** The mesh as DMPlex hands it out: numbers of the whole mesh, cells and nodes in its order. */
-typedef struct piece {
-    int dim, rank;
-    int64_t n_cells, n_nodes; /* with the overlap */
-    int32_t *corner;          /* [n_cells][dim + 1] numbers */
-    int32_t *cell;            /* [n_cells] numbers */
-    int32_t *node;            /* [n_nodes] numbers */
-    int *owner;               /* [n_nodes] rank */
-    PetscSF cells, nodes;     /* from the first process's to these */
-    PetscSF points;           /* DMPlex's own, of points that other processes own, */
-    int64_t first_node;       /* and the point that node 0 is */
-    int64_t n_points;
-} piece;
-
-/** What each process must know of the whole. */
-typedef struct outline {
-    int64_t n_nodes, n_elements;
-    int dim, has_constraint, has_direction, has_min_volume;
-} outline;
 
 static int fail(planish_error *error, int code, const char *text) {
     *error = (planish_error){.code = code, .element = -1, .node = -1};
@@ -41,7 +15,7 @@ static int fail_memory(planish_error *error) {
     return fail(error, PLANISH_ERROR_MEMORY, "out of memory for the parts of the mesh");
 }
 
-static int fail_petsc(planish_error *error, PetscErrorCode code) {
+int pl_fail_petsc(planish_error *error, PetscErrorCode code) {
     const char *text = NULL;
     PetscErrorMessage(code, &text, NULL);
     *error = (planish_error){.code = code == PETSC_ERR_MEM ? PLANISH_ERROR_MEMORY
@@ -53,148 +27,7 @@ static int fail_petsc(planish_error *error, PetscErrorCode code) {
     return error->code;
 }
 
-/** At least one element, so that NULL is want of memory. */
-static void *new_array(int64_t n, size_t size) {
-    return calloc((size_t)n + 1, size);
-}
-
-/* ---- cut and handed out --------------------------------------------------------------------- */
-
-/** The mesh as a DMPlex, all of it in the first process. */
-static PetscErrorCode make_plex(MPI_Comm comm, const outline *o, const planish_mesh *whole,
-                                DM *dm) {
-    const PetscInt n_cells = whole ? (PetscInt)o->n_elements : 0;
-    const PetscInt n_nodes = whole ? (PetscInt)o->n_nodes : 0;
-    const PetscInt corners = o->dim + 1;
-    PetscInt *corner = NULL;
-    PetscCall(PetscMalloc1((size_t)n_cells * (size_t)corners + 1, &corner));
-    for (int64_t i = 0; i < (int64_t)n_cells * corners; i++)
-        corner[i] = whole->elements[i];
-    /* Of coordinates it needs none: a line of zeros for each node, that soon goes away. */
-    PetscReal *zero = NULL;
-    PetscCall(PetscCalloc1((size_t)n_nodes + 1, &zero));
-    PetscErrorCode code = DMPlexCreateFromCellListPetsc(comm, o->dim, n_cells, n_nodes, corners,
-                                                        PETSC_FALSE, corner, 1, zero, dm);
-    PetscCall(PetscFree(corner));
-    PetscCall(PetscFree(zero));
-    return code;
-}
-
-/** Cut it by cells, and give each process its piece with all cells at the piece's nodes. */
-static PetscErrorCode hand_out(DM dm, const planish_mesh *whole, PetscSF *migration, DM *out) {
-    PetscPartitioner partitioner;
-    PetscCall(DMSetBasicAdjacency(dm, PETSC_FALSE, PETSC_TRUE));
-    PetscCall(DMPlexGetPartitioner(dm, &partitioner));
-    PetscCall(pl_partition(PetscObjectComm((PetscObject)dm), whole, partitioner));
-    return DMPlexDistribute(dm, 1, migration, out);
-}
-
-/** Of migration what goes to the points begin .. end here, which are cells or nodes: their first
- * one is point root_begin in the first process, that has n_roots. *number: which they are. */
-static PetscErrorCode select_points(MPI_Comm comm, PetscSF migration, PetscInt begin, PetscInt end,
-                                    int64_t root_begin, int64_t n_roots, PetscSF *sf,
-                                    int32_t **number) {
-    PetscInt n_leaves;
-    const PetscInt *local;
-    const PetscSFNode *remote;
-    PetscInt *leaf = NULL, n = 0;
-    PetscSFNode *root = NULL;
-    PetscCall(PetscSFGetGraph(migration, NULL, &n_leaves, &local, &remote));
-    PetscCall(PetscMalloc1((size_t)(end - begin) + 1, &leaf));
-    PetscCall(PetscMalloc1((size_t)(end - begin) + 1, &root));
-    *number = new_array(end - begin, sizeof **number);
-    PetscCheck(*number, PETSC_COMM_SELF, PETSC_ERR_MEM, "Numbers");
-    for (PetscInt i = 0; i < n_leaves; i++) {
-        const PetscInt point = local ? local[i] : i;
-        if (point < begin || point >= end)
-            continue;
-        leaf[n] = point - begin;
-        root[n].rank = remote[i].rank;
-        root[n].index = remote[i].index - (PetscInt)root_begin;
-        (*number)[leaf[n]] = (int32_t)root[n].index;
-        n++;
-    }
-    PetscCheck(n == end - begin, PETSC_COMM_SELF, PETSC_ERR_PLIB, "Points from nowhere");
-    PetscCall(PetscSFCreate(comm, sf));
-    return PetscSFSetGraph(*sf, (PetscInt)n_roots, n, leaf, PETSC_OWN_POINTER, root,
-                           PETSC_OWN_POINTER);
-}
-
-static PetscErrorCode find_owners(piece *p, DM dm) {
-    PetscInt n_leaves;
-    const PetscInt *local;
-    const PetscSFNode *remote;
-    PetscCall(DMGetPointSF(dm, &p->points));
-    PetscCall(PetscObjectReference((PetscObject)p->points));
-    PetscCall(PetscSFGetGraph(p->points, NULL, &n_leaves, &local, &remote));
-    p->owner = new_array(p->n_nodes, sizeof *p->owner);
-    PetscCheck(p->owner, PETSC_COMM_SELF, PETSC_ERR_MEM, "Owners");
-    for (int64_t i = 0; i < p->n_nodes; i++)
-        p->owner[i] = p->rank;
-    for (PetscInt i = 0; i < n_leaves; i++) {
-        const int64_t node = (local ? local[i] : i) - p->first_node;
-        if (node >= 0 && node < p->n_nodes)
-            p->owner[node] = (int)remote[i].rank;
-    }
-    return 0;
-}
-
-/** Values of count elements of type of cells or nodes, from the first process's. */
-static PetscErrorCode bring(PetscSF sf, MPI_Datatype type, int count, const void *from, void *to) {
-    MPI_Datatype row;
-    MPI_Type_contiguous(count, type, &row);
-    MPI_Type_commit(&row);
-    PetscCall(PetscSFBcastBegin(sf, row, from, to, MPI_REPLACE));
-    PetscCall(PetscSFBcastEnd(sf, row, from, to, MPI_REPLACE));
-    MPI_Type_free(&row);
-    return 0;
-}
-
-/** What has come here of dm, to which migration has led. */
-static PetscErrorCode take_piece(MPI_Comm comm, DM dm, PetscSF migration, const outline *o,
-                                 const planish_mesh *whole, piece *p) {
-    PetscInt cell_begin, cell_end, node_begin, node_end, point_end;
-    PetscCall(DMPlexGetChart(dm, NULL, &point_end));
-    PetscCall(DMPlexGetHeightStratum(dm, 0, &cell_begin, &cell_end));
-    PetscCall(DMPlexGetDepthStratum(dm, 0, &node_begin, &node_end));
-    p->n_points = point_end;
-    p->n_cells = cell_end - cell_begin;
-    p->n_nodes = p->n_cells > 0 ? node_end - node_begin : 0; /* cells of nothing have depth 0 */
-    p->first_node = node_begin;
-    PetscCall(select_points(comm, migration, cell_begin, cell_begin + (PetscInt)p->n_cells, 0,
-                            whole ? o->n_elements : 0, &p->cells, &p->cell));
-    PetscCall(select_points(comm, migration, node_begin, node_begin + (PetscInt)p->n_nodes,
-                            o->n_elements, whole ? o->n_nodes : 0, &p->nodes, &p->node));
-    PetscCall(find_owners(p, dm));
-    p->corner = new_array(p->n_cells * (o->dim + 1), sizeof *p->corner);
-    PetscCheck(p->corner, PETSC_COMM_SELF, PETSC_ERR_MEM, "Corners");
-    return bring(p->cells, MPI_INT32_T, o->dim + 1, whole ? whole->elements : NULL, p->corner);
-}
-
-static PetscErrorCode cut(MPI_Comm comm, const outline *o, const planish_mesh *whole, piece *p) {
-    DM dm = NULL, out = NULL;
-    PetscSF migration = NULL;
-    MPI_Comm_rank(comm, &p->rank);
-    p->dim = o->dim;
-    PetscCall(make_plex(comm, o, whole, &dm));
-    PetscCall(hand_out(dm, whole, &migration, &out));
-    PetscCall(DMDestroy(&dm));
-    PetscCall(take_piece(comm, out, migration, o, whole, p));
-    PetscCall(PetscSFDestroy(&migration));
-    return DMDestroy(&out);
-}
-
-static void destroy_piece(piece *p) {
-    free(p->corner);
-    free(p->cell);
-    free(p->node);
-    free(p->owner);
-    PetscSFDestroy(&p->cells);
-    PetscSFDestroy(&p->nodes);
-    PetscSFDestroy(&p->points);
-}
-
-/* ---- the part ------------------------------------------------------------------------------- */
+/* ---- which nodes and elements --------------------------------------------------------------- */
 
 /** Nodes and elements of the part, in the order of the whole mesh: where each is in the piece; -1:
  * a node of no element, that only the first process has. Everything is owned. */
@@ -217,7 +50,7 @@ static int compare_numbered(const void *a, const void *b) {
 
 /** The places of the numbers [n], ascending by them; NULL without memory. */
 static numbered *sort_numbers(const int32_t *number, int64_t n) {
-    numbered *sorted = new_array(n, sizeof *sorted);
+    numbered *sorted = pl_new_array(n, sizeof *sorted);
     for (int64_t i = 0; sorted && i < n; i++)
         sorted[i] = (numbered){number[i], i};
     if (sorted)
@@ -232,17 +65,17 @@ static int64_t find_number(const numbered *sorted, int64_t n, int32_t number) {
 }
 
 /** Elements with a node of this process, and their nodes. Corners become places in the piece. */
-static int select_elements(piece *p, const numbered *nodes, selection *s) {
+static int select_elements(pl_piece *p, const numbered *nodes, selection *s) {
     const int corners = p->dim + 1;
-    numbered *cells = sort_numbers(p->cell, p->n_cells);
-    s->element = new_array(p->n_cells, sizeof *s->element);
-    s->here = new_array(p->n_nodes, sizeof *s->here);
+    numbered *cells = sort_numbers(p->element, p->n_elements);
+    s->element = pl_new_array(p->n_elements, sizeof *s->element);
+    s->here = pl_new_array(p->n_nodes, sizeof *s->here);
     if (!cells || !s->element || !s->here) {
         free(cells);
         return -1;
     }
     memset(s->here, -1, (size_t)p->n_nodes * sizeof *s->here);
-    for (int64_t i = 0; i < p->n_cells; i++) {
+    for (int64_t i = 0; i < p->n_elements; i++) {
         const int64_t cell = cells[i].at;
         int32_t *corner = p->corner + cell * corners;
         int is_ours = 0;
@@ -260,11 +93,11 @@ static int select_elements(piece *p, const numbered *nodes, selection *s) {
 }
 
 /** Number the nodes of the selected elements; unused [n] ones, by their numbers, are among them. */
-static int select_nodes(const piece *p, const numbered *nodes, const int32_t *unused, int64_t n,
+static int select_nodes(const pl_piece *p, const numbered *nodes, const int32_t *unused, int64_t n,
                         selection *s) {
     int64_t k = 0;
-    s->node = new_array(p->n_nodes + n, sizeof *s->node);
-    s->number = new_array(p->n_nodes + n, sizeof *s->number);
+    s->node = pl_new_array(p->n_nodes + n, sizeof *s->node);
+    s->number = pl_new_array(p->n_nodes + n, sizeof *s->number);
     if (!s->node || !s->number)
         return -1;
     for (int64_t i = 0; i <= p->n_nodes; i++) {
@@ -285,13 +118,13 @@ static int select_nodes(const piece *p, const numbered *nodes, const int32_t *un
 static int32_t *find_unused(const planish_mesh *whole, int64_t *n) {
     const int64_t n_nodes = whole ? whole->n_nodes : 0;
     const int64_t n_corners = whole ? whole->n_elements * (whole->dim + 1) : 0;
-    uint8_t *is_used = new_array(n_nodes, 1);
+    uint8_t *is_used = pl_new_array(n_nodes, 1);
     *n = 0;
     for (int64_t i = 0; is_used && i < n_corners; i++)
         is_used[whole->elements[i]] = 1;
     for (int64_t i = 0; is_used && i < n_nodes; i++)
         *n += !is_used[i];
-    int32_t *unused = is_used ? new_array(*n, sizeof *unused) : NULL;
+    int32_t *unused = is_used ? pl_new_array(*n, sizeof *unused) : NULL;
     *n = 0;
     for (int64_t i = 0; unused && i < n_nodes; i++)
         if (!is_used[i])
@@ -300,7 +133,7 @@ static int32_t *find_unused(const planish_mesh *whole, int64_t *n) {
     return unused;
 }
 
-static int select_part(piece *p, const planish_mesh *whole, selection *s) {
+static int select_part(pl_piece *p, const planish_mesh *whole, selection *s) {
     int64_t n_unused;
     numbered *nodes = sort_numbers(p->node, p->n_nodes);
     int32_t *unused = find_unused(whole, &n_unused);
@@ -321,47 +154,36 @@ static void destroy_selection(selection *s) {
     free(s->here);
 }
 
-/** Values of the nodes (or, with elements, of these) of the part, of count elements of type, from
- *  the whole mesh's; NULL without memory. */
-static void *take_values(const piece *p, const selection *s, int of_elements, MPI_Datatype type,
-                         int count, const void *whole) {
-    int bytes;
-    MPI_Type_size(type, &bytes);
-    const size_t size = (size_t)bytes * (size_t)count;
-    char *of_piece = new_array(of_elements ? p->n_cells : p->n_nodes, size);
-    const int64_t n = of_elements ? s->n_elements : s->n_nodes;
-    const int64_t *at = of_elements ? s->element : s->node;
-    char *values = of_piece ? new_array(n, size) : NULL;
-    if (!values || bring(of_elements ? p->cells : p->nodes, type, count, whole, of_piece)) {
-        free(values);
-        values = NULL;
-    }
-    for (int64_t i = 0; values && i < n; i++) /* of nodes that are unused whole is there */
+/** Values [.][size] of nodes or elements of the part, which are at [n] in those of the piece; of a
+ *  node that the piece has not (at -1) in whole, by its number. NULL without memory. */
+static void *take_values(int64_t n, const int64_t *at, const int32_t *number, const void *of_piece,
+                         const void *whole, size_t size) {
+    char *values = pl_new_array(n, size);
+    for (int64_t i = 0; values && i < n; i++)
         memcpy(values + (size_t)i * size,
-               at[i] >= 0 ? of_piece + (size_t)at[i] * size
-                          : (const char *)whole + (size_t)s->number[i] * size,
+               at[i] >= 0 ? (const char *)of_piece + (size_t)at[i] * size
+                          : (const char *)whole + (size_t)number[i] * size,
                size);
-    free(of_piece);
     return values;
 }
 
 /** Who has which ghosts of ours: create the exchange. */
-static int make_exchange(pl_share *share, MPI_Comm comm, const piece *p, const selection *s,
+static int make_exchange(pl_share *share, MPI_Comm comm, const pl_piece *p, const selection *s,
                          planish_error *error) {
-    int *at_root = new_array(p->n_points, sizeof *at_root),
-        *at = new_array(p->n_points, sizeof *at);
-    pl_ghost *ghost = new_array(s->n_nodes, sizeof *ghost);
+    int *at_root = pl_new_array(p->n_points, sizeof *at_root),
+        *at = pl_new_array(p->n_points, sizeof *at);
+    pl_ghost *ghost = pl_new_array(s->n_nodes, sizeof *ghost);
     int64_t n = 0;
     int status = at_root && at && ghost ? 0 : fail_memory(error);
     for (int64_t i = 0; !status && i < p->n_nodes; i++)
-        at_root[p->first_node + i] = s->here[i];
-    if (!status && bring(p->points, MPI_INT, 1, at_root, at))
-        status = fail_petsc(error, PETSC_ERR_LIB);
+        at_root[p->first_point + i] = s->here[i];
+    if (!status && pl_bring(p->points, MPI_INT, 1, at_root, at))
+        status = pl_fail_petsc(error, PETSC_ERR_LIB);
     for (int64_t i = 0; !status && i < s->n_nodes; i++)
         if (s->node[i] >= 0 && p->owner[s->node[i]] != p->rank)
             ghost[n++] = (pl_ghost){.node = (int32_t)i,
                                     .owner = p->owner[s->node[i]],
-                                    .of_node = at[p->first_node + s->node[i]]};
+                                    .of_node = at[p->first_point + s->node[i]]};
     if (!status)
         status = pl_exchange_create(&share->exchange, comm, ghost, n, s->n_nodes, error);
     free(at_root);
@@ -371,15 +193,15 @@ static int make_exchange(pl_share *share, MPI_Comm comm, const piece *p, const s
 }
 
 /** elements, node_number and element_number. */
-static int number_part(pl_share *share, const piece *p, const selection *s) {
+static int number_part(pl_share *share, const pl_piece *p, const selection *s) {
     const int corners = p->dim + 1;
-    share->elements = new_array(s->n_elements * corners, sizeof *share->elements);
-    share->element_number = new_array(s->n_elements, sizeof *share->element_number);
-    share->node_number = new_array(s->n_nodes, sizeof *share->node_number);
+    share->elements = pl_new_array(s->n_elements * corners, sizeof *share->elements);
+    share->element_number = pl_new_array(s->n_elements, sizeof *share->element_number);
+    share->node_number = pl_new_array(s->n_nodes, sizeof *share->node_number);
     if (!share->elements || !share->element_number || !share->node_number)
         return -1;
     for (int64_t i = 0; i < s->n_elements; i++) {
-        share->element_number[i] = p->cell[s->element[i]];
+        share->element_number[i] = p->element[s->element[i]];
         for (int j = 0; j < corners; j++)
             share->elements[i * corners + j] = s->here[p->corner[s->element[i] * corners + j]];
     }
@@ -389,10 +211,10 @@ static int number_part(pl_share *share, const piece *p, const selection *s) {
 }
 
 /** An element is counted where its first node by number is moved. */
-static int find_roles(pl_share *share, const piece *p, const selection *s) {
+static int find_roles(pl_share *share, const pl_piece *p, const selection *s) {
     const int corners = p->dim + 1;
-    share->role = new_array(s->n_nodes, 1);
-    share->is_counted = new_array(s->n_elements, 1);
+    share->role = pl_new_array(s->n_nodes, 1);
+    share->is_counted = pl_new_array(s->n_elements, 1);
     if (!share->role || !share->is_counted)
         return -1;
     for (int64_t i = 0; i < s->n_nodes; i++) {
@@ -411,25 +233,26 @@ static int find_roles(pl_share *share, const piece *p, const selection *s) {
     return 0;
 }
 
-static int take_part(pl_share *share, MPI_Comm comm, const outline *o, const planish_mesh *whole,
-                     const piece *p, const selection *s, planish_error *error) {
-    const int dim = o->dim;
-    share->coordinates = take_values(p, s, 0, MPI_DOUBLE, dim, whole ? whole->coordinates : NULL);
-    if (o->has_constraint)
+/** Values of nodes and elements; 0, or -1 without memory. */
+static int fill(pl_share *share, const planish_mesh *whole, const pl_piece *p, const selection *s) {
+    static const planish_mesh nothing = {.dim = 0};
+    const planish_mesh *w = whole ? whole : &nothing;
+    const size_t row = (size_t)p->dim * sizeof(double);
+    share->coordinates =
+        take_values(s->n_nodes, s->node, s->number, p->coordinates, w->coordinates, row);
+    if (p->constraint)
         share->constraint =
-            take_values(p, s, 0, MPI_UNSIGNED_CHAR, 1, whole ? whole->constraint : NULL);
-    if (o->has_direction)
-        share->direction = take_values(p, s, 0, MPI_DOUBLE, dim, whole ? whole->direction : NULL);
-    if (o->has_min_volume)
-        share->min_volume = take_values(p, s, 1, MPI_DOUBLE, 1, whole ? whole->min_volume : NULL);
-    if (!share->coordinates || (o->has_constraint && !share->constraint) ||
-        (o->has_direction && !share->direction) || (o->has_min_volume && !share->min_volume) ||
-        number_part(share, p, s))
-        return fail_memory(error);
-    const int status = make_exchange(share, comm, p, s, error);
-    if (status)
-        return status;
-    return find_roles(share, p, s) ? fail_memory(error) : PLANISH_OK;
+            take_values(s->n_nodes, s->node, s->number, p->constraint, w->constraint, 1);
+    if (p->direction)
+        share->direction =
+            take_values(s->n_nodes, s->node, s->number, p->direction, w->direction, row);
+    if (p->min_volume)
+        share->min_volume =
+            take_values(s->n_elements, s->element, NULL, p->min_volume, NULL, sizeof(double));
+    return share->coordinates && (!p->constraint || share->constraint) &&
+                   (!p->direction || share->direction) && (!p->min_volume || share->min_volume)
+               ? 0
+               : -1;
 }
 
 /* ---- all of it ------------------------------------------------------------------------------ */
@@ -441,7 +264,7 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     const int dim = whole->dim;
 #define COPY(to, from, count)                                                                      \
     if (from) {                                                                                    \
-        (to) = new_array((count), sizeof *(to));                                                   \
+        (to) = pl_new_array((count), sizeof *(to));                                                \
         if (!(to))                                                                                 \
             return fail_memory(error);                                                             \
         memcpy((to), (from), (size_t)(count) * sizeof *(to));                                      \
@@ -452,10 +275,10 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     COPY(share->direction, whole->direction, n * dim)
     COPY(share->min_volume, whole->min_volume, m)
 #undef COPY
-    share->role = new_array(n, 1); /* PLANISH_OWN */
-    share->is_counted = new_array(m, 1);
-    share->node_number = new_array(n, sizeof *share->node_number);
-    share->element_number = new_array(m, sizeof *share->element_number);
+    share->role = pl_new_array(n, 1); /* PLANISH_OWN */
+    share->is_counted = pl_new_array(m, 1);
+    share->node_number = pl_new_array(n, sizeof *share->node_number);
+    share->element_number = pl_new_array(m, sizeof *share->element_number);
     if (!share->role || !share->is_counted || !share->node_number || !share->element_number)
         return fail_memory(error);
     memset(share->is_counted, 1, (size_t)m);
@@ -468,20 +291,29 @@ static int take_all(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
     return pl_exchange_create(&share->exchange, comm, NULL, 0, n, error);
 }
 
-static int share_out(pl_share *share, MPI_Comm comm, const outline *o, const planish_mesh *whole,
-                     planish_error *error) {
-    piece p = {.dim = o->dim};
+static int take_piece(pl_share *share, MPI_Comm comm, const planish_mesh *whole, pl_piece *p,
+                      planish_error *error) {
     selection s = {.n_nodes = 0};
-    const PetscErrorCode code = cut(comm, o, whole, &p);
-    int status = code ? fail_petsc(error, code) : PLANISH_OK;
-    if (!status && select_part(&p, whole, &s))
-        status = fail_memory(error);
+    int status = select_part(p, whole, &s) || fill(share, whole, p, &s) || number_part(share, p, &s)
+                     ? fail_memory(error)
+                     : PLANISH_OK;
     if (!status)
-        status = take_part(share, comm, o, whole, &p, &s, error);
+        status = make_exchange(share, comm, p, &s, error);
+    if (!status && find_roles(share, p, &s))
+        status = fail_memory(error);
     share->mesh.n_nodes = s.n_nodes;
     share->mesh.n_elements = s.n_elements;
     destroy_selection(&s);
-    destroy_piece(&p);
+    return status;
+}
+
+static int share_out(pl_share *share, MPI_Comm comm, const pl_outline *o, const planish_mesh *whole,
+                     planish_error *error) {
+    pl_piece p = {.dim = 0};
+    const PetscErrorCode code = pl_piece_cut(comm, o, whole, &p);
+    const int status =
+        code ? pl_fail_petsc(error, code) : take_piece(share, comm, whole, &p, error);
+    pl_piece_destroy(&p);
     return status;
 }
 
@@ -490,14 +322,14 @@ static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *numb
     int rank, n_ranks, status = 0;
     MPI_Comm_rank(comm, &rank);
     MPI_Comm_size(comm, &n_ranks);
-    int32_t *mine = new_array(n, sizeof *mine);
+    int32_t *mine = pl_new_array(n, sizeof *mine);
     *c = (pl_collection){.comm = comm};
     for (int64_t i = 0; mine && i < n; i++)
         if (!out || out[i] != without)
             mine[c->n++] = (int32_t)number[i];
     if (rank == 0) {
-        c->count = new_array(n_ranks, sizeof *c->count);
-        c->at = new_array(n_ranks, sizeof *c->at);
+        c->count = pl_new_array(n_ranks, sizeof *c->count);
+        c->at = pl_new_array(n_ranks, sizeof *c->at);
     }
     if (!mine || (rank == 0 && (!c->count || !c->at)))
         status = -1;
@@ -505,7 +337,7 @@ static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *numb
         MPI_Gather(&c->n, 1, MPI_INT, c->count, 1, MPI_INT, 0, comm);
     for (int k = 1; !status && rank == 0 && k <= n_ranks; k++)
         c->at[k] = c->at[k - 1] + c->count[k - 1];
-    if (!status && rank == 0 && !(c->number = new_array(c->at[n_ranks], sizeof *c->number)))
+    if (!status && rank == 0 && !(c->number = pl_new_array(c->at[n_ranks], sizeof *c->number)))
         status = -1;
     if (!status)
         MPI_Gatherv(mine, c->n, MPI_INT32_T, c->number, c->count, c->at, MPI_INT32_T, 0, comm);
@@ -513,34 +345,13 @@ static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *numb
     return status;
 }
 
-int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
-                    planish_error *error) {
-    int n_ranks;
-    outline o = {0};
-    *share = (pl_share){.mesh = {.dim = 0}};
-    MPI_Comm_size(comm, &n_ranks);
-    if (whole)
-        o = (outline){.n_nodes = whole->n_nodes,
-                      .n_elements = whole->n_elements,
-                      .dim = whole->dim,
-                      .has_constraint = whole->constraint != NULL,
-                      .has_direction = whole->direction != NULL,
-                      .has_min_volume = whole->min_volume != NULL};
-    MPI_Bcast(&o, sizeof o, MPI_BYTE, 0, comm);
-    if (n_ranks > 1 && o.n_nodes + o.n_elements > PETSC_MAX_INT)
-        return fail(
-            error, PLANISH_ERROR_PARTS,
-            "PETSc was built with integers of 32 bits, which are too short for a mesh of so "
-            "many nodes and elements; one with 64 is needed");
-    const int status = n_ranks > 1 ? share_out(share, comm, &o, whole, error)
-                                   : take_all(share, comm, whole, error);
-    if (status)
-        return status;
+/** The part as planish wants it, and how its values are collected. */
+static int finish(pl_share *share, MPI_Comm comm, int dim, planish_error *error) {
     share->part = (planish_part){.node_number = share->node_number,
                                  .node_role = share->role,
                                  .is_counted = share->is_counted};
     pl_exchange_serve(&share->exchange, &share->part);
-    share->mesh.dim = o.dim;
+    share->mesh.dim = dim;
     share->mesh.coordinates = share->coordinates;
     share->mesh.elements = share->elements;
     share->mesh.constraint = share->constraint;
@@ -556,6 +367,36 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                                     mesh->n_elements)
                ? fail_memory(error)
                : PLANISH_OK;
+}
+
+int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
+                    planish_error *error) {
+    int n_ranks;
+    pl_outline o = {0};
+    *share = (pl_share){.mesh = {.dim = 0}};
+    MPI_Comm_size(comm, &n_ranks);
+    if (whole)
+        o = (pl_outline){.n_nodes = whole->n_nodes,
+                         .n_elements = whole->n_elements,
+                         .dim = whole->dim,
+                         .has_constraint = whole->constraint != NULL,
+                         .has_direction = whole->direction != NULL,
+                         .has_min_volume = whole->min_volume != NULL};
+    MPI_Bcast(&o, sizeof o, MPI_BYTE, 0, comm);
+    if (n_ranks > 1 && o.n_nodes + o.n_elements > PETSC_MAX_INT)
+        return fail(
+            error, PLANISH_ERROR_PARTS,
+            "PETSc was built with integers of 32 bits, which are too short for a mesh of so "
+            "many nodes and elements; one with 64 is needed");
+    const int status = n_ranks > 1 ? share_out(share, comm, &o, whole, error)
+                                   : take_all(share, comm, whole, error);
+    return status ? status : finish(share, comm, o.dim, error);
+}
+
+int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error) {
+    *share = (pl_share){.mesh = {.dim = 0}};
+    const int status = take_piece(share, comm, NULL, piece, error);
+    return status ? status : finish(share, comm, piece->dim, error);
 }
 
 static void destroy_collection(pl_collection *c) {
@@ -586,7 +427,7 @@ int pl_collect(const pl_collection *c, const void *values, int size, void *whole
     MPI_Datatype row;
     MPI_Comm_size(c->comm, &n_ranks);
     const int64_t n = c->at ? c->at[n_ranks] : 0;
-    char *all = c->at ? new_array(n, (size_t)size) : NULL, *to = whole;
+    char *all = c->at ? pl_new_array(n, (size_t)size) : NULL, *to = whole;
     if (c->at && !all)
         return -1;
     MPI_Type_contiguous(size, MPI_BYTE, &row);

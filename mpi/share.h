@@ -7,6 +7,7 @@
 #define PL_MPI_SHARE_H
 
 #include "exchange.h"
+#include "piece.h"
 
 /** Numbers of what each process has, in the first one: to collect values there. */
 typedef struct pl_collection {
@@ -34,7 +35,12 @@ typedef struct pl_share {
  */
 int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                     planish_error *error);
+/** The same of a piece that each process has by itself. */
+int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error);
 void pl_share_destroy(pl_share *share);
+
+/** A planish_status, with *error filled in, for what PETSc says. */
+int pl_fail_petsc(planish_error *error, PetscErrorCode code);
 
 /** Collect values [n][size] of all processes: the first one puts them to whole [.][size], in the
  *  order of the whole mesh; where several have the same number the byte that is larger is taken, of
