@@ -1,6 +1,8 @@
 /* crew: the work of planish-mpi in all its processes. */
 #include "crew.h"
 
+#include "plexfile.h"
+
 #include "commands.h"
 #include "message.h"
 #include "signals.h"
@@ -22,6 +24,7 @@ typedef enum order {
     CHECK_VOLUMES,
     FIND_UNFIXABLE,
     SMOOTH,
+    WRITE,
     END
 } order;
 
@@ -66,8 +69,7 @@ static void end_all(const pl_crew *crew, const planish_error *error) {
     MPI_Abort(MPI_COMM_WORLD, PL_EXIT_FAILED);
 }
 
-/** Whether all processes have done their work: PLANISH_OK in all, or the same error in all. */
-static int agree(const pl_crew *crew, int code, planish_error *error) {
+int pl_crew_agree(const pl_crew *crew, int code, planish_error *error) {
     struct {
         int code, rank;
     } worst = {code, crew->rank};
@@ -94,8 +96,7 @@ static void *new_array(int64_t n, size_t size) {
 /* ---- what each process does, all of them at the same time; whole, of the whole mesh, is of the
  * ---- first one, and NULL in the others ------------------------------------------------------- */
 
-/** The options of the first process, for this one. */
-static planish_options share_options(const pl_crew *crew, const planish_options *options) {
+planish_options pl_crew_options(const pl_crew *crew, const planish_options *options) {
     planish_options mine;
     planish_options_init(&mine);
     if (options)
@@ -126,7 +127,7 @@ static int check_options(const planish_options *options, planish_error *error) {
     return error->code;
 }
 
-static void destroy_plan(pl_crew *crew) {
+void pl_crew_destroy_plan(pl_crew *crew) {
     planish_plan_destroy(crew->plan);
     crew->plan = NULL;
     pl_share_destroy(&crew->share);
@@ -134,15 +135,16 @@ static void destroy_plan(pl_crew *crew) {
 
 static int create_plan(pl_crew *crew, const planish_mesh *whole, const planish_options *options,
                        planish_error *error) {
-    const planish_options mine = share_options(crew, options);
-    int code = agree(crew, check_options(&mine, error), error);
+    const planish_options mine = pl_crew_options(crew, options);
+    int code = pl_crew_agree(crew, check_options(&mine, error), error);
     if (!code)
-        code = agree(crew, pl_share_create(&crew->share, crew->exchange_comm, whole, error), error);
+        code = pl_crew_agree(crew, pl_share_create(&crew->share, crew->exchange_comm, whole, error),
+                             error);
     if (!code)
-        code =
-            agree(crew, planish_plan_create(&crew->share.mesh, &mine, &crew->plan, error), error);
+        code = pl_crew_agree(
+            crew, planish_plan_create(&crew->share.mesh, &mine, &crew->plan, error), error);
     if (code)
-        destroy_plan(crew);
+        pl_crew_destroy_plan(crew);
     return code;
 }
 
@@ -156,7 +158,7 @@ static int get_free(const pl_crew *crew, uint8_t *whole, planish_error *error) {
     for (int64_t i = 0; !code && i < crew->share.mesh.n_nodes; i++)
         if (crew->share.role[i] != PLANISH_GHOST)
             own[n++] = mine[i];
-    code = agree(crew, code, error);
+    code = pl_crew_agree(crew, code, error);
     if (!code && pl_collect(&crew->share.own_nodes, own, 1, whole))
         code = fail_memory(error);
     free(mine);
@@ -164,10 +166,10 @@ static int get_free(const pl_crew *crew, uint8_t *whole, planish_error *error) {
     return code;
 }
 
-static int measure(const pl_crew *crew, planish_quality *quality, planish_error *error) {
+int pl_crew_measure(const pl_crew *crew, planish_quality *quality, planish_error *error) {
     const pl_share *share = &crew->share;
     const int code =
-        agree(crew, planish_measure(crew->plan, share->coordinates, quality, error), error);
+        pl_crew_agree(crew, planish_measure(crew->plan, share->coordinates, quality, error), error);
     if (code)
         return code;
     int64_t worst =
@@ -186,7 +188,7 @@ static int measure_elements(const pl_crew *crew, double *whole, planish_error *e
     for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (share->is_counted[i])
             ratio[n++] = ratio[i];
-    code = agree(crew, code, error);
+    code = pl_crew_agree(crew, code, error);
     if (!code && pl_collect(&share->counted_elements, ratio, sizeof *ratio, whole))
         code = fail_memory(error);
     free(ratio);
@@ -197,7 +199,7 @@ static int measure_elements(const pl_crew *crew, double *whole, planish_error *e
  *  around them. */
 static int collect_states(const pl_crew *crew, int code, const uint8_t *state, uint8_t *whole,
                           planish_error *error) {
-    code = agree(crew, code, error);
+    code = pl_crew_agree(crew, code, error);
     if (!code && pl_collect(&crew->share.all_elements, state, 1, whole))
         code = fail_memory(error);
     return code;
@@ -205,7 +207,7 @@ static int collect_states(const pl_crew *crew, int code, const uint8_t *state, u
 
 static int check_volumes(const pl_crew *crew, const planish_options *options, uint8_t *whole,
                          planish_error *error) {
-    const planish_options mine = share_options(crew, options);
+    const planish_options mine = pl_crew_options(crew, options);
     uint8_t *state = new_array(crew->share.mesh.n_elements, 1);
     int64_t n;
     int code =
@@ -235,7 +237,7 @@ static int collect_coordinates(pl_crew *crew, double *whole, planish_error *erro
     for (int64_t i = 0; own && i < share->mesh.n_nodes; i++)
         if (share->role[i] != PLANISH_GHOST)
             memcpy(own + dim * n++, share->coordinates + dim * i, (size_t)dim * sizeof *own);
-    int code = agree(crew, own ? PLANISH_OK : fail_memory(error), error);
+    int code = pl_crew_agree(crew, own ? PLANISH_OK : fail_memory(error), error);
     if (!code && pl_collect(&share->own_nodes, own, dim * (int)sizeof *own, whole))
         code = fail_memory(error);
     free(own);
@@ -253,14 +255,39 @@ static void add_up_traffic(pl_crew *crew, pl_traffic *traffic) {
     *traffic = (pl_traffic){crew->n_ranks, 1, sums[0], sums[1], sums[2], wait};
 }
 
+int pl_crew_smooth(pl_crew *crew, const planish_options *options, planish_result *result,
+                   pl_traffic *traffic, planish_error *error) {
+    crew->share.exchange.traffic = (pl_traffic){0}; /* of smoothing alone */
+    const int code = pl_crew_agree(
+        crew, planish_smooth(crew->plan, crew->share.coordinates, options, result, error), error);
+    add_up_traffic(crew, traffic);
+    return code;
+}
+
 static int smooth(pl_crew *crew, const planish_options *options, double *whole,
                   planish_result *result, pl_traffic *traffic, planish_error *error) {
-    const planish_options mine = share_options(crew, options);
-    crew->share.exchange.traffic = (pl_traffic){0}; /* of smoothing alone */
-    int code = agree(
-        crew, planish_smooth(crew->plan, crew->share.coordinates, &mine, result, error), error);
-    add_up_traffic(crew, traffic);
+    const planish_options mine = pl_crew_options(crew, options);
+    const int code = pl_crew_smooth(crew, &mine, result, traffic, error);
     return code ? code : collect_coordinates(crew, whole, error);
+}
+
+/** Write whole as PETSc does, to path. */
+static int write_plex(pl_crew *crew, const planish_mesh *whole, const char *path,
+                      planish_error *error) {
+    char *name = new_array(PL_TEMPORARY_SIZE, 1);
+    int code = name ? PLANISH_OK : fail_memory(error);
+    if (!code && path)
+        snprintf(name, PL_TEMPORARY_SIZE, "%s", path);
+    code = pl_crew_agree(crew, code, error);
+    if (!code) {
+        MPI_Bcast(name, PL_TEMPORARY_SIZE, MPI_BYTE, 0, crew->comm);
+        code = pl_crew_agree(crew, pl_plexfile_convert(crew->exchange_comm, whole, name, error),
+                             error);
+        crew->is_broken = code != 0;
+        code = pl_crew_agree(crew, pl_plexfile_finish(crew->rank, name, code, error), error);
+    }
+    free(name);
+    return code;
 }
 
 /* ---- the engine of the first process -------------------------------------------------------- */
@@ -276,7 +303,7 @@ static int work_alone(pl_job *job, const planish_error *why, planish_error *erro
         pl_note(stderr, "%s: one process of %d does it all: %s", job->arguments->input,
                 crew->n_ranks, why->text);
     tell(crew, DESTROY);
-    destroy_plan(crew);
+    pl_crew_destroy_plan(crew);
     crew->is_alone = 1;
     job->traffic = (pl_traffic){.n_processes = crew->n_ranks};
     return pl_engine_here.plan_create(job, error);
@@ -300,7 +327,7 @@ static void lead_destroy(pl_job *job) {
     if (!crew->plan)
         return;
     tell(crew, DESTROY);
-    destroy_plan(crew);
+    pl_crew_destroy_plan(crew);
 }
 
 static int lead_get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
@@ -317,7 +344,7 @@ static int lead_measure(const pl_job *job, planish_quality *quality, planish_err
     if (crew->is_alone)
         return pl_engine_here.measure(job, quality, error);
     tell(crew, MEASURE);
-    return measure(crew, quality, error);
+    return pl_crew_measure(crew, quality, error);
 }
 
 static int lead_measure_elements(const pl_job *job, double *ratio, planish_error *error) {
@@ -378,6 +405,11 @@ static int lead_smooth(pl_job *job, planish_result *result, planish_error *error
     return code ? code : pl_engine_here.smooth(job, result, error);
 }
 
+static int lead_write(const pl_job *job, const char *path, planish_error *error) {
+    tell(crew_of(job), WRITE);
+    return write_plex(crew_of(job), &job->mesh, path, error);
+}
+
 /* ---- the crew ------------------------------------------------------------------------------- */
 
 void pl_crew_create(pl_crew *crew, int threads, int bind) {
@@ -388,7 +420,9 @@ void pl_crew_create(pl_crew *crew, int threads, int bind) {
                                  .measure_elements = lead_measure_elements,
                                  .check_volumes = lead_check_volumes,
                                  .find_unfixable = lead_find_unfixable,
-                                 .smooth = lead_smooth},
+                                 .smooth = lead_smooth,
+                                 .can_write = pl_plexfile_is,
+                                 .write = lead_write},
                       .threads = threads,
                       .bind = bind};
     MPI_Comm_dup(MPI_COMM_WORLD, &crew->comm);
@@ -397,8 +431,13 @@ void pl_crew_create(pl_crew *crew, int threads, int bind) {
     MPI_Comm_size(crew->comm, &crew->n_ranks);
 }
 
-void pl_crew_destroy(pl_crew *crew) {
-    destroy_plan(crew);
+void pl_crew_destroy(pl_crew *crew, int status) {
+    if (crew->is_broken) {
+        MPI_Barrier(crew->comm); /* what there is to say has been said */
+        pl_signals_done(status);
+        MPI_Abort(MPI_COMM_WORLD, status);
+    }
+    pl_crew_destroy_plan(crew);
     MPI_Comm_free(&crew->comm);
     MPI_Comm_free(&crew->exchange_comm);
 }
@@ -423,13 +462,13 @@ int pl_crew_follow(pl_crew *crew) {
             create_plan(crew, NULL, NULL, &error);
             break;
         case DESTROY:
-            destroy_plan(crew);
+            pl_crew_destroy_plan(crew);
             break;
         case GET_FREE:
             get_free(crew, NULL, &error);
             break;
         case MEASURE:
-            measure(crew, &quality, &error);
+            pl_crew_measure(crew, &quality, &error);
             break;
         case MEASURE_ELEMENTS:
             measure_elements(crew, NULL, &error);
@@ -442,6 +481,9 @@ int pl_crew_follow(pl_crew *crew) {
             break;
         case SMOOTH:
             smooth(crew, NULL, NULL, &result, &traffic, &error);
+            break;
+        case WRITE:
+            write_plex(crew, NULL, NULL, &error);
             break;
         case END:
             MPI_Bcast(&status, 1, MPI_INT, 0, crew->comm);

@@ -1,8 +1,9 @@
 /* main: planish-mpi, the program for meshes that MPI processes share. */
-#include "crew.h"
+#include "large.h"
+#include "plexfile.h"
 
-#include "help.h"
 #include "commands.h"
+#include "help.h"
 #include "message.h"
 #include "platform.h"
 #include "signals.h"
@@ -19,8 +20,9 @@
 
 /** What the first process tells the others before there is a crew. */
 typedef struct start {
-    int status;  /* of a command line that asks for no work, else -1 */
-    int threads; /* that the command line asks for, for each process, or 0 */
+    int status;   /* of a command line that asks for no work, else -1 */
+    int threads;  /* that the command line asks for, for each process, or 0 */
+    int is_large; /* the mesh is in a file that no process reads alone */
 } start;
 
 static int print_version(void) {
@@ -53,6 +55,7 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
     else if (!s.status)
         s.status = -1;
     s.threads = arguments->library.threads;
+    s.is_large = s.status < 0 && pl_plexfile_is(arguments->input);
     return s;
 }
 
@@ -83,8 +86,10 @@ static int work(int rank, const start *s, pl_arguments *arguments) {
     pl_crew_create(&crew, s->threads > 0 ? s->threads : threads, bind);
     arguments->library.threads = crew.threads;
     arguments->leave_unbound |= !bind;
-    const int status = rank == 0 ? pl_crew_lead(&crew, arguments) : pl_crew_follow(&crew);
-    pl_crew_destroy(&crew);
+    const int status = s->is_large ? pl_large_smooth(&crew, rank == 0 ? arguments : NULL)
+                       : rank == 0 ? pl_crew_lead(&crew, arguments)
+                                   : pl_crew_follow(&crew);
+    pl_crew_destroy(&crew, status);
     return status;
 }
 

@@ -58,12 +58,8 @@ static PetscErrorCode hand_out(DM dm, const planish_mesh *whole, PetscSF *migrat
     return DMPlexDistribute(dm, 1, migration, out);
 }
 
-/** Of migration what goes to the n points from begin on here, which are elements or nodes: their
- *  first one is point root_begin in the first process, which has n_roots. number: which they are.
- */
-static PetscErrorCode select_points(MPI_Comm comm, PetscSF migration, int64_t begin, int64_t n,
-                                    int64_t root_begin, int64_t n_roots, PetscSF *sf,
-                                    int32_t *number) {
+PetscErrorCode pl_select_points(MPI_Comm comm, PetscSF migration, int64_t begin, int64_t n,
+                                const int64_t *root_begin, int64_t n_roots, PetscSF *sf) {
     PetscInt n_leaves, *leaf = NULL, found = 0;
     const PetscInt *local;
     const PetscSFNode *remote;
@@ -77,8 +73,7 @@ static PetscErrorCode select_points(MPI_Comm comm, PetscSF migration, int64_t be
             continue;
         leaf[found] = point - (PetscInt)begin;
         root[found].rank = remote[i].rank;
-        root[found].index = remote[i].index - (PetscInt)root_begin;
-        number[leaf[found]] = (int32_t)root[found].index;
+        root[found].index = remote[i].index - (PetscInt)root_begin[remote[i].rank];
         found++;
     }
     PetscCheck(found == n, PETSC_COMM_SELF, PETSC_ERR_PLIB, "Points from nowhere");
@@ -125,17 +120,31 @@ PetscErrorCode pl_piece_begin(MPI_Comm comm, DM dm, pl_piece *p) {
     return make_room(&p->coordinates, p->n_nodes * dim, sizeof *p->coordinates);
 }
 
+/** The numbers of sf's leaves, in the first process's order. */
+static PetscErrorCode find_numbers(PetscSF sf, int32_t *number) {
+    PetscInt n;
+    const PetscInt *local;
+    const PetscSFNode *remote;
+    PetscCall(PetscSFGetGraph(sf, NULL, &n, &local, &remote));
+    for (PetscInt i = 0; i < n; i++)
+        number[local ? local[i] : i] = (int32_t)remote[i].index;
+    return 0;
+}
+
 /** Numbers and values of what has come to dm, to which migration has led. */
 static PetscErrorCode fill(MPI_Comm comm, PetscSF migration, const pl_outline *o,
                            const planish_mesh *whole, pl_piece *p) {
     static const planish_mesh nothing = {.dim = 0};
     const planish_mesh *from = whole ? whole : &nothing;
     const int dim = o->dim;
+    const int64_t first = 0; /* all comes from the first process: there are no others */
     PetscSF elements, nodes;
-    PetscCall(select_points(comm, migration, 0, p->n_elements, 0, whole ? o->n_elements : 0,
-                            &elements, p->element));
-    PetscCall(select_points(comm, migration, p->first_point, p->n_nodes, o->n_elements,
-                            whole ? o->n_nodes : 0, &nodes, p->node));
+    PetscCall(pl_select_points(comm, migration, 0, p->n_elements, &first, whole ? o->n_elements : 0,
+                               &elements));
+    PetscCall(pl_select_points(comm, migration, p->first_point, p->n_nodes, &o->n_elements,
+                               whole ? o->n_nodes : 0, &nodes));
+    PetscCall(find_numbers(elements, p->element));
+    PetscCall(find_numbers(nodes, p->node));
     PetscCall(pl_bring(elements, MPI_INT32_T, dim + 1, from->elements, p->corner));
     PetscCall(pl_bring(nodes, MPI_DOUBLE, dim, from->coordinates, p->coordinates));
     if (o->has_constraint) {

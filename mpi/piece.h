@@ -38,6 +38,12 @@ PetscErrorCode pl_piece_cut(MPI_Comm comm, const pl_outline *outline, const plan
  *  above. */
 PetscErrorCode pl_piece_begin(MPI_Comm comm, DM dm, pl_piece *piece);
 
+/** Of migration what goes to the n points from begin on here, which are elements or nodes,
+ * renumbered from 0: their first one is point root_begin [ranks] in a process; here there are
+ * n_roots. */
+PetscErrorCode pl_select_points(MPI_Comm comm, PetscSF migration, int64_t begin, int64_t n,
+                                const int64_t *root_begin, int64_t n_roots, PetscSF *sf);
+
 /** Values of count numbers of type, from where sf's roots are to where its leaves are. */
 PetscErrorCode pl_bring(PetscSF sf, MPI_Datatype type, int count, const void *from, void *to);
 

@@ -345,8 +345,8 @@ static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *numb
     return status;
 }
 
-/** The part as planish wants it, and how its values are collected. */
-static int finish(pl_share *share, MPI_Comm comm, int dim, planish_error *error) {
+/** The part as planish wants it. */
+static void finish(pl_share *share, int dim) {
     share->part = (planish_part){.node_number = share->node_number,
                                  .node_role = share->role,
                                  .is_counted = share->is_counted};
@@ -358,15 +358,17 @@ static int finish(pl_share *share, MPI_Comm comm, int dim, planish_error *error)
     share->mesh.direction = share->direction;
     share->mesh.min_volume = share->min_volume;
     share->mesh.part = &share->part;
+}
+
+/** How values are collected in the first process. */
+static int start_collections(pl_share *share, MPI_Comm comm) {
     const planish_mesh *mesh = &share->mesh;
     return start_collection(&share->own_nodes, comm, share->node_number, share->role, PLANISH_GHOST,
                             mesh->n_nodes) ||
-                   start_collection(&share->counted_elements, comm, share->element_number,
-                                    share->is_counted, 0, mesh->n_elements) ||
-                   start_collection(&share->all_elements, comm, share->element_number, NULL, 0,
-                                    mesh->n_elements)
-               ? fail_memory(error)
-               : PLANISH_OK;
+           start_collection(&share->counted_elements, comm, share->element_number,
+                            share->is_counted, 0, mesh->n_elements) ||
+           start_collection(&share->all_elements, comm, share->element_number, NULL, 0,
+                            mesh->n_elements);
 }
 
 int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
@@ -390,13 +392,17 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
             "many nodes and elements; one with 64 is needed");
     const int status = n_ranks > 1 ? share_out(share, comm, &o, whole, error)
                                    : take_all(share, comm, whole, error);
-    return status ? status : finish(share, comm, o.dim, error);
+    if (status)
+        return status;
+    finish(share, o.dim);
+    return start_collections(share, comm) ? fail_memory(error) : PLANISH_OK;
 }
 
 int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error) {
     *share = (pl_share){.mesh = {.dim = 0}};
     const int status = take_piece(share, comm, NULL, piece, error);
-    return status ? status : finish(share, comm, piece->dim, error);
+    finish(share, piece->dim);
+    return status;
 }
 
 static void destroy_collection(pl_collection *c) {

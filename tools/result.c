@@ -345,6 +345,15 @@ static void add_checksum(document *json, cJSON *root, const char *name, uint64_t
     add_text(json, root, name, text);
 }
 
+/** Of the mesh of a job; null if this process has not all of it. */
+static void add_job_checksum(document *json, cJSON *root, const char *name, const pl_job *job,
+                             uint64_t checksum) {
+    if (job->mesh.coordinates)
+        add_checksum(json, root, name, checksum);
+    else
+        add(json, root, name, cJSON_CreateNull());
+}
+
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress) {
     document json = {0};
@@ -364,8 +373,9 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
-    add_checksum(&json, root, "input_checksum", result->input_checksum);
-    add_checksum(&json, root, "checksum", planish_checksum(&job->mesh));
+    add_job_checksum(&json, root, "input_checksum", job, result->input_checksum);
+    add_job_checksum(&json, root, "checksum", job,
+                     job->mesh.coordinates ? planish_checksum(&job->mesh) : 0);
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
     add_integer(&json, root, "put_back", result->smooth.put_back);
     add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);

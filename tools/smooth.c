@@ -4,6 +4,8 @@
  *
  * Every step returns 0, or an exit status after a message; the first that fails ends the run.
  */
+#include "smooth.h"
+
 #include "commands.h"
 
 #include "job.h"
@@ -33,9 +35,16 @@ static const double F_ROUNDING = 1e-12;
 /* Degrees by which the arc cosine of a tiny angle can be off. */
 static const double ANGLE_ROUNDING = 2e-6;
 
+/** Whether the output is a file that only the engine can write. */
+static int engine_writes(const pl_job *job) {
+    return job->engine->can_write && job->engine->can_write(job->arguments->output);
+}
+
 /** Another extension than the input's asks for a conversion. */
 static int check_extension(const pl_job *job) {
     const char *output = job->arguments->output;
+    if (engine_writes(job))
+        return 0;
     if (planish_file_can_write(job->file, output) || planish_file_can_convert(job->file, output))
         return 0;
     return pl_complain_usage("smooth",
@@ -70,10 +79,7 @@ static int complain_promise(const pl_job *job, const char *value, double before,
                        job->arguments->input, value, before, after);
 }
 
-/** The library promises not to make anything worse; a mesh that says otherwise is not written.
- *  Laplacian methods promise nothing; F and the ratios are over the valid elements, and to untangle
- *  others, or bring them above their least volume, may cost both. */
-static int check_promises(const pl_job *job, const pl_result *result) {
+int pl_smooth_check(const pl_job *job, const pl_result *result) {
     const planish_quality *before = &result->before, *after = &result->after;
     const planish_result *smooth = &result->smooth;
     if (job->options.method != PLANISH_METHOD_PLANISH)
@@ -122,15 +128,20 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
     return code;
 }
 
+static int write_file(const pl_job *job, planish_error *error) {
+    const char *output = job->arguments->output;
+    if (engine_writes(job))
+        return job->engine->write(job, output, error);
+    if (!planish_file_can_write(job->file, output))
+        return convert_mesh(job, error);
+    return planish_file_write(job->file, output, job->mesh.coordinates, job->options.threads,
+                              pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, error);
+}
+
 static int write_mesh(const pl_job *job, pl_result *result) {
     planish_error error;
-    const char *output = job->arguments->output;
     const double begin = pl_seconds();
-    const int code =
-        planish_file_can_write(job->file, output)
-            ? planish_file_write(job->file, output, job->mesh.coordinates, job->options.threads,
-                                 pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, &error)
-            : convert_mesh(job, &error);
+    const int code = write_file(job, &error);
     result->write_seconds = pl_seconds() - begin;
     return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
 }
@@ -273,6 +284,15 @@ static int take_after(const pl_job *job, pl_result *result) {
     return status ? status : pl_report_draw(job, "after", &result->picture);
 }
 
+int pl_smooth_tell(const pl_job *job, pl_result *result, const pl_progress *progress, int report) {
+    result->total_seconds = pl_seconds() - job->begin;
+    const int status = judge(job, result);
+    print_table(job, result, status);
+    if (!report)
+        report = write_reports(job, result, progress);
+    return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
+}
+
 static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     int status;
     pl_progress_phase(progress, PL_PHASE_PLANNING);
@@ -304,20 +324,15 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_unfixable_find(job, result->after.inverted, &result->unfixable)))
         return status;
-    if ((status = check_promises(job, result)))
+    if ((status = pl_smooth_check(job, result)))
         return status;
     pl_progress_phase(progress, PL_PHASE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
     pl_signals_set_written();
     pl_progress_clear(progress);
-    int report = take_after(job, result) ? PL_EXIT_PARTLY : 0;
-    result->total_seconds = pl_seconds() - job->begin;
-    status = judge(job, result);
-    print_table(job, result, status);
-    if (!report)
-        report = write_reports(job, result, progress);
-    return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
+    const int report = take_after(job, result) ? PL_EXIT_PARTLY : 0;
+    return pl_smooth_tell(job, result, progress, report);
 }
 
 int pl_smooth_command(const pl_arguments *arguments) {

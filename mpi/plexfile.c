@@ -1,0 +1,460 @@
+/* plexfile: meshes in PETSc's HDF5. */
+#include "plexfile.h"
+
+#include "signals.h"
+
+#include "base/system.h"
+
+#include <petscsf.h>
+#include <petscviewer.h>
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int pl_plexfile_is(const char *path) {
+    static const char extension[] = ".h5";
+    const size_t length = strlen(path), n = sizeof extension - 1;
+    return length > n && strcmp(path + length - n, extension) == 0;
+}
+
+/** HDF5 tells of an error in a page, on standard error; it is told in a line here. Returns what
+ *  standard error was, for speak. */
+static int keep_silent(void) {
+    fflush(stderr);
+    const int before = dup(STDERR_FILENO), nothing = open("/dev/null", O_WRONLY);
+    if (before >= 0 && nothing >= 0)
+        dup2(nothing, STDERR_FILENO);
+    if (nothing >= 0)
+        close(nothing);
+    return before;
+}
+
+static void speak(int before) {
+    fflush(stderr);
+    if (before < 0)
+        return;
+    dup2(before, STDERR_FILENO);
+    close(before);
+}
+
+static PetscErrorCode open_viewer(MPI_Comm comm, const char *path, PetscFileMode mode,
+                                  PetscViewer *viewer) {
+    PetscCall(PetscViewerCreate(comm, viewer));
+    PetscCall(PetscViewerSetType(*viewer, PETSCVIEWERHDF5));
+    PetscCall(PetscViewerFileSetMode(*viewer, mode));
+    PetscCall(PetscViewerFileSetName(*viewer, path));
+    return PetscViewerPushFormat(*viewer, PETSC_VIEWER_HDF5_PETSC);
+}
+
+/* ---- reading -------------------------------------------------------------------------------- */
+
+static PetscErrorCode find_name(char *name, size_t size) {
+    PetscBool is_given;
+    PetscCall(PetscStrncpy(name, "plex", size));
+    return PetscOptionsGetString(NULL, NULL, "-dm_plex_name", name, size, &is_given);
+}
+
+static PetscErrorCode load(pl_plexfile *f, PetscViewer viewer) {
+    DMLabel types;
+    PetscCall(DMCreate(f->comm, &f->dm));
+    PetscCall(DMSetType(f->dm, DMPLEX));
+    PetscCall(PetscObjectSetName((PetscObject)f->dm, f->name));
+    PetscCall(DMPlexTopologyLoad(f->dm, viewer, &f->load));
+    PetscCall(DMPlexCoordinatesLoad(f->dm, viewer, f->load));
+    PetscCall(DMPlexLabelsLoad(f->dm, viewer, f->load));
+    /* Made when first asked for, which processes without elements never do; then some would have a
+     * label to write that the others have not. */
+    return DMPlexGetCellTypeLabel(f->dm, &types);
+}
+
+/** Counts, of all processes, and where the nodes begin in the file. */
+static PetscErrorCode measure(pl_plexfile *f) {
+    PetscInt dim, n_roots, n_leaves, first, last, node_first, node_last;
+    PetscMPIInt n_ranks, rank;
+    const PetscInt *local;
+    const PetscSFNode *remote;
+    MPI_Comm_size(f->comm, &n_ranks);
+    MPI_Comm_rank(f->comm, &rank);
+    PetscCall(DMGetDimension(f->dm, &dim));
+    PetscCall(PetscSFGetGraph(f->load, &n_roots, &n_leaves, &local, &remote));
+    f->begin = pl_new_array(n_ranks, sizeof *f->begin);
+    PetscCheck(f->begin, PETSC_COMM_SELF, PETSC_ERR_MEM, "Stretches");
+    int64_t mine = n_roots, range[2] = {INT64_MAX, INT64_MAX}; /* first node; minus the last */
+    MPI_Allgather(&mine, 1, MPI_INT64_T, f->begin + 1, 1, MPI_INT64_T, f->comm);
+    for (int k = 0; k < n_ranks; k++)
+        f->begin[k + 1] += f->begin[k];
+    PetscCall(DMPlexGetHeightStratum(f->dm, 0, &first, &last));
+    PetscCall(DMPlexGetDepthStratum(f->dm, 0, &node_first, &node_last));
+    for (PetscInt i = 0; i < n_leaves; i++) {
+        const PetscInt point = local ? local[i] : i;
+        const int64_t number = f->begin[remote[i].rank] + remote[i].index;
+        if (point < node_first || point >= node_last || last == 0)
+            continue;
+        range[0] = number < range[0] ? number : range[0];
+        range[1] = -number < range[1] ? -number : range[1];
+    }
+    MPI_Allreduce(MPI_IN_PLACE, range, 2, MPI_INT64_T, MPI_MIN, f->comm);
+    f->dim = (int)dim;
+    f->first_node = range[0];
+    f->n_nodes = range[0] < INT64_MAX ? -range[1] - range[0] + 1 : 0;
+    f->n_elements = f->n_nodes > 0 ? f->first_node : 0; /* they are a file's first points */
+    return 0;
+}
+
+static PetscErrorCode read_all(pl_plexfile *f, const char *path) {
+    PetscViewer viewer;
+    PetscCall(find_name(f->name, sizeof f->name));
+    PetscCall(open_viewer(f->comm, path, FILE_MODE_READ, &viewer));
+    PetscErrorCode code = load(f, viewer);
+    if (!code)
+        code = measure(f);
+    PetscCall(PetscViewerDestroy(&viewer));
+    return code;
+}
+
+static int fail(planish_error *error, int code, const char *path, const char *what) {
+    *error = (planish_error){.code = code, .element = -1, .node = -1};
+    snprintf(error->text, sizeof error->text, "%.300s: %s", path, what);
+    return code;
+}
+
+/** Whether planish can work on it: simplices in their own dimension. */
+static int check(pl_plexfile *f, const char *path, planish_error *error) {
+    PetscInt space = 0, first = 0, last = 0;
+    int wrong = f->dim != 2 && f->dim != 3;
+    if (DMGetCoordinateDim(f->dm, &space) || DMPlexGetHeightStratum(f->dm, 0, &first, &last))
+        return pl_fail_petsc(error, PETSC_ERR_LIB);
+    for (PetscInt i = first; i < last && !wrong; i++) {
+        PetscInt size;
+        wrong = DMPlexGetConeSize(f->dm, i, &size) || size != f->dim + 1;
+    }
+    wrong |= space != f->dim;
+    MPI_Allreduce(MPI_IN_PLACE, &wrong, 1, MPI_INT, MPI_MAX, f->comm);
+    if (wrong)
+        return fail(error, PLANISH_ERROR_FORMAT, path,
+                    "is not a mesh of tetrahedra in space, or of triangles in the plane");
+    if (f->n_elements == 0)
+        return fail(error, PLANISH_ERROR_FORMAT, path, "has no elements");
+    return f->n_elements <= INT32_MAX
+               ? PLANISH_OK
+               : fail(error, PLANISH_ERROR_FORMAT, path, "has more than 2147483647 elements");
+}
+
+int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, planish_error *error) {
+    FILE *stream = fopen(path, "rb"); /* HDF5 says in a page what this says in a line */
+    char signature[8] = "";
+    const int is_hdf5 = stream &&
+                        fread(signature, 1, sizeof signature, stream) == sizeof signature &&
+                        memcmp(signature, "\211HDF\r\n\032\n", sizeof signature) == 0;
+    *file = (pl_plexfile){.comm = comm};
+    if (stream)
+        fclose(stream);
+    if (!is_hdf5)
+        return fail(error, stream ? PLANISH_ERROR_FORMAT : PLANISH_ERROR_FILE, path,
+                    stream ? "is no HDF5 file" : "cannot be opened");
+    const int before = keep_silent();
+    const PetscErrorCode code = read_all(file, path);
+    speak(before);
+    if (code)
+        return fail(error, PLANISH_ERROR_FORMAT, path,
+                    "has no mesh of PETSc's DMPlex of the name 'plex', or it cannot be read; "
+                    "PETSC_OPTIONS='-dm_plex_name NAME' says another name");
+    return check(file, path, error);
+}
+
+void pl_plexfile_close(pl_plexfile *file) {
+    DMDestroy(&file->dm);
+    PetscSFDestroy(&file->load);
+    free(file->begin);
+    file->begin = NULL;
+}
+
+/* ---- pieces --------------------------------------------------------------------------------- */
+
+/** The file's numbers of dm's points (elements and nodes alone are asked for). */
+static PetscErrorCode number_points(const pl_plexfile *f, int64_t *number) {
+    PetscInt n;
+    const PetscInt *local;
+    const PetscSFNode *remote;
+    PetscCall(PetscSFGetGraph(f->load, NULL, &n, &local, &remote));
+    for (PetscInt i = 0; i < n; i++)
+        number[local ? local[i] : i] = f->begin[remote[i].rank] + remote[i].index;
+    return 0;
+}
+
+/** Corners [.][dim + 1] of dm's elements, as numbers of nodes. */
+static PetscErrorCode find_corners(const pl_plexfile *f, const int64_t *number, PetscInt node_first,
+                                   PetscInt node_last, PetscInt n, int32_t *corner) {
+    for (PetscInt i = 0; i < n; i++) {
+        PetscInt *closure = NULL, size, found = 0;
+        PetscCall(DMPlexGetTransitiveClosure(f->dm, i, PETSC_TRUE, &size, &closure));
+        for (PetscInt k = 0; k < size; k++)
+            if (closure[2 * k] >= node_first && closure[2 * k] < node_last && found <= f->dim)
+                corner[i * (f->dim + 1) + found++] =
+                    (int32_t)(number[closure[2 * k]] - f->first_node);
+        PetscCall(DMPlexRestoreTransitiveClosure(f->dm, i, PETSC_TRUE, &size, &closure));
+    }
+    return 0;
+}
+
+/** With faces, by which it is cut: of the same elements and nodes. */
+static PetscErrorCode with_faces(const pl_plexfile *f, DM *dm) {
+    PetscInt depth;
+    PetscCall(DMPlexGetDepth(f->dm, &depth));
+    MPI_Allreduce(MPI_IN_PLACE, &depth, 1, MPIU_INT, MPI_MAX, f->comm);
+    if (depth < f->dim)
+        return DMPlexInterpolate(f->dm, dm);
+    *dm = f->dm;
+    return PetscObjectReference((PetscObject)f->dm);
+}
+
+/** Numbers, corners and coordinates as they are here. */
+typedef struct loaded {
+    PetscInt n_elements, node_first, node_last;
+    int64_t *number, *element, *node;
+    int32_t *corner;
+    double *x;
+} loaded;
+
+static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
+    PetscInt first, last;
+    Vec vector;
+    const PetscScalar *x;
+    PetscSection section;
+    PetscCall(DMPlexGetChart(f->dm, NULL, &last));
+    PetscCall(DMPlexGetHeightStratum(f->dm, 0, &first, &l->n_elements));
+    PetscCall(DMPlexGetDepthStratum(f->dm, 0, &l->node_first, &l->node_last));
+    const int64_t n = l->node_last - l->node_first;
+    l->number = pl_new_array(last, sizeof *l->number);
+    l->corner = pl_new_array((int64_t)l->n_elements * (f->dim + 1), sizeof *l->corner);
+    l->x = pl_new_array(n * f->dim, sizeof *l->x);
+    PetscCheck(l->number && l->corner && l->x, PETSC_COMM_SELF, PETSC_ERR_MEM, "Loaded");
+    PetscCall(number_points(f, l->number));
+    PetscCall(find_corners(f, l->number, l->node_first, l->node_last, l->n_elements, l->corner));
+    PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
+    PetscCall(DMGetCoordinateSection(f->dm, &section));
+    PetscCall(VecGetArrayRead(vector, &x));
+    for (int64_t i = 0; i < n; i++) {
+        PetscInt at;
+        PetscCall(PetscSectionGetOffset(section, l->node_first + (PetscInt)i, &at));
+        for (int d = 0; d < f->dim; d++)
+            l->x[i * f->dim + d] = (double)x[at + d];
+    }
+    return VecRestoreArrayRead(vector, &x);
+}
+
+static void destroy_loaded(loaded *l) {
+    free(l->number);
+    free(l->corner);
+    free(l->x);
+}
+
+/** Numbers of n points that sf leads to, less base. */
+static PetscErrorCode bring_numbers(PetscSF sf, const int64_t *from, int64_t n, int64_t base,
+                                    int32_t *to) {
+    int64_t *wide = pl_new_array(n, sizeof *wide);
+    PetscCheck(wide, PETSC_COMM_SELF, PETSC_ERR_MEM, "Numbers");
+    const PetscErrorCode code = pl_bring(sf, MPI_INT64_T, 1, from, wide);
+    for (int64_t i = 0; i < n; i++)
+        to[i] = (int32_t)(wide[i] - base);
+    free(wide);
+    return code;
+}
+
+/** One process: all of it is its piece. */
+static PetscErrorCode take_all(const pl_plexfile *f, const loaded *l, pl_piece *p) {
+    PetscCall(pl_piece_begin(f->comm, f->dm, p));
+    memcpy(p->corner, l->corner, (size_t)p->n_elements * (size_t)(f->dim + 1) * sizeof *p->corner);
+    memcpy(p->coordinates, l->x, (size_t)(p->n_nodes * f->dim) * sizeof *p->coordinates);
+    for (int64_t i = 0; i < p->n_elements; i++)
+        p->element[i] = (int32_t)l->number[i];
+    for (int64_t i = 0; i < p->n_nodes; i++)
+        p->node[i] = (int32_t)(l->number[l->node_first + i] - f->first_node);
+    return 0;
+}
+
+static PetscErrorCode fill(const pl_plexfile *f, const loaded *l, PetscSF migration, pl_piece *p) {
+    PetscMPIInt n_ranks;
+    PetscSF elements, nodes;
+    MPI_Comm_size(f->comm, &n_ranks);
+    int64_t *zero = pl_new_array(n_ranks, sizeof *zero),
+            *begin = pl_new_array(n_ranks, sizeof *begin);
+    PetscCheck(zero && begin, PETSC_COMM_SELF, PETSC_ERR_MEM, "Beginnings");
+    const int64_t mine = l->node_first;
+    MPI_Allgather(&mine, 1, MPI_INT64_T, begin, 1, MPI_INT64_T, f->comm);
+    PetscCall(
+        pl_select_points(f->comm, migration, 0, p->n_elements, zero, l->n_elements, &elements));
+    PetscCall(pl_select_points(f->comm, migration, p->first_point, p->n_nodes, begin,
+                               l->node_last - l->node_first, &nodes));
+    PetscCall(bring_numbers(elements, l->number, p->n_elements, 0, p->element));
+    PetscCall(bring_numbers(nodes, l->number + l->node_first, p->n_nodes, f->first_node, p->node));
+    PetscCall(pl_bring(elements, MPI_INT32_T, f->dim + 1, l->corner, p->corner));
+    PetscCall(pl_bring(nodes, MPI_DOUBLE, f->dim, l->x, p->coordinates));
+    PetscCall(PetscSFDestroy(&elements));
+    PetscCall(PetscSFDestroy(&nodes));
+    free(zero);
+    free(begin);
+    return 0;
+}
+
+static PetscErrorCode cut(pl_plexfile *f, const loaded *l, pl_piece *piece) {
+    DM dm = NULL, out = NULL;
+    PetscSF migration = NULL;
+    PetscPartitioner partitioner;
+    PetscMPIInt n_ranks;
+    MPI_Comm_size(f->comm, &n_ranks);
+    if (n_ranks == 1)
+        return take_all(f, l, piece);
+    PetscCall(with_faces(f, &dm));
+    PetscCall(DMSetBasicAdjacency(dm, PETSC_FALSE, PETSC_TRUE));
+    PetscCall(DMPlexGetPartitioner(dm, &partitioner));
+    PetscCall(PetscPartitionerSetType(partitioner, PETSCPARTITIONERPTSCOTCH));
+    PetscCall(PetscPartitionerSetFromOptions(partitioner));
+    PetscCall(DMPlexDistribute(dm, 1, &migration, &out));
+    PetscCall(DMDestroy(&dm));
+    PetscCall(pl_piece_begin(f->comm, out, piece));
+    PetscCall(DMDestroy(&out));
+    PetscCall(fill(f, l, migration, piece));
+    return PetscSFDestroy(&migration);
+}
+
+int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
+    loaded l = {.n_elements = 0};
+    *piece = (pl_piece){.dim = 0};
+    PetscErrorCode code = take_loaded(file, &l);
+    if (!code)
+        code = cut(file, &l, piece);
+    destroy_loaded(&l);
+    return code ? pl_fail_petsc(error, code) : PLANISH_OK;
+}
+
+/* ---- writing -------------------------------------------------------------------------------- */
+
+/** From the file's points to the nodes of share that this process moves. */
+static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, PetscSF *sf) {
+    PetscInt *leaf = NULL, n = 0;
+    PetscSFNode *root = NULL;
+    PetscMPIInt n_ranks, rank;
+    MPI_Comm_size(f->comm, &n_ranks);
+    MPI_Comm_rank(f->comm, &rank);
+    PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &leaf));
+    PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &root));
+    for (int64_t i = 0, k = 0; i < share->mesh.n_nodes; i++) {
+        const int64_t number = share->node_number[i] + f->first_node;
+        if (share->role[i] == PLANISH_GHOST)
+            continue;
+        while (f->begin[k + 1] <= number) /* numbers ascend */
+            k++;
+        leaf[n] = (PetscInt)i;
+        root[n++] = (PetscSFNode){.rank = (PetscInt)k, .index = (PetscInt)(number - f->begin[k])};
+    }
+    PetscCall(PetscSFCreate(f->comm, sf));
+    return PetscSFSetGraph(*sf, (PetscInt)(f->begin[rank + 1] - f->begin[rank]), n, leaf,
+                           PETSC_OWN_POINTER, root, PETSC_OWN_POINTER);
+}
+
+/** The coordinates of share to dm: by the file's points, as several processes may have a node. */
+static PetscErrorCode put_coordinates(pl_plexfile *f, const pl_share *share) {
+    PetscSF own;
+    PetscMPIInt rank;
+    PetscInt first, last, point_last;
+    Vec vector;
+    PetscScalar *x;
+    PetscSection section;
+    MPI_Datatype row;
+    MPI_Comm_rank(f->comm, &rank);
+    PetscCall(lead_to_own(f, share, &own));
+    PetscCall(DMPlexGetChart(f->dm, NULL, &point_last));
+    double *of_file = pl_new_array((f->begin[rank + 1] - f->begin[rank]) * f->dim, sizeof *of_file);
+    double *of_points = pl_new_array((int64_t)point_last * f->dim, sizeof *of_points);
+    PetscCheck(of_file && of_points, PETSC_COMM_SELF, PETSC_ERR_MEM, "Coordinates");
+    MPI_Type_contiguous(f->dim, MPI_DOUBLE, &row);
+    MPI_Type_commit(&row);
+    PetscCall(PetscSFReduceBegin(own, row, share->coordinates, of_file, MPI_REPLACE));
+    PetscCall(PetscSFReduceEnd(own, row, share->coordinates, of_file, MPI_REPLACE));
+    MPI_Type_free(&row);
+    PetscCall(pl_bring(f->load, MPI_DOUBLE, f->dim, of_file, of_points));
+    PetscCall(DMPlexGetDepthStratum(f->dm, 0, &first, &last));
+    PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
+    PetscCall(DMGetCoordinateSection(f->dm, &section));
+    PetscCall(VecGetArray(vector, &x));
+    for (PetscInt i = first; i < last; i++) {
+        PetscInt at;
+        PetscCall(PetscSectionGetOffset(section, i, &at));
+        for (int d = 0; d < f->dim; d++)
+            x[at + d] = of_points[(int64_t)i * f->dim + d];
+    }
+    PetscCall(VecRestoreArray(vector, &x));
+    PetscCall(PetscObjectReference((PetscObject)vector));
+    PetscCall(DMSetCoordinatesLocal(f->dm, vector));
+    PetscCall(VecDestroy(&vector));
+    free(of_file);
+    free(of_points);
+    return PetscSFDestroy(&own);
+}
+
+static PetscErrorCode view(MPI_Comm comm, DM dm, const char *path) {
+    PetscViewer viewer;
+    PetscCall(open_viewer(comm, path, FILE_MODE_WRITE, &viewer));
+    PetscCall(DMView(dm, viewer)); /* if that fails HDF5 cannot be closed: it would wait for ever */
+    return PetscViewerDestroy(&viewer);
+}
+
+/** To a file beside path. */
+static int write_beside(MPI_Comm comm, DM dm, const char *path, planish_error *error) {
+    char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
+    if (strlen(path) + 32 > PL_TEMPORARY_SIZE)
+        return fail(error, PLANISH_ERROR_FILE, path, "has too long a name");
+    snprintf(temporary, PL_TEMPORARY_SIZE, "%s.part", path);
+    const int before = keep_silent();
+    const PetscErrorCode code = view(comm, dm, temporary);
+    speak(before);
+    return code ? fail(error, PLANISH_ERROR_FILE, path, "cannot be written") : PLANISH_OK;
+}
+
+int pl_plexfile_finish(int rank, const char *path, int code, planish_error *error) {
+    char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
+    if (rank == 0 && !code && rename(temporary, path))
+        code = fail(error, PLANISH_ERROR_FILE, path, "cannot be replaced");
+    if (rank == 0 && code)
+        remove(temporary);
+    memset(temporary, 0, PL_TEMPORARY_SIZE);
+    return code;
+}
+
+int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
+                      planish_error *error) {
+    const PetscErrorCode code = put_coordinates(file, share);
+    return code ? pl_fail_petsc(error, code) : write_beside(file->comm, file->dm, path, error);
+}
+
+static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, DM *dm) {
+    static const planish_mesh nothing = {.dim = 0};
+    const planish_mesh *w = whole ? whole : &nothing;
+    int dim = w->dim;
+    char name[256];
+    PetscInt *corner;
+    MPI_Bcast(&dim, 1, MPI_INT, 0, comm);
+    const int64_t n = w->n_elements * (dim + 1);
+    PetscCall(PetscMalloc1((size_t)n + 1, &corner));
+    for (int64_t i = 0; i < n; i++)
+        corner[i] = w->elements[i];
+    PetscCall(DMPlexCreateFromCellListPetsc(comm, dim, (PetscInt)w->n_elements,
+                                            (PetscInt)w->n_nodes, dim + 1, PETSC_FALSE, corner, dim,
+                                            w->coordinates, dm));
+    PetscCall(PetscFree(corner));
+    PetscCall(find_name(name, sizeof name));
+    return PetscObjectSetName((PetscObject)*dm, name);
+}
+
+int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const char *path,
+                        planish_error *error) {
+    DM dm = NULL;
+    const PetscErrorCode code = make_plex(comm, whole, &dm);
+    const int status = code ? pl_fail_petsc(error, code) : write_beside(comm, dm, path, error);
+    DMDestroy(&dm);
+    return status;
+}

@@ -1,0 +1,44 @@
+/* plexfile: meshes in files of PETSc's own, HDF5, that all processes read and write together, so
+ * that none of them needs to have all of it.
+ */
+#ifndef PL_MPI_PLEXFILE_H
+#define PL_MPI_PLEXFILE_H
+
+#include "share.h"
+
+/** A mesh as it was read: each process has some of it. Everything is owned. */
+typedef struct pl_plexfile {
+    MPI_Comm comm; /* the caller's */
+    DM dm;
+    PetscSF load;   /* from the file's points, each process a stretch of them, to those of dm */
+    int64_t *begin; /* [ranks + 1] of these stretches */
+    int64_t n_elements, n_nodes, first_node; /* of all; the file's point of node 0 */
+    int dim;
+    char name[256]; /* of the mesh in the file */
+} pl_plexfile;
+
+/** Whether path is that of such a file: by its extension. */
+int pl_plexfile_is(const char *path);
+
+/** Read the mesh at path; its name there is that of the option -dm_plex_name in PETSC_OPTIONS, or
+ *  "plex". Collective; to be closed in any case. Returns 0, or a planish_status with *error. */
+int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, planish_error *error);
+void pl_plexfile_close(pl_plexfile *file);
+
+/** Cut it into pieces. Collective; piece is to be destroyed in any case. */
+int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error);
+
+/** Write the mesh with the coordinates of share to a file beside path. Collective; it may fail in
+ *  some processes alone. */
+int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
+                      planish_error *error);
+
+/** Likewise whole, which the first process has (the others: NULL). */
+int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const char *path,
+                        planish_error *error);
+
+/** Let the file that one of these has written take the place of that at path; with a code remove
+ * it: the first process does. Returns code, or a planish_status. */
+int pl_plexfile_finish(int rank, const char *path, int code, planish_error *error);
+
+#endif
