@@ -41,7 +41,7 @@ packages_full=(
 packages_mpi=(
     libopenmpi-dev openmpi-bin # processes that share a mesh
     libpetsc-real-dev pkg-config # planish-mpi
-    procps # tests end processes
+    python3-h5py procps # tests read PETSc's files, and end processes
 )
 # shellcheck disable=SC2034
 packages_long=(

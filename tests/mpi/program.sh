@@ -80,8 +80,30 @@ together 2 --version >"$work/out" || fail "--version"
 grep -q "^planish-mpi [0-9]" "$work/out" || fail "--version: $(cat "$work/out")"
 together 2 --help | grep -q "mpirun -n 4 planish-mpi IN -o OUT" || fail "--help"
 
+# PETSc's own files: read and written by all processes, with the numbers of `planish smooth`.
+if python3 -c "import h5py" 2>/dev/null; then
+    together 2 "$work/valid.mesh" -o "$work/valid.h5" -q --max-sweeps 0 2>"$work/err" || fail "no .h5: $(cat "$work/err")"
+    "$PLANISH_PROGRAM" smooth "$work/valid.mesh" -o "$work/0.mesh" -q --json "$work/0.json" || fail "valid.mesh"
+    for n in 1 2 3; do
+        together $n "$work/valid.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
+            fail ".h5 with $n processes: $(cat "$work/err")"
+        python3 "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
+            fail ".h5 with $n processes: other numbers"
+    done
+    for n in 1 2; do
+        together $n "$work/none.h5" -o "$work/n.h5" 2>"$work/err"
+        [ $? = 2 ] || fail "a missing .h5"
+        head -c 20000 "$work/valid.h5" >"$work/cut.h5"
+        together $n "$work/cut.h5" -o "$work/n.h5" 2>"$work/err"
+        [ $? = 2 ] && [ "$(grep -c '^planish: ' "$work/err")" = 1 ] || fail "a .h5 that was cut: $(cat "$work/err")"
+        grep -q "HDF5-DIAG" "$work/err" && fail "a page of HDF5's"
+        together $n "$work/valid.h5" -o "$work/n.h5" --slide auto 2>"$work/err"
+        [ $? = 64 ] || fail "--slide with .h5"
+    done
+fi
+
 # A process that dies ends the others; nothing is left half written.
-python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 50 0.2 "$work/large.mesh" || fail "no mesh"
+python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 64 0.2 "$work/large.mesh" || fail "no mesh"
 mkdir "$work/end"
 for signal in KILL TERM; do
     together 3 "$work/large.mesh" -o "$work/end/out.mesh" -v -j 1 --tolerance 1e-13 --max-sweeps 100000 \
