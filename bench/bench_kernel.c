@@ -9,6 +9,7 @@
  * variants of a problem. bytes_per_star: of the plan, which a visit reads from one end to the
  * other; coordinates, which stars share, come on top.
  */
+#include "base/sum.h"
 #include "sweep/plan.h"
 
 #include <planish/planish_io.h>
@@ -87,6 +88,24 @@ static void measure_variants(const planish_plan *plan, pl_star_problem *problem,
     }
 }
 
+/** Best seconds of adding up terms [n], exactly or as doubles are added. */
+static double time_sum(const double *terms, int64_t n, int is_exact, int repeat) {
+    double best = 0;
+    for (int r = 0; r < repeat; r++) {
+        const double begin = seconds_now();
+        pl_sum exact = {.n_added = 0};
+        double plain = 0;
+        for (int64_t i = 0; i < n && is_exact; i++)
+            pl_sum_add(&exact, terms[i]);
+        for (int64_t i = 0; i < n && !is_exact; i++)
+            plain += terms[i];
+        volatile double sum = is_exact ? pl_sum_value(&exact) : plain; /* somebody wants it */
+        (void)sum;
+        best = least(seconds_now() - begin, best);
+    }
+    return best;
+}
+
 /** A least volume that no element comes near to. */
 static double far_volume(const planish_plan *plan, const planish_mesh *mesh) {
     planish_quality quality;
@@ -117,7 +136,9 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
         guard.measure = (planish_objective)i;
         measure_variants(plan, &problem, names[i], start, repeat, &separator);
     }
-    printf(" ]\n}\n");
+    printf(" ],\n  \"ns_per_term\": { \"exact_sum\": %.2f, \"plain_sum\": %.2f }\n}\n",
+           1e9 / (double)values * time_sum(start, values, 1, repeat),
+           1e9 / (double)values * time_sum(start, values, 0, repeat));
     free(start);
     return 0;
 }
