@@ -307,6 +307,10 @@ static void add_optimality(document *json, cJSON *root, const pl_job *job,
  *  0; either may be NULL. */
 static void add_elements(document *json, cJSON *root, const char *name, const pl_job *job,
                          const uint8_t *state, planish_volume_state least, const uint8_t *second) {
+    if (!job->mesh.coordinates) { /* elements that this process has not */
+        add(json, root, name, cJSON_CreateNull());
+        return;
+    }
     cJSON *list = new_array(json, root, name);
     for (int64_t i = 0; i < job->mesh.n_elements && !json->failed; i++)
         if ((state && state[i] >= least) || (second && second[i]))

@@ -40,6 +40,9 @@ refuse "$(ls tools/report/*.[ch] | grep -v -e surface.c -e markup.c)" "$(include
     "a report knows public headers and base, its surface topology's facets, its markup io's base64"
 refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/base/parallel.c)" "omp\.h|# *pragma *omp" "OpenMP belongs in src/base/parallel.c"
 refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/sweep/placement.c)" "hwloc\.h" "hwloc belongs in src/sweep/placement.c"
+refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] include/planish/*.h)" '^ *# *include *[<"](mpi|petsc)' \
+    "MPI and PETSc belong in mpi/"
+refuse "mpi/*" "$(includes "$(others base topology)")" "planish-mpi knows public headers, base, and topology's facets"
 
 [ $bad = 0 ] && echo "includes point one way"
 exit $bad
