@@ -27,9 +27,9 @@ static int compare_ghosts(const void *a, const void *b) {
 
 /** from, from_begin and ghost, of sorted ghosts. */
 static int list_sources(pl_exchange *e, const pl_ghost *ghosts, int64_t n) {
-    e->from = malloc(((size_t)n + 1) * sizeof *e->from);
-    e->from_begin = malloc(((size_t)n + 2) * sizeof *e->from_begin);
-    e->ghost = malloc(((size_t)n + 1) * sizeof *e->ghost);
+    e->from = calloc((size_t)n + 1, sizeof *e->from);
+    e->from_begin = calloc((size_t)n + 2, sizeof *e->from_begin);
+    e->ghost = calloc((size_t)n + 1, sizeof *e->ghost);
     if (!e->from || !e->from_begin || !e->ghost)
         return -1;
     for (int64_t i = 0; i < n; i++) {
@@ -49,7 +49,7 @@ static int list_goals(pl_exchange *e) {
     MPI_Comm_size(e->comm, &n_ranks);
     int *wanted = calloc((size_t)n_ranks, sizeof *wanted);
     int *asked = calloc((size_t)n_ranks, sizeof *asked);
-    e->to = malloc((size_t)n_ranks * sizeof *e->to);
+    e->to = calloc((size_t)n_ranks, sizeof *e->to);
     e->to_begin = calloc((size_t)n_ranks + 1, sizeof *e->to_begin);
     const int done = wanted && asked && e->to && e->to_begin;
     if (done) {
@@ -87,7 +87,7 @@ static int sort_goals(pl_exchange *e, const int32_t *wanted, int64_t n_nodes) {
 
 /** Send the lists of what is wanted, and receive those of the others. */
 static int swap_lists(pl_exchange *e, const pl_ghost *ghosts, int64_t n, int64_t n_nodes) {
-    int32_t *wanted = malloc(((size_t)e->to_begin[e->n_to] + 1) * sizeof *wanted);
+    int32_t *wanted = calloc((size_t)e->to_begin[e->n_to] + 1, sizeof *wanted);
     int32_t *mine = malloc(((size_t)n + 1) * sizeof *mine);
     int status = wanted && mine && e->request ? 0 : -1;
     if (!status) {
@@ -111,10 +111,11 @@ int pl_exchange_create(pl_exchange *exchange, MPI_Comm comm, const pl_ghost *gho
                        int64_t n_nodes, planish_error *error) {
     pl_exchange *e = exchange;
     *e = (pl_exchange){.comm = comm};
-    pl_ghost *sorted = malloc(((size_t)n + 1) * sizeof *sorted);
+    pl_ghost *sorted = calloc((size_t)n + 1, sizeof *sorted);
     int status = sorted ? 0 : -1;
     if (!status) {
-        memcpy(sorted, ghosts, (size_t)n * sizeof *sorted);
+        for (int64_t i = 0; i < n; i++)
+            sorted[i] = ghosts[i];
         qsort(sorted, (size_t)n, sizeof *sorted, compare_ghosts);
         status = list_sources(e, sorted, n);
     }

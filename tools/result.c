@@ -336,7 +336,8 @@ static char *finish(document *json, cJSON *root) {
     char *line = malloc(length + 2);
     if (line) {
         memcpy(line, text, length);
-        memcpy(line + length, "\n", 2);
+        line[length] = '\n';
+        line[length + 1] = '\0';
     }
     cJSON_free(text);
     return line;
