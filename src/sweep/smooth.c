@@ -206,10 +206,6 @@ static int check_alone(const pl_run *r, planish_error *error) {
     const planish_options *o = r->options;
     if (!r->plan->context->part || o->method != PLANISH_METHOD_PLANISH)
         return PLANISH_OK;
-    if (o->worst != PLANISH_WORST_NONE)
-        return pl_fail(error, PLANISH_ERROR_PARTS,
-                       "options.worst is not possible with a mesh in parts; do without it, or in "
-                       "one process");
     if (o->untangle && pl_run_is_tangled(r))
         return pl_fail(
             error, PLANISH_ERROR_PARTS,

@@ -9,6 +9,7 @@
 
 #include "base/context.h"
 #include "base/memory.h"
+#include "base/parts.h"
 #include "base/status.h"
 
 #include <math.h>
@@ -35,6 +36,7 @@ typedef struct phase {
 /** Find the elements above limit, a square; how many of them have a free node. */
 static int64_t find_bad(const phase *p, double limit) {
     const planish_plan *plan = p->run->plan;
+    const uint8_t *is_counted = pl_plan_counted(plan);
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
     int64_t n = 0;
     pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
@@ -44,8 +46,9 @@ static int64_t find_bad(const phase *p, double limit) {
         int is_free = 0;
         for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
             is_free |= plan->is_free[plan->elements[i * corners + j]];
-        n += is_free != 0;
+        n += is_free && (!is_counted || is_counted[i]);
     }
+    pl_parts_add(&n, 1);
     return n;
 }
 

@@ -32,12 +32,14 @@ enum {
     FLOAT,
     LAPLACIAN,
     FEW_SWEEPS,
+    WORST_RATIO,
+    WORST_SMALLEST,
     N_WAYS
 };
 
-static const char *const names[] = {"plain",      "fletcher-reeves", "mean-ratio", "edge-ratio",
-                                    "min-volume", "weight",          "bounds",     "near",
-                                    "float",      "laplacian",       "few-sweeps"};
+static const char *const names[] = {
+    "plain", "fletcher-reeves", "mean-ratio", "edge-ratio", "min-volume",  "weight",     "bounds",
+    "near",  "float",           "laplacian",  "few-sweeps", "worst ratio", "worst angle"};
 
 static planish_options options_of(int which) {
     planish_options o;
@@ -77,6 +79,12 @@ static planish_options options_of(int which) {
         break;
     case FEW_SWEEPS:
         o.max_sweeps = 2;
+        break;
+    case WORST_RATIO:
+        o.worst = PLANISH_WORST_RADIUS_RATIO;
+        break;
+    case WORST_SMALLEST:
+        o.worst = PLANISH_WORST_ANGLE;
         break;
     default:
         break;
@@ -132,6 +140,10 @@ static void assert_same_result(const planish_result *a, const planish_result *b)
     assert_int_equal(a->below_min_volume, b->below_min_volume);
     assert_int_equal(a->held_outside, b->held_outside);
     assert_int_equal(a->n_active, b->n_active);
+    assert_int_equal(a->worst_sweeps, b->worst_sweeps);
+    assert_same(a->worst_before, b->worst_before);
+    assert_same(a->worst_after, b->worst_after);
+    assert_same(a->objective_of_worst, b->objective_of_worst);
     assert_same(a->rms, b->rms);
     assert_same(a->rms_movable, b->rms_movable);
     assert_same(a->objective, b->objective);
@@ -446,9 +458,8 @@ static void bad_elements_are_found_together(void **state) {
 /** What is only possible in one process is refused in all. */
 static void what_is_not_possible_in_parts_is_refused(void **state) {
     (void)state;
-    enum { SELECT, WORST, TANGLED, BELOW, N };
-    static const char *const texts[] = {"only_worse_than", "options.worst", "inverted",
-                                        "least volume"};
+    enum { SELECT, TANGLED, BELOW, N };
+    static const char *const texts[] = {"only_worse_than", "inverted", "least volume"};
     for (int i = 0; i < N; i++) {
         planish_options options = options_of(PLAIN);
         test_mesh m;
@@ -460,8 +471,6 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
         own(&m.mesh, SLABS, 2, 0, owner);
         if (i == SELECT)
             options.only_worse_than = 2;
-        if (i == WORST)
-            options.worst = PLANISH_WORST_ANGLE;
         if (i == BELOW)
             options.min_volume = 0.2;
         processes_create(&w, &m.mesh, 2, owner);
