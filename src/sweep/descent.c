@@ -2,6 +2,8 @@
 #include "sweep/lbfgs.h"
 #include "sweep/tangle.h"
 
+#include "base/parts.h"
+
 #include <math.h>
 
 /** How long to try. */
@@ -105,10 +107,11 @@ static int solve(descent *d, const patience *how) {
 static int64_t evaluations_of(const descent *d, double visits) {
     const pl_stars *stars = &d->t->run->plan->interior.stars;
     const pl_patch *p = &d->m.p;
-    double facets = 1;
+    int64_t facets = 0;
     for (int64_t i = 0; i < p->n; i++)
-        facets += (double)(stars->link_offset[p->star[i] + 1] - stars->link_offset[p->star[i]]);
-    return (int64_t)fmax(visits / facets, LEAST_EVALUATIONS);
+        facets += stars->link_offset[p->star[i] + 1] - stars->link_offset[p->star[i]];
+    pl_parts_add(&facets, 1);
+    return (int64_t)fmax(visits / (double)(facets + 1), LEAST_EVALUATIONS);
 }
 
 int pl_tangle_solve(pl_tangle *t, pl_patience wanted) {

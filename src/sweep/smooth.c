@@ -168,11 +168,6 @@ static int sweeps(pl_run *r, planish_error *error) {
     if (r->options->method != PLANISH_METHOD_PLANISH || r->guard.star.keep_below ||
         !has_interior(r) || r->stop != PLANISH_STOP_CONVERGED)
         return PLANISH_OK;
-    if (r->plan->context->part && pl_run_below(r) > 0)
-        return pl_fail(error, PLANISH_ERROR_PARTS,
-                       "%" PRId64 " elements stay below their least volume: raising them is not "
-                       "possible with a mesh in parts; set options.untangle to 0",
-                       pl_run_below(r));
     int status = untangle(r, pl_run_raise_volumes, &done, error);
     if (!status && done && !was_cut_short(r))
         pl_run_sweeps(r);
@@ -201,28 +196,10 @@ static int keep_angles(pl_run *r, planish_error *error) {
     return pl_run_put_back_angles(r, error);
 }
 
-/** What is not possible, so far, where other processes have parts of the mesh. */
-static int check_alone(const pl_run *r, planish_error *error) {
-    const planish_options *o = r->options;
-    if (!r->plan->context->part || o->method != PLANISH_METHOD_PLANISH)
-        return PLANISH_OK;
-    if (o->untangle && pl_run_is_tangled(r))
-        return pl_fail(
-            error, PLANISH_ERROR_PARTS,
-            "%" PRId64 " elements are inverted, others flat perhaps: untangling is not "
-            "possible with a mesh in parts; set options.untangle to 0, or untangle it in "
-            "one process",
-            pl_run_inverted(r));
-    return PLANISH_OK;
-}
-
 static int work(pl_run *r, planish_error *error) {
     const pl_objective_sums start = r->totals;
     int status = PLANISH_OK, done;
     r->guard.star.keep_below = !r->options->untangle;
-    status = check_alone(r, error);
-    if (status)
-        return status;
     if (r->options->untangle && r->options->method == PLANISH_METHOD_PLANISH && has_interior(r))
         status = untangle(r, pl_run_untangle, &done, error);
     if (!status && !was_cut_short(r))

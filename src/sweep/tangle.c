@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "geometry/cube_root.h"
 #include "geometry/simplex.h"
@@ -14,17 +15,26 @@
 
 /* ---- elements ------------------------------------------------------------------------------ */
 
+/** The elements found that are tangled; of all processes. */
+static void count_tangled(pl_tangle *t) {
+    const planish_plan *plan = t->run->plan;
+    const uint8_t *is_counted = pl_plan_counted(plan);
+    t->n_tangled = 0;
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        t->n_tangled += t->state[i] == PL_TANGLED && (!is_counted || is_counted[i]);
+    pl_parts_add(&t->n_tangled, 1);
+}
+
 void pl_tangle_find(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
     pl_objective_problem problem = pl_run_objective_problem(t->run);
     problem.min_volume = t->guard.min_volume;
     problem.own_min_volume = t->guard.link_min_volume ? problem.own_min_volume : NULL;
-    t->n_tangled = pl_find_tangled(&problem, t->state);
+    pl_find_tangled(&problem, t->state);
     for (int64_t i = 0; t->is_hopeless && i < plan->n_elements; i++)
-        if (t->is_hopeless[i] && t->state[i] == PL_TANGLED) {
+        if (t->is_hopeless[i] && t->state[i] == PL_TANGLED)
             t->state[i] = PL_HOPELESS;
-            t->n_tangled--;
-        }
+    count_tangled(t);
 }
 
 /** Elements that cannot be helped are given up (INFEASIBLE is HOPELESS): those without a free node,
@@ -34,22 +44,22 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
     int64_t n = 0;
     uint8_t *part = NULL;
     int status = pl_mark_infeasible(plan, &t->problem, t->state, &n, &part, error);
-    if (status || n == 0) {
+    if (status || !pl_parts_any(n > 0)) {
         pl_free(part);
         return status;
     }
+    status = pl_share_hopeless(plan, part, t->state, error);
     t->link_skip = part;
     for (int64_t i = 0; i < plan->interior.stars.link_offset[plan->interior.stars.n_stars]; i++)
         part[i] = part[i] == PL_PART_GIVEN_UP;
     t->is_hopeless = pl_alloc(plan->n_elements, sizeof *t->is_hopeless);
-    if (!t->is_hopeless)
-        return pl_fail_memory(error, "the elements that cannot be helped");
-    t->n_tangled = 0;
-    for (int64_t i = 0; i < plan->n_elements; i++) {
-        t->is_hopeless[i] = t->state[i] == PLANISH_VOLUME_INFEASIBLE;
-        t->n_tangled += t->state[i] == PL_TANGLED;
-    }
-    return PLANISH_OK;
+    if (!status && !t->is_hopeless)
+        status = pl_fail_memory(error, "the elements that cannot be helped");
+    for (int64_t i = 0; !status && i < plan->n_elements; i++)
+        t->is_hopeless[i] = t->state[i] == PL_HOPELESS;
+    if (!status)
+        count_tangled(t);
+    return status;
 }
 
 /* ---- sizes --------------------------------------------------------------------------------- */
@@ -78,9 +88,11 @@ static double size_of(double measure, int dim) {
     return ldexp(pl_cube_root(ldexp(mantissa, exponent - 3 * third)), third);
 }
 
-/** The work on sizes; arrays over nodes, by inner numbers. */
+/** The work on sizes; arrays over nodes, by inner numbers. Of ghosts there is what their processes
+ *  find. */
 typedef struct sizing {
     const planish_plan *plan;
+    const uint8_t *is_ghost; /* NULL: there are none */
     double *sum;      /* of the measures (times dim!) of the node's elements; then its level */
     double *absolute; /* of their absolute values; then of levels around */
     int32_t *count;   /* elements of the node; then 1, or 0: nothing is known of it */
@@ -135,6 +147,11 @@ static void find_sizes(const sizing *s) {
         const int tells = measure > LEAST_MEASURE && s->sum[i] > TELLING * s->absolute[i];
         s->sum[i] = tells ? size_of(measure, dim) : 0;
     }
+    pl_ghosts_update(s->plan, s->sum, sizeof *s->sum);
+}
+
+static int is_own(const sizing *s, int64_t node) {
+    return !s->is_ghost || !s->is_ghost[node];
 }
 
 /** Sizes become levels; returns of how many nodes nothing is known. */
@@ -143,12 +160,14 @@ static int64_t find_levels(sizing *s) {
     int64_t unknown = 0;
     for (int64_t i = 0; i < s->plan->n_nodes; i++)
         largest = fmax(largest, s->sum[i]);
+    pl_parts_largest(&largest, 1);
     frexp(largest, &s->of_largest);
     for (int64_t i = 0; i < s->plan->n_nodes; i++) {
-        unknown += s->count[i] > 0 && !(s->sum[i] > 0);
+        unknown += s->count[i] > 0 && !(s->sum[i] > 0) && is_own(s, i);
         s->count[i] = s->sum[i] > 0;
         s->sum[i] = s->sum[i] > 0 ? to_level(s->sum[i], s->of_largest) : 0;
     }
+    pl_parts_add(&unknown, 1);
     return unknown;
 }
 
@@ -169,23 +188,31 @@ static int64_t spread_levels(const sizing *s) {
             }
     }
     for (int64_t i = 0; i < plan->n_nodes; i++)
-        if (s->around[i] > 0) {
+        if (s->around[i] > 0 && is_own(s, i)) {
             s->sum[i] = s->absolute[i] / s->around[i];
             s->count[i] = 1;
             grown++;
         }
+    pl_ghosts_update(plan, s->sum, sizeof *s->sum);
+    pl_ghosts_update(plan, s->count, sizeof *s->count);
+    pl_parts_add(&grown, 1);
     return grown;
 }
 
 /** The mean of all for those that are too far from known ones. */
 static void fill_levels(const sizing *s) {
-    double sum = 0, n = 0;
-    for (int64_t i = 0; i < s->plan->n_nodes; i++) {
-        sum += s->count[i] > 0 ? s->sum[i] : 0;
-        n += s->count[i] > 0;
-    }
+    pl_sum sum = {.n_added = 0};
+    int64_t n = 0;
     for (int64_t i = 0; i < s->plan->n_nodes; i++)
-        s->sum[i] = s->count[i] > 0 || !(n > 0) ? s->sum[i] : sum / n;
+        if (s->count[i] > 0 && is_own(s, i)) {
+            pl_sum_add(&sum, s->sum[i]);
+            n++;
+        }
+    pl_parts_add_sums(&sum, 1);
+    pl_parts_add(&n, 1);
+    const double mean = n > 0 ? pl_sum_value(&sum) / (double)n : 0;
+    for (int64_t i = 0; n > 0 && i < s->plan->n_nodes; i++)
+        s->sum[i] = s->count[i] > 0 ? s->sum[i] : mean;
 }
 
 /* Each layer costs a look at all elements. */
@@ -194,6 +221,7 @@ enum { MOST_SPREADS = 64 };
 void pl_tangle_find_sizes(pl_tangle *t) {
     const int64_t n = t->run->plan->n_nodes;
     sizing s = {.plan = t->run->plan,
+                .is_ghost = t->is_ghost,
                 .scale = t->scale,
                 .sum = pl_alloc_zero(n, sizeof *s.sum),
                 .absolute = pl_alloc_zero(n, sizeof *s.absolute),
@@ -229,6 +257,12 @@ static void mark_tangled(pl_tangle *t) {
         for (int j = 0; j <= plan->dim; j++)
             t->in_patch[node[j]] = 1;
     }
+    pl_ghosts_update(plan, t->in_patch, 1);
+}
+
+static void note_ghosts(pl_tangle *t) {
+    for (int64_t i = 0; i < t->n_ghosts; i++)
+        t->was_in_patch[i] = t->in_patch[t->ghost[i]];
 }
 
 /** Mark the free neighbours of what is marked, and queue their stars. Returns how many they are. */
@@ -244,26 +278,46 @@ static int64_t mark_first_layer(pl_tangle *t) {
         if (beside)
             t->queue[n++] = (int32_t)s;
     }
+    note_ghosts(t);
     for (int64_t i = 0; i < n; i++)
         t->in_patch[centre[t->queue[i]]] = 1;
+    pl_ghosts_update(t->run->plan, t->in_patch, 1);
     return n;
+}
+
+/** Mark a free node, and queue its star, unless that has been done. */
+static void mark_node(pl_tangle *t, int32_t node, int64_t *n) {
+    if (t->in_patch[node] || t->star_of[node] < 0)
+        return;
+    t->in_patch[node] = 1;
+    t->queue[(*n)++] = t->star_of[node];
+}
+
+/** Mark the neighbours of ghosts that the last layer has marked in their processes. */
+static void mark_around_ghosts(pl_tangle *t, int64_t *n) {
+    const pl_ghosts *g = &t->run->plan->ghosts;
+    for (int64_t i = 0; i < t->n_ghosts; i++) {
+        const int32_t node = t->ghost_node[i];
+        if (!t->in_patch[t->ghost[i]] || t->was_in_patch[i])
+            continue;
+        for (int64_t k = g->offset[node]; k < g->offset[node + 1]; k++)
+            mark_node(t, g->neighbour[k], n);
+    }
 }
 
 /** The layers after the first, breadth first: the stars queue[0 .. n-1] are the first layer. */
 static void mark_layers(pl_tangle *t, int64_t n, int layers) {
     const pl_stars *stars = &t->run->plan->interior.stars;
-    for (int64_t begin = 0, end = n; layers > 0 && begin < end; layers--) {
+    for (int64_t begin = 0, end = n; layers > 0 && pl_parts_any(begin < end); layers--) {
         for (int64_t k = begin; k < end; k++)
             for (int64_t i = stars->ring_offset[t->queue[k]];
-                 i < stars->ring_offset[t->queue[k] + 1]; i++) {
-                const int32_t node = stars->ring[i];
-                if (t->in_patch[node] || t->star_of[node] < 0)
-                    continue;
-                t->in_patch[node] = 1;
-                t->queue[n++] = t->star_of[node];
-            }
+                 i < stars->ring_offset[t->queue[k] + 1]; i++)
+                mark_node(t, stars->ring[i], &n);
+        mark_around_ghosts(t, &n);
         begin = end;
         end = n;
+        note_ghosts(t);
+        pl_ghosts_update(t->run->plan, t->in_patch, 1);
     }
 }
 
@@ -277,8 +331,9 @@ void pl_tangle_mark(pl_tangle *t, int layers) {
         const int32_t node = plan->inner[i];
         t->in_patch[node] = t->in_patch[node] && plan->is_free[i] == PL_INTERIOR &&
                             !pl_star_is_held(&t->guard, node, plan->dim);
-        t->n_patch += t->in_patch[node];
+        t->n_patch += t->in_patch[node] && !(t->is_ghost && t->is_ghost[node]);
     }
+    pl_parts_add(&t->n_patch, 1);
 }
 
 /* ---- energy -------------------------------------------------------------------------------- */
@@ -304,6 +359,9 @@ void pl_tangle_total(pl_tangle *t, pl_chunk_fn *add_chunk, void *context) {
     t->energy = NO_ENERGY;
     for (int i = 0; i < plan->threads; i++)
         add(&t->energy, &t->of_thread[i]);
+    pl_parts_add_sums(&t->energy.sum, 1);
+    pl_parts_smallest(&t->energy.least, 1);
+    pl_parts_add(&t->energy.tangled, 1);
 }
 
 double pl_tangle_energy(const pl_tangle *t) {
@@ -331,6 +389,31 @@ static void number_stars(pl_tangle *t) {
         t->star_of[plan->interior.centre[s]] = (int32_t)s;
 }
 
+/** The ghosts that may be in the patch. */
+static int list_ghosts(pl_tangle *t) {
+    const planish_plan *plan = t->run->plan;
+    const planish_part *part = plan->context->part;
+    if (!part)
+        return 1;
+    const int64_t n = pl_parts_ghosts(plan->n_nodes);
+    t->is_ghost = pl_alloc_zero(plan->n_nodes, sizeof *t->is_ghost);
+    t->ghost = pl_alloc(n, sizeof *t->ghost);
+    t->ghost_node = pl_alloc(n, sizeof *t->ghost_node);
+    t->was_in_patch = pl_alloc_zero(n, sizeof *t->was_in_patch);
+    if (!t->is_ghost || !t->ghost || !t->ghost_node || !t->was_in_patch)
+        return 0;
+    for (int64_t i = 0; i < plan->n_nodes; i++) {
+        if (part->node_role[i] != PLANISH_GHOST)
+            continue;
+        t->is_ghost[plan->inner[i]] = 1;
+        if (plan->is_free[i] != PL_INTERIOR)
+            continue;
+        t->ghost[t->n_ghosts] = plan->inner[i];
+        t->ghost_node[t->n_ghosts++] = (int32_t)i;
+    }
+    return 1;
+}
+
 int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) {
     const planish_plan *plan = r->plan;
     *t = (pl_tangle){.run = r, .problem = r->problem, .guard = r->guard.star};
@@ -354,7 +437,8 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     t->star_of = pl_alloc(plan->n_nodes, sizeof *t->star_of);
     t->queue = pl_alloc(plan->interior.stars.n_stars, sizeof *t->queue);
     t->of_thread = pl_alloc(plan->threads, sizeof *t->of_thread);
-    if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->of_thread)
+    if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->of_thread ||
+        !list_ghosts(t))
         return pl_fail_memory(error, "untangling");
     number_stars(t);
     t->scale = pl_box_of_fixed(plan).scale;
@@ -370,6 +454,10 @@ void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->size);
     pl_free(t->best);
     pl_free(t->star_of);
+    pl_free(t->is_ghost);
+    pl_free(t->ghost);
+    pl_free(t->ghost_node);
+    pl_free(t->was_in_patch);
     pl_free(t->queue);
     pl_free(t->of_thread);
     *t = (pl_tangle){0};

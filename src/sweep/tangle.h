@@ -17,15 +17,20 @@ typedef enum pl_tangle_state {
 /** What untangling works on. Arrays are owned, and by inner numbers but for state. */
 typedef struct pl_tangle {
     pl_run *run;
-    pl_star_problem problem;   /* of visits that untangle */
-    pl_star_guard guard;       /* bounds, and floors if elements are to be brought above them */
-    pl_star_untangling asked;  /* in_patch, size and link_skip point to what follows */
-    uint8_t *in_patch;         /* [n_nodes] */
-    double *size;              /* [n_nodes] */
-    uint8_t *link_skip;        /* [link facets of all stars], or NULL: none is skipped */
-    uint8_t *is_hopeless;      /* [n_elements] to be given up, or NULL: none */
-    uint8_t *state;            /* [n_elements] pl_tangle_state, as found last */
-    double *best;              /* [n_nodes][dim] the best coordinates so far */
+    pl_star_problem problem;  /* of visits that untangle */
+    pl_star_guard guard;      /* bounds, and floors if elements are to be brought above them */
+    pl_star_untangling asked; /* in_patch, size and link_skip point to what follows */
+    uint8_t *in_patch;        /* [n_nodes] */
+    double *size;             /* [n_nodes] */
+    uint8_t *link_skip;       /* [link facets of all stars], or NULL: none is skipped */
+    uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
+    uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
+    double *best;             /* [n_nodes][dim] the best coordinates so far */
+    uint8_t *is_ghost;        /* [n_nodes] of a mesh in parts; NULL: there are none */
+    int32_t *ghost;           /* [n_ghosts] ghosts whose nodes may move, by inner numbers, */
+    int32_t *ghost_node;      /* [n_ghosts] by their own, */
+    uint8_t *was_in_patch;    /* [n_ghosts] and whether they were in the patch a layer ago */
+    int64_t n_ghosts;
     int32_t *star_of;          /* [n_nodes] the star of each free node; else -1 */
     int32_t *queue;            /* [n_stars] */
     double scale;              /* a power of two: times it the domain is about 1 wide */
@@ -65,6 +70,14 @@ void pl_tangle_add(pl_tangle *t, int thread, pl_star_energy *found);
 
 /** The sum of energies of the total. */
 double pl_tangle_energy(const pl_tangle *t);
+
+/* ---- hopeless.c ---------------------------------------------------------------------------- */
+
+/** Of a mesh in parts: make state [n_elements] PL_HOPELESS where it is PL_TANGLED and the star of a
+ *  ghost has given the element up in its process; of_facet: pl_star_part of the stars here. Errors:
+ *  _MEMORY. */
+int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+                      planish_error *error);
 
 /* ---- descent.c: all nodes of the patch at once ------------------------------------------------
  */

@@ -102,12 +102,18 @@ typedef struct outcome {
     planish_error error;
 } outcome;
 
-static outcome smooth(const planish_mesh *mesh, const planish_options *options,
-                      double *coordinates) {
+/** Plan mesh, and smooth coordinates; if start (of the whole mesh, in which the nodes have these
+ *  numbers, NULL: their own) is not NULL from there. */
+static outcome smooth(const planish_mesh *mesh, const planish_options *options, const double *start,
+                      const int64_t *node_number, double *coordinates) {
     planish_plan *plan = NULL;
     outcome o = {.status = planish_plan_create(mesh, options, &plan, &o.error)};
     if (!o.status) {
         planish_plan_get_info(plan, &o.info);
+        for (int64_t i = 0; start && i < mesh->n_nodes; i++)
+            memcpy(coordinates + i * mesh->dim,
+                   start + (node_number ? node_number[i] : i) * mesh->dim,
+                   (size_t)mesh->dim * sizeof *coordinates);
         o.status = planish_smooth(plan, coordinates, options, &o.result, &o.error);
     }
     if (!o.status)
@@ -118,12 +124,14 @@ static outcome smooth(const planish_mesh *mesh, const planish_options *options,
 
 typedef struct job {
     const planish_options *options;
+    const double *start; /* as in smooth */
     outcome outcome[8];
 } job;
 
 static void smooth_part(process *part, void *user) {
     job *j = user;
-    j->outcome[part->rank] = smooth(&part->mesh, j->options, part->coordinates);
+    j->outcome[part->rank] =
+        smooth(&part->mesh, j->options, j->start, part->node_number, part->coordinates);
 }
 
 static void assert_same(double a, double b) {
@@ -192,15 +200,16 @@ static void assert_same_quality(const planish_quality *a, const planish_quality 
     assert_true(is_near(a->total_volume, b->total_volume));
 }
 
-/** Smooth mesh in one process, and in n that own its nodes as owner says. */
-static void compare(const planish_mesh *mesh, const planish_options *options, int n,
-                    const int *owner) {
+/** Smooth mesh (from start, if that is not NULL) in one process, and in n that own its nodes as
+ * owner says. Returns what one comes to. */
+static outcome compare_from(const planish_mesh *mesh, const double *start,
+                            const planish_options *options, int n, const int *owner) {
     const size_t values = (size_t)mesh->n_nodes * (size_t)mesh->dim;
     double *alone = malloc(values * sizeof *alone), *together = malloc(values * sizeof *together);
     processes w;
-    job j = {.options = options};
+    job j = {.options = options, .start = start};
     memcpy(alone, mesh->coordinates, values * sizeof *alone);
-    const outcome expected = smooth(mesh, options, alone);
+    const outcome expected = smooth(mesh, options, start, NULL, alone);
     assert_int_equal(expected.status, 0);
     processes_create(&w, mesh, n, owner);
     processes_run(&w, smooth_part, &j);
@@ -216,6 +225,12 @@ static void compare(const planish_mesh *mesh, const planish_options *options, in
     processes_destroy(&w);
     free(alone);
     free(together);
+    return expected;
+}
+
+static void compare(const planish_mesh *mesh, const planish_options *options, int n,
+                    const int *owner) {
+    compare_from(mesh, NULL, options, n, owner);
 }
 
 /* ---- who owns what -------------------------------------------------------------------------- */
@@ -347,12 +362,77 @@ static void parts_that_are_none_are_refused(void **state) {
         if (faults[i].which == 7)
             role[4] = PLANISH_GHOST;
         p->mesh.part = &part;
-        const outcome o = smooth(&p->mesh, &options, p->coordinates);
+        const outcome o = smooth(&p->mesh, &options, NULL, NULL, p->coordinates);
         assert_int_equal(o.status, faults[i].status);
         assert_non_null(strstr(o.error.text, faults[i].text));
     }
     processes_destroy(&w);
     test_mesh_destroy(&m);
+}
+
+/* ---- untangling ----------------------------------------------------------------------------- */
+
+enum { SHAKEN, BOUNDARY_TOO, COLLAPSED, PUSHED, N_TANGLES };
+
+/** Coordinates [n_nodes][dim] of the box m, tangled. */
+static void tangle(const test_mesh *m, int how, unsigned seed, double *x) {
+    const planish_mesh *mesh = &m->mesh;
+    const int dim = mesh->dim;
+    double low[3], high[3];
+    for (int d = 0; d < dim; d++)
+        low[d] = high[d] = m->coordinates[d];
+    for (int64_t i = 0; i < mesh->n_nodes * dim; i++) {
+        low[i % dim] = fmin(low[i % dim], m->coordinates[i]);
+        high[i % dim] = fmax(high[i % dim], m->coordinates[i]);
+    }
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const double *from = m->coordinates + i * dim;
+        int inside = 1;
+        for (int d = 0; d < dim; d++)
+            inside &= from[d] > low[d] && from[d] < high[d];
+        for (int d = 0; d < dim; d++) {
+            const double shake = 1.7 * (test_random(&seed) - 0.5);
+            double *to = &x[i * dim + d];
+            *to = from[d];
+            if (how == SHAKEN && inside)
+                *to += shake;
+            if (how == BOUNDARY_TOO)
+                *to += inside ? shake : 0.55 * shake;
+            if (how == COLLAPSED && inside)
+                *to = low[d] + 0.1 * (from[d] - low[d]);
+            if (how == PUSHED && inside)
+                *to += 0.6 * (high[d] - low[d]);
+        }
+    }
+}
+
+/** Tangled meshes, whatever is tangled, and elements to be brought above a volume. */
+static void tangled_meshes_have_those_bits_too(void **state) {
+    const int dim = *(int *)*state;
+    int64_t left = 0, sweeps = 0, raised = 0;
+    for (int how = 0; how < N_TANGLES; how++)
+        for (int i = 0; i < 8; i++) {
+            planish_options options;
+            test_mesh m;
+            int owner[1000];
+            const int n = 1 + i % 4;
+            planish_options_init(&options);
+            options.threads = 1;
+            options.min_volume = i % 3 == 2 ? (dim == 3 ? 0.13 : 0.45) : 0;
+            test_mesh_box(&m, dim, dim == 3 ? 5 : 12);
+            double *x = malloc((size_t)(m.mesh.n_nodes * dim) * sizeof *x);
+            tangle(&m, how, (unsigned)i + 1, x);
+            own(&m.mesh, i < 4 ? SLABS : SCATTERED, n, (uint64_t)i, owner);
+            const outcome o = compare_from(&m.mesh, x, &options, n, owner);
+            sweeps += o.result.untangling_sweeps;
+            left += o.quality.inverted;
+            raised += options.min_volume > 0 && o.result.below_min_volume == 0;
+            free(x);
+            test_mesh_destroy(&m);
+        }
+    assert_true(sweeps > 0 && left > 0 && raised > 0);
+    figure("%lld untangling sweeps, %lld elements left inverted, %lld times all above a volume",
+           (long long)sweeps, (long long)left, (long long)raised);
 }
 
 /* ---- elements that are not what they should be ---------------------------------------------- */
@@ -458,8 +538,8 @@ static void bad_elements_are_found_together(void **state) {
 /** What is only possible in one process is refused in all. */
 static void what_is_not_possible_in_parts_is_refused(void **state) {
     (void)state;
-    enum { SELECT, TANGLED, BELOW, N };
-    static const char *const texts[] = {"only_worse_than", "inverted", "least volume"};
+    enum { SELECT, TANGLED, N };
+    static const char *const texts[] = {"only_worse_than", "inverted"};
     for (int i = 0; i < N; i++) {
         planish_options options = options_of(PLAIN);
         test_mesh m;
@@ -471,8 +551,6 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
         own(&m.mesh, SLABS, 2, 0, owner);
         if (i == SELECT)
             options.only_worse_than = 2;
-        if (i == BELOW)
-            options.min_volume = 0.2;
         processes_create(&w, &m.mesh, 2, owner);
         processes_run(&w, smooth_part, &j);
         for (int k = 0; k < 2; k++) {
@@ -492,6 +570,8 @@ int main(void) {
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[0]),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[1]),
         cmocka_unit_test(parts_that_are_none_are_refused),
+        cmocka_unit_test_prestate(tangled_meshes_have_those_bits_too, &dims[0]),
+        cmocka_unit_test_prestate(tangled_meshes_have_those_bits_too, &dims[1]),
         cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[0]),
         cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[1]),
         cmocka_unit_test(what_is_not_possible_in_parts_is_refused),
