@@ -77,6 +77,12 @@ static void extreme(double *values, int n, int sign) {
     }
 }
 
+int64_t pl_parts_smallest_integer(int64_t value) {
+    int64_t opposite = -value;
+    largest(&opposite, 1);
+    return -opposite;
+}
+
 void pl_parts_largest(double *values, int n) {
     extreme(values, n, 1);
 }

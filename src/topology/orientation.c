@@ -15,6 +15,7 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
+#include "base/sum.h"
 #include "geometry/simplex.h"
 #include "topology/facets.h"
 #include "topology/frame.h"
@@ -31,8 +32,10 @@ typedef struct work {
     int64_t n_not_positive, n_not_negative; /* elements of such a measure */
     uint32_t *link; /* [m] parent << 1 | parity: 1 if the order is opposite to the parent's; parents
                        have smaller numbers, and a root is its own parent */
-    double *measure; /* [m] of the elements in their component's order; of a root, the sum */
-    int64_t anchor;  /* a node on the boundary, or -1 */
+    double *measure;  /* [m] of the elements in their component's order; of a root, the sum */
+    double anchor[3]; /* the place of a node on the boundary, */
+    int has_anchor;   /* if there is one */
+    int any_reversed;
     int n_conflicts; /* facets at which the parities contradict one another: some, or 0 */
 } work;
 
@@ -61,8 +64,9 @@ static inline double anchored_measure_of(int dim, const work *w, int64_t element
     const int32_t *node = w->mesh->elements + element * (dim + 1);
     const double *x[4];
     for (int j = 0; j <= dim; j++) {
-        int64_t at = w->boundary->on_boundary[node[j]] || w->anchor < 0 ? node[j] : w->anchor;
-        x[j] = w->mesh->coordinates + at * dim;
+        x[j] = w->boundary->on_boundary[node[j]] || !w->has_anchor
+                   ? w->mesh->coordinates + (int64_t)node[j] * dim
+                   : w->anchor;
     }
     return measure_at(dim, w, x);
 }
@@ -196,11 +200,20 @@ static void hold_conflicts(void *context, int32_t node, const pl_facet *facets, 
 
 /* ---- signs of components ------------------------------------------------------------------ */
 
-static int64_t find_anchor(const work *w) {
-    int64_t i = 0;
-    while (i < w->mesh->n_nodes && !w->boundary->on_boundary[i])
+/** The first node on the boundary. */
+static void find_anchor(work *w) {
+    const planish_part *part = w->mesh->part;
+    const size_t size = (size_t)w->mesh->dim * sizeof *w->anchor;
+    int64_t i = 0, place[3] = {0, 0, 0};
+    while (i < w->mesh->n_nodes && !(w->boundary->on_boundary[i] && pl_is_own(part, i)))
         i++;
-    return i < w->mesh->n_nodes ? i : -1;
+    const int64_t number = i == w->mesh->n_nodes ? INT64_MAX : part ? part->node_number[i] : i;
+    const int64_t first = pl_parts_smallest_integer(number);
+    w->has_anchor = first < INT64_MAX;
+    if (first == number && w->has_anchor)
+        memcpy(place, w->mesh->coordinates + i * w->mesh->dim, size);
+    pl_parts_add(place, 3); /* bits: those of the others are 0 */
+    memcpy(w->anchor, place, sizeof w->anchor);
 }
 
 /** Link every element to its root, and measure it in the order of its component. */
@@ -218,29 +231,204 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
     }
 }
 
-/** Sum the measures of every component in the order of the elements, at its root: the first of
- *  them, so that its sum is complete only behind all others. Serial: one addition per element. */
-static void sum_measures(work *w) {
-    for (int64_t i = 0; i < w->mesh->n_elements; i++) {
-        int64_t root = w->link[i] >> 1;
-        if (root == i)
-            w->boundary->n_components++;
-        else
-            w->measure[root] += w->measure[i];
-    }
+/* So many components have their measures summed exactly; of more, each has few elements. */
+enum { MOST_EXACT = 1024 };
+
+static int64_t count_roots(const work *w) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < w->mesh->n_elements; i++)
+        n += w->link[i] >> 1 == i;
+    return n;
 }
+
+/** The roots [n], and what the measures of their components are in sum; of the elements that this
+ *  process counts. 0 without memory. */
+static int sum_exactly(const work *w, int64_t n, uint32_t *root, pl_sum *sum) {
+    const uint8_t *is_counted = w->mesh->part ? w->mesh->part->is_counted : NULL;
+    int32_t *slot = pl_alloc(w->mesh->n_elements, sizeof *slot);
+    int64_t k = 0;
+    if (!slot)
+        return 0;
+    memset(sum, 0, (size_t)n * sizeof *sum);
+    for (int64_t i = 0; i < w->mesh->n_elements;
+         i++) { /* roots are the first of their components */
+        const uint32_t of = w->link[i] >> 1;
+        if (of == i) {
+            root[k] = of;
+            slot[i] = (int32_t)k++;
+        }
+        if (!is_counted || is_counted[i])
+            pl_sum_add(&sum[slot[of]], w->measure[i]);
+    }
+    pl_free(slot);
+    return 1;
+}
+
+/** Sum the measures of every component, at its root. */
+static int sum_measures(work *w) {
+    const int64_t n = w->boundary->n_components;
+    if (n > MOST_EXACT) { /* in the order of the elements: complete only behind all others */
+        for (int64_t i = 0; i < w->mesh->n_elements; i++)
+            if (w->link[i] >> 1 != i)
+                w->measure[w->link[i] >> 1] += w->measure[i];
+        return 1;
+    }
+    uint32_t *root = pl_alloc(n, sizeof *root);
+    pl_sum *sum = pl_alloc(n, sizeof *sum);
+    const int done = root && sum && sum_exactly(w, n, root, sum);
+    for (int64_t k = 0; done && k < n; k++)
+        w->measure[root[k]] = pl_sum_value(&sum[k]);
+    pl_free(root);
+    pl_free(sum);
+    return done;
+}
+
+/* ---- components of which several processes have parts --------------------------------------- */
+
+/** Of the components here. Arrays are owned. */
+typedef struct shared {
+    int64_t n;
+    uint32_t *root;      /* [n] ascending */
+    pl_sum *sum;         /* [n] of the measures counted here */
+    int64_t *label;      /* [m] of roots: the same in all processes that have some of a component */
+    int64_t *of_node;    /* [n_nodes] the root of its elements, or -1 */
+    int64_t *node_label; /* [n_nodes] */
+} shared;
+
+/** A number for the nodes of an element, which no two elements share but for a chance in 2^62. */
+static int64_t element_label(const work *w, int64_t element) {
+    const int dim = w->mesh->dim;
+    const int32_t *node = w->mesh->elements + element * (dim + 1);
+    int32_t sorted[4];
+    uint64_t hash = 0;
+    pl_sort_element(dim, node, sorted);
+    for (int j = 0; j <= dim; j++) {
+        hash ^= (uint64_t)w->mesh->part->node_number[sorted[j]];
+        hash *= UINT64_C(0x9E3779B97F4A7C15);
+        hash ^= hash >> 29;
+        hash *= UINT64_C(0xBF58476D1CE4E5B9);
+        hash ^= hash >> 32;
+    }
+    return (int64_t)(hash >> 2);
+}
+
+/** Labels from the elements here: the smallest of each component. Returns whether each node that
+ *  others have as a ghost has elements of one component. */
+static int label_components(const work *w, shared *s) {
+    const int corners = w->mesh->dim + 1;
+    int clear = 1;
+    for (int64_t k = 0; k < s->n; k++)
+        s->label[s->root[k]] = INT64_MAX;
+    for (int64_t i = 0; i < w->mesh->n_nodes; i++)
+        s->of_node[i] = -1;
+    for (int64_t i = 0; i < w->mesh->n_elements; i++) {
+        const int64_t root = w->link[i] >> 1, label = element_label(w, i);
+        s->label[root] = label < s->label[root] ? label : s->label[root];
+        for (int j = 0; j < corners; j++) {
+            const int32_t node = w->mesh->elements[i * corners + j];
+            clear &= s->of_node[node] < 0 || s->of_node[node] == root ||
+                     w->mesh->part->node_role[node] != PLANISH_SHARED;
+            s->of_node[node] = root;
+        }
+    }
+    return clear;
+}
+
+/** Hear of the labels at ghosts; whether any here has changed. */
+static int hear_labels(const work *w, shared *s) {
+    const int corners = w->mesh->dim + 1;
+    int changed = 0;
+    for (int64_t i = 0; i < w->mesh->n_nodes; i++)
+        s->node_label[i] = s->of_node[i] < 0 ? INT64_MAX : s->label[s->of_node[i]];
+    pl_parts_update(NULL, s->node_label, sizeof *s->node_label);
+    for (int64_t i = 0; i < w->mesh->n_elements; i++)
+        for (int j = 0; j < corners; j++) {
+            const int32_t node = w->mesh->elements[i * corners + j];
+            int64_t *label = &s->label[w->link[i] >> 1];
+            if (w->mesh->part->node_role[node] == PLANISH_GHOST && s->node_label[node] < *label) {
+                *label = s->node_label[node];
+                changed = 1;
+            }
+        }
+    return changed;
+}
+
+/** Sum up one component after the other, by their labels. Whether there were not too many. */
+static int sum_shared(work *w, const shared *s) {
+    int64_t *n = &w->boundary->n_components, last = -1;
+    for (*n = 0; *n <= MOST_EXACT; ++*n) {
+        pl_sum sum = {.n_added = 0};
+        int64_t next = INT64_MAX;
+        for (int64_t k = 0; k < s->n; k++)
+            if (s->label[s->root[k]] > last && s->label[s->root[k]] < next)
+                next = s->label[s->root[k]];
+        next = pl_parts_smallest_integer(next);
+        if (next == INT64_MAX)
+            return 1;
+        for (int64_t k = 0; k < s->n; k++)
+            if (s->label[s->root[k]] == next)
+                pl_sum_share(&sum, &s->sum[k]);
+        pl_parts_add_sums(&sum, 1);
+        for (int64_t k = 0; k < s->n; k++)
+            if (s->label[s->root[k]] == next)
+                w->measure[s->root[k]] = pl_sum_value(&sum);
+        last = next;
+    }
+    return 0;
+}
+
+static int fail_shared(planish_error *error) {
+    return pl_fail(
+        error, PLANISH_ERROR_PARTS,
+        "elements are inverted in a mesh of many bodies, or of some that touch in single "
+        "nodes, which is not possible with a mesh in parts; do it in one process");
+}
+
+static int sum_in_parts(work *w, planish_error *error) {
+    const int64_t m = w->mesh->n_elements;
+    shared s = {.n = count_roots(w)};
+    if (pl_parts_any(s.n > MOST_EXACT))
+        return fail_shared(error);
+    s.root = pl_alloc(s.n, sizeof *s.root);
+    s.sum = pl_alloc(s.n, sizeof *s.sum);
+    s.label = pl_alloc(m, sizeof *s.label);
+    s.of_node = pl_alloc(w->mesh->n_nodes, sizeof *s.of_node);
+    s.node_label = pl_alloc(w->mesh->n_nodes, sizeof *s.node_label);
+    int status = s.root && s.sum && s.label && s.of_node && s.node_label &&
+                         sum_exactly(w, s.n, s.root, s.sum)
+                     ? PLANISH_OK
+                     : pl_fail_memory(error, "the components of the mesh");
+    if (!status && pl_parts_any(!label_components(w, &s)))
+        status = fail_shared(error);
+    while (!status && pl_parts_any(hear_labels(w, &s))) {
+    }
+    if (!status && !sum_shared(w, &s))
+        status = fail_shared(error);
+    pl_free(s.root);
+    pl_free(s.sum);
+    pl_free(s.label);
+    pl_free(s.of_node);
+    pl_free(s.node_label);
+    return status;
+}
+
+/* ---- all components -------------------------------------------------------------------------- */
 
 static void sign_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
+    const uint8_t *is_counted = w->mesh->part ? w->mesh->part->is_counted : NULL;
     int64_t n_reversed = 0;
+    int any = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         int negative = w->measure[w->link[i] >> 1] < 0;
         int reversed = negative ^ (int)(w->link[i] & 1);
         w->boundary->sign[i] = reversed ? -1 : 1;
-        n_reversed += reversed;
+        n_reversed += reversed && (!is_counted || is_counted[i]);
+        any |= reversed;
     }
     __atomic_fetch_add(&w->boundary->n_reversed, n_reversed, __ATOMIC_RELAXED);
+    __atomic_fetch_or(&w->any_reversed, any, __ATOMIC_RELAXED);
 }
 
 static int orient_components(work *w, const pl_incidence *incidence, int threads,
@@ -260,11 +448,17 @@ static int orient_components(work *w, const pl_incidence *incidence, int threads
     w->measure = pl_alloc(m, sizeof *w->measure);
     if (!w->measure)
         return pl_fail_memory(error, "the components of the mesh");
-    w->anchor = find_anchor(w);
+    find_anchor(w);
+    pl_parts_update(NULL, w->boundary->on_boundary, sizeof *w->boundary->on_boundary);
     pl_parallel_for(threads, m, CHUNK, measure_chunk, w);
-    sum_measures(w);
-    pl_parallel_for(threads, m, CHUNK, sign_chunk, w);
-    return PLANISH_OK;
+    w->boundary->n_components = count_roots(w);
+    if (w->mesh->part)
+        status = sum_in_parts(w, error);
+    else if (!sum_measures(w))
+        status = pl_fail_memory(error, "the components of the mesh");
+    if (!status)
+        pl_parallel_for(threads, m, CHUNK, sign_chunk, w);
+    return status;
 }
 
 /* ---- orientation -------------------------------------------------------------------------- */
@@ -307,7 +501,7 @@ int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidenc
     status = orient_components(&w, incidence, threads, error);
     pl_free(w.link);
     pl_free(w.measure);
-    if (!status && boundary->n_reversed == 0) {
+    if (!status && !w.any_reversed) {
         pl_free(boundary->sign);
         boundary->sign = NULL;
     }
