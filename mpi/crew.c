@@ -8,6 +8,7 @@
 #include "signals.h"
 
 #include "base/clock.h"
+#include "topology/topology.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -93,6 +94,21 @@ static void *new_array(int64_t n, size_t size) {
     return calloc((size_t)n + 1, size);
 }
 
+/** Collect values in the first process, if code says that there are any: PLANISH_OK in all
+ * processes, or the same error. */
+static int collect(const pl_crew *crew, int code, const pl_collection *c, const void *values,
+                   int size, void *whole, planish_error *error) {
+    const int64_t n = pl_collected(c);
+    void *room = code ? NULL : new_array(n, (size_t)size);
+    if (!code && !room)
+        code = fail_memory(error);
+    code = pl_crew_agree(crew, code, error);
+    if (!code)
+        pl_collect(c, values, size, room, whole);
+    free(room);
+    return code;
+}
+
 /* ---- what each process does, all of them at the same time; whole, of the whole mesh, is of the
  * ---- first one, and NULL in the others ------------------------------------------------------- */
 
@@ -158,9 +174,7 @@ static int get_free(const pl_crew *crew, uint8_t *whole, planish_error *error) {
     for (int64_t i = 0; !code && i < crew->share.mesh.n_nodes; i++)
         if (crew->share.role[i] != PLANISH_GHOST)
             own[n++] = mine[i];
-    code = pl_crew_agree(crew, code, error);
-    if (!code && pl_collect(&crew->share.own_nodes, own, 1, whole))
-        code = fail_memory(error);
+    code = collect(crew, code, &crew->share.own_nodes, own, 1, whole, error);
     free(mine);
     free(own);
     return code;
@@ -188,9 +202,7 @@ static int measure_elements(const pl_crew *crew, double *whole, planish_error *e
     for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (share->is_counted[i])
             ratio[n++] = ratio[i];
-    code = pl_crew_agree(crew, code, error);
-    if (!code && pl_collect(&share->counted_elements, ratio, sizeof *ratio, whole))
-        code = fail_memory(error);
+    code = collect(crew, code, &share->counted_elements, ratio, sizeof *ratio, whole, error);
     free(ratio);
     return code;
 }
@@ -199,10 +211,7 @@ static int measure_elements(const pl_crew *crew, double *whole, planish_error *e
  *  around them. */
 static int collect_states(const pl_crew *crew, int code, const uint8_t *state, uint8_t *whole,
                           planish_error *error) {
-    code = pl_crew_agree(crew, code, error);
-    if (!code && pl_collect(&crew->share.all_elements, state, 1, whole))
-        code = fail_memory(error);
-    return code;
+    return collect(crew, code, &crew->share.all_elements, state, 1, whole, error);
 }
 
 static int check_volumes(const pl_crew *crew, const planish_options *options, uint8_t *whole,
@@ -237,9 +246,8 @@ static int collect_coordinates(pl_crew *crew, double *whole, planish_error *erro
     for (int64_t i = 0; own && i < share->mesh.n_nodes; i++)
         if (share->role[i] != PLANISH_GHOST)
             memcpy(own + dim * n++, share->coordinates + dim * i, (size_t)dim * sizeof *own);
-    int code = pl_crew_agree(crew, own ? PLANISH_OK : fail_memory(error), error);
-    if (!code && pl_collect(&share->own_nodes, own, dim * (int)sizeof *own, whole))
-        code = fail_memory(error);
+    const int code = collect(crew, own ? PLANISH_OK : fail_memory(error), &share->own_nodes, own,
+                             dim * (int)sizeof *own, whole, error);
     free(own);
     return code;
 }
@@ -309,8 +317,18 @@ static int work_alone(pl_job *job, const planish_error *why, planish_error *erro
     return pl_engine_here.plan_create(job, error);
 }
 
+/** By their numbers in the file, which the processes will not know. */
+static int check_elements(const planish_mesh *mesh, planish_error *error) {
+    int code = PLANISH_OK;
+    for (int64_t i = 0; i < mesh->n_elements && !code; i++)
+        code = pl_check_element(mesh, i, error);
+    return code;
+}
+
 static int lead_create(pl_job *job, planish_error *error) {
     pl_crew *crew = crew_of(job);
+    if (check_elements(&job->mesh, error))
+        return error->code;
     tell(crew, CREATE);
     const int code = create_plan(crew, &job->mesh, &job->options, error);
     if (!code)
@@ -396,16 +414,16 @@ static int lead_smooth(pl_job *job, planish_result *result, planish_error *error
     if (crew->is_alone)
         return pl_engine_here.smooth(job, result, error);
     tell(crew, SMOOTH);
-    int code = smooth(crew, &job->options, planish_file_coordinates(job->file), result,
-                      &job->traffic, error);
-    if (code != PLANISH_ERROR_PARTS)
-        return code;
-    const planish_error why = *error;
-    code = work_alone(job, &why, error);
-    return code ? code : pl_engine_here.smooth(job, result, error);
+    return smooth(crew, &job->options, planish_file_coordinates(job->file), result, &job->traffic,
+                  error);
 }
 
 static int lead_write(const pl_job *job, const char *path, planish_error *error) {
+    if (job->arguments->verbosity != PL_QUIET)
+        pl_note(stderr,
+                "%s: PETSc's file has elements and nodes alone; groups and what the file held "
+                "are left out of it",
+                path);
     tell(crew_of(job), WRITE);
     return write_plex(crew_of(job), &job->mesh, path, error);
 }

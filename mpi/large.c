@@ -16,6 +16,7 @@
 #include "base/clock.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,6 +31,7 @@ typedef struct work {
     pl_result result;
     pl_progress progress;
     planish_error error;
+    int is_usage; /* error is one of the command line */
 } work;
 
 /* ---- the command line ----------------------------------------------------------------------- */
@@ -102,8 +104,10 @@ static int take_box(work *w) {
     }
     if ((int)box[6] == 2 * dim)
         return PLANISH_OK;
-    w->error = (planish_error){PLANISH_ERROR_ARGUMENT, -1, -1,
-                               "--box has as many numbers as for another dimension"};
+    w->is_usage = 1;
+    w->error = (planish_error){PLANISH_ERROR_ARGUMENT, -1, -1, ""};
+    snprintf(w->error.text, sizeof w->error.text, "--box has %d numbers, and a mesh of %s needs %d",
+             (int)box[6], dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
     return w->error.code;
 }
 
@@ -111,9 +115,9 @@ static int take_box(work *w) {
 
 static int read_mesh(work *w) {
     const double begin = pl_seconds();
-    int code = pl_crew_agree(
-        w->crew, pl_plexfile_read(&w->file, w->crew->exchange_comm, w->input, &w->error),
-        &w->error);
+    int code = pl_plexfile_read(&w->file, w->crew->exchange_comm, w->input, &w->error);
+    w->crew->is_broken = w->file.is_broken;
+    code = pl_crew_agree(w->crew, code, &w->error);
     if (!code)
         code = pl_crew_agree(w->crew, take_box(w), &w->error);
     w->job.mesh = (planish_mesh){
@@ -143,7 +147,10 @@ static int make_plan(work *w) {
 }
 
 static int measure(work *w, planish_quality *quality) {
-    return pl_crew_measure(w->crew, quality, &w->error);
+    const int code = pl_crew_measure(w->crew, quality, &w->error);
+    if (!code)
+        pl_job_forget(quality);
+    return code;
 }
 
 /** Elements below their least volume, of all processes. */
@@ -214,10 +221,14 @@ static int do_steps(work *w, int *status) {
     if ((code = make_plan(w)))
         return code;
     enter(w, PL_PHASE_MEASURING);
+    if (w->arguments)
+        pl_smooth_tell_plan(&w->job);
     if ((code = measure(w, &w->result.before)) || (code = count_below(w, &w->result.below_before)))
         return code;
     if ((code = smooth(w)))
         return code;
+    if (w->arguments)
+        pl_smooth_tell_end(&w->job, &w->result.smooth);
     enter(w, PL_PHASE_CHECKING);
     if ((code = measure(w, &w->result.after)))
         return code;
@@ -232,11 +243,17 @@ static int tell(work *w, int code, int status) {
     pl_progress_clear(&w->progress);
     if (status)
         return status;
+    if (w->is_usage)
+        return pl_complain_usage("smooth", "%s", w->error.text);
     if (code == PLANISH_ERROR_FILE || code == PLANISH_ERROR_FORMAT)
         return pl_complain(PL_EXIT_FAILED, "%s", w->error.text);
     if (code)
         return pl_complain(PL_EXIT_FAILED, "%s: %s", w->input, w->error.text);
     pl_signals_set_written();
+    if (w->arguments->verbosity != PL_QUIET)
+        pl_note(stderr,
+                "%s: no node is held but the boundary's, as PETSc's file tells of no groups",
+                w->output);
     return pl_smooth_tell(&w->job, &w->result, &w->progress, 0);
 }
 

@@ -1,4 +1,5 @@
 /* main: planish-mpi, the program for meshes that MPI processes share. */
+#define _GNU_SOURCE /* affinity */
 #include "large.h"
 #include "plexfile.h"
 
@@ -7,6 +8,7 @@
 #include "message.h"
 #include "platform.h"
 #include "signals.h"
+#include "threads.h"
 
 #include "base/parallel.h"
 
@@ -15,6 +17,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -59,17 +62,38 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
     return s;
 }
 
-/** The threads of each process, if none were asked for: processes of one machine that mpirun has
- * not given cores of their own share all of them, and must not be bound to the same ones. */
+/** The threads of each process, if none were asked for: the cores that it may use, shared with
+ * those processes of its machine that may use them, too. *bind: there are none of these. */
 static int share_cores(int *bind) {
     MPI_Comm machine;
-    int n_here, cores = pl_thread_count(0);
+    cpu_set_t mine, common;
+    int n_here, n_sharing = 0;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
     MPI_Comm_size(machine, &n_here);
-    MPI_Allreduce(MPI_IN_PLACE, &cores, 1, MPI_INT, MPI_MIN, machine);
+    cpu_set_t *all = calloc((size_t)n_here, sizeof *all);
+    CPU_ZERO(&mine);
+    sched_getaffinity(0, sizeof mine, &mine);
+    if (!all)
+        MPI_Abort(MPI_COMM_WORLD, PL_EXIT_FAILED);
+    MPI_Allgather(&mine, sizeof mine, MPI_BYTE, all, sizeof mine, MPI_BYTE, machine);
+    for (int k = 0; k < n_here; k++) {
+        CPU_AND(&common, &mine, &all[k]);
+        n_sharing += CPU_COUNT(&common) > 0;
+    }
+    free(all);
     MPI_Comm_free(&machine);
-    *bind = (long)cores * n_here <= sysconf(_SC_NPROCESSORS_ONLN);
-    return *bind || cores < n_here ? (*bind ? cores : 1) : cores / n_here;
+    const int threads = n_sharing > 0 ? CPU_COUNT(&mine) / n_sharing : 1;
+    *bind = n_sharing == 1;
+    return threads > 0 ? threads : 1;
+}
+
+/** What was asked for, by the command line or OpenMP's variable, or fits; as far as they start. */
+static int choose_threads(const start *s, int *bind) {
+    const int shared = share_cores(bind);
+    const char *told = getenv("OMP_NUM_THREADS");
+    const int wanted = s->threads > 0 ? s->threads : told && told[0] ? 0 : shared;
+    const int threads = pl_threads_to_use(wanted);
+    return threads > 0 ? threads : pl_thread_count(0);
 }
 
 /** The first process is told to stop, and tells the others. */
@@ -82,8 +106,8 @@ static void ignore_signals(void) {
 static int work(int rank, const start *s, pl_arguments *arguments) {
     pl_crew crew;
     int bind;
-    const int threads = share_cores(&bind);
-    pl_crew_create(&crew, s->threads > 0 ? s->threads : threads, bind);
+    const int threads = choose_threads(s, &bind);
+    pl_crew_create(&crew, threads, bind);
     arguments->library.threads = crew.threads;
     arguments->leave_unbound |= !bind;
     const int status = s->is_large ? pl_large_smooth(&crew, rank == 0 ? arguments : NULL)
@@ -98,8 +122,8 @@ static int run(int argc, char **argv) {
     pl_arguments arguments = {.input = NULL};
     start s = {.status = -1};
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    pl_signals_install();
     if (rank == 0) {
-        pl_signals_install();
         s = read_arguments(argc, argv, &arguments);
     } else {
         ignore_signals();
@@ -113,6 +137,7 @@ static int run(int argc, char **argv) {
 
 int main(int argc, char **argv) {
     int provided;
+    setenv("NO_COLOR", "1", 0); /* Open MPI takes what is printed for a terminal's */
     argv = pl_platform_begin(argc, argv);
     if (!argv || MPI_Init_thread(NULL, NULL, MPI_THREAD_FUNNELED, &provided))
         return PL_EXIT_FAILED;

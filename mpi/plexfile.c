@@ -12,6 +12,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 int pl_plexfile_is(const char *path) {
@@ -108,11 +109,10 @@ static PetscErrorCode read_all(pl_plexfile *f, const char *path) {
     PetscViewer viewer;
     PetscCall(find_name(f->name, sizeof f->name));
     PetscCall(open_viewer(f->comm, path, FILE_MODE_READ, &viewer));
-    PetscErrorCode code = load(f, viewer);
-    if (!code)
-        code = measure(f);
-    PetscCall(PetscViewerDestroy(&viewer));
-    return code;
+    /* Where that fails, perhaps in one process alone, HDF5 cannot be closed: it would wait. */
+    PetscCall(load(f, viewer));
+    PetscCall(measure(f));
+    return PetscViewerDestroy(&viewer);
 }
 
 static int fail(planish_error *error, int code, const char *path, const char *what) {
@@ -158,6 +158,7 @@ int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, planish
     const int before = keep_silent();
     const PetscErrorCode code = read_all(file, path);
     speak(before);
+    file->is_broken = code != 0;
     if (code)
         return fail(error, PLANISH_ERROR_FORMAT, path,
                     "has no mesh of PETSc's DMPlex of the name 'plex', or it cannot be read; "
@@ -373,14 +374,23 @@ static PetscErrorCode put_coordinates(pl_plexfile *f, const pl_share *share) {
     PetscCheck(of_file && of_points, PETSC_COMM_SELF, PETSC_ERR_MEM, "Coordinates");
     MPI_Type_contiguous(f->dim, MPI_DOUBLE, &row);
     MPI_Type_commit(&row);
-    PetscCall(PetscSFReduceBegin(own, row, share->coordinates, of_file, MPI_REPLACE));
-    PetscCall(PetscSFReduceEnd(own, row, share->coordinates, of_file, MPI_REPLACE));
-    MPI_Type_free(&row);
-    PetscCall(pl_bring(f->load, MPI_DOUBLE, f->dim, of_file, of_points));
     PetscCall(DMPlexGetDepthStratum(f->dm, 0, &first, &last));
     PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
     PetscCall(DMGetCoordinateSection(f->dm, &section));
     PetscCall(VecGetArray(vector, &x));
+    for (PetscInt i = first; i < last; i++) {
+        PetscInt at;
+        PetscCall(PetscSectionGetOffset(section, i, &at));
+        for (int d = 0; d < f->dim; d++)
+            of_points[(int64_t)i * f->dim + d] = x[at + d];
+    }
+    /* Where they were, as nodes of no element belong to no process; then where they are. */
+    PetscCall(PetscSFReduceBegin(f->load, row, of_points, of_file, MPI_REPLACE));
+    PetscCall(PetscSFReduceEnd(f->load, row, of_points, of_file, MPI_REPLACE));
+    PetscCall(PetscSFReduceBegin(own, row, share->coordinates, of_file, MPI_REPLACE));
+    PetscCall(PetscSFReduceEnd(own, row, share->coordinates, of_file, MPI_REPLACE));
+    MPI_Type_free(&row);
+    PetscCall(pl_bring(f->load, MPI_DOUBLE, f->dim, of_file, of_points));
     for (PetscInt i = first; i < last; i++) {
         PetscInt at;
         PetscCall(PetscSectionGetOffset(section, i, &at));
@@ -403,25 +413,37 @@ static PetscErrorCode view(MPI_Comm comm, DM dm, const char *path) {
     return PetscViewerDestroy(&viewer);
 }
 
-/** To a file beside path. */
+/** To a file beside path, of a name that nobody else has. */
 static int write_beside(MPI_Comm comm, DM dm, const char *path, planish_error *error) {
     char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
+    int number = (int)getpid();
+    MPI_Bcast(&number, 1, MPI_INT, 0, comm);
     if (strlen(path) + 32 > PL_TEMPORARY_SIZE)
         return fail(error, PLANISH_ERROR_FILE, path, "has too long a name");
-    snprintf(temporary, PL_TEMPORARY_SIZE, "%s.part", path);
+    snprintf(temporary, PL_TEMPORARY_SIZE, "%s.planish-%d", path, number);
     const int before = keep_silent();
     const PetscErrorCode code = view(comm, dm, temporary);
     speak(before);
     return code ? fail(error, PLANISH_ERROR_FILE, path, "cannot be written") : PLANISH_OK;
 }
 
+/** What was at path stays what it was, but for its content: who may read it. */
+static int take_place(const char *temporary, const char *path) {
+    struct stat status;
+    if (stat(path, &status) == 0 && chmod(temporary, status.st_mode & 07777))
+        return -1;
+    return rename(temporary, path);
+}
+
 int pl_plexfile_finish(int rank, const char *path, int code, planish_error *error) {
     char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
-    if (rank == 0 && !code && rename(temporary, path))
+    char *target = realpath(path, NULL); /* a link stays one */
+    if (rank == 0 && !code && take_place(temporary, target ? target : path))
         code = fail(error, PLANISH_ERROR_FILE, path, "cannot be replaced");
     if (rank == 0 && code)
         remove(temporary);
     memset(temporary, 0, PL_TEMPORARY_SIZE);
+    free(target);
     return code;
 }
 
@@ -434,10 +456,12 @@ int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path
 static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, DM *dm) {
     static const planish_mesh nothing = {.dim = 0};
     const planish_mesh *w = whole ? whole : &nothing;
-    int dim = w->dim;
+    int dim = w->n_elements * (w->dim + 1) + w->n_nodes > PETSC_MAX_INT ? -1 : w->dim;
     char name[256];
     PetscInt *corner;
     MPI_Bcast(&dim, 1, MPI_INT, 0, comm);
+    if (dim < 0)
+        return PETSC_ERR_ARG_OUTOFRANGE;
     const int64_t n = w->n_elements * (dim + 1);
     PetscCall(PetscMalloc1((size_t)n + 1, &corner));
     for (int64_t i = 0; i < n; i++)

@@ -15,6 +15,7 @@ typedef struct pl_plexfile {
     int64_t n_elements, n_nodes, first_node; /* of all; the file's point of node 0 */
     int dim;
     char name[256]; /* of the mesh in the file */
+    int is_broken;  /* it could not be read, and HDF5 cannot be left in peace */
 } pl_plexfile;
 
 /** Whether path is that of such a file: by its extension. */

@@ -1,6 +1,7 @@
 /* share: from what DMPlex hands out to what planish wants of a part. */
 #include "share.h"
 
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -335,8 +336,13 @@ static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *numb
         status = -1;
     if (!status)
         MPI_Gather(&c->n, 1, MPI_INT, c->count, 1, MPI_INT, 0, comm);
-    for (int k = 1; !status && rank == 0 && k <= n_ranks; k++)
-        c->at[k] = c->at[k - 1] + c->count[k - 1];
+    int64_t sum = 0;
+    for (int k = 1; !status && rank == 0 && k <= n_ranks; k++) {
+        sum += c->count[k - 1];
+        c->at[k] = sum <= INT_MAX ? (int)sum : 0;
+    }
+    if (sum > INT_MAX)
+        status = -1;
     if (!status && rank == 0 && !(c->number = pl_new_array(c->at[n_ranks], sizeof *c->number)))
         status = -1;
     if (!status)
@@ -385,7 +391,7 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
                          .has_direction = whole->direction != NULL,
                          .has_min_volume = whole->min_volume != NULL};
     MPI_Bcast(&o, sizeof o, MPI_BYTE, 0, comm);
-    if (n_ranks > 1 && o.n_nodes + o.n_elements > PETSC_MAX_INT)
+    if (n_ranks > 1 && o.n_nodes + o.n_elements * (o.dim + 1) > PETSC_MAX_INT)
         return fail(
             error, PLANISH_ERROR_PARTS,
             "PETSc was built with integers of 32 bits, which are too short for a mesh of so "
@@ -428,14 +434,16 @@ void pl_share_destroy(pl_share *share) {
     *share = (pl_share){.mesh = {.dim = 0}};
 }
 
-int pl_collect(const pl_collection *c, const void *values, int size, void *whole) {
+int64_t pl_collected(const pl_collection *c) {
     int n_ranks;
-    MPI_Datatype row;
     MPI_Comm_size(c->comm, &n_ranks);
-    const int64_t n = c->at ? c->at[n_ranks] : 0;
-    char *all = c->at ? pl_new_array(n, (size_t)size) : NULL, *to = whole;
-    if (c->at && !all)
-        return -1;
+    return c->at ? c->at[n_ranks] : 0;
+}
+
+void pl_collect(const pl_collection *c, const void *values, int size, void *room, void *whole) {
+    const int64_t n = pl_collected(c);
+    char *all = room, *to = whole;
+    MPI_Datatype row;
     MPI_Type_contiguous(size, MPI_BYTE, &row);
     MPI_Type_commit(&row);
     MPI_Gatherv(values, c->n, row, all, c->count, c->at, row, 0, c->comm);
@@ -445,6 +453,4 @@ int pl_collect(const pl_collection *c, const void *values, int size, void *whole
         if (size > 1 || (uint8_t)all[i] > (uint8_t)*place)
             memcpy(place, all + i * size, (size_t)size);
     }
-    free(all);
-    return 0;
 }

@@ -42,9 +42,13 @@ void pl_share_destroy(pl_share *share);
 /** A planish_status, with *error filled in, for what PETSc says. */
 int pl_fail_petsc(planish_error *error, PetscErrorCode code);
 
+/** How many values are collected here: of all processes in the first one, 0 in the others. */
+int64_t pl_collected(const pl_collection *collection);
+
 /** Collect values [n][size] of all processes: the first one puts them to whole [.][size], in the
- *  order of the whole mesh; where several have the same number the byte that is larger is taken, of
- * values of one byte. Returns 0, or -1 without memory. */
-int pl_collect(const pl_collection *collection, const void *values, int size, void *whole);
+ * order of the whole mesh; where several have the same number the larger one is taken, of values of
+ * one byte. room: for pl_collected of them. */
+void pl_collect(const pl_collection *collection, const void *values, int size, void *room,
+                void *whole);
 
 #endif

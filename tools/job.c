@@ -284,10 +284,7 @@ static void forget_measures(planish_quality *quality) {
     quality->min_angle_deg = quality->max_angle_deg = NAN;
 }
 
-int pl_job_measure(const pl_job *job, planish_quality *quality) {
-    planish_error error;
-    if (job->engine->measure(job, quality, &error))
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+void pl_job_forget(planish_quality *quality) {
     if (quality->max_radius_ratio == 0)
         forget_measures(quality);
     forget_if_none(&quality->rms_radius_ratio);
@@ -298,6 +295,13 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
     forget_if_none(&quality->fixed_max_radius_ratio);
     forget_if_none(&quality->max_radius_ratio_movable);
     forget_if_none(&quality->min_angle_deg_movable);
+}
+
+int pl_job_measure(const pl_job *job, planish_quality *quality) {
+    planish_error error;
+    if (job->engine->measure(job, quality, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    pl_job_forget(quality);
     return 0;
 }
 

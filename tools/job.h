@@ -70,6 +70,9 @@ int pl_job_get_free(const pl_job *job, uint8_t *is_free);
 /** Measure the mesh as it is now. */
 int pl_job_measure(const pl_job *job, planish_quality *quality);
 
+/** Measures over no element become no numbers. */
+void pl_job_forget(planish_quality *quality);
+
 /** Message for an error of the library: the text, and which file if it does not say so. */
 int pl_job_complain(const pl_job *job, int status, const planish_error *error);
 

@@ -241,8 +241,7 @@ static void print_table(const pl_job *job, const pl_result *result, int status) 
         pl_note(stderr, "%s: %s", arguments->output, result->reason);
 }
 
-/** With -v: how close to a local optimum the end is. */
-static void print_optimality(const pl_job *job, const planish_result *smooth) {
+void pl_smooth_tell_end(const pl_job *job, const planish_result *smooth) {
     char text[256];
     if (job->arguments->verbosity < PL_VERBOSE || !pl_result_has_optimality(job))
         return;
@@ -261,7 +260,7 @@ static void print_threads(const planish_plan_info *info) {
     pl_text_wrap(stderr, text);
 }
 
-static void print_setup(const pl_job *job) {
+void pl_smooth_tell_plan(const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     if (job->arguments->verbosity != PL_QUIET)
         pl_table_oddities(stderr, job);
@@ -301,7 +300,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = pl_job_plan(job)))
         return status;
     pl_progress_phase(progress, PL_PHASE_MEASURING);
-    print_setup(job);
+    pl_smooth_tell_plan(job);
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &result->before)))
@@ -316,7 +315,7 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = run_sweeps(job, result, progress)))
         return status;
-    print_optimality(job, &result->smooth);
+    pl_smooth_tell_end(job, &result->smooth);
     pl_progress_phase(progress, PL_PHASE_CHECKING);
     if ((status = pl_job_measure(job, &result->after)))
         return status;

@@ -11,6 +11,11 @@
  *  after a message. */
 int pl_smooth_check(const pl_job *job, const pl_result *result);
 
+/** Tell of the plan, what is odd about the mesh first; and with -v how near the end is to a local
+ *  optimum. */
+void pl_smooth_tell_plan(const pl_job *job);
+void pl_smooth_tell_end(const pl_job *job, const planish_result *smooth);
+
 /** Tell what came of it, once the mesh is written: table, JSON and page; report: 0, or the exit
  *  status if what they need is not there. Returns the exit status. */
 int pl_smooth_tell(const pl_job *job, pl_result *result, const pl_progress *progress, int report);

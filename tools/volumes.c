@@ -68,7 +68,7 @@ static void print_elements(FILE *stream, const pl_job *job, const uint8_t *state
 }
 
 void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes) {
-    if (volumes->n_below > 0)
+    if (volumes->state && volumes->n_below > 0)
         print_elements(stream, job, volumes->state, PLANISH_VOLUME_BELOW, volumes->n_below,
                        "below their least volume");
     if (volumes->n_infeasible > 0)

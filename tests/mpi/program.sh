@@ -37,12 +37,12 @@ python3 "$PLANISH_SOURCE/tests/cli/make_mesh.py" 9 0.15 "$work/valid.mesh" || fa
 compare "$sample" parts
 compare "$sample" parts --slide auto
 compare "$sample" parts --min-volume-fraction 1e-6 --area-weight 0.2 --objective mean-ratio
-compare "$sample" alone --objective worst
+compare "$sample" parts --objective worst
 compare "$work/valid.mesh" parts --report "$work/report.html"
 compare "$work/valid.mesh" parts --box 0.1,0.1,0.1,0.9,0.9,0.9 --direction fletcher-reeves
 compare "$work/valid.mesh" parts --method laplacian
 compare "$work/valid.mesh" alone --only-worse-than 2
-compare "$work/tangled.mesh" alone
+compare "$work/tangled.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
 [ -s "$work/report.html" ] || fail "no report"
@@ -90,7 +90,22 @@ if python3 -c "import h5py" 2>/dev/null; then
         python3 "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
             fail ".h5 with $n processes: other numbers"
     done
+    # A node of no element stays where it is.
+    together 2 "$work/one.mesh" -o "$work/one.h5" -q --max-sweeps 0 || fail "one element as .h5"
+    python3 - "$work/valid.h5" "$work/wrong.h5" <<'WRONG'
+import shutil, sys, h5py
+shutil.copy(*sys.argv[1:])
+with h5py.File(sys.argv[2], "r+") as file:
+    file["topology/cells"][100] = 10**7
+WRONG
     for n in 1 2; do
+        together $n "$work/one.h5" -o "$work/n.h5" -q || fail "one element from .h5"
+        python3 -c 'import sys, h5py; x = h5py.File(sys.argv[1])["geometry/vertices"][:].tolist()
+assert sorted(x)[-1] == [7, 7, 7] and len(x) == 5, x' "$work/n.h5" || fail "a node of no element"
+        together $n "$work/valid.h5" -o "$work/n.h5" --min-volume 1 --json "$work/n.json" >/dev/null 2>&1
+        [ $? = 1 ] && [ -s "$work/n.json" ] || fail "volumes that cannot be met, with .h5"
+        together $n "$work/wrong.h5" -o "$work/n.h5" 2>"$work/err"
+        [ $? = 2 ] && [ "$(grep -c '^planish: ' "$work/err")" = 1 ] || fail "a wrong .h5: $(cat "$work/err")"
         together $n "$work/none.h5" -o "$work/n.h5" 2>"$work/err"
         [ $? = 2 ] || fail "a missing .h5"
         head -c 20000 "$work/valid.h5" >"$work/cut.h5"
