@@ -127,7 +127,7 @@ int64_t io_base64_replace(char *text, int64_t length, int64_t first, int64_t n, 
         unsigned char bytes[3];
         char written[4];
         memcpy(bytes, g.bytes, sizeof bytes);
-        for (int k = 0; k < g.n; k++)
+        for (int k = 0; k < g.n && k < 3; k++)
             if (at + k >= first && at + k < first + n)
                 bytes[k] = (unsigned char)data[at + k - first];
         if (memcmp(bytes, g.bytes, (size_t)g.n) == 0)
