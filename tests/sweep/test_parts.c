@@ -441,6 +441,53 @@ static void tangled_meshes_have_those_bits_too(void **state) {
            (long long)sweeps, (long long)left, (long long)raised);
 }
 
+/** Several copies of a box side by side, every other one in the opposite order; joined: neighbours
+ *  have one node in common. Arrays are owned. */
+static planish_mesh bodies_of(const test_mesh *box, int n_bodies, int joined) {
+    const int dim = box->mesh.dim, corners = dim + 1;
+    const int64_t n = box->mesh.n_nodes, m = box->mesh.n_elements;
+    double *x = malloc((size_t)(n * n_bodies * dim) * sizeof *x);
+    int32_t *elements = malloc((size_t)(m * n_bodies * corners) * sizeof *elements);
+    for (int64_t k = 0; k < n_bodies; k++) {
+        for (int64_t i = 0; i < n * dim; i++)
+            x[k * n * dim + i] = box->coordinates[i] + (i % dim == 0 ? 100.0 * (double)k : 0);
+        for (int64_t i = 0; i < m; i++)
+            for (int j = 0; j < corners; j++) {
+                const int from = k % 2 && j < 2 ? 1 - j : j;
+                const int32_t node = box->elements[i * corners + from];
+                elements[(k * m + i) * corners + j] =
+                    (int32_t)(joined && k > 0 && node == 0 ? k * n - 1 : k * n + node);
+            }
+    }
+    return (planish_mesh){.dim = dim,
+                          .n_nodes = n * n_bodies,
+                          .n_elements = m * n_bodies,
+                          .coordinates = x,
+                          .elements = elements};
+}
+
+static void bodies_have_signs_of_their_own(void **state) {
+    const int dim = *(int *)*state;
+    const planish_options options = options_of(PLAIN);
+    enum { BODIES = 3 };
+    for (int n = 2; n <= 4; n++)
+        for (int owning = 0; owning < N_OWNINGS; owning++) {
+            test_mesh box;
+            int owner[1000];
+            test_mesh_box(&box, dim, dim == 3 ? 3 : 6);
+            test_mesh_perturb(&box, 0.14, (unsigned)n);
+            const planish_mesh mesh = bodies_of(&box, BODIES, 0);
+            own(&mesh, owning, n, (uint64_t)n, owner);
+            const outcome o = compare_from(&mesh, NULL, &options, n, owner);
+            assert_int_equal(o.info.n_components, BODIES);
+            assert_int_equal(o.info.n_reversed, box.mesh.n_elements);
+            assert_int_equal(o.quality.inverted, 0);
+            free((void *)(uintptr_t)mesh.coordinates);
+            free((void *)(uintptr_t)mesh.elements);
+            test_mesh_destroy(&box);
+        }
+}
+
 /* ---- elements that are not what they should be ---------------------------------------------- */
 
 /** States of the elements of a mesh, as planish_check_volumes and planish_find_unfixable say. */
@@ -544,8 +591,8 @@ static void bad_elements_are_found_together(void **state) {
 /** What is only possible in one process is refused in all. */
 static void what_is_not_possible_in_parts_is_refused(void **state) {
     (void)state;
-    enum { SELECT, MIXED, N };
-    static const char *const texts[] = {"only_worse_than", "orientation"};
+    enum { SELECT, MIXED, TOUCHING, N };
+    static const char *const texts[] = {"only_worse_than", "orientation", "touch"};
     for (int i = 0; i < N; i++) {
         planish_options options = options_of(PLAIN);
         test_mesh m;
@@ -559,11 +606,15 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
             m.elements[0] = m.elements[1];
             m.elements[1] = first;
         }
-        own(&m.mesh, SLABS, 2, 0, owner);
+        const planish_mesh touching = bodies_of(&m, 2, 1);
+        const planish_mesh *mesh = i == TOUCHING ? &touching : &m.mesh;
+        own(mesh, i == TOUCHING ? SCATTERED : SLABS, 2, 0, owner);
         if (i == SELECT)
             options.only_worse_than = 2;
-        processes_create(&w, &m.mesh, 2, owner);
+        processes_create(&w, mesh, 2, owner);
         processes_run(&w, smooth_part, &j);
+        free((void *)(uintptr_t)touching.coordinates);
+        free((void *)(uintptr_t)touching.elements);
         for (int k = 0; k < 2; k++) {
             assert_int_equal(j.outcome[k].status, PLANISH_ERROR_PARTS);
             assert_non_null(strstr(j.outcome[k].error.text, texts[i]));
@@ -583,6 +634,8 @@ int main(void) {
         cmocka_unit_test(parts_that_are_none_are_refused),
         cmocka_unit_test_prestate(tangled_meshes_have_those_bits_too, &dims[0]),
         cmocka_unit_test_prestate(tangled_meshes_have_those_bits_too, &dims[1]),
+        cmocka_unit_test_prestate(bodies_have_signs_of_their_own, &dims[0]),
+        cmocka_unit_test_prestate(bodies_have_signs_of_their_own, &dims[1]),
         cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[0]),
         cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[1]),
         cmocka_unit_test(what_is_not_possible_in_parts_is_refused),
