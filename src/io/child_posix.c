@@ -111,8 +111,7 @@ int io_child_run(io_child_fn *function, void *data, const char *path, planish_er
     int from_child;
     const pid_t child = start(function, data, &from_child);
     if (child < 0)
-        return pl_fail(error, PLANISH_ERROR_MEMORY,
-                       "%s: no process could be started to try it in: %s", path, strerror(errno));
+        return pl_fail_errno(error, path, "no process could be started to try it in");
     const int answered = hear(from_child, &a);
     const int signal_number = wait_for(child);
     close(from_child);
