@@ -93,8 +93,9 @@ static inline void fuzz_bound(fuzz_bytes *bytes, fuzz_mesh *m, planish_options *
     const planish_mesh *mesh = &m->mesh;
     const int64_t n = mesh->n_nodes * mesh->dim;
     double *lower = fuzz_block(m, n, sizeof *lower), *upper = fuzz_block(m, n, sizeof *upper);
-    for (int64_t i = 0; i < n; i++) {
-        const double x = mesh->coordinates[fuzz_at(mesh, i / mesh->dim, (int)(i % mesh->dim))];
+    for (int64_t i = 0; i < n; i++) { /* strides may mean nothing */
+        const int64_t at = fuzz_at(mesh, i / mesh->dim, (int)(i % mesh->dim));
+        const double x = at >= 0 && at < m->n_coordinates ? mesh->coordinates[at] : 0;
         lower[i] = x - take_below(bytes, 16) / 16.0;
         upper[i] = x + take_below(bytes, 16) / 16.0;
     }
