@@ -59,14 +59,20 @@ static PetscErrorCode make_graph(const planish_mesh *whole, graph *g) {
     return 0;
 }
 
+PetscErrorCode pl_choose_partitioner(PetscPartitioner partitioner) {
+#ifdef PETSC_HAVE_PTSCOTCH
+    PetscCall(PetscPartitionerSetType(partitioner, PETSCPARTITIONERPTSCOTCH));
+#endif
+    return PetscPartitionerSetFromOptions(partitioner);
+}
+
 /** The pieces of the graph, one process after the other. */
 static PetscErrorCode cut(MPI_Comm comm, graph *g, PetscInt m, PetscSection sizes, IS *pieces) {
     PetscMPIInt n_ranks;
     PetscPartitioner partitioner;
     MPI_Comm_size(comm, &n_ranks);
     PetscCall(PetscPartitionerCreate(comm, &partitioner));
-    PetscCall(PetscPartitionerSetType(partitioner, PETSCPARTITIONERPTSCOTCH));
-    PetscCall(PetscPartitionerSetFromOptions(partitioner));
+    PetscCall(pl_choose_partitioner(partitioner));
     PetscCall(PetscPartitionerPartition(partitioner, n_ranks, m, g->start, g->neighbour, NULL, NULL,
                                         sizes, pieces));
     return PetscPartitionerDestroy(&partitioner);

@@ -7,8 +7,11 @@
 #include <petscpartitioner.h>
 
 /** Cut whole (NULL in all processes but the first) by its elements into as many pieces of the same
- *  size as comm has processes, with little between them: Scotch, or what PETSC_OPTIONS say
- *  (-petscpartitioner_type). *to is a partitioner that hands DMPlex these pieces. Collective. */
+ *  size as comm has processes, with little between them. to is a partitioner that hands DMPlex
+ * these pieces. Collective. */
 PetscErrorCode pl_partition(MPI_Comm comm, const planish_mesh *whole, PetscPartitioner to);
+
+/** Scotch, if PETSc has it; or what PETSC_OPTIONS say (-petscpartitioner_type). */
+PetscErrorCode pl_choose_partitioner(PetscPartitioner partitioner);
 
 #endif

@@ -1,6 +1,7 @@
 /* plexfile: meshes in PETSc's HDF5. */
 #include "plexfile.h"
 
+#include "partition.h"
 #include "signals.h"
 
 #include "base/system.h"
@@ -312,8 +313,7 @@ static PetscErrorCode cut(pl_plexfile *f, const loaded *l, pl_piece *piece) {
     PetscCall(with_faces(f, &dm));
     PetscCall(DMSetBasicAdjacency(dm, PETSC_FALSE, PETSC_TRUE));
     PetscCall(DMPlexGetPartitioner(dm, &partitioner));
-    PetscCall(PetscPartitionerSetType(partitioner, PETSCPARTITIONERPTSCOTCH));
-    PetscCall(PetscPartitionerSetFromOptions(partitioner));
+    PetscCall(pl_choose_partitioner(partitioner));
     PetscCall(DMPlexDistribute(dm, 1, &migration, &out));
     PetscCall(DMDestroy(&dm));
     PetscCall(pl_piece_begin(f->comm, out, piece));
