@@ -280,8 +280,8 @@ static int smooth(pl_crew *crew, const planish_options *options, double *whole,
 }
 
 /** Write whole as PETSc does, to path. */
-static int write_plex(pl_crew *crew, const planish_mesh *whole, const char *path,
-                      planish_error *error) {
+static int write_plex(pl_crew *crew, const planish_mesh *whole, const int32_t *region,
+                      const char *path, planish_error *error) {
     char *name = new_array(PL_TEMPORARY_SIZE, 1);
     int code = name ? PLANISH_OK : fail_memory(error);
     if (!code && path)
@@ -289,8 +289,8 @@ static int write_plex(pl_crew *crew, const planish_mesh *whole, const char *path
     code = pl_crew_agree(crew, code, error);
     if (!code) {
         MPI_Bcast(name, PL_TEMPORARY_SIZE, MPI_BYTE, 0, crew->comm);
-        code = pl_crew_agree(crew, pl_plexfile_convert(crew->exchange_comm, whole, name, error),
-                             error);
+        code = pl_crew_agree(
+            crew, pl_plexfile_convert(crew->exchange_comm, whole, region, name, error), error);
         crew->is_broken = code != 0;
         code = pl_crew_agree(crew, pl_plexfile_finish(crew->rank, name, code, error), error);
     }
@@ -421,11 +421,13 @@ static int lead_smooth(pl_job *job, planish_result *result, planish_error *error
 static int lead_write(const pl_job *job, const char *path, planish_error *error) {
     if (job->arguments->verbosity != PL_QUIET)
         pl_note(stderr,
-                "%s: PETSc's file has elements and nodes alone; groups and what the file held "
+                "%s: PETSc's file has elements, their regions and nodes; other groups, and what "
+                "the file held, "
                 "are left out of it",
                 path);
     tell(crew_of(job), WRITE);
-    return write_plex(crew_of(job), &job->mesh, path, error);
+    return write_plex(crew_of(job), &job->mesh, planish_file_surface(job->file, NULL).region, path,
+                      error);
 }
 
 /* ---- the crew ------------------------------------------------------------------------------- */
@@ -501,7 +503,7 @@ int pl_crew_follow(pl_crew *crew) {
             smooth(crew, NULL, NULL, &result, &traffic, &error);
             break;
         case WRITE:
-            write_plex(crew, NULL, NULL, &error);
+            write_plex(crew, NULL, NULL, NULL, &error);
             break;
         case END:
             MPI_Bcast(&status, 1, MPI_INT, 0, crew->comm);

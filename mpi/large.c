@@ -87,15 +87,17 @@ static void share_arguments(work *w) {
         w->job.options = w->options;
 }
 
-/** Of options, in all processes: the box, once the dimension is known. */
-static int take_box(work *w) {
-    double box[7] = {0}; /* and how many numbers it has */
+/** What else the command line says, in all processes: the box, once the dimension is known. */
+static int take_rest(work *w) {
+    double box[8] = {0}; /* how many numbers it has, and whether regions are ignored */
     const int dim = w->file.dim;
     if (w->arguments) {
         memcpy(box, w->arguments->box, sizeof w->arguments->box);
         box[6] = w->arguments->n_box;
+        box[7] = w->arguments->ignore_regions;
     }
-    MPI_Bcast(box, 7, MPI_DOUBLE, 0, w->crew->comm);
+    MPI_Bcast(box, 8, MPI_DOUBLE, 0, w->crew->comm);
+    w->file.ignore_regions = box[7] != 0;
     if (box[6] == 0)
         return PLANISH_OK;
     for (int d = 0; d < dim; d++) {
@@ -119,7 +121,7 @@ static int read_mesh(work *w) {
     w->crew->is_broken = w->file.is_broken;
     code = pl_crew_agree(w->crew, code, &w->error);
     if (!code)
-        code = pl_crew_agree(w->crew, take_box(w), &w->error);
+        code = pl_crew_agree(w->crew, take_rest(w), &w->error);
     w->job.mesh = (planish_mesh){
         .dim = w->file.dim, .n_nodes = w->file.n_nodes, .n_elements = w->file.n_elements};
     w->job.file_info.format = "dmplex";
@@ -250,10 +252,6 @@ static int tell(work *w, int code, int status) {
     if (code)
         return pl_complain(PL_EXIT_FAILED, "%s: %s", w->input, w->error.text);
     pl_signals_set_written();
-    if (w->arguments->verbosity != PL_QUIET)
-        pl_note(stderr,
-                "%s: no node is held but the boundary's, as PETSc's file tells of no groups",
-                w->output);
     return pl_smooth_tell(&w->job, &w->result, &w->progress, 0);
 }
 

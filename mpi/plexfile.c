@@ -16,6 +16,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* What DMPlex, and those who give it meshes, call the regions of elements. */
+static const char regions[] = "Cell Sets";
+
 int pl_plexfile_is(const char *path) {
     static const char extension[] = ".h5";
     const size_t length = strlen(path), n = sizeof extension - 1;
@@ -266,6 +269,42 @@ static PetscErrorCode bring_numbers(PetscSF sf, const int64_t *from, int64_t n, 
     return code;
 }
 
+/** Hold the nodes between elements of different regions, which a label of dm tells: of those that
+ *  this process owns all elements are here, of the others their processes say so. */
+static PetscErrorCode hold_interfaces(DM dm, pl_piece *p) {
+    PetscInt *low = pl_new_array(p->n_points, sizeof *low);
+    PetscInt *high = pl_new_array(p->n_points, sizeof *high);
+    uint8_t *between = pl_new_array(p->n_points, 1), *known = pl_new_array(p->n_points, 1);
+    p->constraint = pl_new_array(p->n_nodes, 1);
+    PetscCheck(low && high && between && known && p->constraint, PETSC_COMM_SELF, PETSC_ERR_MEM,
+               "Regions");
+    for (int64_t i = 0; i < p->n_points; i++) {
+        low[i] = PETSC_MAX_INT;
+        high[i] = PETSC_MIN_INT;
+    }
+    for (PetscInt i = 0; i < p->n_elements; i++) {
+        PetscInt *closure = NULL, size, region;
+        PetscCall(DMGetLabelValue(dm, regions, i, &region));
+        PetscCall(DMPlexGetTransitiveClosure(dm, i, PETSC_TRUE, &size, &closure));
+        for (PetscInt k = 0; k < size; k++) {
+            const PetscInt point = closure[2 * k];
+            low[point] = region < low[point] ? region : low[point];
+            high[point] = region > high[point] ? region : high[point];
+        }
+        PetscCall(DMPlexRestoreTransitiveClosure(dm, i, PETSC_TRUE, &size, &closure));
+    }
+    for (int64_t i = 0; i < p->n_points; i++)
+        known[i] = between[i] = low[i] < high[i];
+    PetscCall(pl_bring(p->points, MPI_UNSIGNED_CHAR, 1, between, known));
+    for (int64_t i = 0; i < p->n_nodes; i++)
+        p->constraint[i] = known[p->first_point + i] ? PLANISH_FIXED : PLANISH_FREE;
+    free(low);
+    free(high);
+    free(between);
+    free(known);
+    return 0;
+}
+
 /** One process: all of it is its piece. */
 static PetscErrorCode take_all(const pl_plexfile *f, const loaded *l, pl_piece *p) {
     PetscCall(pl_piece_begin(f->comm, f->dm, p));
@@ -275,7 +314,7 @@ static PetscErrorCode take_all(const pl_plexfile *f, const loaded *l, pl_piece *
         p->element[i] = (int32_t)l->number[i];
     for (int64_t i = 0; i < p->n_nodes; i++)
         p->node[i] = (int32_t)(l->number[l->node_first + i] - f->first_node);
-    return 0;
+    return f->ignore_regions ? 0 : hold_interfaces(f->dm, p);
 }
 
 static PetscErrorCode fill(const pl_plexfile *f, const loaded *l, PetscSF migration, pl_piece *p) {
@@ -317,6 +356,8 @@ static PetscErrorCode cut(pl_plexfile *f, const loaded *l, pl_piece *piece) {
     PetscCall(DMPlexDistribute(dm, 1, &migration, &out));
     PetscCall(DMDestroy(&dm));
     PetscCall(pl_piece_begin(f->comm, out, piece));
+    if (!f->ignore_regions)
+        PetscCall(hold_interfaces(out, piece));
     PetscCall(DMDestroy(&out));
     PetscCall(fill(f, l, migration, piece));
     return PetscSFDestroy(&migration);
@@ -453,7 +494,8 @@ int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path
     return code ? pl_fail_petsc(error, code) : write_beside(file->comm, file->dm, path, error);
 }
 
-static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, DM *dm) {
+static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
+                                DM *dm) {
     static const planish_mesh nothing = {.dim = 0};
     const planish_mesh *w = whole ? whole : &nothing;
     int dim = w->n_elements * (w->dim + 1) + w->n_nodes > PETSC_MAX_INT ? -1 : w->dim;
@@ -470,14 +512,17 @@ static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, DM *dm
                                             (PetscInt)w->n_nodes, dim + 1, PETSC_FALSE, corner, dim,
                                             w->coordinates, dm));
     PetscCall(PetscFree(corner));
+    PetscCall(DMCreateLabel(*dm, regions));
+    for (int64_t i = 0; region && i < w->n_elements; i++)
+        PetscCall(DMSetLabelValue(*dm, regions, (PetscInt)i, region[i]));
     PetscCall(find_name(name, sizeof name));
     return PetscObjectSetName((PetscObject)*dm, name);
 }
 
-int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const char *path,
-                        planish_error *error) {
+int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
+                        const char *path, planish_error *error) {
     DM dm = NULL;
-    const PetscErrorCode code = make_plex(comm, whole, &dm);
+    const PetscErrorCode code = make_plex(comm, whole, region, &dm);
     const int status = code ? pl_fail_petsc(error, code) : write_beside(comm, dm, path, error);
     DMDestroy(&dm);
     return status;

@@ -14,8 +14,9 @@ typedef struct pl_plexfile {
     int64_t *begin; /* [ranks + 1] of these stretches */
     int64_t n_elements, n_nodes, first_node; /* of all; the file's point of node 0 */
     int dim;
-    char name[256]; /* of the mesh in the file */
-    int is_broken;  /* it could not be read, and HDF5 cannot be left in peace */
+    char name[256];     /* of the mesh in the file */
+    int ignore_regions; /* nodes between regions may move; the caller's to set before it is cut */
+    int is_broken;      /* it could not be read, and HDF5 cannot be left in peace */
 } pl_plexfile;
 
 /** Whether path is that of such a file: by its extension. */
@@ -34,9 +35,10 @@ int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error);
 int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
                       planish_error *error);
 
-/** Likewise whole, which the first process has (the others: NULL). */
-int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const char *path,
-                        planish_error *error);
+/** Likewise whole, which the first process has (the others: NULL), with the region [n_elements] of
+ *  each element, or NULL: there are none. */
+int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
+                        const char *path, planish_error *error);
 
 /** Let the file that one of these has written take the place of that at path; with a code remove
  * it: the first process does. Returns code, or a planish_status. */
