@@ -119,8 +119,10 @@ static void tell(work *w, int32_t round) {
 /** Give up here what others have given up. */
 static void heed(work *w, uint8_t *state) {
     const planish_plan *plan = w->plan;
+    if (w->n_theirs == 0)
+        return;
     qsort(w->theirs, (size_t)w->n_theirs, sizeof *w->theirs, compare_keys);
-    for (int64_t i = 0; w->n_theirs > 0 && i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->n_elements; i++) {
         key k = {.node = {0}};
         if (state[i] != PL_TANGLED)
             continue;
