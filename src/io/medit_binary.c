@@ -47,7 +47,7 @@ static int fail_cut(const medit_reader *r, const char *at, const char *what) {
 
 /** The dimension stands right behind the version; the cursor goes behind it. */
 static int read_header(medit_reader *r, io_cursor *cursor) {
-    int64_t version;
+    int64_t version = 0;
     begins_well(cursor->at, io_left(cursor), &r->swapped, &version); /* recognised already */
     int status = medit_set_version(r, cursor->at + WORD_SIZE, version);
     if (status)
