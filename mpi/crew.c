@@ -89,17 +89,12 @@ static int fail_memory(planish_error *error) {
     return PLANISH_ERROR_MEMORY;
 }
 
-/** An array of n values; at least one, so that NULL is want of memory. */
-static void *new_array(int64_t n, size_t size) {
-    return calloc((size_t)n + 1, size);
-}
-
 /** Collect values in the first process, if code says that there are any: PLANISH_OK in all
  * processes, or the same error. */
 static int collect(const pl_crew *crew, int code, const pl_collection *c, const void *values,
                    int size, void *whole, planish_error *error) {
     const int64_t n = pl_collected(c);
-    void *room = code ? NULL : new_array(n, (size_t)size);
+    void *room = code ? NULL : pl_new_array(n, (size_t)size);
     if (!code && !room)
         code = fail_memory(error);
     code = pl_crew_agree(crew, code, error);
@@ -165,8 +160,8 @@ static int create_plan(pl_crew *crew, const planish_mesh *whole, const planish_o
 }
 
 static int get_free(const pl_crew *crew, uint8_t *whole, planish_error *error) {
-    uint8_t *mine = new_array(crew->share.mesh.n_nodes, 1),
-            *own = new_array(crew->share.own_nodes.n, 1);
+    uint8_t *mine = pl_new_array(crew->share.mesh.n_nodes, 1),
+            *own = pl_new_array(crew->share.own_nodes.n, 1);
     int code = mine && own ? PLANISH_OK : fail_memory(error);
     int64_t n = 0;
     if (!code)
@@ -195,7 +190,7 @@ int pl_crew_measure(const pl_crew *crew, planish_quality *quality, planish_error
 
 static int measure_elements(const pl_crew *crew, double *whole, planish_error *error) {
     const pl_share *share = &crew->share;
-    double *ratio = new_array(share->mesh.n_elements, sizeof *ratio);
+    double *ratio = pl_new_array(share->mesh.n_elements, sizeof *ratio);
     int code = ratio ? planish_measure_elements(crew->plan, share->coordinates, ratio, error)
                      : fail_memory(error);
     int64_t n = 0;
@@ -217,7 +212,7 @@ static int collect_states(const pl_crew *crew, int code, const uint8_t *state, u
 static int check_volumes(const pl_crew *crew, const planish_options *options, uint8_t *whole,
                          planish_error *error) {
     const planish_options mine = pl_crew_options(crew, options);
-    uint8_t *state = new_array(crew->share.mesh.n_elements, 1);
+    uint8_t *state = pl_new_array(crew->share.mesh.n_elements, 1);
     int64_t n;
     int code =
         state ? planish_check_volumes(crew->plan, crew->share.coordinates, &mine, state, &n, error)
@@ -228,7 +223,7 @@ static int check_volumes(const pl_crew *crew, const planish_options *options, ui
 }
 
 static int find_unfixable(const pl_crew *crew, uint8_t *whole, planish_error *error) {
-    uint8_t *state = new_array(crew->share.mesh.n_elements, 1);
+    uint8_t *state = pl_new_array(crew->share.mesh.n_elements, 1);
     int64_t n;
     int code = state ? planish_find_unfixable(crew->plan, crew->share.coordinates, state, &n, error)
                      : fail_memory(error);
@@ -241,7 +236,7 @@ static int find_unfixable(const pl_crew *crew, uint8_t *whole, planish_error *er
 static int collect_coordinates(pl_crew *crew, double *whole, planish_error *error) {
     const pl_share *share = &crew->share;
     const int dim = share->mesh.dim;
-    double *own = new_array((int64_t)share->own_nodes.n * dim, sizeof *own);
+    double *own = pl_new_array((int64_t)share->own_nodes.n * dim, sizeof *own);
     int64_t n = 0;
     for (int64_t i = 0; own && i < share->mesh.n_nodes; i++)
         if (share->role[i] != PLANISH_GHOST)
@@ -282,7 +277,7 @@ static int smooth(pl_crew *crew, const planish_options *options, double *whole,
 /** Write whole as PETSc does, to path. */
 static int write_plex(pl_crew *crew, const planish_mesh *whole, const int32_t *region,
                       const char *path, planish_error *error) {
-    char *name = new_array(PL_TEMPORARY_SIZE, 1);
+    char *name = pl_new_array(PL_TEMPORARY_SIZE, 1);
     int code = name ? PLANISH_OK : fail_memory(error);
     if (!code && path)
         snprintf(name, PL_TEMPORARY_SIZE, "%s", path);
@@ -385,7 +380,7 @@ static int lead_check_volumes(const pl_job *job, const planish_options *options,
     pl_crew *crew = crew_of(job);
     if (crew->is_alone)
         return pl_engine_here.check_volumes(job, options, state, n_below, error);
-    uint8_t *all = state ? state : new_array(job->mesh.n_elements, 1);
+    uint8_t *all = state ? state : pl_new_array(job->mesh.n_elements, 1);
     if (!all)
         return fail_memory(error);
     memset(all, 0, (size_t)job->mesh.n_elements);
@@ -452,8 +447,9 @@ void pl_crew_create(pl_crew *crew, int threads, int bind) {
 }
 
 void pl_crew_destroy(pl_crew *crew, int status) {
+    /* What there is to say has been said by then. */
+    MPI_Allreduce(MPI_IN_PLACE, &crew->is_broken, 1, MPI_INT, MPI_MAX, crew->comm);
     if (crew->is_broken) {
-        MPI_Barrier(crew->comm); /* what there is to say has been said */
         pl_signals_done(status);
         MPI_Abort(MPI_COMM_WORLD, status);
     }

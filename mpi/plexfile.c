@@ -275,14 +275,16 @@ static PetscErrorCode hold_interfaces(DM dm, pl_piece *p) {
     PetscInt *low = pl_new_array(p->n_points, sizeof *low);
     PetscInt *high = pl_new_array(p->n_points, sizeof *high);
     uint8_t *between = pl_new_array(p->n_points, 1), *known = pl_new_array(p->n_points, 1);
+    PetscBool has_regions;
     p->constraint = pl_new_array(p->n_nodes, 1);
     PetscCheck(low && high && between && known && p->constraint, PETSC_COMM_SELF, PETSC_ERR_MEM,
                "Regions");
+    PetscCall(DMHasLabel(dm, regions, &has_regions));
     for (int64_t i = 0; i < p->n_points; i++) {
         low[i] = PETSC_MAX_INT;
         high[i] = PETSC_MIN_INT;
     }
-    for (PetscInt i = 0; i < p->n_elements; i++) {
+    for (PetscInt i = 0; has_regions && i < p->n_elements; i++) {
         PetscInt *closure = NULL, size, region;
         PetscCall(DMGetLabelValue(dm, regions, i, &region));
         PetscCall(DMPlexGetTransitiveClosure(dm, i, PETSC_TRUE, &size, &closure));

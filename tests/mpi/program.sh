@@ -101,7 +101,14 @@ shutil.copy(*sys.argv[1:])
 with h5py.File(sys.argv[2], "r+") as file:
     file["topology/cells"][100] = 10**7
 WRONG
+    python3 - "$work/valid.h5" "$work/plain.h5" <<'PLAIN'
+import shutil, sys, h5py
+shutil.copy(*sys.argv[1:])
+with h5py.File(sys.argv[2], "r+") as file:
+    del file["labels"]
+PLAIN
     for n in 1 2; do
+        together $n "$work/plain.h5" -o "$work/n.h5" -q 2>"$work/err" || fail ".h5 without labels: $(cat "$work/err")"
         together $n "$work/one.h5" -o "$work/n.h5" -q || fail "one element from .h5"
         python3 -c 'import sys, h5py; x = h5py.File(sys.argv[1])["geometry/vertices"][:].tolist()
 assert sorted(x)[-1] == [7, 7, 7] and len(x) == 5, x' "$work/n.h5" || fail "a node of no element"
