@@ -32,6 +32,7 @@ packages_full=(
     coinor-libipopt-dev          # all nodes at once, to compare with
     gmsh tetgen python3-netgen   # meshes as their generators write them
     chromium                     # the page of a report, as a browser shows it
+    llvm                         # lines and branches that tests reach
     abigail-tools                # the library's interface, compared with the last release
     libcgns-dev libmedc-dev python3-h5py # owners of formats in HDF5
     libtet1.5-dev libgmsh-dev libcgal-dev # meshers that the library is embedded in

@@ -51,13 +51,14 @@ static span mark_of(span whole) {
 /** The third coordinate of a long GRID is in the next line; where there is none, it is made: behind
  *  a line end as the file has them, with the mark of the line before. */
 static void field_of_next_line(const card *c, io_field *field) {
+    enum { LINE_END = 2 }; /* characters of one, at most */
     io_cursor from = {c->line.text.begin, c->rest.end};
     span whole = {c->line.text.begin, NULL};
     io_line(&from, &whole.end);
     const span mark = mark_of(whole);
     char *to = field->made;
-    for (const char *end = whole.end; end < from.at; end++)
-        *to++ = *end;
+    for (int i = 0; i < LINE_END && whole.end + i < from.at; i++)
+        *to++ = whole.end[i];
     *to++ = '*';
     if (c->line.is_free)
         *to++ = ',';

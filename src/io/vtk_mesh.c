@@ -200,7 +200,7 @@ static int check_offsets(const vtk_reader *reader) {
 
 /* CELLS of version 5, behind the word OFFSETS. */
 static int read_offset_cells(vtk_reader *reader, int64_t n_offsets) {
-    int size;
+    int size = 0; /* for compilers that do not see that a failure is not 0 */
     int64_t length;
     if (n_offsets < 1)
         return vtk_fail_here(reader, "CELLS: at least one offset expected");

@@ -53,10 +53,9 @@ static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, pl_
 /** What is not possible, so far, where other processes have parts of the mesh. */
 static int check_alone(const planish_mesh *mesh, const planish_options *options,
                        planish_error *error) {
-    const char *what = options->only_worse_than > 0 ? "options.only_worse_than"
-                       : options->around            ? "options.around"
-                       : mesh->n_periodic > 0       ? "mesh.periodic"
-                                                    : NULL;
+    const char *what = options->around        ? "options.around"
+                       : mesh->n_periodic > 0 ? "mesh.periodic"
+                                              : NULL;
     return what && mesh->part
                ? pl_fail(
                      error, PLANISH_ERROR_PARTS,
@@ -188,11 +187,9 @@ static int narrow_to_bad(planish_plan *plan, pl_draft *d, planish_error *error) 
     plan->min_volume = NULL;
     d->boundary.sign = NULL;
     whole->is_free = pl_alloc_zero(mesh->n_nodes, sizeof *whole->is_free);
-    whole->is_part = pl_alloc_zero(mesh->n_elements, sizeof *whole->is_part);
-    if (!whole->is_free || !whole->is_part)
+    whole->is_movable = pl_alloc_zero(mesh->n_elements, sizeof *whole->is_movable);
+    if (!whole->is_free || !whole->is_movable)
         return pl_fail_memory(error, "the part of the mesh that is worked on");
-    for (int64_t i = 0; i < d->part.n_elements; i++)
-        whole->is_part[d->part.element[i]] = 1;
     plan->info.n_reversed = d->boundary.n_reversed;
     return narrow(plan, d, mesh, PL_PART_OF_ALL, error);
 }
@@ -227,7 +224,8 @@ int pl_draft_look_at_measures(planish_plan *plan, pl_draft *d, planish_error *er
         status = pl_boundary_create(d->mesh, all_positive, plan->threads, &d->boundary, error);
     if (!status && selective && d->boundary.sign)
         status = pl_draft_select(plan, d, &all_positive, error);
-    if (status || !selective || !all_positive || d->mesh->n_periodic > 0 || !are_few(d))
+    if (status || !selective || !all_positive || d->mesh->n_periodic > 0 || d->mesh->part ||
+        !are_few(d))
         return status;
     status = narrow_to_bad(plan, d, error);
     pl_boundary_destroy(&d->boundary);

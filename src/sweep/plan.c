@@ -163,7 +163,7 @@ static void destroy(planish_plan *plan) {
     pl_free(plan->whole.sign);
     pl_free(plan->whole.min_volume);
     pl_free(plan->whole.is_free);
-    pl_free(plan->whole.is_part);
+    pl_free(plan->whole.is_movable);
     pl_free(plan->start);
     pl_free(plan->min_volume);
     pl_free(plan->sign);

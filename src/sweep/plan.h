@@ -40,7 +40,7 @@ typedef struct pl_whole {
     int8_t *sign;            /* [n_elements] or NULL, */
     double *min_volume;      /* likewise */
     uint8_t *is_free;        /* [n_nodes] */
-    uint8_t *is_part;        /* [n_elements] 1: in the part */
+    uint8_t *is_movable;     /* [n_elements] 1: has a free node in the call that is served */
 } pl_whole;
 
 /** n nodes, m elements: those of the mesh, or of the part of it that is worked on; "inner" numbers

@@ -73,8 +73,10 @@ static void measure_ratios(pl_run *r) {
         pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
                             plan->measured, plan->threads, &r->sums);
     r->measured = r->sums.movable;
-    r->sums.fixed += r->rest.ratio;
-    r->sums.n_fixed += (int64_t)r->rest.n;
+    if (plan->scope != PL_PART_OF_ALL)
+        return;
+    r->sums.fixed = r->rest.ratio;
+    r->sums.n_fixed = (int64_t)r->rest.n;
 }
 
 pl_objective_problem pl_run_objective_problem(const pl_run *r) {
@@ -102,32 +104,46 @@ void pl_run_measure(pl_run *r) {
     const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_sum_objective(&problem, &r->totals);
     r->measured = r->totals.ratio[1];
-    r->totals.ratio[0] += r->rest.ratio;
-    r->totals.volume[0] += r->rest.volume;
-    r->totals.n[0] += r->rest.n;
+    if (plan->scope != PL_PART_OF_ALL)
+        return;
+    r->totals.ratio[0] = r->rest.ratio;
+    r->totals.volume[0] = r->rest.volume;
+    r->totals.n[0] = r->rest.n;
+}
+
+/** Which of all elements have a free node. */
+static void find_movable(const pl_run *r) {
+    const planish_plan *plan = r->plan;
+    const uint8_t *is_free = r->guard.is_free ? r->guard.is_free : plan->is_free;
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        int movable = 0;
+        for (int j = 0; j <= plan->dim; j++)
+            movable |= is_free[plan->elements[i * (plan->dim + 1) + j]];
+        plan->whole.is_movable[plan->element_of[i]] = movable != 0;
+    }
 }
 
 void pl_run_measure_rest(pl_run *r, const double *all) {
     const planish_plan *plan = r->plan;
     const pl_whole *whole = &plan->whole;
-    const int64_t n = whole->n_elements - plan->n_elements;
     pl_ratio_sums plain;
     pl_objective_sums sums;
+    find_movable(r);
     if (r->plain) {
         pl_sum_radius_ratio_by(plan->dim, whole->n_elements, whole->elements, whole->sign,
-                               whole->is_part, all, plan->threads, &plain);
-        r->rest = (pl_rest){
-            .ratio = plain.fixed, .n = (double)plain.n_fixed, .inverted = n - plain.n_fixed};
+                               whole->is_movable, all, plan->threads, &plain);
+        r->rest =
+            (pl_rest){.ratio = plain.fixed, .n = (double)plain.n_fixed, .inverted = plain.inverted};
         return;
     }
     pl_objective_problem problem =
         pl_objective_problem_of(plan, r->options, all, r->guard.min_volume);
-    problem.is_movable = whole->is_part;
+    problem.is_movable = whole->is_movable;
     pl_sum_objective(&problem, &sums);
     r->rest = (pl_rest){.ratio = sums.ratio[0],
                         .volume = sums.volume[0],
                         .n = sums.n[0],
-                        .inverted = n - (int64_t)sums.n[0],
+                        .inverted = (int64_t)sums.inverted,
                         .below = (int64_t)sums.below};
 }
 

@@ -6,10 +6,11 @@
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
-/** What is outside of the part of the mesh that the plan works on: it does not change. */
+/** What does not change in a mesh of which the plan works on a part; 0 without one. */
 typedef struct pl_rest {
-    double ratio, volume, n; /* as of pl_objective_sums; ratio is of AR^2, or of RR^2 */
-    int64_t inverted, below;
+    double ratio, volume, n; /* of all elements without a free node, as of pl_objective_sums; ratio
+                                is of AR^2, or of RR^2 */
+    int64_t inverted, below; /* elements outside of the part */
 } pl_rest;
 
 /** One call of planish_smooth. */
@@ -47,8 +48,8 @@ typedef struct pl_run {
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);
 
-/** Measure what is outside of the plan's part of the mesh, with the coordinates all [.][dim] of all
- *  of it, scaled as they are. below is then that of all: what is in the part is to be taken off. */
+/** Measure what does not change, with the coordinates all [.][dim] of all of the mesh, scaled as they
+ *  are. inverted and below are then those of all: what is in the part is to be taken off. */
 void pl_run_measure_rest(pl_run *r, const double *all);
 
 /** F of all elements as measured or tracked last; how many are inverted or below. */

@@ -4,6 +4,7 @@
 
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "quality/measure.h"
 #include "quality/objective.h"
@@ -65,11 +66,18 @@ static void choose_layer(void *context, int64_t begin, int64_t end, int thread) 
     }
 }
 
+/** Of nodes that others move not all elements are here. */
+static void hear_of_ghosts(const work *w) {
+    pl_parts_update(NULL, w->of_node, sizeof *w->of_node);
+}
+
 /** Layers around the nodes of level 1. */
 static void spread_layers(work *w, int threads, int layers) {
+    hear_of_ghosts(w);
     for (int i = 1; i <= layers; i++) {
         w->level = (uint8_t)i;
         pl_parallel_for(threads, w->mesh->n_elements, CHUNK, choose_layer, w);
+        hear_of_ghosts(w);
     }
 }
 
@@ -79,6 +87,7 @@ static int spread(work *w, int threads, int least, int layers) {
     w->least = least;
     w->any = 0;
     pl_parallel_for(threads, w->mesh->n_elements, CHUNK, choose_bad, w);
+    w->any = pl_parts_any(w->any);
     if (w->any)
         spread_layers(w, threads, layers);
     return w->any;
@@ -93,6 +102,7 @@ static int add_below(const planish_mesh *mesh, const int8_t *sign, const planish
                                     .elements = mesh->elements,
                                     .sign = sign,
                                     .is_free = is_selected,
+                                    .is_counted = mesh->part ? mesh->part->is_counted : NULL,
                                     .coordinates = mesh->coordinates,
                                     .min_volume = options->min_volume,
                                     .own_min_volume = mesh->min_volume,
@@ -186,7 +196,7 @@ int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_option
     int status = find_states(&w, sign, options, threads, all_positive, error);
     if (!status && !*all_positive)
         status = add_bad(&w, options, threads, error);
-    else if (!status && mesh->n_periodic == 0)
+    else if (!status && mesh->n_periodic == 0 && !mesh->part)
         status = walk_from_bad(&w, options, is_selected, part, error);
     if (!status && *all_positive && part->n_elements == 0)
         spread(&w, threads, PL_WORSE, options->layers);

@@ -297,7 +297,10 @@ static int smooth(pl_run *r, planish_error *error) {
     if (status)
         return status;
     pl_run_measure(r);
-    r->rest.below -= plan->scope == PL_PART_OF_ALL ? pl_run_below(r) : 0;
+    if (plan->scope == PL_PART_OF_ALL) {
+        r->rest.inverted -= pl_run_inverted(r);
+        r->rest.below -= pl_run_below(r);
+    }
     r->result->objective_before = pl_run_objective(r);
     note_start(r);
     prepare_problem(r);

@@ -41,7 +41,8 @@ compare "$sample" parts --objective worst
 compare "$work/valid.mesh" parts --report "$work/report.html"
 compare "$work/valid.mesh" parts --box 0.1,0.1,0.1,0.9,0.9,0.9 --direction fletcher-reeves
 compare "$work/valid.mesh" parts --method laplacian
-compare "$work/valid.mesh" alone --only-worse-than 2
+compare "$work/valid.mesh" parts --only-worse-than 1.7
+compare "$work/tangled.mesh" parts --only-worse-than 2 --layers 2
 compare "$work/tangled.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone

@@ -34,12 +34,17 @@ enum {
     FEW_SWEEPS,
     WORST_RATIO,
     WORST_SMALLEST,
+    BAD,
+    VERY_BAD,
+    BAD_OR_BELOW,
     N_WAYS
 };
 
 static const char *const names[] = {
-    "plain", "fletcher-reeves", "mean-ratio", "edge-ratio", "min-volume",  "weight",     "bounds",
-    "near",  "float",           "laplacian",  "few-sweeps", "worst ratio", "worst angle"};
+    "plain",       "fletcher-reeves", "mean-ratio",  "edge-ratio", "min-volume",
+    "weight",      "bounds",          "near",        "float",      "laplacian",
+    "few-sweeps",  "worst ratio",     "worst angle", "bad",        "very bad",
+    "bad or below"};
 
 static planish_options options_of(int which) {
     planish_options o;
@@ -85,6 +90,17 @@ static planish_options options_of(int which) {
         break;
     case WORST_SMALLEST:
         o.worst = PLANISH_WORST_ANGLE;
+        break;
+    case BAD:
+        o.only_worse_than = 1.5;
+        break;
+    case VERY_BAD: /* so few that one process does not look at the others */
+        o.only_worse_than = 2.2;
+        o.layers = 0;
+        break;
+    case BAD_OR_BELOW:
+        o.only_worse_than = 1.8;
+        o.min_volume_fraction = 0.5;
         break;
     default:
         break;
@@ -422,6 +438,7 @@ static void tangled_meshes_have_those_bits_too(void **state) {
             planish_options_init(&options);
             options.threads = 1;
             options.min_volume = i % 3 == 2 ? (dim == 3 ? 0.13 : 0.45) : 0;
+            options.only_worse_than = i > 5 ? 2 : 0;
             test_mesh_box(&m, dim, how == HOPELESS ? 3 : dim == 3 ? 5 : 12);
             double *x = malloc((size_t)(m.mesh.n_nodes * dim) * sizeof *x);
             tangle(&m, how, (unsigned)i + 1, x);
@@ -591,8 +608,8 @@ static void bad_elements_are_found_together(void **state) {
 /** What is only possible in one process is refused in all. */
 static void what_is_not_possible_in_parts_is_refused(void **state) {
     (void)state;
-    enum { SELECT, MIXED, TOUCHING, N };
-    static const char *const texts[] = {"only_worse_than", "orientation", "touch"};
+    enum { AROUND, MIXED, TOUCHING, N };
+    static const char *const texts[] = {"around", "orientation", "touch"};
     for (int i = 0; i < N; i++) {
         planish_options options = options_of(PLAIN);
         test_mesh m;
@@ -609,8 +626,11 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
         const planish_mesh touching = bodies_of(&m, 2, 1);
         const planish_mesh *mesh = i == TOUCHING ? &touching : &m.mesh;
         own(mesh, i == TOUCHING ? SCATTERED : SLABS, 2, 0, owner);
-        if (i == SELECT)
-            options.only_worse_than = 2;
+        const int64_t centre = 0;
+        if (i == AROUND) {
+            options.around = &centre;
+            options.n_around = 1;
+        }
         processes_create(&w, mesh, 2, owner);
         processes_run(&w, smooth_part, &j);
         free((void *)(uintptr_t)touching.coordinates);
