@@ -126,14 +126,15 @@ static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
     memcpy(plan->coordinates, start, (size_t)values * sizeof *start);
     static const char *const names[] = {"guarded, radius ratio", "guarded, mean ratio",
                                         "guarded, edge ratio"};
+    enum { N_OBJECTIVES = sizeof names / sizeof *names };
     pl_star_problem problem = pl_plan_problem(plan);
     pl_star_guard guard = {.ratio_weight = 1, .min_volume = far_volume(plan, mesh)};
     const char *separator = "";
     printf("  \"ns_per_star\": [");
     measure_variants(plan, &problem, "plain", start, repeat, &separator);
     problem.guard = &guard;
-    for (int i = PLANISH_RADIUS_RATIO; i <= PLANISH_EDGE_RATIO; i++) {
-        guard.measure = (planish_objective)i;
+    for (int i = 0; i < N_OBJECTIVES; i++) {
+        guard.measure = i;
         measure_variants(plan, &problem, names[i], start, repeat, &separator);
     }
     printf(" ],\n  \"ns_per_term\": { \"exact_sum\": %.2f, \"plain_sum\": %.2f }\n}\n",

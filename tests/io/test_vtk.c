@@ -114,7 +114,12 @@ static void put_attributes(file_builder *file, int n) {
     put_reals(file, 3 * n, 4);
     builder_text(file, "TENSORS t float\n");
     put_reals(file, 9 * n, 4);
-    builder_text(file, "TEXTURE_COORDINATES c 2 float\n");
+    builder_text(file, "TENSORS6 s float\n");
+    put_reals(file, 6 * n, 4);
+    builder_text(file, "GLOBAL_IDS g vtktypeint64\n");
+    for (int i = 0; i < n; i++)
+        builder_integer(file, i, 8);
+    builder_text(file, "\nTEXTURE_COORDINATES c 2 float\n");
     put_reals(file, 2 * n, 4);
     builder_text(file, "COLOR_SCALARS colour 3\n");
     for (int i = 0; i < 3 * n; i++)

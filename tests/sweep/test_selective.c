@@ -206,6 +206,52 @@ static void low_elements_are_chosen(void **state) {
 }
 
 /** Nodes that slide are chosen like the others. */
+/** Least volumes are compared in all of the mesh, as by a plan for all of it in which the same
+ * nodes are free. */
+static void judge_volumes(int dim) {
+    planish_options options = defaults();
+    test_mesh mesh;
+    planish_plan *plan[2];
+    planish_plan_info info;
+    int64_t n[2], count[3] = {0};
+    bad_box(&mesh, dim);
+    const size_t n_nodes = (size_t)mesh.mesh.n_nodes, n_elements = (size_t)mesh.mesh.n_elements;
+    uint8_t *constraint = malloc(n_nodes), *of[2] = {malloc(n_elements), malloc(n_elements)};
+    options.only_worse_than = dim == 3 ? 2.2 : 1.6;
+    options.layers = 0;
+    assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan[0], NULL), 0);
+    planish_plan_get_info(plan[0], &info);
+    assert_true(info.n_free > 0 && info.n_free < mesh.mesh.n_nodes / 4);
+    planish_plan_get_free(plan[0], constraint);
+    for (size_t i = 0; i < n_nodes; i++)
+        constraint[i] = constraint[i] ? PLANISH_FREE : PLANISH_FIXED;
+    mesh.mesh.constraint = constraint;
+    options.only_worse_than = 0;
+    assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan[1], NULL), 0);
+    options.min_volume = dim == 3 ? 0.15 : 0.45; /* regular ones of a box: 1/6, 1/2 */
+    for (int i = 0; i < 2; i++) {
+        assert_int_equal(
+            planish_check_volumes(plan[i], mesh.coordinates, &options, of[i], &n[i], NULL), 0);
+        planish_plan_destroy(plan[i]);
+    }
+    assert_int_equal(n[0], n[1]);
+    assert_memory_equal(of[0], of[1], n_elements);
+    for (size_t i = 0; i < n_elements; i++)
+        count[of[0][i]]++;
+    assert_true(count[PLANISH_VOLUME_MET] > 0 && count[PLANISH_VOLUME_BELOW] > 0 &&
+                count[PLANISH_VOLUME_INFEASIBLE] > 0);
+    free(constraint);
+    free(of[0]);
+    free(of[1]);
+    test_mesh_destroy(&mesh);
+}
+
+static void all_volumes_are_judged(void **state) {
+    (void)state;
+    judge_volumes(2);
+    judge_volumes(3);
+}
+
 static void sliding_nodes_are_chosen_too(void **state) {
     (void)state;
     test_mesh box;
@@ -279,6 +325,7 @@ int main(void) {
         cmocka_unit_test(orientation_does_not_matter),
         cmocka_unit_test(tangles_are_chosen),
         cmocka_unit_test(low_elements_are_chosen),
+        cmocka_unit_test(all_volumes_are_judged),
         cmocka_unit_test(sliding_nodes_are_chosen_too),
         cmocka_unit_test(layers_are_checked),
         cmocka_unit_test(memory_may_run_out),
