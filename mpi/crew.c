@@ -47,7 +47,7 @@ static int wait_gently(MPI_Request *request, double seconds) {
 }
 
 static void tell(const pl_crew *crew, order what) {
-    int number = what;
+    int number = (int)what;
     MPI_Request request;
     MPI_Ibcast(&number, 1, MPI_INT, 0, crew->comm, &request);
     MPI_Wait(&request, MPI_STATUS_IGNORE);

@@ -49,12 +49,12 @@ static PetscErrorCode make_plex(MPI_Comm comm, const pl_outline *o, const planis
     return PetscFree(zero);
 }
 
-/** Cut it by elements, and give each process its piece with all elements at the piece's nodes. */
-static PetscErrorCode hand_out(DM dm, const planish_mesh *whole, PetscSF *migration, DM *out) {
-    PetscPartitioner partitioner;
+PetscErrorCode pl_piece_hand_out(DM dm, int64_t n, const int32_t *corner, PetscSF *migration,
+                                 DM *out) {
+    PetscInt dim;
+    PetscCall(DMGetDimension(dm, &dim));
     PetscCall(DMSetBasicAdjacency(dm, PETSC_FALSE, PETSC_TRUE));
-    PetscCall(DMPlexGetPartitioner(dm, &partitioner));
-    PetscCall(pl_partition(PetscObjectComm((PetscObject)dm), whole, partitioner));
+    PetscCall(pl_partition(PetscObjectComm((PetscObject)dm), (int)dim, n, corner, dm));
     return DMPlexDistribute(dm, 1, migration, out);
 }
 
@@ -169,7 +169,8 @@ PetscErrorCode pl_piece_cut(MPI_Comm comm, const pl_outline *outline, const plan
     PetscSF migration = NULL;
     *piece = (pl_piece){.dim = outline->dim};
     PetscCall(make_plex(comm, outline, whole, &dm));
-    PetscCall(hand_out(dm, whole, &migration, &out));
+    PetscCall(pl_piece_hand_out(dm, whole ? outline->n_elements : 0, whole ? whole->elements : NULL,
+                                &migration, &out));
     PetscCall(DMDestroy(&dm));
     PetscCall(pl_piece_begin(comm, out, piece));
     PetscCall(DMDestroy(&out));

@@ -34,8 +34,13 @@ typedef struct pl_outline {
 PetscErrorCode pl_piece_cut(MPI_Comm comm, const pl_outline *outline, const planish_mesh *whole,
                             pl_piece *piece);
 
-/** The piece that migration has led to dm, without its numbers and values; the first steps of the
- *  above. */
+/** The first steps of that, for dm without faces, of which each process has n elements with corners
+ *  [n][dim + 1]: cut it by elements, and give each process its piece, out, with all elements at the
+ *  piece's nodes. */
+PetscErrorCode pl_piece_hand_out(DM dm, int64_t n, const int32_t *corner, PetscSF *migration,
+                                 DM *out);
+
+/** Then, the piece that migration has led to dm, without its numbers and values. */
 PetscErrorCode pl_piece_begin(MPI_Comm comm, DM dm, pl_piece *piece);
 
 /** Of migration what goes to the n points from begin on here, which are elements or nodes,

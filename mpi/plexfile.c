@@ -205,13 +205,13 @@ static PetscErrorCode find_corners(const pl_plexfile *f, const int64_t *number, 
     return 0;
 }
 
-/** With faces, by which it is cut: of the same elements and nodes. */
-static PetscErrorCode with_faces(const pl_plexfile *f, DM *dm) {
+/** Without faces and edges, which are of no use here: the same elements and nodes. */
+static PetscErrorCode without_faces(const pl_plexfile *f, DM *dm) {
     PetscInt depth;
     PetscCall(DMPlexGetDepth(f->dm, &depth));
     MPI_Allreduce(MPI_IN_PLACE, &depth, 1, MPIU_INT, MPI_MAX, f->comm);
-    if (depth < f->dim)
-        return DMPlexInterpolate(f->dm, dm);
+    if (depth > 1)
+        return DMPlexUninterpolate(f->dm, dm);
     *dm = f->dm;
     return PetscObjectReference((PetscObject)f->dm);
 }
@@ -219,13 +219,15 @@ static PetscErrorCode with_faces(const pl_plexfile *f, DM *dm) {
 /** Numbers, corners and coordinates as they are here. */
 typedef struct loaded {
     PetscInt n_elements, node_first, node_last;
-    int64_t *number, *element, *node;
+    int64_t *number;
     int32_t *corner;
+    PetscInt *region; /* [n_elements] */
     double *x;
 } loaded;
 
 static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
     PetscInt first, last;
+    PetscBool has_regions;
     Vec vector;
     const PetscScalar *x;
     PetscSection section;
@@ -235,10 +237,15 @@ static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
     const int64_t n = l->node_last - l->node_first;
     l->number = pl_new_array(last, sizeof *l->number);
     l->corner = pl_new_array((int64_t)l->n_elements * (f->dim + 1), sizeof *l->corner);
+    l->region = pl_new_array(l->n_elements, sizeof *l->region);
     l->x = pl_new_array(n * f->dim, sizeof *l->x);
-    PetscCheck(l->number && l->corner && l->x, PETSC_COMM_SELF, PETSC_ERR_MEM, "Loaded");
+    PetscCheck(l->number && l->corner && l->region && l->x, PETSC_COMM_SELF, PETSC_ERR_MEM,
+               "Loaded");
     PetscCall(number_points(f, l->number));
     PetscCall(find_corners(f, l->number, l->node_first, l->node_last, l->n_elements, l->corner));
+    PetscCall(DMHasLabel(f->dm, regions, &has_regions));
+    for (PetscInt i = 0; has_regions && i < l->n_elements; i++)
+        PetscCall(DMGetLabelValue(f->dm, regions, i, &l->region[i]));
     PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
     PetscCall(DMGetCoordinateSection(f->dm, &section));
     PetscCall(VecGetArrayRead(vector, &x));
@@ -254,6 +261,7 @@ static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
 static void destroy_loaded(loaded *l) {
     free(l->number);
     free(l->corner);
+    free(l->region);
     free(l->x);
 }
 
@@ -269,31 +277,26 @@ static PetscErrorCode bring_numbers(PetscSF sf, const int64_t *from, int64_t n, 
     return code;
 }
 
-/** Hold the nodes between elements of different regions, which a label of dm tells: of those that
- *  this process owns all elements are here, of the others their processes say so. */
-static PetscErrorCode hold_interfaces(DM dm, pl_piece *p) {
+/** Hold the nodes between elements of different regions [n_elements] of dm, which has no faces: of
+ *  those that this process owns all elements are here, of the others their processes say so. */
+static PetscErrorCode hold_interfaces(DM dm, const PetscInt *region, pl_piece *p) {
     PetscInt *low = pl_new_array(p->n_points, sizeof *low);
     PetscInt *high = pl_new_array(p->n_points, sizeof *high);
     uint8_t *between = pl_new_array(p->n_points, 1), *known = pl_new_array(p->n_points, 1);
-    PetscBool has_regions;
     p->constraint = pl_new_array(p->n_nodes, 1);
     PetscCheck(low && high && between && known && p->constraint, PETSC_COMM_SELF, PETSC_ERR_MEM,
                "Regions");
-    PetscCall(DMHasLabel(dm, regions, &has_regions));
     for (int64_t i = 0; i < p->n_points; i++) {
         low[i] = PETSC_MAX_INT;
         high[i] = PETSC_MIN_INT;
     }
-    for (PetscInt i = 0; has_regions && i < p->n_elements; i++) {
-        PetscInt *closure = NULL, size, region;
-        PetscCall(DMGetLabelValue(dm, regions, i, &region));
-        PetscCall(DMPlexGetTransitiveClosure(dm, i, PETSC_TRUE, &size, &closure));
-        for (PetscInt k = 0; k < size; k++) {
-            const PetscInt point = closure[2 * k];
-            low[point] = region < low[point] ? region : low[point];
-            high[point] = region > high[point] ? region : high[point];
+    for (PetscInt i = 0; i < p->n_elements; i++) {
+        const PetscInt *corner;
+        PetscCall(DMPlexGetCone(dm, i, &corner));
+        for (int j = 0; j <= p->dim; j++) {
+            low[corner[j]] = region[i] < low[corner[j]] ? region[i] : low[corner[j]];
+            high[corner[j]] = region[i] > high[corner[j]] ? region[i] : high[corner[j]];
         }
-        PetscCall(DMPlexRestoreTransitiveClosure(dm, i, PETSC_TRUE, &size, &closure));
     }
     for (int64_t i = 0; i < p->n_points; i++)
         known[i] = between[i] = low[i] < high[i];
@@ -308,20 +311,23 @@ static PetscErrorCode hold_interfaces(DM dm, pl_piece *p) {
 }
 
 /** One process: all of it is its piece. */
-static PetscErrorCode take_all(const pl_plexfile *f, const loaded *l, pl_piece *p) {
-    PetscCall(pl_piece_begin(f->comm, f->dm, p));
+static PetscErrorCode take_all(const pl_plexfile *f, DM dm, const loaded *l, pl_piece *p) {
+    PetscCall(pl_piece_begin(f->comm, dm, p));
     memcpy(p->corner, l->corner, (size_t)p->n_elements * (size_t)(f->dim + 1) * sizeof *p->corner);
     memcpy(p->coordinates, l->x, (size_t)(p->n_nodes * f->dim) * sizeof *p->coordinates);
     for (int64_t i = 0; i < p->n_elements; i++)
         p->element[i] = (int32_t)l->number[i];
     for (int64_t i = 0; i < p->n_nodes; i++)
         p->node[i] = (int32_t)(l->number[l->node_first + i] - f->first_node);
-    return f->ignore_regions ? 0 : hold_interfaces(f->dm, p);
+    return f->ignore_regions ? 0 : hold_interfaces(dm, l->region, p);
 }
 
-static PetscErrorCode fill(const pl_plexfile *f, const loaded *l, PetscSF migration, pl_piece *p) {
+/** The same where migration has led to dm. */
+static PetscErrorCode take_piece(const pl_plexfile *f, DM dm, const loaded *l, PetscSF migration,
+                                 pl_piece *p) {
     PetscMPIInt n_ranks;
     PetscSF elements, nodes;
+    PetscCall(pl_piece_begin(f->comm, dm, p));
     MPI_Comm_size(f->comm, &n_ranks);
     int64_t *zero = pl_new_array(n_ranks, sizeof *zero),
             *begin = pl_new_array(n_ranks, sizeof *begin);
@@ -336,6 +342,13 @@ static PetscErrorCode fill(const pl_plexfile *f, const loaded *l, PetscSF migrat
     PetscCall(bring_numbers(nodes, l->number + l->node_first, p->n_nodes, f->first_node, p->node));
     PetscCall(pl_bring(elements, MPI_INT32_T, f->dim + 1, l->corner, p->corner));
     PetscCall(pl_bring(nodes, MPI_DOUBLE, f->dim, l->x, p->coordinates));
+    if (!f->ignore_regions) {
+        PetscInt *region = pl_new_array(p->n_elements, sizeof *region);
+        PetscCheck(region, PETSC_COMM_SELF, PETSC_ERR_MEM, "Regions");
+        PetscCall(pl_bring(elements, MPIU_INT, 1, l->region, region));
+        PetscCall(hold_interfaces(dm, region, p));
+        free(region);
+    }
     PetscCall(PetscSFDestroy(&elements));
     PetscCall(PetscSFDestroy(&nodes));
     free(zero);
@@ -346,22 +359,17 @@ static PetscErrorCode fill(const pl_plexfile *f, const loaded *l, PetscSF migrat
 static PetscErrorCode cut(pl_plexfile *f, const loaded *l, pl_piece *piece) {
     DM dm = NULL, out = NULL;
     PetscSF migration = NULL;
-    PetscPartitioner partitioner;
     PetscMPIInt n_ranks;
     MPI_Comm_size(f->comm, &n_ranks);
-    if (n_ranks == 1)
-        return take_all(f, l, piece);
-    PetscCall(with_faces(f, &dm));
-    PetscCall(DMSetBasicAdjacency(dm, PETSC_FALSE, PETSC_TRUE));
-    PetscCall(DMPlexGetPartitioner(dm, &partitioner));
-    PetscCall(pl_choose_partitioner(partitioner));
-    PetscCall(DMPlexDistribute(dm, 1, &migration, &out));
+    PetscCall(without_faces(f, &dm));
+    if (n_ranks == 1) {
+        PetscCall(take_all(f, dm, l, piece));
+    } else {
+        PetscCall(pl_piece_hand_out(dm, l->n_elements, l->corner, &migration, &out));
+        PetscCall(take_piece(f, out, l, migration, piece));
+    }
     PetscCall(DMDestroy(&dm));
-    PetscCall(pl_piece_begin(f->comm, out, piece));
-    if (!f->ignore_regions)
-        PetscCall(hold_interfaces(out, piece));
     PetscCall(DMDestroy(&out));
-    PetscCall(fill(f, l, migration, piece));
     return PetscSFDestroy(&migration);
 }
 

@@ -88,11 +88,15 @@ if python3 -c "import h5py" 2>/dev/null; then
     "$PLANISH_PROGRAM" smooth "$work/regions.mesh" -o "$work/0.mesh" -q --json "$work/0.json" || fail "valid.mesh"
     [ "$("$PLANISH_PROGRAM" smooth "$work/regions.mesh" --ignore-regions -o "$work/n.mesh" -q --json - | grep free_nodes)" != \
         "$(grep free_nodes "$work/0.json")" ] || fail "no nodes between regions"
+    timeout 100 mpirun --oversubscribe -n 2 "$PLANISH_WITH_FACES" "$work/valid.h5" "$work/faces.h5" ||
+        fail "no faces"
     for n in 1 2 3; do
-        together $n "$work/valid.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
-            fail ".h5 with $n processes: $(cat "$work/err")"
-        python3 "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
-            fail ".h5 with $n processes: other numbers"
+        for name in valid faces; do
+            together $n "$work/$name.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
+                fail "$name.h5 with $n processes: $(cat "$work/err")"
+            python3 "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
+                fail "$name.h5 with $n processes: other numbers"
+        done
     done
     # A node of no element stays where it is.
     together 2 "$work/one.mesh" -o "$work/one.h5" -q --max-sweeps 0 || fail "one element as .h5"
