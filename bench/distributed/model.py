@@ -79,7 +79,7 @@ def fit(alone, together):
 
 def main():
     folder, result_path = sys.argv[1:]
-    alone, one, two = (runs(folder, name) for name in ("alone", "1", "2"))
+    alone, one, two, from_h5 = (runs(folder, name) for name in ("alone", "1", "2", "h5"))
     with open(os.path.join(folder, "messages.json")) as file:
         messages = json.load(file)
     together = {1: best(one), 2: best(two)}
@@ -94,7 +94,8 @@ def main():
     setup = lambda r: best(r)["seconds"]["setup"]
     print(f"| `planish smooth -j 1` | {a:.3f} | {setup(alone):.2f} | |")
     print(f"| `planish-mpi`, 1 process | {b:.3f} | {setup(one):.2f} | {100 * (b / a - 1):+.1f} % |")
-    print(f"| `planish-mpi`, 2 processes | {c:.3f} | {setup(two):.2f} | {b / c:.2f} times 1 process |\n")
+    print(f"| `planish-mpi`, 2 processes | {c:.3f} | {setup(two):.2f} | {b / c:.2f} times 1 process |")
+    print(f"| the same, from and to PETSc's `.h5` | {sweeps_seconds(best(from_h5)):.3f} | {setup(from_h5):.2f} | |\n")
     print("| processes | messages | node values | bytes | longest wait, s |\n|---|---|---|---|---|")
     for p, r in together.items():
         t = r["processes"]

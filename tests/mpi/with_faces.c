@@ -1,5 +1,5 @@
-/* with_faces IN.h5 OUT.h5: the mesh of PETSc's file IN with faces and edges, as other programs that use
- * DMPlex write it. */
+/* with_faces IN.h5 OUT.h5: the mesh of PETSc's file IN with faces and edges, as other programs that
+ * use DMPlex write it. */
 #include <petscdmplex.h>
 #include <petscsf.h>
 #include <petscviewer.h>
