@@ -370,8 +370,8 @@ int pl_measure_by(int dim, int64_t n_elements, const int32_t *elements, const in
     fill_histogram(basic.n_movable + basic.n_fixed, &full, &q);
     fill_angles(&full, &q);
     if (n > 0) {
-        q.min_volume = full.smallest_volume;
-        q.max_volume = full.largest_volume;
+        q.min_volume = full.smallest_volume + 0.0; /* one zero, not one of two */
+        q.max_volume = full.largest_volume + 0.0;
         q.total_volume = full.volume_sum;
     }
     *quality = q;

@@ -127,15 +127,8 @@ int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
     if (!status && c.failed)
         status = pl_fail_memory(error, "duplicate elements");
     const int consistent = !pl_parts_any(!c.consistent);
-    const int duplicates = mesh->part && pl_parts_any(boundary->n_duplicate_elements > 0);
     const int agree = boundary->is_guess && consistent;
-    if (!status && !agree && mesh->part && (!consistent || duplicates))
-        status =
-            pl_fail(error, PLANISH_ERROR_PARTS,
-                    "elements are not all of the same orientation, or some are there twice and "
-                    "others inverted, which is not possible with a mesh in parts; do it in one "
-                    "process");
-    else if (!status && !agree)
+    if (!status && !agree)
         status = pl_orientation_create(mesh, incidence, threads, boundary, error);
     return status;
 }

@@ -15,8 +15,8 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
-#include "base/sum.h"
 #include "geometry/simplex.h"
+#include "topology/components.h"
 #include "topology/facets.h"
 #include "topology/frame.h"
 
@@ -35,6 +35,7 @@ typedef struct work {
     double *measure;  /* [m] of the elements in their component's order; of a root, the sum */
     double anchor[3]; /* the place of a node on the boundary, */
     int has_anchor;   /* if there is one */
+    pl_settlement settlement; /* in a mesh in parts */
     int any_reversed;
     int n_conflicts; /* facets at which the parities contradict one another: some, or 0 */
 } work;
@@ -152,11 +153,18 @@ static void start_components(void *context, int64_t begin, int64_t end, int thre
     memset(w->boundary->sign + begin, ORIENTABLE, (size_t)(end - begin));
 }
 
+/** Whether a facet joins two elements, by all that is known: of one whose nodes all belong to
+ * others not all elements need to be here. */
+static int joins(const work *w, int32_t node, const pl_facet *facet) {
+    const planish_part *part = w->mesh->part;
+    return pl_facet_joins(facet) && (pl_is_own(part, node) || pl_is_own(part, facet->node[0]) ||
+                                     (facet->node[1] >= 0 && pl_is_own(part, facet->node[1])));
+}
+
 static void join_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
     work *w = context;
-    (void)node;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
-        if (!pl_facet_joins(facet))
+        if (!joins(w, node, facet))
             continue;
         uint32_t parity = facet->parity[0] == facet->parity[1];
         if (!join(w, (uint32_t)facet->element[0], (uint32_t)facet->element[1], parity)) {
@@ -189,7 +197,7 @@ static void hold_conflicts(void *context, int32_t node, const pl_facet *facets, 
     work *w = context;
     uint8_t *held = w->boundary->on_boundary;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
-        if (!pl_facet_joins(facet) || facet->parity[0] != facet->parity[1] ||
+        if (!joins(w, node, facet) || facet->parity[0] != facet->parity[1] ||
             !is_conflicting(w, facet->element[0]))
             continue;
         __atomic_store_n(held + node, 1, __ATOMIC_RELAXED);
@@ -216,200 +224,64 @@ static void find_anchor(work *w) {
     memcpy(w->anchor, place, sizeof w->anchor);
 }
 
-/** Link every element to its root, and measure it in the order of its component. */
-static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
+/** Link every element to its root. */
+static void link_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         uint32_t parity = 0, root = find_root(w, (uint32_t)i, &parity);
-        const int conflict = w->boundary->sign[root] == CONFLICT, dim = w->mesh->dim;
-        if (conflict)
-            parity = 0;
         __atomic_store_n(w->link + i, root << 1 | parity, __ATOMIC_RELAXED);
-        double measure = conflict ? measure_of(dim, w, i) : anchored_measure_of(dim, w, i);
-        w->measure[i] = parity ? -measure : measure;
     }
 }
 
-/* So many components have their measures summed exactly; of more, each has few elements. */
-enum { MOST_EXACT = 1024 };
-
-static int64_t count_roots(const work *w) {
-    int64_t n = 0;
-    for (int64_t i = 0; i < w->mesh->n_elements; i++)
-        n += w->link[i] >> 1 == i;
-    return n;
-}
-
-/** The roots [n], and what the measures of their components are in sum; of the elements that this
- *  process counts. 0 without memory. */
-static int sum_exactly(const work *w, int64_t n, uint32_t *root, pl_sum *sum) {
-    const uint8_t *is_counted = w->mesh->part ? w->mesh->part->is_counted : NULL;
-    int32_t *slot = pl_alloc(w->mesh->n_elements, sizeof *slot);
-    int64_t k = 0;
-    if (!slot)
+/** Whether an element's order is opposite to that of its component. */
+static int is_opposite(const work *w, int64_t element) {
+    const uint32_t root = w->link[element] >> 1;
+    if (w->boundary->sign[root] == CONFLICT)
         return 0;
-    memset(sum, 0, (size_t)n * sizeof *sum);
-    for (int64_t i = 0; i < w->mesh->n_elements;
-         i++) { /* roots are the first of their components */
-        const uint32_t of = w->link[i] >> 1;
-        if (of == i) {
-            root[k] = of;
-            slot[i] = (int32_t)k++;
-        }
-        if (!is_counted || is_counted[i])
-            pl_sum_add(&sum[slot[of]], w->measure[i]);
-    }
-    pl_free(slot);
-    return 1;
+    return (int)(w->link[element] & 1) ^
+           (w->settlement.reversed ? w->settlement.reversed[root] : 0);
 }
 
-/** Sum the measures of every component, at its root. */
-static int sum_measures(work *w) {
-    const int64_t n = w->boundary->n_components;
-    if (n > MOST_EXACT) { /* in the order of the elements: complete only behind all others */
-        for (int64_t i = 0; i < w->mesh->n_elements; i++)
-            if (w->link[i] >> 1 != i)
-                w->measure[w->link[i] >> 1] += w->measure[i];
-        return 1;
-    }
-    uint32_t *root = pl_alloc(n, sizeof *root);
-    pl_sum *sum = pl_alloc(n, sizeof *sum);
-    const int done = root && sum && sum_exactly(w, n, root, sum);
-    for (int64_t k = 0; done && k < n; k++)
-        w->measure[root[k]] = pl_sum_value(&sum[k]);
-    pl_free(root);
-    pl_free(sum);
-    return done;
-}
-
-/* ---- components of which several processes have parts --------------------------------------- */
-
-/** Of the components here. Arrays are owned. */
-typedef struct shared {
-    int64_t n;
-    uint32_t *root;      /* [n] ascending */
-    pl_sum *sum;         /* [n] of the measures counted here */
-    int64_t *label;      /* [m] of roots: the same in all processes that have some of a component */
-    int64_t *of_node;    /* [n_nodes] the root of its elements, or -1 */
-    int64_t *node_label; /* [n_nodes] */
-} shared;
-
-/** A number for the nodes of an element, which no two elements share but for a chance in 2^62. */
-static int64_t element_label(const work *w, int64_t element) {
+/** Measure every element in the order of its component; its parity is from now on that to it. */
+static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    work *w = context;
     const int dim = w->mesh->dim;
-    const int32_t *node = w->mesh->elements + element * (dim + 1);
-    int32_t sorted[4];
-    uint64_t hash = 0;
-    pl_sort_element(dim, node, sorted);
-    for (int j = 0; j <= dim; j++) {
-        hash ^= (uint64_t)w->mesh->part->node_number[sorted[j]];
-        hash *= UINT64_C(0x9E3779B97F4A7C15);
-        hash ^= hash >> 29;
-        hash *= UINT64_C(0xBF58476D1CE4E5B9);
-        hash ^= hash >> 32;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int conflict = w->boundary->sign[w->link[i] >> 1] == CONFLICT;
+        const double measure = conflict ? measure_of(dim, w, i) : anchored_measure_of(dim, w, i);
+        const int opposite = is_opposite(w, i);
+        w->measure[i] = opposite ? -measure : measure;
+        w->link[i] = (w->link[i] & ~UINT32_C(1)) | (uint32_t)opposite;
     }
-    return (int64_t)(hash >> 2);
 }
 
-/** Labels from the elements here: the smallest of each component. Returns whether each node that
- *  others have as a ghost has elements of one component. */
-static int label_components(const work *w, shared *s) {
-    const int corners = w->mesh->dim + 1;
-    int clear = 1;
-    for (int64_t k = 0; k < s->n; k++)
-        s->label[s->root[k]] = INT64_MAX;
-    for (int64_t i = 0; i < w->mesh->n_nodes; i++)
-        s->of_node[i] = -1;
-    for (int64_t i = 0; i < w->mesh->n_elements; i++) {
-        const int64_t root = w->link[i] >> 1, label = element_label(w, i);
-        s->label[root] = label < s->label[root] ? label : s->label[root];
-        for (int j = 0; j < corners; j++) {
-            const int32_t node = w->mesh->elements[i * corners + j];
-            clear &= s->of_node[node] < 0 || s->of_node[node] == root ||
-                     w->mesh->part->node_role[node] != PLANISH_SHARED;
-            s->of_node[node] = root;
-        }
-    }
-    return clear;
-}
-
-/** Hear of the labels at ghosts; whether any here has changed. */
-static int hear_labels(const work *w, shared *s) {
-    const int corners = w->mesh->dim + 1;
-    int changed = 0;
-    for (int64_t i = 0; i < w->mesh->n_nodes; i++)
-        s->node_label[i] = s->of_node[i] < 0 ? INT64_MAX : s->label[s->of_node[i]];
-    pl_parts_update(NULL, s->node_label, sizeof *s->node_label);
-    for (int64_t i = 0; i < w->mesh->n_elements; i++)
-        for (int j = 0; j < corners; j++) {
-            const int32_t node = w->mesh->elements[i * corners + j];
-            int64_t *label = &s->label[w->link[i] >> 1];
-            if (w->mesh->part->node_role[node] == PLANISH_GHOST && s->node_label[node] < *label) {
-                *label = s->node_label[node];
-                changed = 1;
-            }
-        }
-    return changed;
-}
-
-/** Sum up one component after the other, by their labels. Whether there were not too many. */
-static int sum_shared(work *w, const shared *s) {
-    int64_t *n = &w->boundary->n_components, last = -1;
-    for (*n = 0; *n <= MOST_EXACT; ++*n) {
-        pl_sum sum = {.n_added = 0};
-        int64_t next = INT64_MAX;
-        for (int64_t k = 0; k < s->n; k++)
-            if (s->label[s->root[k]] > last && s->label[s->root[k]] < next)
-                next = s->label[s->root[k]];
-        next = pl_parts_smallest_integer(next);
-        if (next == INT64_MAX)
-            return 1;
-        for (int64_t k = 0; k < s->n; k++)
-            if (s->label[s->root[k]] == next)
-                pl_sum_share(&sum, &s->sum[k]);
-        pl_parts_add_sums(&sum, 1);
-        for (int64_t k = 0; k < s->n; k++)
-            if (s->label[s->root[k]] == next)
-                w->measure[s->root[k]] = pl_sum_value(&sum);
-        last = next;
-    }
-    return 0;
-}
-
-static int fail_shared(planish_error *error) {
-    return pl_fail(
-        error, PLANISH_ERROR_PARTS,
-        "elements are inverted in a mesh of many bodies, or of some that touch in single "
-        "nodes, which is not possible with a mesh in parts; do it in one process");
-}
-
-static int sum_in_parts(work *w, planish_error *error) {
+/** Components whose measure is 0 are turned so that the element of the smallest id keeps its order,
+ *  as it does in a mesh in parts. */
+static int turn_flat(work *w) {
     const int64_t m = w->mesh->n_elements;
-    shared s = {.n = count_roots(w)};
-    if (pl_parts_any(s.n > MOST_EXACT))
-        return fail_shared(error);
-    s.root = pl_alloc(s.n, sizeof *s.root);
-    s.sum = pl_alloc(s.n, sizeof *s.sum);
-    s.label = pl_alloc(m, sizeof *s.label);
-    s.of_node = pl_alloc(w->mesh->n_nodes, sizeof *s.of_node);
-    s.node_label = pl_alloc(w->mesh->n_nodes, sizeof *s.node_label);
-    int status = s.root && s.sum && s.label && s.of_node && s.node_label &&
-                         sum_exactly(w, s.n, s.root, s.sum)
-                     ? PLANISH_OK
-                     : pl_fail_memory(error, "the components of the mesh");
-    if (!status && pl_parts_any(!label_components(w, &s)))
-        status = fail_shared(error);
-    while (!status && pl_parts_any(hear_labels(w, &s))) {
+    int any = 0;
+    for (int64_t i = 0; i < m && !any; i++)
+        any = w->link[i] >> 1 == i && w->measure[i] == 0;
+    if (!any || w->mesh->part)
+        return 1;
+    int64_t *least = pl_alloc(m, sizeof *least);
+    for (int64_t i = 0; least && i < m; i++) /* roots are the first of their components */
+        least[i] = INT64_MAX;
+    for (int64_t i = 0; least && i < m; i++) {
+        const uint32_t root = w->link[i] >> 1;
+        const double sum = w->measure[root];
+        if (sum != 0 && !(least[root] < INT64_MAX))
+            continue;
+        const int64_t id = pl_element_id(w->mesh, i);
+        if (id >= least[root])
+            continue;
+        least[root] = id;
+        w->measure[root] = w->link[i] & 1 ? -1 : 0;
     }
-    if (!status && !sum_shared(w, &s))
-        status = fail_shared(error);
-    pl_free(s.root);
-    pl_free(s.sum);
-    pl_free(s.label);
-    pl_free(s.of_node);
-    pl_free(s.node_label);
-    return status;
+    pl_free(least);
+    return least != NULL;
 }
 
 /* ---- all components -------------------------------------------------------------------------- */
@@ -431,30 +303,48 @@ static void sign_chunk(void *context, int64_t begin, int64_t end, int thread) {
     __atomic_fetch_or(&w->any_reversed, any, __ATOMIC_RELAXED);
 }
 
-static int orient_components(work *w, const pl_incidence *incidence, int threads,
-                             planish_error *error) {
-    int64_t m = w->mesh->n_elements;
-    w->link = pl_alloc(m, sizeof *w->link);
-    if (!w->link)
-        return pl_fail_memory(error, "the components of the mesh");
+static int has_conflict(const work *w) {
+    int any = w->n_conflicts;
+    for (int64_t i = 0; i < w->mesh->n_elements && w->mesh->part && !any; i++)
+        any = w->boundary->sign[i] == CONFLICT;
+    return any;
+}
+
+/** Roots, parities and conflicts of the components, of which other processes may have parts. */
+static int find_components(work *w, const pl_incidence *incidence, int threads,
+                           planish_error *error) {
+    const int64_t m = w->mesh->n_elements;
     pl_parallel_for(threads, m, CHUNK, start_components, w);
     int status = pl_facets_match(w->mesh, incidence, NULL, threads, join_facets, w, error);
-    if (!status && w->n_conflicts) {
+    if (!status && w->n_conflicts)
         pl_parallel_for(threads, m, CHUNK, mark_roots, w);
-        status = pl_facets_match(w->mesh, incidence, NULL, threads, hold_conflicts, w, error);
+    if (!status)
+        pl_parallel_for(threads, m, CHUNK, link_chunk, w);
+    if (!status && w->mesh->part) {
+        w->settlement.conflict = w->boundary->sign;
+        status = pl_components_settle(w->mesh, incidence, w->link, &w->settlement, error);
     }
+    if (!status && has_conflict(w))
+        status = pl_facets_match(w->mesh, incidence, NULL, threads, hold_conflicts, w, error);
+    return status;
+}
+
+static int orient_components(work *w, const pl_incidence *incidence, int threads,
+                             planish_error *error) {
+    const int64_t m = w->mesh->n_elements;
+    w->link = pl_alloc(m, sizeof *w->link);
+    w->measure = pl_alloc(m, sizeof *w->measure);
+    if (!w->link || !w->measure)
+        return pl_fail_memory(error, "the components of the mesh");
+    int status = find_components(w, incidence, threads, error);
     if (status)
         return status;
-    w->measure = pl_alloc(m, sizeof *w->measure);
-    if (!w->measure)
-        return pl_fail_memory(error, "the components of the mesh");
     find_anchor(w);
     pl_parts_update(NULL, w->boundary->on_boundary, sizeof *w->boundary->on_boundary);
     pl_parallel_for(threads, m, CHUNK, measure_chunk, w);
-    w->boundary->n_components = count_roots(w);
-    if (w->mesh->part)
-        status = sum_in_parts(w, error);
-    else if (!sum_measures(w))
+    status = pl_components_sum(w->mesh, w->link, w->mesh->part ? &w->settlement : NULL, w->measure,
+                               &w->boundary->n_components, error);
+    if (!status && !turn_flat(w))
         status = pl_fail_memory(error, "the components of the mesh");
     if (!status)
         pl_parallel_for(threads, m, CHUNK, sign_chunk, w);
@@ -501,6 +391,7 @@ int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidenc
     status = orient_components(&w, incidence, threads, error);
     pl_free(w.link);
     pl_free(w.measure);
+    pl_settlement_destroy(&w.settlement);
     if (!status && !w.any_reversed) {
         pl_free(boundary->sign);
         boundary->sign = NULL;

@@ -24,8 +24,8 @@ typedef struct pl_dense {
 /** Check dim, counts and strides of mesh, and which arrays there are. */
 int pl_check_counts(const planish_mesh *mesh, planish_error *error);
 
-/** Check mesh->part, if there is one: its functions, the numbers and roles of nodes, and that elements
- *  have no ghosts alone. Errors: _ARGUMENT, _MESH. */
+/** Check mesh->part, if there is one: its functions, the numbers and roles of nodes, and that
+ * elements have no ghosts alone. Errors: _ARGUMENT, _MESH. */
 int pl_check_part(const planish_mesh *mesh, planish_error *error);
 
 /** The same, and indices, repeated nodes of an element and finite coordinates. The lowest offending

@@ -505,6 +505,98 @@ static void bodies_have_signs_of_their_own(void **state) {
         }
 }
 
+/* ---- orders of elements --------------------------------------------------------------------- */
+
+enum { MIXED, TOUCHING, TWINS, FLAT, MANY, ONE_SIDED, MIXED_TANGLED, N_DISORDERS };
+
+static void turn(int32_t *node) {
+    const int32_t first = node[0];
+    node[0] = node[1];
+    node[1] = first;
+}
+
+/** Elements [*n_elements], with room for 8 more, and coordinates of a mesh that has been in order.
+ */
+static void disturb(int how, const planish_mesh *mesh, uint64_t *seed, double *x, int32_t *elements,
+                    int64_t *n_elements) {
+    const int dim = mesh->dim, corners = dim + 1;
+    for (int64_t i = 0; i < *n_elements; i++)
+        if (how != TOUCHING && random_below(seed, 3) == 0)
+            turn(elements + i * corners);
+    if (how == TWINS)
+        for (int k = 0; k < 8; k++, ++*n_elements) {
+            int32_t *copy = elements + *n_elements * corners;
+            memcpy(copy, elements + random_below(seed, (int)*n_elements) * corners,
+                   (size_t)corners * sizeof *copy);
+            if (k % 2)
+                turn(copy);
+        }
+    if (how == FLAT) /* of the first body nothing is left but a line */
+        for (int64_t i = 0; i < mesh->n_nodes / 2; i++)
+            for (int d = 1; d < dim; d++)
+                x[i * dim + d] = 0;
+    if (how == MIXED_TANGLED)
+        for (int64_t i = 0; i < mesh->n_nodes * dim; i++)
+            x[i] += 0.9 * ((double)random_below(seed, 1000) / 1000 - 0.5);
+}
+
+/** A strip of triangles, of one side alone: its ends are joined after half a turn. */
+static void make_one_sided(int n, double *x, int32_t *elements) {
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < 2; k++) {
+            x[2 * (2 * i + k)] = cos(6.28 * i / n) * (1 + k);
+            x[2 * (2 * i + k) + 1] = sin(6.28 * i / n) * (1 + k);
+        }
+    for (int i = 0; i < n; i++) {
+        const int32_t a = 2 * i, b = 2 * i + 1, last = i == n - 1;
+        const int32_t c = last ? 1 : a + 2, d = last ? 0 : b + 2;
+        const int32_t two[2][3] = {{a, b, c}, {b, d, c}};
+        memcpy(elements + 6 * i, two, sizeof two);
+    }
+}
+
+/** The order of elements is found as in one process, whatever is in disorder. */
+static void disorder_is_seen_together(void **state) {
+    const int dim = *(int *)*state;
+    int64_t n_components = 0, n_reversed = 0, n_held = 0;
+    for (int how = 0; how < N_DISORDERS; how++)
+        for (int owning = 0; owning < N_OWNINGS; owning++)
+            for (int n = 2; n <= 4; n++) {
+                planish_options options = options_of(FEW_SWEEPS);
+                uint64_t seed = effort_seed((uint64_t)(100 * how + 10 * owning + n));
+                test_mesh box;
+                test_mesh_box(&box, dim, how == MANY ? 1 : dim == 3 ? 3 : 5);
+                if (how != MANY)
+                    test_mesh_perturb(&box, 0.14, (unsigned)n);
+                const int n_bodies = how == MANY ? 1200 : how == TOUCHING || how == FLAT ? 2 : 1;
+                planish_mesh mesh = bodies_of(&box, n_bodies, how == TOUCHING);
+                double *x = (double *)(uintptr_t)mesh.coordinates;
+                int32_t *elements = malloc((size_t)(mesh.n_elements + 200) * 4 * sizeof *elements);
+                memcpy(elements, mesh.elements,
+                       (size_t)(mesh.n_elements * (dim + 1)) * sizeof *elements);
+                free((void *)(uintptr_t)mesh.elements);
+                disturb(how, &mesh, &seed, x, elements, &mesh.n_elements);
+                if (how == ONE_SIDED && dim == 2) {
+                    mesh.n_nodes = 30;
+                    mesh.n_elements = 30;
+                    make_one_sided(15, x, elements);
+                }
+                mesh.elements = elements;
+                int *owner = malloc((size_t)mesh.n_nodes * sizeof *owner);
+                own(&mesh, owning, n, (uint64_t)n, owner);
+                options.untangle = how != MANY;
+                const outcome o = compare_from(&mesh, NULL, &options, n, owner);
+                n_components += o.info.n_components;
+                n_reversed += o.info.n_reversed;
+                n_held += how == ONE_SIDED && o.info.n_free == 0;
+                free(owner);
+                free(x);
+                free(elements);
+                test_mesh_destroy(&box);
+            }
+    assert_true(n_components > 1200 && n_reversed > 0 && (dim == 3 || n_held > 0));
+}
+
 /* ---- elements that are not what they should be ---------------------------------------------- */
 
 /** States of the elements of a mesh, as planish_check_volumes and planish_find_unfixable say. */
@@ -608,40 +700,24 @@ static void bad_elements_are_found_together(void **state) {
 /** What is only possible in one process is refused in all. */
 static void what_is_not_possible_in_parts_is_refused(void **state) {
     (void)state;
-    enum { AROUND, MIXED, TOUCHING, N };
-    static const char *const texts[] = {"around", "orientation", "touch"};
-    for (int i = 0; i < N; i++) {
-        planish_options options = options_of(PLAIN);
-        test_mesh m;
-        int owner[1000];
-        processes w;
-        job j = {.options = &options};
-        test_mesh_box(&m, 3, 4);
-        test_mesh_perturb(&m, 0.14, 5);
-        if (i == MIXED) { /* one element in the other order */
-            const int32_t first = m.elements[0];
-            m.elements[0] = m.elements[1];
-            m.elements[1] = first;
-        }
-        const planish_mesh touching = bodies_of(&m, 2, 1);
-        const planish_mesh *mesh = i == TOUCHING ? &touching : &m.mesh;
-        own(mesh, i == TOUCHING ? SCATTERED : SLABS, 2, 0, owner);
-        const int64_t centre = 0;
-        if (i == AROUND) {
-            options.around = &centre;
-            options.n_around = 1;
-        }
-        processes_create(&w, mesh, 2, owner);
-        processes_run(&w, smooth_part, &j);
-        free((void *)(uintptr_t)touching.coordinates);
-        free((void *)(uintptr_t)touching.elements);
-        for (int k = 0; k < 2; k++) {
-            assert_int_equal(j.outcome[k].status, PLANISH_ERROR_PARTS);
-            assert_non_null(strstr(j.outcome[k].error.text, texts[i]));
-        }
-        processes_destroy(&w);
-        test_mesh_destroy(&m);
+    const int64_t centre = 0;
+    planish_options options = options_of(PLAIN);
+    test_mesh m;
+    int owner[1000];
+    processes w;
+    job j = {.options = &options};
+    options.around = &centre;
+    options.n_around = 1;
+    test_mesh_box(&m, 3, 4);
+    own(&m.mesh, SLABS, 2, 0, owner);
+    processes_create(&w, &m.mesh, 2, owner);
+    processes_run(&w, smooth_part, &j);
+    for (int k = 0; k < 2; k++) {
+        assert_int_equal(j.outcome[k].status, PLANISH_ERROR_PARTS);
+        assert_non_null(strstr(j.outcome[k].error.text, "around"));
     }
+    processes_destroy(&w);
+    test_mesh_destroy(&m);
 }
 
 int main(void) {
@@ -656,6 +732,8 @@ int main(void) {
         cmocka_unit_test_prestate(tangled_meshes_have_those_bits_too, &dims[1]),
         cmocka_unit_test_prestate(bodies_have_signs_of_their_own, &dims[0]),
         cmocka_unit_test_prestate(bodies_have_signs_of_their_own, &dims[1]),
+        cmocka_unit_test_prestate(disorder_is_seen_together, &dims[0]),
+        cmocka_unit_test_prestate(disorder_is_seen_together, &dims[1]),
         cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[0]),
         cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[1]),
         cmocka_unit_test(what_is_not_possible_in_parts_is_refused),
