@@ -44,6 +44,9 @@ compare "$work/valid.mesh" parts --method laplacian
 compare "$work/valid.mesh" parts --only-worse-than 1.7
 compare "$work/tangled.mesh" parts --only-worse-than 2 --layers 2
 compare "$work/tangled.mesh" parts
+awk '/^Tetrahedra/ { t = 1 } t && NF == 5 && ++n % 3 == 0 { a = $1; $1 = $2; $2 = a } { print }' \
+    "$work/tangled.mesh" >"$work/mixed.mesh"
+compare "$work/mixed.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
 [ -s "$work/report.html" ] || fail "no report"
