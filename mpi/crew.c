@@ -144,6 +144,12 @@ void pl_crew_destroy_plan(pl_crew *crew) {
     pl_share_destroy(&crew->share);
 }
 
+int pl_crew_plan(pl_crew *crew, const planish_options *options, planish_error *error) {
+    const pl_share *share = &crew->share;
+    return pl_share_explain(share, planish_plan_create(&share->mesh, options, &crew->plan, error),
+                            error);
+}
+
 static int create_plan(pl_crew *crew, const planish_mesh *whole, const planish_options *options,
                        planish_error *error) {
     const planish_options mine = pl_crew_options(crew, options);
@@ -152,8 +158,7 @@ static int create_plan(pl_crew *crew, const planish_mesh *whole, const planish_o
         code = pl_crew_agree(crew, pl_share_create(&crew->share, crew->exchange_comm, whole, error),
                              error);
     if (!code)
-        code = pl_crew_agree(
-            crew, planish_plan_create(&crew->share.mesh, &mine, &crew->plan, error), error);
+        code = pl_crew_agree(crew, pl_crew_plan(crew, &mine, error), error);
     if (code)
         pl_crew_destroy_plan(crew);
     return code;

@@ -41,6 +41,9 @@ int pl_crew_agree(const pl_crew *crew, int code, planish_error *error);
 /** The options of the first process (the others: NULL) for this one. */
 planish_options pl_crew_options(const pl_crew *crew, const planish_options *options);
 
+/** Make the plan of the share. */
+int pl_crew_plan(pl_crew *crew, const planish_options *options, planish_error *error);
+
 int pl_crew_measure(const pl_crew *crew, planish_quality *quality, planish_error *error);
 
 /** Smooth the share. traffic: of all processes. */

@@ -139,9 +139,7 @@ static int make_plan(work *w) {
             crew, pl_share_take(&crew->share, crew->exchange_comm, &piece, &w->error), &w->error);
     pl_piece_destroy(&piece);
     if (!code)
-        code = pl_crew_agree(
-            crew, planish_plan_create(&crew->share.mesh, &w->options, &crew->plan, &w->error),
-            &w->error);
+        code = pl_crew_agree(crew, pl_crew_plan(crew, &w->options, &w->error), &w->error);
     if (!code)
         planish_plan_get_info(crew->plan, &w->job.plan_info);
     w->job.setup_seconds = pl_seconds() - begin;

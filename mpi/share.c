@@ -1,6 +1,7 @@
 /* share: from what DMPlex hands out to what planish wants of a part. */
 #include "share.h"
 
+#include <inttypes.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -432,6 +433,24 @@ void pl_share_destroy(pl_share *share) {
     free(share->node_number);
     free(share->element_number);
     *share = (pl_share){.mesh = {.dim = 0}};
+}
+
+static void add_number(planish_error *error, const char *what, int64_t number) {
+    const size_t length = strlen(error->text);
+    snprintf(error->text + length, sizeof error->text - length,
+             " (%s %" PRId64 " of the whole mesh)", what, number);
+}
+
+int pl_share_explain(const pl_share *share, int code, planish_error *error) {
+    if (code && error->element >= 0 && error->element < share->mesh.n_elements) {
+        error->element = share->element_number[error->element];
+        add_number(error, "element", error->element);
+    }
+    if (code && error->node >= 0 && error->node < share->mesh.n_nodes) {
+        error->node = share->node_number[error->node];
+        add_number(error, "node", error->node);
+    }
+    return code;
 }
 
 int64_t pl_collected(const pl_collection *c) {

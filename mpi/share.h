@@ -39,6 +39,10 @@ int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
 int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error);
 void pl_share_destroy(pl_share *share);
 
+/** Let the error of a call on the part, if code says that there is one, tell the numbers of the
+ * whole mesh, too. Returns code. */
+int pl_share_explain(const pl_share *share, int code, planish_error *error);
+
 /** A planish_status, with *error filled in, for what PETSc says. */
 int pl_fail_petsc(planish_error *error, PetscErrorCode code);
 

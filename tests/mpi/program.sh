@@ -109,6 +109,12 @@ shutil.copy(*sys.argv[1:])
 with h5py.File(sys.argv[2], "r+") as file:
     file["topology/cells"][100] = 10**7
 WRONG
+    python3 - "$work/valid.h5" "$work/nan.h5" <<'NAN'
+import shutil, sys, h5py
+shutil.copy(*sys.argv[1:])
+with h5py.File(sys.argv[2], "r+") as file:
+    file["geometry/vertices"][777, 1] = float("nan")
+NAN
     python3 - "$work/valid.h5" "$work/plain.h5" <<'PLAIN'
 import shutil, sys, h5py
 shutil.copy(*sys.argv[1:])
@@ -124,6 +130,9 @@ assert sorted(x)[-1] == [7, 7, 7] and len(x) == 5, x' "$work/n.h5" || fail "a no
         [ $? = 1 ] && [ -s "$work/n.json" ] || fail "volumes that cannot be met, with .h5"
         together $n "$work/wrong.h5" -o "$work/n.h5" 2>"$work/err"
         [ $? = 2 ] && [ "$(grep -c '^planish: ' "$work/err")" = 1 ] || fail "a wrong .h5: $(cat "$work/err")"
+        together $n "$work/nan.h5" -o "$work/n.h5" 2>"$work/err"
+        [ $? = 2 ] && [ "$(grep -c '^planish: .*node 777 of the whole mesh' "$work/err")" = 1 ] ||
+            fail "a .h5 with a node that is nowhere: $(cat "$work/err")"
         together $n "$work/none.h5" -o "$work/n.h5" 2>"$work/err"
         [ $? = 2 ] || fail "a missing .h5"
         head -c 20000 "$work/valid.h5" >"$work/cut.h5"
