@@ -5,6 +5,7 @@
 #include "large.h"
 
 #include "plexfile.h"
+#include "surface.h"
 
 #include "message.h"
 #include "output.h"
@@ -26,6 +27,7 @@ typedef struct work {
     const pl_arguments *arguments; /* NULL: not the first process */
     char *input, *output;          /* paths, owned */
     planish_options options;
+    double slide_tolerance;
     pl_plexfile file;
     pl_job job;
     pl_result result;
@@ -39,7 +41,7 @@ typedef struct work {
 /** What needs names of groups, or looks at all of the mesh; NULL: nothing. */
 static const char *impossible(const pl_arguments *a) {
     return a->n_fix > 0 || a->fix_layers ? "--fix"
-           : a->slide                    ? "--slide"
+           : a->n_slide_tags > 0         ? "--slide with names"
            : a->n_min_volumes > 0        ? "--min-volume of a group"
            : a->n_worst > 0              ? "--worst"
            : a->report                   ? "--report"
@@ -89,15 +91,19 @@ static void share_arguments(work *w) {
 
 /** What else the command line says, in all processes: the box, once the dimension is known. */
 static int take_rest(work *w) {
-    double box[8] = {0}; /* how many numbers it has, and whether regions are ignored */
+    double box[10] = {0}; /* how many numbers it has, whether regions are ignored; what slides */
     const int dim = w->file.dim;
     if (w->arguments) {
         memcpy(box, w->arguments->box, sizeof w->arguments->box);
         box[6] = w->arguments->n_box;
         box[7] = w->arguments->ignore_regions;
+        box[8] = w->arguments->slide;
+        box[9] = w->arguments->slide_tolerance;
     }
-    MPI_Bcast(box, 8, MPI_DOUBLE, 0, w->crew->comm);
+    MPI_Bcast(box, 10, MPI_DOUBLE, 0, w->crew->comm);
     w->file.ignore_regions = box[7] != 0;
+    w->file.slides = box[8] != 0;
+    w->slide_tolerance = box[9];
     if (box[6] == 0)
         return PLANISH_OK;
     for (int d = 0; d < dim; d++) {
@@ -138,6 +144,8 @@ static int make_plan(work *w) {
         code = pl_crew_agree(
             crew, pl_share_take(&crew->share, crew->exchange_comm, &piece, &w->error), &w->error);
     pl_piece_destroy(&piece);
+    if (!code && w->file.slides)
+        code = pl_surface_slide(crew, w->slide_tolerance, &w->error);
     if (!code)
         code = pl_crew_agree(crew, pl_crew_plan(crew, &w->options, &w->error), &w->error);
     if (!code)

@@ -187,6 +187,7 @@ void pl_piece_destroy(pl_piece *p) {
     free(p->constraint);
     free(p->direction);
     free(p->min_volume);
+    free(p->region);
     PetscSFDestroy(&p->points);
     *p = (pl_piece){.dim = 0};
 }

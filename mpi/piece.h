@@ -18,7 +18,8 @@ typedef struct pl_piece {
     double *coordinates;           /* [n_nodes][dim] */
     uint8_t *constraint;           /* [n_nodes] or NULL, */
     double *direction;             /* [n_nodes][dim] likewise, */
-    double *min_volume;            /* [n_elements] likewise */
+    double *min_volume;            /* [n_elements] likewise, */
+    int32_t *region;               /* [n_elements] likewise */
     PetscSF points;                /* of DMPlex's points, those that other processes own; */
     int64_t first_point, n_points; /* that of node 0, and how many there are */
 } pl_piece;

@@ -221,7 +221,7 @@ typedef struct loaded {
     PetscInt n_elements, node_first, node_last;
     int64_t *number;
     int32_t *corner;
-    PetscInt *region; /* [n_elements] */
+    int32_t *region; /* [n_elements] */
     double *x;
 } loaded;
 
@@ -244,8 +244,11 @@ static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
     PetscCall(number_points(f, l->number));
     PetscCall(find_corners(f, l->number, l->node_first, l->node_last, l->n_elements, l->corner));
     PetscCall(DMHasLabel(f->dm, regions, &has_regions));
-    for (PetscInt i = 0; has_regions && i < l->n_elements; i++)
-        PetscCall(DMGetLabelValue(f->dm, regions, i, &l->region[i]));
+    for (PetscInt i = 0; has_regions && i < l->n_elements; i++) {
+        PetscInt region;
+        PetscCall(DMGetLabelValue(f->dm, regions, i, &region));
+        l->region[i] = (int32_t)region;
+    }
     PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
     PetscCall(DMGetCoordinateSection(f->dm, &section));
     PetscCall(VecGetArrayRead(vector, &x));
@@ -277,18 +280,19 @@ static PetscErrorCode bring_numbers(PetscSF sf, const int64_t *from, int64_t n, 
     return code;
 }
 
-/** Hold the nodes between elements of different regions [n_elements] of dm, which has no faces: of
+/** Hold the nodes between elements of different regions of dm, which has no faces: of
  *  those that this process owns all elements are here, of the others their processes say so. */
-static PetscErrorCode hold_interfaces(DM dm, const PetscInt *region, pl_piece *p) {
-    PetscInt *low = pl_new_array(p->n_points, sizeof *low);
-    PetscInt *high = pl_new_array(p->n_points, sizeof *high);
+static PetscErrorCode hold_interfaces(DM dm, pl_piece *p) {
+    const int32_t *region = p->region;
+    int32_t *low = pl_new_array(p->n_points, sizeof *low);
+    int32_t *high = pl_new_array(p->n_points, sizeof *high);
     uint8_t *between = pl_new_array(p->n_points, 1), *known = pl_new_array(p->n_points, 1);
     p->constraint = pl_new_array(p->n_nodes, 1);
     PetscCheck(low && high && between && known && p->constraint, PETSC_COMM_SELF, PETSC_ERR_MEM,
                "Regions");
     for (int64_t i = 0; i < p->n_points; i++) {
-        low[i] = PETSC_MAX_INT;
-        high[i] = PETSC_MIN_INT;
+        low[i] = INT32_MAX;
+        high[i] = INT32_MIN;
     }
     for (PetscInt i = 0; i < p->n_elements; i++) {
         const PetscInt *corner;
@@ -319,7 +323,12 @@ static PetscErrorCode take_all(const pl_plexfile *f, DM dm, const loaded *l, pl_
         p->element[i] = (int32_t)l->number[i];
     for (int64_t i = 0; i < p->n_nodes; i++)
         p->node[i] = (int32_t)(l->number[l->node_first + i] - f->first_node);
-    return f->ignore_regions ? 0 : hold_interfaces(dm, l->region, p);
+    if (f->ignore_regions)
+        return 0;
+    p->region = pl_new_array(p->n_elements, sizeof *p->region);
+    PetscCheck(p->region, PETSC_COMM_SELF, PETSC_ERR_MEM, "Regions");
+    memcpy(p->region, l->region, (size_t)p->n_elements * sizeof *p->region);
+    return f->slides ? 0 : hold_interfaces(dm, p);
 }
 
 /** The same where migration has led to dm. */
@@ -343,11 +352,11 @@ static PetscErrorCode take_piece(const pl_plexfile *f, DM dm, const loaded *l, P
     PetscCall(pl_bring(elements, MPI_INT32_T, f->dim + 1, l->corner, p->corner));
     PetscCall(pl_bring(nodes, MPI_DOUBLE, f->dim, l->x, p->coordinates));
     if (!f->ignore_regions) {
-        PetscInt *region = pl_new_array(p->n_elements, sizeof *region);
-        PetscCheck(region, PETSC_COMM_SELF, PETSC_ERR_MEM, "Regions");
-        PetscCall(pl_bring(elements, MPIU_INT, 1, l->region, region));
-        PetscCall(hold_interfaces(dm, region, p));
-        free(region);
+        p->region = pl_new_array(p->n_elements, sizeof *p->region);
+        PetscCheck(p->region, PETSC_COMM_SELF, PETSC_ERR_MEM, "Regions");
+        PetscCall(pl_bring(elements, MPI_INT32_T, 1, l->region, p->region));
+        if (!f->slides)
+            PetscCall(hold_interfaces(dm, p));
     }
     PetscCall(PetscSFDestroy(&elements));
     PetscCall(PetscSFDestroy(&nodes));

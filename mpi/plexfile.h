@@ -15,7 +15,8 @@ typedef struct pl_plexfile {
     int64_t n_elements, n_nodes, first_node; /* of all; the file's point of node 0 */
     int dim;
     char name[256];     /* of the mesh in the file */
-    int ignore_regions; /* nodes between regions may move; the caller's to set before it is cut */
+    int ignore_regions; /* nodes between regions may move; the caller's to set before it is cut, */
+    int slides;         /* as this: they are not held; pieces get the regions */
     int is_broken;      /* it could not be read, and HDF5 cannot be left in peace */
 } pl_plexfile;
 

@@ -251,8 +251,12 @@ static int fill(pl_share *share, const planish_mesh *whole, const pl_piece *p, c
     if (p->min_volume)
         share->min_volume =
             take_values(s->n_elements, s->element, NULL, p->min_volume, NULL, sizeof(double));
+    if (p->region)
+        share->region =
+            take_values(s->n_elements, s->element, NULL, p->region, NULL, sizeof *share->region);
     return share->coordinates && (!p->constraint || share->constraint) &&
-                   (!p->direction || share->direction) && (!p->min_volume || share->min_volume)
+                   (!p->direction || share->direction) && (!p->min_volume || share->min_volume) &&
+                   (!p->region || share->region)
                ? 0
                : -1;
 }
@@ -427,6 +431,7 @@ void pl_share_destroy(pl_share *share) {
     free(share->direction);
     free(share->min_volume);
     free(share->elements);
+    free(share->region);
     free(share->constraint);
     free(share->role);
     free(share->is_counted);

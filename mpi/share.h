@@ -22,7 +22,7 @@ typedef struct pl_share {
     planish_mesh mesh; /* its arrays are those that follow */
     planish_part part;
     double *coordinates, *direction, *min_volume;
-    int32_t *elements;
+    int32_t *elements, *region; /* region: of a piece that has them, or NULL */
     uint8_t *constraint, *role, *is_counted;
     int64_t *node_number, *element_number; /* in the whole mesh */
     pl_exchange exchange;

@@ -101,6 +101,17 @@ if python3 -c "import h5py" 2>/dev/null; then
                 fail "$name.h5 with $n processes: other numbers"
         done
     done
+    for regions in "" --ignore-regions; do
+        "$PLANISH_PROGRAM" smooth "$work/regions.mesh" --slide auto $regions -o "$work/0.mesh" -q --json "$work/0.json" ||
+            fail "--slide"
+        grep -q '"sliding_nodes":	0,' "$work/0.json" && fail "nothing slides"
+        for n in 1 2 3; do
+            together $n "$work/faces.h5" --slide auto $regions -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
+                fail "--slide with .h5, $n processes: $(cat "$work/err")"
+            python3 "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
+                fail "--slide with .h5, $n processes: other numbers"
+        done
+    done
     # A node of no element stays where it is.
     together 2 "$work/one.mesh" -o "$work/one.h5" -q --max-sweeps 0 || fail "one element as .h5"
     python3 - "$work/valid.h5" "$work/wrong.h5" <<'WRONG'
@@ -139,8 +150,8 @@ assert sorted(x)[-1] == [7, 7, 7] and len(x) == 5, x' "$work/n.h5" || fail "a no
         together $n "$work/cut.h5" -o "$work/n.h5" 2>"$work/err"
         [ $? = 2 ] && [ "$(grep -c '^planish: ' "$work/err")" = 1 ] || fail "a .h5 that was cut: $(cat "$work/err")"
         grep -q "HDF5-DIAG" "$work/err" && fail "a page of HDF5's"
-        together $n "$work/valid.h5" -o "$work/n.h5" --slide auto 2>"$work/err"
-        [ $? = 64 ] || fail "--slide with .h5"
+        together $n "$work/valid.h5" -o "$work/n.h5" --slide name 2>"$work/err"
+        [ $? = 64 ] || fail "--slide NAME with .h5"
     done
 fi
 

@@ -1,0 +1,424 @@
+/* surface: which nodes of a mesh that no process has all of can slide on its surface.
+ *
+ * A piece of the surface is plane, and an edge of it straight, as a whole: the first process looks
+ * at all of the surface. It gets the nodes there and the elements that have one of them: these have
+ * all facets of the surface, and every other facet has a node that is known to be inside.
+ */
+#include "surface.h"
+
+#include "topology/facets.h"
+
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** An element at the surface, and a node of one, by numbers of the whole mesh. */
+typedef struct near_element {
+    int32_t number, region, node[4];
+} near_element;
+
+typedef struct near_node {
+    int32_t number, is_surface;
+    double x[3];
+} near_node;
+
+/** How a node can move. */
+typedef struct answer {
+    double direction[3];
+    int64_t constraint;
+} answer;
+
+/** What is near the surface, of one process or of all; arrays are owned. */
+typedef struct near {
+    int64_t n_nodes, n_elements;
+    near_node *node;
+    near_element *element;
+    answer *answer; /* [n_nodes] */
+} near;
+
+static int fail_memory(planish_error *error) {
+    *error = (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the surface"};
+    return error->code;
+}
+
+static int fail_size(planish_error *error) {
+    *error = (planish_error){PLANISH_ERROR_PARTS, -1, -1,
+                             "the surface has too many nodes for one process; do without --slide"};
+    return error->code;
+}
+
+static int near_create(near *s, int64_t n_nodes, int64_t n_elements, planish_error *error) {
+    *s = (near){.n_nodes = n_nodes,
+                .n_elements = n_elements,
+                .node = pl_new_array(n_nodes, sizeof *s->node),
+                .element = pl_new_array(n_elements, sizeof *s->element),
+                .answer = pl_new_array(n_nodes, sizeof *s->answer)};
+    return s->node && s->element && s->answer ? PLANISH_OK : fail_memory(error);
+}
+
+static void near_destroy(near *s) {
+    free(s->node);
+    free(s->element);
+    free(s->answer);
+    *s = (near){0};
+}
+
+/* ---- nodes of the surface -------------------------------------------------------------------- */
+
+/** The work on the facets of this process's part. */
+typedef struct marking {
+    const pl_share *share;
+    uint8_t *is_surface; /* [n_nodes] */
+} marking;
+
+static int is_own(const pl_share *share, int32_t node) {
+    return node >= 0 && share->role[node] != PLANISH_GHOST;
+}
+
+/** Of a facet whose nodes all belong to others not all elements need to be here: they see it. */
+static void mark_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+    const marking *m = context;
+    const int32_t *region = m->share->region;
+    for (const pl_facet *f = facets; f < facets + n_facets; f++) {
+        const int32_t nodes[3] = {node, f->node[0], f->node[1]};
+        if (f->count == 2 && (!region || region[f->element[0]] == region[f->element[1]]))
+            continue;
+        if (is_own(m->share, nodes[0]) || is_own(m->share, nodes[1]) || is_own(m->share, nodes[2]))
+            for (int j = 0; j < 3 && nodes[j] >= 0; j++)
+                m->is_surface[nodes[j]] = 1;
+    }
+}
+
+static int find_surface(marking *m, planish_error *error) {
+    pl_incidence incidence;
+    int code = pl_incidence_create(&m->share->mesh, NULL, 1, &incidence, error);
+    if (code)
+        return code;
+    code = pl_facets_match(&m->share->mesh, &incidence, NULL, 1, mark_facets, m, error);
+    pl_incidence_destroy(&incidence);
+    return code;
+}
+
+/** Where values of ghosts go. */
+typedef struct arrival {
+    char *values;
+    int64_t size;
+} arrival;
+
+static void take(int32_t ghost, const void *value, void *taker) {
+    const arrival *a = taker;
+    memcpy(a->values + ghost * a->size, value, (size_t)a->size);
+}
+
+/** Values [n_nodes][size] of ghosts become those of their owners. room: for all nodes and values.
+ */
+static int update(const pl_share *share, void *values, int64_t size, int32_t *node, char *room,
+                  planish_error *error) {
+    const planish_part *part = &share->part;
+    arrival a = {values, size};
+    int64_t n = 0;
+    for (int64_t i = 0; i < share->mesh.n_nodes; i++)
+        if (share->role[i] == PLANISH_SHARED) {
+            memcpy(room + n * size, a.values + i * size, (size_t)size);
+            node[n++] = (int32_t)i;
+        }
+    if (!part->send(node, n, room, size, part->user) && !part->receive(take, &a, part->user))
+        return PLANISH_OK;
+    *error = (planish_error){PLANISH_ERROR_PROCESS, -1, -1, "another process was not reached"};
+    return error->code;
+}
+
+/* ---- what is near it ------------------------------------------------------------------------- */
+
+static int has_marked(const pl_share *share, int64_t element, const uint8_t *is_marked) {
+    const int corners = share->mesh.dim + 1;
+    int any = 0;
+    for (int j = 0; j < corners; j++)
+        any |= is_marked[share->elements[element * corners + j]];
+    return any;
+}
+
+enum { SURFACE = 1, NEAR = 2 };
+
+/** Nodes of elements that have one of the surface are NEAR. */
+static void mark_near(const pl_share *share, const uint8_t *is_surface, uint8_t *mark) {
+    const int corners = share->mesh.dim + 1;
+    memcpy(mark, is_surface, (size_t)share->mesh.n_nodes);
+    for (int64_t i = 0; i < share->mesh.n_elements; i++)
+        for (int j = 0; has_marked(share, i, is_surface) && j < corners; j++)
+            mark[share->elements[i * corners + j]] |= NEAR;
+}
+
+/** Those that this process counts. */
+static int list_near(const pl_share *share, const uint8_t *is_surface, const uint8_t *mark, near *s,
+                     planish_error *error) {
+    const int dim = share->mesh.dim;
+    int64_t n = 0, m = 0;
+    for (int64_t i = 0; i < share->mesh.n_nodes; i++)
+        n += mark[i] && is_own(share, (int32_t)i);
+    for (int64_t i = 0; i < share->mesh.n_elements; i++)
+        m += share->is_counted[i] && has_marked(share, i, is_surface);
+    if (near_create(s, n, m, error))
+        return error->code;
+    n = m = 0;
+    for (int64_t i = 0; i < share->mesh.n_nodes; i++) {
+        if (!mark[i] || !is_own(share, (int32_t)i))
+            continue;
+        near_node *node = &s->node[n++];
+        *node = (near_node){(int32_t)share->node_number[i], is_surface[i], {0}};
+        memcpy(node->x, share->coordinates + i * dim, (size_t)dim * sizeof *node->x);
+    }
+    for (int64_t i = 0; i < share->mesh.n_elements; i++) {
+        if (!share->is_counted[i] || !has_marked(share, i, is_surface))
+            continue;
+        near_element *element = &s->element[m++];
+        *element = (near_element){
+            (int32_t)share->element_number[i], share->region ? share->region[i] : 0, {0}};
+        for (int j = 0; j <= dim; j++)
+            element->node[j] = (int32_t)share->node_number[share->elements[i * (dim + 1) + j]];
+    }
+    return PLANISH_OK;
+}
+
+/* ---- together in the first process ----------------------------------------------------------- */
+
+/** How many records of each process the first one gets, and where they are there; owned. */
+typedef struct layout {
+    int *count, *begin; /* [ranks] */
+    int64_t n;          /* in all; 0 in the others */
+} layout;
+
+static int layout_create(const pl_crew *crew, int64_t n, layout *l, planish_error *error) {
+    int mine = (int)n;
+    *l = (layout){.count = pl_new_array(crew->n_ranks, sizeof *l->count),
+                  .begin = pl_new_array(crew->n_ranks, sizeof *l->begin)};
+    int code = l->count && l->begin ? PLANISH_OK : fail_memory(error);
+    code = pl_crew_agree(crew, n <= INT_MAX ? code : fail_size(error), error);
+    if (code)
+        return code;
+    MPI_Gather(&mine, 1, MPI_INT, l->count, 1, MPI_INT, 0, crew->comm);
+    for (int k = 0; crew->rank == 0 && k < crew->n_ranks; k++) {
+        l->begin[k] = (int)l->n;
+        l->n += l->count[k];
+    }
+    return pl_crew_agree(crew, l->n <= INT_MAX ? PLANISH_OK : fail_size(error), error);
+}
+
+static void layout_destroy(layout *l) {
+    free(l->count);
+    free(l->begin);
+}
+
+static void gather(const pl_crew *crew, const layout *l, const void *mine, int64_t n, int size,
+                   void *all) {
+    MPI_Datatype type;
+    MPI_Type_contiguous(size, MPI_BYTE, &type);
+    MPI_Type_commit(&type);
+    MPI_Gatherv(mine, (int)n, type, all, l->count, l->begin, type, 0, crew->comm);
+    MPI_Type_free(&type);
+}
+
+static void scatter(const pl_crew *crew, const layout *l, const void *all, int64_t n, int size,
+                    void *mine) {
+    MPI_Datatype type;
+    MPI_Type_contiguous(size, MPI_BYTE, &type);
+    MPI_Type_commit(&type);
+    MPI_Scatterv(all, l->count, l->begin, type, mine, (int)n, type, 0, crew->comm);
+    MPI_Type_free(&type);
+}
+
+static int compare_elements(const void *a, const void *b) {
+    const near_element *p = a, *q = b;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+/** A node's number, and where it is among those that were gathered. */
+typedef struct place {
+    int32_t number, at;
+} place;
+
+static int compare_places(const void *a, const void *b) {
+    const place *p = a, *q = b;
+    return (p->number > q->number) - (p->number < q->number);
+}
+
+/** A mesh of what is near the surface, in the order of the whole mesh; owned. */
+typedef struct shell {
+    planish_mesh mesh;
+    place *place; /* [n_nodes] */
+    double *x, *direction;
+    int32_t *elements, *region;
+    uint8_t *is_inside, *constraint;
+} shell;
+
+static void shell_destroy(shell *s) {
+    free(s->place);
+    free(s->x);
+    free(s->direction);
+    free(s->elements);
+    free(s->region);
+    free(s->is_inside);
+    free(s->constraint);
+}
+
+/** 0, or -1 without memory. */
+static int shell_create(const near *all, int dim, shell *s) {
+    const int64_t n = all->n_nodes, m = all->n_elements;
+    *s = (shell){.place = pl_new_array(n, sizeof *s->place),
+                 .x = pl_new_array(n * dim, sizeof *s->x),
+                 .direction = pl_new_array(n * dim, sizeof *s->direction),
+                 .elements = pl_new_array(m * (dim + 1), sizeof *s->elements),
+                 .region = pl_new_array(m, sizeof *s->region),
+                 .is_inside = pl_new_array(n, 1),
+                 .constraint = pl_new_array(n, 1)};
+    if (!s->place || !s->x || !s->direction || !s->elements || !s->region || !s->is_inside ||
+        !s->constraint)
+        return -1;
+    s->mesh = (planish_mesh){
+        .dim = dim, .n_nodes = n, .n_elements = m, .coordinates = s->x, .elements = s->elements};
+    for (int64_t i = 0; i < n; i++)
+        s->place[i] = (place){all->node[i].number, (int32_t)i};
+    qsort(s->place, (size_t)n, sizeof *s->place, compare_places);
+    qsort(all->element, (size_t)m, sizeof *all->element, compare_elements);
+    for (int64_t i = 0; i < n; i++) {
+        const near_node *node = &all->node[s->place[i].at];
+        s->is_inside[i] = !node->is_surface;
+        memcpy(s->x + i * dim, node->x, (size_t)dim * sizeof *s->x);
+    }
+    for (int64_t i = 0; i < m; i++) {
+        s->region[i] = all->element[i].region;
+        for (int j = 0; j <= dim; j++) {
+            const place key = {.number = all->element[i].node[j]};
+            const place *found =
+                bsearch(&key, s->place, (size_t)n, sizeof *s->place, compare_places);
+            s->elements[i * (dim + 1) + j] = (int32_t)(found - s->place);
+        }
+    }
+    return 0;
+}
+
+/** The first process's part of it: the answers. */
+static int look_at_all(const pl_crew *crew, near *all, double tolerance, planish_error *error) {
+    const int dim = crew->share.mesh.dim;
+    shell s;
+    int code = shell_create(all, dim, &s) ? fail_memory(error) : PLANISH_OK;
+    const planish_surface surface = {
+        .region = s.region, .is_inside = s.is_inside, .tolerance = tolerance};
+    if (!code && all->n_elements > 0)
+        code = planish_find_slides(&s.mesh, &surface, crew->threads, s.constraint, s.direction,
+                                   NULL, error);
+    for (int64_t i = 0; !code && i < all->n_nodes; i++) {
+        answer *to = &all->answer[s.place[i].at];
+        to->constraint = s.constraint[i];
+        memcpy(to->direction, s.direction + i * dim, (size_t)dim * sizeof *to->direction);
+    }
+    shell_destroy(&s);
+    return code;
+}
+
+/** Send what is near to the first process, and bring its answers. */
+static int ask(const pl_crew *crew, near *mine, double tolerance, planish_error *error) {
+    layout nodes = {0}, elements = {0};
+    near all = {0};
+    int code = layout_create(crew, mine->n_nodes, &nodes, error);
+    if (!code)
+        code = layout_create(crew, mine->n_elements, &elements, error);
+    if (!code)
+        code = pl_crew_agree(crew, near_create(&all, nodes.n, elements.n, error), error);
+    if (!code) {
+        gather(crew, &nodes, mine->node, mine->n_nodes, sizeof *mine->node, all.node);
+        gather(crew, &elements, mine->element, mine->n_elements, sizeof *mine->element,
+               all.element);
+        code = pl_crew_agree(
+            crew, crew->rank == 0 ? look_at_all(crew, &all, tolerance, error) : PLANISH_OK, error);
+    }
+    if (!code)
+        scatter(crew, &nodes, all.answer, mine->n_nodes, sizeof *mine->answer, mine->answer);
+    near_destroy(&all);
+    layout_destroy(&nodes);
+    layout_destroy(&elements);
+    return code;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------- */
+
+/** Working space for each node of the part; owned. */
+typedef struct room {
+    uint8_t *is_surface, *mark;
+    int32_t *shared;
+    char *values;
+    answer *answer;
+} room;
+
+static int room_create(room *r, int64_t n, planish_error *error) {
+    *r = (room){.is_surface = pl_new_array(n, 1),
+                .mark = pl_new_array(n, 1),
+                .shared = pl_new_array(n, sizeof *r->shared),
+                .values = pl_new_array(n, sizeof *r->answer),
+                .answer = pl_new_array(n, sizeof *r->answer)};
+    return r->is_surface && r->mark && r->shared && r->values && r->answer ? PLANISH_OK
+                                                                           : fail_memory(error);
+}
+
+static void room_destroy(room *r) {
+    free(r->is_surface);
+    free(r->mark);
+    free(r->shared);
+    free(r->values);
+    free(r->answer);
+}
+
+/** The answers for own nodes, and for ghosts. */
+static int take_answers(pl_share *share, const near *mine, room *r, planish_error *error) {
+    const int dim = share->mesh.dim;
+    for (int64_t i = 0, k = 0; i < share->mesh.n_nodes; i++)
+        if (r->mark[i] && is_own(share, (int32_t)i))
+            r->answer[i] = mine->answer[k++];
+    const int code = update(share, r->answer, sizeof *r->answer, r->shared, r->values, error);
+    for (int64_t i = 0; i < share->mesh.n_nodes; i++) {
+        share->constraint[i] = (uint8_t)r->answer[i].constraint;
+        memcpy(share->direction + i * dim, r->answer[i].direction,
+               (size_t)dim * sizeof *share->direction);
+    }
+    return code;
+}
+
+static int slide(pl_crew *crew, double tolerance, room *r, planish_error *error) {
+    pl_share *share = &crew->share;
+    marking m = {share, r->is_surface};
+    near mine = {0};
+    int code = pl_crew_agree(crew, find_surface(&m, error), error);
+    if (!code)
+        code = pl_crew_agree(crew, update(share, r->is_surface, 1, r->shared, r->values, error),
+                             error);
+    if (!code) {
+        mark_near(share, r->is_surface, r->mark);
+        code = pl_crew_agree(crew, list_near(share, r->is_surface, r->mark, &mine, error), error);
+    }
+    if (!code)
+        code = ask(crew, &mine, tolerance, error);
+    if (!code)
+        code = pl_crew_agree(crew, take_answers(share, &mine, r, error), error);
+    near_destroy(&mine);
+    return code;
+}
+
+int pl_surface_slide(pl_crew *crew, double tolerance, planish_error *error) {
+    pl_share *share = &crew->share;
+    const int64_t n = share->mesh.n_nodes;
+    room r;
+    free(share->constraint);
+    free(share->direction);
+    share->constraint = pl_new_array(n, 1);
+    share->direction = pl_new_array(n * share->mesh.dim, sizeof *share->direction);
+    share->mesh.constraint = share->constraint;
+    share->mesh.direction = share->direction;
+    int code = room_create(&r, n, error);
+    if (!code && (!share->constraint || !share->direction))
+        code = fail_memory(error);
+    code = pl_crew_agree(crew, code, error);
+    if (!code)
+        code = slide(crew, tolerance, &r, error);
+    room_destroy(&r);
+    return code;
+}
