@@ -20,7 +20,7 @@
 #include <sys/prctl.h>
 #endif
 
-/** What the child says in the end; less than a pipe takes at once. */
+/** What the child says in the end. */
 typedef struct answer {
     int status;
     planish_error error;
@@ -45,16 +45,25 @@ static void become_quiet(void) {
     }
 }
 
+/** A parent that is not told all of it takes it for a crash. */
+static void tell(int to_parent, const answer *a) {
+    size_t n = 0;
+    while (n < sizeof *a) {
+        const ssize_t put = write(to_parent, (const char *)a + n, sizeof *a - n);
+        if (put >= 0)
+            n += (size_t)put;
+        else if (errno != EINTR)
+            break;
+    }
+}
+
 static void be_child(io_child_fn *function, void *data, int to_parent) {
     answer a;
     memset(&a, 0, sizeof a);
     become_quiet();
     a.status = function(data, &a.error);
-    ssize_t told;
-    do
-        told = write(to_parent, &a, sizeof a); /* all or nothing of what is so short */
-    while (told < 0 && errno == EINTR);
-    _exit(told == (ssize_t)sizeof a ? 0 : 1); /* nothing of the caller's is flushed or called */
+    tell(to_parent, &a);
+    _exit(0); /* nothing of the caller's is flushed or called */
 }
 
 /** Whether the child has answered. */
