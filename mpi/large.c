@@ -1,4 +1,4 @@
-/* large: `planish smooth` on a mesh of which no process has all.
+/* large: `planish smooth` on a mesh in PETSc's file, of which the program has no copy.
  *
  * The steps are those of tools/smooth.c; all processes take them, and the first one tells of them.
  */

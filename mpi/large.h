@@ -1,4 +1,4 @@
-/* large: meshes in PETSc's files, of which no process ever has all. */
+/* large: meshes in PETSc's files, which go through DMPlex from end to end. */
 #ifndef PL_MPI_LARGE_H
 #define PL_MPI_LARGE_H
 

@@ -25,7 +25,7 @@
 typedef struct start {
     int status;   /* of a command line that asks for no work, else -1 */
     int threads;  /* that the command line asks for, for each process, or 0 */
-    int is_large; /* the mesh is in a file that no process reads alone */
+    int is_large; /* the mesh is in a file of PETSc's */
 } start;
 
 static int print_version(void) {

@@ -12,6 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Newer versions of PETSc ask for weights of edges. */
+#ifdef PL_PETSC_EDGE_WEIGHTS
+#define NO_EDGE_WEIGHTS NULL,
+#else
+#define NO_EDGE_WEIGHTS
+#endif
+
 /** Elements beyond the facets of each. */
 typedef struct graph {
     int64_t n;           /* elements of this process */
@@ -241,7 +248,7 @@ static PetscErrorCode cut(MPI_Comm comm, const graph *g, PetscSection sizes, IS 
 #endif
     PetscCall(PetscPartitionerSetFromOptions(partitioner));
     PetscCall(PetscPartitionerPartition(partitioner, n_ranks, (PetscInt)g->n, g->start,
-                                        g->neighbour, NULL, NULL, sizes, pieces));
+                                        g->neighbour, NULL, NO_EDGE_WEIGHTS NULL, sizes, pieces));
     return PetscPartitionerDestroy(&partitioner);
 }
 

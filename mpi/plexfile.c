@@ -193,14 +193,21 @@ static PetscErrorCode number_points(const pl_plexfile *f, int64_t *number) {
 /** Corners [.][dim + 1] of dm's elements, as numbers of nodes. */
 static PetscErrorCode find_corners(const pl_plexfile *f, const int64_t *number, PetscInt node_first,
                                    PetscInt node_last, PetscInt n, int32_t *corner) {
+    const int corners = f->dim + 1;
     for (PetscInt i = 0; i < n; i++) {
         PetscInt *closure = NULL, size, found = 0;
         PetscCall(DMPlexGetTransitiveClosure(f->dm, i, PETSC_TRUE, &size, &closure));
-        for (PetscInt k = 0; k < size; k++)
-            if (closure[2 * k] >= node_first && closure[2 * k] < node_last && found <= f->dim)
-                corner[i * (f->dim + 1) + found++] =
-                    (int32_t)(number[closure[2 * k]] - f->first_node);
+        for (PetscInt k = 0; k < size; k++) {
+            const PetscInt point = closure[2 * k];
+            if (point < node_first || point >= node_last)
+                continue;
+            if (found < corners)
+                corner[i * corners + found] = (int32_t)(number[point] - f->first_node);
+            found++;
+        }
         PetscCall(DMPlexRestoreTransitiveClosure(f->dm, i, PETSC_TRUE, &size, &closure));
+        if (found != corners) /* faces that are not those of one element */
+            return PETSC_ERR_ARG_WRONG;
     }
     return 0;
 }
@@ -231,6 +238,8 @@ static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
     Vec vector;
     const PetscScalar *x;
     PetscSection section;
+    PetscCall(DMGetCoordinatesLocal(f->dm, &vector)); /* collective: what can fail comes behind */
+    PetscCall(DMGetCoordinateSection(f->dm, &section));
     PetscCall(DMPlexGetChart(f->dm, NULL, &last));
     PetscCall(DMPlexGetHeightStratum(f->dm, 0, &first, &l->n_elements));
     PetscCall(DMPlexGetDepthStratum(f->dm, 0, &l->node_first, &l->node_last));
@@ -249,8 +258,6 @@ static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
         PetscCall(DMGetLabelValue(f->dm, regions, i, &region));
         l->region[i] = (int32_t)region;
     }
-    PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
-    PetscCall(DMGetCoordinateSection(f->dm, &section));
     PetscCall(VecGetArrayRead(vector, &x));
     for (int64_t i = 0; i < n; i++) {
         PetscInt at;
@@ -382,13 +389,24 @@ static PetscErrorCode cut(pl_plexfile *f, const loaded *l, pl_piece *piece) {
     return PetscSFDestroy(&migration);
 }
 
+static int fail_faces(planish_error *error) {
+    *error = (planish_error){PLANISH_ERROR_MESH, -1, -1,
+                             "an element has faces that are not those of one simplex; the file is "
+                             "damaged"};
+    return error->code;
+}
+
 int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
     loaded l = {.n_elements = 0};
     *piece = (pl_piece){.dim = 0};
-    PetscErrorCode code = take_loaded(file, &l);
+    int code = take_loaded(file, &l);
+    MPI_Allreduce(MPI_IN_PLACE, &code, 1, MPI_INT, MPI_MAX, file->comm);
+    const int is_damaged = code == PETSC_ERR_ARG_WRONG;
     if (!code)
         code = cut(file, &l, piece);
     destroy_loaded(&l);
+    if (is_damaged)
+        return fail_faces(error);
     return code ? pl_fail_petsc(error, code) : PLANISH_OK;
 }
 

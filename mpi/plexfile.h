@@ -1,5 +1,5 @@
-/* plexfile: meshes in files of PETSc's own, HDF5, that all processes read and write together, so
- * that none of them needs to have all of it.
+/* plexfile: meshes in files of PETSc's own, HDF5, through DMPlex: no process has all of a mesh but
+ * where DMPlex wants that (PETSc 3.18 loads and writes elements in the first process).
  */
 #ifndef PL_MPI_PLEXFILE_H
 #define PL_MPI_PLEXFILE_H
