@@ -59,7 +59,7 @@ typedef enum planish_status {
     PLANISH_ERROR_FILE = -4,     /* a file could not be opened, read or written */
     PLANISH_ERROR_FORMAT = -5,   /* a file's content is not what its format says */
     PLANISH_ERROR_PROCESS = -6,  /* another process that has a part of the mesh was not reached */
-    PLANISH_ERROR_PARTS = -7     /* that is not possible with a mesh in parts, only with the whole */
+    PLANISH_ERROR_PARTS = -7 /* that is not possible with a mesh in parts, only with the whole */
 } planish_status;
 
 typedef struct planish_error {
@@ -435,7 +435,7 @@ typedef struct planish_plan planish_plan;
 typedef struct planish_plan_info {
     int64_t n_free;            /* nodes that may move anywhere */
     int64_t n_sliding;         /* nodes that may move on a plane, line or surface */
-    int64_t n_unused;          /* nodes of no element */
+    int64_t n_unused;          /* nodes of no element; with only_worse_than or around 0 */
     int64_t n_fixed_elements;  /* elements all of whose nodes are fixed */
     int64_t n_components;      /* of elements joined by facets; 0: was not needed */
     int64_t n_reversed;        /* elements whose order in the input is the negative one */
@@ -471,7 +471,8 @@ typedef struct planish_plan_info {
  *  for options.worst.
  *
  *  With only_worse_than, neighbours save passes over the elements if few of them are bad; the bits
- *  are the same.
+ *  are the same. In a mesh in parts they are those of one process if what is smoothed is what the
+ *  plan was made of: elsewhere one process may look at fewer elements when it untangles.
  *
  *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,

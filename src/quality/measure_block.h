@@ -52,7 +52,8 @@ typedef struct pl_mesh_state {
     const uint8_t *is_movable; /* [n_elements] see pl_measure_by; NULL: is_free says which do */
 } pl_mesh_state;
 
-/** PL_LANES elements, one per lane; lanes past the last element are not present. */
+/** PL_LANES elements, one per lane; lanes past the last element, and those of elements that another
+ * process counts, are not present. */
 typedef struct pl_block {
     double x[4][3][PL_LANES];                /* [dim + 1][dim] the vertices' coordinates */
     double sign[PL_LANES];                   /* of the elements' orientation */

@@ -69,6 +69,8 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     if (plan->scope == PL_PART_OF_ALL)
         info->n_fixed_elements += plan->whole.n_elements - plan->n_elements;
     info->n_components = d->boundary.n_components;
+    if (plan->is_selective || plan->scope == PL_PART_ALONE) /* in a part nobody knows of them */
+        info->n_unused = 0;
     if (plan->scope != PL_PART_OF_ALL)
         info->n_reversed = d->boundary.n_reversed;
     info->n_boundary_facets = d->boundary.n_boundary_facets;

@@ -80,8 +80,8 @@ static border *list_borders(const planish_mesh *mesh, int64_t *n) {
 
 /** Of one element at a SHARED node, told to those that have the node as a ghost. */
 typedef struct news {
-    int64_t id, label; /* id: -1: the node has no more elements */
-    int64_t flags;     /* REVERSED, CONFLICT */
+    int64_t id, label;
+    int64_t flags; /* REVERSED, CONFLICT */
 } news;
 
 enum { REVERSED = 1, CONFLICT = 2 };
@@ -97,8 +97,10 @@ typedef struct work {
     border *border; /* [n_borders] by ids; owned, as what follows */
     int64_t n_borders;
     int64_t *id_of; /* [m] ids of borders, -1 of other elements */
-    news *news;     /* [n_nodes] */
+    int32_t *node;  /* [SHARED nodes] of which something is told, */
+    news *news;     /* likewise what */
     int64_t rounds; /* elements at a SHARED node, at most, in any process */
+    int changed;    /* news have changed what is known of a component */
 } work;
 
 static int64_t flags_of(const work *w, int64_t element) {
@@ -107,22 +109,23 @@ static int64_t flags_of(const work *w, int64_t element) {
     return (reversed ? REVERSED : 0) | (w->s->conflict[root] ? CONFLICT : 0);
 }
 
-/** Tell of the k-th element of each SHARED node; of elements that only this process has nothing
- *  needs to be said. */
+/** Tell of the k-th element of each SHARED node that has so many. */
 static void tell(work *w, int64_t k) {
     const pl_context *context = pl_context_current();
+    int64_t n = 0;
     for (int64_t i = 0; i < context->n_shared; i++) {
         const int32_t node = context->shared[i];
         const int64_t at = w->incidence->offset[node] + k;
-        news *n = &w->news[node];
-        *n = (news){-1, 0, 0};
         if (at >= w->incidence->offset[node + 1])
             continue;
         const int32_t element = w->incidence->element[at];
-        *n =
+        if (w->id_of[element] < 0) /* no other process has it */
+            continue;
+        w->node[n] = node;
+        w->news[n++] =
             (news){w->id_of[element], w->s->label[root_of(w->link, element)], flags_of(w, element)};
     }
-    pl_parts_update(NULL, w->news, sizeof *w->news);
+    pl_parts_send(w->node, n, w->news, sizeof *w->news);
 }
 
 static const border *find_border(const work *w, int64_t id) {
@@ -138,36 +141,37 @@ static const border *find_border(const work *w, int64_t id) {
     return low < w->n_borders && w->border[low].id == id ? &w->border[low] : NULL;
 }
 
-/** Take in the news at a ghost; whether they change what is known of a component. */
-static int take_in(work *w, const news *n) {
-    const border *b = n->id >= 0 ? find_border(w, n->id) : NULL;
+/** Take in what is told of an element of ghost. */
+static void take_in(int32_t ghost, const void *value, void *taker) {
+    work *w = taker;
+    news n;
+    (void)ghost;
+    memcpy(&n, value, sizeof n);
+    const border *b = find_border(w, n.id);
     if (!b)
-        return 0;
+        return;
     const uint32_t root = root_of(w->link, b->element);
     const int64_t before = w->s->label[root];
-    const int differs = ((flags_of(w, b->element) ^ n->flags) & REVERSED) != 0;
-    int conflict = w->s->conflict[root] || (n->flags & CONFLICT);
-    if (n->label < before) {
-        w->s->label[root] = n->label;
+    const int differs = ((flags_of(w, b->element) ^ n.flags) & REVERSED) != 0;
+    int conflict = w->s->conflict[root] || (n.flags & CONFLICT);
+    if (n.label < before) {
+        w->s->label[root] = n.label;
         w->s->reversed[root] ^= (uint8_t)differs;
-    } else if (n->label == before && differs) {
+    } else if (n.label == before && differs) {
         conflict = 1;
     }
-    const int changed = n->label < before || conflict != w->s->conflict[root];
+    w->changed |= n.label < before || conflict != w->s->conflict[root];
     w->s->conflict[root] = (int8_t)conflict;
-    return changed;
 }
 
 /** All processes tell all they know; whether anything is new to one of them. */
 static int exchange(work *w) {
-    int changed = 0;
+    w->changed = 0;
     for (int64_t k = 0; k < w->rounds; k++) {
         tell(w, k);
-        for (int64_t i = 0; i < w->mesh->n_nodes; i++)
-            if (w->mesh->part->node_role[i] == PLANISH_GHOST)
-                changed |= take_in(w, &w->news[i]);
+        pl_parts_receive(take_in, w);
     }
-    return pl_parts_any(changed);
+    return pl_parts_any(w->changed);
 }
 
 /** Labels from the elements here: the smallest id of each component. */
@@ -208,9 +212,11 @@ int pl_components_settle(const planish_mesh *mesh, const pl_incidence *incidence
     s->reversed = pl_alloc_zero(mesh->n_elements, sizeof *s->reversed);
     w.border = list_borders(mesh, &w.n_borders);
     w.id_of = pl_alloc(mesh->n_elements, sizeof *w.id_of);
-    w.news = pl_alloc_zero(mesh->n_nodes, sizeof *w.news);
-    int status =
-        s->label && s->reversed && w.border && w.id_of && w.news ? PLANISH_OK : fail_memory(error);
+    w.node = pl_alloc(pl_context_current()->n_shared, sizeof *w.node);
+    w.news = pl_alloc(pl_context_current()->n_shared, sizeof *w.news);
+    int status = s->label && s->reversed && w.border && w.id_of && w.node && w.news
+                     ? PLANISH_OK
+                     : fail_memory(error);
     if (!status) {
         label_alone(&w);
         count_rounds(&w);
@@ -219,6 +225,7 @@ int pl_components_settle(const planish_mesh *mesh, const pl_incidence *incidence
     }
     pl_free(w.border);
     pl_free(w.id_of);
+    pl_free(w.node);
     pl_free(w.news);
     return status;
 }
@@ -235,7 +242,7 @@ void pl_settlement_destroy(pl_settlement *s) {
 typedef struct listing {
     int64_t n;
     uint32_t *root;   /* [n] ascending */
-    int64_t *begin;   /* [n + 1] */
+    int64_t *begin;   /* [n + 1], with room for one more */
     int32_t *element; /* [m] */
 } listing;
 
@@ -320,8 +327,7 @@ static int64_t sum_together(partial *all, int64_t n, double *measure) {
     }
 }
 
-/** Sum up all components; those that several processes share go to partial [l->n], *n_partial of
- *  them. */
+/** Sum up all components; those that several processes share go to partials, *n_partial of them. */
 static void sum_alone(const planish_mesh *mesh, const listing *l, const pl_settlement *s,
                       double *measure, partial *partials, int64_t *n_partial) {
     *n_partial = 0;

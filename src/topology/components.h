@@ -2,15 +2,16 @@
  *
  * link [m] says of each element the root of its component among the elements here, an element, << 1
  * | its parity: 1 if its order is opposite to that of the root. In a mesh in parts a component may
- * have several roots, in one process or in several. All functions are collective there.
+ * have several roots, in one process or in several. pl_components_settle and _sum are collective
+ * there.
  */
 #ifndef PL_TOPOLOGY_COMPONENTS_H
 #define PL_TOPOLOGY_COMPONENTS_H
 
 #include "topology/topology.h"
 
-/** A number for the nodes of an element, by which they are known in all processes: no two elements
- *  have the same, but for duplicates, and one chance in 2^62 or so. */
+/** A number for the nodes of an element, by which they are known in all processes: two elements
+ * have the same if they are duplicates, or by one chance in 2^62. */
 int64_t pl_element_id(const planish_mesh *mesh, int64_t element);
 
 /** What processes tell each other of components. Arrays [m] of which entries of roots count. */
