@@ -19,10 +19,10 @@
 /* ---- the table of formats ----------------------------------------------------------------- */
 
 static const io_format *const formats[] = {
-    &io_format_nastran, /* first: its comments may look like Gmsh's sections */
-    &io_format_gmsh,    &io_format_medit,  &io_format_vtk,    &io_format_vtu,
-    &io_format_vtkhdf,  &io_format_tetgen, &io_format_netgen, &io_format_abaqus,
-    &io_format_cgns,    &io_format_med,    &io_format_off};
+    &io_format_vtk,     &io_format_vtu, /* first: with numbers whose bytes could be anything */
+    &io_format_nastran,                 /* its comments may look like Gmsh's sections */
+    &io_format_gmsh,    &io_format_medit, &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,
+    &io_format_abaqus,  &io_format_cgns,  &io_format_med,    &io_format_off};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {

@@ -665,6 +665,8 @@ static int nastran_recognise(const char *data, int64_t size) {
         const char first = upper(*name.begin);
         if (first != 'G' && first != 'B')
             continue;
+        if (memchr(data, '\0', (size_t)(name.begin - data)))
+            return 0; /* not text, but bytes that spell a word */
         span rest = trim((span){l.name.end, l.text.end});
         if (nastran_line_begins(name, "GRID") || nastran_line_begins(name, "GRID*"))
             return rest.begin < rest.end;
