@@ -48,8 +48,8 @@ typedef struct pl_run {
 /** Measure the plan's coordinates. */
 void pl_run_measure(pl_run *r);
 
-/** Measure what does not change, with the coordinates all [.][dim] of all of the mesh, scaled as they
- *  are. inverted and below are then those of all: what is in the part is to be taken off. */
+/** Measure what does not change, with the coordinates all [.][dim] of all of the mesh, scaled as
+ * they are. inverted and below are then those of all: what is in the part is to be taken off. */
 void pl_run_measure_rest(pl_run *r, const double *all);
 
 /** F of all elements as measured or tracked last; how many are inverted or below. */
