@@ -21,15 +21,15 @@ enum {
 
 /* ---- Chunks ------------------------------------------------------------------------------- */
 
-/** The mesh and the results of its chunks. */
+/** The mesh and the results of its chunks: sums over elements, or what each element is. */
 typedef struct pass {
     const pl_mesh_state *mesh;
     int64_t chunk;        /* elements of a chunk, a function of the mesh alone */
     int64_t n_chunks;     /* at most MAX_CHUNKS */
-    pl_ratio_sums *basic; /* [n_chunks] */
+    pl_ratio_sums *basic; /* [n_chunks], or NULL: no sums, but state or ratio */
     pl_full_sums *full;   /* [n_chunks], or NULL: not wanted */
     uint8_t *state;       /* [n_elements] PL_FINE, ..., or NULL: not wanted */
-    double *ratio;        /* [n_elements] RR, 0 of elements that are not valid; NULL: not wanted */
+    double *ratio;        /* [n_elements] RR, 0 of elements that are not valid; if no state */
     double limit2;        /* RR^2 above which an element is worse, */
     double acute_limit;   /* or the acuteness of an angle, */
     double blunt;         /* and RR^2 up to which it has no such angle */
@@ -85,8 +85,31 @@ static inline void put_ratios(const pass *p, const pl_block *b, int64_t first, i
         p->ratio[first + l] = b->valid[l] != 0 ? sqrt(pl_larger(1, b->square[l])) : 0;
 }
 
-/** Evaluate elements begin .. end - 1 of the pass. */
-PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim, const int full) {
+/** The elements from first on, at most PL_LANES; how many. */
+PL_INLINE int evaluate_block(const pass *p, int64_t first, int64_t end, pl_block *b, const int dim,
+                             const int full) {
+    const int count = end - first < PL_LANES ? (int)(end - first) : PL_LANES;
+    pl_block_gather(p->mesh, first, count, b);
+    pl_block_evaluate(b, dim, full);
+    if (!pl_block_is_certain(b))
+        pl_block_resolve(p->mesh, first, count, b);
+    return count;
+}
+
+/** The state, or the ratio, of each of elements begin .. end - 1. */
+PL_INLINE void tell_chunk(const pass *p, int64_t begin, int64_t end, const int dim) {
+    pl_block b;
+    for (int64_t first = begin; first < end; first += PL_LANES) {
+        const int count = evaluate_block(p, first, end, &b, dim, 0);
+        if (p->state)
+            put_states(p, &b, first, count, dim);
+        else
+            put_ratios(p, &b, first, count);
+    }
+}
+
+/** Sums over elements begin .. end - 1. */
+PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, const int full) {
     pl_basic_lanes basic;
     pl_full_lanes more;
     pl_sum movable, fixed;
@@ -98,19 +121,11 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
     if (full)
         pl_clear_full(&more);
     for (int64_t first = begin; first < end; first += PL_LANES) {
-        int count = end - first < PL_LANES ? (int)(end - first) : PL_LANES;
-        pl_block_gather(p->mesh, first, count, &b);
-        pl_block_evaluate(&b, dim, full);
-        if (!pl_block_is_certain(&b))
-            pl_block_resolve(p->mesh, first, count, &b);
+        evaluate_block(p, first, end, &b, dim, full);
         pl_add_basic(&b, &basic);
         pl_add_squares(&b, &movable, &fixed);
-        if (!full && p->ratio)
-            put_ratios(p, &b, first, count);
-        else if (!full && !p->state && pl_block_largest_square(&b) > blunt)
+        if (!full && pl_block_largest_square(&b) > blunt)
             take_angles(p, &b, &blunt, dim);
-        if (!full && p->state)
-            put_states(p, &b, first, count, dim);
         if (full) {
             pl_add_volumes(&b, &more);
             pl_add_measures(&b, &more);
@@ -125,15 +140,20 @@ PL_INLINE void evaluate_chunk(pass *p, int64_t begin, int64_t end, const int dim
         pl_reduce_full(&more, &p->full[begin / p->chunk]);
 }
 
-PL_INLINE void inline_chunk(pass *p, int64_t begin, int64_t end) {
-    if (p->mesh->dim == 3 && p->full)
-        evaluate_chunk(p, begin, end, 3, 1);
-    else if (p->mesh->dim == 3)
-        evaluate_chunk(p, begin, end, 3, 0);
+PL_INLINE void chunk_of_dim(pass *p, int64_t begin, int64_t end, const int dim) {
+    if (!p->basic)
+        tell_chunk(p, begin, end, dim);
     else if (p->full)
-        evaluate_chunk(p, begin, end, 2, 1);
+        sum_chunk(p, begin, end, dim, 1);
     else
-        evaluate_chunk(p, begin, end, 2, 0);
+        sum_chunk(p, begin, end, dim, 0);
+}
+
+PL_INLINE void inline_chunk(pass *p, int64_t begin, int64_t end) {
+    if (p->mesh->dim == 3)
+        chunk_of_dim(p, begin, end, 3);
+    else
+        chunk_of_dim(p, begin, end, 2);
 }
 
 static void base_chunk(pass *p, int64_t begin, int64_t end) {
@@ -214,9 +234,7 @@ void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const i
                    const uint8_t *is_free, const double *coordinates, double ratio,
                    double acuteness, int threads, uint8_t *state) {
     const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
-    pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
-    p.basic = part;
     p.state = state;
     p.limit2 = ratio * ratio;
     p.acute_limit = acuteness;
@@ -227,9 +245,7 @@ void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const i
 void pl_find_ratios(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
                     const uint8_t *is_free, const double *coordinates, int threads, double *ratio) {
     const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
-    pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
-    p.basic = part;
     p.ratio = ratio;
     pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
 }

@@ -136,7 +136,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     if (problem->guard->keep_below || !(now.worst > violated_above(&here)))
         moved += guarded_steps(&here, x, &now, &derivative, dim);
     if (moved)
-        settle(&here, node, x, size2, place, dim);
+        settle(&here, node, x, size2, 1, place, dim);
     if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
         __atomic_fetch_or(&problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
     tally->restored += restored > 0;

@@ -74,26 +74,35 @@ PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const do
 /* A star counts as improved where a visit made its function fall by more than this, relative. */
 #define IMPROVED 0.01
 
-/** Whether the star has changed since its last visit; it then counts as visited. */
+/** Whether the star has changed since its last visit; it then counts as visited, and as bad until
+ *  that is known. */
 static inline int claim(const pl_star_problem *problem, int64_t index) {
     uint8_t *changed = &problem->changed[problem->node[index]];
-    if (!__atomic_load_n(changed, __ATOMIC_RELAXED))
+    if (!(__atomic_load_n(changed, __ATOMIC_RELAXED) & PL_CHANGED))
         return 0;
-    __atomic_store_n(changed, 0, __ATOMIC_RELAXED);
+    __atomic_store_n(changed, PL_BAD, __ATOMIC_RELAXED);
     return 1;
 }
 
-/** Tell the nodes of the star, and its own, that their stars have changed. Several threads may tell
- *  one node at the same time, the same. */
-static inline void tell_neighbours(const pl_star_problem *problem, int32_t node, const star *s) {
-    __atomic_store_n(&problem->changed[node], PL_CHANGED | PL_TOLD, __ATOMIC_RELAXED);
-    for (int64_t i = 0; i < s->n_ring; i++)
-        __atomic_store_n(&problem->changed[s->ring[i]], PL_CHANGED, __ATOMIC_RELAXED);
+/** The star under visit has no element above rr2_skip. */
+static inline void acquit(const pl_star_problem *problem, int32_t node) {
+    __atomic_store_n(&problem->changed[node], 0, __ATOMIC_RELAXED);
 }
 
-/** Move the node from place (as in the mesh) to x (scaled). */
+/** Tell the nodes of the star, and its own, that their stars have changed: if it is bad. Else only
+ *  those that are. Several threads may tell one node at the same time, the same. */
+static inline void tell_neighbours(const pl_star_problem *problem, int32_t node, const star *s,
+                                   int is_bad) {
+    __atomic_store_n(&problem->changed[node], is_bad ? PL_CHANGED | PL_TOLD | PL_BAD : PL_TOLD,
+                     __ATOMIC_RELAXED);
+    for (int64_t i = 0; i < s->n_ring; i++)
+        if (is_bad || __atomic_load_n(&problem->changed[s->ring[i]], __ATOMIC_RELAXED) & PL_BAD)
+            __atomic_store_n(&problem->changed[s->ring[i]], PL_CHANGED, __ATOMIC_RELAXED);
+}
+
+/** Move the node from place (as in the mesh) to x (scaled), where the star is_bad, or may be. */
 static inline void settle(const local *here, int32_t node, const double *x, double size2,
-                          double *place, const int dim) {
+                          int is_bad, double *place, const int dim) {
     double moved2 = 0;
     for (int d = 0; d < dim; d++) {
         double move = x[d] - place[d] * here->s.scale;
@@ -102,7 +111,9 @@ static inline void settle(const local *here, int32_t node, const double *x, doub
     }
     const double still = here->problem->still;
     if (moved2 > still * still * size2)
-        tell_neighbours(here->problem, node, &here->s);
+        tell_neighbours(here->problem, node, &here->s, is_bad);
+    else if (!is_bad)
+        acquit(here->problem, node);
 }
 
 static inline void to_star(const local *here, const double *place, double *x, const int dim) {

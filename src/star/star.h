@@ -89,8 +89,7 @@ typedef struct pl_star_problem {
     const int32_t *ring;        /* neighbours, see pl_stars */
     const int64_t *link_offset; /* [n_stars + 1] */
     pl_link link;               /* of all stars, see pl_stars */
-    uint8_t *changed;           /* [n_nodes] of what follows; 0: the star of the node has not
-                                   changed since its visit */
+    uint8_t *changed;           /* [n_nodes] flags of the node's star, see PL_CHANGED */
     planish_direction direction;
     pl_star_limits limits;      /* a move that makes an element worse is refused */
     double still;               /* a move shorter than this fraction of the star's size changes
@@ -105,8 +104,11 @@ typedef struct pl_star_problem {
     const pl_star_untangling *untangling; /* NULL but for visits that untangle */
 } pl_star_problem;
 
-/** Of a node whose star has changed; and that it has moved itself, and told its neighbours. */
-enum { PL_CHANGED = 1, PL_TOLD = 2 };
+/** Flags of a star: it has changed since its last visit, and wants another; its node has moved, and
+ *  its neighbours were told; it may have had an element above rr2_skip after that visit, so that it
+ *  wants another whatever changes. A star without one, around which no star that changes has one
+ *  afterwards, has none either, but for moves too short to be told of. */
+enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
 /** What a range of visits did. */
 typedef struct pl_star_tally {

@@ -10,28 +10,46 @@
 
 /* ---- the plain problem --------------------------------------------------------------------- */
 
-/** One step from x (scaled, changed if a better place is found), where the star's size and sum of
- *  RR^2 are set; returns by how much the sum fell, 0 for no step. */
-static inline double one_step(const local *here, conjugate *memory, double *x, double *size2,
-                              double *sum, const int dim) {
+/** The star at its node's place. */
+typedef struct state {
+    double x[3];  /* scaled */
+    double size2; /* see derivatives; at the place before */
+    double sum;   /* of RR^2, at the place before */
+    double max;   /* of RR^2 */
+} state;
+
+/** One step, if a better place is found; returns by how much the sum fell, 0 for no step. */
+static inline double one_step(const local *here, conjugate *memory, state *now, const int dim) {
     const pl_star_problem *problem = here->problem;
     derivatives derivative;
     double direction[3];
     trial best;
-    objective now = derivatives_at(&here->s, x, &derivative, dim);
+    const objective f = derivatives_at(&here->s, now->x, &derivative, dim);
     ++*here->evaluations;
-    *size2 = derivative.size2;
-    *sum = now.sum;
-    if (!now.positive || !(now.sum < INFINITY) || !(now.max > problem->rr2_skip))
+    now->size2 = derivative.size2;
+    now->sum = f.sum;
+    now->max = f.max;
+    if (!f.positive || !(f.sum < INFINITY) || !(f.max > problem->rr2_skip))
         return 0;
     if (!find_direction(problem->direction, &derivative, memory, direction, dim))
         return 0;
     double slope = dot(derivative.gradient, direction, dim);
-    if (!(slope < 0) || !search(here, x, &now, direction, slope, &best, 0, dim))
+    if (!(slope < 0) || !search(here, now->x, &f, direction, slope, &best, 0, dim))
         return 0;
     for (int d = 0; d < dim; d++)
-        x[d] = best.position[d];
-    return now.sum - best.value.sum;
+        now->x[d] = best.position[d];
+    now->max = best.value.max;
+    return f.sum - best.value.sum;
+}
+
+/** Whether the star has an element that is bad enough: most have none by the time of their visit,
+ *  and then derivatives would be for nothing. */
+static inline int is_worth_a_step(const local *here, const double *x, const int dim) {
+    const double skip = here->problem->rr2_skip;
+    if (!(skip > 0))
+        return 1;
+    ++*here->evaluations;
+    return value_at(&here->s, x, 0, dim).max > skip;
 }
 
 /** Improve one star. */
@@ -41,21 +59,26 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, dou
     double *place = problem->coordinates + (int64_t)node * dim;
     const local here = local_of(problem, index, place, scratch, &tally->evaluations, 0, dim);
     conjugate memory = {{0, 0, 0}, 0};
-    double x[3], decrease = 0, size2 = 0, sum = 0;
+    state now;
+    double decrease = 0;
     int steps = 0, wanted;
-    to_star(&here, place, x, dim);
+    to_star(&here, place, now.x, dim);
+    if (!is_worth_a_step(&here, now.x, dim)) {
+        acquit(problem, node);
+        return;
+    }
     do {
-        const double fall = one_step(&here, &memory, x, &size2, &sum, dim);
+        const double fall = one_step(&here, &memory, &now, dim);
         if (!(fall > 0))
             break;
         decrease += fall;
-        wanted = steps_of_visit(problem->direction, fall, sum, dim);
+        wanted = steps_of_visit(problem->direction, fall, now.sum, dim);
     } while (++steps < wanted);
     if (!(decrease > 0))
         return;
-    settle(&here, node, x, size2, place, dim);
+    settle(&here, node, now.x, now.size2, !(now.max <= problem->rr2_skip), place, dim);
     pl_sum_add(&tally->decrease, decrease);
-    tally->improved += decrease > IMPROVED * sum;
+    tally->improved += decrease > IMPROVED * now.sum;
 }
 
 /* ---- ranges of stars ----------------------------------------------------------------------- */

@@ -46,6 +46,21 @@ static int can_be_free(const pl_draft *d, int64_t i, int used) {
            !d->boundary.on_boundary[i];
 }
 
+/** The elements of every node; of selected ones alone if facets will not be looked at. */
+static int make_incidence(const planish_plan *plan, pl_draft *d, planish_error *error) {
+    d->is_partial = d->is_selected && d->boundary.is_guess && d->mesh->n_periodic == 0;
+    if (!d->is_partial)
+        return pl_incidence_create(d->mesh, NULL, plan->threads, &d->incidence, error);
+    uint8_t *unasked = pl_alloc(plan->n_nodes, sizeof *unasked);
+    if (!unasked)
+        return pl_fail_memory(error, "nodes");
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        unasked[i] = !d->is_selected[i];
+    const int status = pl_incidence_create(d->mesh, unasked, plan->threads, &d->incidence, error);
+    pl_free(unasked);
+    return status;
+}
+
 /** The work of find_candidates. */
 typedef struct candidacy {
     planish_plan *plan;
@@ -80,7 +95,8 @@ static void list_candidates(void *context, int64_t begin, int64_t end, int threa
             c->d->interior.node[n++] = c->d->order[i];
 }
 
-/** inner, is_used, and is_free of the interior's candidates; and these. */
+/** inner, is_used of nodes whose elements are listed, and is_free of the interior's candidates; and
+ *  these. */
 static void find_candidates(planish_plan *plan, pl_draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
@@ -399,7 +415,7 @@ int pl_draft_finish(planish_plan *plan, pl_draft *d, planish_error *error) {
     if (!status)
         status = prepare_nodes(plan, d, error);
     if (!status)
-        status = pl_incidence_create(d->mesh, NULL, plan->threads, &d->incidence, error);
+        status = make_incidence(plan, d, error);
     if (!status)
         status = pl_curve_order(d->mesh, plan->threads, d->order, error);
     if (!status)

@@ -24,6 +24,7 @@ typedef struct pl_draft {
     uint8_t *is_selected; /* [n] not 0: may be free; NULL: all may */
     uint8_t *is_paired;   /* [n] 1: periodic, to slide or to stay; NULL: none is */
     pl_incidence incidence;
+    int is_partial; /* incidence has no elements of nodes that are not selected */
     pl_boundary boundary;
     int32_t *order; /* [n] the caller's numbers along the curve */
     pl_candidates interior,

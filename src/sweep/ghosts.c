@@ -128,25 +128,27 @@ void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t b
             continue;
         char *message = g->message + n * message_size(plan);
         memcpy(message, place, size);
-        message[size] = (plan->changed[inner] & PL_TOLD) != 0;
+        message[size] = (char)plan->changed[inner];
         g->moved[n++] = g->node[inner];
     }
     pl_parts_send(g->moved, n, g->message, message_size(plan));
 }
 
-/** Of a ghost; others have no list of them. */
-static void wake_neighbours(const planish_plan *plan, int32_t ghost) {
+/** Of a ghost; others have no list of them. is_bad: as its star is (tell_neighbours). */
+static void wake_neighbours(const planish_plan *plan, int32_t ghost, int is_bad) {
     const pl_ghosts *g = &plan->ghosts;
     for (int64_t k = g->offset[ghost]; k < g->offset[ghost + 1]; k++)
-        plan->changed[g->neighbour[k]] = PL_CHANGED;
+        if (is_bad || plan->changed[g->neighbour[k]] & PL_BAD)
+            plan->changed[g->neighbour[k]] = PL_CHANGED;
 }
 
 static void take(int32_t ghost, const void *value, void *taker) {
     const planish_plan *plan = taker;
     const size_t size = (size_t)plan->dim * sizeof(double);
     memcpy(place_of(plan, plan->inner[ghost]), value, size);
-    if (((const char *)value)[size])
-        wake_neighbours(plan, ghost);
+    const int flags = ((const char *)value)[size];
+    if (flags & PL_TOLD)
+        wake_neighbours(plan, ghost, flags & PL_BAD);
 }
 
 void pl_ghosts_wake(const planish_plan *plan, const double *before) {
@@ -154,7 +156,7 @@ void pl_ghosts_wake(const planish_plan *plan, const double *before) {
     for (int64_t i = 0; plan->context->part && i < plan->n_nodes; i++) {
         const int64_t inner = plan->inner[i];
         if (memcmp(place_of(plan, inner), before + inner * plan->dim, size) != 0)
-            wake_neighbours(plan, (int32_t)i);
+            wake_neighbours(plan, (int32_t)i, 1);
     }
 }
 

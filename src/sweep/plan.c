@@ -14,16 +14,27 @@
 
 enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096 };
 
-static void count_fixed(void *context, int64_t begin, int64_t end, int thread) {
-    planish_plan *plan = context;
+/** A last look at all elements. */
+typedef struct look {
+    planish_plan *plan;
+    int marks; /* which nodes are used is not known of all yet */
+} look;
+
+/** How many have no free node; the nodes of all are used. */
+static void look_at_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const look *l = context;
+    planish_plan *plan = l->plan;
     (void)thread;
     int64_t count = 0;
     const uint8_t *is_counted = pl_plan_counted(plan);
     for (int64_t i = begin; i < end; i++) {
         const int32_t *element = plan->elements + i * (plan->dim + 1);
         int movable = 0;
-        for (int j = 0; j <= plan->dim; j++)
+        for (int j = 0; j <= plan->dim; j++) {
             movable |= plan->is_free[element[j]];
+            if (l->marks)
+                __atomic_store_n(&plan->is_used[element[j]], 1, __ATOMIC_RELAXED);
+        }
         count += !movable && (!is_counted || is_counted[i]);
     }
     __atomic_fetch_add(&plan->info.n_fixed_elements, count, __ATOMIC_RELAXED);
@@ -62,10 +73,11 @@ static int64_t count_followers(const planish_plan *plan) {
 
 static void fill_info(planish_plan *plan, const pl_draft *d) {
     planish_plan_info *info = &plan->info;
+    look l = {plan, d->is_partial};
     info->n_free = plan->interior.stars.n_stars;
     info->n_sliding = plan->sliding.stars.n_stars + count_followers(plan);
     info->n_fixed_elements = 0;
-    pl_parallel_for(plan->threads, plan->n_elements, CHUNK_ELEMENTS, count_fixed, plan);
+    pl_parallel_for(plan->threads, plan->n_elements, CHUNK_ELEMENTS, look_at_chunk, &l);
     if (plan->scope == PL_PART_OF_ALL)
         info->n_fixed_elements += plan->whole.n_elements - plan->n_elements;
     info->n_components = d->boundary.n_components;

@@ -53,7 +53,7 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
         const pl_follower *f = &plan->sliding.follower[k];
         place_follower(plan, f, f->node < plan->n_nodes ? &problem->storage : NULL);
         plan->changed[f->of] |= plan->changed[f->node];
-        plan->changed[f->node] = 0;
+        plan->changed[f->node] = PL_BAD; /* so that it is told */
     }
 }
 

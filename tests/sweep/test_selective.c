@@ -4,6 +4,7 @@
 #include "support/run.h"
 
 #include "geometry/simplex.h"
+#include "sweep/sweep.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -205,7 +206,6 @@ static void low_elements_are_chosen(void **state) {
     test_mesh_destroy(&box);
 }
 
-/** Nodes that slide are chosen like the others. */
 /** Least volumes are compared in all of the mesh, as by a plan for all of it in which the same
  * nodes are free. */
 static void judge_volumes(int dim) {
@@ -250,6 +250,107 @@ static void all_volumes_are_judged(void **state) {
     (void)state;
     judge_volumes(2);
     judge_volumes(3);
+}
+
+/** A sweep that is watched. */
+typedef struct watch {
+    const planish_plan *plan;
+    pl_star_problem problem;
+    double *before;   /* [n][dim] coordinates before the colour */
+    uint8_t *wakes;   /* [n] 1: the star was told of a change since its last visit, good or bad */
+    uint8_t *was_bad; /* [n] 1: it was bad after that visit */
+    uint8_t *flags;   /* [n] before the colour */
+    int64_t n_bad, n_good; /* such stars that want a visit, and that do not, after each colour */
+} watch;
+
+static double worst_of(const watch *w, int64_t star) {
+    pl_star_value value;
+    w->plan->kernel->evaluate[w->plan->dim - 2](&w->problem, star, w->plan->scratch, 0, &value);
+    return value.max;
+}
+
+/** A star of the colour: if its node has moved, and far enough, others are to hear of that. */
+static void note_visit(watch *w, int64_t star) {
+    const pl_stars *stars = &w->plan->interior.stars;
+    const int32_t node = w->plan->interior.centre[star];
+    const size_t size = (size_t)w->plan->dim * sizeof(double);
+    const int64_t at = (int64_t)node * w->plan->dim;
+    if (!(w->flags[node] & PL_CHANGED))
+        return;
+    const int moved = memcmp(w->before + at, w->plan->coordinates + at, size) != 0;
+    w->wakes[node] = 0;
+    w->was_bad[node] = worst_of(w, star) > w->problem.rr2_skip;
+    memcpy(w->before + at, w->plan->coordinates + at, size);
+    if (!(w->problem.still > 0 ? w->plan->changed[node] & PL_TOLD : moved))
+        return;
+    w->wakes[node] = 1;
+    for (int64_t i = stars->ring_offset[star]; i < stars->ring_offset[star + 1]; i++)
+        w->wakes[stars->ring[i]] = 1;
+}
+
+/** Stars that have changed and are bad want another visit. */
+static int after_colour(void *context, int colours, int64_t visits) {
+    watch *w = context;
+    const pl_visits *interior = &w->plan->interior;
+    (void)visits;
+    for (int64_t s = interior->colour_begin[colours - 1]; s < interior->colour_begin[colours]; s++)
+        note_visit(w, s);
+    for (int64_t s = 0; s < interior->stars.n_stars; s++) {
+        const int32_t node = interior->centre[s];
+        /* What came with moves that nobody was told of may be overlooked. */
+        const int is_bad =
+            w->problem.still > 0 ? w->was_bad[node] : worst_of(w, s) > w->problem.rr2_skip;
+        const int is_wanted = (w->plan->changed[node] & PL_CHANGED) != 0;
+        assert_true(is_wanted || !w->wakes[node] || !is_bad);
+        w->n_bad += is_wanted;
+        w->n_good += !is_wanted && w->wakes[node];
+    }
+    memcpy(w->flags, w->plan->changed, (size_t)w->plan->n_nodes);
+    return 0;
+}
+
+/** Sweeps in which only bad stars are improved look again at each bad one that has changed, also
+ *  where a node next to it that has moved is in no bad element; but not at all the others. */
+static void watch_sweeps(int dim, double still) {
+    const planish_options options = defaults();
+    planish_plan *plan;
+    test_mesh box;
+    test_mesh_box(&box, dim, dim == 3 ? 8 : 24);
+    test_mesh_perturb(&box, 0.2, 12345);
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    const size_t n = (size_t)box.mesh.n_nodes, size = n * (size_t)dim * sizeof(double);
+    watch w = {.plan = plan, .problem = pl_plan_problem(plan)};
+    w.before = malloc(size);
+    w.wakes = malloc(n);
+    w.was_bad = malloc(n);
+    w.flags = malloc(n);
+    w.problem.rr2_skip = dim == 3 ? 4 : 1.6;
+    w.problem.still = still;
+    pl_plan_order(plan, box.coordinates, plan->coordinates);
+    memcpy(w.before, plan->coordinates, size);
+    memset(w.wakes, 1, n);
+    memset(w.was_bad, 1, n);
+    memset(plan->changed, PL_CHANGED, n);
+    memcpy(w.flags, plan->changed, n);
+    for (int sweep = 0; sweep < 5; sweep++) {
+        pl_sweep_tally tally = {.stopped = 0};
+        pl_sweep(plan, &plan->interior, &w.problem, PLANISH_METHOD_PLANISH, after_colour, &w,
+                 &tally);
+    }
+    assert_true(w.n_bad > 100 && w.n_good > 100);
+    free(w.before);
+    free(w.wakes);
+    free(w.was_bad);
+    free(w.flags);
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&box);
+}
+
+static void bad_stars_are_not_forgotten(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int i = 0; i < 2; i++)
+            watch_sweeps(dim, i == 0 ? 0 : 0.1);
 }
 
 static void sliding_nodes_are_chosen_too(void **state) {
@@ -326,6 +427,7 @@ int main(void) {
         cmocka_unit_test(tangles_are_chosen),
         cmocka_unit_test(low_elements_are_chosen),
         cmocka_unit_test(all_volumes_are_judged),
+        cmocka_unit_test(bad_stars_are_not_forgotten),
         cmocka_unit_test(sliding_nodes_are_chosen_too),
         cmocka_unit_test(layers_are_checked),
         cmocka_unit_test(memory_may_run_out),
