@@ -77,10 +77,12 @@ static void extreme(double *values, int n, int sign) {
     }
 }
 
-int64_t pl_parts_smallest_integer(int64_t value) {
-    int64_t opposite = -value;
-    largest(&opposite, 1);
-    return -opposite;
+void pl_parts_smallest_integers(int64_t *values, int n) {
+    for (int i = 0; i < n; i++)
+        values[i] = -values[i];
+    largest(values, n);
+    for (int i = 0; i < n; i++)
+        values[i] = -values[i];
 }
 
 void pl_parts_largest(double *values, int n) {

@@ -23,8 +23,8 @@ void pl_parts_add_sums(pl_sum *sums, int n);
 void pl_parts_largest(double *values, int n);
 void pl_parts_smallest(double *values, int n);
 
-/** The smallest of the processes; not INT64_MIN. */
-int64_t pl_parts_smallest_integer(int64_t value);
+/** The smallest of the processes, in place; no INT64_MIN. */
+void pl_parts_smallest_integers(int64_t *values, int n);
 
 /** 1 if value is not 0 in any process; 0 if they are not reached. */
 int pl_parts_any(int value);

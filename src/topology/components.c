@@ -293,8 +293,11 @@ static void sum_one(const planish_mesh *mesh, const listing *l, int64_t c, const
 typedef struct partial {
     int64_t label;
     uint32_t root;
+    int is_done;
     pl_sum sum;
 } partial;
+
+enum { AT_ONCE = 64 }; /* labels whose sums are sent together */
 
 static int compare_labels(const void *a, const void *b) {
     const partial *p = a, *q = b;
@@ -308,22 +311,58 @@ static int is_partial(const planish_mesh *mesh, const listing *l, int64_t c) {
     return any;
 }
 
-/** Sum up those [n] that processes share, one label after the other; how many labels there are. */
-static int64_t sum_together(partial *all, int64_t n, double *measure) {
-    int64_t n_labels = 0;
+/** The smallest labels of what is not done, ascending; then INT64_MAX. */
+static void find_next(const partial *all, int64_t n, int64_t *label) {
+    int found = 0;
+    for (int64_t i = 0; i < n && found < AT_ONCE; i++)
+        if (!all[i].is_done && (found == 0 || all[i].label != label[found - 1]))
+            label[found++] = all[i].label;
+    while (found < AT_ONCE)
+        label[found++] = INT64_MAX;
+}
+
+/** Add those of the n_labels ascending labels to sums, or with is_total give them what the sums of
+ *  all processes are. */
+static void share_labels(partial *all, int64_t n, const int64_t *label, int n_labels, pl_sum *sums,
+                         double *measure, int is_total) {
+    int l = 0;
+    for (int64_t i = 0; i < n; i++) {
+        while (l < n_labels && label[l] < all[i].label)
+            l++;
+        if (l == n_labels)
+            return;
+        if (label[l] != all[i].label)
+            continue;
+        all[i].is_done = is_total;
+        if (is_total)
+            measure[all[i].root] = pl_sum_value(&sums[l]);
+        else
+            pl_sum_share(&sums[l], &all[i].sum);
+    }
+}
+
+/** Sum up those [n] that processes share; how many labels there are. Each process proposes its next
+ *  labels, and of each of these places the smallest is taken: some of its own, the smallest of all,
+ *  and no label that nobody has. sums: room for AT_ONCE. */
+static int64_t sum_together(partial *all, int64_t n, pl_sum *sums, double *measure) {
+    int64_t n_labels = 0, first = 0, label[AT_ONCE];
     if (n > 0)
         qsort(all, (size_t)n, sizeof *all, compare_labels);
-    for (int64_t k = 0;; n_labels++) {
-        pl_sum sum = {.n_added = 0};
-        const int64_t next = pl_parts_smallest_integer(k < n ? all[k].label : INT64_MAX);
-        if (next == INT64_MAX)
+    for (;;) {
+        int n_next = 0;
+        while (first < n && all[first].is_done)
+            first++;
+        find_next(all + first, n - first, label);
+        pl_parts_smallest_integers(label, AT_ONCE);
+        while (n_next < AT_ONCE && label[n_next] < INT64_MAX)
+            n_next++;
+        if (n_next == 0)
             return n_labels;
-        const int64_t first = k;
-        for (; k < n && all[k].label == next; k++)
-            pl_sum_share(&sum, &all[k].sum);
-        pl_parts_add_sums(&sum, 1);
-        for (int64_t i = first; i < k; i++)
-            measure[all[i].root] = pl_sum_value(&sum);
+        memset(sums, 0, (size_t)n_next * sizeof *sums);
+        share_labels(all + first, n - first, label, n_next, sums, measure, 0);
+        pl_parts_add_sums(sums, n_next);
+        share_labels(all + first, n - first, label, n_next, sums, measure, 1);
+        n_labels += n_next;
     }
 }
 
@@ -335,7 +374,8 @@ static void sum_alone(const planish_mesh *mesh, const listing *l, const pl_settl
         pl_sum sum;
         sum_one(mesh, l, c, measure, &sum);
         if (s && is_partial(mesh, l, c))
-            partials[(*n_partial)++] = (partial){s->label[l->root[c]], l->root[c], sum};
+            partials[(*n_partial)++] =
+                (partial){.label = s->label[l->root[c]], .root = l->root[c], .sum = sum};
         else
             measure[l->root[c]] = pl_sum_value(&sum);
     }
@@ -345,19 +385,24 @@ int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_s
                       double *measure, int64_t *n, planish_error *error) {
     listing l = {0};
     partial *partials = NULL;
+    pl_sum *sums = NULL;
     int64_t n_partial = 0;
     int status = list_elements(mesh, link, &l) ? fail_memory(error) : PLANISH_OK;
     for (int64_t c = 0; s && !status && c < l.n; c++)
         n_partial += is_partial(mesh, &l, c);
-    if (!status && s && !(partials = pl_alloc(n_partial, sizeof *partials)))
-        status = fail_memory(error);
+    if (!status && s) {
+        partials = pl_alloc(n_partial, sizeof *partials);
+        sums = pl_alloc(AT_ONCE, sizeof *sums);
+        status = partials && sums ? PLANISH_OK : fail_memory(error);
+    }
     if (!status) {
         sum_alone(mesh, &l, s, measure, partials, &n_partial);
         *n = l.n - n_partial;
         pl_parts_add(n, 1);
-        *n += s ? sum_together(partials, n_partial, measure) : 0;
+        *n += s ? sum_together(partials, n_partial, sums, measure) : 0;
     }
     pl_free(partials);
+    pl_free(sums);
     listing_destroy(&l);
     return status;
 }

@@ -216,7 +216,8 @@ static void find_anchor(work *w) {
     while (i < w->mesh->n_nodes && !(w->boundary->on_boundary[i] && pl_is_own(part, i)))
         i++;
     const int64_t number = i == w->mesh->n_nodes ? INT64_MAX : part ? part->node_number[i] : i;
-    const int64_t first = pl_parts_smallest_integer(number);
+    int64_t first = number;
+    pl_parts_smallest_integers(&first, 1);
     w->has_anchor = first < INT64_MAX;
     if (first == number && w->has_anchor)
         memcpy(place, w->mesh->coordinates + i * w->mesh->dim, size);
