@@ -2,6 +2,7 @@
 #include "plexfile.h"
 
 #include "partition.h"
+#include "plexrows.h"
 #include "signals.h"
 
 #include "base/system.h"
@@ -153,7 +154,7 @@ int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, planish
     const int is_hdf5 = stream &&
                         fread(signature, 1, sizeof signature, stream) == sizeof signature &&
                         memcmp(signature, "\211HDF\r\n\032\n", sizeof signature) == 0;
-    *file = (pl_plexfile){.comm = comm};
+    *file = (pl_plexfile){.comm = comm, .path = path};
     if (stream)
         fclose(stream);
     if (!is_hdf5)
@@ -232,14 +233,29 @@ typedef struct loaded {
     double *x;
 } loaded;
 
+/** Coordinates [node_last - node_first][dim] as they were read. */
+static PetscErrorCode take_coordinates(const pl_plexfile *f, PetscInt node_first,
+                                       PetscInt node_last, double *to) {
+    Vec vector;
+    const PetscScalar *x;
+    PetscSection section;
+    PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
+    PetscCall(DMGetCoordinateSection(f->dm, &section));
+    PetscCall(VecGetArrayRead(vector, &x));
+    for (PetscInt i = node_first; i < node_last; i++) {
+        PetscInt at;
+        PetscCall(PetscSectionGetOffset(section, i, &at));
+        for (int d = 0; d < f->dim; d++)
+            to[(i - node_first) * f->dim + d] = (double)x[at + d];
+    }
+    return VecRestoreArrayRead(vector, &x);
+}
+
 static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
     PetscInt first, last;
     PetscBool has_regions;
     Vec vector;
-    const PetscScalar *x;
-    PetscSection section;
     PetscCall(DMGetCoordinatesLocal(f->dm, &vector)); /* collective: what can fail comes behind */
-    PetscCall(DMGetCoordinateSection(f->dm, &section));
     PetscCall(DMPlexGetChart(f->dm, NULL, &last));
     PetscCall(DMPlexGetHeightStratum(f->dm, 0, &first, &l->n_elements));
     PetscCall(DMPlexGetDepthStratum(f->dm, 0, &l->node_first, &l->node_last));
@@ -258,14 +274,23 @@ static PetscErrorCode take_loaded(const pl_plexfile *f, loaded *l) {
         PetscCall(DMGetLabelValue(f->dm, regions, i, &region));
         l->region[i] = (int32_t)region;
     }
-    PetscCall(VecGetArrayRead(vector, &x));
-    for (int64_t i = 0; i < n; i++) {
-        PetscInt at;
-        PetscCall(PetscSectionGetOffset(section, l->node_first + (PetscInt)i, &at));
-        for (int d = 0; d < f->dim; d++)
-            l->x[i * f->dim + d] = (double)x[at + d];
-    }
-    return VecRestoreArrayRead(vector, &x);
+    return take_coordinates(f, l->node_first, l->node_last, l->x);
+}
+
+PetscErrorCode pl_plexfile_nodes(const pl_plexfile *f, int64_t *n, int64_t **number, double **x) {
+    PetscInt first, last, node_first, node_last;
+    PetscCall(DMPlexGetChart(f->dm, &first, &last));
+    PetscCall(DMPlexGetDepthStratum(f->dm, 0, &node_first, &node_last));
+    *n = last > 0 ? node_last - node_first : 0;
+    int64_t *of_point = pl_new_array(last, sizeof *of_point);
+    *number = pl_new_array(*n, sizeof **number);
+    *x = pl_new_array(*n * f->dim, sizeof **x);
+    PetscCheck(of_point && *number && *x, PETSC_COMM_SELF, PETSC_ERR_MEM, "Nodes");
+    PetscCall(number_points(f, of_point));
+    for (int64_t i = 0; i < *n; i++)
+        (*number)[i] = of_point[node_first + i] - f->first_node;
+    free(of_point);
+    return take_coordinates(f, node_first, node_first + (PetscInt)*n, *x);
 }
 
 static void destroy_loaded(loaded *l) {
@@ -412,8 +437,10 @@ int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
 
 /* ---- writing -------------------------------------------------------------------------------- */
 
-/** From the file's points to the nodes of share that this process moves. */
-static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, PetscSF *sf) {
+/** From numbers, of which each process has those from its begin to the next, to the nodes of share
+ *  that this process moves; node 0 has the number base. */
+static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, const int64_t *begin,
+                                  int64_t base, PetscSF *sf) {
     PetscInt *leaf = NULL, n = 0;
     PetscSFNode *root = NULL;
     PetscMPIInt n_ranks, rank;
@@ -422,17 +449,28 @@ static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, P
     PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &leaf));
     PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &root));
     for (int64_t i = 0, k = 0; i < share->mesh.n_nodes; i++) {
-        const int64_t number = share->node_number[i] + f->first_node;
+        const int64_t number = share->node_number[i] + base;
         if (share->role[i] == PLANISH_GHOST)
             continue;
-        while (f->begin[k + 1] <= number) /* numbers ascend */
+        while (begin[k + 1] <= number) /* numbers ascend */
             k++;
         leaf[n] = (PetscInt)i;
-        root[n++] = (PetscSFNode){.rank = (PetscInt)k, .index = (PetscInt)(number - f->begin[k])};
+        root[n++] = (PetscSFNode){.rank = (PetscInt)k, .index = (PetscInt)(number - begin[k])};
     }
     PetscCall(PetscSFCreate(f->comm, sf));
-    return PetscSFSetGraph(*sf, (PetscInt)(f->begin[rank + 1] - f->begin[rank]), n, leaf,
+    return PetscSFSetGraph(*sf, (PetscInt)(begin[rank + 1] - begin[rank]), n, leaf,
                            PETSC_OWN_POINTER, root, PETSC_OWN_POINTER);
+}
+
+/** Coordinates [.][dim] from sf's leaves to its roots. */
+static PetscErrorCode put_rows(const pl_plexfile *f, PetscSF sf, const double *x, double *to) {
+    MPI_Datatype row;
+    MPI_Type_contiguous(f->dim, MPI_DOUBLE, &row);
+    MPI_Type_commit(&row);
+    PetscCall(PetscSFReduceBegin(sf, row, x, to, MPI_REPLACE));
+    PetscCall(PetscSFReduceEnd(sf, row, x, to, MPI_REPLACE));
+    MPI_Type_free(&row);
+    return 0;
 }
 
 /** The coordinates of share to dm: by the file's points, as several processes may have a node. */
@@ -443,15 +481,12 @@ static PetscErrorCode put_coordinates(pl_plexfile *f, const pl_share *share) {
     Vec vector;
     PetscScalar *x;
     PetscSection section;
-    MPI_Datatype row;
     MPI_Comm_rank(f->comm, &rank);
-    PetscCall(lead_to_own(f, share, &own));
+    PetscCall(lead_to_own(f, share, f->begin, f->first_node, &own));
     PetscCall(DMPlexGetChart(f->dm, NULL, &point_last));
     double *of_file = pl_new_array((f->begin[rank + 1] - f->begin[rank]) * f->dim, sizeof *of_file);
     double *of_points = pl_new_array((int64_t)point_last * f->dim, sizeof *of_points);
     PetscCheck(of_file && of_points, PETSC_COMM_SELF, PETSC_ERR_MEM, "Coordinates");
-    MPI_Type_contiguous(f->dim, MPI_DOUBLE, &row);
-    MPI_Type_commit(&row);
     PetscCall(DMPlexGetDepthStratum(f->dm, 0, &first, &last));
     PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
     PetscCall(DMGetCoordinateSection(f->dm, &section));
@@ -463,11 +498,8 @@ static PetscErrorCode put_coordinates(pl_plexfile *f, const pl_share *share) {
             of_points[(int64_t)i * f->dim + d] = x[at + d];
     }
     /* Where they were, as nodes of no element belong to no process; then where they are. */
-    PetscCall(PetscSFReduceBegin(f->load, row, of_points, of_file, MPI_REPLACE));
-    PetscCall(PetscSFReduceEnd(f->load, row, of_points, of_file, MPI_REPLACE));
-    PetscCall(PetscSFReduceBegin(own, row, share->coordinates, of_file, MPI_REPLACE));
-    PetscCall(PetscSFReduceEnd(own, row, share->coordinates, of_file, MPI_REPLACE));
-    MPI_Type_free(&row);
+    PetscCall(put_rows(f, f->load, of_points, of_file));
+    PetscCall(put_rows(f, own, share->coordinates, of_file));
     PetscCall(pl_bring(f->load, MPI_DOUBLE, f->dim, of_file, of_points));
     for (PetscInt i = first; i < last; i++) {
         PetscInt at;
@@ -491,16 +523,21 @@ static PetscErrorCode view(MPI_Comm comm, DM dm, const char *path) {
     return PetscViewerDestroy(&viewer);
 }
 
-/** To a file beside path, of a name that nobody else has. */
-static int write_beside(MPI_Comm comm, DM dm, const char *path, planish_error *error) {
+/** Name a file beside path as nobody else does. */
+static int name_beside(MPI_Comm comm, const char *path, planish_error *error) {
     char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
     int number = (int)getpid();
     MPI_Bcast(&number, 1, MPI_INT, 0, comm);
     if (strlen(path) + 32 > PL_TEMPORARY_SIZE)
         return fail(error, PLANISH_ERROR_FILE, path, "has too long a name");
     snprintf(temporary, PL_TEMPORARY_SIZE, "%s.planish-%d", path, number);
+    return PLANISH_OK;
+}
+
+/** To that file, which is to become path's. */
+static int write_beside(MPI_Comm comm, DM dm, const char *path, planish_error *error) {
     const int before = keep_silent();
-    const PetscErrorCode code = view(comm, dm, temporary);
+    const PetscErrorCode code = view(comm, dm, pl_signals_temporary(PL_TEMPORARY_MESH));
     speak(before);
     return code ? fail(error, PLANISH_ERROR_FILE, path, "cannot be written") : PLANISH_OK;
 }
@@ -527,8 +564,16 @@ int pl_plexfile_finish(int rank, const char *path, int code, planish_error *erro
 
 int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
                       planish_error *error) {
-    const PetscErrorCode code = put_coordinates(file, share);
-    return code ? pl_fail_petsc(error, code) : write_beside(file->comm, file->dm, path, error);
+    char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
+    int done = 0, status = name_beside(file->comm, path, error);
+    if (status)
+        return status;
+    PetscErrorCode code = pl_plexrows_write(file, share, temporary, &done);
+    if (!code && done)
+        return PLANISH_OK;
+    if (code || (code = put_coordinates(file, share)))
+        return pl_fail_petsc(error, code);
+    return write_beside(file->comm, file->dm, path, error);
 }
 
 static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
@@ -560,7 +605,9 @@ int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t 
                         const char *path, planish_error *error) {
     DM dm = NULL;
     const PetscErrorCode code = make_plex(comm, whole, region, &dm);
-    const int status = code ? pl_fail_petsc(error, code) : write_beside(comm, dm, path, error);
+    int status = code ? pl_fail_petsc(error, code) : name_beside(comm, path, error);
+    if (!status)
+        status = write_beside(comm, dm, path, error);
     DMDestroy(&dm);
     return status;
 }

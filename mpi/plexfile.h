@@ -1,5 +1,5 @@
 /* plexfile: meshes in files of PETSc's own, HDF5, through DMPlex: no process has all of a mesh but
- * where DMPlex wants that (PETSc 3.18 loads and writes elements in the first process).
+ * where DMPlex wants that (PETSc 3.18 loads elements in the first process).
  */
 #ifndef PL_MPI_PLEXFILE_H
 #define PL_MPI_PLEXFILE_H
@@ -8,7 +8,8 @@
 
 /** A mesh as it was read: each process has some of it. Everything is owned. */
 typedef struct pl_plexfile {
-    MPI_Comm comm; /* the caller's */
+    MPI_Comm comm;    /* the caller's, */
+    const char *path; /* likewise */
     DM dm;
     PetscSF load;   /* from the file's points, each process a stretch of them, to those of dm */
     int64_t *begin; /* [ranks + 1] of these stretches */
@@ -27,6 +28,10 @@ int pl_plexfile_is(const char *path);
  *  "plex". Collective; to be closed in any case. Returns 0, or a planish_status with *error. */
 int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, planish_error *error);
 void pl_plexfile_close(pl_plexfile *file);
+
+/** The nodes of dm: their numbers [n] and coordinates [n][dim] as they were read, to be freed. A
+ * node may be there in several processes. */
+PetscErrorCode pl_plexfile_nodes(const pl_plexfile *file, int64_t *n, int64_t **number, double **x);
 
 /** Cut it into pieces. Collective; piece is to be destroyed in any case. */
 int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error);

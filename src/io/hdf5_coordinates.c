@@ -259,6 +259,44 @@ int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place) {
     return status;
 }
 
+/* ---- rows of a file that is no mesh of ours ------------------------------------------------- */
+
+/** The spans of rows, if they are doubles as in memory. */
+static int find_rows(io_hdf5 *file, const io_hdf5_place *place, io_span **span, int64_t *n_spans) {
+    hdf5_dataset d;
+    io_span like = {0};
+    int status = hdf5_dataset_open(file, place->path, &d);
+    const int has_width = d.shape.rank == 1 || d.shape.dims[1] == place->n_components;
+    if (!status && has_width && d.shape.n == file->model->n_nodes * place->n_components)
+        status = take_encoding(file, place->path, d.type, &like);
+    if (!status && like.encoding == IO_FLOAT64 && !like.swapped)
+        status = add_places(file, place, &d, like);
+    hdf5_dataset_close(&d);
+    *span = file->span;
+    *n_spans = file->n_spans;
+    file->span = NULL;
+    return status;
+}
+
+int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
+                      int64_t *n_spans, planish_error *error) {
+    io_model model = {.n_nodes = n};
+    io_hdf5 *file = NULL;
+    const io_hdf5_place place = {(char *)(uintptr_t)dataset, 0, width, width, 1};
+    *span = NULL;
+    *n_spans = 0;
+    int status = io_bytes_open(path, &model.input, error);
+    if (status)
+        return status;
+    status = io_hdf5_open(&model, &file, error);
+    if (!status && io_hdf5_kind_of(file, dataset) == IO_HDF5_DATASET)
+        status = find_rows(file, &place, span, n_spans);
+    io_hdf5_close(file);
+    io_hdf5_release(&model);
+    io_bytes_close(&model.input);
+    return status;
+}
+
 /* ---- changing a finished copy -------------------------------------------------------------- */
 
 /** A copy that is open, or the input, and what its coordinates become. */

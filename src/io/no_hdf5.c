@@ -1,6 +1,6 @@
 /* no_hdf5: the formats in HDF5 where planish is built without that library: they say so. */
 #ifndef PL_HDF5
-#include "io/model.h"
+#include "io/hdf5.h"
 
 #include "base/status.h"
 
@@ -27,6 +27,14 @@ static int read_cgns(io_model *model, planish_error *error) {
 
 static int read_vtkhdf(io_model *model, planish_error *error) {
     return fail(model, "VTKHDF", error);
+}
+
+int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
+                      int64_t *n_spans, planish_error *error) {
+    (void)path, (void)dataset, (void)n, (void)width, (void)error;
+    *span = NULL;
+    *n_spans = 0;
+    return PLANISH_OK;
 }
 
 static const char *const med[] = {".med", ".mmed", ".rmed", NULL};

@@ -58,10 +58,10 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
             b->is_free[l] = has_free_node(mesh, node[l], dim);
         return;
     }
-    for (int l = 0; l < count; l++) {
-        const uint8_t movable = mesh->is_movable[first + l];
+    for (int l = 0; l < PL_LANES; l++) {
+        const uint8_t movable = mesh->is_movable[first + (l < count ? l : 0)];
         b->is_free[l] = movable != 0;
-        b->present[l] = movable != PL_ELSEWHERE;
+        b->present[l] = l < count && movable != PL_ELSEWHERE;
     }
 }
 

@@ -293,14 +293,20 @@ static void sum_one(const planish_mesh *mesh, const listing *l, int64_t c, const
 typedef struct partial {
     int64_t label;
     uint32_t root;
-    int is_done;
     pl_sum sum;
 } partial;
 
-enum { AT_ONCE = 64 }; /* labels whose sums are sent together */
+enum { SLOTS = 64 }; /* labels whose sums are sent together */
 
-static int compare_labels(const void *a, const void *b) {
+/** Labels are hashes, so that slots have about as many. */
+static int slot_of(const partial *p) {
+    return (int)(p->label % SLOTS);
+}
+
+static int compare_slots(const void *a, const void *b) {
     const partial *p = a, *q = b;
+    if (slot_of(p) != slot_of(q))
+        return slot_of(p) < slot_of(q) ? -1 : 1;
     return (p->label > q->label) - (p->label < q->label);
 }
 
@@ -311,58 +317,50 @@ static int is_partial(const planish_mesh *mesh, const listing *l, int64_t c) {
     return any;
 }
 
-/** The smallest labels of what is not done, ascending; then INT64_MAX. */
-static void find_next(const partial *all, int64_t n, int64_t *label) {
-    int found = 0;
-    for (int64_t i = 0; i < n && found < AT_ONCE; i++)
-        if (!all[i].is_done && (found == 0 || all[i].label != label[found - 1]))
-            label[found++] = all[i].label;
-    while (found < AT_ONCE)
-        label[found++] = INT64_MAX;
-}
+/** What is left to do of a slot, ascending. */
+typedef struct slot {
+    partial *next, *end;
+} slot;
 
-/** Add those of the n_labels ascending labels to sums, or with is_total give them what the sums of
- *  all processes are. */
-static void share_labels(partial *all, int64_t n, const int64_t *label, int n_labels, pl_sum *sums,
-                         double *measure, int is_total) {
-    int l = 0;
-    for (int64_t i = 0; i < n; i++) {
-        while (l < n_labels && label[l] < all[i].label)
-            l++;
-        if (l == n_labels)
-            return;
-        if (label[l] != all[i].label)
-            continue;
-        all[i].is_done = is_total;
-        if (is_total)
-            measure[all[i].root] = pl_sum_value(&sums[l]);
-        else
-            pl_sum_share(&sums[l], &all[i].sum);
+/** Sort those [n] that processes share into slots [SLOTS]. */
+static void fill_slots(partial *all, int64_t n, slot *slots) {
+    int64_t k = 0;
+    if (n > 0)
+        qsort(all, (size_t)n, sizeof *all, compare_slots);
+    for (int s = 0; s < SLOTS; s++) {
+        slots[s].next = all + k;
+        while (k < n && slot_of(&all[k]) == s)
+            k++;
+        slots[s].end = all + k;
     }
 }
 
-/** Sum up those [n] that processes share; how many labels there are. Each process proposes its next
- *  labels, and of each of these places the smallest is taken: some of its own, the smallest of all,
- *  and no label that nobody has. sums: room for AT_ONCE. */
+/** Sum up those [n] that processes share; how many labels there are. Of each slot the smallest
+ * label that a process has left is summed up by all, of all slots together. sums: room for SLOTS.
+ */
 static int64_t sum_together(partial *all, int64_t n, pl_sum *sums, double *measure) {
-    int64_t n_labels = 0, first = 0, label[AT_ONCE];
-    if (n > 0)
-        qsort(all, (size_t)n, sizeof *all, compare_labels);
+    slot slots[SLOTS];
+    int64_t n_labels = 0, label[SLOTS];
+    fill_slots(all, n, slots);
     for (;;) {
-        int n_next = 0;
-        while (first < n && all[first].is_done)
-            first++;
-        find_next(all + first, n - first, label);
-        pl_parts_smallest_integers(label, AT_ONCE);
-        while (n_next < AT_ONCE && label[n_next] < INT64_MAX)
-            n_next++;
-        if (n_next == 0)
+        int n_found = 0;
+        for (int s = 0; s < SLOTS; s++)
+            label[s] = slots[s].next < slots[s].end ? slots[s].next->label : INT64_MAX;
+        pl_parts_smallest_integers(label, SLOTS);
+        for (int s = 0; s < SLOTS; s++)
+            n_found += label[s] < INT64_MAX;
+        if (n_found == 0)
             return n_labels;
-        memset(sums, 0, (size_t)n_next * sizeof *sums);
-        share_labels(all + first, n - first, label, n_next, sums, measure, 0);
-        pl_parts_add_sums(sums, n_next);
-        share_labels(all + first, n - first, label, n_next, sums, measure, 1);
-        n_labels += n_next;
+        memset(sums, 0, SLOTS * sizeof *sums);
+        for (int s = 0; s < SLOTS; s++)
+            for (partial *p = slots[s].next; p < slots[s].end && p->label == label[s]; p++)
+                pl_sum_share(&sums[s], &p->sum);
+        pl_parts_add_sums(sums, SLOTS);
+        for (int s = 0; s < SLOTS; s++)
+            for (; slots[s].next < slots[s].end && slots[s].next->label == label[s];
+                 slots[s].next++)
+                measure[slots[s].next->root] = pl_sum_value(&sums[s]);
+        n_labels += n_found;
     }
 }
 
@@ -392,7 +390,7 @@ int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_s
         n_partial += is_partial(mesh, &l, c);
     if (!status && s) {
         partials = pl_alloc(n_partial, sizeof *partials);
-        sums = pl_alloc(AT_ONCE, sizeof *sums);
+        sums = pl_alloc(SLOTS, sizeof *sums);
         status = partials && sums ? PLANISH_OK : fail_memory(error);
     }
     if (!status) {

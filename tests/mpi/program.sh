@@ -103,6 +103,39 @@ for n in 1 2 3; do
             fail "$name.h5 with $n processes: other numbers"
     done
 done
+# Of such a file only the coordinates change, however they stand there one after another; where they are packed,
+# PETSc writes all of it anew.
+$python - "$work/valid.h5" "$work" <<'ROWS'
+import shutil, sys, h5py
+for name, storage in ("more", None), ("whole", {}), ("pieces", {"chunks": (64, 3)}), (
+    "packed", {"chunks": (64, 3), "compression": "gzip"}):
+    path = f"{sys.argv[2]}/{name}.h5"
+    shutil.copy(sys.argv[1], path)
+    with h5py.File(path, "r+") as file:
+        file["mine"] = [1.5, 2.5]
+        if storage is not None:
+            x = file["geometry/vertices"][:]
+            del file["geometry/vertices"]
+            file.create_dataset("geometry/vertices", data=x, **storage)
+ROWS
+together 2 "$work/valid.h5" -o "$work/n.h5" -q || fail "valid.h5"
+$python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/valid.h5" "$work/n.h5" || fail "valid.h5: more than rows"
+for name in more whole pieces packed; do
+    for n in 1 3; do
+        together $n "$work/$name.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
+            fail "$name.h5 with $n processes: $(cat "$work/err")"
+        $python "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
+            fail "$name.h5 with $n processes: other numbers"
+        [ $name = pieces ] || [ $name = packed ] ||
+            $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/$name.h5" "$work/n.h5" || fail "$name.h5: more than rows"
+        $python -c 'import sys, h5py; sys.exit("mine" not in h5py.File(sys.argv[1]))' "$work/n.h5" ||
+            [ $name = packed ] || fail "$name.h5: something is lost"
+    done
+done
+cp "$work/more.h5" "$work/n.h5" # in its own place, as a link
+ln -s n.h5 "$work/link.h5"
+together 2 "$work/link.h5" -o "$work/link.h5" -q && [ -L "$work/link.h5" ] || fail "a link"
+$python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/more.h5" "$work/n.h5" || fail "in its own place"
 for regions in "" --ignore-regions; do
     "$PLANISH_PROGRAM" smooth "$work/regions.mesh" --slide auto $regions -o "$work/0.mesh" -q --json "$work/0.json" ||
         fail "--slide"

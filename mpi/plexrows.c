@@ -1,0 +1,250 @@
+/* plexrows: a copy of PETSc's file in which only coordinates differ.
+ *
+ * Each process has a stretch of the rows, one for each node in the order of their numbers, and
+ * writes them where they stand. That the rows are these is not taken for granted: they must be the
+ * coordinates that the mesh was read with.
+ */
+#include "plexrows.h"
+
+#include "base/memory.h"
+#include "io/hdf5.h"
+
+#include <petscsf.h>
+
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* As DMView of PETSc 3.18 writes them, and with -dm_plex_view_hdf5_storage_version 2.0.0. */
+static const char *const datasets[] = {
+    "/geometry/vertices", "/topologies/%s/dms/coordinateDM/vecs/coordinates/coordinates"};
+
+/** Rows that stand one after another. */
+typedef struct stretch {
+    int64_t first, n; /* rows */
+    int64_t offset;   /* in the file */
+} stretch;
+
+/** The rows. Everything is owned. */
+typedef struct rows {
+    stretch *stretch; /* [n_stretches] of all rows */
+    int64_t n_stretches;
+    int64_t *begin;   /* [ranks + 1] rows of the processes */
+    int64_t first, n; /* those of this process */
+    double *x;        /* [n][dim] */
+} rows;
+
+static void destroy_rows(rows *r) {
+    free(r->stretch);
+    free(r->begin);
+    free(r->x);
+}
+
+/* ---- where they stand ----------------------------------------------------------------------- */
+
+/** 0, or -1. */
+static int copy_stream(FILE *from, FILE *to) {
+    enum { AT_ONCE = 1 << 20 };
+    char *buffer = malloc(AT_ONCE);
+    size_t n = 0;
+    while (buffer && (n = fread(buffer, 1, AT_ONCE, from)) > 0)
+        if (fwrite(buffer, 1, n, to) != n)
+            break;
+    free(buffer);
+    return buffer && n == 0 && !ferror(from) ? 0 : -1;
+}
+
+static int copy_file(const char *from, const char *to) {
+    FILE *in = fopen(from, "rb"), *out = in ? fopen(to, "wb") : NULL;
+    int status = out ? copy_stream(in, out) : -1;
+    if (out && fclose(out) != 0)
+        status = -1;
+    if (in)
+        fclose(in);
+    return status;
+}
+
+/** In the first process. */
+static void find_stretches(const pl_plexfile *f, const char *path, rows *r) {
+    io_span *span = NULL;
+    int64_t n = 0;
+    planish_error error;
+    for (int i = 0; i < (int)(sizeof datasets / sizeof *datasets) && n == 0; i++) {
+        char dataset[sizeof f->name + 64];
+        pl_free(span);
+        snprintf(dataset, sizeof dataset, datasets[i], f->name);
+        if (io_hdf5_find_rows(path, dataset, f->n_nodes, f->dim, &span, &n, &error))
+            n = 0;
+    }
+    r->stretch = pl_new_array(n, sizeof *r->stretch);
+    r->n_stretches = r->stretch ? n : 0;
+    for (int64_t i = 0; i < r->n_stretches; i++)
+        r->stretch[i] = (stretch){span[i].first_node, span[i].n_nodes, span[i].offset};
+    pl_free(span);
+}
+
+/** What the first process has found, in all; and who has which rows. */
+static PetscErrorCode share_stretches(const pl_plexfile *f, rows *r) {
+    PetscMPIInt n_ranks, rank;
+    MPI_Comm_size(f->comm, &n_ranks);
+    MPI_Comm_rank(f->comm, &rank);
+    MPI_Bcast(&r->n_stretches, 1, MPI_INT64_T, 0, f->comm);
+    if (rank != 0)
+        r->stretch = pl_new_array(r->n_stretches, sizeof *r->stretch);
+    r->begin = pl_new_array(n_ranks + 1, sizeof *r->begin);
+    for (int k = 0; r->begin && k <= n_ranks; k++)
+        r->begin[k] = f->n_nodes / n_ranks * k + f->n_nodes % n_ranks * k / n_ranks;
+    r->first = r->begin ? r->begin[rank] : 0;
+    r->n = r->begin ? r->begin[rank + 1] - r->first : 0;
+    r->x = pl_new_array(r->n * f->dim, sizeof *r->x);
+    PetscCheck(r->stretch && r->begin && r->x, PETSC_COMM_SELF, PETSC_ERR_MEM, "Rows");
+    MPI_Bcast(r->stretch, (int)(r->n_stretches * (int64_t)sizeof *r->stretch), MPI_BYTE, 0,
+              f->comm);
+    return 0;
+}
+
+/* ---- reading and writing -------------------------------------------------------------------- */
+
+/** All n bytes; 0, or -1. */
+static int move_bytes(int fd, char *bytes, int64_t n, int64_t offset, int writes) {
+    while (n > 0) {
+        const ssize_t done = writes ? pwrite(fd, bytes, (size_t)n, (off_t)offset)
+                                    : pread(fd, bytes, (size_t)n, (off_t)offset);
+        if (done <= 0)
+            return -1;
+        bytes += done;
+        offset += done;
+        n -= done;
+    }
+    return 0;
+}
+
+/** The rows of this process from the file, or to it; 0, or -1. */
+static int move_rows(const pl_plexfile *f, const rows *r, const char *path, int writes) {
+    const int64_t size = f->dim * (int64_t)sizeof *r->x;
+    const int fd = open(path, writes ? O_WRONLY : O_RDONLY);
+    int status = fd < 0 ? -1 : 0;
+    int64_t moved = 0;
+    for (int64_t i = 0; i < r->n_stretches && !status; i++) {
+        const stretch *s = &r->stretch[i];
+        const int64_t first = s->first > r->first ? s->first : r->first;
+        const int64_t s_end = s->first + s->n, end = r->first + r->n;
+        const int64_t n = (s_end < end ? s_end : end) - first;
+        if (n <= 0)
+            continue;
+        status = move_bytes(fd, (char *)(r->x + (first - r->first) * f->dim), n * size,
+                            s->offset + (first - s->first) * size, writes);
+        moved += n;
+    }
+    if (fd >= 0 && close(fd) != 0)
+        status = -1;
+    return moved == r->n ? status : -1;
+}
+
+static int in_all(MPI_Comm comm, int holds) {
+    MPI_Allreduce(MPI_IN_PLACE, &holds, 1, MPI_INT, MPI_MIN, comm);
+    return holds;
+}
+
+/* ---- what is in them ------------------------------------------------------------------------ */
+
+/** The process that has a row. */
+static int owner_of(const rows *r, int n_ranks, int64_t row) {
+    int low = 0, high = n_ranks;
+    while (high - low > 1) {
+        const int middle = (low + high) / 2;
+        if (r->begin[middle] <= row)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/** Coordinates [n][dim] of nodes to their rows. */
+static PetscErrorCode put(const pl_plexfile *f, const rows *r, int64_t n, const int64_t *node,
+                          const double *x, double *row) {
+    PetscSF sf;
+    PetscSFNode *root;
+    MPI_Datatype type;
+    PetscMPIInt n_ranks;
+    MPI_Comm_size(f->comm, &n_ranks);
+    PetscCall(PetscMalloc1((size_t)n + 1, &root));
+    for (int64_t i = 0; i < n; i++) {
+        const int rank = owner_of(r, n_ranks, node[i]);
+        root[i] = (PetscSFNode){.rank = rank, .index = (PetscInt)(node[i] - r->begin[rank])};
+    }
+    PetscCall(PetscSFCreate(f->comm, &sf));
+    PetscCall(PetscSFSetGraph(sf, (PetscInt)r->n, (PetscInt)n, NULL, PETSC_OWN_POINTER, root,
+                              PETSC_OWN_POINTER));
+    MPI_Type_contiguous(f->dim, MPI_DOUBLE, &type);
+    MPI_Type_commit(&type);
+    PetscCall(PetscSFReduceBegin(sf, type, x, row, MPI_REPLACE));
+    PetscCall(PetscSFReduceEnd(sf, type, x, row, MPI_REPLACE));
+    MPI_Type_free(&type);
+    return PetscSFDestroy(&sf);
+}
+
+/** Whether the rows are the coordinates that the mesh was read with. */
+static PetscErrorCode compare(const pl_plexfile *f, const rows *r, int *same) {
+    const size_t size = (size_t)(r->n * f->dim) * sizeof *r->x;
+    int64_t n, *node;
+    double *x, *row = pl_new_array(r->n * f->dim, sizeof *row);
+    PetscCheck(row, PETSC_COMM_SELF, PETSC_ERR_MEM, "Rows");
+    memcpy(row, r->x, size);
+    PetscCall(pl_plexfile_nodes(f, &n, &node, &x));
+    PetscCall(put(f, r, n, node, x, row));
+    *same = memcmp(row, r->x, size) == 0;
+    free(node);
+    free(x);
+    free(row);
+    return 0;
+}
+
+/** The coordinates of share into the rows. */
+static PetscErrorCode fill(const pl_plexfile *f, const pl_share *share, rows *r) {
+    int64_t n = 0, *node = pl_new_array(share->mesh.n_nodes, sizeof *node);
+    double *x = pl_new_array(share->mesh.n_nodes * f->dim, sizeof *x);
+    PetscCheck(node && x, PETSC_COMM_SELF, PETSC_ERR_MEM, "Rows");
+    for (int64_t i = 0; i < share->mesh.n_nodes; i++) {
+        if (share->role[i] == PLANISH_GHOST)
+            continue;
+        memcpy(x + n * f->dim, share->coordinates + i * f->dim, (size_t)f->dim * sizeof *x);
+        node[n++] = share->node_number[i];
+    }
+    PetscCall(put(f, r, n, node, x, r->x));
+    free(node);
+    free(x);
+    return 0;
+}
+
+/* ---- all of it ------------------------------------------------------------------------------ */
+
+/** In the copy at path. */
+static PetscErrorCode change(const pl_plexfile *f, const pl_share *share, const char *path, rows *r,
+                             int *done) {
+    int same = 0;
+    PetscCall(share_stretches(f, r));
+    *done = in_all(f->comm, r->n_stretches > 0 && move_rows(f, r, path, 0) == 0);
+    if (*done)
+        PetscCall(compare(f, r, &same));
+    *done = in_all(f->comm, *done && same);
+    if (*done)
+        PetscCall(fill(f, share, r));
+    *done = in_all(f->comm, *done && move_rows(f, r, path, 1) == 0);
+    return 0;
+}
+
+PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
+                                 int *done) {
+    rows r = {.n_stretches = 0};
+    PetscMPIInt rank;
+    MPI_Comm_rank(f->comm, &rank);
+    if (rank == 0 && copy_file(f->path, path) == 0)
+        find_stretches(f, path, &r);
+    const PetscErrorCode code = change(f, share, path, &r, done);
+    destroy_rows(&r);
+    return code;
+}
