@@ -564,16 +564,20 @@ int pl_plexfile_finish(int rank, const char *path, int code, planish_error *erro
 
 int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
                       planish_error *error) {
-    char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
-    int done = 0, status = name_beside(file->comm, path, error);
+    pl_plexrows rows;
+    const int status = name_beside(file->comm, path, error);
     if (status)
         return status;
-    PetscErrorCode code = pl_plexrows_write(file, share, temporary, &done);
-    if (!code && done)
-        return PLANISH_OK;
-    if (code || (code = put_coordinates(file, share)))
+    PetscErrorCode code =
+        pl_plexrows_write(file, share, pl_signals_temporary(PL_TEMPORARY_MESH), &rows);
+    if (!code && rows == PL_PLEXROWS_OTHER)
+        code = put_coordinates(file, share);
+    if (code)
         return pl_fail_petsc(error, code);
-    return write_beside(file->comm, file->dm, path, error);
+    if (rows == PL_PLEXROWS_FAILED)
+        return fail(error, PLANISH_ERROR_FILE, path, "cannot be written");
+    return rows == PL_PLEXROWS_WRITTEN ? PLANISH_OK
+                                       : write_beside(file->comm, file->dm, path, error);
 }
 
 static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,

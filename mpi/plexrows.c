@@ -224,27 +224,32 @@ static PetscErrorCode fill(const pl_plexfile *f, const pl_share *share, rows *r)
 
 /** In the copy at path. */
 static PetscErrorCode change(const pl_plexfile *f, const pl_share *share, const char *path, rows *r,
-                             int *done) {
+                             pl_plexrows *result) {
     int same = 0;
+    *result = PL_PLEXROWS_OTHER;
     PetscCall(share_stretches(f, r));
-    *done = in_all(f->comm, r->n_stretches > 0 && move_rows(f, r, path, 0) == 0);
-    if (*done)
-        PetscCall(compare(f, r, &same));
-    *done = in_all(f->comm, *done && same);
-    if (*done)
-        PetscCall(fill(f, share, r));
-    *done = in_all(f->comm, *done && move_rows(f, r, path, 1) == 0);
+    if (!in_all(f->comm, r->n_stretches > 0 && move_rows(f, r, path, 0) == 0))
+        return 0;
+    PetscCall(compare(f, r, &same));
+    if (!in_all(f->comm, same))
+        return 0;
+    PetscCall(fill(f, share, r));
+    *result =
+        in_all(f->comm, move_rows(f, r, path, 1) == 0) ? PL_PLEXROWS_WRITTEN : PL_PLEXROWS_FAILED;
     return 0;
 }
 
 PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
-                                 int *done) {
+                                 pl_plexrows *result) {
     rows r = {.n_stretches = 0};
     PetscMPIInt rank;
     MPI_Comm_rank(f->comm, &rank);
-    if (rank == 0 && copy_file(f->path, path) == 0)
+    *result = PL_PLEXROWS_FAILED;
+    if (!in_all(f->comm, rank != 0 || copy_file(f->path, path) == 0))
+        return 0;
+    if (rank == 0)
         find_stretches(f, path, &r);
-    const PetscErrorCode code = change(f, share, path, &r, done);
+    const PetscErrorCode code = change(f, share, path, &r, result);
     destroy_rows(&r);
     return code;
 }

@@ -5,10 +5,16 @@
 
 #include "plexfile.h"
 
-/** Make path a copy of the file that f was read from, with the coordinates of share. *done: 0 if
- * that is not possible, as they do not stand there in rows of doubles, are not those that f has, or
- * could not be written: path may be there then, and be anything. Collective. */
+typedef enum pl_plexrows {
+    PL_PLEXROWS_WRITTEN,
+    PL_PLEXROWS_OTHER, /* coordinates do not stand there in rows of doubles, or are not those that
+                          the mesh was read with */
+    PL_PLEXROWS_FAILED /* the file cannot be copied or written */
+} pl_plexrows;
+
+/** Make path a copy of the file that f was read from, with the coordinates of share; if that is not
+ *  possible it may be there and be anything. Collective, with the same result in all. */
 PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
-                                 int *done);
+                                 pl_plexrows *result);
 
 #endif

@@ -121,17 +121,34 @@ ROWS
 together 2 "$work/valid.h5" -o "$work/n.h5" -q || fail "valid.h5"
 $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/valid.h5" "$work/n.h5" || fail "valid.h5: more than rows"
 for name in more whole pieces packed; do
-    for n in 1 3; do
-        together $n "$work/$name.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
-            fail "$name.h5 with $n processes: $(cat "$work/err")"
-        $python "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
-            fail "$name.h5 with $n processes: other numbers"
-        [ $name = pieces ] || [ $name = packed ] ||
-            $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/$name.h5" "$work/n.h5" || fail "$name.h5: more than rows"
-        $python -c 'import sys, h5py; sys.exit("mine" not in h5py.File(sys.argv[1]))' "$work/n.h5" ||
-            [ $name = packed ] || fail "$name.h5: something is lost"
-    done
+    [ $name = whole ] && n=1 || n=3
+    together $n "$work/$name.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
+        fail "$name.h5: $(cat "$work/err")"
+    $python "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
+        fail "$name.h5: other numbers"
+    [ $name = pieces ] || [ $name = packed ] ||
+        $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/$name.h5" "$work/n.h5" || fail "$name.h5: more than rows"
+    $python -c 'import sys, h5py; sys.exit("mine" not in h5py.File(sys.argv[1]))' "$work/n.h5" ||
+        [ $name = packed ] || fail "$name.h5: something is lost"
 done
+# On a full disk nothing of it stays.
+on_full_disk() {
+    timeout 100 unshare -rm bash -c '
+        mount -t tmpfs -o size=100k none "$0" || exit 99
+        mpirun --oversubscribe -n 2 "$@"
+        status=$?
+        [ -z "$(ls -A "$0")" ] || exit 98
+        exit $status' "$work/full" "$PLANISH_MPI_PROGRAM" "$@"
+}
+mkdir "$work/full"
+if unshare -rm mount -t tmpfs none "$work/full" 2>/dev/null; then
+    on_full_disk "$work/valid.h5" -o "$work/full/n.h5" -q 2>"$work/err"
+    status=$?
+    [ $status = 2 ] && [ "$(grep -c '^planish: .*n.h5: cannot be written' "$work/err")" = 1 ] ||
+        fail "a full disk, with .h5: $status $(cat "$work/err")"
+else
+    echo "not tried: a full disk (mount)"
+fi
 cp "$work/more.h5" "$work/n.h5" # in its own place, as a link
 ln -s n.h5 "$work/link.h5"
 together 2 "$work/link.h5" -o "$work/link.h5" -q && [ -L "$work/link.h5" ] || fail "a link"
