@@ -11,6 +11,7 @@
 
 #include <petscsf.h>
 
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -112,6 +113,8 @@ static int move_bytes(int fd, char *bytes, int64_t n, int64_t offset, int writes
     while (n > 0) {
         const ssize_t done = writes ? pwrite(fd, bytes, (size_t)n, (off_t)offset)
                                     : pread(fd, bytes, (size_t)n, (off_t)offset);
+        if (done < 0 && errno == EINTR)
+            continue;
         if (done <= 0)
             return -1;
         bytes += done;
