@@ -18,20 +18,6 @@
 
 enum { AHEAD = 3 * PL_LANES }; /* elements whose nodes are asked for before they are needed */
 
-/** The vertices of two lanes, which are stored together. */
-PL_INLINE void gather_two(const pl_mesh_state *mesh, const int32_t *one, const int32_t *two, int l,
-                          pl_block *b, const int dim) {
-    for (int j = 0; j <= dim; j++) {
-        const double *p = mesh->coordinates + (int64_t)one[j] * dim;
-        const double *q = mesh->coordinates + (int64_t)two[j] * dim;
-        for (int d = 0; d < dim; d++) {
-            const double x = p[d], y = q[d];
-            b->x[j][d][l] = x;
-            b->x[j][d][l + 1] = y;
-        }
-    }
-}
-
 PL_INLINE int has_free_node(const pl_mesh_state *mesh, const int32_t *node, const int dim) {
     int is_free = 0;
     for (int j = 0; j <= dim; j++)
@@ -44,12 +30,12 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
     const int32_t *node[PL_LANES];
     for (int l = 0; l < PL_LANES && first + AHEAD + l < mesh->n_elements; l++)
         pl_fetch_nodes(dim, mesh->elements, mesh->coordinates, first + AHEAD + l);
-    for (int l = 0; l < PL_LANES; l++)
-        node[l] = mesh->elements + (first + (l < count ? l : 0)) * (dim + 1);
-    for (int l = 0; l < PL_LANES; l += 2)
-        gather_two(mesh, node[l], node[l + 1], l, b, dim);
     for (int l = 0; l < PL_LANES; l++) {
         const int64_t element = first + (l < count ? l : 0);
+        node[l] = mesh->elements + element * (dim + 1);
+        for (int j = 0; j <= dim; j++)
+            for (int d = 0; d < dim; d++)
+                b->x[j][d][l] = mesh->coordinates[(int64_t)node[l][j] * dim + d];
         b->sign[l] = mesh->sign ? mesh->sign[element] : 1;
         b->present[l] = l < count;
     }
