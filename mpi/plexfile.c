@@ -437,10 +437,8 @@ int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
 
 /* ---- writing -------------------------------------------------------------------------------- */
 
-/** From numbers, of which each process has those from its begin to the next, to the nodes of share
- *  that this process moves; node 0 has the number base. */
-static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, const int64_t *begin,
-                                  int64_t base, PetscSF *sf) {
+/** From the file's points to the nodes of share that this process moves. */
+static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, PetscSF *sf) {
     PetscInt *leaf = NULL, n = 0;
     PetscSFNode *root = NULL;
     PetscMPIInt n_ranks, rank;
@@ -449,16 +447,16 @@ static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, c
     PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &leaf));
     PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &root));
     for (int64_t i = 0, k = 0; i < share->mesh.n_nodes; i++) {
-        const int64_t number = share->node_number[i] + base;
+        const int64_t number = share->node_number[i] + f->first_node;
         if (share->role[i] == PLANISH_GHOST)
             continue;
-        while (begin[k + 1] <= number) /* numbers ascend */
+        while (f->begin[k + 1] <= number) /* numbers ascend */
             k++;
         leaf[n] = (PetscInt)i;
-        root[n++] = (PetscSFNode){.rank = (PetscInt)k, .index = (PetscInt)(number - begin[k])};
+        root[n++] = (PetscSFNode){.rank = (PetscInt)k, .index = (PetscInt)(number - f->begin[k])};
     }
     PetscCall(PetscSFCreate(f->comm, sf));
-    return PetscSFSetGraph(*sf, (PetscInt)(begin[rank + 1] - begin[rank]), n, leaf,
+    return PetscSFSetGraph(*sf, (PetscInt)(f->begin[rank + 1] - f->begin[rank]), n, leaf,
                            PETSC_OWN_POINTER, root, PETSC_OWN_POINTER);
 }
 
@@ -482,25 +480,20 @@ static PetscErrorCode put_coordinates(pl_plexfile *f, const pl_share *share) {
     PetscScalar *x;
     PetscSection section;
     MPI_Comm_rank(f->comm, &rank);
-    PetscCall(lead_to_own(f, share, f->begin, f->first_node, &own));
+    PetscCall(lead_to_own(f, share, &own));
     PetscCall(DMPlexGetChart(f->dm, NULL, &point_last));
     double *of_file = pl_new_array((f->begin[rank + 1] - f->begin[rank]) * f->dim, sizeof *of_file);
     double *of_points = pl_new_array((int64_t)point_last * f->dim, sizeof *of_points);
     PetscCheck(of_file && of_points, PETSC_COMM_SELF, PETSC_ERR_MEM, "Coordinates");
     PetscCall(DMPlexGetDepthStratum(f->dm, 0, &first, &last));
-    PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
-    PetscCall(DMGetCoordinateSection(f->dm, &section));
-    PetscCall(VecGetArray(vector, &x));
-    for (PetscInt i = first; i < last; i++) {
-        PetscInt at;
-        PetscCall(PetscSectionGetOffset(section, i, &at));
-        for (int d = 0; d < f->dim; d++)
-            of_points[(int64_t)i * f->dim + d] = x[at + d];
-    }
+    PetscCall(take_coordinates(f, first, last, of_points + (int64_t)first * f->dim));
     /* Where they were, as nodes of no element belong to no process; then where they are. */
     PetscCall(put_rows(f, f->load, of_points, of_file));
     PetscCall(put_rows(f, own, share->coordinates, of_file));
     PetscCall(pl_bring(f->load, MPI_DOUBLE, f->dim, of_file, of_points));
+    PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
+    PetscCall(DMGetCoordinateSection(f->dm, &section));
+    PetscCall(VecGetArray(vector, &x));
     for (PetscInt i = first; i < last; i++) {
         PetscInt at;
         PetscCall(PetscSectionGetOffset(section, i, &at));

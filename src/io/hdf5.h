@@ -104,9 +104,9 @@ int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place);
 /** After all coordinates: tell the model their places. */
 int io_hdf5_coordinates_end(io_hdf5 *file);
 
-/** Where rows [n][width], or [n width], of doubles stand in the HDF5 file at path, whatever it is, as
- *  they are in memory: *span [*n_spans], to be released by pl_free, in which nodes are rows; none if they do
- * not stand there like that, or there is no such dataset. */
+/** Where rows [n][width], or [n width], of doubles stand in the HDF5 file at path, whatever it is,
+ *  as they are in memory: *span [*n_spans], to be released by pl_free, in which nodes are rows.
+ * None if they do not stand there like that, or there is no such dataset. */
 int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
                       int64_t *n_spans, planish_error *error);
 

@@ -266,8 +266,8 @@ static int find_rows(io_hdf5 *file, const io_hdf5_place *place, io_span **span, 
     hdf5_dataset d;
     io_span like = {0};
     int status = hdf5_dataset_open(file, place->path, &d);
-    const int has_width = d.shape.rank == 1 || d.shape.dims[1] == place->n_components;
-    if (!status && has_width && d.shape.n == file->model->n_nodes * place->n_components)
+    if (!status && (d.shape.rank == 1 || d.shape.dims[1] == place->n_components) &&
+        d.shape.n == file->model->n_nodes * place->n_components)
         status = take_encoding(file, place->path, d.type, &like);
     if (!status && like.encoding == IO_FLOAT64 && !like.swapped)
         status = add_places(file, place, &d, like);
