@@ -5,6 +5,7 @@
 #include "large.h"
 
 #include "plexfile.h"
+#include "plexrows.h"
 #include "surface.h"
 
 #include "message.h"
@@ -15,6 +16,7 @@
 #include "text.h"
 
 #include "base/clock.h"
+#include "base/system.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -38,26 +40,29 @@ typedef struct work {
 
 /* ---- the command line ----------------------------------------------------------------------- */
 
-/** What needs names of groups, or looks at all of the mesh; NULL: nothing. */
-static const char *impossible(const pl_arguments *a) {
-    return a->n_fix > 0 || a->fix_layers ? "--fix"
-           : a->n_slide_tags > 0         ? "--slide with names"
-           : a->n_min_volumes > 0        ? "--min-volume of a group"
-           : a->n_worst > 0              ? "--worst"
-           : a->report                   ? "--report"
-           : a->format                   ? "--format"
-                                         : NULL;
+/** What needs names of groups, or looks at all of the mesh. */
+static int asks_for_all(const pl_arguments *a) {
+    return a->n_fix > 0 || a->fix_layers || a->n_slide_tags > 0 || a->n_min_volumes > 0 ||
+           a->report || (a->format && strcmp(a->format, "dmplex") != 0);
 }
 
-static int check_arguments(const pl_arguments *a) {
-    if (impossible(a))
-        return pl_complain_usage("smooth", "%s is not possible with a file of PETSc, '%s'",
-                                 impossible(a), a->input);
-    if (!pl_plexfile_is(a->output))
-        return pl_complain_usage(
-            "smooth", "'%s' does not have the extension of the input's format, .h5", a->output);
-    return pl_output_check_all(a);
+/** Whether the mesh is too large for the first process; or what PETSC_OPTIONS say. */
+static int wants_parts(const char *path) {
+    enum { SHARE = 4 }; /* of the memory: a mesh takes about two times its file there */
+    PetscBool wants = PETSC_FALSE, is_given = PETSC_FALSE;
+    pl_file_status status;
+    PetscOptionsGetBool(NULL, NULL, "-planish_in_parts", &wants, &is_given);
+    return is_given ? wants == PETSC_TRUE
+                    : pl_file_find(path, &status) == 0 && status.size > pl_system_memory() / SHARE;
 }
+
+int pl_large_can(const pl_arguments *a) {
+    pl_plexform form;
+    return pl_plexfile_is(a->input) && pl_plexfile_is(a->output) && !asks_for_all(a) &&
+           wants_parts(a->input) && pl_plexrows_can(a->input, &form);
+}
+
+/* ---- what the first process says ------------------------------------------------------------ */
 
 /** The first process's text, in all; owned. */
 static char *share_text(const pl_crew *crew, const char *text) {
@@ -123,7 +128,15 @@ static int take_rest(work *w) {
 
 static int read_mesh(work *w) {
     const double begin = pl_seconds();
-    int code = pl_plexfile_read(&w->file, w->crew->exchange_comm, w->input, &w->error);
+    pl_plexform form = {.dim = 0};
+    const int can = !w->arguments || pl_plexrows_can(w->input, &form);
+    w->error = (planish_error){PLANISH_ERROR_FILE, -1, -1, ""};
+    snprintf(w->error.text, sizeof w->error.text, "%s: has been changed meanwhile", w->input);
+    int code = pl_crew_agree(w->crew, can ? PLANISH_OK : PLANISH_ERROR_FILE, &w->error);
+    if (code)
+        return code;
+    MPI_Bcast(&form, sizeof form, MPI_BYTE, 0, w->crew->comm);
+    code = pl_plexfile_read(&w->file, w->crew->exchange_comm, w->input, &form, &w->error);
     w->crew->is_broken = w->file.is_broken;
     code = pl_crew_agree(w->crew, code, &w->error);
     if (!code)
@@ -161,25 +174,80 @@ static int measure(work *w, planish_quality *quality) {
     return code;
 }
 
+/** Room for states of this process's elements; NULL with w->error. */
+static uint8_t *make_states(work *w) {
+    w->error =
+        (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the states of elements"};
+    return pl_new_array(w->crew->share.mesh.n_elements, 1);
+}
+
+/** States of this process's elements, owned by the caller; NULL: no least volume was asked for. */
+static int check_volumes(work *w, const planish_options *o, uint8_t **state) {
+    const pl_share *share = &w->crew->share;
+    int64_t n;
+    *state = NULL;
+    if (!(o->min_volume > 0) && !(o->min_volume_fraction > 0))
+        return PLANISH_OK;
+    *state = make_states(w);
+    const int code =
+        *state ? planish_check_volumes(w->crew->plan, share->coordinates, o, *state, &n, &w->error)
+               : PLANISH_ERROR_MEMORY;
+    return pl_crew_agree(w->crew, code, &w->error);
+}
+
 /** Elements below their least volume, of all processes. */
 static int count_below(work *w, int64_t *n_below) {
     const pl_share *share = &w->crew->share;
-    const planish_options *o = &w->options;
-    int64_t n;
+    uint8_t *state;
+    const int code = check_volumes(w, &w->options, &state);
     *n_below = 0;
-    if (!(o->min_volume > 0) && !(o->min_volume_fraction > 0))
-        return PLANISH_OK;
-    uint8_t *state = pl_new_array(share->mesh.n_elements, 1);
-    int code = PLANISH_ERROR_MEMORY;
-    w->error = (planish_error){code, -1, -1, "out of memory for the states of elements"};
-    if (state)
-        code = planish_check_volumes(w->crew->plan, share->coordinates, o, state, &n, &w->error);
-    for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
+    for (int64_t i = 0; !code && state && i < share->mesh.n_elements; i++)
         *n_below += share->is_counted[i] && state[i] != PLANISH_VOLUME_MET;
     free(state);
-    code = pl_crew_agree(w->crew, code, &w->error);
+    MPI_Allreduce(MPI_IN_PLACE, n_below, 1, MPI_INT64_T, MPI_SUM, w->crew->comm);
+    return code;
+}
+
+/** One element that a process has something to say of. */
+typedef struct said {
+    int64_t number;
+    int64_t state;
+} said;
+
+/** What the processes say of elements, in the first one: state [n_elements] of all, or NULL: all
+ * are 0. mine: of this process's part; of what several say the largest is right. */
+static int gather_states(work *w, const uint8_t *mine, uint8_t **state) {
+    const pl_crew *crew = w->crew;
+    const pl_share *share = &crew->share;
+    const int is_first = crew->rank == 0;
+    int n = 0, total = 0;
+    int *count = pl_new_array(crew->n_ranks, sizeof *count);
+    int *at = pl_new_array(crew->n_ranks + 1, sizeof *at);
+    said *from = pl_new_array(share->mesh.n_elements, sizeof *from);
+    for (int64_t i = 0; from && i < share->mesh.n_elements; i++)
+        if (mine[i])
+            from[n++] = (said){share->element_number[i], mine[i]};
+    int code = count && at && from ? PLANISH_OK : PLANISH_ERROR_MEMORY;
+    n *= 2;
+    MPI_Gather(&n, 1, MPI_INT, count, 1, MPI_INT, 0, crew->comm);
+    for (int k = 0; !code && is_first && k < crew->n_ranks; k++)
+        at[k + 1] = total += count[k];
+    said *all = pl_new_array(total, sizeof *all);
+    *state = is_first && total > 0 ? pl_new_array(w->file.n_elements, 1) : NULL;
+    if (!all || (total > 0 && !*state))
+        code = PLANISH_ERROR_MEMORY;
+    w->error =
+        (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the states of elements"};
+    code = pl_crew_agree(crew, code, &w->error);
     if (!code)
-        MPI_Allreduce(MPI_IN_PLACE, n_below, 1, MPI_INT64_T, MPI_SUM, w->crew->comm);
+        MPI_Gatherv(from, n, MPI_INT64_T, all, count, at, MPI_INT64_T, 0, crew->comm);
+    for (int i = 0; !code && i < total / 2; i++)
+        if (all[i].state > (*state)[all[i].number])
+            (*state)[all[i].number] = (uint8_t)all[i].state;
+    free(count);
+    free(at);
+    free(from);
+    free(all);
     return code;
 }
 
@@ -189,9 +257,49 @@ static int smooth(work *w) {
         pl_signals_install_stop();
     const int code =
         pl_crew_smooth(w->crew, &w->options, &w->result.smooth, &w->job.traffic, &w->error);
-    w->result.volumes = (pl_volumes){.least = w->result.smooth.min_volume,
-                                     .n_below = w->result.smooth.below_min_volume};
     w->result.smooth_seconds = pl_seconds() - begin;
+    return code;
+}
+
+/** Which elements are below their least volume in the end, as pl_volumes_find has it. */
+static int find_volumes(work *w) {
+    pl_volumes *volumes = &w->result.volumes;
+    planish_options options = w->options;
+    uint8_t *state;
+    *volumes = (pl_volumes){.least = w->result.smooth.min_volume};
+    if (!(options.min_volume > 0) && !(options.min_volume_fraction > 0))
+        return PLANISH_OK;
+    options.min_volume = volumes->least; /* the fraction was of the volume before */
+    options.min_volume_fraction = 0;
+    int code = check_volumes(w, &options, &state);
+    if (!code && state)
+        code = gather_states(w, state, &volumes->state);
+    for (int64_t i = 0; volumes->state && i < w->file.n_elements; i++) {
+        volumes->n_below += volumes->state[i] != PLANISH_VOLUME_MET;
+        volumes->n_infeasible += volumes->state[i] == PLANISH_VOLUME_INFEASIBLE;
+    }
+    free(state);
+    return code;
+}
+
+/** Which inverted elements nothing can mend, as pl_unfixable_find has it. */
+static int find_unfixable(work *w) {
+    pl_unfixable *unfixable = &w->result.unfixable;
+    const pl_crew *crew = w->crew;
+    int64_t n;
+    *unfixable = (pl_unfixable){0};
+    if (w->result.after.inverted == 0)
+        return PLANISH_OK;
+    uint8_t *state = make_states(w);
+    int code =
+        state ? planish_find_unfixable(crew->plan, crew->share.coordinates, state, &n, &w->error)
+              : PLANISH_ERROR_MEMORY;
+    code = pl_crew_agree(crew, code, &w->error);
+    if (!code)
+        code = gather_states(w, state, &unfixable->state);
+    for (int64_t i = 0; unfixable->state && i < w->file.n_elements; i++)
+        unfixable->n += unfixable->state[i] != 0;
+    free(state);
     return code;
 }
 
@@ -205,8 +313,12 @@ static int check_promises(work *w) {
 static int write_mesh(work *w) {
     const double begin = pl_seconds();
     pl_crew *crew = w->crew;
-    int code = pl_crew_agree(crew, pl_plexfile_write(&w->file, &crew->share, w->output, &w->error),
-                             &w->error);
+    uint64_t checksums[2] = {0};
+    int code = pl_crew_agree(
+        crew, pl_plexfile_write(&w->file, &crew->share, w->output, checksums, &w->error),
+        &w->error);
+    w->result.input_checksum = checksums[0];
+    w->result.checksum = checksums[1];
     crew->is_broken = code != 0;
     code =
         pl_crew_agree(crew, pl_plexfile_finish(crew->rank, w->output, code, &w->error), &w->error);
@@ -240,6 +352,8 @@ static int do_steps(work *w, int *status) {
     enter(w, PL_PHASE_CHECKING);
     if ((code = measure(w, &w->result.after)))
         return code;
+    if ((code = find_volumes(w)) || (code = find_unfixable(w)))
+        return code;
     if ((*status = check_promises(w)))
         return PLANISH_OK;
     enter(w, PL_PHASE_WRITING);
@@ -263,7 +377,7 @@ static int tell(work *w, int code, int status) {
 
 int pl_large_smooth(pl_crew *crew, const pl_arguments *arguments) {
     work w = {.crew = crew, .arguments = arguments, .job = {.arguments = arguments}};
-    int status = arguments ? check_arguments(arguments) : 0;
+    int status = arguments ? pl_output_check_all(arguments) : 0;
     MPI_Bcast(&status, 1, MPI_INT, 0, crew->comm);
     if (status)
         return status;
@@ -276,6 +390,8 @@ int pl_large_smooth(pl_crew *crew, const pl_arguments *arguments) {
     if (arguments)
         status = tell(&w, code, status);
     pl_plexfile_close(&w.file);
+    pl_volumes_free(&w.result.volumes);
+    pl_unfixable_free(&w.result.unfixable);
     pl_progress_free(&w.progress);
     free(w.input);
     free(w.output);

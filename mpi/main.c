@@ -1,7 +1,6 @@
 /* main: planish-mpi, the program for meshes that MPI processes share. */
 #define _GNU_SOURCE /* affinity */
 #include "large.h"
-#include "plexfile.h"
 
 #include "commands.h"
 #include "help.h"
@@ -25,7 +24,7 @@
 typedef struct start {
     int status;   /* of a command line that asks for no work, else -1 */
     int threads;  /* that the command line asks for, for each process, or 0 */
-    int is_large; /* the mesh is in a file of PETSc's */
+    int is_large; /* no process needs to have all of the mesh */
 } start;
 
 static int print_version(void) {
@@ -58,7 +57,7 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
     else if (!s.status)
         s.status = -1;
     s.threads = arguments->library.threads;
-    s.is_large = s.status < 0 && pl_plexfile_is(arguments->input);
+    s.is_large = s.status < 0 && pl_large_can(arguments);
     return s;
 }
 

@@ -20,6 +20,9 @@
 /* What DMPlex, and those who give it meshes, call the regions of elements. */
 static const char regions[] = "Cell Sets";
 
+/* The name of a mesh in PETSc's own file, where that does not have it, and in those made here. */
+static const char own_name[] = "plex";
+
 int pl_plexfile_is(const char *path) {
     static const char extension[] = ".h5";
     const size_t length = strlen(path), n = sizeof extension - 1;
@@ -57,17 +60,11 @@ static PetscErrorCode open_viewer(MPI_Comm comm, const char *path, PetscFileMode
 
 /* ---- reading -------------------------------------------------------------------------------- */
 
-static PetscErrorCode find_name(char *name, size_t size) {
-    PetscBool is_given;
-    PetscCall(PetscStrncpy(name, "plex", size));
-    return PetscOptionsGetString(NULL, NULL, "-dm_plex_name", name, size, &is_given);
-}
-
 static PetscErrorCode load(pl_plexfile *f, PetscViewer viewer) {
     DMLabel types;
     PetscCall(DMCreate(f->comm, &f->dm));
     PetscCall(DMSetType(f->dm, DMPLEX));
-    PetscCall(PetscObjectSetName((PetscObject)f->dm, f->name));
+    PetscCall(PetscObjectSetName((PetscObject)f->dm, f->form.name[0] ? f->form.name : own_name));
     PetscCall(DMPlexTopologyLoad(f->dm, viewer, &f->load));
     PetscCall(DMPlexCoordinatesLoad(f->dm, viewer, f->load));
     PetscCall(DMPlexLabelsLoad(f->dm, viewer, f->load));
@@ -112,7 +109,6 @@ static PetscErrorCode measure(pl_plexfile *f) {
 
 static PetscErrorCode read_all(pl_plexfile *f, const char *path) {
     PetscViewer viewer;
-    PetscCall(find_name(f->name, sizeof f->name));
     PetscCall(open_viewer(f->comm, path, FILE_MODE_READ, &viewer));
     /* Where that fails, perhaps in one process alone, HDF5 cannot be closed: it would wait. */
     PetscCall(load(f, viewer));
@@ -148,26 +144,15 @@ static int check(pl_plexfile *f, const char *path, planish_error *error) {
                : fail(error, PLANISH_ERROR_FORMAT, path, "has more than 2147483647 elements");
 }
 
-int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, planish_error *error) {
-    FILE *stream = fopen(path, "rb"); /* HDF5 says in a page what this says in a line */
-    char signature[8] = "";
-    const int is_hdf5 = stream &&
-                        fread(signature, 1, sizeof signature, stream) == sizeof signature &&
-                        memcmp(signature, "\211HDF\r\n\032\n", sizeof signature) == 0;
-    *file = (pl_plexfile){.comm = comm, .path = path};
-    if (stream)
-        fclose(stream);
-    if (!is_hdf5)
-        return fail(error, stream ? PLANISH_ERROR_FORMAT : PLANISH_ERROR_FILE, path,
-                    stream ? "is no HDF5 file" : "cannot be opened");
+int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, const pl_plexform *form,
+                     planish_error *error) {
+    *file = (pl_plexfile){.comm = comm, .path = path, .form = *form};
     const int before = keep_silent();
     const PetscErrorCode code = read_all(file, path);
     speak(before);
     file->is_broken = code != 0;
     if (code)
-        return fail(error, PLANISH_ERROR_FORMAT, path,
-                    "has no mesh of PETSc's DMPlex of the name 'plex', or it cannot be read; "
-                    "PETSC_OPTIONS='-dm_plex_name NAME' says another name");
+        return fail(error, PLANISH_ERROR_FORMAT, path, "cannot be read by PETSc");
     return check(file, path, error);
 }
 
@@ -437,78 +422,6 @@ int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error) {
 
 /* ---- writing -------------------------------------------------------------------------------- */
 
-/** From the file's points to the nodes of share that this process moves. */
-static PetscErrorCode lead_to_own(const pl_plexfile *f, const pl_share *share, PetscSF *sf) {
-    PetscInt *leaf = NULL, n = 0;
-    PetscSFNode *root = NULL;
-    PetscMPIInt n_ranks, rank;
-    MPI_Comm_size(f->comm, &n_ranks);
-    MPI_Comm_rank(f->comm, &rank);
-    PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &leaf));
-    PetscCall(PetscMalloc1((size_t)share->mesh.n_nodes + 1, &root));
-    for (int64_t i = 0, k = 0; i < share->mesh.n_nodes; i++) {
-        const int64_t number = share->node_number[i] + f->first_node;
-        if (share->role[i] == PLANISH_GHOST)
-            continue;
-        while (f->begin[k + 1] <= number) /* numbers ascend */
-            k++;
-        leaf[n] = (PetscInt)i;
-        root[n++] = (PetscSFNode){.rank = (PetscInt)k, .index = (PetscInt)(number - f->begin[k])};
-    }
-    PetscCall(PetscSFCreate(f->comm, sf));
-    return PetscSFSetGraph(*sf, (PetscInt)(f->begin[rank + 1] - f->begin[rank]), n, leaf,
-                           PETSC_OWN_POINTER, root, PETSC_OWN_POINTER);
-}
-
-/** Coordinates [.][dim] from sf's leaves to its roots. */
-static PetscErrorCode put_rows(const pl_plexfile *f, PetscSF sf, const double *x, double *to) {
-    MPI_Datatype row;
-    MPI_Type_contiguous(f->dim, MPI_DOUBLE, &row);
-    MPI_Type_commit(&row);
-    PetscCall(PetscSFReduceBegin(sf, row, x, to, MPI_REPLACE));
-    PetscCall(PetscSFReduceEnd(sf, row, x, to, MPI_REPLACE));
-    MPI_Type_free(&row);
-    return 0;
-}
-
-/** The coordinates of share to dm: by the file's points, as several processes may have a node. */
-static PetscErrorCode put_coordinates(pl_plexfile *f, const pl_share *share) {
-    PetscSF own;
-    PetscMPIInt rank;
-    PetscInt first, last, point_last;
-    Vec vector;
-    PetscScalar *x;
-    PetscSection section;
-    MPI_Comm_rank(f->comm, &rank);
-    PetscCall(lead_to_own(f, share, &own));
-    PetscCall(DMPlexGetChart(f->dm, NULL, &point_last));
-    double *of_file = pl_new_array((f->begin[rank + 1] - f->begin[rank]) * f->dim, sizeof *of_file);
-    double *of_points = pl_new_array((int64_t)point_last * f->dim, sizeof *of_points);
-    PetscCheck(of_file && of_points, PETSC_COMM_SELF, PETSC_ERR_MEM, "Coordinates");
-    PetscCall(DMPlexGetDepthStratum(f->dm, 0, &first, &last));
-    PetscCall(take_coordinates(f, first, last, of_points + (int64_t)first * f->dim));
-    /* Where they were, as nodes of no element belong to no process; then where they are. */
-    PetscCall(put_rows(f, f->load, of_points, of_file));
-    PetscCall(put_rows(f, own, share->coordinates, of_file));
-    PetscCall(pl_bring(f->load, MPI_DOUBLE, f->dim, of_file, of_points));
-    PetscCall(DMGetCoordinatesLocal(f->dm, &vector));
-    PetscCall(DMGetCoordinateSection(f->dm, &section));
-    PetscCall(VecGetArray(vector, &x));
-    for (PetscInt i = first; i < last; i++) {
-        PetscInt at;
-        PetscCall(PetscSectionGetOffset(section, i, &at));
-        for (int d = 0; d < f->dim; d++)
-            x[at + d] = of_points[(int64_t)i * f->dim + d];
-    }
-    PetscCall(VecRestoreArray(vector, &x));
-    PetscCall(PetscObjectReference((PetscObject)vector));
-    PetscCall(DMSetCoordinatesLocal(f->dm, vector));
-    PetscCall(VecDestroy(&vector));
-    free(of_file);
-    free(of_points);
-    return PetscSFDestroy(&own);
-}
-
 static PetscErrorCode view(MPI_Comm comm, DM dm, const char *path) {
     PetscViewer viewer;
     PetscCall(open_viewer(comm, path, FILE_MODE_WRITE, &viewer));
@@ -556,21 +469,16 @@ int pl_plexfile_finish(int rank, const char *path, int code, planish_error *erro
 }
 
 int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
-                      planish_error *error) {
-    pl_plexrows rows;
+                      uint64_t *checksums, planish_error *error) {
+    int is_written = 0;
     const int status = name_beside(file->comm, path, error);
     if (status)
         return status;
-    PetscErrorCode code =
-        pl_plexrows_write(file, share, pl_signals_temporary(PL_TEMPORARY_MESH), &rows);
-    if (!code && rows == PL_PLEXROWS_OTHER)
-        code = put_coordinates(file, share);
+    const PetscErrorCode code = pl_plexrows_write(
+        file, share, pl_signals_temporary(PL_TEMPORARY_MESH), checksums, &is_written);
     if (code)
         return pl_fail_petsc(error, code);
-    if (rows == PL_PLEXROWS_FAILED)
-        return fail(error, PLANISH_ERROR_FILE, path, "cannot be written");
-    return rows == PL_PLEXROWS_WRITTEN ? PLANISH_OK
-                                       : write_beside(file->comm, file->dm, path, error);
+    return is_written ? PLANISH_OK : fail(error, PLANISH_ERROR_FILE, path, "cannot be written");
 }
 
 static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
@@ -578,7 +486,6 @@ static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const 
     static const planish_mesh nothing = {.dim = 0};
     const planish_mesh *w = whole ? whole : &nothing;
     int dim = w->n_elements * (w->dim + 1) + w->n_nodes > PETSC_MAX_INT ? -1 : w->dim;
-    char name[256];
     PetscInt *corner;
     MPI_Bcast(&dim, 1, MPI_INT, 0, comm);
     if (dim < 0)
@@ -594,8 +501,7 @@ static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const 
     PetscCall(DMCreateLabel(*dm, regions));
     for (int64_t i = 0; region && i < w->n_elements; i++)
         PetscCall(DMSetLabelValue(*dm, regions, (PetscInt)i, region[i]));
-    PetscCall(find_name(name, sizeof name));
-    return PetscObjectSetName((PetscObject)*dm, name);
+    return PetscObjectSetName((PetscObject)*dm, own_name);
 }
 
 int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,

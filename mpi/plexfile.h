@@ -6,6 +6,13 @@
 
 #include "share.h"
 
+/** What has to be known of a file before PETSc can read it. */
+typedef struct pl_plexform {
+    int dim;
+    char name[256];         /* of the mesh; "": the file's form has none */
+    char coordinates[1024]; /* path of their dataset */
+} pl_plexform;
+
 /** A mesh as it was read: each process has some of it. Everything is owned. */
 typedef struct pl_plexfile {
     MPI_Comm comm;    /* the caller's, */
@@ -15,7 +22,7 @@ typedef struct pl_plexfile {
     int64_t *begin; /* [ranks + 1] of these stretches */
     int64_t n_elements, n_nodes, first_node; /* of all; the file's point of node 0 */
     int dim;
-    char name[256];     /* of the mesh in the file */
+    pl_plexform form;
     int ignore_regions; /* nodes between regions may move; the caller's to set before it is cut, */
     int slides;         /* as this: they are not held; pieces get the regions */
     int is_broken;      /* it could not be read, and HDF5 cannot be left in peace */
@@ -24,9 +31,10 @@ typedef struct pl_plexfile {
 /** Whether path is that of such a file: by its extension. */
 int pl_plexfile_is(const char *path);
 
-/** Read the mesh at path; its name there is that of the option -dm_plex_name in PETSC_OPTIONS, or
- *  "plex". Collective; to be closed in any case. Returns 0, or a planish_status with *error. */
-int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, planish_error *error);
+/** Read the mesh at path, a file of that form. Collective; to be closed in any case. Returns 0, or
+ *  a planish_status with *error. */
+int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, const pl_plexform *form,
+                     planish_error *error);
 void pl_plexfile_close(pl_plexfile *file);
 
 /** The nodes of dm: their numbers [n] and coordinates [n][dim] as they were read, to be freed. A
@@ -36,13 +44,15 @@ PetscErrorCode pl_plexfile_nodes(const pl_plexfile *file, int64_t *n, int64_t **
 /** Cut it into pieces. Collective; piece is to be destroyed in any case. */
 int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error);
 
-/** Write the mesh with the coordinates of share to a file beside path. Collective; it may fail in
- *  some processes alone. */
+/** Write the mesh with the coordinates of share to a file beside path: a copy in which they alone
+ * are others. checksums [2]: what planish_checksum says of the mesh before and after, in the first
+ *  process; NULL: not wanted. Collective; it may fail in some processes alone. */
 int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
-                      planish_error *error);
+                      uint64_t *checksums, planish_error *error);
 
-/** Likewise whole, which the first process has (the others: NULL), with the region [n_elements] of
- *  each element, or NULL: there are none. */
+/** Write whole, which the first process has (the others: NULL), as PETSc does to a file beside
+ * path, with the region [n_elements] of each element, or NULL: there are none. Likewise collective.
+ */
 int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
                         const char *path, planish_error *error);
 

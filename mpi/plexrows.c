@@ -6,8 +6,9 @@
  */
 #include "plexrows.h"
 
+#include "base/checksum.h"
 #include "base/memory.h"
-#include "io/hdf5.h"
+#include "io/plex.h"
 
 #include <petscsf.h>
 
@@ -17,10 +18,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-/* As DMView of PETSc 3.18 writes them, and with -dm_plex_view_hdf5_storage_version 2.0.0. */
-static const char *const datasets[] = {
-    "/geometry/vertices", "/topologies/%s/dms/coordinateDM/vecs/coordinates/coordinates"};
 
 /** Rows that stand one after another. */
 typedef struct stretch {
@@ -69,21 +66,33 @@ static int copy_file(const char *from, const char *to) {
 
 /** In the first process. */
 static void find_stretches(const pl_plexfile *f, const char *path, rows *r) {
-    io_span *span = NULL;
-    int64_t n = 0;
+    io_span *span;
+    int64_t n;
     planish_error error;
-    for (int i = 0; i < (int)(sizeof datasets / sizeof *datasets) && n == 0; i++) {
-        char dataset[sizeof f->name + 64];
-        pl_free(span);
-        snprintf(dataset, sizeof dataset, datasets[i], f->name);
-        if (io_hdf5_find_rows(path, dataset, f->n_nodes, f->dim, &span, &n, &error))
-            n = 0;
-    }
+    if (io_hdf5_find_rows(path, f->form.coordinates, f->n_nodes, f->dim, &span, &n, &error))
+        n = 0;
     r->stretch = pl_new_array(n, sizeof *r->stretch);
     r->n_stretches = r->stretch ? n : 0;
     for (int64_t i = 0; i < r->n_stretches; i++)
         r->stretch[i] = (stretch){span[i].first_node, span[i].n_nodes, span[i].offset};
     pl_free(span);
+}
+
+int pl_plexrows_can(const char *path, pl_plexform *form) {
+    io_plex_outline o;
+    io_span *span = NULL;
+    int64_t n = 0;
+    planish_error error;
+    const int newest = PETSC_VERSION_LT(3, 19, 0) ? 2 : 3; /* that this PETSc can read */
+    if (io_plex_outline_of(path, &o, &error) || o.version > newest || o.columns != o.dim ||
+        o.has_other_labels ||
+        io_hdf5_find_rows(path, o.coordinates, o.n_nodes, o.dim, &span, &n, &error))
+        return 0;
+    pl_free(span);
+    form->dim = o.dim;
+    snprintf(form->name, sizeof form->name, "%s", o.name);
+    snprintf(form->coordinates, sizeof form->coordinates, "%s", o.coordinates);
+    return n > 0;
 }
 
 /** What the first process has found, in all; and who has which rows. */
@@ -225,34 +234,53 @@ static PetscErrorCode fill(const pl_plexfile *f, const pl_share *share, rows *r)
 
 /* ---- all of it ------------------------------------------------------------------------------ */
 
+/** Of all rows, one process after another: the last one tells the first. */
+static uint64_t add_up(const pl_plexfile *f, const rows *r) {
+    enum { TAG = 1 };
+    PetscMPIInt n_ranks, rank;
+    uint64_t sum = 0;
+    MPI_Comm_size(f->comm, &n_ranks);
+    MPI_Comm_rank(f->comm, &rank);
+    if (rank > 0)
+        MPI_Recv(&sum, 1, MPI_UINT64_T, rank - 1, TAG, f->comm, MPI_STATUS_IGNORE);
+    for (int64_t i = 0; i < r->n * f->dim; i++)
+        sum = pl_checksum_add(sum, r->x[i], (int)(i % f->dim));
+    if (rank < n_ranks - 1)
+        MPI_Send(&sum, 1, MPI_UINT64_T, rank + 1, TAG, f->comm);
+    MPI_Bcast(&sum, 1, MPI_UINT64_T, n_ranks - 1, f->comm);
+    return sum;
+}
+
 /** In the copy at path. */
 static PetscErrorCode change(const pl_plexfile *f, const pl_share *share, const char *path, rows *r,
-                             pl_plexrows *result) {
+                             uint64_t *checksums, int *is_written) {
     int same = 0;
-    *result = PL_PLEXROWS_OTHER;
     PetscCall(share_stretches(f, r));
     if (!in_all(f->comm, r->n_stretches > 0 && move_rows(f, r, path, 0) == 0))
         return 0;
     PetscCall(compare(f, r, &same));
     if (!in_all(f->comm, same))
         return 0;
+    if (checksums)
+        checksums[0] = add_up(f, r);
     PetscCall(fill(f, share, r));
-    *result =
-        in_all(f->comm, move_rows(f, r, path, 1) == 0) ? PL_PLEXROWS_WRITTEN : PL_PLEXROWS_FAILED;
+    if (checksums)
+        checksums[1] = add_up(f, r);
+    *is_written = in_all(f->comm, move_rows(f, r, path, 1) == 0);
     return 0;
 }
 
 PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
-                                 pl_plexrows *result) {
+                                 uint64_t *checksums, int *is_written) {
     rows r = {.n_stretches = 0};
     PetscMPIInt rank;
     MPI_Comm_rank(f->comm, &rank);
-    *result = PL_PLEXROWS_FAILED;
+    *is_written = 0;
     if (!in_all(f->comm, rank != 0 || copy_file(f->path, path) == 0))
         return 0;
     if (rank == 0)
         find_stretches(f, path, &r);
-    const PetscErrorCode code = change(f, share, path, &r, result);
+    const PetscErrorCode code = change(f, share, path, &r, checksums, is_written);
     destroy_rows(&r);
     return code;
 }

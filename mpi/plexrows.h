@@ -5,16 +5,15 @@
 
 #include "plexfile.h"
 
-typedef enum pl_plexrows {
-    PL_PLEXROWS_WRITTEN,
-    PL_PLEXROWS_OTHER, /* coordinates do not stand there in rows of doubles, or are not those that
-                          the mesh was read with */
-    PL_PLEXROWS_FAILED /* the file cannot be copied or written */
-} pl_plexrows;
+/** Whether processes can read and write the file at path together: PETSc can read it, coordinates
+ *  stand there as doubles, row by row, and it has no labels but that of regions. form: filled in.
+ */
+int pl_plexrows_can(const char *path, pl_plexform *form);
 
-/** Make path a copy of the file that f was read from, with the coordinates of share; if that is not
- *  possible it may be there and be anything. Collective, with the same result in all. */
+/** Make path a copy of the file that f was read from, with the coordinates of share; *is_written:
+ * that was possible, else it may be there and be anything. checksums [2]: as of pl_plexfile_write.
+ * Collective, with the same result in all. */
 PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
-                                 pl_plexrows *result);
+                                 uint64_t *checksums, int *is_written);
 
 #endif

@@ -19,6 +19,10 @@ static int user_binds_threads(void) {
     return getenv("OMP_PLACES") || getenv("OMP_PROC_BIND") || getenv("GOMP_CPU_AFFINITY");
 }
 
+int64_t pl_job_element_number(const pl_job *job, int64_t element) {
+    return job->file ? planish_file_element_number(job->file, element) : element;
+}
+
 int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
     const char *input = job->arguments->input;
     char where[64] = "";

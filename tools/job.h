@@ -55,6 +55,9 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
 /** Find the nodes that slide, if any shall. */
 int pl_job_find_slides(pl_job *job);
 
+/** The file's number of an element; without a file its index. */
+int64_t pl_job_element_number(const pl_job *job, int64_t element);
+
 /** Make the plan. */
 int pl_job_plan(pl_job *job);
 

@@ -373,8 +373,8 @@ static const option_row option_table[] = {
      "file"},
     {0, "format", "NAME", BOTH, set_format,
      "format of the input: gmsh, medit, vtk, vtu, vtkhdf,\ntetgen, netgen, abaqus, nastran, cgns, "
-     "med or off\n(default: told by its content, then its name)",
-     "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med off"},
+     "med,\ndmplex or off (default: told by its content, then\nits name)",
+     "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off"},
     {0, "method", "NAME", SMOOTH, set_method,
      "how nodes are moved: planish (default), or to compare\nwith laplacian, area-laplacian, "
      "length-laplacian,\nwhich may invert elements",

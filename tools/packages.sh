@@ -10,7 +10,7 @@ packages_build=(
     libhwloc-dev  # where threads run
     libcjson-dev  # the report of the program
     libexpat1-dev # XML of VTK's .vtu
-    libhdf5-dev   # MED, CGNS and VTKHDF files
+    libhdf5-dev   # MED, CGNS, VTKHDF and DMPlex files
     libjs-three   # the picture in reports
     zlib1g-dev liblz4-dev liblzma-dev # and what packs their arrays
 )

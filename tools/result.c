@@ -141,7 +141,13 @@ static void add_histogram(document *json, cJSON *quality, const char *name, int 
         add_integer(json, counts, NULL, count[i]);
 }
 
-static void add_worst_elements(document *json, cJSON *quality, const pl_worst *worst) {
+/** Null: not looked for, as this process has not all of the mesh. */
+static void add_worst_elements(document *json, cJSON *quality, const pl_job *job,
+                               const pl_worst *worst) {
+    if (!job->mesh.coordinates) {
+        add(json, quality, "worst_elements", cJSON_CreateNull());
+        return;
+    }
     cJSON *list = new_array(json, quality, "worst_elements");
     for (int64_t i = 0; i < worst->n && !json->failed; i++) {
         const pl_bad_element *bad = &worst->bad[i];
@@ -164,8 +170,8 @@ static void add_worst_elements(document *json, cJSON *quality, const pl_worst *w
     }
 }
 
-static void add_quality(document *json, cJSON *root, const char *name, const planish_quality *q,
-                        int64_t below_min_volume, const pl_worst *worst) {
+static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
+                        const planish_quality *q, int64_t below_min_volume, const pl_worst *worst) {
     cJSON *quality = new_object(json, root, name);
     add_integer(json, quality, "inverted", q->inverted);
     add_integer(json, quality, "below_min_volume", below_min_volume);
@@ -185,7 +191,7 @@ static void add_quality(document *json, cJSON *root, const char *name, const pla
                   q->histogram_counts);
     add_histogram(json, quality, "angle_histogram", PLANISH_ANGLE_BINS, q->angle_edges_deg,
                   q->angle_counts);
-    add_worst_elements(json, quality, worst);
+    add_worst_elements(json, quality, job, worst);
 }
 
 static void add_sweeps(document *json, cJSON *root, const pl_progress *progress) {
@@ -307,14 +313,10 @@ static void add_optimality(document *json, cJSON *root, const pl_job *job,
  *  0; either may be NULL. */
 static void add_elements(document *json, cJSON *root, const char *name, const pl_job *job,
                          const uint8_t *state, planish_volume_state least, const uint8_t *second) {
-    if (!job->mesh.coordinates) { /* elements that this process has not */
-        add(json, root, name, cJSON_CreateNull());
-        return;
-    }
     cJSON *list = new_array(json, root, name);
-    for (int64_t i = 0; i < job->mesh.n_elements && !json->failed; i++)
+    for (int64_t i = 0; (state || second) && i < job->mesh.n_elements && !json->failed; i++)
         if ((state && state[i] >= least) || (second && second[i]))
-            add_integer(json, list, NULL, planish_file_element_number(job->file, i));
+            add_integer(json, list, NULL, pl_job_element_number(job, i));
 }
 
 /** unfixable [n_elements]: inverted elements that cannot be mended, or NULL. */
@@ -350,15 +352,6 @@ static void add_checksum(document *json, cJSON *root, const char *name, uint64_t
     add_text(json, root, name, text);
 }
 
-/** Of the mesh of a job; null if this process has not all of it. */
-static void add_job_checksum(document *json, cJSON *root, const char *name, const pl_job *job,
-                             uint64_t checksum) {
-    if (job->mesh.coordinates)
-        add_checksum(json, root, name, checksum);
-    else
-        add(json, root, name, cJSON_CreateNull());
-}
-
 char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                             const pl_progress *progress) {
     document json = {0};
@@ -370,17 +363,16 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_mesh(&json, root, job);
     add_text(&json, root, "method", pl_method_name(job->options.method));
     add_objective(&json, root, job, &result->smooth);
-    add_quality(&json, root, "before", &result->before, result->below_before,
+    add_quality(&json, root, "before", job, &result->before, result->below_before,
                 &result->worst_before);
-    add_quality(&json, root, "after", &result->after, result->volumes.n_below,
+    add_quality(&json, root, "after", job, &result->after, result->volumes.n_below,
                 &result->worst_after);
     add_sweeps(&json, root, progress);
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
     add_text(&json, root, "stop", stop_name(result->smooth.stop));
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
-    add_job_checksum(&json, root, "input_checksum", job, result->input_checksum);
-    add_job_checksum(&json, root, "checksum", job,
-                     job->mesh.coordinates ? planish_checksum(&job->mesh) : 0);
+    add_checksum(&json, root, "input_checksum", result->input_checksum);
+    add_checksum(&json, root, "checksum", result->checksum);
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
     add_integer(&json, root, "put_back", result->smooth.put_back);
     add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
@@ -413,7 +405,7 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     add_text(&json, mesh, "input", job->arguments->input);
     add_text(&json, mesh, "format", job->file_info.format);
     add_mesh(&json, mesh, job);
-    add_quality(&json, mesh, "quality", &measured->quality, measured->volumes.n_below,
+    add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
                 &measured->worst);
     add_checksum(&json, mesh, "checksum", planish_checksum(&job->mesh));
     add_volumes(&json, mesh, job, &measured->volumes, NULL);

@@ -11,7 +11,8 @@
 /** Everything that smooth can say about a run. */
 typedef struct pl_result {
     planish_quality before, after;
-    uint64_t input_checksum; /* of the coordinates as read */
+    uint64_t input_checksum; /* of the coordinates as read, */
+    uint64_t checksum;       /* and as written */
     pl_picture *picture;     /* for a page, owned, or NULL */
     int64_t below_before;    /* elements below their least volume in the input */
     pl_volumes volumes;      /* those of the result */

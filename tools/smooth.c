@@ -37,15 +37,16 @@ static const double ANGLE_ROUNDING = 2e-6;
 
 /** Whether the output is a file that only the engine can write. */
 static int engine_writes(const pl_job *job) {
-    return job->engine->can_write && job->engine->can_write(job->arguments->output);
+    const char *output = job->arguments->output;
+    return !planish_file_can_write(job->file, output) && job->engine->can_write &&
+           job->engine->can_write(output);
 }
 
 /** Another extension than the input's asks for a conversion. */
 static int check_extension(const pl_job *job) {
     const char *output = job->arguments->output;
-    if (engine_writes(job))
-        return 0;
-    if (planish_file_can_write(job->file, output) || planish_file_can_convert(job->file, output))
+    if (engine_writes(job) || planish_file_can_write(job->file, output) ||
+        planish_file_can_convert(job->file, output))
         return 0;
     return pl_complain_usage("smooth",
                              "'%s' does not have an extension of the input's format, %s, and there "
@@ -279,6 +280,7 @@ static int take_before(const pl_job *job, pl_result *result) {
 
 /** And of the result, once that is safe. */
 static int take_after(const pl_job *job, pl_result *result) {
+    result->checksum = job->arguments->json ? planish_checksum(&job->mesh) : 0;
     const int status = pl_worst_find_asked(job, &result->worst_after);
     return status ? status : pl_report_draw(job, "after", &result->picture);
 }

@@ -62,8 +62,7 @@ static void print_elements(FILE *stream, const pl_job *job, const uint8_t *state
     fprintf(stream, "%s: element%s", text, n == 1 ? "" : "s");
     for (int64_t i = 0; i < job->mesh.n_elements && named < n && named < MOST_NAMED; i++)
         if (state[i] >= least)
-            fprintf(stream, "%s %" PRId64, named++ ? "," : "",
-                    planish_file_element_number(job->file, i));
+            fprintf(stream, "%s %" PRId64, named++ ? "," : "", pl_job_element_number(job, i));
     fprintf(stream, "%s\n", named < n ? ", ..." : "");
 }
 

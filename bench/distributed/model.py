@@ -95,7 +95,7 @@ def main():
     print(f"| `planish smooth -j 1` | {a:.3f} | {setup(alone):.2f} | |")
     print(f"| `planish-mpi`, 1 process | {b:.3f} | {setup(one):.2f} | {100 * (b / a - 1):+.1f} % |")
     print(f"| `planish-mpi`, 2 processes | {c:.3f} | {setup(two):.2f} | {b / c:.2f} times 1 process |")
-    print(f"| the same, from and to PETSc's `.h5` | {sweeps_seconds(best(from_h5)):.3f} | {setup(from_h5):.2f} | |\n")
+    print(f"| the same, from and to PETSc's `.h5`, in parts | {sweeps_seconds(best(from_h5)):.3f} | {setup(from_h5):.2f} | |\n")
     print("| processes | messages | node values | bytes | longest wait, s |\n|---|---|---|---|---|")
     for p, r in together.items():
         t = r["processes"]

@@ -3,7 +3,7 @@
  *
  * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED and OFF;
  * see docs/formats.md. Calls on different files may run at the same time, but of files in HDF5
- * (CGNS, MED, VTKHDF) one at a time, unless the HDF5 library is built for threads.
+ * (CGNS, MED, VTKHDF, DMPlex) one at a time, unless the HDF5 library is built for threads.
  * Error convention as in planish.h; the text says file, line or byte, and what to do.
  */
 #ifndef PLANISH_IO_H
@@ -26,7 +26,7 @@ PLANISH_API int planish_file_open(const char *path, const char *format, int thre
                                   planish_file **file, planish_error *error);
 
 /** The same for files of which nothing is known, in a process that must not die. The HDF5 library
- *  (1.10) crashes on some damaged files: such a file (CGNS, MED, VTKHDF) is first opened in a child
+ *  (1.10) crashes on some damaged files: such a file (CGNS, MED, VTKHDF, DMPlex) is first opened in a child
  *  process, and packed coordinates are later changed in one, so that a crash is a _FORMAT error. It
  *  takes twice the time to open these; others are opened as they are by planish_file_open. The
  *  child is a fork of the caller, of the calling thread alone: no other thread may be within the

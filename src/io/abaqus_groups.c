@@ -4,6 +4,7 @@
  * all sets.
  */
 #include "io/abaqus_sets.h"
+#include "io/memberships.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -106,52 +107,25 @@ static int find_regions(sets *s, int32_t *region) {
 
 /* ---- entities ----------------------------------------------------------------------------- */
 
-/** The sets of each thing: of thing i list[start[i]] .. list[start[i + 1] - 1], in order. */
-typedef struct memberships {
-    int64_t *start; /* [n + 1] */
-    int32_t *list;
-} memberships;
-
-static int collect(const sets *s, set_kind things, memberships *m) {
-    const int64_t n = s->n[things];
-    m->start = pl_alloc_zero(n + 2, sizeof *m->start);
-    m->list = pl_alloc(s->n_members, sizeof *m->list);
-    if (!m->start || !m->list)
-        return pl_fail_memory(s->reader->error, "the sets of the file");
+/** Everything that the sets of a kind have, once. */
+static void add_members(const sets *s, set_kind things, io_memberships *m) {
     for (int64_t i = 0; i < s->n_sets; i++)
         for (int64_t k = 0; s->set[i].things == things && k < s->set[i].n; k++)
-            m->start[s->set[i].member[k] + 2]++;
-    for (int64_t i = 0; i < n; i++)
-        m->start[i + 2] += m->start[i + 1];
-    for (int64_t i = 0; i < s->n_sets; i++)
-        for (int64_t k = 0; s->set[i].things == things && k < s->set[i].n; k++)
-            m->list[m->start[s->set[i].member[k] + 1]++] = (int32_t)i + 1;
-    return PLANISH_OK;
+            io_memberships_add(m, s->set[i].member[k], (int32_t)i + 1);
 }
 
-/** A set that the file goes on with later may have a thing twice. */
-static int without_repeats(int32_t *list, int64_t n) {
-    int count = 0;
-    for (int64_t i = 0; i < n; i++)
-        if (count == 0 || list[i] != list[count - 1])
-            list[count++] = list[i];
-    return count;
+static int collect(const sets *s, set_kind things, io_memberships *m) {
+    int status = io_memberships_begin(m, s->n[things], s->reader->error);
+    if (status)
+        return status;
+    add_members(s, things, m);
+    status = io_memberships_counted(m, s->reader->error);
+    if (!status)
+        add_members(s, things, m);
+    return status;
 }
 
-/** The entity of a thing; last: that of the thing before it, which most often is the same. */
-static int32_t entity_of(const sets *s, memberships *m, int64_t thing, int dim, int32_t tag,
-                         int32_t last) {
-    io_model *model = s->reader->model;
-    int32_t *list = m->list + m->start[thing];
-    const int n = without_repeats(list, m->start[thing + 1] - m->start[thing]);
-    const io_entity *e = last >= 0 ? &model->entity[last] : NULL;
-    if (e && e->dim == dim && e->tag == tag && e->n_physical == n &&
-        (n == 0 || memcmp(e->physical, list, (size_t)n * sizeof *list) == 0))
-        return last;
-    return io_model_entity(model, dim, tag, n, list, s->reader->error);
-}
-
-static int make_cell_entities(sets *s, memberships *m, const int32_t *region) {
+static int make_cell_entities(sets *s, io_memberships *m, const int32_t *region) {
     io_model *model = s->reader->model;
     int32_t last = -1;
     for (int dim = 1; dim <= 3; dim++) {
@@ -163,30 +137,13 @@ static int make_cell_entities(sets *s, memberships *m, const int32_t *region) {
             return pl_fail_memory(s->reader->error, "the regions of the file");
         for (int64_t i = 0; i < cells->n; i++) {
             const int64_t cell = s->first_cell[dim] + i;
-            last = entity_of(s, m, cell, dim, region[cell] + 1, last);
+            last = io_memberships_entity(m, model, cell, dim, region[cell] + 1, last,
+                                         s->reader->error);
             if (last < 0)
                 return last;
             cells->entity[i] = last;
             cells->region[i] = region[cell];
         }
-    }
-    return PLANISH_OK;
-}
-
-static int make_node_entities(sets *s, memberships *m) {
-    io_model *model = s->reader->model;
-    int32_t last = -1;
-    model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
-    if (!model->node_entity)
-        return pl_fail_memory(s->reader->error, "the sets of nodes");
-    for (int64_t i = 0; i < model->n_nodes; i++) {
-        model->node_entity[i] = -1;
-        if (m->start[i] == m->start[i + 1])
-            continue;
-        last = entity_of(s, m, i, 0, 0, last);
-        if (last < 0)
-            return last;
-        model->node_entity[i] = last;
     }
     return PLANISH_OK;
 }
@@ -211,16 +168,17 @@ int abaqus_make_groups(sets *s) {
 }
 
 int abaqus_make_entities(sets *s, set_kind things) {
-    memberships m = {NULL, NULL};
+    io_memberships m = {.n = 0};
     int32_t *region = things == ELEMENTS ? pl_alloc(s->n[ELEMENTS], sizeof *region) : NULL;
     int status = collect(s, things, &m);
     if (!status && things == ELEMENTS)
         status = region ? find_regions(s, region)
                         : pl_fail_memory(s->reader->error, "the regions of the file");
     if (!status)
-        status = things == ELEMENTS ? make_cell_entities(s, &m, region) : make_node_entities(s, &m);
+        status = things == ELEMENTS
+                     ? make_cell_entities(s, &m, region)
+                     : io_memberships_of_nodes(&m, s->reader->model, s->reader->error);
     pl_free(region);
-    pl_free(m.start);
-    pl_free(m.list);
+    io_memberships_destroy(&m);
     return status;
 }

@@ -134,7 +134,6 @@ static int add_member(sets *s, int32_t set, int32_t member) {
     to->member = grown;
     to->member[to->n++] = member;
     *stamp = set + 1;
-    s->n_members++;
     return PLANISH_OK;
 }
 

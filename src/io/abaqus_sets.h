@@ -29,7 +29,6 @@ typedef struct sets {
     int64_t first_cell[4]; /* of each dimension among the cells */
     int32_t *stamp[2];     /* [n] 1 + the set that had the thing last */
     io_numbers *elements;  /* the numbers of cells, made when they are wanted */
-    int64_t n_members;
     int64_t n_asked; /* members that sequences and sets of sets asked for, those included that were
                         there already */
 } sets;

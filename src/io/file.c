@@ -22,13 +22,13 @@ static const io_format *const formats[] = {
     &io_format_vtk,     &io_format_vtu, /* first: with numbers whose bytes could be anything */
     &io_format_nastran,                 /* its comments may look like Gmsh's sections */
     &io_format_gmsh,    &io_format_medit, &io_format_vtkhdf, &io_format_tetgen, &io_format_netgen,
-    &io_format_abaqus,  &io_format_cgns,  &io_format_med,    &io_format_off};
+    &io_format_abaqus,  &io_format_cgns,  &io_format_med,    &io_format_plex,   &io_format_off};
 enum { N_FORMATS = sizeof formats / sizeof *formats };
 
 const char *const *planish_file_formats(void) {
     static const char *const names[] = {"gmsh",   "medit",  "vtk",    "vtu",     "vtkhdf",
                                         "tetgen", "netgen", "abaqus", "nastran", "cgns",
-                                        "med",    "off",    NULL};
+                                        "med",    "dmplex", "off",    NULL};
     return names;
 }
 
@@ -103,8 +103,8 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
                        names);
     if (io_is_hdf5(input->data, input->size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: is an HDF5 file, but neither CGNS nor MED nor VTKHDF, which alone are "
-                       "read of these",
+                       "%s: is an HDF5 file, but neither CGNS nor MED nor VTKHDF nor PETSc's "
+                       "DMPlex, which alone are read of these",
                        input->path);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: neither content nor extension is of a known mesh format; there are %s "

@@ -248,7 +248,7 @@ typedef struct io_format {
 
 extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
     io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_abaqus, io_format_nastran,
-    io_format_cgns, io_format_med, io_format_off;
+    io_format_cgns, io_format_med, io_format_plex, io_format_off;
 
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,

@@ -1,6 +1,6 @@
 /* no_hdf5: the formats in HDF5 where planish is built without that library: they say so. */
 #ifndef PL_HDF5
-#include "io/hdf5.h"
+#include "io/plex.h"
 
 #include "base/status.h"
 
@@ -29,6 +29,10 @@ static int read_vtkhdf(io_model *model, planish_error *error) {
     return fail(model, "VTKHDF", error);
 }
 
+static int read_plex(io_model *model, planish_error *error) {
+    return fail(model, "DMPlex", error);
+}
+
 int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
                       int64_t *n_spans, planish_error *error) {
     (void)path, (void)dataset, (void)n, (void)width, (void)error;
@@ -37,8 +41,14 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
     return PLANISH_OK;
 }
 
+int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error *error) {
+    *outline = (io_plex_outline){.version = 0};
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: this planish was built without HDF5", path);
+}
+
 static const char *const med[] = {".med", ".mmed", ".rmed", NULL};
 static const char *const cgns[] = {".cgns", NULL};
+static const char *const plex[] = {".h5", NULL};
 static const char *const vtkhdf[] = {".vtkhdf", ".hdf", NULL};
 
 const io_format io_format_med = {
@@ -47,5 +57,7 @@ const io_format io_format_cgns = {
     .name = "cgns", .extensions = cgns, .recognise = recognise_nothing, .read = read_cgns};
 const io_format io_format_vtkhdf = {
     .name = "vtkhdf", .extensions = vtkhdf, .recognise = recognise_nothing, .read = read_vtkhdf};
+const io_format io_format_plex = {
+    .name = "dmplex", .extensions = plex, .recognise = recognise_nothing, .read = read_plex};
 
 #endif

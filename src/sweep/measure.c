@@ -1,6 +1,7 @@
 /* measure: what a mesh is worth, for the caller: with a plan and without; its checksum. */
 #include "sweep/sweep.h"
 
+#include "base/checksum.h"
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/status.h"
@@ -105,22 +106,13 @@ int planish_measure_mesh(const planish_mesh *mesh, const planish_options *option
 
 /* ---- the checksum -------------------------------------------------------------------------- */
 
-/** One more word; a multiplication spreads it upwards, a shift back down. */
-static uint64_t stir(uint64_t hash, uint64_t word) {
-    hash = (hash ^ word) * UINT64_C(0x9E3779B97F4A7C15);
-    return hash ^ hash >> 32;
-}
-
 uint64_t planish_checksum(const planish_mesh *mesh) {
-    uint64_t hash = 0;
+    uint64_t checksum = 0;
     if (!mesh || !mesh->coordinates || pl_check_counts(mesh, NULL))
         return 0;
     const pl_points points = pl_points_of(mesh, mesh->coordinates);
     for (int64_t i = 0; i < points.n; i++)
-        for (int d = 0; d < points.dim; d++) {
-            uint64_t word;
-            memcpy(&word, points.x + pl_point_at(&points, i, d), sizeof word);
-            hash = stir(hash, word + (uint64_t)d);
-        }
-    return hash;
+        for (int d = 0; d < points.dim; d++)
+            checksum = pl_checksum_add(checksum, points.x[pl_point_at(&points, i, d)], d);
+    return checksum;
 }

@@ -192,7 +192,7 @@ static void every_allocation_fails_once(void **state) {
         "base64.vtu",  "zlib.vtu",     "raw.vtu",          "tetgen.node",  "netgen.vol",
         "abaqus.inp",  "nastran.bdf",  "nastran_long.bdf", "square.off",
 #ifdef PL_HDF5
-        "cube.vtkhdf", "cube.med"
+        "cube.vtkhdf", "cube.med",     "cube.h5"
 #endif
     };
     enum { N = sizeof names / sizeof *names };

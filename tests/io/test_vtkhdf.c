@@ -376,6 +376,7 @@ static void the_library_is_asked_for(void **state) {
     reading_fails(&io_format_vtkhdf, "anything", "built without HDF5, which VTKHDF files need");
     reading_fails(&io_format_med, "anything", "built without HDF5, which MED files need");
     reading_fails(&io_format_cgns, "anything", "built without HDF5, which CGNS files need");
+    reading_fails(&io_format_plex, "anything", "built without HDF5, which DMPlex files need");
 }
 
 int main(void) {

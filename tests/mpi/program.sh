@@ -14,7 +14,8 @@ together() {
     timeout 250 mpirun --oversubscribe -n "$n" "$PLANISH_MPI_PROGRAM" "$@"
 }
 
-# compare FILE HOW OPTION...: HOW: parts or alone, what the processes are to do.
+# compare FILE HOW OPTION...: HOW: what the processes are to do: parts or alone; pieces: parts of a file that no
+# process has all of.
 compare() {
     local file=$1 how=$2 extension=${1##*.} n status expected
     shift 2
@@ -84,7 +85,7 @@ together 2 --version >"$work/out" || fail "--version"
 grep -q "^planish-mpi [0-9]" "$work/out" || fail "--version: $(cat "$work/out")"
 together 2 --help | grep -q "mpirun -n 4 planish-mpi IN -o OUT" || fail "--help"
 
-# PETSc's own files: read and written by all processes, with the numbers of `planish smooth`.
+# PETSc's own files: as any other, and, in parts, without a process that has all of them.
 python=python3 # the one that has h5py
 $python -c "import h5py" 2>/dev/null || python=/usr/bin/python3
 $python -c "import h5py" || fail "python3-h5py is needed"
@@ -93,21 +94,36 @@ together 2 "$work/regions.mesh" -o "$work/valid.h5" -q --max-sweeps 0 2>"$work/e
 "$PLANISH_PROGRAM" smooth "$work/regions.mesh" -o "$work/0.mesh" -q --json "$work/0.json" || fail "valid.mesh"
 [ "$("$PLANISH_PROGRAM" smooth "$work/regions.mesh" --ignore-regions -o "$work/n.mesh" -q --json - | grep free_nodes)" != \
     "$(grep free_nodes "$work/0.json")" ] || fail "no nodes between regions"
-timeout 100 mpirun --oversubscribe -n 2 "$PLANISH_WITH_FACES" "$work/valid.h5" "$work/faces.h5" ||
+timeout 100 mpirun --oversubscribe -n 2 "$PLANISH_WRITE_PLEX" "$work/valid.h5" "$work/faces.h5" ||
     fail "no faces"
-for n in 1 2 3; do
-    for name in valid faces; do
-        together $n "$work/$name.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
-            fail "$name.h5 with $n processes: $(cat "$work/err")"
-        $python "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
-            fail "$name.h5 with $n processes: other numbers"
-    done
+PETSC_OPTIONS="-dm_plex_view_hdf5_storage_version 2.1.0" timeout 100 mpirun --oversubscribe -n 1 "$PLANISH_WRITE_PLEX" \
+    "$work/valid.h5" "$work/second.h5" || fail "no second form"
+timeout 100 mpirun --oversubscribe -n 3 "$PLANISH_WRITE_PLEX" "$PLANISH_SOURCE/tests/data/ascii22.msh" "$work/labels.h5" ||
+    fail "no labels"
+"$PLANISH_PROGRAM" smooth "$work/faces.h5" -o "$work/n.h5" -q --json "$work/n.json" || fail "faces.h5"
+$python "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
+    fail "faces.h5 is not regions.mesh"
+for name in valid faces second labels; do
+    compare "$work/$name.h5" parts
 done
-# Of such a file only the coordinates change, however they stand there one after another; where they are packed,
-# PETSc writes all of it anew.
+compare "$work/faces.h5" parts --fix "Cell Sets:2" --min-volume "Cell Sets:1=1e-5" --fix-layers --slide auto
+compare "$work/labels.h5" parts --slide "Face Sets"
+together 1 "$work/tangled.mesh" -o "$work/tangled.h5" -q --max-sweeps 0 --no-untangle 2>/dev/null
+[ $? = 1 ] || fail "tangled.mesh as .h5"
+export PETSC_OPTIONS=-planish_in_parts
+for name in valid faces second labels; do # labels says more than the parts understand
+    compare "$work/$name.h5" "$([ $name = labels ] && echo parts || echo pieces)"
+    compare "$work/$name.h5" "$([ $name = labels ] && echo parts || echo pieces)" --slide auto
+done
+compare "$work/faces.h5" pieces --slide auto --ignore-regions
+compare "$work/tangled.h5" pieces --no-untangle
+compare "$work/valid.h5" pieces --min-volume 1
+compare "$work/valid.h5" parts --fix "Cell Sets"
+# Of such a file only the coordinates change, however they stand there; where they are packed, the first
+# process does it.
 $python - "$work/valid.h5" "$work" <<'ROWS'
 import shutil, sys, h5py
-for name, storage in ("more", None), ("whole", {}), ("pieces", {"chunks": (64, 3)}), (
+for name, storage in ("more", None), ("whole", {}), ("chunks", {"chunks": (64, 3)}), (
     "packed", {"chunks": (64, 3), "compression": "gzip"}):
     path = f"{sys.argv[2]}/{name}.h5"
     shutil.copy(sys.argv[1], path)
@@ -118,18 +134,10 @@ for name, storage in ("more", None), ("whole", {}), ("pieces", {"chunks": (64, 3
             del file["geometry/vertices"]
             file.create_dataset("geometry/vertices", data=x, **storage)
 ROWS
-together 2 "$work/valid.h5" -o "$work/n.h5" -q || fail "valid.h5"
-$python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/valid.h5" "$work/n.h5" || fail "valid.h5: more than rows"
-for name in more whole pieces packed; do
-    [ $name = whole ] && n=1 || n=3
-    together $n "$work/$name.h5" -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
-        fail "$name.h5: $(cat "$work/err")"
-    $python "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
-        fail "$name.h5: other numbers"
-    [ $name = pieces ] || [ $name = packed ] ||
-        $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/$name.h5" "$work/n.h5" || fail "$name.h5: more than rows"
-    $python -c 'import sys, h5py; sys.exit("mine" not in h5py.File(sys.argv[1]))' "$work/n.h5" ||
-        [ $name = packed ] || fail "$name.h5: something is lost"
+for name in more whole chunks packed; do
+    compare "$work/$name.h5" "$([ $name = packed ] && echo parts || echo pieces)"
+    [ $name = packed ] || $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/$name.h5" "$work/n.h5" ||
+        fail "$name.h5: more than rows"
 done
 # On a full disk nothing of it stays.
 on_full_disk() {
@@ -153,17 +161,6 @@ cp "$work/more.h5" "$work/n.h5" # in its own place, as a link
 ln -s n.h5 "$work/link.h5"
 together 2 "$work/link.h5" -o "$work/link.h5" -q && [ -L "$work/link.h5" ] || fail "a link"
 $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/more.h5" "$work/n.h5" || fail "in its own place"
-for regions in "" --ignore-regions; do
-    "$PLANISH_PROGRAM" smooth "$work/regions.mesh" --slide auto $regions -o "$work/0.mesh" -q --json "$work/0.json" ||
-        fail "--slide"
-    grep -q '"sliding_nodes":	0,' "$work/0.json" && fail "nothing slides"
-    for n in 1 2 3; do
-        together $n "$work/faces.h5" --slide auto $regions -o "$work/n.h5" -q -j 1 --json "$work/n.json" 2>"$work/err" ||
-            fail "--slide with .h5, $n processes: $(cat "$work/err")"
-        $python "$PLANISH_SOURCE/tests/mpi/compare_h5.py" "$work/0.json" "$work/n.json" "$work/0.mesh" "$work/n.h5" ||
-            fail "--slide with .h5, $n processes: other numbers"
-    done
-done
 # A node of no element stays where it is.
 together 2 "$work/one.mesh" -o "$work/one.h5" -q --max-sweeps 0 || fail "one element as .h5"
 $python - "$work/valid.h5" "$work/wrong.h5" <<'WRONG'

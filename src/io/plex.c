@@ -1,0 +1,252 @@
+/* plex: meshes of PETSc's DMPlex in HDF5, as DMView writes them: one mesh of a file.
+ *
+ * Read are points with their cones, coordinates that stand there node by node, and labels. Fields
+ * (vectors) are not looked at. Elements are numbered as DMPlex's points are, nodes by the rows of
+ * their coordinates, from 0.
+ */
+#ifdef PL_HDF5
+#include "io/plex.h"
+#include "io/bytes.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define MESHES "/topologies"
+
+/* ---- which mesh, and where it is ------------------------------------------------------------ */
+
+/** The one mesh of versions 2 and 3. */
+static int find_root(plex_reader *r, char *name, size_t size) {
+    io_hdf5_names names = {0};
+    r->version = io_hdf5_kind_of(r->file, MESHES) == IO_HDF5_GROUP ? 2 : 1;
+    r->root[0] = name[0] = '\0';
+    if (r->version == 1)
+        return PLANISH_OK;
+    int status = io_hdf5_list(r->file, MESHES, &names);
+    if (!status && names.n != 1)
+        status = io_hdf5_fail(r->file, MESHES,
+                              "there are %lld meshes (%.60s%s%.60s); planish reads files with one: "
+                              "write each to a file of its own",
+                              (long long)names.n, names.n > 0 ? names.name[0] : "",
+                              names.n > 1 ? ", " : "", names.n > 1 ? names.name[1] : "");
+    if (!status && strlen(names.name[0]) >= size)
+        status = io_hdf5_fail(r->file, MESHES, "the name of the mesh is too long");
+    if (!status) {
+        memcpy(name, names.name[0], strlen(names.name[0]) + 1);
+        status = io_hdf5_path(r->file, r->root, MESHES "/%s", name);
+    }
+    io_hdf5_names_release(&names);
+    return status;
+}
+
+/** Its form, and the dimension of the elements. */
+static int find_form(plex_reader *r) {
+    char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    int64_t dim = 0;
+    int found;
+    int status = io_hdf5_path(r->file, group, "%s/topology", r->root);
+    if (!status)
+        status = io_hdf5_path(r->file, path, "%s/strata", group);
+    if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_GROUP)
+        r->version = 3;
+    else if (!status)
+        status = io_hdf5_path(r->file, path, "%s/cells", group);
+    if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
+        status = io_hdf5_fail(r->file, path,
+                              "there is no such thing: this is no mesh that DMView of PETSc wrote "
+                              "(in its own format, not for ParaView)");
+    if (!status)
+        status =
+            io_hdf5_attribute(r->file, r->version == 3 ? group : path, "cell_dim", &dim, &found);
+    if (!status && dim != 2 && dim != 3)
+        status = io_hdf5_fail(r->file, path,
+                              "elements of dimension %lld; planish smooths tetrahedra or triangles",
+                              (long long)dim);
+    r->dim = (int)dim;
+    return status;
+}
+
+/** The path of the group of coordinates, and of the coordinates; the names of both may be others.
+ */
+static int find_coordinates(plex_reader *r, char *section) {
+    char group[256] = "coordinateDM", name[256] = "coordinates";
+    int found;
+    if (r->version == 1)
+        return io_hdf5_path(r->file, r->coordinates, "/geometry/vertices");
+    int status =
+        io_hdf5_text_attribute(r->file, r->root, "coordinateDMName", group, sizeof group, &found);
+    if (!status)
+        status =
+            io_hdf5_text_attribute(r->file, r->root, "coordinatesName", name, sizeof name, &found);
+    if (!status)
+        status = io_hdf5_path(r->file, section, "%s/dms/%s", r->root, group);
+    return status ? status
+                  : io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", section, name, name);
+}
+
+/* ---- coordinates ---------------------------------------------------------------------------- */
+
+/** Whether there is one row for each node, in their order; others may be of edges, or be there for
+ *  each element (of curved and periodic meshes). */
+static int rows_are_nodes(const plex_reader *r, const io_hdf5_integers *points,
+                          const io_hdf5_integers *sizes, const io_hdf5_integers *begins) {
+    const int columns = r->model->columns;
+    int64_t n = 0;
+    if (sizes->n != points->n || begins->n != points->n)
+        return 0;
+    for (int64_t i = 0; i < points->n; i++) {
+        const int64_t size = io_hdf5_integer(sizes, i);
+        if (size == 0)
+            continue;
+        if (size != columns || io_hdf5_integer(points, i) != r->n_elements + n ||
+            io_hdf5_integer(begins, i) != n * columns)
+            return 0;
+        n++;
+    }
+    return n == r->n_nodes;
+}
+
+static int check_section(plex_reader *r, const char *group) {
+    static const char *const names[] = {"order", "section/atlasDof", "section/atlasOff"};
+    io_hdf5_integers list[3] = {{0}};
+    int status = PLANISH_OK;
+    for (int i = 0; i < 3 && !status; i++) {
+        char path[IO_HDF5_PATH_SIZE];
+        status = io_hdf5_path(r->file, path, "%s/%s", group, names[i]);
+        if (!status)
+            status = io_hdf5_integers_read(r->file, path, &list[i]);
+    }
+    if (!status && !rows_are_nodes(r, &list[0], &list[1], &list[2]))
+        status = io_hdf5_fail(r->file, group,
+                              "coordinates are not one place for each node, in their order, as of "
+                              "curved or periodic meshes");
+    for (int i = 0; i < 3; i++)
+        io_hdf5_integers_release(&list[i]);
+    return status;
+}
+
+static int read_coordinates(plex_reader *r) {
+    char section[IO_HDF5_PATH_SIZE];
+    io_model *model = r->model;
+    io_hdf5_shape shape;
+    int status = find_coordinates(r, section);
+    if (!status)
+        status = io_hdf5_shape_of(r->file, r->coordinates, &shape);
+    if (!status && shape.n != 2 * r->n_nodes && shape.n != 3 * r->n_nodes)
+        status = io_hdf5_fail(r->file, r->coordinates,
+                              "%lld coordinates for %lld nodes; two or three each were expected",
+                              (long long)shape.n, (long long)r->n_nodes);
+    if (status)
+        return status;
+    model->columns = (int)(shape.n / r->n_nodes);
+    status = r->version == 1 ? PLANISH_OK : check_section(r, section);
+    if (!status)
+        status = io_model_nodes(model, r->n_nodes, 0, r->error);
+    for (int64_t i = 0; !status && model->columns < 3 && i < r->n_nodes; i++)
+        model->xyz[3 * i + 2] = 0;
+    const io_hdf5_place place = {r->coordinates, 0, model->columns, model->columns, 1};
+    if (!status)
+        status = io_hdf5_coordinates(r->file, &place);
+    return status ? status : io_hdf5_coordinates_end(r->file);
+}
+
+/* ---- the format ----------------------------------------------------------------------------- */
+
+static int find_mesh(plex_reader *r, char *name, size_t size) {
+    const int status = find_root(r, name, size);
+    return status ? status : find_form(r);
+}
+
+static int read_mesh(plex_reader *r) {
+    char name[256];
+    int status = find_mesh(r, name, sizeof name);
+    if (!status)
+        status = plex_read_topology(r);
+    if (!status)
+        status = read_coordinates(r);
+    if (!status)
+        status = plex_read_elements(r);
+    return status ? status : plex_read_labels(r);
+}
+
+static int plex_read(io_model *model, planish_error *error) {
+    plex_reader r = {.model = model, .error = error};
+    int status = io_hdf5_open(model, &r.file, error);
+    if (!status)
+        status = read_mesh(&r);
+    plex_release_topology(&r);
+    io_hdf5_close(r.file);
+    return status;
+}
+
+static int plex_recognise(const char *data, int64_t size) {
+    return io_hdf5_recognise(data, size, MESHES) ||
+           io_hdf5_recognise(data, size, "/topology/cells");
+}
+
+static const char *const extensions[] = {".h5", NULL};
+
+const io_format io_format_plex = {.name = "dmplex",
+                                  .extensions = extensions,
+                                  .recognise = plex_recognise,
+                                  .read = plex_read,
+                                  .amend = io_hdf5_amend,
+                                  .release = io_hdf5_release};
+
+/* ---- for those who load such files with PETSc ----------------------------------------------- */
+
+/** The rows of versions 2 and 3, whose first one tells where nodes begin. */
+static int outline_section(plex_reader *r, const char *section) {
+    char path[IO_HDF5_PATH_SIZE];
+    io_hdf5_integers order = {0};
+    int status = io_hdf5_path(r->file, path, "%s/order", section);
+    if (!status)
+        status = io_hdf5_integers_read(r->file, path, &order);
+    r->n_elements = !status && order.n > 0 ? io_hdf5_integer(&order, 0) : 0;
+    io_hdf5_integers_release(&order);
+    return status ? status : check_section(r, section);
+}
+
+static int outline_mesh(plex_reader *r, io_plex_outline *o) {
+    char section[IO_HDF5_PATH_SIZE];
+    io_hdf5_shape shape = {0};
+    int status = find_mesh(r, o->name, sizeof o->name);
+    if (!status)
+        status = find_coordinates(r, section);
+    if (!status)
+        status = io_hdf5_shape_of(r->file, r->coordinates, &shape);
+    r->model->columns = shape.rank == 2 ? (int)shape.dims[1] : r->dim;
+    r->n_nodes = r->model->columns > 0 ? shape.n / r->model->columns : 0;
+    if (!status && r->version > 1)
+        status = outline_section(r, section);
+    if (!status)
+        status = plex_has_other_labels(r, &o->has_other_labels);
+    if (status)
+        return status;
+    o->version = r->version;
+    o->dim = r->dim;
+    o->columns = r->model->columns;
+    o->n_nodes = r->n_nodes;
+    memcpy(o->coordinates, r->coordinates, sizeof o->coordinates);
+    return PLANISH_OK;
+}
+
+int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error *error) {
+    io_model model = {.n_nodes = 0};
+    plex_reader r = {.model = &model, .error = error};
+    *outline = (io_plex_outline){.version = 0};
+    int status = io_bytes_open(path, &model.input, error);
+    if (status)
+        return status;
+    status = io_hdf5_open(&model, &r.file, error);
+    if (!status)
+        status = outline_mesh(&r, outline);
+    io_hdf5_close(r.file);
+    io_bytes_close(&model.input);
+    return status;
+}
+
+#endif
