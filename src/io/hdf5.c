@@ -402,16 +402,44 @@ static int check_size(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
     return PLANISH_OK;
 }
 
+#if H5_VERSION_GE(1, 10, 5)
+/** Where the only chunk is, if it has all values and the file has all of it; else HADDR_UNDEF. */
+static haddr_t find_only_chunk(const io_hdf5 *file, const hdf5_dataset *d) {
+    const haddr_t there = (haddr_t)file->model->input.size;
+    const int has_all = d->is_plain && d->chunk[0] >= (hsize_t)d->shape.dims[0] &&
+                        (d->shape.rank == 1 || d->chunk[1] == (hsize_t)d->shape.dims[1]);
+    hsize_t at[2] = {0, 0}, size = 0, n = 0;
+    unsigned mask = 0;
+    haddr_t offset = HADDR_UNDEF;
+    const hid_t space = has_all ? H5Dget_space(d->id) : -1;
+    const int is_there = space >= 0 && H5Dget_num_chunks(d->id, space, &n) >= 0 && n == 1 &&
+                         H5Dget_chunk_info(d->id, space, 0, at, &mask, &offset, &size) >= 0 &&
+                         at[0] == 0 && offset <= there && size <= there - offset &&
+                         size >= (hsize_t)(d->shape.n * d->size);
+    if (space >= 0)
+        H5Sclose(space);
+    return is_there ? offset : HADDR_UNDEF;
+}
+#else
+static haddr_t find_only_chunk(const io_hdf5 *file, const hdf5_dataset *d) {
+    (void)file, (void)d;
+    return HADDR_UNDEF;
+}
+#endif
+
 /** Where its bytes are, if they are in one piece and have been written: all in the file then, and
  * as many as its values need. The library takes both for granted, and reads what is not there. */
 static int find_place(io_hdf5 *file, const char *path, hdf5_dataset *d) {
-    haddr_t offset = d->is_chunked || d->shape.n == 0 ? HADDR_UNDEF : H5Dget_offset(d->id);
     const haddr_t size = (haddr_t)file->model->input.size;
     const haddr_t needed = (haddr_t)(d->shape.n * d->size);
+    const haddr_t offset = d->shape.n == 0 ? HADDR_UNDEF
+                           : d->is_chunked ? find_only_chunk(file, d)
+                                           : H5Dget_offset(d->id);
     d->offset = -1;
     if (offset == HADDR_UNDEF)
         return PLANISH_OK;
-    if (offset > size || needed > size - offset || H5Dget_storage_size(d->id) != needed)
+    if (!d->is_chunked &&
+        (offset > size || needed > size - offset || H5Dget_storage_size(d->id) != needed))
         return fail_place(file, path, d);
     d->offset = (int64_t)offset;
     return PLANISH_OK;

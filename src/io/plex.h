@@ -36,8 +36,10 @@ typedef struct plex_reader {
     int64_t n_points, n_elements, n_nodes; /* elements and nodes are the first points */
     int64_t *start;    /* [n_points] where a point's cone begins in its stratum's, */
     uint8_t *size;     /* [n_points] and how many points it has; 0: a node */
-    int64_t *of_point; /* [n_points] index among the cells of its dimension of a point that is one
+    int32_t *of_point; /* [n_points] index among the cells of its dimension of a point that is one
                           of the model's; else -1 */
+    int64_t first_face, n_faces; /* all faces are among these points */
+    int32_t *triangle;           /* [n_faces][3] nodes of those that have three edges; else -1 */
 } plex_reader;
 
 /* ---- plex_topology.c ----------------------------------------------------------------------- */
@@ -46,7 +48,8 @@ typedef struct plex_reader {
 int plex_read_topology(plex_reader *r);
 void plex_release_topology(plex_reader *r);
 
-/** Elements become cells of the model; those that are no simplices hold their nodes. */
+/** Elements become cells of the model; those that are no simplices hold their nodes. Then
+ *  plex_nodes_of knows triangles. */
 int plex_read_elements(plex_reader *r);
 
 /** The dimension of a point. */

@@ -189,6 +189,7 @@ void plex_release_topology(plex_reader *r) {
     pl_free(r->start);
     pl_free(r->size);
     pl_free(r->of_point);
+    pl_free(r->triangle);
 }
 
 /* ---- nodes of points ------------------------------------------------------------------------ */
@@ -263,6 +264,19 @@ static void add_face(const plex_reader *r, int64_t face, int64_t o, nodes *to) {
     }
 }
 
+/** The nodes of a triangle in that order, if they are known. */
+static const int32_t *find_triangle(const plex_reader *r, int64_t face) {
+    const int64_t i = face - r->first_face;
+    return i >= 0 && i < r->n_faces && r->triangle[3 * i] >= 0 ? r->triangle + 3 * i : NULL;
+}
+
+/** Edge k of a triangle leads from node k on. */
+static void add_triangle(const plex_reader *r, const int32_t *node, int64_t o, nodes *to) {
+    const int first = (int)(o < 0 ? (1 - o % 3) % 3 : o % 3);
+    for (int k = 0; k < 3; k++)
+        add_node(r, r->n_elements + node[(first + (o < 0 ? 3 - k : k)) % 3], to);
+}
+
 static void add_faces(const plex_reader *r, int64_t element, nodes *to) {
     for (int k = 0; k < r->size[element]; k++) {
         int64_t orientation;
@@ -271,7 +285,11 @@ static void add_faces(const plex_reader *r, int64_t element, nodes *to) {
             to->is_broken = 1;
             return;
         }
-        add_face(r, face, orientation, to);
+        const int32_t *node = find_triangle(r, face);
+        if (node)
+            add_triangle(r, node, orientation, to);
+        else
+            add_face(r, face, orientation, to);
     }
 }
 
@@ -315,7 +333,7 @@ int plex_add_cell(plex_reader *r, int64_t point) {
         return PLANISH_OK;
     }
     memcpy(cells->nodes + cells->n * n, node, (size_t)n * sizeof *node);
-    r->of_point[point] = cells->n++;
+    r->of_point[point] = (int32_t)cells->n++;
     return PLANISH_OK;
 }
 
@@ -350,7 +368,7 @@ static int place_elements(plex_reader *r) {
     int64_t n = 0;
     for (int64_t i = 0; i < r->n_elements; i++)
         if (r->size[i] == r->dim + 1)
-            r->of_point[i] = n++;
+            r->of_point[i] = (int32_t)n++;
     io_cells *cells = cells_of(r, r->dim);
     r->model->n_other = r->n_elements - n;
     const int status = io_cells_reserve(cells, r->dim, n, 1, r->model->n_other > 0, r->error);
@@ -362,9 +380,41 @@ static int place_elements(plex_reader *r) {
     return status;
 }
 
+/** Each face is one of two elements: its nodes are found once. */
+static void find_triangle_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    plex_reader *r = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        int32_t node[PLEX_MOST_NODES];
+        const int64_t face = r->first_face + i;
+        const int n = r->size[face] == 3 ? plex_nodes_of(r, face, node) : 0;
+        for (int k = 0; k < 3; k++)
+            r->triangle[3 * i + k] = n == 3 ? node[k] : -1;
+    }
+}
+
+static int find_triangles(plex_reader *r) {
+    int64_t first = r->n_points, behind = 0;
+    for (int64_t i = r->n_elements + r->n_nodes; i < r->n_points; i++)
+        if (r->size[i] > 2) {
+            first = i < first ? i : first;
+            behind = i + 1;
+        }
+    r->first_face = first;
+    const int64_t n = behind > first ? behind - first : 0;
+    r->triangle = pl_alloc(3 * n, sizeof *r->triangle);
+    if (!r->triangle)
+        return pl_fail_memory(r->error, "the faces of the file");
+    pl_parallel_for(r->model->threads, n, CHUNK, find_triangle_chunk, r);
+    r->n_faces = n;
+    return PLANISH_OK;
+}
+
 int plex_read_elements(plex_reader *r) {
     filling f = {.r = r, .first_wrong = INT64_MAX};
-    const int status = place_elements(r);
+    int status = place_elements(r);
+    if (!status && r->dim == 3)
+        status = find_triangles(r);
     if (status)
         return status;
     pl_parallel_for(r->model->threads, r->n_elements, CHUNK, fill_chunk, &f);
