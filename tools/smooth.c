@@ -129,17 +129,21 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
     return code;
 }
 
-static int write_file(const pl_job *job, planish_error *error) {
+static int write_file(pl_job *job, planish_error *error) {
     const char *output = job->arguments->output;
-    if (engine_writes(job))
-        return job->engine->write(job, output, error);
-    if (!planish_file_can_write(job->file, output))
+    const int is_own = planish_file_can_write(job->file, output);
+    if (!is_own && !engine_writes(job))
         return convert_mesh(job, error);
+    /* Its memory is better used for the file's pages: what is written to fresh ones takes longer.
+     */
+    job->engine->plan_destroy(job);
+    if (!is_own)
+        return job->engine->write(job, output, error);
     return planish_file_write(job->file, output, job->mesh.coordinates, job->options.threads,
                               pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, error);
 }
 
-static int write_mesh(const pl_job *job, pl_result *result) {
+static int write_mesh(pl_job *job, pl_result *result) {
     planish_error error;
     const double begin = pl_seconds();
     const int code = write_file(job, &error);
@@ -278,7 +282,7 @@ static int take_before(const pl_job *job, pl_result *result) {
     return status ? status : pl_report_draw(job, "before", &result->picture);
 }
 
-/** And of the result, once that is safe. */
+/** And of the result. */
 static int take_after(const pl_job *job, pl_result *result) {
     result->checksum = job->arguments->json ? planish_checksum(&job->mesh) : 0;
     const int status = pl_worst_find_asked(job, &result->worst_after);
@@ -327,12 +331,13 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_smooth_check(job, result)))
         return status;
+    /* That takes no more memory than take_before has, and is no reason to lose the mesh. */
+    const int report = take_after(job, result) ? PL_EXIT_PARTLY : 0;
     pl_progress_phase(progress, PL_PHASE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
     pl_signals_set_written();
     pl_progress_clear(progress);
-    const int report = take_after(job, result) ? PL_EXIT_PARTLY : 0;
     return pl_smooth_tell(job, result, progress, report);
 }
 
