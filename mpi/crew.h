@@ -15,7 +15,7 @@ typedef struct pl_crew {
     pl_share share;
     planish_plan *plan; /* of the share */
     int is_alone;       /* the first process works by itself, on the whole mesh */
-    int is_broken;      /* a file could not be written, and HDF5 cannot be left in peace */
+    int is_broken;      /* PETSc has failed with a file, and HDF5 cannot be left in peace */
 } pl_crew;
 
 /** Whether a failed process may wait for the others so long before it ends them, seconds. */

@@ -30,6 +30,7 @@ typedef struct work {
     char *input, *output;          /* paths, owned */
     planish_options options;
     double slide_tolerance;
+    int wants_checksums;
     pl_plexfile file;
     pl_job job;
     pl_result result;
@@ -51,15 +52,23 @@ static int wants_parts(const char *path) {
     enum { SHARE = 4 }; /* of the memory: a mesh takes about two times its file there */
     PetscBool wants = PETSC_FALSE, is_given = PETSC_FALSE;
     pl_file_status status;
-    PetscOptionsGetBool(NULL, NULL, "-planish_in_parts", &wants, &is_given);
+    PetscOptionsGetBool(NULL, NULL, "-planish_load_in_parts", &wants, &is_given);
     return is_given ? wants == PETSC_TRUE
                     : pl_file_find(path, &status) == 0 && status.size > pl_system_memory() / SHARE;
 }
 
 int pl_large_can(const pl_arguments *a) {
     pl_plexform form;
-    return pl_plexfile_is(a->input) && pl_plexfile_is(a->output) && !asks_for_all(a) &&
-           wants_parts(a->input) && pl_plexrows_can(a->input, &form);
+    if (!pl_plexfile_is(a->input) || !wants_parts(a->input))
+        return 0;
+    const char *why = !pl_plexfile_is(a->output) ? "so does what is written"
+                      : asks_for_all(a)          ? "options want that"
+                      : !pl_plexrows_can(a->input, &form)
+                          ? "its elements, labels or coordinates are not as simple as that wants"
+                          : NULL;
+    if (why && a->verbosity != PL_QUIET)
+        pl_note(stderr, "%s: one process has all of the mesh: %s", a->input, why);
+    return !why;
 }
 
 /* ---- what the first process says ------------------------------------------------------------ */
@@ -96,7 +105,8 @@ static void share_arguments(work *w) {
 
 /** What else the command line says, in all processes: the box, once the dimension is known. */
 static int take_rest(work *w) {
-    double box[10] = {0}; /* how many numbers it has, whether regions are ignored; what slides */
+    double box[11] = {0}; /* how many numbers it has, whether regions are ignored; what slides;
+                             whether there is a report */
     const int dim = w->file.dim;
     if (w->arguments) {
         memcpy(box, w->arguments->box, sizeof w->arguments->box);
@@ -104,11 +114,13 @@ static int take_rest(work *w) {
         box[7] = w->arguments->ignore_regions;
         box[8] = w->arguments->slide;
         box[9] = w->arguments->slide_tolerance;
+        box[10] = w->arguments->json != NULL;
     }
-    MPI_Bcast(box, 10, MPI_DOUBLE, 0, w->crew->comm);
+    MPI_Bcast(box, 11, MPI_DOUBLE, 0, w->crew->comm);
     w->file.ignore_regions = box[7] != 0;
     w->file.slides = box[8] != 0;
     w->slide_tolerance = box[9];
+    w->wants_checksums = box[10] != 0;
     if (box[6] == 0)
         return PLANISH_OK;
     for (int d = 0; d < dim; d++) {
@@ -314,12 +326,12 @@ static int write_mesh(work *w) {
     const double begin = pl_seconds();
     pl_crew *crew = w->crew;
     uint64_t checksums[2] = {0};
-    int code = pl_crew_agree(
-        crew, pl_plexfile_write(&w->file, &crew->share, w->output, checksums, &w->error),
-        &w->error);
+    int code = pl_crew_agree(crew,
+                             pl_plexfile_write(&w->file, &crew->share, w->output,
+                                               w->wants_checksums ? checksums : NULL, &w->error),
+                             &w->error);
     w->result.input_checksum = checksums[0];
     w->result.checksum = checksums[1];
-    crew->is_broken = code != 0;
     code =
         pl_crew_agree(crew, pl_plexfile_finish(crew->rank, w->output, code, &w->error), &w->error);
     w->result.write_seconds = pl_seconds() - begin;

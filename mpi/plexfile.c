@@ -470,15 +470,19 @@ int pl_plexfile_finish(int rank, const char *path, int code, planish_error *erro
 
 int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
                       uint64_t *checksums, planish_error *error) {
-    int is_written = 0;
+    int reason = 0;
     const int status = name_beside(file->comm, path, error);
     if (status)
         return status;
-    const PetscErrorCode code = pl_plexrows_write(
-        file, share, pl_signals_temporary(PL_TEMPORARY_MESH), checksums, &is_written);
+    const PetscErrorCode code =
+        pl_plexrows_write(file, share, pl_signals_temporary(PL_TEMPORARY_MESH), checksums, &reason);
     if (code)
         return pl_fail_petsc(error, code);
-    return is_written ? PLANISH_OK : fail(error, PLANISH_ERROR_FILE, path, "cannot be written");
+    if (!reason)
+        return PLANISH_OK;
+    char text[128];
+    snprintf(text, sizeof text, "cannot be written: %s", strerror(reason));
+    return fail(error, PLANISH_ERROR_FILE, path, text);
 }
 
 static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,

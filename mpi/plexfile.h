@@ -38,26 +38,26 @@ int pl_plexfile_read(pl_plexfile *file, MPI_Comm comm, const char *path, const p
 void pl_plexfile_close(pl_plexfile *file);
 
 /** The nodes of dm: their numbers [n] and coordinates [n][dim] as they were read, to be freed. A
- * node may be there in several processes. */
+ *  node may be there in several processes. */
 PetscErrorCode pl_plexfile_nodes(const pl_plexfile *file, int64_t *n, int64_t **number, double **x);
 
 /** Cut it into pieces. Collective; piece is to be destroyed in any case. */
 int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error);
 
 /** Write the mesh with the coordinates of share to a file beside path: a copy in which they alone
- * are others. checksums [2]: what planish_checksum says of the mesh before and after, in the first
+ *  are others. checksums [2]: what planish_checksum says of the mesh before and after, in the first
  *  process; NULL: not wanted. Collective; it may fail in some processes alone. */
 int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
                       uint64_t *checksums, planish_error *error);
 
 /** Write whole, which the first process has (the others: NULL), as PETSc does to a file beside
- * path, with the region [n_elements] of each element, or NULL: there are none. Likewise collective.
- */
+ *  path, with the region [n_elements] of each element, or NULL: there are none. Likewise
+ *  collective. */
 int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
                         const char *path, planish_error *error);
 
 /** Let the file that one of these has written take the place of that at path; with a code remove
- * it: the first process does. Returns code, or a planish_status. */
+ *  it: the first process does. Returns code, or a planish_status. */
 int pl_plexfile_finish(int rank, const char *path, int code, planish_error *error);
 
 #endif

@@ -85,7 +85,7 @@ int pl_plexrows_can(const char *path, pl_plexform *form) {
     planish_error error;
     const int newest = PETSC_VERSION_LT(3, 19, 0) ? 2 : 3; /* that this PETSc can read */
     if (io_plex_outline_of(path, &o, &error) || o.version > newest || o.columns != o.dim ||
-        o.has_other_labels ||
+        !o.has_simplices_alone || !o.has_regions_alone ||
         io_hdf5_find_rows(path, o.coordinates, o.n_nodes, o.dim, &span, &n, &error))
         return 0;
     pl_free(span);
@@ -251,36 +251,47 @@ static uint64_t add_up(const pl_plexfile *f, const rows *r) {
     return sum;
 }
 
+/** Whether a step was done in all processes; if not, *reason of those that have failed. */
+static int is_done(const pl_plexfile *f, int failed, int *reason) {
+    *reason = failed ? errno : 0;
+    if (failed && !errno) /* the file is shorter than it was */
+        *reason = EIO;
+    return in_all(f->comm, !failed);
+}
+
 /** In the copy at path. */
 static PetscErrorCode change(const pl_plexfile *f, const pl_share *share, const char *path, rows *r,
-                             uint64_t *checksums, int *is_written) {
+                             uint64_t *checksums, int *reason) {
     int same = 0;
     PetscCall(share_stretches(f, r));
-    if (!in_all(f->comm, r->n_stretches > 0 && move_rows(f, r, path, 0) == 0))
+    errno = 0;
+    if (!is_done(f, r->n_stretches == 0 || move_rows(f, r, path, 0), reason))
         return 0;
     PetscCall(compare(f, r, &same));
-    if (!in_all(f->comm, same))
+    errno = 0;
+    if (!is_done(f, !same, reason))
         return 0;
     if (checksums)
         checksums[0] = add_up(f, r);
     PetscCall(fill(f, share, r));
     if (checksums)
         checksums[1] = add_up(f, r);
-    *is_written = in_all(f->comm, move_rows(f, r, path, 1) == 0);
+    errno = 0;
+    is_done(f, move_rows(f, r, path, 1), reason);
     return 0;
 }
 
 PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
-                                 uint64_t *checksums, int *is_written) {
+                                 uint64_t *checksums, int *reason) {
     rows r = {.n_stretches = 0};
     PetscMPIInt rank;
     MPI_Comm_rank(f->comm, &rank);
-    *is_written = 0;
-    if (!in_all(f->comm, rank != 0 || copy_file(f->path, path) == 0))
+    errno = 0;
+    if (!is_done(f, rank == 0 && copy_file(f->path, path), reason))
         return 0;
     if (rank == 0)
         find_stretches(f, path, &r);
-    const PetscErrorCode code = change(f, share, path, &r, checksums, is_written);
+    const PetscErrorCode code = change(f, share, path, &r, checksums, reason);
     destroy_rows(&r);
     return code;
 }

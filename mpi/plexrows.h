@@ -6,14 +6,14 @@
 #include "plexfile.h"
 
 /** Whether processes can read and write the file at path together: PETSc can read it, coordinates
- *  stand there as doubles, row by row, and it has no labels but that of regions. form: filled in.
- */
+ *  stand there as doubles, row by row, and there are simplices alone, of one region each, and no
+ *  other labels. form: filled in. */
 int pl_plexrows_can(const char *path, pl_plexform *form);
 
-/** Make path a copy of the file that f was read from, with the coordinates of share; *is_written:
- * that was possible, else it may be there and be anything. checksums [2]: as of pl_plexfile_write.
- * Collective, with the same result in all. */
+/** Make path a copy of the file that f was read from, with the coordinates of share. *reason: 0 in
+ *  all processes, or an errno in those that have failed; then it may be there and be anything.
+ *  checksums [2]: as of pl_plexfile_write. Collective. */
 PetscErrorCode pl_plexrows_write(const pl_plexfile *f, const pl_share *share, const char *path,
-                                 uint64_t *checksums, int *is_written);
+                                 uint64_t *checksums, int *reason);
 
 #endif

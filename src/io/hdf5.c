@@ -134,6 +134,17 @@ int io_hdf5_recognise(const char *data, int64_t size, const char *path) {
     return found;
 }
 
+/** Whether there are bytes before HDF5's own; or that cannot be found out. */
+static int has_user_block(hid_t id) {
+    hsize_t size = 1;
+    const hid_t list = H5Fget_create_plist(id);
+    if (list >= 0) {
+        H5Pget_userblock(list, &size);
+        H5Pclose(list);
+    }
+    return size > 0;
+}
+
 int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
     *out = NULL;
     if (!io_is_hdf5(model->input.data, model->input.size))
@@ -151,6 +162,8 @@ int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
         status = hdf5_fail_library(file, "/", "cannot be opened");
     else if ((file->access = hdf5_link_access()) < 0)
         status = hdf5_fail_library(file, "/", "cannot be read");
+    else
+        file->has_user_block = has_user_block(file->id);
     if (status)
         io_hdf5_close(file);
     else
@@ -406,7 +419,8 @@ static int check_size(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
 /** Where the only chunk is, if it has all values and the file has all of it; else HADDR_UNDEF. */
 static haddr_t find_only_chunk(const io_hdf5 *file, const hdf5_dataset *d) {
     const haddr_t there = (haddr_t)file->model->input.size;
-    const int has_all = d->is_plain && d->chunk[0] >= (hsize_t)d->shape.dims[0] &&
+    const int has_all = !file->has_user_block && d->is_plain &&
+                        d->chunk[0] >= (hsize_t)d->shape.dims[0] &&
                         (d->shape.rank == 1 || d->chunk[1] == (hsize_t)d->shape.dims[1]);
     hsize_t at[2] = {0, 0}, size = 0, n = 0;
     unsigned mask = 0;

@@ -115,7 +115,8 @@ static int add_chunks(io_hdf5 *file, const io_hdf5_place *place, const hdf5_data
     hsize_t n = 0;
     hid_t space = H5Dget_space(d->id);
     int status = PLANISH_OK;
-    *is_added = space >= 0 && (d->shape.rank == 1 || d->chunk[1] == width) &&
+    *is_added = space >= 0 && !file->has_user_block &&
+                (d->shape.rank == 1 || d->chunk[1] == width) &&
                 H5Dget_num_chunks(d->id, space, &n) >= 0 && n == wanted && n <= MOST_CHUNKS;
     for (hsize_t i = 0; *is_added && !status && i < n; i++) {
         hsize_t at[2] = {0, 0}, size = 0;

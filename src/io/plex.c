@@ -26,12 +26,13 @@ static int find_root(plex_reader *r, char *name, size_t size) {
     if (r->version == 1)
         return PLANISH_OK;
     int status = io_hdf5_list(r->file, MESHES, &names);
-    if (!status && names.n != 1)
+    if (!status && names.n == 0)
+        status = io_hdf5_fail(r->file, MESHES, "there is no mesh");
+    if (!status && names.n > 1)
         status = io_hdf5_fail(r->file, MESHES,
-                              "there are %lld meshes (%.60s%s%.60s); planish reads files with one: "
-                              "write each to a file of its own",
-                              (long long)names.n, names.n > 0 ? names.name[0] : "",
-                              names.n > 1 ? ", " : "", names.n > 1 ? names.name[1] : "");
+                              "there are %lld meshes (%.60s, %.60s, ...); planish reads files with "
+                              "one: write each to a file of its own",
+                              (long long)names.n, names.name[0], names.name[1]);
     if (!status && strlen(names.name[0]) >= size)
         status = io_hdf5_fail(r->file, MESHES, "the name of the mesh is too long");
     if (!status) {
@@ -46,7 +47,7 @@ static int find_root(plex_reader *r, char *name, size_t size) {
 static int find_form(plex_reader *r) {
     char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
     int64_t dim = 0;
-    int found;
+    int found = 1;
     int status = io_hdf5_path(r->file, group, "%s/topology", r->root);
     if (!status)
         status = io_hdf5_path(r->file, path, "%s/strata", group);
@@ -61,6 +62,8 @@ static int find_form(plex_reader *r) {
     if (!status)
         status =
             io_hdf5_attribute(r->file, r->version == 3 ? group : path, "cell_dim", &dim, &found);
+    if (!status && !found)
+        status = io_hdf5_fail(r->file, path, "the dimension of elements (cell_dim) is not there");
     if (!status && dim != 2 && dim != 3)
         status = io_hdf5_fail(r->file, path,
                               "elements of dimension %lld; planish smooths tetrahedra or triangles",
@@ -128,21 +131,29 @@ static int check_section(plex_reader *r, const char *group) {
     return status;
 }
 
-static int read_coordinates(plex_reader *r) {
+/** Where they are: rows of two or three for each node. */
+static int check_coordinates(plex_reader *r) {
     char section[IO_HDF5_PATH_SIZE];
-    io_model *model = r->model;
     io_hdf5_shape shape;
     int status = find_coordinates(r, section);
     if (!status)
         status = io_hdf5_shape_of(r->file, r->coordinates, &shape);
-    if (!status && shape.n != 2 * r->n_nodes && shape.n != 3 * r->n_nodes)
-        status = io_hdf5_fail(r->file, r->coordinates,
-                              "%lld coordinates for %lld nodes; two or three each were expected",
-                              (long long)shape.n, (long long)r->n_nodes);
     if (status)
         return status;
-    model->columns = (int)(shape.n / r->n_nodes);
-    status = r->version == 1 ? PLANISH_OK : check_section(r, section);
+    const int is_list = r->version > 1 && (shape.rank == 1 || shape.dims[1] == 1);
+    const int64_t columns = is_list ? shape.n / r->n_nodes : shape.dims[1];
+    if ((columns != 2 && columns != 3) || shape.n != columns * r->n_nodes)
+        return io_hdf5_fail(r->file, r->coordinates,
+                            "%lld coordinates in rows of %lld for %lld nodes; two or three each "
+                            "were expected",
+                            (long long)shape.n, (long long)columns, (long long)r->n_nodes);
+    r->model->columns = (int)columns;
+    return r->version == 1 ? PLANISH_OK : check_section(r, section);
+}
+
+static int read_coordinates(plex_reader *r) {
+    io_model *model = r->model;
+    int status = check_coordinates(r);
     if (!status)
         status = io_model_nodes(model, r->n_nodes, 0, r->error);
     for (int64_t i = 0; !status && model->columns < 3 && i < r->n_nodes; i++)
@@ -198,38 +209,21 @@ const io_format io_format_plex = {.name = "dmplex",
 
 /* ---- for those who load such files with PETSc ----------------------------------------------- */
 
-/** The rows of versions 2 and 3, whose first one tells where nodes begin. */
-static int outline_section(plex_reader *r, const char *section) {
-    char path[IO_HDF5_PATH_SIZE];
-    io_hdf5_integers order = {0};
-    int status = io_hdf5_path(r->file, path, "%s/order", section);
-    if (!status)
-        status = io_hdf5_integers_read(r->file, path, &order);
-    r->n_elements = !status && order.n > 0 ? io_hdf5_integer(&order, 0) : 0;
-    io_hdf5_integers_release(&order);
-    return status ? status : check_section(r, section);
-}
-
 static int outline_mesh(plex_reader *r, io_plex_outline *o) {
-    char section[IO_HDF5_PATH_SIZE];
-    io_hdf5_shape shape = {0};
     int status = find_mesh(r, o->name, sizeof o->name);
     if (!status)
-        status = find_coordinates(r, section);
+        status = plex_read_topology(r);
     if (!status)
-        status = io_hdf5_shape_of(r->file, r->coordinates, &shape);
-    r->model->columns = shape.rank == 2 ? (int)shape.dims[1] : r->dim;
-    r->n_nodes = r->model->columns > 0 ? shape.n / r->model->columns : 0;
-    if (!status && r->version > 1)
-        status = outline_section(r, section);
+        status = check_coordinates(r);
     if (!status)
-        status = plex_has_other_labels(r, &o->has_other_labels);
+        status = plex_check_labels(r, &o->has_regions_alone);
     if (status)
         return status;
     o->version = r->version;
     o->dim = r->dim;
     o->columns = r->model->columns;
     o->n_nodes = r->n_nodes;
+    o->has_simplices_alone = plex_has_simplices_alone(r);
     memcpy(o->coordinates, r->coordinates, sizeof o->coordinates);
     return PLANISH_OK;
 }
@@ -244,6 +238,7 @@ int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error
     status = io_hdf5_open(&model, &r.file, error);
     if (!status)
         status = outline_mesh(&r, outline);
+    plex_release_topology(&r);
     io_hdf5_close(r.file);
     io_bytes_close(&model.input);
     return status;

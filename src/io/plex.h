@@ -55,6 +55,9 @@ int plex_read_elements(plex_reader *r);
 /** The dimension of a point. */
 int plex_dim_of(const plex_reader *r, int64_t point);
 
+/** Whether all elements are simplices, and all points are bounded by points of the right kind. */
+int plex_has_simplices_alone(const plex_reader *r);
+
 /** Nodes (indices) of a point in the order in which DMPlexGetTransitiveClosure has them: node
  *  [PLEX_MOST_NODES]. Returns how many, or -1: the file is damaged. */
 int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node);
@@ -70,9 +73,9 @@ int plex_add_cell(plex_reader *r, int64_t point);
 /** Labels become regions, surfaces, lines and groups. */
 int plex_read_labels(plex_reader *r);
 
-/** Whether the file has labels besides that of regions and those that programs make for
- *  themselves. */
-int plex_has_other_labels(plex_reader *r, int *has);
+/** Whether there are no labels but that of regions, of which each element has one at the most, and
+ *  those that programs make for themselves. Fails if any says something of what is no point. */
+int plex_check_labels(plex_reader *r, int *has_regions_alone);
 
 /* ---- for those who load such files with PETSc ----------------------------------------------- */
 
@@ -82,10 +85,12 @@ typedef struct io_plex_outline {
     char coordinates[IO_HDF5_PATH_SIZE]; /* path of their dataset */
     int dim, columns;                    /* of the elements; coordinates of a node */
     int64_t n_nodes;
-    int has_other_labels; /* besides that of regions: of surfaces, for instance */
+    int has_simplices_alone; /* as elements, and all points are bounded as they must be */
+    int has_regions_alone;   /* no labels but that of regions, and an element is of one */
 } io_plex_outline;
 
-/** What stands in the file at path, without reading the mesh. */
+/** What stands in the file at path; but for places of nodes, nothing in it can be out of range
+ *  then. */
 int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error *error);
 
 #endif

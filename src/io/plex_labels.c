@@ -23,6 +23,9 @@ static const char *const notes[] = {"celltype",    "depth",           "ghost",
 
 static const char regions[] = "Cell Sets";
 
+/* Labels that list all points so many times over are no mesh's. */
+enum { MOST_LISTINGS = 64 };
+
 /** Points with one value of a label. */
 typedef struct set {
     char *label, *value; /* owned */
@@ -34,7 +37,8 @@ typedef struct labels {
     plex_reader *r;
     set *set; /* [n] */
     int64_t n, capacity;
-    int dim; /* the kind of things whose sets are being told: cells of the model; 0: nodes */
+    int64_t listed; /* points in all sets */
+    int dim;        /* the kind of things whose sets are being told: cells of the model; 0: nodes */
 } labels;
 
 /* ---- sets ----------------------------------------------------------------------------------- */
@@ -73,6 +77,12 @@ static int add_set(labels *l, const char *path, char **label, char **value) {
     int status = io_hdf5_path(r->file, points, "%s/indices", path);
     if (!status)
         status = io_hdf5_integers_read(r->file, points, &s->points);
+    if (!status && s->points.n > MOST_LISTINGS * r->n_points - l->listed)
+        status = io_hdf5_fail(r->file, points,
+                              "labels up to this one list all points more than %d times over; the "
+                              "file is damaged",
+                              MOST_LISTINGS);
+    l->listed += s->points.n;
     return status ? status : look_at_points(r, points, s);
 }
 
@@ -110,25 +120,54 @@ static int list_labels(plex_reader *r, char *group, io_hdf5_names *names) {
                : io_hdf5_list(r->file, group, names);
 }
 
-static int read_sets(labels *l) {
+static int read_sets(labels *l, int with_notes) {
     char group[IO_HDF5_PATH_SIZE];
     io_hdf5_names names;
     int status = list_labels(l->r, group, &names);
     for (int64_t i = 0; i < names.n && !status; i++)
-        if (!is_note(names.name[i]))
+        if (with_notes || !is_note(names.name[i]))
             status = read_label(l, group, names.name[i]);
     io_hdf5_names_release(&names);
     return status;
 }
 
-int plex_has_other_labels(plex_reader *r, int *has) {
-    char group[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names;
-    const int status = list_labels(r, group, &names);
-    *has = 0;
-    for (int64_t i = 0; i < names.n; i++)
-        *has |= !is_note(names.name[i]) && strcmp(names.name[i], regions) != 0;
-    io_hdf5_names_release(&names);
+static void release_sets(labels *l) {
+    for (int64_t i = 0; i < l->n; i++) {
+        pl_free(l->set[i].label);
+        pl_free(l->set[i].value);
+        io_hdf5_integers_release(&l->set[i].points);
+    }
+    pl_free(l->set);
+}
+
+/** Whether a set is of elements alone, none of which another one has: seen [n_elements]. */
+static int is_of_new_elements(const plex_reader *r, const set *s, uint8_t *seen) {
+    for (int64_t k = 0; k < s->points.n; k++) {
+        const int64_t point = io_hdf5_integer(&s->points, k);
+        if (point >= r->n_elements || seen[point])
+            return 0;
+        seen[point] = 1;
+    }
+    return 1;
+}
+
+static int check_labels(labels *l, uint8_t *seen, int *has_regions_alone) {
+    const int status = read_sets(l, 1);
+    *has_regions_alone = 1;
+    for (int64_t i = 0; i < l->n && !status && *has_regions_alone; i++)
+        *has_regions_alone =
+            is_note(l->set[i].label) ||
+            (strcmp(l->set[i].label, regions) == 0 && is_of_new_elements(l->r, &l->set[i], seen));
+    return status;
+}
+
+int plex_check_labels(plex_reader *r, int *has_regions_alone) {
+    labels l = {.r = r};
+    uint8_t *seen = pl_alloc_zero(r->n_elements, 1);
+    const int status = seen ? check_labels(&l, seen, has_regions_alone)
+                            : pl_fail_memory(r->error, "the labels of the file");
+    release_sets(&l);
+    pl_free(seen);
     return status;
 }
 
@@ -264,15 +303,10 @@ static int make_groups(labels *l) {
 
 int plex_read_labels(plex_reader *r) {
     labels l = {.r = r};
-    int status = read_sets(&l);
+    int status = read_sets(&l, 0);
     if (!status)
         status = make_groups(&l);
-    for (int64_t i = 0; i < l.n; i++) {
-        pl_free(l.set[i].label);
-        pl_free(l.set[i].value);
-        io_hdf5_integers_release(&l.set[i].points);
-    }
-    pl_free(l.set);
+    release_sets(&l);
     return status;
 }
 

@@ -42,11 +42,13 @@ static int take_cones(plex_reader *r, const char *path, const plex_stratum *s,
             return io_hdf5_fail(r->file, path,
                                 "point %lld (at place %lld) is not in 0 .. %lld, or is there twice",
                                 (long long)point, (long long)i, (long long)r->n_points - 1);
-        if (size < 0 || size > MOST_IN_CONE || size > s->cones.n - begin)
+        if (size < 0 || size > MOST_IN_CONE)
             return io_hdf5_fail(r->file, path,
-                                "point %lld is bounded by %lld others, of which there are no more "
-                                "than %lld",
-                                (long long)point, (long long)size, (long long)(s->cones.n - begin));
+                                "point %lld is bounded by %lld others; no element has so many",
+                                (long long)point, (long long)size);
+        if (size > s->cones.n - begin)
+            return io_hdf5_fail(r->file, path, "there are only %lld points that bound others",
+                                (long long)s->cones.n);
         r->start[point] = begin;
         r->size[point] = (uint8_t)size;
         begin += size;
@@ -244,6 +246,11 @@ static void add_cone(const plex_reader *r, int64_t point, int is_reversed, nodes
         add_node(r, in_cone(r, point, is_reversed ? size - 1 - k : k, NULL), to);
 }
 
+/** Whether a point with so many in its cone can be gone round like that. */
+static int is_orientation(int64_t o, int size) {
+    return o >= -size && o < size;
+}
+
 static void add_edge(const plex_reader *r, int64_t edge, int is_reversed, nodes *to) {
     if (edge < 0 || plex_dim_of(r, edge) != 1)
         to->is_broken = 1;
@@ -255,6 +262,7 @@ static void add_edge(const plex_reader *r, int64_t edge, int is_reversed, nodes 
 static void add_face(const plex_reader *r, int64_t face, int64_t o, nodes *to) {
     const int size = r->size[face];
     const int is_reversed = o < 0;
+    to->is_broken |= !is_orientation(o, size);
     const int first = (int)((is_reversed ? -(o % size) : o % size) % size);
     for (int k = 0; k < size; k++) {
         int64_t orientation;
@@ -273,6 +281,7 @@ static const int32_t *find_triangle(const plex_reader *r, int64_t face) {
 /** Edge k of a triangle leads from node k on. */
 static void add_triangle(const plex_reader *r, const int32_t *node, int64_t o, nodes *to) {
     const int first = (int)(o < 0 ? (1 - o % 3) % 3 : o % 3);
+    to->is_broken |= !is_orientation(o, 3);
     for (int k = 0; k < 3; k++)
         add_node(r, r->n_elements + node[(first + (o < 0 ? 3 - k : k)) % 3], to);
 }
@@ -298,13 +307,39 @@ int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node) {
     const int dim = plex_dim_of(r, point);
     if (dim == 0)
         add_node(r, point, &to);
-    else if (is_node(r, in_cone(r, point, 0, NULL)))
+    else if (dim == 1 || is_node(r, in_cone(r, point, 0, NULL)))
         add_cone(r, point, 0, &to);
     else if (dim == 2)
         add_face(r, point, 0, &to);
     else
         add_faces(r, point, &to);
     return to.is_broken ? -1 : to.n;
+}
+
+/** Whether a point is bounded by points of the next lower dimension; an element by these or by
+ *  nodes. */
+static int is_bounded(const plex_reader *r, int64_t point) {
+    const int dim = plex_dim_of(r, point);
+    const int64_t first = in_cone(r, point, 0, NULL);
+    const int wanted = point < r->n_elements && is_node(r, first) ? 0 : dim - 1;
+    for (int k = 0; k < r->size[point]; k++) {
+        int64_t orientation;
+        const int64_t below = in_cone(r, point, k, &orientation);
+        if (below < r->n_elements || plex_dim_of(r, below) != wanted ||
+            (wanted > 0 && !is_orientation(orientation, r->size[below])))
+            return 0;
+    }
+    return 1;
+}
+
+int plex_has_simplices_alone(const plex_reader *r) {
+    for (int64_t i = 0; i < r->n_elements; i++)
+        if (r->size[i] != r->dim + 1)
+            return 0;
+    for (int64_t i = 0; i < r->n_points; i++)
+        if (!is_node(r, i) && !is_bounded(r, i))
+            return 0;
+    return 1;
 }
 
 int plex_fail_point(plex_reader *r, int64_t point) {

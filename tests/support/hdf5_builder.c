@@ -33,12 +33,14 @@ void hdf5_group(const hdf5_builder *builder, const char *path) {
     H5Pclose(links);
 }
 
-static hid_t storage(const hdf5_builder *builder, int rank) {
+static hid_t storage(const hdf5_builder *builder, int rank, const hsize_t *dims) {
     hid_t list = must(H5Pcreate(H5P_DATASET_CREATE));
     if (builder->is_compact)
         must(H5Pset_layout(list, H5D_COMPACT));
     if (builder->chunk[0])
         must(H5Pset_chunk(list, rank, builder->chunk));
+    else if (builder->is_one_chunk)
+        must(H5Pset_chunk(list, rank, dims));
     if (builder->chunk[0] && builder->is_packed) {
         must(H5Pset_shuffle(list));
         must(H5Pset_deflate(list, 6));
@@ -50,7 +52,7 @@ void hdf5_array(const hdf5_builder *builder, const char *path, hid_t file_type, 
                 hsize_t rows, hsize_t columns, const void *data) {
     const hsize_t dims[2] = {rows, columns};
     const int rank = columns ? 2 : 1;
-    hid_t space = must(H5Screate_simple(rank, dims, NULL)), list = storage(builder, rank);
+    hid_t space = must(H5Screate_simple(rank, dims, NULL)), list = storage(builder, rank, dims);
     hid_t set =
         must(H5Dcreate2(builder->file, path, file_type, space, H5P_DEFAULT, list, H5P_DEFAULT));
     must(H5Dwrite(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data));

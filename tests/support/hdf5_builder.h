@@ -13,6 +13,7 @@ typedef struct hdf5_builder {
     int is_compact;
     hsize_t chunk[2]; /* 0: not in chunks */
     int is_packed;    /* with chunks: shuffled and deflated */
+    int is_one_chunk; /* without: all of it in one */
 } hdf5_builder;
 
 /** user_block: bytes before HDF5's own, 0 or 512. */
