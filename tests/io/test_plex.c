@@ -440,7 +440,7 @@ static void wrong_files_are_refused(void **state) {
     refuse(((void)(p = right, p.order = 2), &p), "twice");
     refuse(((void)(p = right, p.order = N_POINTS), &p), "point 51");
     refuse(((void)(p = right, p.version = 2, p.row = 7), &p), "one place for each node");
-    refuse(((void)(p = right, p.version = 2, p.meshes = 2), &p), "2 meshes (mine, other)");
+    refuse(((void)(p = right, p.version = 2, p.meshes = 2), &p), "2 meshes (mine, other, ...)");
     reading_fails(&io_format_plex, "no HDF5", "no HDF5 file");
 }
 
