@@ -263,6 +263,8 @@ int pl_job_plan(pl_job *job) {
     if (job->engine->plan_create(job, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     job->setup_seconds = pl_seconds() - begin;
+    snprintf(job->binding, sizeof job->binding, "%s", job->plan_info.binding);
+    job->plan_info.binding = job->binding;
     return 0;
 }
 

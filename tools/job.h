@@ -42,6 +42,7 @@ typedef struct pl_job {
     double *min_volume;  /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
+    char binding[256];    /* its text, as the plan is gone when that is told */
     pl_traffic traffic;   /* of smoothing */
     double begin;         /* pl_seconds when the job began */
     double read_seconds;  /* file and constraints */
