@@ -240,6 +240,8 @@ static int cgns_read(io_model *model, planish_error *error) {
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
         status = read_all(&r);
+    if (!status)
+        status = io_hdf5_check(r.file);
     cgns_release_sections(&r);
     io_hdf5_close(r.file);
     return status;

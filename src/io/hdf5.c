@@ -111,8 +111,10 @@ hid_t hdf5_link_access(void) {
     return access;
 }
 
-static io_hdf5_kind kind_in(hid_t file, hid_t access, const char *path) {
+/** *is_open: it could be looked at. */
+static io_hdf5_kind kind_in(hid_t file, hid_t access, const char *path, int *is_open) {
     hid_t object = H5Oopen(file, path, access);
+    *is_open = object >= 0;
     if (object < 0)
         return IO_HDF5_NONE;
     H5I_type_t type = H5Iget_type(object);
@@ -125,7 +127,8 @@ int io_hdf5_recognise(const char *data, int64_t size, const char *path) {
         return 0;
     hdf5_voice voice = hdf5_silence();
     hid_t file = hdf5_open_bytes(data, size, 0), access = hdf5_link_access();
-    int found = file >= 0 && access >= 0 && kind_in(file, access, path) != IO_HDF5_NONE;
+    int is_open;
+    int found = file >= 0 && access >= 0 && kind_in(file, access, path, &is_open) != IO_HDF5_NONE;
     if (file >= 0)
         H5Fclose(file);
     if (access >= 0)
@@ -185,8 +188,34 @@ void io_hdf5_close(io_hdf5 *file) {
 
 /* ---- objects ------------------------------------------------------------------------------ */
 
+/** Whether there is nothing at path for sure: no link of that name in some group above. */
+static int is_missing(const io_hdf5 *file, const char *path) {
+    char part[IO_HDF5_PATH_SIZE];
+    for (const char *end = path; end;) {
+        end = strchr(end + 1, '/');
+        const size_t length = end ? (size_t)(end - path) : strlen(path);
+        if (length >= sizeof part)
+            return 0;
+        memcpy(part, path, length);
+        part[length] = '\0';
+        const htri_t exists = H5Lexists(file->id, part, file->access);
+        if (exists <= 0)
+            return exists == 0;
+    }
+    return 0;
+}
+
 io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path) {
-    return kind_in(file->id, file->access, path);
+    int is_open;
+    const io_hdf5_kind kind = kind_in(file->id, file->access, path, &is_open);
+    if (!is_open && !file->unknown[0] && !is_missing(file, path))
+        snprintf(file->unknown, sizeof file->unknown, "%s", path);
+    return kind;
+}
+
+int io_hdf5_check(io_hdf5 *file) {
+    return file->unknown[0] ? hdf5_fail_library(file, file->unknown, "cannot be looked at")
+                            : PLANISH_OK;
 }
 
 typedef struct listing {

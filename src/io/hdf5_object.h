@@ -24,6 +24,7 @@ struct io_hdf5 {
     io_span *span; /* [n_spans] owned: those found so far */
     int64_t n_spans, span_capacity;
     int has_precision;
+    char unknown[IO_HDF5_PATH_SIZE]; /* an object that is there and could not be looked at; or "" */
     int has_user_block; /* bytes before HDF5's own: chunks are elsewhere than the library says */
 };
 

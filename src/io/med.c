@@ -431,6 +431,8 @@ static int med_read(io_model *model, planish_error *error) {
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
         status = read_mesh(&r);
+    if (!status)
+        status = io_hdf5_check(r.file);
     io_hdf5_close(r.file);
     return status;
 }

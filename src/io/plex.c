@@ -188,6 +188,8 @@ static int plex_read(io_model *model, planish_error *error) {
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
         status = read_mesh(&r);
+    if (!status)
+        status = io_hdf5_check(r.file);
     plex_release_topology(&r);
     io_hdf5_close(r.file);
     return status;
@@ -238,6 +240,8 @@ int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error
     status = io_hdf5_open(&model, &r.file, error);
     if (!status)
         status = outline_mesh(&r, outline);
+    if (!status)
+        status = io_hdf5_check(r.file);
     plex_release_topology(&r);
     io_hdf5_close(r.file);
     io_bytes_close(&model.input);

@@ -299,6 +299,8 @@ static int vtkhdf_read(io_model *model, planish_error *error) {
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
         status = read_grid(&r);
+    if (!status)
+        status = io_hdf5_check(r.file);
     io_hdf5_integers *const lists[] = {&r.points,       &r.cells,   &r.ids,
                                        &r.connectivity, &r.offsets, &r.types};
     for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
