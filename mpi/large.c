@@ -49,7 +49,7 @@ static int asks_for_all(const pl_arguments *a) {
 
 /** Whether the mesh is too large for the first process; or what PETSC_OPTIONS say. */
 static int wants_parts(const char *path) {
-    enum { SHARE = 4 }; /* of the memory: a mesh takes about two times its file there */
+    enum { SHARE = 8 }; /* of the memory: a mesh takes two to four times its file there */
     PetscBool wants = PETSC_FALSE, is_given = PETSC_FALSE;
     pl_file_status status;
     PetscOptionsGetBool(NULL, NULL, "-planish_load_in_parts", &wants, &is_given);
@@ -61,12 +61,10 @@ int pl_large_can(const pl_arguments *a) {
     pl_plexform form;
     if (!pl_plexfile_is(a->input) || !wants_parts(a->input))
         return 0;
-    const char *why = !pl_plexfile_is(a->output) ? "so does what is written"
-                      : asks_for_all(a)          ? "options want that"
-                      : !pl_plexrows_can(a->input, &form)
-                          ? "its elements, labels or coordinates are not as simple as that wants"
-                          : NULL;
-    if (why && a->verbosity != PL_QUIET)
+    const char *why = !pl_plexfile_is(a->output) ? "what is written is no .h5"
+                      : asks_for_all(a) ? "options name groups, or want a page or another format"
+                                        : pl_plexrows_refusal(a->input, &form);
+    if (why && why[0] && a->verbosity != PL_QUIET)
         pl_note(stderr, "%s: one process has all of the mesh: %s", a->input, why);
     return !why;
 }
@@ -103,36 +101,45 @@ static void share_arguments(work *w) {
         w->job.options = w->options;
 }
 
-/** What else the command line says, in all processes: the box, once the dimension is known. */
+/** What else the command line says. */
+typedef struct rest {
+    double box[6], slide_tolerance;
+    int n_box, ignore_regions, slides, wants_checksums;
+} rest;
+
+static rest rest_of(const pl_arguments *a) {
+    rest r = {.slide_tolerance = a->slide_tolerance,
+              .n_box = a->n_box,
+              .ignore_regions = a->ignore_regions,
+              .slides = a->slide,
+              .wants_checksums = a->json != NULL};
+    memcpy(r.box, a->box, sizeof a->box);
+    return r;
+}
+
+/** The same in all processes, once the dimension is known. */
 static int take_rest(work *w) {
-    double box[11] = {0}; /* how many numbers it has, whether regions are ignored; what slides;
-                             whether there is a report */
     const int dim = w->file.dim;
-    if (w->arguments) {
-        memcpy(box, w->arguments->box, sizeof w->arguments->box);
-        box[6] = w->arguments->n_box;
-        box[7] = w->arguments->ignore_regions;
-        box[8] = w->arguments->slide;
-        box[9] = w->arguments->slide_tolerance;
-        box[10] = w->arguments->json != NULL;
-    }
-    MPI_Bcast(box, 11, MPI_DOUBLE, 0, w->crew->comm);
-    w->file.ignore_regions = box[7] != 0;
-    w->file.slides = box[8] != 0;
-    w->slide_tolerance = box[9];
-    w->wants_checksums = box[10] != 0;
-    if (box[6] == 0)
+    rest r = {.n_box = 0};
+    if (w->arguments)
+        r = rest_of(w->arguments);
+    MPI_Bcast(&r, sizeof r, MPI_BYTE, 0, w->crew->comm);
+    w->file.ignore_regions = r.ignore_regions;
+    w->file.slides = r.slides;
+    w->slide_tolerance = r.slide_tolerance;
+    w->wants_checksums = r.wants_checksums;
+    if (r.n_box == 0)
         return PLANISH_OK;
     for (int d = 0; d < dim; d++) {
-        w->options.box_lower[d] = box[d];
-        w->options.box_upper[d] = box[dim + d];
+        w->options.box_lower[d] = r.box[d];
+        w->options.box_upper[d] = r.box[dim + d];
     }
-    if ((int)box[6] == 2 * dim)
+    if (r.n_box == 2 * dim)
         return PLANISH_OK;
     w->is_usage = 1;
     w->error = (planish_error){PLANISH_ERROR_ARGUMENT, -1, -1, ""};
     snprintf(w->error.text, sizeof w->error.text, "--box has %d numbers, and a mesh of %s needs %d",
-             (int)box[6], dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
+             r.n_box, dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
     return w->error.code;
 }
 
@@ -140,8 +147,8 @@ static int take_rest(work *w) {
 
 static int read_mesh(work *w) {
     const double begin = pl_seconds();
-    pl_plexform form = {.dim = 0};
-    const int can = !w->arguments || pl_plexrows_can(w->input, &form);
+    pl_plexform form = {.name = ""};
+    const int can = !w->arguments || !pl_plexrows_refusal(w->input, &form);
     w->error = (planish_error){PLANISH_ERROR_FILE, -1, -1, ""};
     snprintf(w->error.text, sizeof w->error.text, "%s: has been changed meanwhile", w->input);
     int code = pl_crew_agree(w->crew, can ? PLANISH_OK : PLANISH_ERROR_FILE, &w->error);
@@ -226,34 +233,47 @@ typedef struct said {
     int64_t state;
 } said;
 
+/** To the first process, of each so many. */
+static void bring_said(const pl_crew *crew, const said *from, int n, said *to, const int *count,
+                       const int *at) {
+    MPI_Datatype type;
+    MPI_Type_contiguous(2, MPI_INT64_T, &type);
+    MPI_Type_commit(&type);
+    MPI_Gatherv(from, n, type, to, count, at, type, 0, crew->comm);
+    MPI_Type_free(&type);
+}
+
 /** What the processes say of elements, in the first one: state [n_elements] of all, or NULL: all
- * are 0. mine: of this process's part; of what several say the largest is right. */
+ *  are 0. mine: of this process's part; of what several say the largest is right. */
 static int gather_states(work *w, const uint8_t *mine, uint8_t **state) {
     const pl_crew *crew = w->crew;
     const pl_share *share = &crew->share;
-    const int is_first = crew->rank == 0;
     int n = 0, total = 0;
     int *count = pl_new_array(crew->n_ranks, sizeof *count);
     int *at = pl_new_array(crew->n_ranks + 1, sizeof *at);
-    said *from = pl_new_array(share->mesh.n_elements, sizeof *from);
-    for (int64_t i = 0; from && i < share->mesh.n_elements; i++)
+    said *from = pl_new_array(share->mesh.n_elements, sizeof *from), *all = NULL;
+    const planish_error no_memory = {PLANISH_ERROR_MEMORY, -1, -1,
+                                     "out of memory for the states of elements"};
+    *state = NULL;
+    w->error = no_memory;
+    int code =
+        pl_crew_agree(crew, count && at && from ? PLANISH_OK : PLANISH_ERROR_MEMORY, &w->error);
+    for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (mine[i])
             from[n++] = (said){share->element_number[i], mine[i]};
-    int code = count && at && from ? PLANISH_OK : PLANISH_ERROR_MEMORY;
-    n *= 2;
-    MPI_Gather(&n, 1, MPI_INT, count, 1, MPI_INT, 0, crew->comm);
-    for (int k = 0; !code && is_first && k < crew->n_ranks; k++)
-        at[k + 1] = total += count[k];
-    said *all = pl_new_array(total, sizeof *all);
-    *state = is_first && total > 0 ? pl_new_array(w->file.n_elements, 1) : NULL;
-    if (!all || (total > 0 && !*state))
-        code = PLANISH_ERROR_MEMORY;
-    w->error =
-        (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the states of elements"};
-    code = pl_crew_agree(crew, code, &w->error);
+    if (!code) {
+        MPI_Gather(&n, 1, MPI_INT, count, 1, MPI_INT, 0, crew->comm);
+        for (int k = 0; k < crew->n_ranks; k++) /* 0 in the others */
+            at[k + 1] = total += count[k];
+        all = pl_new_array(total, sizeof *all);
+        *state = total > 0 ? pl_new_array(w->file.n_elements, 1) : NULL;
+        w->error = no_memory;
+        code = pl_crew_agree(
+            crew, all && (total == 0 || *state) ? PLANISH_OK : PLANISH_ERROR_MEMORY, &w->error);
+    }
     if (!code)
-        MPI_Gatherv(from, n, MPI_INT64_T, all, count, at, MPI_INT64_T, 0, crew->comm);
-    for (int i = 0; !code && i < total / 2; i++)
+        bring_said(crew, from, n, all, count, at);
+    for (int i = 0; !code && i < total; i++)
         if (all[i].state > (*state)[all[i].number])
             (*state)[all[i].number] = (uint8_t)all[i].state;
     free(count);

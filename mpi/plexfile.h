@@ -8,7 +8,6 @@
 
 /** What has to be known of a file before PETSc can read it. */
 typedef struct pl_plexform {
-    int dim;
     char name[256];         /* of the mesh; "": the file's form has none */
     char coordinates[1024]; /* path of their dataset */
 } pl_plexform;

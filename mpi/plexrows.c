@@ -78,21 +78,32 @@ static void find_stretches(const pl_plexfile *f, const char *path, rows *r) {
     pl_free(span);
 }
 
-int pl_plexrows_can(const char *path, pl_plexform *form) {
-    io_plex_outline o;
+/** Whether coordinates stand in the file as doubles, row by row. */
+static int has_rows(const char *path, const io_plex_outline *o) {
     io_span *span = NULL;
     int64_t n = 0;
     planish_error error;
-    const int newest = PETSC_VERSION_LT(3, 19, 0) ? 2 : 3; /* that this PETSc can read */
-    if (io_plex_outline_of(path, &o, &error) || o.version > newest || o.columns != o.dim ||
-        !o.has_simplices_alone || !o.has_regions_alone ||
-        io_hdf5_find_rows(path, o.coordinates, o.n_nodes, o.dim, &span, &n, &error))
-        return 0;
+    if (io_hdf5_find_rows(path, o->coordinates, o->n_nodes, o->dim, &span, &n, &error))
+        n = 0;
     pl_free(span);
-    form->dim = o.dim;
+    return n > 0;
+}
+
+const char *pl_plexrows_refusal(const char *path, pl_plexform *form) {
+    io_plex_outline o;
+    planish_error error;
+    const int newest = PETSC_VERSION_LT(3, 19, 0) ? 2 : 3; /* that this PETSc can read */
+    if (io_plex_outline_of(path, &o, &error))
+        return "";
     snprintf(form->name, sizeof form->name, "%s", o.name);
     snprintf(form->coordinates, sizeof form->coordinates, "%s", o.coordinates);
-    return n > 0;
+    return o.version > newest ? "this PETSc cannot read its storage version"
+           : o.columns != o.dim
+               ? "its nodes have three coordinates, and its elements two dimensions"
+           : !o.has_simplices_alone ? "not all of its elements are simplices"
+           : !o.has_regions_alone ? "it has labels besides 'Cell Sets', or elements in two of these"
+           : !has_rows(path, &o)  ? "its coordinates do not stand there as doubles, row by row"
+                                  : NULL;
 }
 
 /** What the first process has found, in all; and who has which rows. */

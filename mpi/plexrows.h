@@ -5,10 +5,9 @@
 
 #include "plexfile.h"
 
-/** Whether processes can read and write the file at path together: PETSc can read it, coordinates
- *  stand there as doubles, row by row, and there are simplices alone, of one region each, and no
- *  other labels. form: filled in. */
-int pl_plexrows_can(const char *path, pl_plexform *form);
+/** Why processes cannot read and write the file at path together: NULL, and form is filled in, if
+ * they can; "" if it is no such file, or a damaged one, which its reader will say. */
+const char *pl_plexrows_refusal(const char *path, pl_plexform *form);
 
 /** Make path a copy of the file that f was read from, with the coordinates of share. *reason: 0 in
  *  all processes, or an errno in those that have failed; then it may be there and be anything.

@@ -13,7 +13,6 @@
 #include "base/memory.h"
 #include "base/status.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /** What PETSc and Firedrake note of points for themselves. */

@@ -7,8 +7,6 @@
 #include "base/status.h"
 #include "quality/measure.h"
 
-#include <string.h>
-
 /* ---- with a plan --------------------------------------------------------------------------- */
 
 /** Of all of the mesh if the plan knows that, else of its part. */

@@ -54,6 +54,7 @@ typedef struct plex {
     int is_permuted; /* points stand from the last to the first */
     int is_flat;     /* elements are bounded by nodes, and the last one is a pyramid */
     int chunk, is_packed, is_float;
+    int is_dangling;                  /* a link for a label leads nowhere */
     int is_one_chunk, has_user_block; /* all data in one chunk; bytes before HDF5's own */
     int dim, cone, order, size, labelled, row, rows, meshes;
     double x; /* of the second node */
@@ -244,6 +245,9 @@ static file_builder make(const plex *p) {
         hdf5_group(&b, "/topologies/mine/dms/where/vecs/x");
         put_coordinates(&b, p, "/topologies/mine/dms/where", "/topologies/mine/dms/where/vecs/x/x");
     }
+    if (p->is_dangling)
+        assert_true(H5Lcreate_soft("/nowhere", b.file, "/labels/gone", H5P_DEFAULT, H5P_DEFAULT) >=
+                    0);
     if (p->meshes == 2)
         hdf5_group(&b, "/topologies/other");
     return p->has_user_block ? behind_block(hdf5_end(&b)) : hdf5_end(&b);
@@ -437,6 +441,7 @@ static void wrong_files_are_refused(void **state) {
         refuse(((void)(q = p, q.x = 0.0 / 0.0), &q), "not finite");
     }
     p = right;
+    refuse(((void)(p = right, p.is_dangling = 1), &p), "/labels/gone: cannot be looked at");
     refuse(((void)(p = right, p.order = 2), &p), "twice");
     refuse(((void)(p = right, p.order = N_POINTS), &p), "point 51");
     refuse(((void)(p = right, p.version = 2, p.row = 7), &p), "one place for each node");
