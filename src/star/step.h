@@ -11,8 +11,11 @@
 #define STEP_FRACTION_FIRST 0.9
 #define STEP_FRACTION_LAST  0.95
 /* A Newton step is gone this far: neighbours that move one after the other spread a change of the
- * whole mesh sooner if each overshoots (successive over-relaxation). */
-#define STEP_OVER_RELAXATION 1.4
+ * whole mesh sooner if each overshoots (successive over-relaxation). Farther where its slope is
+ * less than so much of the sum: what is still wrong there is smooth over many stars. */
+#define STEP_OVER_RELAXATION      1.4
+#define STEP_OVER_RELAXATION_NEAR 1.6
+#define STEP_NEAR                 1e-3
 /* Sufficient decrease: this fraction of what the slope promises (Armijo). */
 #define STEP_ARMIJO 1e-4
 /* A decrease below this fraction of the sum is noise of rounding, and no decrease. */
@@ -238,13 +241,20 @@ static inline double shorter_step(double step, double sum0, double slope, const 
     return next > 0.1 * step ? next : 0.1 * step;
 }
 
+/** How far along direction to try first. */
+static inline double first_step(const local *here, const objective *now, double slope) {
+    if (here->kind != PLANISH_NEWTON || here->constrained)
+        return 1;
+    return -slope < STEP_NEAR * now->sum ? STEP_OVER_RELAXATION_NEAR : STEP_OVER_RELAXATION;
+}
+
 /** Search along direction from x0, where the objective is now, with slope grad F . direction < 0.
  *  Returns whether an acceptable position was found. */
 static inline int search(const local *here, const double *x0, const objective *now,
                          const double *direction, double slope, trial *best, const int guarded,
                          const int dim) {
     double rate = limiting_rate(here, x0, direction, guarded, dim);
-    double wanted = here->kind == PLANISH_NEWTON && !here->constrained ? STEP_OVER_RELAXATION : 1;
+    double wanted = first_step(here, now, slope);
     double step = rate * wanted > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : wanted;
     double last = guarded ? STEP_FRACTION_FIRST : STEP_FRACTION_LAST;
     double largest = rate > 0 ? last / rate : INFINITY;
