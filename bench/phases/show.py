@@ -14,8 +14,9 @@ PHASES = ("read", "setup", "shape", "smooth", "write")
 
 def growth_table(rows):
     print("| tetrahedra | threads | read s | set-up s | shape s | smooth s | write s | total s | share % "
-          "| sweeps | us per visit | total in sweeps' time | us per tetrahedron | peak B per tetrahedron |")
-    print("| --: | --: | --: | --: | --: | --: | --: | --: | --- | --: | --: | --: | --: | --: |")
+          "| sweeps | us per visit | total in sweeps' time | us per tetrahedron | us per free node "
+          "| peak B per tetrahedron |")
+    print("| --: | --: | --: | --: | --: | --: | --: | --: | --- | --: | --: | --: | --: | --: | --: |")
     for row in rows:
         time = row["seconds"]
         shares = ", ".join(f"{time[phase] / time['total'] * 100:.0f}" for phase in PHASES)
@@ -23,7 +24,15 @@ def growth_table(rows):
               + " | ".join(f"{time[phase]:.3f}" for phase in (*PHASES, "total"))
               + f" | {shares} | {row['sweeps']} "
               f"| {row['sweeps_s'] / row['visits'] * 1e6:.2f} | {time['total'] / row['sweeps_s']:.2f} "
-              f"| {time['total'] / row['elements'] * 1e6:.2f} | {row['peak_bytes'] / row['elements']:.0f} |")
+              f"| {time['total'] / row['elements'] * 1e6:.2f} "
+              f"| {time['total'] / row['free_nodes'] * 1e6:.2f} | {row['peak_bytes'] / row['elements']:.0f} |")
+
+
+def touching(touched):
+    """What fresh memory costs here, as a sentence."""
+    slowest = max(touched, key=lambda each: each["seconds"])
+    print(f"\nTouching {slowest['bytes'] / 1e9:.1f} GB of memory, before a run, took up to "
+          f"{slowest['seconds']:.1f} s.")
 
 
 def count_of(threads):
@@ -58,6 +67,7 @@ def main():
     print(machine.line(result["machine"]))
     print("\n#### Sizes: binary MSH 4.1, until converged\n")
     growth_table(result["growth"])
+    touching(result["touched"])
     plot(result, sys.argv[2])
 
 

@@ -87,12 +87,12 @@ RECIPES = {
     "cavity": Recipe(3, tetgen, cavity, 0.003, ((0, 0, 0), 3, 0.61, 0.99)),
     "star": Recipe(3, tetgen, star, 0.0008),
     "bracket100k": Recipe(3, gmsh, "docs/examples/bracket.geo", 1.33),
-    "plate": Recipe(2, gmsh, "docs/examples/plate.geo", 0.2, ((4, 6.4), 2, 1.81, 3.5)),
+    "plate": Recipe(2, gmsh, "bench/plate.geo", 0.2, ((4, 6.4), 2, 1.81, 3.5)),
     "ring": Recipe(2, gmsh, GEO + "ring.geo", None, ((0, 0), 2, 0.401, 0.99)),
     "corner": Recipe(2, gmsh, GEO + "corner.geo", None),
     "square": Recipe(2, gmsh, GEO + "square.geo", None),
     "strip": Recipe(2, gmsh, GEO + "strip.geo", None),
-    "plate100k": Recipe(2, gmsh, "docs/examples/plate.geo", 0.055),
+    "plate100k": Recipe(2, gmsh, "bench/plate.geo", 0.055),
 }
 
 

@@ -12,7 +12,8 @@
 #define STEP_FRACTION_LAST  0.95
 /* A Newton step is gone this far: neighbours that move one after the other spread a change of the
  * whole mesh sooner if each overshoots (successive over-relaxation). Farther where its slope is
- * less than so much of the sum: what is still wrong there is smooth over many stars. */
+ * less than so much of the sum: what is still wrong there is smooth over many stars. (Not while
+ * multipliers stand for least volumes, or the sweeps end a little farther from the optimum.) */
 #define STEP_OVER_RELAXATION      1.4
 #define STEP_OVER_RELAXATION_NEAR 1.6
 #define STEP_NEAR                 1e-3
@@ -242,10 +243,13 @@ static inline double shorter_step(double step, double sum0, double slope, const 
 }
 
 /** How far along direction to try first. */
-static inline double first_step(const local *here, const objective *now, double slope) {
+static inline double first_step(const local *here, const objective *now, double slope,
+                                const int guarded) {
+    const int has_multipliers = guarded && here->q.penalty > 0;
     if (here->kind != PLANISH_NEWTON || here->constrained)
         return 1;
-    return -slope < STEP_NEAR * now->sum ? STEP_OVER_RELAXATION_NEAR : STEP_OVER_RELAXATION;
+    return has_multipliers || !(-slope < STEP_NEAR * now->sum) ? STEP_OVER_RELAXATION
+                                                               : STEP_OVER_RELAXATION_NEAR;
 }
 
 /** Search along direction from x0, where the objective is now, with slope grad F . direction < 0.
@@ -254,7 +258,7 @@ static inline int search(const local *here, const double *x0, const objective *n
                          const double *direction, double slope, trial *best, const int guarded,
                          const int dim) {
     double rate = limiting_rate(here, x0, direction, guarded, dim);
-    double wanted = first_step(here, now, slope);
+    double wanted = first_step(here, now, slope, guarded);
     double step = rate * wanted > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : wanted;
     double last = guarded ? STEP_FRACTION_FIRST : STEP_FRACTION_LAST;
     double largest = rate > 0 ? last / rate : INFINITY;

@@ -9,6 +9,13 @@ cp out stdout.json
 expect_text "worst radius ratio"
 python3 "$cli/check_report.py" report.json quality.json stdout.json || fail "reports"
 
+# The peak is the program's own, not that of who calls it.
+python3 -c 'import json, subprocess, sys
+large = bytes(range(256)) * (1 << 20)
+report = json.loads(subprocess.run(sys.argv[1:], stdout=subprocess.PIPE, check=True).stdout)
+assert 1 << 20 < report["peak_memory_bytes"] < len(large), report["peak_memory_bytes"]' \
+    "$program" smooth "$sample" -o peak.msh -q --json - || fail "the peak"
+
 expect_status 0 "$program" quality "$sample" --json input.json -q
 python3 -c 'import json
 assert json.load(open("report.json"))["input_checksum"] == json.load(open("input.json"))["checksum"]' ||
