@@ -9,13 +9,15 @@
  * memory that the library took beyond the caller's arrays (Linux only). Each other figure is
  * the best of the repeats, since other load only adds; repeats take turns, so that such load falls
  * on all alike. Everything is measured on one mesh in one process, so ratios are fair. Times
- * exclude reading the file, which is reported by itself.
+ * exclude reading the file, which is reported by itself; memory that a run takes was touched
+ * before.
  */
 #include <planish/planish_io.h>
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <time.h>
 
 enum { MAX_LIST = 16, MAX_SWEEPS = 1000 };
@@ -76,6 +78,23 @@ static int64_t begin_peak(void) {
         fclose(clear);
     }
     return status_bytes("VmRSS:");
+}
+
+enum { BYTES_PER_ELEMENT = 150 }; /* more than a plan and its making take */
+
+/** Use as much memory as a run will, for a moment: of a virtual machine the host takes back what is
+ *  free, within seconds, and finding it again can take as long as a set-up. (Not by malloc, which
+ *  would keep what follows for itself.) */
+static void touch_memory(int64_t n_elements) {
+    const size_t size = (size_t)n_elements * BYTES_PER_ELEMENT;
+    char *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED)
+        return;
+#ifdef MADV_HUGEPAGE
+    madvise(memory, size, MADV_HUGEPAGE); /* as the plan's are */
+#endif
+    memset(memory, 1, size);
+    munmap(memory, size);
 }
 
 /* ---- one run ------------------------------------------------------------------------------ */
@@ -142,6 +161,7 @@ static int measure_once(const settings *s, const planish_mesh *mesh, int threads
     options.progress_user = &h;
     memcpy(coordinates, mesh->coordinates,
            (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double));
+    touch_memory(mesh->n_elements);
     int64_t resident = begin_peak();
     double start = seconds_now();
     if (planish_plan_create(mesh, &options, &plan, &error))
