@@ -1,4 +1,4 @@
-// The 2-D sample: a plate with three holes.
+// A plate with three holes, for bench/badness and bench/untangle.
 //   gmsh -2 plate.geo -format msh41 -o plate.msh
 SetFactory("OpenCASCADE");
 DefineConstant[ h = {0.9, Name "element size"} ];
