@@ -12,7 +12,10 @@
 #include "topology/elements.h"
 #include "topology/local_map.h"
 
-enum { CHUNK = 256 }; /* nodes that one thread takes at a time */
+enum {
+    CHUNK = 256,  /* nodes that one thread takes at a time */
+    AT_ONCE = 128 /* elements */
+};
 
 /** A matching under way. */
 typedef struct matching {
@@ -52,18 +55,25 @@ static inline void add_facet(pl_local_map *map, pl_facet *facets, const uint8_t 
     facet->twin |= facet->opposite == opposite;
 }
 
+/** Whether an element has facets of which node is the smallest node, and no node is inside: two of
+ *  its nodes must not be. No branch: nothing could predict it. */
+static inline int has_facets(int dim, const uint8_t *is_inside, const int32_t *nodes,
+                             int32_t node) {
+    int below = 0, inside = 0;
+    for (int j = 0; j <= dim; j++) {
+        below += nodes[j] < node;
+        inside += is_inside && is_inside[nodes[j]];
+    }
+    return (below <= 1) & (inside <= 1);
+}
+
 /** Add those facets of element whose smallest node is node. */
 static inline void add_element(int dim, pl_local_map *map, pl_facet *facets,
                                const uint8_t *is_inside, const int32_t *nodes, int32_t node,
                                int32_t element) {
-    int below = 0;
-    for (int j = 0; j <= dim; j++)
-        below += nodes[j] < node;
-    if (below > 1)
-        return;
     int32_t s[4];
     int parity = pl_sort_element(dim, nodes, s);
-    if (below == 1) {
+    if (s[1] == node) {
         add_facet(map, facets, is_inside, s[2], dim == 3 ? s[3] : -1, s[0], element, parity);
     } else if (dim == 3) {
         add_facet(map, facets, is_inside, s[2], s[3], s[1], element, parity ^ 1);
@@ -72,6 +82,27 @@ static inline void add_element(int dim, pl_local_map *map, pl_facet *facets,
     } else {
         add_facet(map, facets, is_inside, s[2], -1, s[1], element, parity ^ 1);
         add_facet(map, facets, is_inside, s[1], -1, s[2], element, parity);
+    }
+}
+
+/** Add those facets of the elements of node whose smallest node it is: first collect the elements
+ *  that have any. */
+static inline void add_elements(const matching *m, int dim, pl_local_map *map, pl_facet *facets,
+                                int32_t node) {
+    const pl_incidence *incidence = m->incidence;
+    const int32_t *elements = m->mesh->elements;
+    const int64_t end = incidence->offset[node + 1];
+    for (int64_t from = incidence->offset[node]; from < end; from += AT_ONCE) {
+        int32_t found[AT_ONCE];
+        int n = 0;
+        for (int64_t i = from; i < end && i < from + AT_ONCE; i++) {
+            const int32_t element = incidence->element[i];
+            found[n] = element;
+            n += has_facets(dim, m->is_inside, elements + (int64_t)element * (dim + 1), node);
+        }
+        for (int i = 0; i < n; i++)
+            add_element(dim, map, facets, m->is_inside, elements + (int64_t)found[i] * (dim + 1),
+                        node, found[i]);
     }
 }
 
@@ -104,11 +135,7 @@ static inline void match_nodes(matching *m, int dim, int64_t begin, int64_t end,
         pl_facet *facets = prepare(m, map, m->lists + thread, to - from);
         if (!facets)
             return;
-        for (int64_t i = from; i < to; i++) {
-            int32_t element = incidence->element[i];
-            add_element(dim, map, facets, m->is_inside,
-                        m->mesh->elements + (int64_t)element * (dim + 1), (int32_t)node, element);
-        }
+        add_elements(m, dim, map, facets, (int32_t)node);
         if (map->count)
             m->body(m->context, (int32_t)node, facets, map->count);
     }

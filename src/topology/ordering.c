@@ -1,7 +1,9 @@
 /* ordering: the nodes along a Hilbert curve.
  *
  * Keys from coordinates by the state machine of the curve (after C. Hamilton, Compact Hilbert
- * Indices, 2006), then a stable radix sort that skips the digits in which no two keys differ.
+ * Indices, 2006), two levels at a time. Then a stable radix sort by the leading digits, which tell
+ * nearly all nodes apart; the few that they do not are sorted by insertion, or where there are many
+ * together, everything by all digits.
  */
 #include "topology/topology.h"
 
@@ -16,8 +18,10 @@ enum {
     MAX_STATES = 24, /* entry corners times directions */
     DIGIT_BITS = 11, /* a table of counts fits the first-level cache */
     DIGITS = 1 << DIGIT_BITS,
-    MIN_CHUNK = 8192, /* nodes that one thread takes at a time, at least, */
-    MAX_CHUNKS = 256  /* and such chunks, at most: bounds the table of counts */
+    MIN_CHUNK = 4096, /* nodes that one thread takes at a time, at least, */
+    MAX_CHUNKS = 256, /* and such chunks, at most: bounds the table of counts */
+    SPARE_BITS = 3,   /* of leading digits, beyond those that number the nodes */
+    MAX_RUN = 32      /* nodes with the same leading digits that are sorted by insertion */
 };
 
 /* ---- the curve ---------------------------------------------------------------------------- */
@@ -27,6 +31,9 @@ enum {
 typedef struct curve {
     uint8_t digit[MAX_STATES][8]; /* of the key */
     uint8_t next[MAX_STATES][8];  /* state inside the cell */
+    struct {
+        uint8_t digits, next;
+    } twice[MAX_STATES][64]; /* the same for two levels: cell << dim | cell inside that */
 } curve;
 
 static unsigned rotate_right(unsigned bits, unsigned by, unsigned dim) {
@@ -70,15 +77,50 @@ static void make_curve(unsigned dim, curve *c) {
             }
 }
 
+static void make_steps_of_two(unsigned dim, curve *c) {
+    const unsigned cells = 1u << dim;
+    for (unsigned state = 0; state < cells * dim; state++)
+        for (unsigned two = 0; two < cells * cells; two++) {
+            const unsigned outer = two >> dim, inner = two & (cells - 1);
+            const unsigned inside = c->next[state][outer];
+            c->twice[state][two].digits =
+                (uint8_t)(c->digit[state][outer] << dim | c->digit[inside][inner]);
+            c->twice[state][two].next = c->next[inside][inner];
+        }
+}
+
+/** The bits of place, dim apart from one another. */
+static inline uint64_t spread(unsigned dim, uint32_t place) {
+    uint64_t bits = place;
+    if (dim == 3) {
+        bits = (bits | bits << 32) & UINT64_C(0x001F00000000FFFF);
+        bits = (bits | bits << 16) & UINT64_C(0x001F0000FF0000FF);
+        bits = (bits | bits << 8) & UINT64_C(0x100F00F00F00F00F);
+        bits = (bits | bits << 4) & UINT64_C(0x10C30C30C30C30C3);
+        return (bits | bits << 2) & UINT64_C(0x1249249249249249);
+    }
+    bits = (bits | bits << 16) & UINT64_C(0x0000FFFF0000FFFF);
+    bits = (bits | bits << 8) & UINT64_C(0x00FF00FF00FF00FF);
+    bits = (bits | bits << 4) & UINT64_C(0x0F0F0F0F0F0F0F0F);
+    bits = (bits | bits << 2) & UINT64_C(0x3333333333333333);
+    return (bits | bits << 1) & UINT64_C(0x5555555555555555);
+}
+
+_Static_assert(LEVELS_3D % 2 && LEVELS_2D % 2, "one level is left for the first step");
+
+/** Key of the point in cell place [dim] of 2^levels along each axis. */
 static inline uint64_t key_of(const curve *c, unsigned dim, int levels, const uint32_t *place) {
-    uint64_t key = 0;
-    unsigned state = 0;
-    for (int level = levels - 1; level >= 0; level--) {
-        unsigned cell = 0;
-        for (unsigned d = 0; d < dim; d++)
-            cell |= (place[d] >> level & 1) << d;
-        key = key << dim | c->digit[state][cell];
-        state = c->next[state][cell];
+    uint64_t cells = 0;
+    for (unsigned d = 0; d < dim; d++)
+        cells |= spread(dim, place[d]) << d;
+    int shift = (levels - 1) * (int)dim;
+    uint64_t key = c->digit[0][cells >> shift];
+    unsigned state = c->next[0][cells >> shift];
+    while (shift > 0) {
+        shift -= 2 * (int)dim;
+        const unsigned two = (unsigned)(cells >> shift) & ((1u << 2 * dim) - 1);
+        key = key << 2 * dim | c->twice[state][two].digits;
+        state = c->twice[state][two].next;
     }
     return key;
 }
@@ -96,6 +138,8 @@ typedef struct sort {
     pl_frame frame;
     curve curve;
     uint64_t first_key, differing; /* bits in which a key differs from the first one */
+    int first_bit;                 /* of the leading digits */
+    int has_long_run;              /* they leave too many nodes together */
     item *from, *to;               /* [n] a pass sorts from -> to */
     int shift;                     /* of the pass's digit */
     int64_t chunk, n_chunks;
@@ -154,20 +198,10 @@ static void move_items(void *context, int64_t begin, int64_t end, int thread) {
         s->to[place[digit_of(s, s->from + i)]++] = s->from[i];
 }
 
-static void write_order(void *context, int64_t begin, int64_t end, int thread) {
-    sort *s = context;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        s->order[i] = s->from[i].node;
-}
-
-static void run(sort *s, int threads) {
-    int64_t n = s->mesh->n_nodes;
-    make_curve((unsigned)s->mesh->dim, &s->curve);
-    s->first_key =
-        s->mesh->dim == 3 ? key_of_node(s, 3, LEVELS_3D, 0) : key_of_node(s, 2, LEVELS_2D, 0);
-    pl_parallel_for(threads, n, s->chunk, make_keys, s);
-    for (s->shift = 0; s->shift < 64; s->shift += DIGIT_BITS) {
+/** Sort by the digits of the keys from bit first_bit on. */
+static void sort_digits(sort *s, int first_bit, int threads) {
+    const int64_t n = s->mesh->n_nodes;
+    for (s->shift = first_bit; s->shift < 64; s->shift += DIGIT_BITS) {
         if ((s->differing >> s->shift & (DIGITS - 1)) == 0)
             continue;
         pl_parallel_for(threads, n, s->chunk, count_digits, s);
@@ -177,7 +211,76 @@ static void run(sort *s, int threads) {
         s->to = s->from;
         s->from = sorted;
     }
+}
+
+/** The bit from which on keys are sorted at first. */
+static int first_bit_of(const sort *s) {
+    const int top = s->differing ? 64 - __builtin_clzll(s->differing) : 0;
+    int wanted = SPARE_BITS, digits = 1;
+    while (s->mesh->n_nodes >> (wanted - SPARE_BITS) > 0)
+        wanted++;
+    while (digits * DIGIT_BITS < wanted)
+        digits++;
+    return top > digits * DIGIT_BITS ? top - digits * DIGIT_BITS : 0;
+}
+
+/** Write the nodes of the n items of a run by their keys. */
+static void write_run(const item *run, int64_t n, int32_t *order) {
+    uint64_t key[MAX_RUN];
+    for (int64_t i = 0; i < n; i++) {
+        int64_t place = i;
+        for (; place > 0 && key[place - 1] > run[i].key; place--) {
+            key[place] = key[place - 1];
+            order[place] = order[place - 1];
+        }
+        key[place] = run[i].key;
+        order[place] = run[i].node;
+    }
+}
+
+/** Write the runs of items with the same leading digits that begin here. */
+static void write_order(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    const item *from = s->from;
+    const int64_t n = s->mesh->n_nodes;
+    const int shift = s->first_bit;
+    int64_t i = begin;
+    (void)thread;
+    while (i > 0 && i < end && from[i].key >> shift == from[i - 1].key >> shift)
+        i++;
+    for (int64_t next; i < end; i = next) {
+        for (next = i + 1; next < n && from[next].key >> shift == from[i].key >> shift;)
+            next++;
+        if (next - i == 1)
+            s->order[i] = from[i].node;
+        else if (next - i <= MAX_RUN)
+            write_run(from + i, next - i, s->order + i);
+        else
+            __atomic_store_n(&s->has_long_run, 1, __ATOMIC_RELAXED);
+    }
+}
+
+static void write_sorted(void *context, int64_t begin, int64_t end, int thread) {
+    sort *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        s->order[i] = s->from[i].node;
+}
+
+static void run(sort *s, int threads) {
+    const int64_t n = s->mesh->n_nodes;
+    make_curve((unsigned)s->mesh->dim, &s->curve);
+    make_steps_of_two((unsigned)s->mesh->dim, &s->curve);
+    s->first_key =
+        s->mesh->dim == 3 ? key_of_node(s, 3, LEVELS_3D, 0) : key_of_node(s, 2, LEVELS_2D, 0);
+    pl_parallel_for(threads, n, s->chunk, make_keys, s);
+    s->first_bit = first_bit_of(s);
+    sort_digits(s, s->first_bit, threads);
     pl_parallel_for(threads, n, s->chunk, write_order, s);
+    if (!s->has_long_run)
+        return;
+    sort_digits(s, 0, threads); /* nodes with the same key keep their order */
+    pl_parallel_for(threads, n, s->chunk, write_sorted, s);
 }
 
 int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planish_error *error) {

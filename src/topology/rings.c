@@ -52,6 +52,15 @@ static int64_t length_of_sphere(int64_t n) {
     return n / 2 + 2;
 }
 
+/* Several threads may do this to a node at the same time. */
+static inline void set_fixed(const work *w, int32_t node) {
+    __atomic_store_n(&w->is_free[node], 0, __ATOMIC_RELAXED);
+}
+
+static inline int is_free(const work *w, int32_t node) {
+    return __atomic_load_n(&w->is_free[node], __ATOMIC_RELAXED);
+}
+
 /* ---- one ring ----------------------------------------------------------------------------- */
 
 /** Whether the other nodes of an element are in the order of its link facet only after the last two
@@ -160,53 +169,66 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
 
 /* ---- one small ring ----------------------------------------------------------------------- */
 
-/** The other nodes of a tetrahedron, in its order. Returns all ones if the last two have to be
- *  exchanged for the order of the facet (is_turned), or else 0: a mask, like all here, since
- * nothing could predict a branch. */
-static inline int32_t find_facet(const int32_t *element, int32_t node, int negative,
-                                 int32_t other[3]) {
-    const int32_t a = element[0], b = element[1], c = element[2], d = element[3];
-    const int32_t is_a = -(a == node), is_b = -(b == node), is_d = -(d == node);
-    other[0] = a ^ ((a ^ b) & is_a);
-    other[1] = b ^ ((b ^ c) & (is_a | is_b));
-    other[2] = d ^ ((d ^ c) & is_d);
-    return ~(is_b | is_d) ^ -negative;
+/** The other nodes of a tetrahedron, in its order. Returns 1 if the last two have to be exchanged
+ *  for the order of the facet (is_turned), or else 0. No branch: nothing could predict it. */
+static inline int find_facet(const int32_t *element, int32_t node, int negative, int32_t other[3]) {
+    const int is_a = element[0] == node, is_b = element[1] == node, is_d = element[3] == node;
+    other[0] = element[is_a];
+    other[1] = element[1 + (is_a | is_b)];
+    other[2] = element[3 - is_d];
+    return (is_b | is_d) == negative;
 }
 
-/** Put the nodes of the facets of node's link into ring [PL_SMALL_RING + 3], and their positions
- *  into corner [3 n]. Stops when there are too many. */
+/** The nodes of the facets of node's link, numbered. */
 static inline void find_small_facets(const work *w, int32_t node, const int32_t *list, int64_t n,
-                                     pl_small_ring *table, pl_small_numbers *given, int32_t *ring,
-                                     uint8_t *corner) {
-    const uint32_t before = given->before;
-    for (int64_t i = 0; i < n && given->node - before <= PL_SMALL_RING; i++) {
-        const int32_t *element = w->mesh->elements + (int64_t)list[i] * 4;
-        int32_t other[3], position[3];
-        const int32_t turn = find_facet(element, node, w->sign && w->sign[list[i]] < 0, other);
-#pragma GCC unroll 3
-        for (int j = 0; j < 3; j++) {
-            position[j] = pl_small_ring_node(table, other[j], given);
-            ring[position[j]] = other[j]; /* known ones again: cheaper than to ask */
-        }
-        const int32_t change = (position[1] ^ position[2]) & turn;
-        corner[3 * i] = (uint8_t)position[0];
-        corner[3 * i + 1] = (uint8_t)(position[1] ^ change);
-        corner[3 * i + 2] = (uint8_t)(position[2] ^ change);
-    }
+                                     pl_small_ring *table) {
+    const int32_t *elements = w->mesh->elements;
+    const int8_t *sign = w->sign;
+    for (int64_t i = 0; i < n; i++)
+        table->turned[i] = (uint8_t)find_facet(elements + (int64_t)list[i] * 4, node,
+                                               sign && sign[list[i]] < 0, table->corner + 3 * i);
+    pl_small_ring_number_nodes(table, 3 * n);
 }
 
-/** Number the edges of n facets, and put their ends into end [3 n][2]. */
-static inline void find_small_edges(pl_small_ring *table, pl_small_numbers *given,
-                                    const uint8_t *corner, int64_t n, uint8_t *edge_of,
-                                    uint8_t *end) {
-    for (int64_t f = 0; f < 3 * n; f += 3)
+/** Write the positions of the corners of n facets, and the numbers of their edges. Returns whether
+ *  that is in vain: two of the nodes have the same position. */
+static inline int write_small_facets(pl_small_ring *table, int64_t n, uint8_t *corner,
+                                     uint8_t *edge) {
+    uint32_t n_edges = 0;
+    uint8_t unrepeated = PL_SMALL_NONE;
+    int32_t collision = 0;
+    pl_small_ring_begin_edges(table);
+    for (int64_t f = 0; f < 3 * n; f += 3) {
+        const int turned = table->turned[f / 3];
+        const int64_t at[3] = {f, f + 1 + turned, f + 2 - turned};
+        uint32_t p[3];
 #pragma GCC unroll 3
         for (int c = 0; c < 3; c++) {
-            const uint8_t p = corner[f + c], q = corner[f + (c + 1) % 3];
-            const int32_t edge = pl_small_ring_edge(table, p, q, given);
-            edge_of[f + c] = (uint8_t)edge;
-            end[2 * edge] = p;
-            end[2 * edge + 1] = q;
+            p[c] = table->position[at[c]];
+            corner[f + c] = (uint8_t)p[c];
+            collision |= table->node[p[c]] ^ table->corner[at[c]];
+        }
+#pragma GCC unroll 3
+        for (int c = 0; c < 3; c++)
+            edge[f + c] = pl_small_ring_edge(table, p[c], p[(c + 1) % 3], &n_edges, &unrepeated);
+    }
+    table->n_edges = n_edges;
+    table->unrepeated = unrepeated;
+    return collision != 0;
+}
+
+/** Nodes of a facet of one element alone, or that its elements traverse in one direction alone, are
+ *  not inside: this spares most of them that their links are looked at. Of a link of n facets, of
+ *  which table has the edges. */
+static void leave_boundary(const work *w, const pl_small_ring *table, const uint8_t *corner,
+                           int64_t n) {
+    for (int64_t f = 0; f < 3 * n; f += 3)
+        for (int c = 0; c < 3; c++) {
+            const int p = corner[f + c], q = corner[f + (c + 1) % 3];
+            if (table->edge[q * PL_SMALL_RING + p] != PL_SMALL_NONE)
+                continue;
+            set_fixed(w, table->node[p]);
+            set_fixed(w, table->node[q]);
         }
 }
 
@@ -217,30 +239,25 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
     const int32_t *list = w->incidence->element + w->incidence->offset[node];
     const int64_t n = degree(w->incidence, node);
     pl_small_ring *table = w->tables + thread;
-    pl_small_numbers given = pl_small_ring_begin(table);
-    const uint32_t before = given.before;
-    int32_t nodes[PL_SMALL_RING + 3];
-    uint8_t ends[PL_SMALL_LINK * 3 * 2];
     star found = {-1, 0, 0};
     if (n > PL_SMALL_LINK)
         return found;
-    find_small_facets(w, node, list, n, table, &given, nodes, link.low);
-    const uint32_t length = given.node - before;
-    if (length <= PL_SMALL_RING) {
-        find_small_edges(table, &given, link.low, n, link.low + 3 * n, ends);
-        const int is_closed = 2 * (given.edge - before) == 3 * n && !given.has_repeated;
-        /* A sphere of more than two facets has none twice. */
-        if (!is_closed || (n > 2 && length == length_of_sphere(n)))
-            found = (star){length, is_closed, is_closed};
-    }
+    find_small_facets(w, node, list, n, table);
+    const int64_t length = table->n_nodes;
+    if (length > PL_SMALL_RING || write_small_facets(table, n, link.low, link.low + 3 * n))
+        return found;
+    const int is_closed = 2 * table->n_edges == 3 * n && table->unrepeated == PL_SMALL_NONE;
+    if (!is_closed)
+        leave_boundary(w, table, link.low, n);
+    /* A sphere of more than two facets has none twice. */
+    if (!is_closed || (n > 2 && length == length_of_sphere(n)))
+        found = (star){length, is_closed, is_closed};
     if (found.is_closed) {
-        for (int64_t i = 0; i < length && i < room; i++)
-            ring[i] = nodes[i];
-        memcpy(link.low + 6 * n, ends, (size_t)(2 * pl_link_edges(3, n)));
+        memcpy(ring, table->node, (size_t)(length < room ? length : room) * sizeof *ring);
+        memcpy(link.low + 6 * n, table->end, (size_t)(2 * pl_link_edges(3, n)));
         if (link.high)
             memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
     }
-    pl_small_ring_end(table, &given);
     return found;
 }
 
@@ -323,7 +340,7 @@ static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int 
         int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
         const pl_link link = pl_link_at(&rings->link, dim, rings->link_offset[r]);
         star found = {-1, 0, 0};
-        if (!w->is_free[w->node[r]])
+        if (!is_free(w, w->node[r]))
             found.length = room;
         else if (dim == 3 && !w->open)
             found = find_small_ring(w, thread, w->node[r], link, ring, room);
@@ -331,7 +348,7 @@ static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int 
             found = find_ring(w, dim, thread, w->node[r], link, ring, room);
         const int keeps = w->open ? found.is_sound : found.is_closed;
         if (!keeps)
-            w->is_free[w->node[r]] = 0;
+            set_fixed(w, w->node[r]);
         if (w->counting)
             rings->offset[r] = keeps ? found.length : 0;
         else if (keeps && found.length != room)
@@ -421,9 +438,11 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
               .rings = rings,
               .open = open,
               .maps = pl_local_maps_create(threads),
-              .tables = pl_alloc_zero(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
+              .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
     rings->offset = pl_alloc(n + 1, sizeof *rings->offset);
     rings->link_offset = pl_alloc(n + 1, sizeof *rings->link_offset);
+    for (int t = 0; w.tables && mesh->dim == 3 && t < threads; t++)
+        pl_small_ring_init(w.tables + t);
     int done =
         w.maps && w.tables && rings->offset && rings->link_offset && make_rings(&w, threads) == 0;
     if (done)

@@ -12,8 +12,9 @@
 #include <string.h>
 
 enum {
-    CHUNK = 256,      /* stars that one thread takes at a time */
-    COPY_CHUNK = 2048 /* rings: many pages that can be given back */
+    CHUNK = 256,         /* stars that one thread takes at a time */
+    COPY_CHUNK = 2048,   /* rings: many pages that can be given back, */
+    MANY_RINGS = 1 << 15 /* if there are many of them: other arrays would want few pages again */
 };
 
 /** The work on all stars. */
@@ -90,7 +91,8 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
         copy_ring(w, r);
         copy_link(w, r);
     }
-    discard(w->rings, w->mesh->dim, begin, end);
+    if (w->rings->n_rings >= MANY_RINGS)
+        discard(w->rings, w->mesh->dim, begin, end);
 }
 
 /** Everything behind the offsets' allocation; returns -1 without memory. */

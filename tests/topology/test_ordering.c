@@ -1,4 +1,5 @@
 /* Tests of src/topology/ordering.c. */
+#include "topology/frame.h"
 #include "topology/topology.h"
 
 #include "support/allocations.h"
@@ -58,6 +59,108 @@ static void walks_through_lattices(void **state) {
         free(order);
         test_mesh_destroy(&box);
     }
+}
+
+/** A node and its key, level by level as Hamilton's algorithm 2 has it. */
+typedef struct keyed {
+    uint64_t key;
+    int32_t node;
+} keyed;
+
+static unsigned rotate(unsigned bits, int left, int dim) {
+    left = (left % dim + dim) % dim;
+    return (bits << left | bits >> (dim - left)) & ((1u << dim) - 1);
+}
+
+static uint64_t reference_key(int dim, const uint32_t *place) {
+    const int levels = dim == 3 ? 21 : 31;
+    unsigned entry = 0;
+    int direction = 0;
+    uint64_t key = 0;
+    for (int level = levels - 1; level >= 0; level--) {
+        unsigned cell = 0, w = 0;
+        for (int d = 0; d < dim; d++)
+            cell |= (place[d] >> level & 1) << d;
+        const unsigned gray = rotate(cell ^ entry, -(direction + 1), dim);
+        while ((w ^ w >> 1) != gray)
+            w++;
+        const unsigned before = w ? (w - 1) / 2 * 2 : 0;
+        entry ^= rotate(before ^ before >> 1, direction + 1, dim);
+        int ones = 0; /* trailing ones of w, or of w - 1 if w is even */
+        for (unsigned u = w % 2 || !w ? w : w - 1; u & 1; u >>= 1)
+            ones++;
+        direction = (direction + ones % dim + 1) % dim;
+        key = key << dim | w;
+    }
+    return key;
+}
+
+static int compare_keyed(const void *a, const void *b) {
+    const keyed *p = a, *q = b;
+    return p->key != q->key ? (p->key > q->key) - (p->key < q->key)
+                            : (p->node > q->node) - (p->node < q->node);
+}
+
+/** Nodes are in the order of their keys; of those with the same key, of their numbers. */
+static void check_against_reference(const planish_mesh *mesh) {
+    const int dim = mesh->dim;
+    const double cells = dim == 3 ? 0x1p21 : 0x1p31;
+    keyed *expected = malloc((size_t)mesh->n_nodes * sizeof *expected);
+    pl_frame frame;
+    assert_non_null(expected);
+    assert_int_equal(pl_frame_create(mesh, 1, &frame, NULL), PLANISH_OK);
+    for (int32_t i = 0; i < mesh->n_nodes; i++) {
+        uint32_t place[3];
+        for (int d = 0; d < dim; d++)
+            place[d] = (uint32_t)(cells * pl_frame_difference(
+                                              &frame, mesh->coordinates[(int64_t)i * dim + d],
+                                              frame.low[d]));
+        expected[i] = (keyed){reference_key(dim, place), i};
+    }
+    qsort(expected, (size_t)mesh->n_nodes, sizeof *expected, compare_keyed);
+    for (int threads = 1; threads <= 3; threads++) {
+        int32_t *order = order_of(mesh, threads);
+        for (int64_t i = 0; i < mesh->n_nodes; i++)
+            assert_int_equal(order[i], expected[i].node);
+        free(order);
+    }
+    free(expected);
+}
+
+/** Move the nodes together, so many each time, every second one of them to the same place. */
+static void make_clusters(const planish_mesh *mesh, double *coordinates, int64_t size) {
+    const int dim = mesh->dim;
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        const int64_t cluster = i / size;
+        const double *first = coordinates + cluster * size * dim;
+        const int64_t centre[3] = {cluster % 8, cluster / 8 % 64, cluster / 512};
+        for (int d = 0; d < dim; d++) {
+            double *x = &coordinates[i * dim + d];
+            *x = i % 2 ? first[d] : (double)centre[d] + 1e-5 * *x;
+        }
+    }
+}
+
+/** Nodes spread evenly; graded towards a corner, so that leading digits leave few or many together;
+ *  clusters of a few nodes, of more, and of all; few nodes. */
+static void sorts_by_keys(void **state) {
+    (void)state;
+    const struct {
+        int64_t n, cluster;
+        double power;
+    } cases[] = {{20000, 0, 1},  {20000, 0, 4},  {20000, 0, 8},     {20000, 0, 16},
+                 {10000, 20, 1}, {20000, 40, 1}, {20000, 20000, 1}, {5, 0, 1}};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t c = 0; c < sizeof cases / sizeof *cases; c++) {
+            test_mesh mesh;
+            test_mesh_garbage(&mesh, dim, cases[c].n, 1, 3 + (unsigned)c);
+            for (int64_t i = 0; i < cases[c].n * dim; i++)
+                mesh.coordinates[i] = pow(fabs(mesh.coordinates[i]), cases[c].power);
+            if (cases[c].cluster)
+                make_clusters(&mesh.mesh, mesh.coordinates, cases[c].cluster);
+            check_against_reference(&mesh.mesh);
+            test_mesh_destroy(&mesh);
+        }
 }
 
 /** Positions inside the box are all that matters: not its scale, however extreme. */
@@ -143,9 +246,9 @@ static void survives_without_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(walks_through_lattices),  cmocka_unit_test(does_not_see_the_scale),
-        cmocka_unit_test(survives_extremes),       cmocka_unit_test(is_stable_on_any_threads),
-        cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(walks_through_lattices),   cmocka_unit_test(sorts_by_keys),
+        cmocka_unit_test(does_not_see_the_scale),   cmocka_unit_test(survives_extremes),
+        cmocka_unit_test(is_stable_on_any_threads), cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

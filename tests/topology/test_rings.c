@@ -255,7 +255,7 @@ static void a_reversed_element(void **state) {
 /** Around the sizes at which a link is small and its positions are bytes. */
 static void links_of_any_size(void **state) {
     (void)state;
-    const int32_t around[] = {3, 4, 61, 62, 63, 64, 84, 85, 86, 200};
+    const int32_t around[] = {3, 4, 41, 42, 43, 61, 62, 63, 64, 84, 85, 86, 200};
     for (size_t i = 0; i < sizeof around / sizeof *around; i++) {
         test_mesh mesh;
         test_mesh_double_pyramid(&mesh, around[i]);
@@ -291,25 +291,87 @@ static void holds_giant_links(void **state) {
     }
 }
 
-/** Numbers of former links count for nothing, also where they come to their end and start again. */
+/** Numbers of former links count for nothing. */
 static void tables_forget(void **state) {
     (void)state;
     static pl_small_ring table;
+    const int32_t corner[] = {7, 5, 7, 9};
+    const uint8_t position[] = {0, 1, 0, 2};
+    pl_small_ring_init(&table);
     for (int round = 0; round < 3; round++) {
-        pl_small_numbers given = pl_small_ring_begin(&table);
-        assert_int_equal(given.before, round == 2 ? 0 : table.last);
-        assert_int_equal(pl_small_ring_node(&table, 7, &given), 0);
-        assert_int_equal(pl_small_ring_node(&table, 5, &given), 1);
-        assert_int_equal(pl_small_ring_node(&table, 7, &given), 0);
-        assert_int_equal(pl_small_ring_edge(&table, 0, 1, &given), 0);
-        assert_int_equal(pl_small_ring_edge(&table, 1, 2, &given), 1);
-        assert_int_equal(pl_small_ring_edge(&table, 1, 0, &given), 0);
-        assert_false(given.has_repeated);
-        pl_small_ring_edge(&table, 1, 2, &given);
-        assert_true(given.has_repeated);
-        pl_small_ring_end(&table, &given);
-        if (round == 1)
-            table.last = UINT32_MAX - 3;
+        uint32_t n_edges = 0;
+        uint8_t unrepeated = PL_SMALL_NONE;
+        for (int i = 0; i < 4; i++)
+            table.corner[i] = corner[i] + round;
+        pl_small_ring_number_nodes(&table, 4);
+        assert_memory_equal(table.position, position, sizeof position);
+        assert_int_equal(table.n_nodes, 3);
+        assert_int_equal(table.node[2], 9 + round);
+        pl_small_ring_begin_edges(&table);
+        assert_int_equal(pl_small_ring_edge(&table, 0, 1, &n_edges, &unrepeated), 0);
+        assert_int_equal(pl_small_ring_edge(&table, 1, 2, &n_edges, &unrepeated), 1);
+        assert_int_equal(pl_small_ring_edge(&table, 1, 0, &n_edges, &unrepeated), 0);
+        assert_int_equal(n_edges, 2);
+        assert_int_equal(unrepeated, PL_SMALL_NONE);
+        pl_small_ring_edge(&table, 1, 2, &n_edges, &unrepeated);
+        assert_int_not_equal(unrepeated, PL_SMALL_NONE);
+    }
+}
+
+/** The same mesh with its nodes numbered anew, by ascending numbers of which the table of small
+ *  rings sees no more than so many, all others being unused. */
+static void number_alike(test_mesh *alike, const test_mesh *mesh, int places) {
+    static pl_small_ring table;
+    const int64_t k = mesh->mesh.dim + 1, n = mesh->mesh.n_nodes, m = mesh->mesh.n_elements;
+    int32_t *number = malloc((size_t)n * sizeof *number), next = 0;
+    int32_t *elements = malloc((size_t)(m * k) * sizeof *elements);
+    assert_true(number && elements);
+    for (int64_t i = 0; i < n; i++) {
+        while (pl_small_ring_place(&table, next) - table.at >= places)
+            next++;
+        number[i] = next++;
+    }
+    for (int64_t i = 0; i < m * k; i++)
+        elements[i] = number[mesh->elements[i]];
+    double *coordinates = calloc((size_t)(next * mesh->mesh.dim), sizeof *coordinates);
+    assert_non_null(coordinates);
+    for (int64_t i = 0; i < n; i++)
+        for (int d = 0; d < mesh->mesh.dim; d++)
+            coordinates[number[i] * mesh->mesh.dim + d] = mesh->coordinates[i * mesh->mesh.dim + d];
+    test_mesh_create(alike, mesh->mesh.dim, next, coordinates, m, elements);
+    free(coordinates);
+    free(elements);
+    free(number);
+}
+
+/** Nodes that the table of small rings takes for one another: most links have two of them, or
+ *  some. */
+static void nodes_that_hash_alike(void **state) {
+    (void)state;
+    for (int places = 16; places <= 1024; places *= 4)
+        for (unsigned seed = 1; seed < 4; seed++) {
+            test_mesh mesh, alike;
+            test_mesh_box(&mesh, 3, 4);
+            test_mesh_renumber(&mesh, seed, NULL);
+            number_alike(&alike, &mesh, places);
+            assert_int_equal(check_any_shape(&alike.mesh), 27);
+            test_mesh_destroy(&alike);
+            test_mesh_destroy(&mesh);
+        }
+}
+
+/** Small boxes, nearly all of whose links are open: with two of its nodes taken for one another
+ * such a link can look closed. */
+static void open_links_that_hash_alike(void **state) {
+    (void)state;
+    for (unsigned seed = 1; seed <= 40; seed++) {
+        test_mesh mesh, alike;
+        test_mesh_box(&mesh, 3, 1 + (int)(seed % 3));
+        test_mesh_renumber(&mesh, seed, NULL);
+        number_alike(&alike, &mesh, 3 + (int)seed * 4);
+        check_any_shape(&alike.mesh);
+        test_mesh_destroy(&alike);
+        test_mesh_destroy(&mesh);
     }
 }
 
@@ -362,11 +424,12 @@ static void survives_without_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interior_of_boxes), cmocka_unit_test(links_of_any_shape),
-        cmocka_unit_test(doubled_elements),  cmocka_unit_test(a_reversed_element),
-        cmocka_unit_test(links_of_any_size), cmocka_unit_test(pillows),
-        cmocka_unit_test(holds_giant_links), cmocka_unit_test(tables_forget),
-        cmocka_unit_test(no_free_node),      cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(interior_of_boxes),     cmocka_unit_test(links_of_any_shape),
+        cmocka_unit_test(doubled_elements),      cmocka_unit_test(a_reversed_element),
+        cmocka_unit_test(links_of_any_size),     cmocka_unit_test(pillows),
+        cmocka_unit_test(holds_giant_links),     cmocka_unit_test(tables_forget),
+        cmocka_unit_test(nodes_that_hash_alike), cmocka_unit_test(open_links_that_hash_alike),
+        cmocka_unit_test(no_free_node),          cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
