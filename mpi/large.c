@@ -233,13 +233,31 @@ typedef struct said {
     int64_t state;
 } said;
 
-/** To the first process, of each so many. */
-static void bring_said(const pl_crew *crew, const said *from, int n, said *to, const int *count,
-                       const int *at) {
+static void note_said(const said *list, int n, uint8_t *state) {
+    for (int i = 0; i < n; i++)
+        if (list[i].state > state[list[i].number])
+            state[list[i].number] = (uint8_t)list[i].state;
+}
+
+/** What the processes say of elements, n each, most at the most, goes into the first one's state:
+ *  one process after the other, for what all say may be more than messages count. room [most]. */
+static void bring_said(const pl_crew *crew, const said *from, int n, int most, said *room,
+                       uint8_t *state) {
+    enum { TAG = 1 };
     MPI_Datatype type;
     MPI_Type_contiguous(2, MPI_INT64_T, &type);
     MPI_Type_commit(&type);
-    MPI_Gatherv(from, n, type, to, count, at, type, 0, crew->comm);
+    if (crew->rank > 0)
+        MPI_Send(from, n, type, 0, TAG, crew->comm);
+    else
+        note_said(from, n, state);
+    for (int k = 1; crew->rank == 0 && k < crew->n_ranks; k++) {
+        MPI_Status status;
+        int n_theirs;
+        MPI_Recv(room, most, type, k, TAG, crew->comm, &status);
+        MPI_Get_count(&status, type, &n_theirs);
+        note_said(room, n_theirs, state);
+    }
     MPI_Type_free(&type);
 }
 
@@ -248,38 +266,30 @@ static void bring_said(const pl_crew *crew, const said *from, int n, said *to, c
 static int gather_states(work *w, const uint8_t *mine, uint8_t **state) {
     const pl_crew *crew = w->crew;
     const pl_share *share = &crew->share;
-    int n = 0, total = 0;
-    int *count = pl_new_array(crew->n_ranks, sizeof *count);
-    int *at = pl_new_array(crew->n_ranks + 1, sizeof *at);
-    said *from = pl_new_array(share->mesh.n_elements, sizeof *from), *all = NULL;
+    const int is_first = crew->rank == 0;
+    int n = 0, most;
+    said *from = pl_new_array(share->mesh.n_elements, sizeof *from), *room = NULL;
     const planish_error no_memory = {PLANISH_ERROR_MEMORY, -1, -1,
                                      "out of memory for the states of elements"};
     *state = NULL;
     w->error = no_memory;
-    int code =
-        pl_crew_agree(crew, count && at && from ? PLANISH_OK : PLANISH_ERROR_MEMORY, &w->error);
+    int code = pl_crew_agree(crew, from ? PLANISH_OK : PLANISH_ERROR_MEMORY, &w->error);
     for (int64_t i = 0; !code && i < share->mesh.n_elements; i++)
         if (mine[i])
             from[n++] = (said){share->element_number[i], mine[i]};
-    if (!code) {
-        MPI_Gather(&n, 1, MPI_INT, count, 1, MPI_INT, 0, crew->comm);
-        for (int k = 0; k < crew->n_ranks; k++) /* 0 in the others */
-            at[k + 1] = total += count[k];
-        all = pl_new_array(total, sizeof *all);
-        *state = total > 0 ? pl_new_array(w->file.n_elements, 1) : NULL;
+    most = n;
+    MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_INT, MPI_MAX, crew->comm);
+    if (!code && most > 0) {
+        room = pl_new_array(is_first ? most : 0, sizeof *room);
+        *state = is_first ? pl_new_array(w->file.n_elements, 1) : NULL;
         w->error = no_memory;
         code = pl_crew_agree(
-            crew, all && (total == 0 || *state) ? PLANISH_OK : PLANISH_ERROR_MEMORY, &w->error);
+            crew, room && (!is_first || *state) ? PLANISH_OK : PLANISH_ERROR_MEMORY, &w->error);
+        if (!code)
+            bring_said(crew, from, n, most, room, *state);
     }
-    if (!code)
-        bring_said(crew, from, n, all, count, at);
-    for (int i = 0; !code && i < total; i++)
-        if (all[i].state > (*state)[all[i].number])
-            (*state)[all[i].number] = (uint8_t)all[i].state;
-    free(count);
-    free(at);
     free(from);
-    free(all);
+    free(room);
     return code;
 }
 
