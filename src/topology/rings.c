@@ -253,7 +253,8 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
     if (!is_closed || (n > 2 && length == length_of_sphere(n)))
         found = (star){length, is_closed, is_closed};
     if (found.is_closed) {
-        memcpy(ring, table->node, (size_t)(length < room ? length : room) * sizeof *ring);
+        if (room > 0)
+            memcpy(ring, table->node, (size_t)(length < room ? length : room) * sizeof *ring);
         memcpy(link.low + 6 * n, table->end, (size_t)(2 * pl_link_edges(3, n)));
         if (link.high)
             memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
