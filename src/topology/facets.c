@@ -13,8 +13,8 @@
 #include "topology/local_map.h"
 
 enum {
-    CHUNK = 256,  /* nodes that one thread takes at a time */
-    AT_ONCE = 128 /* elements */
+    CHUNK = 256, /* nodes that one thread takes at a time */
+    AT_ONCE = 32 /* elements */
 };
 
 /** A matching under way. */
@@ -93,7 +93,7 @@ static inline void add_elements(const matching *m, int dim, pl_local_map *map, p
     const int32_t *elements = m->mesh->elements;
     const int64_t end = incidence->offset[node + 1];
     for (int64_t from = incidence->offset[node]; from < end; from += AT_ONCE) {
-        int32_t found[AT_ONCE];
+        int32_t found[AT_ONCE] = {0};
         int n = 0;
         for (int64_t i = from; i < end && i < from + AT_ONCE; i++) {
             const int32_t element = incidence->element[i];
