@@ -12,9 +12,9 @@
 #include <string.h>
 
 enum {
-    CHUNK = 256,         /* stars that one thread takes at a time */
-    COPY_CHUNK = 2048,   /* rings: many pages that can be given back, */
-    MANY_RINGS = 1 << 15 /* if there are many of them: other arrays would want few pages again */
+    CHUNK = 256,       /* stars that one thread takes at a time */
+    COPY_CHUNK = 2048, /* rings: many pages that can be given back, */
+    KEPT_RINGS = 8192  /* but those of the last rings: what comes next would want them again */
 };
 
 /** The work on all stars. */
@@ -91,7 +91,7 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
         copy_ring(w, r);
         copy_link(w, r);
     }
-    if (w->rings->n_rings >= MANY_RINGS)
+    if (begin + KEPT_RINGS <= w->rings->n_rings)
         discard(w->rings, w->mesh->dim, begin, end);
 }
 
