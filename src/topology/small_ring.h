@@ -66,8 +66,6 @@ static inline void pl_small_ring_number_nodes(pl_small_ring *t, int64_t n) {
 static inline void pl_small_ring_begin_edges(pl_small_ring *t) {
     for (uint32_t p = 0, n = t->n_nodes; p < n; p++)
         memset(t->edge + p * PL_SMALL_RING, PL_SMALL_NONE, PL_SMALL_RING);
-    t->n_edges = 0;
-    t->unrepeated = PL_SMALL_NONE;
 }
 
 /** Number of the edge from the node at p to the one at q, the same as from q to p: 0, 1, 2, ... in
