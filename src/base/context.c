@@ -2,6 +2,7 @@
 #include "base/context.h"
 
 #include "base/memory.h"
+#include "base/system.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -54,6 +55,21 @@ pl_context *pl_context_create(const planish_options *options) {
     return context;
 }
 
+void pl_context_share_pages(pl_context *context, int64_t n_elements) {
+    enum {
+        /* Addresses: more than the smaller arrays of a plan take at once. */
+        BYTES_PER_ELEMENT = 128,
+        /* Resident if they are touched: little more than these arrays take. */
+        HUGE_PER_ELEMENT = 95,
+        MAX_BYTES = 32 << 20 /* of a larger mesh most arrays are large */
+    };
+    const int64_t wanted = n_elements * BYTES_PER_ELEMENT;
+    const int64_t bytes = wanted < MAX_BYTES ? wanted : MAX_BYTES;
+    const int64_t huge = bytes * HUGE_PER_ELEMENT / BYTES_PER_ELEMENT / PL_HUGE_PAGE * PL_HUGE_PAGE;
+    if (PL_SHARES_PAGES && huge > 0 && !context->allocator.allocate)
+        pl_arena_begin(&context->arena, (size_t)bytes, (size_t)huge);
+}
+
 void pl_context_destroy(pl_context *context) {
     if (!context)
         return;
@@ -61,6 +77,7 @@ void pl_context_destroy(pl_context *context) {
     pl_context last = *context;
     pl_own_block(context, &last);
     pl_free(context);
+    pl_arena_end(&last.arena);
 }
 
 void pl_log(planish_log_level level, const char *format, ...) {

@@ -11,6 +11,7 @@
 
 #include <planish/planish.h>
 
+#include "base/arena.h"
 #include "base/arithmetic.h"
 
 typedef struct pl_context {
@@ -24,16 +25,33 @@ typedef struct pl_context {
     int32_t *shared;          /* [n_shared] the part's SHARED nodes, and */
     void *shared_values;      /* [n_shared] room for a value of each */
     int64_t n_shared;
-    int keeps;     /* blocks that are released are kept for the next that want some */
-    int64_t bytes; /* of all blocks, those that are kept among them */
-    int failed;    /* an allocation has failed since this was 0 */
-    int call;      /* number of the call that is under way, or the last: see pl_context_begin */
+    int keeps;      /* blocks that are released are kept for the next that want some */
+    int64_t bytes;  /* of all blocks, those that are kept among them */
+    int failed;     /* an allocation has failed since this was 0 */
+    int call;       /* number of the call that is under way, or the last: see pl_context_begin */
+    pl_arena arena; /* where its smaller arrays are, as far as they have room: see memory.c */
     struct pl_block *kept; /* see memory.c */
-    int lock;              /* of kept: 0 or 1 */
+    int lock;              /* of kept */
 } pl_context;
 
 /** A context as options say, which holds its own memory, or NULL without memory. */
 pl_context *pl_context_create(const planish_options *options);
+
+/* 0: the address sanitizer is to see every array by itself. */
+#define PL_SHARES_PAGES 1
+#ifdef __SANITIZE_ADDRESS__
+#undef PL_SHARES_PAGES
+#define PL_SHARES_PAGES 0
+#elif defined __has_feature
+#if __has_feature(address_sanitizer)
+#undef PL_SHARES_PAGES
+#define PL_SHARES_PAGES 0
+#endif
+#endif
+
+/** Let the smaller arrays of context, which works on so many elements, share their pages: not those
+ * of few elements, and not where memory is the caller's. */
+void pl_context_share_pages(pl_context *context, int64_t n_elements);
 
 /** After all that was allocated in it has been released. context may be NULL. */
 void pl_context_destroy(pl_context *context);

@@ -2,8 +2,10 @@
  *
  * As positions: first the nodes of each facet, [n][dim] places in the star's ring; in 3-D then the
  * edges of each facet, [n][3], and the nodes of each edge, [3 n / 2][2]: every facet at a free node
- * belongs to two elements, so that every edge of its link belongs to two facets. They are bytes,
- * and where the mesh has a star that is too large for bytes there is an array of high bytes, too.
+ * belongs to two elements, so that every edge of its link belongs to two facets. The nodes of the
+ * edges, its ends, follow from the rest: where links are only kept they are left out. Positions are
+ * bytes, and where the mesh has a star that is too large for bytes there is an array of high bytes,
+ * too.
  */
 #ifndef PL_BASE_LINK_H
 #define PL_BASE_LINK_H
@@ -17,9 +19,13 @@ enum {
     PL_BYTE_LINK = 170   /* and up to so many by one */
 };
 
-/** Positions of the whole link per facet. */
+/** Positions of the whole link per facet, and without the ends of edges. */
 static inline int64_t pl_link_positions(int dim) {
     return dim == 3 ? 9 : 2;
+}
+
+static inline int64_t pl_link_positions_kept(int dim) {
+    return dim == 3 ? 6 : 2;
 }
 
 /** Edges of a link of n facets. */
@@ -42,12 +48,12 @@ static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position)
         link->high[i] = (uint8_t)(position >> 8);
 }
 
-/** Room for the links of n facets in all, with high bytes if wide; 0, or -1 without memory. To be
- *  released in any case. places: as of pl_alloc_scattered. */
-static inline int pl_link_alloc(pl_link *link, int dim, int64_t n, int wide, int64_t places) {
-    const size_t size = (size_t)pl_link_positions(dim);
-    link->low = pl_alloc_scattered(n, size, places);
-    link->high = wide ? pl_alloc_scattered(n, size, places) : NULL;
+/** Room for n facets with so many positions each, with high bytes if wide; 0, or -1 without memory.
+ *  To be released in any case. places: as of pl_alloc_scattered. */
+static inline int pl_link_alloc(pl_link *link, int64_t positions, int64_t n, int wide,
+                                int64_t places) {
+    link->low = pl_alloc_scattered(n, (size_t)positions, places);
+    link->high = wide ? pl_alloc_scattered(n, (size_t)positions, places) : NULL;
     return link->low && (!wide || link->high) ? 0 : -1;
 }
 
@@ -57,9 +63,9 @@ static inline void pl_link_free(pl_link *link) {
     *link = (pl_link){NULL, NULL};
 }
 
-/** The link of the star whose first facet is that number of all stars' facets. */
-static inline pl_link pl_link_at(const pl_link *link, int dim, int64_t facet) {
-    const int64_t first = facet * pl_link_positions(dim);
+/** The link whose first facet is that number of all, with so many positions each. */
+static inline pl_link pl_link_at(const pl_link *link, int64_t positions, int64_t facet) {
+    const int64_t first = facet * positions;
     return (pl_link){link->low + first, link->high ? link->high + first : link->high};
 }
 

@@ -2,40 +2,21 @@
 #include "base/memory.h"
 
 #include "base/context.h"
+#include "base/spin.h"
 #include "base/system.h"
 
 #include <limits.h>
-#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef __linux__
-#include <sys/mman.h>
-#include <unistd.h>
-#endif
 
 enum {
     ALIGNMENT = 64, /* a cache line, and the widest vector */
-    HUGE_PAGE = 1 << 21,
-    MANY_PAGES = 2 /* of smaller arrays too much would be resident that nobody uses */
+    LARGE = 4 << 20 /* bytes: such arrays stand by themselves; with so much for each of the places
+                       where they are written at a time they have huge pages of their own */
 };
 
 static size_t round_up(size_t bytes, size_t unit) {
     return (bytes + unit - 1) / unit * unit;
-}
-
-/** Ask for huge pages within an array, if there are many for each of the places where it is written
- *  at a time: fewer page faults, and fewer misses of the page table. A refusal does no harm. */
-static void want_huge_pages(void *array, size_t bytes, int64_t places) {
-#ifdef MADV_HUGEPAGE
-    const uintptr_t begin = round_up((uintptr_t)array, HUGE_PAGE);
-    const uintptr_t end = ((uintptr_t)array + bytes) / HUGE_PAGE * HUGE_PAGE;
-    if (array && end > begin && (int64_t)((end - begin) / HUGE_PAGE / MANY_PAGES) >= places)
-        madvise((void *)begin, end - begin, MADV_HUGEPAGE);
-#else
-    (void)array;
-    (void)bytes;
-    (void)places;
-#endif
 }
 
 /* ---- blocks -------------------------------------------------------------------------------- */
@@ -65,16 +46,16 @@ static void *ask(pl_context *owner, size_t bytes) {
 
 /** Fresh memory for bytes, a multiple of ALIGNMENT, and what stands before them. */
 static pl_block *fresh_block(pl_context *owner, size_t bytes) {
-    const planish_allocator *allocator = owner ? &owner->allocator : NULL;
     pl_block *block;
-    void *start;
-    if (allocator && allocator->allocate) {
+    void *start = owner && bytes < LARGE ? pl_arena_take(&owner->arena, bytes + ALIGNMENT) : NULL;
+    if (!start && owner && owner->allocator.allocate) {
         start = ask(owner, bytes + 2 * ALIGNMENT);
         if (!start)
             return NULL;
         block = (pl_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
     } else {
-        start = pl_system_allocate(ALIGNMENT, bytes + ALIGNMENT);
+        if (!start)
+            start = pl_system_allocate(ALIGNMENT, bytes + ALIGNMENT);
         block = start;
     }
     if (!start)
@@ -89,25 +70,18 @@ static void release_block(pl_block *block) {
     pl_context *owner = block->owner;
     if (owner)
         __atomic_fetch_sub(&owner->bytes, (int64_t)block->bytes, __ATOMIC_RELAXED);
-    if (!owner || !owner->allocator.allocate) {
+    if (owner && pl_arena_has(&owner->arena, block)) {
+        pl_arena_give(&owner->arena, block->start);
+    } else if (owner && owner->allocator.allocate) {
+        pl_context *before = pl_context_enter(NULL);
+        owner->allocator.release(block->start, owner->allocator.user);
+        pl_context_enter(before);
+    } else {
         pl_system_release(block->start);
-        return;
     }
-    pl_context *before = pl_context_enter(NULL);
-    owner->allocator.release(block->start, owner->allocator.user);
-    pl_context_enter(before);
 }
 
 /* ---- blocks that are kept: the next call wants the same again -------------------------------- */
-
-static void lock(pl_context *context) {
-    while (__atomic_exchange_n(&context->lock, 1, __ATOMIC_ACQUIRE))
-        sched_yield();
-}
-
-static void unlock(pl_context *context) {
-    __atomic_store_n(&context->lock, 0, __ATOMIC_RELEASE);
-}
 
 /** bytes rounded up to one of a few sizes, an eighth apart at most. Only blocks of the very size
  *  are taken again: so a call that wants what the one before wanted finds it all. */
@@ -120,22 +94,22 @@ static size_t kept_size(size_t bytes) {
 
 /** A kept block of so many bytes, or NULL. */
 static pl_block *take_kept(pl_context *context, size_t bytes) {
-    lock(context);
+    pl_spin_lock(&context->lock);
     pl_block **at = &context->kept;
     while (*at && (*at)->bytes != bytes)
         at = &(*at)->next;
     pl_block *block = *at;
     if (block)
         *at = block->next;
-    unlock(context);
+    pl_spin_unlock(&context->lock);
     return block;
 }
 
 static void keep(pl_context *context, pl_block *block) {
-    lock(context);
+    pl_spin_lock(&context->lock);
     block->next = context->kept;
     context->kept = block;
-    unlock(context);
+    pl_spin_unlock(&context->lock);
 }
 
 void pl_forget_kept(pl_context *context) {
@@ -149,7 +123,7 @@ void pl_forget_kept(pl_context *context) {
 
 void pl_forget_unwanted(pl_context *context, int call) {
     pl_block *unwanted = NULL;
-    lock(context);
+    pl_spin_lock(&context->lock);
     for (pl_block **at = &context->kept; *at;) {
         pl_block *block = *at;
         if (block->call < call) {
@@ -160,7 +134,7 @@ void pl_forget_unwanted(pl_context *context, int call) {
             at = &block->next;
         }
     }
-    unlock(context);
+    pl_spin_unlock(&context->lock);
     while (unwanted) {
         pl_block *block = unwanted;
         unwanted = block->next;
@@ -199,8 +173,8 @@ void *pl_alloc_scattered(int64_t count, size_t size, int64_t places) {
     }
     void *array = (char *)block + ALIGNMENT;
     block->call = context ? context->call : 0;
-    if (is_fresh)
-        want_huge_pages(array, bytes, places);
+    if (is_fresh && (int64_t)(bytes / LARGE) >= places)
+        pl_system_want_huge_pages(array, bytes);
     return array;
 }
 
@@ -242,14 +216,7 @@ void pl_free(void *array) {
 }
 
 void pl_discard(void *begin, int64_t bytes) {
-#ifdef __linux__
-    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), from = (uintptr_t)begin;
-    const uintptr_t first = (from + page - 1) / page * page;
-    const uintptr_t end = (from + (uintptr_t)bytes) / page * page;
-    if (end > first)
-        madvise((void *)first, end - first, MADV_DONTNEED); /* a refusal does no harm */
-#else
-    (void)begin;
-    (void)bytes;
-#endif
+    const pl_context *context = pl_context_current();
+    if (!context || !pl_arena_has(&context->arena, begin)) /* there others want the pages */
+        pl_system_discard(begin, (size_t)bytes);
 }

@@ -17,6 +17,18 @@
 void *pl_system_allocate(size_t alignment, size_t bytes);
 void pl_system_release(void *start);
 
+/** Addresses for so many bytes, from a multiple of PL_HUGE_PAGE on, of which none is resident
+ * before it is written; NULL: there are none, or the system has no huge pages that can be asked
+ * for. */
+enum { PL_HUGE_PAGE = 1 << 21 };
+void *pl_system_reserve(size_t bytes);
+void pl_system_unreserve(void *start, size_t bytes);
+
+/** Ask for huge pages where there is room for them within so many bytes; and give whole pages among
+ *  them back, whose content nobody will read again. A refusal does no harm. */
+void pl_system_want_huge_pages(void *begin, size_t bytes);
+void pl_system_discard(void *begin, size_t bytes);
+
 /** Bytes of memory that the machine has; INT64_MAX: not known. */
 int64_t pl_system_memory(void);
 

@@ -18,6 +18,70 @@ void pl_system_release(void *start) {
     free(start);
 }
 
+static uintptr_t round_up(uintptr_t place, uintptr_t unit) {
+    return (place + unit - 1) / unit * unit;
+}
+
+#ifdef MADV_HUGEPAGE
+
+void *pl_system_reserve(size_t bytes) {
+    const size_t size = round_up(bytes, PL_HUGE_PAGE);
+    if (size < bytes || size > SIZE_MAX - PL_HUGE_PAGE)
+        return NULL;
+    char *start = mmap(NULL, size + PL_HUGE_PAGE, PROT_READ | PROT_WRITE,
+                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (start == MAP_FAILED)
+        return NULL;
+    const size_t before = round_up((uintptr_t)start, PL_HUGE_PAGE) - (uintptr_t)start;
+    if (before > 0)
+        munmap(start, before);
+    munmap(start + before + size, PL_HUGE_PAGE - before);
+    return start + before;
+}
+
+void pl_system_unreserve(void *start, size_t bytes) {
+    munmap(start, round_up(bytes, PL_HUGE_PAGE));
+}
+
+void pl_system_want_huge_pages(void *begin, size_t bytes) {
+    const uintptr_t first = round_up((uintptr_t)begin, PL_HUGE_PAGE);
+    const uintptr_t end = ((uintptr_t)begin + bytes) / PL_HUGE_PAGE * PL_HUGE_PAGE;
+    if (end > first)
+        madvise((void *)first, end - first, MADV_HUGEPAGE);
+}
+
+#else
+
+void *pl_system_reserve(size_t bytes) {
+    (void)bytes;
+    return NULL;
+}
+
+void pl_system_unreserve(void *start, size_t bytes) {
+    (void)start;
+    (void)bytes;
+}
+
+void pl_system_want_huge_pages(void *begin, size_t bytes) {
+    (void)begin;
+    (void)bytes;
+}
+
+#endif
+
+void pl_system_discard(void *begin, size_t bytes) {
+#ifdef __linux__ /* elsewhere the pages might stay */
+    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+    const uintptr_t first = round_up((uintptr_t)begin, page);
+    const uintptr_t end = ((uintptr_t)begin + bytes) / page * page;
+    if (end > first)
+        madvise((void *)first, end - first, MADV_DONTNEED);
+#else
+    (void)begin;
+    (void)bytes;
+#endif
+}
+
 int64_t pl_system_memory(void) {
     const int64_t pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     return pages > 0 && size > 0 ? pages * size : INT64_MAX;

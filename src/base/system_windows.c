@@ -19,6 +19,26 @@ void pl_system_release(void *start) {
     _aligned_free(start);
 }
 
+void *pl_system_reserve(size_t bytes) {
+    (void)bytes;
+    return NULL;
+}
+
+void pl_system_unreserve(void *start, size_t bytes) {
+    (void)start;
+    (void)bytes;
+}
+
+void pl_system_want_huge_pages(void *begin, size_t bytes) {
+    (void)begin;
+    (void)bytes;
+}
+
+void pl_system_discard(void *begin, size_t bytes) {
+    (void)begin;
+    (void)bytes;
+}
+
 int64_t pl_system_memory(void) {
     MEMORYSTATUSEX status = {.dwLength = sizeof status};
     return GlobalMemoryStatusEx(&status) ? (int64_t)status.ullTotalPhys : INT64_MAX;

@@ -131,8 +131,8 @@ static inline int64_t scratch_doubles(int dim, int64_t n_ring, int64_t n_facets)
 
 /* ---- the whole ----------------------------------------------------------------------------- */
 
-/** Positions from .. from + n count of a link, as rows, padded with copies of the first count. Always
- *  inlined: without knowing count, a star takes half as long again. */
+/** Positions from .. from + n count of a link, as rows, padded with copies of the first count.
+ * Always inlined: without knowing count, a star takes half as long again. */
 PL_INLINE void unpack(const pl_link *link, int64_t from, int64_t n, int64_t padded, int count,
                       uint32_t *row) {
     const uint8_t *low = link->low + from;
@@ -159,7 +159,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
                       double *scratch, const int guarded, const int dim) {
     star s;
     const int64_t first = problem->link_offset[index];
-    const pl_link link = pl_link_at(&problem->link, dim, first);
+    const pl_link link = pl_link_at(&problem->link, pl_link_positions(dim), first);
     s.n_facets = problem->link_offset[index + 1] - first;
     s.padded = padded_to_lanes(s.n_facets);
     s.ring = problem->ring + problem->ring_offset[index];

@@ -267,6 +267,7 @@ static int create(const planish_mesh *mesh, const planish_options *options, plan
     if (!context)
         return pl_fail_memory(error, "a plan");
     context->part = mesh->part;
+    pl_context_share_pages(context, mesh->n_elements);
     pl_context *before = pl_context_enter(context);
     planish_plan *plan = make(mesh, options, context, &status, error);
     pl_context_enter(before);

@@ -87,12 +87,7 @@ static inline int64_t write_edges(pl_local_map *map, const pl_link *link, int64_
             const int32_t q = pl_link_get(link, 3 * f + (c + 1) % 3);
             const int32_t low = p < q ? p : q, high = p < q ? q : p;
             const uint64_t key = (uint64_t)(high + 1) << 32 | (uint64_t)low; /* that of no node */
-            const int32_t edge = pl_local_map_add(map, key) - n_nodes;
-            pl_link_set(link, 3 * n + 3 * f + c, edge);
-            if (edge < pl_link_edges(3, n)) { /* all are around a closed link */
-                pl_link_set(link, 6 * n + 2 * edge, p);
-                pl_link_set(link, 6 * n + 2 * edge + 1, q);
-            }
+            pl_link_set(link, 3 * n + 3 * f + c, pl_local_map_add(map, key) - n_nodes);
         }
     return map->count - n_nodes;
 }
@@ -255,9 +250,8 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
     if (found.is_closed) {
         if (room > 0)
             memcpy(ring, table->node, (size_t)(length < room ? length : room) * sizeof *ring);
-        memcpy(link.low + 6 * n, table->end, (size_t)(2 * pl_link_edges(3, n)));
         if (link.high)
-            memset(link.high, 0, (size_t)(n * pl_link_positions(3)));
+            memset(link.high, 0, (size_t)(n * pl_link_positions_kept(3)));
     }
     return found;
 }
@@ -271,7 +265,7 @@ static int is_large_closed(work *w, int thread, int32_t node) {
     const int64_t n = degree(w->incidence, node);
     star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
-    if (pl_link_alloc(&link, dim, n, 1, 1) == 0)
+    if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1, 1) == 0)
         found = find_ring(w, dim, thread, node, link, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
@@ -339,7 +333,8 @@ static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int 
         pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, rings->n_rings);
         const int64_t room = w->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
         int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
-        const pl_link link = pl_link_at(&rings->link, dim, rings->link_offset[r]);
+        const pl_link link =
+            pl_link_at(&rings->link, pl_link_positions_kept(dim), rings->link_offset[r]);
         star found = {-1, 0, 0};
         if (!is_free(w, w->node[r]))
             found.length = room;
@@ -383,7 +378,7 @@ static int fill(work *w, int threads) {
 static int make_room_for_links(const work *w, int threads) {
     pl_rings *rings = w->rings;
     const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->link_offset);
-    return pl_link_alloc(&rings->link, w->mesh->dim, total, w->wide, 1);
+    return pl_link_alloc(&rings->link, pl_link_positions_kept(w->mesh->dim), total, w->wide, 1);
 }
 
 /** Count, fill. */

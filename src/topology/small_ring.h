@@ -30,7 +30,6 @@ typedef struct pl_small_ring {
     uint8_t position[3 * PL_SMALL_LINK];         /* and their positions in the ring */
     uint8_t turned[PL_SMALL_LINK];               /* 1: a facet's last two are exchanged */
     int32_t node[3 * PL_SMALL_LINK + 1];         /* the ring; the last one may be no part of it */
-    uint8_t end[UINT8_MAX][2];                   /* positions of the edges' ends */
     uint32_t n_nodes, n_edges;
     uint8_t unrepeated; /* PL_SMALL_NONE: no edge has been there twice in the same direction */
     char padding[64];   /* tables of different threads share no line */
@@ -78,8 +77,6 @@ static inline uint8_t pl_small_ring_edge(pl_small_ring *t, uint32_t p, uint32_t 
     *next += twin >= *next;
     *unrepeated &= *edge;
     *edge = (uint8_t)number;
-    t->end[number][0] = (uint8_t)p;
-    t->end[number][1] = (uint8_t)q;
     return (uint8_t)number;
 }
 

@@ -12,9 +12,8 @@
 #include <string.h>
 
 enum {
-    CHUNK = 256,       /* stars that one thread takes at a time */
-    COPY_CHUNK = 2048, /* rings: many pages that can be given back, */
-    KEPT_RINGS = 8192  /* but those of the last rings: what comes next would want them again */
+    CHUNK = 256,      /* stars that one thread takes at a time */
+    COPY_CHUNK = 2048 /* rings: many pages that can be given back */
 };
 
 /** The work on all stars. */
@@ -56,15 +55,35 @@ static void copy_ring(const work *w, int64_t r) {
         ring[i] = w->number_of[neighbour[i]];
 }
 
+/** Find the ends of the edges of n facets; an open link has more edges than there is room for, and
+ *  does not need them. */
+static void write_ends(const pl_link *link, int64_t n) {
+    const int64_t n_edges = pl_link_edges(3, n);
+    for (int64_t f = 0; f < 3 * n; f += 3) {
+        const int32_t p[3] = {pl_link_get(link, f), pl_link_get(link, f + 1),
+                              pl_link_get(link, f + 2)};
+        for (int c = 0; c < 3; c++) {
+            const int64_t edge = pl_link_get(link, 3 * n + f + c);
+            if (edge >= n_edges)
+                continue;
+            pl_link_set(link, 6 * n + 2 * edge, p[c]);
+            pl_link_set(link, 6 * n + 2 * edge + 1, p[(c + 1) % 3]);
+        }
+    }
+}
+
 static void copy_link(const work *w, int64_t r) {
     const int dim = w->mesh->dim;
     const int64_t from = w->rings->link_offset[r], n = w->rings->link_offset[r + 1] - from;
     const int64_t to = w->stars->link_offset[w->star_of[r]];
-    const pl_link source = pl_link_at(&w->rings->link, dim, from);
-    const pl_link target = pl_link_at(&w->stars->link, dim, to);
-    memcpy(target.low, source.low, (size_t)(n * pl_link_positions(dim)));
+    const pl_link source = pl_link_at(&w->rings->link, pl_link_positions_kept(dim), from);
+    const pl_link target = pl_link_at(&w->stars->link, pl_link_positions(dim), to);
+    const pl_link bytes = {target.low, NULL};
+    memcpy(target.low, source.low, (size_t)(n * pl_link_positions_kept(dim)));
     if (target.high) /* then source.high, too */
-        memcpy(target.high, source.high, (size_t)(n * pl_link_positions(dim)));
+        memcpy(target.high, source.high, (size_t)(n * pl_link_positions_kept(dim)));
+    if (dim == 3)
+        write_ends(target.high ? &target : &bytes, n);
     for (int64_t i = 0; w->stars->min_volume && i < n; i++) {
         const int32_t *element = w->incidence->element + w->incidence->offset[w->node[r]];
         w->stars->min_volume[to + i] = w->mesh->min_volume[element[i]];
@@ -74,12 +93,12 @@ static void copy_link(const work *w, int64_t r) {
 /** Of rings that have been copied. */
 static void discard(const pl_rings *rings, int dim, int64_t begin, int64_t end) {
     const int64_t first = rings->link_offset[begin], n = rings->link_offset[end] - first;
-    const pl_link link = pl_link_at(&rings->link, dim, first);
+    const pl_link link = pl_link_at(&rings->link, pl_link_positions_kept(dim), first);
     pl_discard(rings->neighbour + rings->offset[begin],
                (rings->offset[end] - rings->offset[begin]) * (int64_t)sizeof *rings->neighbour);
-    pl_discard(link.low, n * pl_link_positions(dim));
+    pl_discard(link.low, n * pl_link_positions_kept(dim));
     if (link.high)
-        pl_discard(link.high, n * pl_link_positions(dim));
+        pl_discard(link.high, n * pl_link_positions_kept(dim));
 }
 
 static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -91,8 +110,7 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
         copy_ring(w, r);
         copy_link(w, r);
     }
-    if (begin + KEPT_RINGS <= w->rings->n_rings)
-        discard(w->rings, w->mesh->dim, begin, end);
+    discard(w->rings, w->mesh->dim, begin, end);
 }
 
 /** Everything behind the offsets' allocation; returns -1 without memory. */
@@ -105,8 +123,8 @@ static int fill(work *w, int threads) {
     stars->ring = pl_alloc_scattered(n_ring, sizeof *stars->ring, w->n_colours);
     if (w->mesh->min_volume)
         stars->min_volume = pl_alloc_scattered(n_link, sizeof *stars->min_volume, w->n_colours);
-    if (pl_link_alloc(&stars->link, w->mesh->dim, n_link, w->rings->link.high != NULL,
-                      w->n_colours) != 0 ||
+    if (pl_link_alloc(&stars->link, pl_link_positions(w->mesh->dim), n_link,
+                      w->rings->link.high != NULL, w->n_colours) != 0 ||
         !stars->ring || (w->mesh->min_volume && !stars->min_volume))
         return -1;
     pl_parallel_for(threads, w->rings->n_rings, COPY_CHUNK, copy_chunk, w);

@@ -103,10 +103,10 @@ typedef struct pl_rings {
     int32_t *neighbour;   /* each once, in order of first appearance in the ascending elements */
     int64_t *link_offset; /* [n_rings + 1] in link facets: one per element of the node */
     int64_t max_link;     /* of one node */
-    pl_link link; /* of all nodes; facets in the order of their elements, oriented so that the
-                     measure of (facet, node) is positive in a valid mesh: with x the node, 3-D
-                     (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D (p0 - x) x (p1 - x) > 0; their
-                     edges: p0 p1, p1 p2, p2 p0 */
+    pl_link link; /* of all nodes, without the ends of edges; facets in the order of their elements,
+                     oriented so that the measure of (facet, node) is positive in a valid mesh: with
+                     x the node, 3-D (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D
+                     (p0 - x) x (p1 - x) > 0; their edges: p0 p1, p1 p2, p2 p0 */
 } pl_rings;
 
 /** is_free [n]: not 0 for the nodes that may move, node [n_rings]: these in the wanted order. Free
@@ -172,7 +172,8 @@ typedef struct pl_stars {
     int64_t *ring_offset; /* [n_stars + 1] into ring */
     int32_t *ring;        /* the star's other nodes as in pl_rings, but numbered by number_of */
     int64_t *link_offset; /* [n_stars + 1] in link facets */
-    pl_link link;         /* as in pl_rings */
+    pl_link link;         /* as in pl_rings, with the ends of edges: those of a link that is closed,
+                             p and q as its last facet with that edge traverses it */
     double
         *min_volume; /* [link_offset[n_stars]] mesh->min_volume of the facets' elements, or NULL */
     int64_t max_ring, max_link; /* of one star */

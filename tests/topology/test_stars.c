@@ -54,7 +54,8 @@ static void *copy_of(const void *array, int64_t count, size_t size) {
 /** The fixture's rings again: making stars consumes them. */
 static pl_rings copy_of_rings(const fixture *f) {
     pl_rings r = f->rings.rings;
-    const int64_t n = r.n_rings, bytes = r.link_offset[n] * pl_link_positions(f->mesh.mesh.dim);
+    const int64_t n = r.n_rings,
+                  bytes = r.link_offset[n] * pl_link_positions_kept(f->mesh.mesh.dim);
     r.neighbour = copy_of(r.neighbour, r.offset[n], sizeof *r.neighbour);
     r.link.low = copy_of(r.link.low, bytes, 1);
     r.link.high = r.link.high ? copy_of(r.link.high, bytes, 1) : NULL;
@@ -94,7 +95,7 @@ static void check_star(const fixture *f, const pl_stars *stars, int64_t s) {
     for (int64_t i = 0; i < n_ring; i++)
         assert_int_equal(ring[i], f->number_of[neighbour[i]]);
     assert_int_equal(stars->link_offset[s + 1] - stars->link_offset[s], n_link);
-    const pl_link link = pl_link_at(&stars->link, dim, stars->link_offset[s]);
+    const pl_link link = pl_link_at(&stars->link, pl_link_positions(dim), stars->link_offset[s]);
     for (int64_t i = 0; i < n_link; i++) {
         uint16_t facet[3];
         for (int d = 0; d < dim; d++)
@@ -120,7 +121,7 @@ static void check_star(const fixture *f, const pl_stars *stars, int64_t s) {
 /** Every edge of a closed link of triangles has two nodes, and they are those of the facets. */
 static void check_edges(const pl_stars *stars, int64_t s) {
     const int64_t n = stars->link_offset[s + 1] - stars->link_offset[s];
-    const pl_link link = pl_link_at(&stars->link, 3, stars->link_offset[s]);
+    const pl_link link = pl_link_at(&stars->link, pl_link_positions(3), stars->link_offset[s]);
     int *facets = calloc((size_t)n * 2 + 1, sizeof *facets);
     assert_non_null(facets);
     for (int64_t i = 0; i < 3 * n; i++) {
@@ -140,8 +141,8 @@ static void check_edges(const pl_stars *stars, int64_t s) {
 static void check_same_links(const pl_stars *stars, const pl_stars *other, int dim) {
     for (int64_t s = 0; s < stars->n_stars; s++) {
         const int64_t first = stars->link_offset[s], n = stars->link_offset[s + 1] - first;
-        assert_memory_equal(pl_link_at(&stars->link, dim, first).low,
-                            pl_link_at(&other->link, dim, first).low,
+        assert_memory_equal(pl_link_at(&stars->link, pl_link_positions(dim), first).low,
+                            pl_link_at(&other->link, pl_link_positions(dim), first).low,
                             (size_t)(n * pl_link_positions(dim)));
     }
 }

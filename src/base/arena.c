@@ -1,0 +1,87 @@
+/* arena: a stretch of memory that many arrays share. */
+#include "base/arena.h"
+
+#include "base/spin.h"
+#include "base/system.h"
+
+#include <stdint.h>
+
+enum { ALIGNMENT = 64 };
+
+/** What stands before everything that is taken, in a cache line of its own. */
+typedef struct pl_span {
+    char *end;
+    struct pl_span *next;
+} pl_span;
+
+_Static_assert(sizeof(pl_span) <= ALIGNMENT, "a span's head stands in one cache line");
+
+void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge) {
+    *arena = (pl_arena){.begin = pl_system_reserve(bytes)};
+    if (!arena->begin)
+        return;
+    arena->bytes = bytes;
+    pl_system_want_huge_pages(arena->begin, huge < bytes ? huge : bytes);
+}
+
+void pl_arena_end(pl_arena *arena) {
+    if (arena->begin)
+        pl_system_unreserve(arena->begin, arena->bytes);
+    *arena = (pl_arena){0};
+}
+
+/** The first gap of so many bytes becomes a span; NULL: there is none. */
+static pl_span *take(pl_arena *arena, size_t bytes) {
+    pl_span **at = &arena->first;
+    char *begin = arena->begin;
+    while (*at && (size_t)((char *)*at - begin) < bytes) {
+        begin = (*at)->end;
+        at = &(*at)->next;
+    }
+    if (!*at && (size_t)(arena->begin + arena->bytes - begin) < bytes)
+        return NULL;
+    pl_span *span = (pl_span *)(void *)begin;
+    *span = (pl_span){.end = begin + bytes, .next = *at};
+    *at = span;
+    return span;
+}
+
+void *pl_arena_take(pl_arena *arena, size_t bytes) {
+    if (bytes > arena->bytes)
+        return NULL;
+    bytes = (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT + ALIGNMENT;
+    pl_spin_lock(&arena->lock);
+    pl_span *span = take(arena, bytes);
+    pl_spin_unlock(&arena->lock);
+    return span ? (char *)span + ALIGNMENT : NULL;
+}
+
+/** Whole huge pages of a gap go back to the system: arrays that are too large for what is left of
+ *  the arena want them. Behind end nothing has changed. */
+static void give_back(char *gap, char *end, char *gap_end) {
+    const size_t before = (PL_HUGE_PAGE - (uintptr_t)gap % PL_HUGE_PAGE) % PL_HUGE_PAGE;
+    const size_t behind = (PL_HUGE_PAGE - (uintptr_t)end % PL_HUGE_PAGE) % PL_HUGE_PAGE;
+    end = behind <= (size_t)(gap_end - end) ? end + behind : end - (PL_HUGE_PAGE - behind);
+    if (end - gap > (ptrdiff_t)before)
+        pl_system_discard(gap + before, (size_t)(end - gap) - before);
+}
+
+void pl_arena_give(pl_arena *arena, void *taken) {
+    const pl_span *span = (const pl_span *)(const void *)((char *)taken - ALIGNMENT);
+    pl_spin_lock(&arena->lock);
+    pl_span **at = &arena->first;
+    char *gap = arena->begin;
+    while (*at != span) {
+        gap = (*at)->end;
+        at = &(*at)->next;
+    }
+    char *const end = span->end;
+    *at = span->next;
+    give_back(gap, end, *at ? (char *)*at : arena->begin + arena->bytes);
+    pl_spin_unlock(&arena->lock);
+}
+
+int pl_arena_has(const pl_arena *arena, const void *place) {
+    const uintptr_t begin = (uintptr_t)arena->begin, at = (uintptr_t)place;
+    return at >= begin && at - begin < arena->bytes;
+}

@@ -1,0 +1,36 @@
+/* arena: a stretch of memory that many arrays share.
+ *
+ * The first touch of a page of 4 kB takes as long as the rings of several nodes, and an array of a
+ * megabyte is too small for a huge page of its own. Side by side arrays have some together; and
+ * what one has given back the next finds there, resident.
+ */
+#ifndef PL_BASE_ARENA_H
+#define PL_BASE_ARENA_H
+
+#include <stddef.h>
+
+typedef struct pl_arena {
+    char *begin;           /* NULL: there is none, */
+    size_t bytes;          /* and 0 */
+    struct pl_span *first; /* those that are taken, by their places */
+    int lock;              /* see spin.h */
+} pl_arena;
+
+/** Addresses for so many bytes, of which none is resident before it is written, the first huge of
+ *  them in huge pages if the system has any. None if the system has no addresses left, or no huge
+ *  pages in any case. */
+void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge);
+
+/** The end of all that was taken, too. */
+void pl_arena_end(pl_arena *arena);
+
+/** bytes, uninitialised and aligned to 64, at the first place where they have room; NULL: nowhere.
+ *  By several threads at once. */
+void *pl_arena_take(pl_arena *arena, size_t bytes);
+
+/** Give back what was taken. */
+void pl_arena_give(pl_arena *arena, void *taken);
+
+int pl_arena_has(const pl_arena *arena, const void *place);
+
+#endif

@@ -1,0 +1,16 @@
+/* spin: a lock around a few instructions; 0: nobody has it. */
+#ifndef PL_BASE_SPIN_H
+#define PL_BASE_SPIN_H
+
+#include <sched.h>
+
+static inline void pl_spin_lock(int *lock) {
+    while (__atomic_exchange_n(lock, 1, __ATOMIC_ACQUIRE))
+        sched_yield();
+}
+
+static inline void pl_spin_unlock(int *lock) {
+    __atomic_store_n(lock, 0, __ATOMIC_RELEASE);
+}
+
+#endif

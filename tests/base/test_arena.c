@@ -1,0 +1,315 @@
+/* The arena: places against a model, what stays and what goes back, several threads; and which
+ * arrays are in one. */
+#include "base/arena.h"
+
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/system.h"
+#include "support/effort.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { HEAD = 64, MEGABYTE = 1 << 20, BYTES = 16 * MEGABYTE };
+
+/** An arena of BYTES, or the test is skipped: the system has no huge pages. */
+static void begin(pl_arena *arena) {
+    pl_arena_begin(arena, BYTES, BYTES / 2);
+    if (!arena->begin)
+        skip();
+}
+
+/* ---- places --------------------------------------------------------------------------------- */
+
+/** What is taken, as the model has it: by places. */
+typedef struct taken {
+    unsigned char *at;
+    size_t bytes;
+    unsigned char mark; /* that all of it holds */
+} taken;
+
+enum { MOST = 200 };
+
+typedef struct model {
+    const pl_arena *arena;
+    taken list[MOST];
+    int n;
+} model;
+
+static size_t whole(size_t bytes) {
+    return HEAD + (bytes + HEAD - 1) / HEAD * HEAD;
+}
+
+/** Where the first gap with room for bytes is in the model's list, and its place; NULL: nowhere. */
+static unsigned char *first_gap(const model *m, size_t bytes, int *index) {
+    unsigned char *gap = (unsigned char *)m->arena->begin;
+    for (*index = 0; *index < m->n; ++*index) {
+        const taken *next = m->list + *index;
+        if ((size_t)(next->at - HEAD - gap) >= whole(bytes))
+            return gap + HEAD;
+        gap = next->at + whole(next->bytes) - HEAD;
+    }
+    const size_t left = (size_t)((unsigned char *)m->arena->begin + m->arena->bytes - gap);
+    return left >= whole(bytes) ? gap + HEAD : NULL;
+}
+
+static void check_content(const taken *t) {
+    for (size_t i = 0; i < t->bytes; i++)
+        if (t->at[i] != t->mark)
+            fail_msg("byte %zu of %zu has changed", i, t->bytes);
+}
+
+static void take(model *m, pl_arena *arena, size_t bytes, unsigned char mark) {
+    int index;
+    unsigned char *const expected = first_gap(m, bytes, &index);
+    unsigned char *const at = pl_arena_take(arena, bytes);
+    assert_ptr_equal(at, expected);
+    if (!at)
+        return;
+    assert_int_equal((uintptr_t)at % HEAD, 0);
+    assert_true(pl_arena_has(arena, at) && pl_arena_has(arena, at + bytes - 1));
+    memset(at, mark, bytes);
+    memmove(m->list + index + 1, m->list + index, (size_t)(m->n - index) * sizeof *m->list);
+    m->list[index] = (taken){at, bytes, mark};
+    m->n++;
+}
+
+static void give(model *m, pl_arena *arena, int index) {
+    check_content(m->list + index);
+    pl_arena_give(arena, m->list[index].at);
+    m->n--;
+    memmove(m->list + index, m->list + index + 1, (size_t)(m->n - index) * sizeof *m->list);
+}
+
+/** Taken and given at random, from bytes to megabytes, now and then until it is full: always the
+ *  first gap, and what is taken keeps what was written there while gaps beside it go back. */
+static void as_the_model(void **state) {
+    (void)state;
+    const int64_t steps = effort(3000, 100000);
+    pl_arena arena;
+    uint64_t random = effort_seed(1);
+    int refused = 0;
+    begin(&arena);
+    model m = {.arena = &arena};
+    for (int64_t step = 0; step < steps; step++) {
+        const size_t most = (size_t)1 << (6 + random_below(&random, 18)); /* to 8 MB */
+        const size_t bytes = 1 + (size_t)random_below(&random, (int64_t)most);
+        const int grows = step / 200 % 2 == 0;
+        if (m.n < MOST && random_below(&random, 4) < (grows ? 3 : 1)) {
+            const int before = m.n;
+            take(&m, &arena, bytes, (unsigned char)random_below(&random, 256));
+            refused += m.n == before;
+        } else if (m.n > 0) {
+            give(&m, &arena, (int)random_below(&random, m.n));
+        }
+    }
+    assert_true(refused > 0);
+    while (m.n > 0)
+        give(&m, &arena, (int)random_below(&random, m.n));
+    take(&m, &arena, BYTES - HEAD, 1); /* there is one gap again */
+    assert_int_equal(m.n, 1);
+    take(&m, &arena, 1, 1);
+    assert_int_equal(m.n, 1);
+    pl_arena_end(&arena);
+}
+
+/** Of a gap whole huge pages go back, and are zero afterwards, but no byte of what is beside it. */
+static void gaps_go_back(void **state) {
+    (void)state;
+    static const size_t below[] = {HEAD, 2 * MEGABYTE - 2 * HEAD, 3 * MEGABYTE};
+    static const size_t gaps[] = {MEGABYTE, 3 * MEGABYTE, 4 * MEGABYTE, 7 * MEGABYTE};
+    for (size_t b = 0; b < sizeof below / sizeof *below; b++)
+        for (size_t g = 0; g < sizeof gaps / sizeof *gaps; g++) {
+            pl_arena arena;
+            begin(&arena);
+            model m = {.arena = &arena};
+            take(&m, &arena, below[b], 1);
+            take(&m, &arena, gaps[g], 2);
+            take(&m, &arena, MEGABYTE, 3);
+            unsigned char *const gap = m.list[1].at;
+            give(&m, &arena, 1);
+            for (int i = 0; i < 2; i++)
+                check_content(m.list + i);
+            const uintptr_t page = PL_HUGE_PAGE, end = (uintptr_t)gap + gaps[g];
+            for (uintptr_t p = ((uintptr_t)gap + page - 1) / page * page; p + page <= end;
+                 p += page)
+                for (size_t i = 0; i < page; i++)
+                    if (((const unsigned char *)p)[i] != 0)
+                        fail_msg("a page that nobody has is still there");
+            pl_arena_end(&arena);
+        }
+}
+
+/** Neighbours that go one after the other, in any order, leave no page: their gaps are one. */
+static void neighbours_go_back_together(void **state) {
+    (void)state;
+    enum { N = 9 };
+    for (unsigned seed = 0; seed < 20; seed++) {
+        pl_arena arena;
+        uint64_t random = effort_seed(seed);
+        begin(&arena);
+        model m = {.arena = &arena};
+        for (int i = 0; i < N; i++)
+            take(&m, &arena, MEGABYTE - HEAD, (unsigned char)(i + 1));
+        while (m.n > 0)
+            give(&m, &arena, (int)random_below(&random, m.n));
+        for (size_t i = 0; i < (N - 1) / 2 * (size_t)PL_HUGE_PAGE; i++)
+            if (arena.begin[i] != 0)
+                fail_msg("byte %zu is still there, seed %u", i, seed);
+        pl_arena_end(&arena);
+    }
+}
+
+static void none(void **state) {
+    (void)state;
+    pl_arena arena;
+    pl_arena_begin(&arena, SIZE_MAX - 5, SIZE_MAX - 5);
+    assert_null(arena.begin);
+    assert_null(pl_arena_take(&arena, 1));
+    assert_false(pl_arena_has(&arena, &arena) || pl_arena_has(&arena, NULL));
+    pl_arena_end(&arena);
+    begin(&arena);
+    assert_null(pl_arena_take(&arena, BYTES + 1));
+    assert_null(pl_arena_take(&arena, BYTES));
+    assert_null(pl_arena_take(&arena, SIZE_MAX));
+    assert_false(pl_arena_has(&arena, arena.begin + BYTES) ||
+                 pl_arena_has(&arena, arena.begin - 1));
+    pl_arena_end(&arena);
+    assert_null(pl_arena_take(&arena, 1));
+}
+
+/* ---- several threads ------------------------------------------------------------------------ */
+
+static void work_alone(void *context, int64_t begin, int64_t end, int thread) {
+    enum { AT_ONCE = 8, STEPS = 4000 };
+    pl_arena *arena = context;
+    taken list[AT_ONCE] = {{NULL, 0, 0}};
+    uint64_t random = effort_seed((uint64_t)thread);
+    (void)begin;
+    (void)end;
+    for (int step = 0; step < STEPS; step++) {
+        taken *t = list + random_below(&random, AT_ONCE);
+        if (t->at) {
+            check_content(t);
+            pl_arena_give(arena, t->at);
+            t->at = NULL;
+        } else {
+            t->bytes = 1 + (size_t)random_below(&random, 40000);
+            t->mark = (unsigned char)(thread + 1);
+            t->at = pl_arena_take(arena, t->bytes);
+            assert_non_null(t->at);
+            memset(t->at, t->mark, t->bytes);
+        }
+    }
+    for (int i = 0; i < AT_ONCE; i++)
+        if (list[i].at)
+            pl_arena_give(arena, list[i].at);
+}
+
+static void threads_at_once(void **state) {
+    (void)state;
+    pl_arena arena;
+    begin(&arena);
+    pl_on_each_thread(8, work_alone, &arena);
+    assert_null(arena.first);
+    pl_arena_end(&arena);
+}
+
+/* ---- whose arrays are in one ---------------------------------------------------------------- */
+
+static void *ask(size_t bytes, void *user) {
+    (void)user;
+    return malloc(bytes);
+}
+
+static void release(void *memory, void *user) {
+    (void)user;
+    free(memory);
+}
+
+/** Whether an array of bytes is in the arena of a plan for so many elements; it can be used. */
+static int shares(int64_t n_elements, int64_t bytes, const planish_allocator *allocator) {
+    planish_options options;
+    planish_options_init(&options);
+    options.allocator = allocator;
+    pl_context *context = pl_context_create(&options);
+    assert_non_null(context);
+    pl_context_share_pages(context, n_elements);
+    pl_context *before = pl_context_enter(context);
+    char *array = pl_alloc(bytes, 1);
+    assert_non_null(array);
+    memset(array, 1, (size_t)bytes);
+    const int found = pl_arena_has(&context->arena, array);
+    assert_true(context->bytes >= bytes);
+    pl_discard(array, bytes); /* not there: pages are shared */
+    if (found)
+        for (int64_t i = 0; i < bytes; i++)
+            assert_int_equal(array[i], 1);
+    pl_free(array);
+    pl_context_enter(before);
+    pl_context_destroy(context);
+    return found;
+}
+
+static void smaller_arrays_share(void **state) {
+    (void)state;
+    const planish_allocator allocator = {.allocate = ask, .release = release};
+    pl_arena arena;
+    begin(&arena);
+    pl_arena_end(&arena);
+    assert_false(shares(1000, 1000, NULL));
+    assert_false(shares(100000, 1000, &allocator));
+    assert_false(shares(100000, 5 * MEGABYTE, NULL));
+    assert_int_equal(shares(100000, 1, NULL), PL_SHARES_PAGES);
+    assert_int_equal(shares(100000, 3 * MEGABYTE, NULL), PL_SHARES_PAGES);
+    assert_int_equal(shares(INT32_MAX, 3 * MEGABYTE, NULL), PL_SHARES_PAGES);
+}
+
+/** What has no room in the arena stands elsewhere. */
+static void a_full_one_is_no_error(void **state) {
+    (void)state;
+    enum { N = 20 };
+    planish_options options;
+    planish_options_init(&options);
+    pl_context *context = pl_context_create(&options);
+    char *array[N];
+    int inside = 0;
+    assert_non_null(context);
+    pl_context_share_pages(context, 50000);
+    pl_context *before = pl_context_enter(context);
+    for (int i = 0; i < N; i++) {
+        array[i] = pl_alloc(MEGABYTE, 1);
+        assert_non_null(array[i]);
+        memset(array[i], i, MEGABYTE);
+        inside += pl_arena_has(&context->arena, array[i]);
+    }
+    assert_true(inside < N);
+    for (int i = 0; i < N; i++) {
+        for (int k = 0; k < MEGABYTE; k++)
+            if (array[i][k] != i)
+                fail_msg("array %d has changed", i);
+        pl_free(array[i]);
+    }
+    pl_context_enter(before);
+    pl_context_destroy(context);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(as_the_model),
+        cmocka_unit_test(gaps_go_back),
+        cmocka_unit_test(neighbours_go_back_together),
+        cmocka_unit_test(none),
+        cmocka_unit_test(threads_at_once),
+        cmocka_unit_test(smaller_arrays_share),
+        cmocka_unit_test(a_full_one_is_no_error),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
