@@ -56,8 +56,8 @@ void *pl_arena_take(pl_arena *arena, size_t bytes) {
     return span ? (char *)span + ALIGNMENT : NULL;
 }
 
-/** Whole huge pages of a gap go back to the system: arrays that are too large for what is left of
- *  the arena want them. Behind end nothing has changed. */
+/** Whole huge pages of a gap go back to the system: arrays that are too large for the arena want
+ *  them. Behind end nothing has changed. */
 static void give_back(char *gap, char *end, char *gap_end) {
     const size_t before = (PL_HUGE_PAGE - (uintptr_t)gap % PL_HUGE_PAGE) % PL_HUGE_PAGE;
     const size_t behind = (PL_HUGE_PAGE - (uintptr_t)end % PL_HUGE_PAGE) % PL_HUGE_PAGE;

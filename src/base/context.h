@@ -37,7 +37,7 @@ typedef struct pl_context {
 /** A context as options say, which holds its own memory, or NULL without memory. */
 pl_context *pl_context_create(const planish_options *options);
 
-/* 0: the address sanitizer is to see every array by itself. */
+/* 0: no array has pages of the library's own, as the address sanitizer is to see it by itself. */
 #define PL_SHARES_PAGES 1
 #ifdef __SANITIZE_ADDRESS__
 #undef PL_SHARES_PAGES

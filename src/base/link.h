@@ -49,11 +49,10 @@ static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position)
 }
 
 /** Room for n facets with so many positions each, with high bytes if wide; 0, or -1 without memory.
- *  To be released in any case. places: as of pl_alloc_scattered. */
-static inline int pl_link_alloc(pl_link *link, int64_t positions, int64_t n, int wide,
-                                int64_t places) {
-    link->low = pl_alloc_scattered(n, (size_t)positions, places);
-    link->high = wide ? pl_alloc_scattered(n, (size_t)positions, places) : NULL;
+ *  To be released in any case. */
+static inline int pl_link_alloc(pl_link *link, int64_t positions, int64_t n, int wide) {
+    link->low = pl_alloc(n, (size_t)positions);
+    link->high = wide ? pl_alloc(n, (size_t)positions) : NULL;
     return link->low && (!wide || link->high) ? 0 : -1;
 }
 

@@ -11,8 +11,7 @@
 
 enum {
     ALIGNMENT = 64, /* a cache line, and the widest vector */
-    LARGE = 4 << 20 /* bytes: such arrays stand by themselves; with so much for each of the places
-                       where they are written at a time they have huge pages of their own */
+    LARGE = 4 << 20 /* bytes: room for a huge page or two, in pages of its own */
 };
 
 static size_t round_up(size_t bytes, size_t unit) {
@@ -21,11 +20,15 @@ static size_t round_up(size_t bytes, size_t unit) {
 
 /* ---- blocks -------------------------------------------------------------------------------- */
 
+/** Whom a block has its memory from. */
+typedef enum source { SYSTEM, CALLER, ARENA, PAGES } source;
+
 /** What stands before every array, in a cache line of its own. */
 typedef struct pl_block {
-    pl_context *owner;     /* NULL: the system */
-    void *start;           /* what the owner's allocator has given */
-    size_t bytes;          /* room for the array */
+    pl_context *owner; /* NULL: nobody */
+    void *start;       /* what the source has given */
+    size_t bytes;      /* room for the array */
+    source source;
     int call;              /* of the context that wanted it last */
     struct pl_block *next; /* in the list of those that are kept */
 } pl_block;
@@ -44,40 +47,67 @@ static void *ask(pl_context *owner, size_t bytes) {
     return start;
 }
 
-/** Fresh memory for bytes, a multiple of ALIGNMENT, and what stands before them. */
-static pl_block *fresh_block(pl_context *owner, size_t bytes) {
-    pl_block *block;
-    void *start = owner && bytes < LARGE ? pl_arena_take(&owner->arena, bytes + ALIGNMENT) : NULL;
-    if (!start && owner && owner->allocator.allocate) {
-        start = ask(owner, bytes + 2 * ALIGNMENT);
-        if (!start)
-            return NULL;
-        block = (pl_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
-    } else {
-        if (!start)
-            start = pl_system_allocate(ALIGNMENT, bytes + ALIGNMENT);
-        block = start;
+/** So many bytes of fresh memory, and whom they are from; NULL: there are none. Large arrays have
+ *  pages of their own, whose first touch is cheap if they are huge, and which go back at once. */
+static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
+    void *start = NULL;
+    if (owner && owner->allocator.allocate) {
+        *from = CALLER;
+        return ask(owner, bytes + ALIGNMENT);
     }
+    if (owner && bytes < LARGE) {
+        *from = ARENA;
+        start = pl_arena_take(&owner->arena, bytes);
+    } else if (PL_SHARES_PAGES && bytes >= LARGE) {
+        *from = PAGES;
+        start = pl_system_reserve(bytes);
+        if (start)
+            pl_system_want_huge_pages(start, bytes);
+    }
+    if (start)
+        return start;
+    *from = SYSTEM;
+    return pl_system_allocate(ALIGNMENT, bytes);
+}
+
+/** The same for an array of bytes, a multiple of ALIGNMENT, and what stands before it. */
+static pl_block *fresh_block(pl_context *owner, size_t bytes) {
+    source from;
+    void *start = fresh_memory(owner, bytes + ALIGNMENT, &from);
     if (!start)
         return NULL;
-    *block = (pl_block){.owner = owner, .start = start, .bytes = bytes};
+    pl_block *block = start;
+    if (from == CALLER)
+        block = (pl_block *)(void *)((char *)start + (ALIGNMENT - (uintptr_t)start % ALIGNMENT));
+    *block = (pl_block){.owner = owner, .start = start, .bytes = bytes, .source = from};
     if (owner)
         __atomic_fetch_add(&owner->bytes, (int64_t)bytes, __ATOMIC_RELAXED);
     return block;
+}
+
+static void release_to_caller(pl_context *owner, void *start) {
+    pl_context *before = pl_context_enter(NULL);
+    owner->allocator.release(start, owner->allocator.user);
+    pl_context_enter(before);
 }
 
 static void release_block(pl_block *block) {
     pl_context *owner = block->owner;
     if (owner)
         __atomic_fetch_sub(&owner->bytes, (int64_t)block->bytes, __ATOMIC_RELAXED);
-    if (owner && pl_arena_has(&owner->arena, block)) {
-        pl_arena_give(&owner->arena, block->start);
-    } else if (owner && owner->allocator.allocate) {
-        pl_context *before = pl_context_enter(NULL);
-        owner->allocator.release(block->start, owner->allocator.user);
-        pl_context_enter(before);
-    } else {
+    switch (block->source) {
+    case SYSTEM:
         pl_system_release(block->start);
+        break;
+    case CALLER:
+        release_to_caller(owner, block->start);
+        break;
+    case ARENA:
+        pl_arena_give(&owner->arena, block->start);
+        break;
+    case PAGES:
+        pl_system_unreserve(block->start, block->bytes + ALIGNMENT);
+        break;
     }
 }
 
@@ -148,7 +178,7 @@ void pl_own_block(void *array, pl_context *context) {
 
 /* ---- arrays -------------------------------------------------------------------------------- */
 
-void *pl_alloc_scattered(int64_t count, size_t size, int64_t places) {
+void *pl_alloc(int64_t count, size_t size) {
     pl_context *context = pl_context_current();
     if (count < 0 || (size && (uint64_t)count > (SIZE_MAX / 2) / size))
         return NULL;
@@ -159,7 +189,6 @@ void *pl_alloc_scattered(int64_t count, size_t size, int64_t places) {
         bytes = kept_size(bytes);
         block = take_kept(context, bytes);
     }
-    const int is_fresh = !block;
     if (!block)
         block = fresh_block(context, bytes);
     if (!block && context && context->keeps) { /* what is kept for later may help now */
@@ -171,15 +200,8 @@ void *pl_alloc_scattered(int64_t count, size_t size, int64_t places) {
             __atomic_store_n(&context->failed, 1, __ATOMIC_RELAXED);
         return NULL;
     }
-    void *array = (char *)block + ALIGNMENT;
     block->call = context ? context->call : 0;
-    if (is_fresh && (int64_t)(bytes / LARGE) >= places)
-        pl_system_want_huge_pages(array, bytes);
-    return array;
-}
-
-void *pl_alloc(int64_t count, size_t size) {
-    return pl_alloc_scattered(count, size, 1);
+    return (char *)block + ALIGNMENT;
 }
 
 void *pl_alloc_zero(int64_t count, size_t size) {
@@ -213,10 +235,4 @@ void pl_free(void *array) {
         keep(block->owner, block);
     else
         release_block(block);
-}
-
-void pl_discard(void *begin, int64_t bytes) {
-    const pl_context *context = pl_context_current();
-    if (!context || !pl_arena_has(&context->arena, begin)) /* there others want the pages */
-        pl_system_discard(begin, (size_t)bytes);
 }

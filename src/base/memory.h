@@ -14,10 +14,6 @@ struct pl_context;
  *  valid pointer. Pages are not touched: the thread that writes first places them. */
 void *pl_alloc(int64_t count, size_t size);
 
-/** The same, of an array that is filled at so many places at a time: it has huge pages only if it
- * is large enough that little of it is resident before it is full. */
-void *pl_alloc_scattered(int64_t count, size_t size, int64_t places);
-
 /** pl_alloc, zeroed. */
 void *pl_alloc_zero(int64_t count, size_t size);
 
@@ -34,9 +30,5 @@ void pl_own_block(void *array, struct pl_context *context);
  * one has wanted. */
 void pl_forget_kept(struct pl_context *context);
 void pl_forget_unwanted(struct pl_context *context, int call);
-
-/** What is in these bytes of an array is no longer wanted, and will not be read again: whole pages
- *  among them go back to the system, if it takes them. */
-void pl_discard(void *begin, int64_t bytes);
 
 #endif

@@ -28,8 +28,8 @@ void *pl_system_reserve(size_t bytes) {
     const size_t size = round_up(bytes, PL_HUGE_PAGE);
     if (size < bytes || size > SIZE_MAX - PL_HUGE_PAGE)
         return NULL;
-    char *start = mmap(NULL, size + PL_HUGE_PAGE, PROT_READ | PROT_WRITE,
-                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    char *start =
+        mmap(NULL, size + PL_HUGE_PAGE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (start == MAP_FAILED)
         return NULL;
     const size_t before = round_up((uintptr_t)start, PL_HUGE_PAGE) - (uintptr_t)start;

@@ -225,8 +225,8 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
 /** The stars of the visits; of the candidates' rings nothing is left. */
 static int make_stars(const planish_plan *plan, pl_draft *d, pl_candidates *c, pl_visits *visits,
                       planish_error *error) {
-    return pl_stars_create(d->mesh, &d->incidence, &c->rings, c->node, c->visit, visits->n_colours,
-                           plan->inner, plan->threads, &visits->stars, error);
+    return pl_stars_create(d->mesh, &d->incidence, &c->rings, c->node, c->visit, plan->inner,
+                           plan->threads, &visits->stars, error);
 }
 
 /* ---- nodes that slide --------------------------------------------------------------------- */
@@ -354,8 +354,8 @@ static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slide
         status = order_visits(plan, periodic, c, &plan->sliding, error);
     if (!status)
         status = pl_stars_create(&around, incidence, &c->rings, c->node, c->visit,
-                                 plan->sliding.n_colours, periodic ? d->number_of : plan->inner,
-                                 plan->threads, &plan->sliding.stars, error);
+                                 periodic ? d->number_of : plan->inner, plan->threads,
+                                 &plan->sliding.stars, error);
     if (!status && periodic)
         settle_followers(plan, d);
     if (!status)

@@ -265,7 +265,7 @@ static int is_large_closed(work *w, int thread, int32_t node) {
     const int64_t n = degree(w->incidence, node);
     star found = {-1, 0, 0};
     pl_link link = {NULL, NULL};
-    if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1, 1) == 0)
+    if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1) == 0)
         found = find_ring(w, dim, thread, node, link, NULL, 0);
     pl_link_free(&link);
     if (found.length < 0)
@@ -378,7 +378,7 @@ static int fill(work *w, int threads) {
 static int make_room_for_links(const work *w, int threads) {
     pl_rings *rings = w->rings;
     const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->link_offset);
-    return pl_link_alloc(&rings->link, pl_link_positions_kept(w->mesh->dim), total, w->wide, 1);
+    return pl_link_alloc(&rings->link, pl_link_positions_kept(w->mesh->dim), total, w->wide);
 }
 
 /** Count, fill. */

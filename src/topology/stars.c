@@ -12,8 +12,7 @@
 #include <string.h>
 
 enum {
-    CHUNK = 256,      /* stars that one thread takes at a time */
-    COPY_CHUNK = 2048 /* rings: many pages that can be given back */
+    CHUNK = 256 /* stars that one thread takes at a time */
 };
 
 /** The work on all stars. */
@@ -22,7 +21,6 @@ typedef struct work {
     const pl_incidence *incidence;
     pl_rings *rings;
     const int32_t *node, *visit, *number_of;
-    int n_colours;
     int32_t *star_of; /* [n_rings] star of each ring that has a node: the inverse of visit */
     pl_stars *stars;
 } work;
@@ -57,17 +55,17 @@ static void copy_ring(const work *w, int64_t r) {
 
 /** Find the ends of the edges of n facets; an open link has more edges than there is room for, and
  *  does not need them. */
-static void write_ends(const pl_link *link, int64_t n) {
+static inline void write_ends(pl_link link, int64_t n) {
     const int64_t n_edges = pl_link_edges(3, n);
     for (int64_t f = 0; f < 3 * n; f += 3) {
-        const int32_t p[3] = {pl_link_get(link, f), pl_link_get(link, f + 1),
-                              pl_link_get(link, f + 2)};
+        const int32_t p[3] = {pl_link_get(&link, f), pl_link_get(&link, f + 1),
+                              pl_link_get(&link, f + 2)};
         for (int c = 0; c < 3; c++) {
-            const int64_t edge = pl_link_get(link, 3 * n + f + c);
+            const int64_t edge = pl_link_get(&link, 3 * n + f + c);
             if (edge >= n_edges)
                 continue;
-            pl_link_set(link, 6 * n + 2 * edge, p[c]);
-            pl_link_set(link, 6 * n + 2 * edge + 1, p[(c + 1) % 3]);
+            pl_link_set(&link, 6 * n + 2 * edge, p[c]);
+            pl_link_set(&link, 6 * n + 2 * edge + 1, p[(c + 1) % 3]);
         }
     }
 }
@@ -78,27 +76,17 @@ static void copy_link(const work *w, int64_t r) {
     const int64_t to = w->stars->link_offset[w->star_of[r]];
     const pl_link source = pl_link_at(&w->rings->link, pl_link_positions_kept(dim), from);
     const pl_link target = pl_link_at(&w->stars->link, pl_link_positions(dim), to);
-    const pl_link bytes = {target.low, NULL};
     memcpy(target.low, source.low, (size_t)(n * pl_link_positions_kept(dim)));
     if (target.high) /* then source.high, too */
         memcpy(target.high, source.high, (size_t)(n * pl_link_positions_kept(dim)));
-    if (dim == 3)
-        write_ends(target.high ? &target : &bytes, n);
+    if (dim == 3 && target.high)
+        write_ends(target, n);
+    else if (dim == 3)
+        write_ends((pl_link){target.low, NULL}, n);
     for (int64_t i = 0; w->stars->min_volume && i < n; i++) {
         const int32_t *element = w->incidence->element + w->incidence->offset[w->node[r]];
         w->stars->min_volume[to + i] = w->mesh->min_volume[element[i]];
     }
-}
-
-/** Of rings that have been copied. */
-static void discard(const pl_rings *rings, int dim, int64_t begin, int64_t end) {
-    const int64_t first = rings->link_offset[begin], n = rings->link_offset[end] - first;
-    const pl_link link = pl_link_at(&rings->link, pl_link_positions_kept(dim), first);
-    pl_discard(rings->neighbour + rings->offset[begin],
-               (rings->offset[end] - rings->offset[begin]) * (int64_t)sizeof *rings->neighbour);
-    pl_discard(link.low, n * pl_link_positions_kept(dim));
-    if (link.high)
-        pl_discard(link.high, n * pl_link_positions_kept(dim));
 }
 
 static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -110,7 +98,6 @@ static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
         copy_ring(w, r);
         copy_link(w, r);
     }
-    discard(w->rings, w->mesh->dim, begin, end);
 }
 
 /** Everything behind the offsets' allocation; returns -1 without memory. */
@@ -120,20 +107,20 @@ static int fill(work *w, int threads) {
     pl_parallel_for(threads, n, CHUNK, measure_stars, w);
     int64_t n_ring = pl_prefix_sum(threads, n, stars->ring_offset);
     int64_t n_link = pl_prefix_sum(threads, n, stars->link_offset);
-    stars->ring = pl_alloc_scattered(n_ring, sizeof *stars->ring, w->n_colours);
+    stars->ring = pl_alloc(n_ring, sizeof *stars->ring);
     if (w->mesh->min_volume)
-        stars->min_volume = pl_alloc_scattered(n_link, sizeof *stars->min_volume, w->n_colours);
+        stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
     if (pl_link_alloc(&stars->link, pl_link_positions(w->mesh->dim), n_link,
-                      w->rings->link.high != NULL, w->n_colours) != 0 ||
+                      w->rings->link.high != NULL) != 0 ||
         !stars->ring || (w->mesh->min_volume && !stars->min_volume))
         return -1;
-    pl_parallel_for(threads, w->rings->n_rings, COPY_CHUNK, copy_chunk, w);
+    pl_parallel_for(threads, w->rings->n_rings, CHUNK, copy_chunk, w);
     return 0;
 }
 
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
-                    const int32_t *node, const int32_t *visit, int n_colours,
-                    const int32_t *number_of, int threads, pl_stars *stars, planish_error *error) {
+                    const int32_t *node, const int32_t *visit, const int32_t *number_of,
+                    int threads, pl_stars *stars, planish_error *error) {
     int64_t n = rings->n_free;
     *stars = (pl_stars){.n_stars = n};
     work w = {.mesh = mesh,
@@ -141,7 +128,6 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_
               .rings = rings,
               .node = node,
               .visit = visit,
-              .n_colours = n_colours,
               .number_of = number_of,
               .stars = stars};
     w.star_of = pl_alloc(rings->n_rings, sizeof *w.star_of);

@@ -180,12 +180,12 @@ typedef struct pl_stars {
 } pl_stars;
 
 /** Star s is that of the node of ring visit[s], s < rings->n_free; node [n_rings] as returned by
- *  pl_rings_create; visits are colour by colour; number_of [n] maps the mesh's node numbers to
+ *  pl_rings_create; number_of [n] maps the mesh's node numbers to
  * those written to stars->ring. incidence is used if the mesh has least volumes. Of the rings
- * nothing is left afterwards: their memory goes back bit by bit while it is copied. */
+ * nothing is left afterwards. */
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
-                    const int32_t *node, const int32_t *visit, int n_colours,
-                    const int32_t *number_of, int threads, pl_stars *stars, planish_error *error);
+                    const int32_t *node, const int32_t *visit, const int32_t *number_of,
+                    int threads, pl_stars *stars, planish_error *error);
 void pl_stars_destroy(pl_stars *stars);
 
 #endif

@@ -248,10 +248,6 @@ static int shares(int64_t n_elements, int64_t bytes, const planish_allocator *al
     memset(array, 1, (size_t)bytes);
     const int found = pl_arena_has(&context->arena, array);
     assert_true(context->bytes >= bytes);
-    pl_discard(array, bytes); /* not there: pages are shared */
-    if (found)
-        for (int64_t i = 0; i < bytes; i++)
-            assert_int_equal(array[i], 1);
     pl_free(array);
     pl_context_enter(before);
     pl_context_destroy(context);

@@ -69,7 +69,7 @@ static int try_to_create(fixture *f, int threads, int permitted, pl_stars *stars
     pl_rings rings = copy_of_rings(f);
     allocations_permit(permitted);
     int status = pl_stars_create(&f->mesh.mesh, &f->rings.incidence, &rings, f->rings.node,
-                                 f->visit, 1, f->number_of, threads, stars, NULL);
+                                 f->visit, f->number_of, threads, stars, NULL);
     allocations_permit(-1);
     assert_null(rings.neighbour);
     assert_null(rings.link.low);
