@@ -157,7 +157,8 @@ static planish_options options_of(const settings *s, int threads, planish_isa is
     return options;
 }
 
-/** Smooth a star of four tetrahedra, with all threads and kernels; the bytes that it leaves. */
+/** Smooth a star of four tetrahedra, with all kernels and places of threads; the bytes that it
+ *  leaves: most of it code. */
 static int64_t load(const settings *s) {
     static const int32_t elements[] = {0, 1, 2, 4, 0, 3, 1, 4, 1, 3, 2, 4, 2, 3, 0, 4};
     double coordinates[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, .2, .2, .2};

@@ -16,9 +16,8 @@ typedef struct pl_arena {
     int lock;              /* see spin.h */
 } pl_arena;
 
-/** Addresses for so many bytes, of which none is resident before it is written, the first huge of
- *  them in huge pages if the system has any. None if the system has no addresses left, or no huge
- *  pages in any case. */
+/** So many bytes, none of which is resident before it is written, the first huge of them in huge
+ *  pages if the system has any. There is none if there are no such bytes. */
 void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge);
 
 /** The end of all that was taken, too. */

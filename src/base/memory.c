@@ -6,7 +6,6 @@
 #include "base/system.h"
 
 #include <limits.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {

@@ -11,7 +11,8 @@ struct pl_context;
 
 /** count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by pl_free.
  *  NULL if count is negative, the product overflows or there is no memory. A count of 0 gives a
- *  valid pointer. Pages are not touched: the thread that writes first places them. */
+ *  valid pointer. Pages are not touched; those of large arrays are placed by the thread that
+ *  writes first. */
 void *pl_alloc(int64_t count, size_t size);
 
 /** pl_alloc, zeroed. */

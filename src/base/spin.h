@@ -1,4 +1,5 @@
-/* spin: a lock around a few instructions; 0: nobody has it. */
+/* spin: a lock for what is done within microseconds, and seldom by two threads; 0: nobody has it.
+ */
 #ifndef PL_BASE_SPIN_H
 #define PL_BASE_SPIN_H
 

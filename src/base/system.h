@@ -17,10 +17,10 @@
 void *pl_system_allocate(size_t alignment, size_t bytes);
 void pl_system_release(void *start);
 
-/** Addresses for so many bytes, from a multiple of PL_HUGE_PAGE on, of which none is resident
- * before it is written; NULL: there are none, or the system has no huge pages that can be asked
- * for. */
 enum { PL_HUGE_PAGE = 1 << 21 };
+
+/** So many bytes of pages of their own, from a multiple of PL_HUGE_PAGE on, none of which is
+ * resident before it is written; NULL: there are none. */
 void *pl_system_reserve(size_t bytes);
 void pl_system_unreserve(void *start, size_t bytes);
 

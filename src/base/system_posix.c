@@ -22,8 +22,6 @@ static uintptr_t round_up(uintptr_t place, uintptr_t unit) {
     return (place + unit - 1) / unit * unit;
 }
 
-#ifdef MADV_HUGEPAGE
-
 void *pl_system_reserve(size_t bytes) {
     const size_t size = round_up(bytes, PL_HUGE_PAGE);
     if (size < bytes || size > SIZE_MAX - PL_HUGE_PAGE)
@@ -43,43 +41,25 @@ void pl_system_unreserve(void *start, size_t bytes) {
     munmap(start, round_up(bytes, PL_HUGE_PAGE));
 }
 
-void pl_system_want_huge_pages(void *begin, size_t bytes) {
-    const uintptr_t first = round_up((uintptr_t)begin, PL_HUGE_PAGE);
-    const uintptr_t end = ((uintptr_t)begin + bytes) / PL_HUGE_PAGE * PL_HUGE_PAGE;
-    if (end > first)
-        madvise((void *)first, end - first, MADV_HUGEPAGE);
-}
-
-#else
-
-void *pl_system_reserve(size_t bytes) {
-    (void)bytes;
-    return NULL;
-}
-
-void pl_system_unreserve(void *start, size_t bytes) {
-    (void)start;
-    (void)bytes;
-}
-
-void pl_system_want_huge_pages(void *begin, size_t bytes) {
-    (void)begin;
-    (void)bytes;
-}
-
-#endif
-
-void pl_system_discard(void *begin, size_t bytes) {
-#ifdef __linux__ /* elsewhere the pages might stay */
-    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+/** Say how a stretch of whole pages of that size within so many bytes will be used. */
+static void advise(void *begin, size_t bytes, uintptr_t page, int advice) {
     const uintptr_t first = round_up((uintptr_t)begin, page);
     const uintptr_t end = ((uintptr_t)begin + bytes) / page * page;
     if (end > first)
-        madvise((void *)first, end - first, MADV_DONTNEED);
+        madvise((void *)first, end - first, advice);
+}
+
+void pl_system_want_huge_pages(void *begin, size_t bytes) {
+#ifdef MADV_HUGEPAGE
+    advise(begin, bytes, PL_HUGE_PAGE, MADV_HUGEPAGE);
 #else
     (void)begin;
     (void)bytes;
 #endif
+}
+
+void pl_system_discard(void *begin, size_t bytes) {
+    advise(begin, bytes, (uintptr_t)sysconf(_SC_PAGESIZE), MADV_DONTNEED);
 }
 
 int64_t pl_system_memory(void) {

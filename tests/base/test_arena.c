@@ -19,7 +19,7 @@
 
 enum { HEAD = 64, MEGABYTE = 1 << 20, BYTES = 16 * MEGABYTE };
 
-/** An arena of BYTES, or the test is skipped: the system has no huge pages. */
+/** An arena of BYTES, or the test is skipped: the system maps no pages. */
 static void begin(pl_arena *arena) {
     pl_arena_begin(arena, BYTES, BYTES / 2);
     if (!arena->begin)
@@ -187,9 +187,17 @@ static void none(void **state) {
 
 /* ---- several threads ------------------------------------------------------------------------ */
 
+/** The work of several threads; what cmocka asserts, it asserts on the first alone. */
+typedef struct common {
+    pl_arena *arena;
+    int failures;
+} common;
+
 static void work_alone(void *context, int64_t begin, int64_t end, int thread) {
     enum { AT_ONCE = 8, STEPS = 4000 };
-    pl_arena *arena = context;
+    common *c = context;
+    pl_arena *arena = c->arena;
+    int failures = 0;
     taken list[AT_ONCE] = {{NULL, 0, 0}};
     uint64_t random = effort_seed((uint64_t)thread);
     (void)begin;
@@ -197,27 +205,32 @@ static void work_alone(void *context, int64_t begin, int64_t end, int thread) {
     for (int step = 0; step < STEPS; step++) {
         taken *t = list + random_below(&random, AT_ONCE);
         if (t->at) {
-            check_content(t);
+            for (size_t i = 0; i < t->bytes; i++)
+                failures += t->at[i] != t->mark;
             pl_arena_give(arena, t->at);
             t->at = NULL;
         } else {
             t->bytes = 1 + (size_t)random_below(&random, 40000);
             t->mark = (unsigned char)(thread + 1);
             t->at = pl_arena_take(arena, t->bytes);
-            assert_non_null(t->at);
-            memset(t->at, t->mark, t->bytes);
+            failures += !t->at;
+            if (t->at)
+                memset(t->at, t->mark, t->bytes);
         }
     }
     for (int i = 0; i < AT_ONCE; i++)
         if (list[i].at)
             pl_arena_give(arena, list[i].at);
+    __atomic_fetch_add(&c->failures, failures, __ATOMIC_RELAXED);
 }
 
 static void threads_at_once(void **state) {
     (void)state;
     pl_arena arena;
     begin(&arena);
-    pl_on_each_thread(8, work_alone, &arena);
+    common c = {&arena, 0};
+    pl_on_each_thread(8, work_alone, &c);
+    assert_int_equal(c.failures, 0);
     assert_null(arena.first);
     pl_arena_end(&arena);
 }
@@ -274,6 +287,9 @@ static void a_full_one_is_no_error(void **state) {
     enum { N = 20 };
     planish_options options;
     planish_options_init(&options);
+    pl_arena arena;
+    begin(&arena);
+    pl_arena_end(&arena);
     pl_context *context = pl_context_create(&options);
     char *array[N];
     int inside = 0;
@@ -287,6 +303,7 @@ static void a_full_one_is_no_error(void **state) {
         inside += pl_arena_has(&context->arena, array[i]);
     }
     assert_true(inside < N);
+    assert_int_equal(inside > 0, PL_SHARES_PAGES);
     for (int i = 0; i < N; i++) {
         for (int k = 0; k < MEGABYTE; k++)
             if (array[i][k] != i)
@@ -295,6 +312,28 @@ static void a_full_one_is_no_error(void **state) {
     }
     pl_context_enter(before);
     pl_context_destroy(context);
+}
+
+/** Large arrays stand at huge pages of their own, and go back at once, whoever asked for them. */
+static void large_arrays_stand_alone(void **state) {
+    (void)state;
+    enum { LARGE = 9 * MEGABYTE };
+    void *pages = pl_system_reserve(LARGE);
+    if (!pages)
+        skip();
+    assert_int_equal((uintptr_t)pages % PL_HUGE_PAGE, 0);
+    memset(pages, 1, LARGE);
+    pl_system_unreserve(pages, LARGE);
+    for (int i = 0; i < 3; i++) {
+        unsigned char *array = pl_alloc(LARGE, 1);
+        assert_non_null(array);
+        if (PL_SHARES_PAGES)
+            for (int k = 0; k < LARGE; k++)
+                if (array[k] != 0)
+                    fail_msg("byte %d is from before", k);
+        memset(array, 1, LARGE);
+        pl_free(array);
+    }
 }
 
 int main(void) {
@@ -306,6 +345,7 @@ int main(void) {
         cmocka_unit_test(threads_at_once),
         cmocka_unit_test(smaller_arrays_share),
         cmocka_unit_test(a_full_one_is_no_error),
+        cmocka_unit_test(large_arrays_stand_alone),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* allocations: permit the library a number of allocations, and no more.
  *
- * A program that links this file gets its aligned_alloc, the one that pl_alloc calls.
+ * A program that links this file gets its aligned_alloc, the one that pl_alloc calls for arrays
+ * that have no pages of their own (memory.c): those of small meshes.
  */
 #ifndef TEST_SUPPORT_ALLOCATIONS_H
 #define TEST_SUPPORT_ALLOCATIONS_H

@@ -83,6 +83,46 @@ static planish_allocator allocator_of(heap *h) {
     return (planish_allocator){heap_allocate, heap_release, h};
 }
 
+static void *ones_allocate(size_t bytes, void *user) {
+    char *block = heap_allocate(bytes, user);
+    return block ? memset(block, 0xff, bytes) : NULL;
+}
+
+/** A mesh so large that arrays share pages and find what others have left there: twice on one plan,
+ *  the bits are those of memory that is full of ones. */
+static void shared_pages_do_not_show(void **state) {
+    (void)state;
+    for (int is_tangled = 0; is_tangled < 2; is_tangled++) {
+        test_mesh box;
+        heap h = {0};
+        planish_allocator ones = allocator_of(&h);
+        planish_options options = defaults();
+        planish_plan *plan;
+        ones.allocate = ones_allocate;
+        test_mesh_box(&box, 3, 16);
+        test_mesh_perturb(&box, is_tangled ? 0.5 : 0.14, 12345);
+        double *expected = copy_of(&box.mesh), *x = copy_of(&box.mesh);
+        options.allocator = &ones;
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+        assert_int_equal(planish_smooth(plan, expected, &options, NULL, NULL), 0);
+        assert_memory_not_equal(expected, x, bytes_of(&box.mesh));
+        planish_plan_destroy(plan);
+        options.allocator = NULL;
+        for (options.threads = 1; options.threads <= 3; options.threads += 2) {
+            assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+            for (int i = 0; i < 2; i++) {
+                memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+                assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
+                assert_memory_equal(x, expected, bytes_of(&box.mesh));
+            }
+            planish_plan_destroy(plan);
+        }
+        free(expected);
+        free(x);
+        test_mesh_destroy(&box);
+    }
+}
+
 /** Calls on one plan, from the same coordinates and from others. */
 static void calls_allocate_once(void **state) {
     (void)state;
@@ -797,6 +837,7 @@ static void wrong_options_are_named(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(calls_allocate_once),
+        cmocka_unit_test(shared_pages_do_not_show),
         cmocka_unit_test(allocators_may_fail),
         cmocka_unit_test(results_do_not_depend_on_memory),
         cmocka_unit_test(kept_memory_is_bounded),

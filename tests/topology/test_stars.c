@@ -141,9 +141,13 @@ static void check_edges(const pl_stars *stars, int64_t s) {
 static void check_same_links(const pl_stars *stars, const pl_stars *other, int dim) {
     for (int64_t s = 0; s < stars->n_stars; s++) {
         const int64_t first = stars->link_offset[s], n = stars->link_offset[s + 1] - first;
-        assert_memory_equal(pl_link_at(&stars->link, pl_link_positions(dim), first).low,
-                            pl_link_at(&other->link, pl_link_positions(dim), first).low,
-                            (size_t)(n * pl_link_positions(dim)));
+        const pl_link a = pl_link_at(&stars->link, pl_link_positions(dim), first);
+        const pl_link b = pl_link_at(&other->link, pl_link_positions(dim), first);
+        const size_t bytes = (size_t)(n * pl_link_positions(dim));
+        assert_memory_equal(a.low, b.low, bytes);
+        assert_int_equal(!a.high, !b.high);
+        if (a.high)
+            assert_memory_equal(a.high, b.high, bytes);
     }
 }
 
