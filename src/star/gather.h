@@ -2,6 +2,7 @@
 #ifndef PL_STAR_GATHER_H
 #define PL_STAR_GATHER_H
 
+#include "base/fetch.h"
 #include "star/link_edges.h"
 
 #include <string.h>
@@ -43,7 +44,7 @@ PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_
     int64_t n = problem->ring_offset[index + AHEAD + 1] - begin;
     n = n < MOST_AHEAD ? n : MOST_AHEAD;
     for (int64_t i = begin; i < begin + n; i++)
-        __builtin_prefetch(problem->coordinates + (int64_t)problem->ring[i] * dim);
+        pl_fetch_node(dim, problem->coordinates, problem->ring[i]);
 }
 
 /** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled. */
