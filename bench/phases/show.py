@@ -28,11 +28,19 @@ def growth_table(rows):
               f"| {time['total'] / row['free_nodes'] * 1e6:.2f} | {row['peak_bytes'] / row['elements']:.0f} |")
 
 
-def touching(touched):
-    """What fresh memory costs here, as a sentence."""
+def range_of(seconds):
+    """From .. to, of a few times."""
+    return f"{min(seconds):.1f} to {max(seconds):.1f} s"
+
+
+def memory_and_disk(touched, copied):
+    """What fresh memory costs here, and the largest file, in two sentences."""
     slowest = max(touched, key=lambda each: each["seconds"])
     print(f"\nTouching {slowest['bytes'] / 1e9:.1f} GB of memory, before a run, took up to "
-          f"{slowest['seconds']:.1f} s.")
+          f"{slowest['seconds']:.1f} s.", end=" ")
+    largest = max(each["bytes"] for each in copied)
+    times = [each["seconds"] for each in copied if each["bytes"] == largest]
+    print(f"A plain copy of the largest file, after a run, took {range_of(times)}.")
 
 
 def count_of(threads):
@@ -67,7 +75,7 @@ def main():
     print(machine.line(result["machine"]))
     print("\n#### Sizes: binary MSH 4.1, until converged\n")
     growth_table(result["growth"])
-    touching(result["touched"])
+    memory_and_disk(result["touched"], result["copied"])
     plot(result, sys.argv[2])
 
 

@@ -297,6 +297,60 @@ static void two_spheres(void **state) {
     test_mesh_destroy(&other);
 }
 
+/** Rings of all nodes, links of those on the boundary open. */
+static void fixture_open(fixture *f) {
+    const int64_t n = f->mesh.mesh.n_nodes;
+    pl_rings_destroy(&f->rings.rings);
+    for (int32_t i = 0; i < n; i++) {
+        f->rings.is_free[i] = 1;
+        f->rings.node[i] = i;
+    }
+    assert_int_equal(pl_rings_create(&f->mesh.mesh, &f->rings.incidence, f->rings.sign,
+                                     f->rings.is_free, f->rings.node, n, 1, 1, &f->rings.rings,
+                                     NULL),
+                     PLANISH_OK);
+    assert_int_equal(f->rings.rings.n_free, n);
+    free(f->visit);
+    f->visit = malloc((size_t)n * sizeof *f->visit);
+    assert_non_null(f->visit);
+    for (int32_t i = 0; i < n; i++) /* no star is beside the one that is made next */
+        f->visit[(int64_t)i * 7 % n] = i;
+}
+
+/** Open links, which have more edges than there is room for, beside closed ones: these have all
+ *  their edges, whichever is made first. */
+static void open_links(void **state) {
+    (void)state;
+    test_mesh box, dented;
+    fixture f;
+    pl_stars stars;
+    test_mesh_box(&box, 3, 4); /* of 125 nodes, which 7 does not divide */
+    test_mesh_perturb(&box, 0.15, 1);
+    test_mesh_create(&dented, 3, box.mesh.n_nodes, box.coordinates, box.mesh.n_elements - 1,
+                     box.elements);
+    test_mesh_destroy(&box);
+    fixture_create(&f, dented, 1);
+    uint8_t *closed = malloc((size_t)f.mesh.mesh.n_nodes);
+    assert_non_null(closed);
+    for (int64_t i = 0; i < f.mesh.mesh.n_nodes; i++)
+        closed[i] = f.rings.node[i] >= 0;
+    fixture_open(&f);
+    int64_t n_closed = 0, n_odd = 0;
+    assert_int_equal(create(&f, 1, &stars), PLANISH_OK);
+    for (int64_t s = 0; s < stars.n_stars; s++) {
+        check_star(&f, &stars, s);
+        n_odd += (stars.link_offset[s + 1] - stars.link_offset[s]) % 2;
+        n_closed += closed[f.visit[s]];
+        if (closed[f.visit[s]])
+            check_edges(&stars, s);
+    }
+    assert_true(n_closed > 0 && n_closed < stars.n_stars);
+    assert_true(n_odd > 0);
+    pl_stars_destroy(&stars);
+    free(closed);
+    fixture_destroy(&f);
+}
+
 static void no_star(void **state) {
     (void)state;
     test_mesh box;
@@ -339,6 +393,7 @@ int main(void) {
         cmocka_unit_test(small_beside_large),
         cmocka_unit_test(small_beside_an_open_large_one),
         cmocka_unit_test(two_spheres),
+        cmocka_unit_test(open_links),
         cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
