@@ -391,7 +391,8 @@ typedef struct planish_options {
     int max_sweeps;         /* of smoothing, at least 0, and as many again after nodes were
                                put back (planish_result); untangling has its own bound; where
                                L-BFGS helps, each of its iterations counts as one */
-    double tolerance;       /* relative fall of the movable RMS that counts as converged */
+    double tolerance;       /* relative fall of the movable RMS that counts as converged; stars
+                               that fall by less than half do not set off visits around them */
     double time_limit;      /* seconds, 0: none */
     double only_worse_than; /* move only nodes of elements of RR above it, or below their
                                least volume, or not positive; 0: all. In planish_smooth:

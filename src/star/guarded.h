@@ -120,12 +120,20 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
     return moves;
 }
 
-static inline void visit_star_guarded(const pl_star_problem *problem, int64_t index,
+/** What a visit brought, if it was for nothing but the objective. */
+static inline double fall_to_tell(const local *here, int restored, double before, double after) {
+    const int for_more =
+        restored || here->constrained || here->q.volume_weight > 0 || here->q.penalty > 0;
+    return for_more ? FALL_TOLD : (before - after) / before;
+}
+
+static inline void visit_star_guarded(const pl_star_problem *problem, int64_t index, int flags,
                                       double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
     double *place = problem->coordinates + (int64_t)node * dim, x[3];
     local here = local_of(problem, index, place, scratch, &tally->evaluations, 1, dim);
     derivatives derivative;
+    here.alone = (flags & PL_TOLD) != 0;
     to_star(&here, place, x, dim);
     objective now = look(&here, x, &derivative, dim);
     if (here.slide.kind != PLANISH_FREE && !now.positive)
@@ -136,7 +144,8 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
     if (problem->guard->keep_below || !(now.worst > violated_above(&here)))
         moved += guarded_steps(&here, x, &now, &derivative, dim);
     if (moved)
-        settle(&here, node, x, size2, 1, place, dim);
+        settle(&here, node, x, size2, fall_to_tell(&here, restored, before, now.sum), 1, place,
+               dim);
     if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
         __atomic_fetch_or(&problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
     tally->restored += restored > 0;
@@ -152,9 +161,10 @@ static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t 
     pl_star_tally tally = {0};
     for (int64_t i = begin; i < end; i++) {
         fetch_ahead(problem, i, end, dim);
-        if (!claim(problem, i) || pl_star_is_held(problem->guard, problem->node[i], dim))
+        const int flags = claim(problem, i);
+        if (!flags || pl_star_is_held(problem->guard, problem->node[i], dim))
             continue;
-        visit_star_guarded(problem, i, scratch, &tally, dim);
+        visit_star_guarded(problem, i, flags, scratch, &tally, dim);
         tally.visits++;
     }
     return tally;

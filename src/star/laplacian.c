@@ -92,7 +92,7 @@ static void visit(const pl_star_problem *problem, planish_method method, int64_t
         a.sum[d] /= a.weight;
     place_along(&here, x, a.sum, 1, to, guarded, dim);
     if (!guarded || within_bounds(&here.b, to, dim)) /* rounding to float may have left them */
-        settle(&here, node, to, size2, 1, place, dim);
+        settle(&here, node, to, size2, FALL_TOLD, 1, place, dim);
 }
 
 pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,

@@ -24,6 +24,7 @@ typedef struct local {
     sliding slide;
     planish_direction kind; /* of the direction under way */
     int constrained;        /* constraints were active in the last step */
+    int alone;              /* nothing around has changed since the last visit */
     int64_t *evaluations;
 } local;
 
@@ -74,14 +75,15 @@ PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const do
 /* A star counts as improved where a visit made its function fall by more than this, relative. */
 #define IMPROVED 0.01
 
-/** Whether the star has changed since its last visit; it then counts as visited, and as bad until
- *  that is known. */
+/** The flags of a star that has changed since its last visit, else 0; it then counts as visited,
+ *  and as bad until that is known. */
 static inline int claim(const pl_star_problem *problem, int64_t index) {
     uint8_t *changed = &problem->changed[problem->node[index]];
-    if (!(__atomic_load_n(changed, __ATOMIC_RELAXED) & PL_CHANGED))
+    const int flags = __atomic_load_n(changed, __ATOMIC_RELAXED);
+    if (!(flags & PL_CHANGED))
         return 0;
     __atomic_store_n(changed, PL_BAD, __ATOMIC_RELAXED);
-    return 1;
+    return flags;
 }
 
 /** The star under visit has no element above rr2_skip. */
@@ -100,9 +102,13 @@ static inline void tell_neighbours(const pl_star_problem *problem, int32_t node,
             __atomic_store_n(&problem->changed[s->ring[i]], PL_CHANGED, __ATOMIC_RELAXED);
 }
 
-/** Move the node from place (as in the mesh) to x (scaled), where the star is_bad, or may be. */
+/* What else a visit was for is told of, however little the function fell. */
+#define FALL_TOLD INFINITY
+
+/** Move the node from place (as in the mesh) to x (scaled), where the star is_bad, or may be, and
+ *  its function lower by fall, relative. */
 static inline void settle(const local *here, int32_t node, const double *x, double size2,
-                          int is_bad, double *place, const int dim) {
+                          double fall, int is_bad, double *place, const int dim) {
     double moved2 = 0;
     for (int d = 0; d < dim; d++) {
         double move = x[d] - place[d] * here->s.scale;
@@ -110,7 +116,7 @@ static inline void settle(const local *here, int32_t node, const double *x, doub
         place[d] = x[d] * here->s.unscale;
     }
     const double still = here->problem->still;
-    if (moved2 > still * still * size2)
+    if (moved2 > still * still * size2 && !(fall < here->problem->calm))
         tell_neighbours(here->problem, node, &here->s, is_bad);
     else if (!is_bad)
         acquit(here->problem, node);

@@ -93,7 +93,9 @@ typedef struct pl_star_problem {
     planish_direction direction;
     pl_star_limits limits;      /* a move that makes an element worse is refused */
     double still;               /* a move shorter than this fraction of the star's size changes
-                                   nothing for the stars around */
+                                   nothing for the stars around, */
+    double calm;                /* nor does one that brought less than this part of the star's
+                                   function */
     double rr2_skip;            /* stars whose largest RR^2 is not above it are left alone */
     pl_storage storage;         /* positions are rounded to it before they are judged */
     const pl_star_guard *guard; /* NULL: the sum of RR^2, volumes positive, no bounds */
@@ -105,9 +107,10 @@ typedef struct pl_star_problem {
 } pl_star_problem;
 
 /** Flags of a star: it has changed since its last visit, and wants another; its node has moved, and
- *  its neighbours were told; it may have had an element above rr2_skip after that visit, so that it
- *  wants another whatever changes. A star without one, around which no star that changes has one
- *  afterwards, has none either, but for moves too short to be told of. */
+ *  its neighbours were told, and none of them has told it of a move since; it may have had an
+ *  element above rr2_skip after that visit, so that it wants another whatever changes. A star
+ *  without one, around which no star that changes has one afterwards, has none either, but for
+ *  moves not told of. */
 enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
 /** What a range of visits did. */

@@ -15,7 +15,7 @@
  * less than so much of the sum: what is still wrong there is smooth over many stars. (Not while
  * multipliers stand for least volumes, or the sweeps end a little farther from the optimum.) */
 #define STEP_OVER_RELAXATION      1.4
-#define STEP_OVER_RELAXATION_NEAR 1.6
+#define STEP_OVER_RELAXATION_NEAR 1.7
 #define STEP_NEAR                 1e-3
 /* Sufficient decrease: this fraction of what the slope promises (Armijo). */
 #define STEP_ARMIJO 1e-4
@@ -246,7 +246,7 @@ static inline double shorter_step(double step, double sum0, double slope, const 
 static inline double first_step(const local *here, const objective *now, double slope,
                                 const int guarded) {
     const int has_multipliers = guarded && here->q.penalty > 0;
-    if (here->kind != PLANISH_NEWTON || here->constrained)
+    if (here->kind != PLANISH_NEWTON || here->constrained || here->alone)
         return 1;
     return has_multipliers || !(-slope < STEP_NEAR * now->sum) ? STEP_OVER_RELAXATION
                                                                : STEP_OVER_RELAXATION_NEAR;

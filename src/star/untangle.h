@@ -79,7 +79,7 @@ static inline void untangle_star(const pl_star_problem *problem, int64_t index, 
         fall += now.sum - best.energy.sum;
     }
     if (fall > 0)
-        settle(&here, node, x, size2, 1, place, dim);
+        settle(&here, node, x, size2, FALL_TOLD, 1, place, dim);
     pl_sum_add(&tally->decrease, fall);
 }
 

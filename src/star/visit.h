@@ -52,16 +52,17 @@ static inline int is_worth_a_step(const local *here, const double *x, const int 
     return value_at(&here->s, x, 0, dim).max > skip;
 }
 
-/** Improve one star. */
-static inline void visit_star(const pl_star_problem *problem, int64_t index, double *scratch,
-                              pl_star_tally *tally, const int dim) {
+/** Improve one star, which has these flags. */
+static inline void visit_star(const pl_star_problem *problem, int64_t index, int flags,
+                              double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
     double *place = problem->coordinates + (int64_t)node * dim;
-    const local here = local_of(problem, index, place, scratch, &tally->evaluations, 0, dim);
+    local here = local_of(problem, index, place, scratch, &tally->evaluations, 0, dim);
     conjugate memory = {{0, 0, 0}, 0};
     state now;
     double decrease = 0;
     int steps = 0, wanted;
+    here.alone = (flags & PL_TOLD) != 0;
     to_star(&here, place, now.x, dim);
     if (!is_worth_a_step(&here, now.x, dim)) {
         acquit(problem, node);
@@ -76,7 +77,8 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, dou
     } while (++steps < wanted);
     if (!(decrease > 0))
         return;
-    settle(&here, node, now.x, now.size2, !(now.max <= problem->rr2_skip), place, dim);
+    settle(&here, node, now.x, now.size2, decrease / now.sum, !(now.max <= problem->rr2_skip),
+           place, dim);
     pl_sum_add(&tally->decrease, decrease);
     tally->improved += decrease > IMPROVED * now.sum;
 }
@@ -88,9 +90,10 @@ static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t 
     pl_star_tally tally = {0};
     for (int64_t i = begin; i < end; i++) {
         fetch_ahead(problem, i, end, dim);
-        if (!claim(problem, i))
+        const int flags = claim(problem, i);
+        if (!flags)
             continue;
-        visit_star(problem, i, scratch, &tally, dim);
+        visit_star(problem, i, flags, scratch, &tally, dim);
         tally.visits++;
     }
     return tally;

@@ -240,6 +240,7 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     problem.guard = &r->sliding_guard;
     problem.direction = r->problem.direction;
     problem.limits = r->problem.limits;
+    problem.calm = r->problem.calm;
     problem.rr2_skip = r->problem.rr2_skip;
     problem.storage = r->problem.storage;
     problem.project = r->options->project;

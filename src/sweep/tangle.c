@@ -424,6 +424,7 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     }
     t->problem.guard = &t->guard;
     t->problem.limits = pl_star_no_limits();
+    t->problem.calm = 0;
     t->state = pl_alloc(plan->n_elements, sizeof *t->state);
     if (!t->state)
         return pl_fail_memory(error, "the tangled elements");

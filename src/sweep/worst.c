@@ -152,7 +152,7 @@ int pl_run_worst(pl_run *r, planish_error *error) {
     r->guard.star.volume_weight = 0;
     r->guard.star.keep_below = 1;
     r->problem.guard = &r->guard.star;
-    r->problem.rr2_skip = 0;
+    r->problem.calm = r->problem.rr2_skip = 0;
     r->problem.limits = pl_run_limits(r, PL_LIMIT_MARGIN);
     r->restoring = 0;
     r->is_for_worst = 1;

@@ -482,6 +482,50 @@ static void without_free_nodes_nothing_happens(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** What brings less than half of the tolerance sets off no visits: that costs less than all of it.
+ */
+static void calm_stars_are_left_alone(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed some, all;
+    bad_box(&mesh, dim);
+    planish_options options = defaults();
+    smooth(&mesh.mesh, &options, &some);
+    const double tolerance = options.tolerance;
+    options.tolerance = 0;
+    options.max_sweeps = some.result.sweeps;
+    smooth(&mesh.mesh, &options, &all);
+    assert_int_equal(some.result.stop, PLANISH_STOP_CONVERGED);
+    assert_int_equal(all.result.sweeps, some.result.sweeps);
+    assert_true((double)some.result.visits < 0.95 * (double)all.result.visits);
+    assert_true(some.result.rms_movable < all.result.rms_movable * (1 + tolerance));
+    free(some.coordinates);
+    free(all.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
+/** Where nothing else moves a node goes to its very best place, not a step around it. */
+static void a_node_alone_finds_its_place(void **state) {
+    int dim = *(int *)*state;
+    test_mesh mesh;
+    smoothed once, again;
+    test_mesh_box(&mesh, dim, 2);
+    test_mesh_perturb(&mesh, 0.3, 1);
+    planish_options options = defaults();
+    smooth(&mesh.mesh, &options, &once);
+    assert_int_equal(once.info.n_free, 1);
+    assert_int_equal(once.result.stop, PLANISH_STOP_CONVERGED);
+    memcpy(mesh.coordinates, once.coordinates,
+           (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double));
+    options.tolerance = 0;
+    smooth(&mesh.mesh, &options, &again);
+    assert_true(once.result.max_displacement > 0.01);
+    assert_true(again.result.max_displacement < 1e-5 * once.result.max_displacement);
+    free(once.coordinates);
+    free(again.coordinates);
+    test_mesh_destroy(&mesh);
+}
+
 /* ---- stopping ----------------------------------------------------------------------------- */
 
 static int stop_at_third(const planish_progress *progress, void *user) {
@@ -689,6 +733,8 @@ int main(void) {
         BOTH(flat_meshes_keep_the_promises),
         BOTH(inverted_stars_are_left_alone),
         BOTH(only_worse_stars_are_touched),
+        BOTH(calm_stars_are_left_alone),
+        BOTH(a_node_alone_finds_its_place),
         BOTH(without_free_nodes_nothing_happens),
         BOTH(a_callback_stops_after_a_colour),
         BOTH(the_last_call_tells_the_truth),

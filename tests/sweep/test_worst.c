@@ -148,6 +148,10 @@ static void the_worst_becomes_better(void **state) {
         assert_true(n_better[worst] >= SEEDS / 2 && n_same[worst] <= 1);
 }
 
+/* What may rise farther may end at the same place, and then differs by where sweeps end: degrees.
+ */
+#define SAME_ANGLE 1e-5
+
 /** The more F may rise, the better; where it may not, it does not. */
 static void the_rise_is_bounded(void **state) {
     const int dim = *(int *)*state;
@@ -160,7 +164,7 @@ static void the_rise_is_bounded(void **state) {
         run r = smooth(&box.mesh, &options);
         assert_true(r.result.objective <=
                     r.result.objective_of_worst * (1 + options.worst_rise + 1e-14));
-        assert_true(r.after.min_angle_deg_movable >= last);
+        assert_true(r.after.min_angle_deg_movable >= last - SAME_ANGLE);
         last = r.after.min_angle_deg_movable;
         release(&r);
     }
