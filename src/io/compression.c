@@ -96,10 +96,17 @@ static int64_t lzma_bound(int64_t size) {
 static int64_t lzma_pack(const char *data, int64_t size, const char *like, char *out,
                          int64_t bound) {
     size_t got = 0;
+    lzma_options_lzma options;
     (void)like;
+    if (lzma_lzma_preset(&options, LZMA_PRESET_DEFAULT))
+        return -1;
+    /* More than there are data finds no more in them, and takes tens of megabytes a block. */
+    if (size < (int64_t)options.dict_size)
+        options.dict_size = size < LZMA_DICT_SIZE_MIN ? LZMA_DICT_SIZE_MIN : (uint32_t)size;
+    lzma_filter filters[] = {{LZMA_FILTER_LZMA2, &options}, {LZMA_VLI_UNKNOWN, NULL}};
     const lzma_ret status =
-        lzma_easy_buffer_encode(LZMA_PRESET_DEFAULT, LZMA_CHECK_CRC32, NULL, (const uint8_t *)data,
-                                (size_t)size, (uint8_t *)out, &got, (size_t)bound);
+        lzma_stream_buffer_encode(filters, LZMA_CHECK_CRC32, NULL, (const uint8_t *)data,
+                                  (size_t)size, (uint8_t *)out, &got, (size_t)bound);
     return status == LZMA_OK ? (int64_t)got : -1;
 }
 

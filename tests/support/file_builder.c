@@ -118,9 +118,11 @@ void builder_expect_error(const file_builder *builder, const io_format *format, 
 }
 
 void builder_try_to_break(const file_builder *builder, const io_format *format) {
+    /* A long file is one of HDF5, which compares its length before anything behind that. */
+    enum { EVERY = 4096, STRIDE = 29 };
     planish_file *file;
     planish_error error;
-    for (int64_t size = 0; size < builder->size; size++) {
+    for (int64_t size = 0; size < builder->size; size += size < EVERY ? 1 : STRIDE) {
         file_builder cut = *builder;
         cut.size = size;
         cut.data = malloc((size_t)size + (size == 0));
