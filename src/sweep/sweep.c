@@ -52,7 +52,10 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
         place_follower(plan, f, f->node < plan->n_nodes ? &problem->storage : NULL);
-        plan->changed[f->of] |= plan->changed[f->node];
+        uint8_t *changed = &plan->changed[f->of];
+        *changed |= plan->changed[f->node];
+        if (plan->changed[f->node] & PL_CHANGED)
+            *changed &= (uint8_t)~PL_TOLD; /* a star around has moved since */
         plan->changed[f->node] = PL_BAD; /* so that it is told */
     }
 }
