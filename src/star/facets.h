@@ -144,7 +144,8 @@ PL_INLINE void store_point(const star *s, int cx, int cy, int cz, int64_t i, con
         store(s, cz, i, p[2]);
 }
 
-/** What is constant of the facets of a star of tetrahedra, from their nodes in ring [.][PL_ROW]. */
+/** What is constant of the facets of a star of tetrahedra, from their nodes in ring [.][PL_ROW],
+ * but for circles_3d; OX, OY, OZ are w until then. */
 PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded) {
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
         lanes p0[PL_ROW], p1[PL_ROW], p2[PL_ROW];
@@ -164,16 +165,17 @@ PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded) {
         vec3_store(s, OX, i, w);
         store(s, ROUNDING, i, lanes_of(ROUNDING_3D) * (permanent * permanent));
     }
-    /* w is orthogonal to n and |w| = 2 rho |n|. A loop by itself: more than one square root and
-     * division are at work then. */
-    for (int64_t i = 0; i < s->padded; i += PL_PACK) {
-        vec3 n = vec3_load(s, NX, NY, NZ, i), w = vec3_load(s, OX, OY, OZ, i);
-        lanes nn = vec3_dot(n, n), inverse = lanes_of(1) / nn;
-        vec3_store(s, OX, i, vec3_scaled(vec3_cross(n, w), lanes_of(0.5) * inverse));
-        store(s, NN, i, nn);
-        store(s, WW, i, vec3_dot(w, w) * inverse);
-        store(s, LENGTH, i, lanes_sqrt(nn));
-    }
+}
+
+/** Of a pack of facets that facets_3d has seen: what their circumcircles give. w is orthogonal to n
+ *  and |w| = 2 rho |n|. */
+PL_INLINE void circles_3d(const star *s, int64_t i) {
+    vec3 n = vec3_load(s, NX, NY, NZ, i), w = vec3_load(s, OX, OY, OZ, i);
+    lanes nn = vec3_dot(n, n), inverse = lanes_of(1) / nn;
+    vec3_store(s, OX, i, vec3_scaled(vec3_cross(n, w), lanes_of(0.5) * inverse));
+    store(s, NN, i, nn);
+    store(s, WW, i, vec3_dot(w, w) * inverse);
+    store(s, LENGTH, i, lanes_sqrt(nn));
 }
 
 /** The same of a star of triangles, whose facets are edges. */

@@ -181,7 +181,10 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
         uint32_t *of_facets = rows + 3 * s.padded, *of_edges = of_facets + 3 * s.padded;
         s.facet_edge = of_facets;
         facets_3d(&s, ring, guarded);
-        if (!guarded) {
+        if (guarded) {
+            for (int64_t i = 0; i < s.padded; i += PL_PACK)
+                circles_3d(&s, i);
+        } else {
             unpack(&link, 3 * s.n_facets, s.n_facets, s.padded, 3, of_facets);
             unpack(&link, 6 * s.n_facets, n_edges, s.padded_edges, 2, of_edges);
             gather_edges(&s, of_edges, ring);

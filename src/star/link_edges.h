@@ -39,7 +39,8 @@ PL_INLINE vec3 load_edge_vec3(const star *s, int cx, int64_t i) {
     return (vec3){load_edge(s, cx, i), load_edge(s, cx + 1, i), load_edge(s, cx + 2, i)};
 }
 
-/** What is constant of the edges: their nodes are points of ring [.][PL_ROW]. */
+/** What is constant of the edges: their nodes are points of ring [.][PL_ROW]. And circles_3d of the
+ *  facets, of which there are fewer: while these divide, points become columns. */
 PL_INLINE void gather_edges(const star *s, const uint32_t *node, const double *ring) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         lanes p[PL_ROW], q[PL_ROW], e[3];
@@ -51,6 +52,8 @@ PL_INLINE void gather_edges(const star *s, const uint32_t *node, const double *r
             store_edge(s, QX + d, i, p[d]);
         }
         store_edge(s, EE, i, e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
+        if (i < s->padded)
+            circles_3d(s, i);
     }
 }
 
@@ -75,31 +78,22 @@ PL_INLINE lanes sum_areas(const star *s, int64_t i) {
            numbers_of_rows(area, edge + 2, 3);
 }
 
-/** The same areas and their inverses; the weights become 0. In a loop by itself: there is more than
- *  one square root at work then. */
-PL_INLINE void find_normals(const star *s, vec3 x) {
+/** The same areas, their inverses, and as rows their slopes and they; the weights become 0. */
+PL_INLINE void find_slopes(const star *s, vec3 x) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         vec3 e, m = face_normal(s, i, x, &e);
-        lanes mm = vec3_dot(m, m), area = lanes_sqrt(mm);
-        store_edge(s, MX, i, m.x);
-        store_edge(s, MY, i, m.y);
-        store_edge(s, MZ, i, m.z);
-        store_edge(s, AREA, i, area);
-        store_edge(s, INVERSE_AREA, i, lanes_of(1) / area);
-        store_edge(s, SHARED, i, lanes_of(0));
-    }
-}
-
-/** The areas' slopes, and the areas, as rows. */
-PL_INLINE void find_slopes(const star *s) {
-    for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
-        vec3 m = vec3_scaled(load_edge_vec3(s, MX, i), load_edge(s, INVERSE_AREA, i));
-        vec3 u = vec3_cross(m, load_edge_vec3(s, EX, i));
-        const lanes columns[PL_ROW] = {u.x, u.y, u.z, load_edge(s, AREA, i)};
+        lanes area = lanes_sqrt(vec3_dot(m, m)), inverse = lanes_of(1) / area;
+        vec3 u = vec3_cross(vec3_scaled(m, inverse), e);
+        const lanes columns[PL_ROW] = {u.x, u.y, u.z, area};
         point_row rows[PL_PACK];
         columns_to_rows(columns, rows);
         for (int k = 0; k < PL_PACK; k++)
             row_store(s->edge_row + PL_ROW * (i + k), rows[k]);
+        store_edge(s, MX, i, m.x);
+        store_edge(s, MY, i, m.y);
+        store_edge(s, MZ, i, m.z);
+        store_edge(s, INVERSE_AREA, i, inverse);
+        store_edge(s, SHARED, i, lanes_of(0));
     }
 }
 

@@ -156,8 +156,7 @@ PL_INLINE objective derivatives_3d(const star *s, const double *position, deriva
     sums_3d sums;
     memset(&sums, 0, sizeof sums);
     accumulator_init(&sums.values);
-    find_normals(s, x);
-    find_slopes(s);
+    find_slopes(s, x);
     sum_slopes(s);
     add_values_3d(s, x, &sums);
     add_derivatives_3d(s, &sums);
