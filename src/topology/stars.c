@@ -53,15 +53,16 @@ static void copy_ring(const work *w, int64_t r) {
         ring[i] = w->number_of[neighbour[i]];
 }
 
-/** Find the ends of the edges of n facets; an open link has more edges than there is room for, and
- *  does not need them. */
-static inline void write_ends(pl_link link, int64_t n) {
+/** Find the ends of the edges of the n facets of source, for link, which has the rest; an open link
+ *  has more edges than there is room for, and does not need them. (Read from link, what has just
+ * been written would be waited for.) */
+static inline void write_ends(pl_link source, pl_link link, int64_t n) {
     const int64_t n_edges = pl_link_edges(3, n);
     for (int64_t f = 0; f < 3 * n; f += 3) {
-        const int32_t p[3] = {pl_link_get(&link, f), pl_link_get(&link, f + 1),
-                              pl_link_get(&link, f + 2)};
+        const int32_t p[3] = {pl_link_get(&source, f), pl_link_get(&source, f + 1),
+                              pl_link_get(&source, f + 2)};
         for (int c = 0; c < 3; c++) {
-            const int64_t edge = pl_link_get(&link, 3 * n + f + c);
+            const int64_t edge = pl_link_get(&source, 3 * n + f + c);
             if (edge >= n_edges)
                 continue;
             pl_link_set(&link, 6 * n + 2 * edge, p[c]);
@@ -80,9 +81,9 @@ static void copy_link(const work *w, int64_t r) {
     if (target.high) /* then source.high, too */
         memcpy(target.high, source.high, (size_t)(n * pl_link_positions_kept(dim)));
     if (dim == 3 && target.high)
-        write_ends(target, n);
+        write_ends(source, target, n);
     else if (dim == 3)
-        write_ends((pl_link){target.low, NULL}, n);
+        write_ends((pl_link){source.low, NULL}, (pl_link){target.low, NULL}, n);
     for (int64_t i = 0; w->stars->min_volume && i < n; i++) {
         const int32_t *element = w->incidence->element + w->incidence->offset[w->node[r]];
         w->stars->min_volume[to + i] = w->mesh->min_volume[element[i]];
