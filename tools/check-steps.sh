@@ -18,6 +18,26 @@ step() {
     fi
 }
 
+# said FILE: what a step that ran elsewhere has left: all it said, and its exit status.
+said() {
+    cat "$1.log"
+    return "$(cat "$1.status")"
+}
+
+# steps_side_by_side NAME...: tools/reliability/NAME --short, as many at a time as there are CPUs, since
+# most keep one of them busy; what each says comes whole.
+steps_side_by_side() {
+    local folder name
+    folder=$(mktemp -d) || return
+    # shellcheck disable=SC2016 # it is for the inner shell
+    printf '%s\n' "$@" | xargs -P "$jobs" -I{} bash -c \
+        'tools/reliability/{} --short >"$0/{}.log" 2>&1; echo $? >"$0/{}.status"' "$folder"
+    for name; do
+        step "tools/reliability/$name --short" said "$folder/$name"
+    done
+    rm -rf "$folder"
+}
+
 # build_tree FOLDER CMAKE-OPTION...: configure and build; what it says is shown if it fails.
 build_tree() {
     local folder=$1 log
