@@ -18,24 +18,24 @@ step() {
     fi
 }
 
-# said FILE: what a step that ran elsewhere has left: all it said, and its exit status.
+# said FILE: what a step that ran side by side with others said, and its exit status; a failure if it
+# has left none.
 said() {
-    cat "$1.log"
-    return "$(cat "$1.status")"
+    cat "$1.log" && return "$(cat "$1.status")"
 }
 
 # steps_side_by_side NAME...: tools/reliability/NAME --short, as many at a time as there are CPUs, since
-# most keep one of them busy; what each says comes whole.
+# most keep one of them busy; what each says comes whole, and stays in build-check.
 steps_side_by_side() {
-    local folder name
-    folder=$(mktemp -d) || return
+    local folder=build-check/side-by-side name
+    rm -rf $folder
+    mkdir -p $folder
     # shellcheck disable=SC2016 # it is for the inner shell
     printf '%s\n' "$@" | xargs -P "$jobs" -I{} bash -c \
-        'tools/reliability/{} --short >"$0/{}.log" 2>&1; echo $? >"$0/{}.status"' "$folder"
+        'tools/reliability/{} --short >"$0/{}.log" 2>&1; echo $? >"$0/{}.status"' $folder
     for name; do
         step "tools/reliability/$name --short" said "$folder/$name"
     done
-    rm -rf "$folder"
 }
 
 # build_tree FOLDER CMAKE-OPTION...: configure and build; what it says is shown if it fails.

@@ -167,8 +167,7 @@ PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded) {
     }
 }
 
-/** Of a pack of facets that facets_3d has seen: what their circumcircles give. w is orthogonal to n
- *  and |w| = 2 rho |n|. */
+/** The rest of it for a pack: areas and circumcircles. w is orthogonal to n and |w| = 2 rho |n|. */
 PL_INLINE void circles_3d(const star *s, int64_t i) {
     vec3 n = vec3_load(s, NX, NY, NZ, i), w = vec3_load(s, OX, OY, OZ, i);
     lanes nn = vec3_dot(n, n), inverse = lanes_of(1) / nn;

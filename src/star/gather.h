@@ -187,7 +187,13 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
         } else {
             unpack(&link, 3 * s.n_facets, s.n_facets, s.padded, 3, of_facets);
             unpack(&link, 6 * s.n_facets, n_edges, s.padded_edges, 2, of_edges);
-            gather_edges(&s, of_edges, ring);
+            /* There are no fewer edges than facets. One loop: while circles_3d divides, the points
+             * of edges become columns. */
+            for (int64_t i = 0; i < s.padded_edges; i += PL_PACK) {
+                gather_edges(&s, of_edges, ring, i);
+                if (i < s.padded)
+                    circles_3d(&s, i);
+            }
         }
     } else {
         s.facet_edge = NULL;

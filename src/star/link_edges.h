@@ -39,22 +39,17 @@ PL_INLINE vec3 load_edge_vec3(const star *s, int cx, int64_t i) {
     return (vec3){load_edge(s, cx, i), load_edge(s, cx + 1, i), load_edge(s, cx + 2, i)};
 }
 
-/** What is constant of the edges: their nodes are points of ring [.][PL_ROW]. And circles_3d of the
- *  facets, of which there are fewer: while these divide, points become columns. */
-PL_INLINE void gather_edges(const star *s, const uint32_t *node, const double *ring) {
-    for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
-        lanes p[PL_ROW], q[PL_ROW], e[3];
-        points_to_columns(ring, node + 2 * i, 2, p);
-        points_to_columns(ring, node + 2 * i + 1, 2, q);
-        for (int d = 0; d < 3; d++) {
-            e[d] = q[d] - p[d];
-            store_edge(s, EX + d, i, e[d]);
-            store_edge(s, QX + d, i, p[d]);
-        }
-        store_edge(s, EE, i, e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
-        if (i < s->padded)
-            circles_3d(s, i);
+/** What is constant of a pack of edges: their nodes are points of ring [.][PL_ROW]. */
+PL_INLINE void gather_edges(const star *s, const uint32_t *node, const double *ring, int64_t i) {
+    lanes p[PL_ROW], q[PL_ROW], e[3];
+    points_to_columns(ring, node + 2 * i, 2, p);
+    points_to_columns(ring, node + 2 * i + 1, 2, q);
+    for (int d = 0; d < 3; d++) {
+        e[d] = q[d] - p[d];
+        store_edge(s, EX + d, i, e[d]);
+        store_edge(s, QX + d, i, p[d]);
     }
+    store_edge(s, EE, i, e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
 }
 
 PL_INLINE vec3 face_normal(const star *s, int64_t i, vec3 x, vec3 *e) {
@@ -78,7 +73,9 @@ PL_INLINE lanes sum_areas(const star *s, int64_t i) {
            numbers_of_rows(area, edge + 2, 3);
 }
 
-/** The same areas, their inverses, and as rows their slopes and they; the weights become 0. */
+/** The normals, inverse areas and, as rows, slopes and areas of all faces at x; the weights become
+ * 0.
+ */
 PL_INLINE void find_slopes(const star *s, vec3 x) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         vec3 e, m = face_normal(s, i, x, &e);
