@@ -108,6 +108,24 @@ static inline int newton_direction(const double *gradient, const double *hessian
     return 1;
 }
 
+/** The inverse of a positive definite Hessian of three coordinates, by cofactors; 0 if it is not.
+ */
+static inline int invert(const double *h, double *inverse) {
+    const double xx = h[3] * h[5] - h[4] * h[4], xy = h[2] * h[4] - h[1] * h[5];
+    const double xz = h[1] * h[4] - h[2] * h[3], zz = h[0] * h[3] - h[1] * h[1];
+    const double determinant = h[0] * xx + h[1] * xy + h[2] * xz;
+    if (!(h[0] > 0 && zz > 0 && determinant > 0))
+        return 0;
+    const double factor = 1 / determinant;
+    inverse[0] = xx * factor;
+    inverse[1] = xy * factor;
+    inverse[2] = xz * factor;
+    inverse[3] = (h[0] * h[5] - h[2] * h[2]) * factor;
+    inverse[4] = (h[1] * h[2] - h[0] * h[4]) * factor;
+    inverse[5] = zz * factor;
+    return 1;
+}
+
 /** What conjugate directions remember from one iteration of a star to the next. */
 typedef struct conjugate {
     double direction[3]; /* S^(q-1) */

@@ -18,11 +18,16 @@ static inline double power_of_two(int exponent) {
     return power;
 }
 
+/** That of a normal double. */
+static inline int exponent_of(double x) {
+    uint64_t bits;
+    memcpy(&bits, &x, sizeof bits);
+    return (int)(bits >> 52 & 0x7ff) - 1023;
+}
+
 /** Choose the scale from extent, half of the largest difference of a coordinate in the star. */
 static inline void choose_scale(star *s, double extent) {
-    uint64_t bits;
-    memcpy(&bits, &extent, sizeof bits);
-    int exponent = (int)(bits >> 52 & 0x7ff) - 1023;
+    int exponent = exponent_of(extent);
     if (exponent > SCALE_LIMIT)
         exponent = SCALE_LIMIT;
     if (exponent < -SCALE_LIMIT)

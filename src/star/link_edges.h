@@ -73,10 +73,9 @@ PL_INLINE lanes sum_areas(const star *s, int64_t i) {
            numbers_of_rows(area, edge + 2, 3);
 }
 
-/** The normals, inverse areas and, as rows, slopes and areas of all faces at x; the weights become
- * 0.
- */
-PL_INLINE void find_slopes(const star *s, vec3 x) {
+/** The slopes and areas of all faces at x, as rows; and for add_bends their normals and inverse
+ *  areas, and weights of 0. */
+PL_INLINE void find_slopes(const star *s, vec3 x, const int with_bends) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         vec3 e, m = face_normal(s, i, x, &e);
         lanes area = lanes_sqrt(vec3_dot(m, m)), inverse = lanes_of(1) / area;
@@ -86,6 +85,8 @@ PL_INLINE void find_slopes(const star *s, vec3 x) {
         columns_to_rows(columns, rows);
         for (int k = 0; k < PL_PACK; k++)
             row_store(s->edge_row + PL_ROW * (i + k), rows[k]);
+        if (!with_bends)
+            continue;
         store_edge(s, MX, i, m.x);
         store_edge(s, MY, i, m.y);
         store_edge(s, MZ, i, m.z);

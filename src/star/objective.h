@@ -99,9 +99,15 @@ typedef struct sums_3d {
     lanes g[3][PL_PACKS], h[6][PL_PACKS], trace[PL_PACKS], size2[PL_PACKS];
 } sums_3d;
 
-/** First pass: values, and what the derivatives are made of, into columns. In a loop by itself,
- *  since its divisions take long: more facets are under way then. */
-PL_INLINE void add_values_3d(const star *s, vec3 x, sums_3d *sums) {
+PL_INLINE void add_gradient_3d(sums_3d *sums, int k, vec3 l, lanes rr2) {
+    sums->g[0][k] += rr2 * l.x;
+    sums->g[1][k] += rr2 * l.y;
+    sums->g[2][k] += rr2 * l.z;
+}
+
+/** First pass: values, and the gradient or what it and the Hessian are made of, into columns. In a
+ *  loop by itself, since its divisions take long: more facets are under way then. */
+PL_INLINE void add_values_3d(const star *s, vec3 x, sums_3d *sums, const int with_hessian) {
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
@@ -115,8 +121,13 @@ PL_INLINE void add_values_3d(const star *s, vec3 x, sums_3d *sums) {
             sums->size2[k] += t.aa * weight;
             rr2 *= weight;
             coefficients f = coefficients_of(&t, inverse_d, t.s * inverse_sn, rr2);
-            sums->trace[k] += f.trace;
+            const vec3 gs = vec3_scaled(vec3_load(s, SX, SY, SZ, j), inverse_s);
             store(s, RATE, j, inverse_d);
+            if (!with_hessian) {
+                add_gradient_3d(sums, k, vec3_plus(half_gradient(&f, t.c, t.n, gs), gs), rr2);
+                continue;
+            }
+            sums->trace[k] += f.trace;
             store(s, RR2, j, rr2);
             store(s, OF_S, j, lanes_of(2) * (rr2 * inverse_s));
             store(s, OF_C, j, f.of_c);
@@ -125,7 +136,7 @@ PL_INLINE void add_values_3d(const star *s, vec3 x, sums_3d *sums) {
             store(s, OF_CN, j, f.of_cn);
             store(s, OF_NN, j, f.of_nn);
             vec3_store(s, CX, j, t.c);
-            vec3_store(s, SX, j, vec3_scaled(vec3_load(s, SX, SY, SZ, j), inverse_s));
+            vec3_store(s, SX, j, gs);
         }
 }
 
@@ -140,9 +151,7 @@ PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
             vec3 l =
                 log_derivatives_3d(&f, vec3_load(s, CX, CY, CZ, j), vec3_load(s, NX, NY, NZ, j),
                                    vec3_load(s, SX, SY, SZ, j), rr2, h);
-            sums->g[0][k] += rr2 * l.x;
-            sums->g[1][k] += rr2 * l.y;
-            sums->g[2][k] += rr2 * l.z;
+            add_gradient_3d(sums, k, l, rr2);
             for (int c = 0; c < 6; c++)
                 sums->h[c][k] += h[c];
         }
@@ -151,20 +160,24 @@ PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
             sums->h[packed(d, d, 3)][k] += sums->trace[k];
 }
 
-PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out) {
+/** with_hessian 0: out->hessian is not set; the rest is the same bits. */
+PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out,
+                                   const int with_hessian) {
     vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
     sums_3d sums;
     memset(&sums, 0, sizeof sums);
     accumulator_init(&sums.values);
-    find_slopes(s, x);
+    find_slopes(s, x, with_hessian);
     sum_slopes(s);
-    add_values_3d(s, x, &sums);
-    add_derivatives_3d(s, &sums);
-    share_weights(s);
-    add_bends(s, sums.h);
+    add_values_3d(s, x, &sums, with_hessian);
+    if (with_hessian) {
+        add_derivatives_3d(s, &sums);
+        share_weights(s);
+        add_bends(s, sums.h);
+    }
     for (int c = 0; c < 3; c++)
         out->gradient[c] = lanes_sum(sums.g[c]) * RR2_FACTOR_3D;
-    for (int c = 0; c < 6; c++)
+    for (int c = 0; c < 6 && with_hessian; c++)
         out->hessian[c] = lanes_sum(sums.h[c]) * RR2_FACTOR_3D;
     out->size2 = lanes_sum(sums.size2) / (double)s->n_facets;
     return accumulator_result(&sums.values, RR2_FACTOR_3D);
@@ -280,9 +293,11 @@ PL_INLINE objective value_at(const star *s, const double *position, const int gu
     return dim == 3 ? value_3d(s, position, guarded) : value_2d(s, position);
 }
 
+/** with_hessian 0: out->hessian need not be set. */
 PL_INLINE objective derivatives_at(const star *s, const double *position, derivatives *out,
-                                   const int dim) {
-    return dim == 3 ? derivatives_3d(s, position, out) : derivatives_2d(s, position, out);
+                                   const int with_hessian, const int dim) {
+    return dim == 3 ? derivatives_3d(s, position, out, with_hessian)
+                    : derivatives_2d(s, position, out);
 }
 
 #endif

@@ -81,6 +81,14 @@ static inline pl_star_limits pl_star_no_limits(void) {
     return (pl_star_limits){INFINITY, INFINITY, INFINITY};
 }
 
+/** What a star of tetrahedra keeps of its Hessian from one visit to the next: it changes little
+ * once the star's function does. */
+typedef struct pl_star_kept {
+    float inverse[6]; /* xx xy xz yy yz zz, in the scale that the star had */
+    float sum;        /* the star's function where it was that; 0: nothing is kept */
+    int32_t exponent; /* of that scale */
+} pl_star_kept;
+
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
@@ -90,6 +98,7 @@ typedef struct pl_star_problem {
     const int64_t *link_offset; /* [n_stars + 1] */
     pl_link link;               /* of all stars, see pl_stars */
     uint8_t *changed;           /* [n_nodes] flags of the node's star, see PL_CHANGED */
+    pl_star_kept *kept;         /* [n_stars], for Newton's direction without a guard; NULL: none */
     planish_direction direction;
     pl_star_limits limits;      /* a move that makes an element worse is refused */
     double still;               /* a move shorter than this fraction of the star's size changes

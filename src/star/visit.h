@@ -18,28 +18,97 @@ typedef struct state {
     double max;   /* of RR^2 */
 } state;
 
-/** One step, if a better place is found; returns by how much the sum fell, 0 for no step. */
-static inline double one_step(const local *here, conjugate *memory, state *now, const int dim) {
-    const pl_star_problem *problem = here->problem;
-    derivatives derivative;
-    double direction[3];
-    trial best;
-    const objective f = derivatives_at(&here->s, now->x, &derivative, dim);
+/* A Hessian is kept where the step that it led to brought less than this part of the star's
+ * function, and serves while that is the same but for the second part. Coarser, it serves in a few
+ * visits more, and on large meshes the sweeps converge more slowly. */
+#define KEEP_BELOW 0.001
+#define KEEP_WHILE 0.01
+
+/** Look at the star where its node is; 0 if no step is to be tried. */
+PL_INLINE int look(const local *here, state *now, objective *f, derivatives *derivative,
+                   const int with_hessian, const int dim) {
+    *f = derivatives_at(&here->s, now->x, derivative, with_hessian, dim);
     ++*here->evaluations;
-    now->size2 = derivative.size2;
-    now->sum = f.sum;
-    now->max = f.max;
-    if (!f.positive || !(f.sum < INFINITY) || !(f.max > problem->rr2_skip))
-        return 0;
-    if (!find_direction(problem->direction, &derivative, memory, direction, dim))
-        return 0;
-    double slope = dot(derivative.gradient, direction, dim);
-    if (!(slope < 0) || !search(here, now->x, &f, direction, slope, &best, 0, dim))
+    now->size2 = derivative->size2;
+    now->sum = f->sum;
+    now->max = f->max;
+    return f->positive && f->sum < INFINITY && f->max > here->problem->rr2_skip;
+}
+
+/** The same with the Hessian: seldom done, and out of the way of what is done often. */
+PL_NOINLINE int look_closely(const local *here, state *now, objective *f, derivatives *derivative,
+                             const int dim) {
+    return look(here, now, f, derivative, 1, dim);
+}
+
+/** Step from where f is along direction, if that leads to a better place; returns by how much the
+ *  sum fell, 0 for no step. */
+static inline double step_along(const local *here, state *now, const objective *f,
+                                const derivatives *derivative, const double *direction,
+                                const int dim) {
+    trial best;
+    const double slope = dot(derivative->gradient, direction, dim);
+    if (!(slope < 0) || !search(here, now->x, f, direction, slope, &best, 0, dim))
         return 0;
     for (int d = 0; d < dim; d++)
         now->x[d] = best.position[d];
     now->max = best.value.max;
-    return f.sum - best.value.sum;
+    return f->sum - best.value.sum;
+}
+
+/** Newton's direction by the Hessian that was kept; 0 if the star has changed too much since. */
+static inline int kept_direction(const local *here, const pl_star_kept *kept, const objective *f,
+                                 const derivatives *derivative, double *direction) {
+    const double *g = derivative->gradient;
+    const int rescaled = exponent_of(here->s.scale) - kept->exponent;
+    if (!(fabs(f->sum - (double)kept->sum) <= KEEP_WHILE * f->sum) || rescaled < -1 || rescaled > 1)
+        return 0;
+    const double scale = power_of_two(2 * rescaled);
+    for (int i = 0; i < 3; i++) {
+        double sum = 0;
+        for (int j = 0; j < 3; j++)
+            sum += (double)kept->inverse[i <= j ? packed(i, j, 3) : packed(j, i, 3)] * g[j];
+        direction[i] = -sum * scale;
+    }
+    limit_length(direction, derivative->size2, 3);
+    return 1;
+}
+
+/** Keep the Hessian of a star with this sum, if it is positive definite. */
+static inline void keep(const local *here, pl_star_kept *kept, const double *hessian, double sum) {
+    double inverse[6];
+    if (!invert(hessian, inverse))
+        return;
+    for (int i = 0; i < 6; i++)
+        kept->inverse[i] = (float)inverse[i];
+    kept->sum = (float)sum;
+    kept->exponent = exponent_of(here->s.scale);
+}
+
+/** One step, if a better place is found; returns by how much the sum fell, 0 for no step. */
+static inline double one_step(const local *here, pl_star_kept *kept, conjugate *memory, state *now,
+                              const int dim) {
+    const pl_star_problem *problem = here->problem;
+    derivatives derivative;
+    double direction[3], fall;
+    objective f;
+    if (kept && kept->sum > 0 && !here->alone) {
+        if (!look(here, now, &f, &derivative, 0, dim))
+            return 0;
+        if (kept_direction(here, kept, &f, &derivative, direction)) {
+            fall = step_along(here, now, &f, &derivative, direction, dim);
+            if (fall > 0)
+                return fall;
+        }
+        kept->sum = 0;
+    }
+    if (!look_closely(here, now, &f, &derivative, dim) ||
+        !find_direction(problem->direction, &derivative, memory, direction, dim))
+        return 0;
+    fall = step_along(here, now, &f, &derivative, direction, dim);
+    if (kept && fall < KEEP_BELOW * f.sum)
+        keep(here, kept, derivative.hessian, f.sum);
+    return fall;
 }
 
 /** Whether the star has an element that is bad enough: most have none by the time of their visit,
@@ -58,6 +127,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
     int32_t node = problem->node[index];
     double *place = problem->coordinates + (int64_t)node * dim;
     local here = local_of(problem, index, place, scratch, &tally->evaluations, 0, dim);
+    pl_star_kept *kept = dim == 3 && problem->kept ? &problem->kept[index] : NULL;
     conjugate memory = {{0, 0, 0}, 0};
     state now;
     double decrease = 0;
@@ -69,7 +139,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
         return;
     }
     do {
-        const double fall = one_step(&here, &memory, &now, dim);
+        const double fall = one_step(&here, kept, &memory, &now, dim);
         if (!(fall > 0))
             break;
         decrease += fall;
@@ -107,7 +177,7 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
     double x[3];
     to_star(&here, place, x, dim);
     derivatives derivative = {{0}, {0}, 0};
-    objective f = with_derivatives ? derivatives_at(&here.s, x, &derivative, dim)
+    objective f = with_derivatives ? derivatives_at(&here.s, x, &derivative, 1, dim)
                                    : value_at(&here.s, x, 0, dim);
     give_value(&here, &f, &derivative, value);
     return f.positive;

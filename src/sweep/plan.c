@@ -54,7 +54,10 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
     plan->measured = pl_alloc(values, sizeof(double));
     plan->changed = pl_alloc_zero(plan->n_nodes + plan->n_images, 1);
     plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
-    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->scratch)
+    if (plan->dim == 3)
+        plan->kept = pl_alloc(interior->n_stars, sizeof *plan->kept);
+    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->scratch ||
+        (plan->dim == 3 && !plan->kept))
         return pl_fail_memory(error, "the working space of a plan");
     const pl_points points = pl_plan_points(plan, plan->coordinates);
     if (pl_points_are_dense(&points))
@@ -187,6 +190,7 @@ static void destroy(planish_plan *plan) {
     pl_free(plan->coordinates);
     pl_free(plan->measured);
     pl_free(plan->changed);
+    pl_free(plan->kept);
     pl_free(plan->scratch);
     pl_free(plan);
 }

@@ -76,6 +76,7 @@ struct planish_plan {
     double *coordinates; /* [n + n_images][dim] by inner numbers, scaled */
     double *measured;    /* [n][dim] by the caller's numbers, scaled: for measuring */
     uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
+    pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
     double *scratch;     /* [threads][scratch_stride] of the kernels */
     int64_t scratch_stride;
 };

@@ -8,6 +8,7 @@
 #include "geometry/angle.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { CHUNK_NODES = 4096 };
 
@@ -246,6 +247,21 @@ pl_star_problem pl_run_sliding_problem(pl_run *r) {
     problem.project = r->options->project;
     problem.project_user = r->options->project_user;
     return problem;
+}
+
+static void forget(void *context, int64_t begin, int64_t end, int thread) {
+    pl_star_kept *kept = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        kept[i].sum = 0;
+}
+
+void pl_run_begin_anew(pl_run *r) {
+    const planish_plan *plan = r->plan;
+    memset(plan->changed, 1, (size_t)plan->n_nodes);
+    if (r->problem.kept)
+        pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK_NODES, forget,
+                        r->problem.kept);
 }
 
 void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally) {

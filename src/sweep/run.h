@@ -72,6 +72,9 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r);
 /** The problem of the nodes that slide, as the interior's is at present. It has a guard always. */
 pl_star_problem pl_run_sliding_problem(pl_run *r);
 
+/** All stars have changed, and all that they have kept is void. */
+void pl_run_begin_anew(pl_run *r);
+
 /** Visit all colours, the interior's and those of the nodes that slide. */
 void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally);
 

@@ -118,7 +118,7 @@ static int try_centring(pl_lbfgs *m) {
         return 0;
     r->shown_sums = &before;
     r->problem.limits = pl_star_no_limits();
-    memset(r->plan->changed, 1, (size_t)r->plan->n_nodes);
+    pl_run_begin_anew(r);
     const int stopped = centre_and_sweep(m, start, start + n);
     pl_run_measure(r);
     if (stopped || r->sums.inverted > before.inverted || r->sums.max > before.max ||
@@ -200,7 +200,7 @@ static int try_help(pl_run *r, pl_help help, double fall) {
         pl_lbfgs_begin(&m);
         if (m.value < INFINITY)
             stopped = help == PL_CENTRING ? try_centring(&m) : try_descent(&m, fall);
-        memset(r->plan->changed, 1, (size_t)r->plan->n_nodes);
+        pl_run_begin_anew(r);
     }
     pl_lbfgs_destroy(&m);
     pl_free(f.in_patch);

@@ -75,7 +75,9 @@ static void prepare_problem(pl_run *r) {
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
     r->problem.storage = pl_storage_of(r->options);
     r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
-    memset(plan->changed, 1, (size_t)plan->n_nodes);
+    if (!r->guard.wanted && r->options->direction == PLANISH_NEWTON)
+        r->problem.kept = plan->kept;
+    pl_run_begin_anew(r);
 }
 
 /** How near the nodes are to a constrained optimum. */

@@ -187,6 +187,136 @@ static void a_visit_steps_again_where_that_pays(void **state) {
     assert_int_equal(visit_displaced(dim, 0.6).evaluations, 4);
 }
 
+/* ---- Hessians that are kept ---------------------------------------------------------------- */
+
+static pl_star_tally visit_changed(hand_star *s, planish_isa isa) {
+    s->changed[0] = PL_CHANGED;
+    return pl_star_kernel_select(isa)->visit[s->dim - 2](&s->problem, 0, 1, s->scratch);
+}
+
+static void nudge_ring(hand_star *s, double distance) {
+    for (int n = 1; n < 5; n++)
+        s->coordinates[n * s->dim] += distance;
+}
+
+/** Visit until the Hessian is kept: as soon as the node rests. */
+static void settle_and_keep(hand_star *s, pl_star_kept *kept, planish_isa isa) {
+    *kept = (pl_star_kept){.sum = 0};
+    s->problem.kept = kept;
+    for (int visit = 0; visit < 20 && !(kept->sum > 0); visit++)
+        visit_changed(s, isa);
+    assert_true(kept->sum > 0);
+}
+
+/** Whether what is kept is about the inverse of this, which is in the mesh's scale. */
+static void expect_inverse(const pl_star_kept *kept, const double *hessian) {
+    static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    const double scale = ldexp(1, -2 * kept->exponent);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            double sum = i == j ? -1 : 0;
+            for (int k = 0; k < 3; k++)
+                sum += (double)kept->inverse[at[i][k]] * scale * hessian[at[k][j]];
+            assert_true(fabs(sum) < 0.2);
+        }
+}
+
+/** Where little has changed a step needs no Hessian; where much has, it does. Every variant moves
+ *  the node to the same bits. */
+static void a_hessian_is_kept_while_it_serves(void **state) {
+    (void)state;
+    for (int isa = PLANISH_ISA_PLAIN; isa <= PLANISH_ISA_AVX512; isa++)
+        for (unsigned seed = 0; seed < STARS && pl_star_kernel_select((planish_isa)isa); seed++) {
+            hand_star s, plain;
+            pl_star_kept kept, plain_kept;
+            pl_star_value before, after;
+            hand_star_create(&s, 3, 0.3 * seed / STARS, seed);
+            hand_star_create(&plain, 3, 0.3 * seed / STARS, seed);
+            settle_and_keep(&s, &kept, (planish_isa)isa);
+            settle_and_keep(&plain, &plain_kept, PLANISH_ISA_PLAIN);
+            const pl_star_kept settled = kept;
+            evaluate(&s, PLANISH_ISA_PLAIN, &before);
+            expect_inverse(&kept, before.hessian);
+            nudge_ring(&s, 1e-4);
+            nudge_ring(&plain, 1e-4);
+            evaluate(&s, PLANISH_ISA_PLAIN, &before);
+            pl_star_tally tally = visit_changed(&s, (planish_isa)isa);
+            visit_changed(&plain, PLANISH_ISA_PLAIN);
+            evaluate(&s, PLANISH_ISA_PLAIN, &after);
+            assert_true(after.sum < before.sum && pl_sum_value(&tally.decrease) > 0);
+            assert_int_equal(tally.evaluations, 2);
+            assert_memory_equal(&kept, &settled, sizeof kept);
+            assert_memory_equal(s.coordinates, plain.coordinates, sizeof s.coordinates);
+
+            do {
+                nudge_ring(&s, 0.02);
+                nudge_ring(&plain, 0.02);
+                evaluate(&s, PLANISH_ISA_PLAIN, &before);
+            } while (!(fabs(before.sum - (double)kept.sum) > 0.01 * before.sum));
+            tally = visit_changed(&s, (planish_isa)isa);
+            visit_changed(&plain, PLANISH_ISA_PLAIN);
+            assert_true(pl_sum_value(&tally.decrease) > 0 && tally.evaluations >= 3);
+            assert_true(memcmp(&kept, &settled, sizeof kept) != 0);
+            assert_memory_equal(&kept, &plain_kept, sizeof kept);
+            assert_memory_equal(s.coordinates, plain.coordinates, sizeof s.coordinates);
+            hand_star_destroy(&s);
+            hand_star_destroy(&plain);
+        }
+}
+
+/** The step is what was kept times the gradient, in the mesh's scale, whatever the star's scale was
+ *  and is. A Hessian that leads nowhere is given up. */
+static void a_kept_hessian_gives_the_step(void **state) {
+    const double part = 0x1p-14; /* of the gradient: shorter than Newton's step */
+    (void)state;
+    for (int exponent = -1; exponent <= 1; exponent++) {
+        hand_star s;
+        pl_star_kept kept;
+        pl_star_value value;
+        double start[3], gradient2 = 0, along = 0, moved2 = 0;
+        hand_star_create(&s, 3, 0.3, 6);
+        settle_and_keep(&s, &kept, PLANISH_ISA_AUTO);
+        nudge_ring(&s, 1e-4);
+        memcpy(start, s.coordinates, sizeof start);
+        evaluate(&s, PLANISH_ISA_AUTO, &value);
+        kept.exponent += exponent;
+        for (int i = 0; i < 6; i++)
+            kept.inverse[i] =
+                i == 0 || i == 3 || i == 5 ? (float)ldexp(part, 2 * kept.exponent) : 0;
+        assert_int_equal(visit_changed(&s, PLANISH_ISA_AUTO).evaluations, 2);
+        for (int d = 0; d < 3; d++) {
+            gradient2 += value.gradient[d] * value.gradient[d];
+            along -= value.gradient[d] * (s.coordinates[d] - start[d]);
+            moved2 += (s.coordinates[d] - start[d]) * (s.coordinates[d] - start[d]);
+        }
+        assert_true(fabs(along / sqrt(gradient2 * moved2) - 1) < 1e-9);
+        const double factor = sqrt(moved2 / gradient2) / part; /* over-relaxation */
+        assert_true(fabs(factor - 1.4) < 1e-6 || fabs(factor - 1.7) < 1e-6);
+        hand_star_destroy(&s);
+    }
+}
+
+static void a_kept_hessian_that_misleads_is_given_up(void **state) {
+    (void)state;
+    for (int kind = 0; kind < 4; kind++) {
+        static const float entries[] = {0, -1, INFINITY, NAN};
+        hand_star s, other;
+        pl_star_kept kept;
+        hand_star_create(&s, 3, 0.3, 5);
+        settle_and_keep(&s, &kept, PLANISH_ISA_AUTO);
+        nudge_ring(&s, 1e-4);
+        hand_star_create(&other, 3, 0.3, 5);
+        memcpy(other.coordinates, s.coordinates, sizeof s.coordinates);
+        for (int i = 0; i < 6; i++)
+            kept.inverse[i] = i == 0 || i == 3 || i == 5 ? entries[kind] : 0;
+        visit_changed(&s, PLANISH_ISA_AUTO);
+        visit_changed(&other, PLANISH_ISA_AUTO); /* keeps none */
+        assert_memory_equal(s.coordinates, other.coordinates, sizeof s.coordinates);
+        hand_star_destroy(&s);
+        hand_star_destroy(&other);
+    }
+}
+
 static void float_positions_are_floats(void **state) {
     int dim = *(int *)*state;
     hand_star s;
@@ -279,6 +409,9 @@ int main(void) {
         {"minimum 3-D", visits_reach_a_minimum, NULL, NULL, &three},
         {"again 2-D", a_visit_steps_again_where_that_pays, NULL, NULL, &two},
         {"again 3-D", a_visit_steps_again_where_that_pays, NULL, NULL, &three},
+        cmocka_unit_test(a_hessian_is_kept_while_it_serves),
+        cmocka_unit_test(a_kept_hessian_gives_the_step),
+        cmocka_unit_test(a_kept_hessian_that_misleads_is_given_up),
         {"float 2-D", float_positions_are_floats, NULL, NULL, &two},
         {"float 3-D", float_positions_are_floats, NULL, NULL, &three},
         {"limit 2-D", limit_refuses_worse_elements, NULL, NULL, &two},
