@@ -1,8 +1,9 @@
 /* facets: a star in scratch, and what stays constant of its facets while its node moves.
  *
- * One visit works on columns (structure of arrays) of the star's link facets and of their edges
- * (link_edges.h), padded to a multiple of PL_LANES with copies of the first; those of facets have
- * weight 0. All of a star lies together in scratch.
+ * One visit works on columns of the star's link facets and of their edges (link_edges.h), padded to
+ * a multiple of PL_LANES with copies of the first; those of facets have weight 0. All columns of
+ * PL_LANES facets lie together (an array of structures of packs). All of a star lies together in
+ * scratch.
  */
 #ifndef PL_STAR_FACETS_H
 #define PL_STAR_FACETS_H
@@ -67,10 +68,12 @@ enum {
  * star to a size of about 1: no bit of any result depends on it, and nothing over- or underflows.
  */
 typedef struct star {
-    double *column; /* [COLUMNS][padded] */
+    double *column; /* [padded / PL_LANES][COLUMNS_3D][PL_LANES] */
     int64_t padded; /* facets, padded to a multiple of PL_LANES */
     int64_t n_facets;
-    double *edge;          /* [EDGE_COLUMNS][padded_edges], 3-D; not for the guarded kernel */
+    double *edge;          /* [padded_edges / PL_LANES][EDGE_COLUMNS][PL_LANES], 3-D; not for the
+                              guarded kernel */
+    double *area, *shared; /* [padded_edges] of the faces at x, and the weights of their Hessians */
     double *edge_row;      /* [padded_edges][PL_ROW] likewise, while derivatives are computed */
     int64_t padded_edges;  /* likewise */
     const uint32_t *facet; /* [padded][dim] its nodes, as rows of the ring */
@@ -89,11 +92,27 @@ static inline int32_t node_of_facet(const star *s, int64_t i, int j, int dim) {
     return s->ring[s->facet[i * dim + j] / PL_ROW];
 }
 
-static inline lanes load(const star *s, int column, int64_t i) {
-    return lanes_load(s->column + column * s->padded + i);
+/** Entry i of a column, in a block [.][n_columns][PL_LANES]: what belongs to PL_LANES facets lies
+ *  together, at places that are known beforehand but for one pointer. */
+PL_INLINE double *in_block(double *block, const int n_columns, int column, int64_t i) {
+    const int64_t lane = i & (PL_LANES - 1);
+    return block + (i - lane) * n_columns + (column * PL_LANES + lane);
 }
-static inline void store(const star *s, int column, int64_t i, lanes a) {
-    lanes_store(s->column + column * s->padded + i, a);
+/** The same of a pack that begins with i. */
+PL_INLINE double *pack_in_block(double *block, const int n_columns, int column, int64_t i) {
+    return PL_PACK == PL_LANES ? block + i * n_columns + column * PL_LANES
+                               : in_block(block, n_columns, column, i);
+}
+
+/** That of facet i. */
+static inline double *entry(const star *s, int column, int64_t i) {
+    return in_block(s->column, COLUMNS_3D, column, i);
+}
+PL_INLINE lanes load(const star *s, int column, int64_t i) {
+    return lanes_load(pack_in_block(s->column, COLUMNS_3D, column, i));
+}
+PL_INLINE void store(const star *s, int column, int64_t i, lanes a) {
+    lanes_store(pack_in_block(s->column, COLUMNS_3D, column, i), a);
 }
 
 typedef struct vec3 {

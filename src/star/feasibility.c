@@ -21,9 +21,7 @@ enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
 
 /** Floors of elements without a least volume, with the node at x. */
 static void set_floors(const star *s, const double *x, const int dim) {
-    double *floor = s->column + FLOOR * s->padded, *inverse = s->column + INVERSE_FLOOR * s->padded;
     const double place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
-    const double *length = s->column + LENGTH * s->padded;
     double mean = 0, size2 = 0;
     for (int64_t i = 0; i < s->n_facets; i++) {
         aspect a;
@@ -32,11 +30,11 @@ static void set_floors(const star *s, const double *x, const int dim) {
         size2 += a.aa / (double)s->n_facets;
     }
     for (int64_t i = 0; mean > FLOOR_LEAST && i < s->n_facets; i++) {
-        const double own = length[i] * sqrt(size2);
-        if (floor[i] > 0 || !(own > FLOOR_LEAST))
+        const double own = *entry(s, LENGTH, i) * sqrt(size2);
+        if (*entry(s, FLOOR, i) > 0 || !(own > FLOOR_LEAST))
             continue;
-        floor[i] = PART_LEAST * (own < mean ? own : mean);
-        inverse[i] = 1 / floor[i];
+        *entry(s, FLOOR, i) = PART_LEAST * (own < mean ? own : mean);
+        *entry(s, INVERSE_FLOOR, i) = 1 / *entry(s, FLOOR, i);
     }
 }
 
@@ -45,8 +43,7 @@ static void find_candidates(const local *here, const uint8_t *is_fixed, uint8_t 
                             const int dim) {
     const star *s = &here->s;
     for (int64_t i = 0; i < s->n_facets; i++) {
-        int fixed =
-            s->column[INVERSE_FLOOR * s->padded + i] > 0 && s->column[LENGTH * s->padded + i] > 0;
+        int fixed = *entry(s, INVERSE_FLOOR, i) > 0 && *entry(s, LENGTH, i) > 0;
         for (int j = 0; j < dim; j++)
             fixed &= is_fixed[node_of_facet(s, i, j, dim)];
         state[i] = fixed ? CANDIDATE : NOT_FIXED;
@@ -63,7 +60,7 @@ static active rows_in_question(const local *here, const double *x, const uint8_t
     active all = homogeneous(here, x, -VIOLATED_ABOVE, 0, dim); /* to be met, as it is counted */
     active kept = {all.rows, 0, NULL};
     for (int64_t i = 0, row = 0; i < s->n_facets; i++) {
-        int exists = s->column[FLOOR * s->padded + i] > 0 && s->column[LENGTH * s->padded + i] > 0;
+        int exists = *entry(s, FLOOR, i) > 0 && *entry(s, LENGTH, i) > 0;
         if (exists && is_wanted(state[i]))
             memmove(kept.rows[kept.m++], all.rows[row], sizeof all.rows[row]);
         row += exists;
@@ -94,16 +91,15 @@ static void middle_of_ring(const local *here, double *x, const int dim) {
 }
 
 /** Mark the members of the proof, and give up the one that is lowest at its place. */
-static void mark_members(const cone_point *point, const double *height, int64_t n_facets,
-                         uint8_t *state) {
+static void mark_members(const cone_point *point, const star *s, uint8_t *state) {
     int64_t lowest = -1;
-    for (int64_t i = 0, row = 0; i < n_facets; i++) {
+    for (int64_t i = 0, row = 0; i < s->n_facets; i++) {
         if (!is_wanted(state[i]))
             continue;
         for (int j = 0; j < point->n_active; j++)
             if (point->active[j] == row) {
                 state[i] = MEMBER;
-                lowest = lowest < 0 || height[i] < height[lowest] ? i : lowest;
+                lowest = lowest < 0 || *entry(s, RATE, i) < *entry(s, RATE, lowest) ? i : lowest;
             }
         row++;
     }
@@ -111,16 +107,14 @@ static void mark_members(const cone_point *point, const double *height, int64_t 
 }
 
 /** D of the elements with the node at x, over their link facets: in the column RATE. */
-static double *heights(const local *here, const double *x, const int dim) {
+static void find_heights(const local *here, const double *x, const int dim) {
     const star *s = &here->s;
-    double *height = s->column + RATE * s->padded;
     lanes place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
     for (int64_t i = 0; i < s->n_facets; i++) {
         aspect a;
         measure_at(s, i, place, &a, dim);
-        height[i] = a.D / s->column[LENGTH * s->padded + i];
+        *entry(s, RATE, i) = a.D / *entry(s, LENGTH, i);
     }
-    return height;
 }
 
 static int infeasible(const pl_star_problem *problem, int64_t star_index, const uint8_t *is_fixed,
@@ -137,14 +131,14 @@ static int infeasible(const pl_star_problem *problem, int64_t star_index, const 
     set_floors(&here.s, x, dim);
     here.b.any = 0; /* bounds are no part of the proof */
     guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
-    const double *height = heights(&here, at, dim);
+    find_heights(&here, at, dim);
     find_candidates(&here, is_fixed, part, dim);
     for (;; n_given_up++) {
         active a = rows_in_question(&here, x, part, dim);
         if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim) ||
             !proves(&a, &point, dim))
             break;
-        mark_members(&point, height, here.s.n_facets, part);
+        mark_members(&point, &here.s, part);
     }
     for (int64_t i = 0; i < here.s.n_facets; i++)
         part[i] = part[i] == MEMBER     ? PL_PART_OF_PROOF

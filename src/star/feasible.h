@@ -49,15 +49,15 @@ static inline double restore_margin(const local *here) {
  * if it has to be brought up. */
 static inline double wanted_measure(const local *here, int64_t i, double margin, double size) {
     const star *s = &here->s;
-    double floor = s->column[FLOOR * s->padded + i] * (1 + margin);
-    double sound = SOUND_HEIGHT * size * s->column[LENGTH * s->padded + i];
-    int is_violated = s->column[GVALUE * s->padded + i] > violated_above(here);
+    double floor = *entry(s, FLOOR, i) * (1 + margin);
+    double sound = SOUND_HEIGHT * size * *entry(s, LENGTH, i);
+    int is_violated = *entry(s, GVALUE, i) > violated_above(here);
     return is_violated && !here->problem->guard->strict && sound > floor ? sound : floor;
 }
 
 /** D of element i at the position that GVALUE is of. */
 static inline double present_measure(const star *s, int64_t i) {
-    return (1 - s->column[GVALUE * s->padded + i]) * s->column[FLOOR * s->padded + i];
+    return (1 - *entry(s, GVALUE, i)) * *entry(s, FLOOR, i);
 }
 
 /* ---- rows ---------------------------------------------------------------------------------- */
@@ -84,13 +84,13 @@ static inline double *add_row(active *a, const double *gradient, const int dim) 
 
 /** grad D of facet i, divided by its length; 0 if it has none. */
 static inline int facet_normal(const star *s, int64_t i, double *n, const int dim) {
-    double length = s->column[LENGTH * s->padded + i];
+    double length = *entry(s, LENGTH, i);
     if (dim == 3) {
         for (int d = 0; d < 3; d++)
-            n[d] = s->column[(NX + d) * s->padded + i];
+            n[d] = *entry(s, NX + d, i);
     } else {
-        n[0] = s->column[P0Y * s->padded + i] - s->column[P1Y * s->padded + i];
-        n[1] = s->column[P1X * s->padded + i] - s->column[P0X * s->padded + i];
+        n[0] = *entry(s, P0Y, i) - *entry(s, P1Y, i);
+        n[1] = *entry(s, P1X, i) - *entry(s, P0X, i);
     }
     for (int d = 0; d < dim; d++)
         n[d] /= length;
@@ -137,9 +137,8 @@ static inline active active_within(const local *here, const double *x, double ba
                                    const int dim) {
     const star *s = &here->s;
     active a = active_none(here);
-    const double *g = s->column + GVALUE * s->padded;
     for (int64_t i = 0; i < s->n_facets; i++) {
-        double *row = g[i] > -band ? add_facet_row(s, i, &a, dim) : NULL;
+        double *row = *entry(s, GVALUE, i) > -band ? add_facet_row(s, i, &a, dim) : NULL;
         if (row)
             row[ROW_LENGTH - 1] = (double)i;
     }
@@ -319,11 +318,12 @@ static inline double push_off_factor(double g) {
 static inline active critical(const local *here, const double *x, double size, const int dim) {
     const star *s = &here->s;
     active a = active_none(here);
-    const double *g = s->column + GVALUE * s->padded;
     for (int64_t i = 0; i < s->n_facets; i++) {
-        double *row = g[i] > ACTIVE_ABOVE ? add_facet_row(s, i, &a, dim) : NULL;
+        double *row = *entry(s, GVALUE, i) > ACTIVE_ABOVE ? add_facet_row(s, i, &a, dim) : NULL;
         if (row)
-            row[dim] = g[i] > violated_above(here) ? push_off_factor(g[i]) : 0;
+            row[dim] = *entry(s, GVALUE, i) > violated_above(here)
+                           ? push_off_factor(*entry(s, GVALUE, i))
+                           : 0;
     }
     add_bound_rows(here, x, -ACTIVE_ABOVE, size, &a, dim);
     return a;
@@ -349,12 +349,11 @@ static inline int push_off_direction(const local *here, const double *x,
 static inline double restoring_step(const local *here, const double *x, const double *direction,
                                     double size, const int dim) {
     const star *s = &here->s;
-    const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
     double far = sqrt(dot(direction, direction, dim)), goal = 0, n[3];
     for (int64_t i = 0; i < s->n_facets; i++) {
-        if (!(g[i] > violated_above(here)) || !facet_normal(s, i, n, dim))
+        if (!(*entry(s, GVALUE, i) > violated_above(here)) || !facet_normal(s, i, n, dim))
             continue;
-        double rise = dot(n, direction, dim) * length[i];
+        double rise = dot(n, direction, dim) * *entry(s, LENGTH, i);
         double missing =
             wanted_measure(here, i, restore_margin(here), size) - present_measure(s, i);
         double step = rise > 0 ? missing / rise : 0;
@@ -387,11 +386,11 @@ static inline active homogeneous(const local *here, const double *x, double marg
                                  const int dim) {
     const star *s = &here->s;
     active a = active_none(here);
-    const double *floor = s->column + FLOOR * s->padded, *length = s->column + LENGTH * s->padded;
     for (int64_t i = 0; i < s->n_facets; i++) {
-        double *row = floor[i] > 0 ? add_facet_row(s, i, &a, dim) : NULL;
+        double *row = *entry(s, FLOOR, i) > 0 ? add_facet_row(s, i, &a, dim) : NULL;
         if (row)
-            row[dim] = (wanted_measure(here, i, margin, size) - present_measure(s, i)) / length[i];
+            row[dim] = (wanted_measure(here, i, margin, size) - present_measure(s, i)) /
+                       *entry(s, LENGTH, i);
     }
     for (int d = 0; here->b.any && d < dim; d++) {
         double unit[3] = {0, 0, 0};
@@ -438,15 +437,13 @@ static inline int go_to_feasible(const local *here, const double *x, const objec
 static inline int lessen_shortfall(const local *here, const double *x, const objective *now,
                                    double size, trial *best, const int dim) {
     const star *s = &here->s;
-    const double *g = s->column + GVALUE * s->padded, *length = s->column + LENGTH * s->padded;
-    const double *inverse_floor = s->column + INVERSE_FLOOR * s->padded;
     double gradient[3] = {0, 0, 0}, hessian[6] = {0, 0, 0, 0, 0, 0}, direction[3], n[3];
     for (int64_t i = 0; i < s->n_facets; i++) {
-        if (!(g[i] > 0) || !facet_normal(s, i, n, dim))
+        if (!(*entry(s, GVALUE, i) > 0) || !facet_normal(s, i, n, dim))
             continue;
-        double steepness = length[i] * inverse_floor[i];
+        double steepness = *entry(s, LENGTH, i) * *entry(s, INVERSE_FLOOR, i);
         for (int r = 0, k = 0; r < dim; r++) {
-            gradient[r] -= g[i] * steepness * n[r];
+            gradient[r] -= *entry(s, GVALUE, i) * steepness * n[r];
             for (int c = r; c < dim; c++, k++)
                 hessian[k] += steepness * steepness * n[r] * n[c];
         }

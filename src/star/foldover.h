@@ -28,9 +28,6 @@ static inline void gather_targets(const pl_star_problem *problem, int64_t index,
     const pl_star_untangling *u = problem->untangling;
     const int64_t first = problem->link_offset[index];
     const int32_t node = problem->node[index];
-    double *target = s->column + INVERSE_TARGET * s->padded;
-    double *edge2 = s->column + INVERSE_EDGE2 * s->padded, *share = s->column + SHARE * s->padded;
-    double *weight = s->column + WEIGHT * s->padded;
     for (int64_t i = 0; i < s->padded; i++) {
         const int64_t facet = i < s->n_facets ? first + i : first;
         double size = u->size[node];
@@ -41,11 +38,12 @@ static inline void gather_targets(const pl_star_problem *problem, int64_t index,
             movers += u->in_patch[other];
         }
         double h = size / (dim + 1) * s->scale;
-        target[i] = 1 / ((dim == 3 ? REGULAR_MEASURE_3D * h : REGULAR_MEASURE_2D) * h * h);
-        edge2[i] = 1 / (h * h);
-        share[i] = movers > 0 ? (double)PL_SHARES / movers : 0;
+        *entry(s, INVERSE_TARGET, i) =
+            1 / ((dim == 3 ? REGULAR_MEASURE_3D * h : REGULAR_MEASURE_2D) * h * h);
+        *entry(s, INVERSE_EDGE2, i) = 1 / (h * h);
+        *entry(s, SHARE, i) = movers > 0 ? (double)PL_SHARES / movers : 0;
         if (u->link_skip && u->link_skip[facet])
-            weight[i] = 0;
+            *entry(s, WEIGHT, i) = 0;
     }
 }
 

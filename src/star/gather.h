@@ -90,22 +90,19 @@ static inline double floor_of(const pl_star_problem *problem, const star *s, dou
 static inline void gather_floors(const pl_star_problem *problem, const star *s, int64_t first,
                                  const int dim) {
     const double *own = problem->guard->link_min_volume;
-    double *column = s->column + FLOOR * s->padded,
-           *inverse = s->column + INVERSE_FLOOR * s->padded;
     double floor = floor_of(problem, s, own ? own[first] : 0, dim);
     double inverse_floor = floor > 0 ? 1 / floor : 0;
     for (int64_t i = 0; i < s->padded; i++) {
-        column[i] = floor; /* of all, or of facet 0 and the padding */
-        inverse[i] = inverse_floor;
+        *entry(s, FLOOR, i) = floor; /* of all, or of facet 0 and the padding */
+        *entry(s, INVERSE_FLOOR, i) = inverse_floor;
     }
     for (int64_t i = 1; own && i < s->n_facets; i++) {
-        column[i] = floor_of(problem, s, own[first + i], dim);
-        inverse[i] = column[i] > 0 ? 1 / column[i] : 0;
+        *entry(s, FLOOR, i) = floor_of(problem, s, own[first + i], dim);
+        *entry(s, INVERSE_FLOOR, i) = *entry(s, FLOOR, i) > 0 ? 1 / *entry(s, FLOOR, i) : 0;
     }
     if (problem->guard->penalty > 0) {
-        double *shift = s->column + SHIFT * s->padded;
         for (int64_t i = 0; i < s->padded; i++)
-            shift[i] = problem->guard->link_shift[first + (i < s->n_facets ? i : 0)];
+            *entry(s, SHIFT, i) = problem->guard->link_shift[first + (i < s->n_facets ? i : 0)];
     }
 }
 
@@ -115,9 +112,13 @@ static inline int64_t padded_to_lanes(int64_t n) {
     return (n + PL_LANES - 1) / PL_LANES * PL_LANES;
 }
 
-static inline int64_t column_doubles(int64_t padded, int dim) {
-    return padded * (dim == 3 ? COLUMNS_3D : COLUMNS_2D);
+/** Of all columns, in 2-D, too, where the last are not used. */
+static inline int64_t column_doubles(int64_t padded) {
+    return padded * COLUMNS_3D;
 }
+
+/* Numbers of an edge: its columns, area and shared weight, and row. */
+enum { EDGE_DOUBLES = EDGE_COLUMNS + 2 + PL_ROW };
 
 /** Room for the positions of the facets' nodes, of their edges and of the edges' nodes, in doubles;
  *  what follows is aligned to a row. */
@@ -131,7 +132,7 @@ static inline int64_t scratch_doubles(int dim, int64_t n_ring, int64_t n_facets)
     const int64_t padded = padded_to_lanes(n_facets);
     const int64_t padded_edges = padded_to_lanes(pl_link_edges(dim, n_facets));
     const int64_t rows = (padded + SPARE_ROWS) * ROW_LENGTH, ring = n_ring * PL_ROW;
-    return column_doubles(padded, dim) + padded_edges * (EDGE_COLUMNS + PL_ROW) +
+    return column_doubles(padded) + padded_edges * EDGE_DOUBLES +
            position_doubles(padded, padded_edges, dim) + (rows > ring ? rows : ring);
 }
 
@@ -156,7 +157,7 @@ PL_INLINE void weigh(const star *s) {
     for (int64_t i = 0; i < s->padded; i += PL_PACK)
         store(s, WEIGHT, i, lanes_of(1));
     for (int64_t i = s->n_facets; i < s->padded; i++)
-        s->column[WEIGHT * s->padded + i] = 0;
+        *entry(s, WEIGHT, i) = 0;
 }
 
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch. Inlined, like
@@ -173,8 +174,10 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     const int64_t n_edges = pl_link_edges(dim, s.n_facets);
     s.padded_edges = padded_to_lanes(n_edges);
     s.column = scratch;
-    s.edge = s.column + column_doubles(s.padded, dim);
-    s.edge_row = s.edge + s.padded_edges * EDGE_COLUMNS;
+    s.edge = s.column + column_doubles(s.padded);
+    s.area = s.edge + s.padded_edges * EDGE_COLUMNS;
+    s.shared = s.area + s.padded_edges;
+    s.edge_row = s.shared + s.padded_edges;
     double *positions = s.edge_row + s.padded_edges * PL_ROW;
     s.spare = positions + position_doubles(s.padded, s.padded_edges, dim);
     uint32_t *rows = (uint32_t *)(void *)positions;

@@ -199,8 +199,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
         sum->n_active++;
         if (facet == OF_BOUND)
             continue;
-        double steepness =
-            s->column[LENGTH * s->padded + facet] * s->column[INVERSE_FLOOR * s->padded + facet];
+        double steepness = *entry(s, LENGTH, facet) * *entry(s, INVERSE_FLOOR, facet);
         double multiplier = point.multiplier[i] / steepness;
         sum->multiplier = multiplier > sum->multiplier ? multiplier : sum->multiplier;
     }

@@ -18,22 +18,20 @@ enum {
     EZ, /* e */
     QX,
     QY,
-    QZ,   /* p */
-    EE,   /* |e|^2 */
-    AREA, /* |m| */
+    QZ, /* p */
+    EE, /* |e|^2 */
     INVERSE_AREA,
     MX,
     MY,
-    MZ,     /* m */
-    SHARED, /* the weight of |m|, the sum of those of its two tetrahedra */
+    MZ, /* m */
     EDGE_COLUMNS
 };
 
 PL_INLINE lanes load_edge(const star *s, int column, int64_t i) {
-    return lanes_load(s->edge + column * s->padded_edges + i);
+    return lanes_load(pack_in_block(s->edge, EDGE_COLUMNS, column, i));
 }
 PL_INLINE void store_edge(const star *s, int column, int64_t i, lanes a) {
-    lanes_store(s->edge + column * s->padded_edges + i, a);
+    lanes_store(pack_in_block(s->edge, EDGE_COLUMNS, column, i), a);
 }
 PL_INLINE vec3 load_edge_vec3(const star *s, int cx, int64_t i) {
     return (vec3){load_edge(s, cx, i), load_edge(s, cx + 1, i), load_edge(s, cx + 2, i)};
@@ -61,16 +59,15 @@ PL_INLINE vec3 face_normal(const star *s, int64_t i, vec3 x, vec3 *e) {
 PL_INLINE void find_areas(const star *s, vec3 x) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         vec3 e, m = face_normal(s, i, x, &e);
-        store_edge(s, AREA, i, lanes_sqrt(vec3_dot(m, m)));
+        lanes_store(s->area + i, lanes_sqrt(vec3_dot(m, m)));
     }
 }
 
 /** Sum of the areas of the faces at x of a pack of tetrahedra, times two. */
 PL_INLINE lanes sum_areas(const star *s, int64_t i) {
-    double *area = s->edge + AREA * s->padded_edges;
     const uint32_t *edge = s->facet_edge + 3 * i;
-    return (numbers_of_rows(area, edge, 3) + numbers_of_rows(area, edge + 1, 3)) +
-           numbers_of_rows(area, edge + 2, 3);
+    return (numbers_of_rows(s->area, edge, 3) + numbers_of_rows(s->area, edge + 1, 3)) +
+           numbers_of_rows(s->area, edge + 2, 3);
 }
 
 /** The slopes and areas of all faces at x, as rows; and for add_bends their normals and inverse
@@ -91,7 +88,7 @@ PL_INLINE void find_slopes(const star *s, vec3 x, const int with_bends) {
         store_edge(s, MY, i, m.y);
         store_edge(s, MZ, i, m.z);
         store_edge(s, INVERSE_AREA, i, inverse);
-        store_edge(s, SHARED, i, lanes_of(0));
+        lanes_store(s->shared + i, lanes_of(0));
     }
 }
 
@@ -114,11 +111,11 @@ PL_INLINE void sum_slopes(const star *s) {
 
 /** Add the weights of each tetrahedron's surface to those of its faces. */
 PL_INLINE void share_weights(const star *s) {
-    const double *weight = s->column + OF_S * s->padded;
-    double *shared = s->edge + SHARED * s->padded_edges;
-    for (int64_t i = 0; i < s->n_facets; i++)
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        const double weight = *entry(s, OF_S, i);
         for (int c = 0; c < 3; c++)
-            *number_of_row(shared, s->facet_edge[3 * i + c]) += weight[i];
+            *number_of_row(s->shared, s->facet_edge[3 * i + c]) += weight;
+    }
 }
 
 /** Add the sum of the Hessians of the areas, by their weights, to h. */
@@ -129,7 +126,7 @@ PL_INLINE void add_bends(const star *s, lanes h[6][PL_PACKS]) {
             vec3 m = load_edge_vec3(s, MX, j);
             lanes inverse = load_edge(s, INVERSE_AREA, j);
             lanes bend = load_edge(s, EE, j) * inverse * (inverse * inverse);
-            vec3 v = vec3_scaled(m, load_edge(s, SHARED, j) * bend);
+            vec3 v = vec3_scaled(m, lanes_load(s->shared + j) * bend);
             h[0][k] += m.x * v.x;
             h[1][k] += m.x * v.y;
             h[2][k] += m.x * v.z;
