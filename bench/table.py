@@ -47,8 +47,8 @@ def peak(folder, name):
     divider = (DIVISIONS / rate["division"] + ROOTS / rate["root"]) / clock
     visit = min(run["later"] for run in load(f"{folder}/{name}.kernel.json")["ns_per_star"]
                 if run["problem"] == "plain")
-    print(f"\nSuch a later visit needs {arithmetic:.0f} ns for its additions and multiplications at that rate, and "
-          f"{divider:.0f} ns of the divider at the same time; it takes {visit:.0f} ns: "
+    print(f"\nA visit by a Hessian that was kept needs {arithmetic:.0f} ns for its additions and "
+          f"multiplications at that rate, and {divider:.0f} ns of the divider at the same time; it takes {visit:.0f} ns: "
           f"{arithmetic / visit:.0%} of the peak.")
 
 
