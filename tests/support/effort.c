@@ -8,6 +8,10 @@ int64_t effort(int64_t little, int64_t much) {
     return getenv("PLANISH_LONG") ? much : little;
 }
 
+int effort_step(int n) {
+    return getenv("PLANISH_BRIEF") ? n : 1;
+}
+
 /* The finaliser of SplitMix64, so that neighbouring seeds have nothing in common. */
 static uint64_t mix(uint64_t z) {
     z += 0x9e3779b97f4a7c15u;

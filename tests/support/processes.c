@@ -1,6 +1,8 @@
 /* processes: a mesh in parts, and threads that have them. */
+#define _GNU_SOURCE /* pthread_attr_setaffinity_np */
 #include "support/processes.h"
 
+#include <sched.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -250,16 +252,37 @@ static void *run(void *a_task) {
     return NULL;
 }
 
+/** All threads on this CPU: parts this small wait for one another all the time, and waking a thread
+ *  on an idle CPU takes longer than its turn (five times as long in all, on a virtual machine). */
+static void stay_here(pthread_attr_t *attributes) {
+#ifdef __linux__
+    const int here = sched_getcpu();
+    cpu_set_t set;
+    CPU_ZERO(&set);
+    if (here < 0 || here >= CPU_SETSIZE)
+        return;
+    CPU_SET(here, &set);
+    pthread_attr_setaffinity_np(attributes, sizeof set, &set);
+#else
+    (void)attributes;
+#endif
+}
+
 void processes_run(processes *w, void (*body)(process *part, void *user), void *user) {
     pthread_t *thread = room(w->n, sizeof *thread);
     task *tasks = room(w->n, sizeof *tasks);
+    pthread_attr_t attributes;
+    if (pthread_attr_init(&attributes) != 0)
+        abort();
+    stay_here(&attributes);
     for (int k = 0; k < w->n; k++) {
         tasks[k] = (task){&w->parts[k], body, user};
-        if (pthread_create(&thread[k], NULL, run, &tasks[k]) != 0)
+        if (pthread_create(&thread[k], &attributes, run, &tasks[k]) != 0)
             abort();
     }
     for (int k = 0; k < w->n; k++)
         pthread_join(thread[k], NULL);
+    pthread_attr_destroy(&attributes);
     free(thread);
     free(tasks);
 }

@@ -365,7 +365,7 @@ static int is_asked(int shape, int way) {
 /** All lines with these threads and this kernel. */
 static void expect_list(int threads, planish_isa isa, const char *write) {
     char line[LINE];
-    int different = 0;
+    int different = 0, n = 0;
     FILE *list = checked(open_list(write));
     for (size_t shape = 0; shape < sizeof shapes / sizeof *shapes; shape++) {
         subject s;
@@ -374,6 +374,10 @@ static void expect_list(int threads, planish_isa isa, const char *write) {
             planish_options options;
             if (!is_asked((int)shape, (int)way) || !set_way(&s, ways[way].how, &options))
                 continue;
+            if (n++ % effort_step(4) > 0) {
+                assert_non_null(fgets(line, sizeof line, list));
+                continue;
+            }
             options.threads = threads;
             options.isa = isa;
             smooth_line(&s, shapes[shape].name, (int)way, &options, line);

@@ -2,6 +2,7 @@
  * is drawn out smoothly, every star looks like its neighbours', and sweeps bring the news on by one
  * element each. */
 #include "support/allocations.h"
+#include "support/effort.h"
 #include "support/meshes.h"
 
 #include <math.h>
@@ -126,7 +127,7 @@ static void cut_short_it_leaves_what_stood(void **state) {
     test_mesh mesh;
     int put_back = 0;
     squeezed_box(&mesh, dim);
-    for (int stop_at = PATIENCE - 1; stop_at < WITH_HELP; stop_at++) {
+    for (int stop_at = PATIENCE - 1; stop_at < WITH_HELP; stop_at += effort_step(3)) {
         smoothed s;
         history h = {.stop_at = stop_at};
         planish_options options = defaults();
@@ -151,7 +152,7 @@ static void the_most_sweeps_are_the_most(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
     squeezed_box(&mesh, dim);
-    for (int most = PATIENCE; most < WITH_HELP; most++) {
+    for (int most = PATIENCE; most < WITH_HELP; most += effort_step(3)) {
         smoothed s;
         planish_options options = defaults();
         options.max_sweeps = most;
@@ -195,7 +196,7 @@ static void powers_of_two_change_no_bit(void **state) {
     options.max_sweeps = 4 * PATIENCE;
     squeezed_box(&mesh, dim);
     smooth(&mesh.mesh, &options, &one);
-    for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k++) {
+    for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k += (size_t)effort_step(4)) {
         test_mesh_transform(&mesh, ldexp(1, exponents[k]), 0);
         smooth(&mesh.mesh, &options, &other);
         for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++)
@@ -267,7 +268,7 @@ static void without_memory_there_is_no_help(void **state) {
     assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, NULL), 0);
     const size_t bytes = (size_t)mesh.mesh.n_nodes * (size_t)dim * sizeof(double);
     double *x = malloc(bytes);
-    for (int permitted = 0; permitted < 12; permitted++) {
+    for (int permitted = 0; permitted < 12; permitted += effort_step(3)) {
         memcpy(x, mesh.coordinates, bytes);
         allocations_permit(permitted);
         int status = planish_smooth(plan, x, &options, &result, NULL);

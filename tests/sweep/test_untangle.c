@@ -2,6 +2,7 @@
  * were; only free nodes move, the same bits, stoppable at any call, never more inverted elements.
  */
 #include "support/allocations.h"
+#include "support/effort.h"
 #include "support/tangles.h"
 
 #include <math.h>
@@ -92,7 +93,7 @@ static void all_is_untangled(void **state) {
         test_tangle t;
         test_tangle_create(&t, dim, (test_shape)shape, 1, (unsigned)shape + 1);
         const double wanted = rms_of_original(&t, &options);
-        for (int i = 0; i < TEST_TANGLINGS * SEEDS; i++) {
+        for (int i = 0; i < TEST_TANGLINGS * SEEDS; i += effort_step(SEEDS)) {
             const int tangling = i / SEEDS;
             smoothed s;
             if (tangling == TEST_LEFT_BEHIND && !test_shape_is_deformed((test_shape)shape))
@@ -153,7 +154,7 @@ static void bits_do_not_depend_on_threads_or_kernel(void **state) {
     static const int threads[] = {1, 2, 3, 5};
     int dim = *(int *)*state;
     planish_options options = defaults();
-    for (int i = 0; i < N_CASES; i++) {
+    for (int i = 0; i < N_CASES; i += effort_step(2)) {
         test_tangle t;
         smoothed first, other;
         create_case(&t, dim, i, dim == 3 && cases[i].shape == TEST_GRADED ? 1 : 2);
@@ -184,7 +185,7 @@ static void powers_of_two_change_no_bit(void **state) {
     int dim = *(int *)*state;
     const planish_options options = defaults();
     for (int i = 0; i < N_CASES; i++)
-        for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k++) {
+        for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k += (size_t)effort_step(4)) {
             test_tangle t;
             smoothed a, b;
             create_case(&t, dim, i, 1);
@@ -361,7 +362,7 @@ static void any_call_can_stop(void **state) {
         test_tangle t;
         create_case(&t, dim, i, 1);
         int ended = 0;
-        for (int call = 1; !ended; call += 1 + call / 50) {
+        for (int call = 1; !ended; call += effort_step(3) * (1 + call / 50)) {
             smoothed s;
             watch w = {.stop_at = call};
             watch_run(&t, &w, &s);
