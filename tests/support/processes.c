@@ -261,7 +261,7 @@ static void stay_here(pthread_attr_t *attributes) {
     CPU_ZERO(&set);
     if (here < 0 || here >= CPU_SETSIZE)
         return;
-    CPU_SET(here, &set);
+    CPU_SET((size_t)here, &set);
     pthread_attr_setaffinity_np(attributes, sizeof set, &set);
 #else
     (void)attributes;
