@@ -125,7 +125,7 @@ static int infeasible(const pl_star_problem *problem, int64_t star_index, const 
     derivatives derivative;
     cone_point point;
     int n_given_up = 0;
-    local here = local_of(problem, star_index, place, scratch, &evaluations, 1, dim);
+    local here = local_of(problem, star_index, place, NULL, scratch, &evaluations, 1, dim);
     to_star(&here, place, at, dim);
     middle_of_ring(&here, x, dim);
     set_floors(&here.s, x, dim);

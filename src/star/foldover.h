@@ -50,7 +50,7 @@ static inline void gather_targets(const pl_star_problem *problem, int64_t index,
 static inline local untangling_of(const pl_star_problem *problem, int64_t index,
                                   const double *place, double *scratch, int64_t *evaluations,
                                   const int dim) {
-    local here = local_of(problem, index, place, scratch, evaluations, 1, dim);
+    local here = local_of(problem, index, place, NULL, scratch, evaluations, 1, dim);
     gather_targets(problem, index, &here.s, dim);
     return here;
 }

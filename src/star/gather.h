@@ -52,9 +52,19 @@ PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_
         pl_fetch_node(dim, problem->coordinates, problem->ring[i]);
 }
 
-/** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled. */
+/** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled: by 2^*exponent, or NULL, and the
+ *  scale is chosen. */
 static inline void gather_ring(const pl_star_problem *problem, star *s, const double *x,
-                               double *ring, const int dim) {
+                               const int *exponent, double *ring, const int dim) {
+    if (exponent) {
+        s->scale = power_of_two(*exponent);
+        s->unscale = power_of_two(-*exponent);
+        for (int64_t i = 0; i < s->n_ring; i++) {
+            const point_row p = row_of(problem->coordinates + (int64_t)s->ring[i] * dim, dim);
+            row_store(ring + PL_ROW * i, row_scaled(p, s->scale));
+        }
+        return;
+    }
     const point_row half_of_x = row_halved(row_of(x, dim));
     point_row extent = row_minus(half_of_x, half_of_x);
     for (int64_t i = 0; i < s->n_ring; i++) {
@@ -120,10 +130,10 @@ static inline int64_t column_doubles(int64_t padded) {
 /* Numbers of an edge: its columns, area and shared weight, and row. */
 enum { EDGE_DOUBLES = EDGE_COLUMNS + 2 + PL_ROW };
 
-/** Room for the positions of the facets' nodes, of their edges and of the edges' nodes, in doubles;
- *  what follows is aligned to a row. */
+/** Room for the positions of the facets' nodes, of their edges and of the edges' nodes, and a step
+ *  past them, in doubles; what follows is aligned to a row. */
 static inline int64_t position_doubles(int64_t padded, int64_t padded_edges, int dim) {
-    const int64_t positions = padded * (dim == 3 ? 6 : 2) + padded_edges * 2;
+    const int64_t positions = padded * (dim == 3 ? 6 : 2) + padded_edges * 2 + PL_LINK_STEP;
     return padded_to_lanes(positions * (int64_t)sizeof(uint32_t) / (int64_t)sizeof(double) + 1);
 }
 
@@ -138,18 +148,21 @@ static inline int64_t scratch_doubles(int dim, int64_t n_ring, int64_t n_facets)
 
 /* ---- the whole ----------------------------------------------------------------------------- */
 
-/** Positions from .. from + n count of a link, as rows, padded with copies of the first count.
- * Always inlined: without knowing count, a star takes half as long again. */
+/** Positions from .. from + n count of a link, as rows, padded with copies of the first count; up
+ * to a step past them is written. Always inlined: without knowing count, a star takes half as long
+ * again. */
 PL_INLINE void unpack(const pl_link *link, int64_t from, int64_t n, int64_t padded, int count,
-                      uint32_t *row) {
+                      uint32_t *restrict row) {
     const uint8_t *low = link->low + from;
-    for (int64_t i = 0; i < n * count; i++)
-        row[i] = (uint32_t)low[i] * PL_ROW;
+    for (int64_t i = 0; i < n * count; i += PL_LINK_STEP)
+        for (int k = 0; k < PL_LINK_STEP; k++)
+            row[i + k] = (uint32_t)low[i + k] * PL_ROW;
     if (link->high)
         for (int64_t i = 0; i < n * count; i++)
             row[i] += ((uint32_t)link->high[from + i] << 8) * PL_ROW;
-    for (int64_t i = n * count; i < padded * count; i++)
-        row[i] = row[i % count];
+    for (int64_t i = n; i < padded; i++)
+        for (int k = 0; k < count; k++)
+            row[i * count + k] = row[k];
 }
 
 /** Weight 1 for the facets, 0 for what they are padded with. */
@@ -160,10 +173,11 @@ PL_INLINE void weigh(const star *s) {
         *entry(s, WEIGHT, i) = 0;
 }
 
-/** Gather star index of problem, with its node at x (as in the mesh), into scratch. Inlined, like
- * the sums over a star: what they return is not handed over through memory then. */
+/** Gather star index of problem, with its node at x (as in the mesh), into scratch; exponent of its
+ * scale, or NULL. Inlined, like the sums over a star: what they return is not handed over through
+ * memory then. */
 PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const double *x,
-                      double *scratch, const int guarded, const int dim) {
+                      const int *exponent, double *scratch, const int guarded, const int dim) {
     star s;
     const int64_t first = problem->link_offset[index];
     const pl_link link = pl_link_at(&problem->link, pl_link_positions(dim), first);
@@ -182,7 +196,7 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
     s.spare = positions + position_doubles(s.padded, s.padded_edges, dim);
     uint32_t *rows = (uint32_t *)(void *)positions;
     double *ring = s.spare; /* no longer needed once the columns are filled */
-    gather_ring(problem, &s, x, ring, dim);
+    gather_ring(problem, &s, x, exponent, ring, dim);
     unpack(&link, 0, s.n_facets, s.padded, dim, rows);
     s.facet = rows;
     if (dim == 3) {

@@ -57,9 +57,10 @@ static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, dou
 }
 
 PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const double *place,
-                         double *scratch, int64_t *evaluations, const int guarded, const int dim) {
+                         const int *exponent, double *scratch, int64_t *evaluations,
+                         const int guarded, const int dim) {
     local here = {.problem = problem, .kind = problem->direction, .evaluations = evaluations};
-    here.s = gather(problem, index, place, scratch, guarded, dim);
+    here.s = gather(problem, index, place, exponent, scratch, guarded, dim);
     if (guarded) {
         const pl_star_guard *guard = problem->guard;
         here.q = (question){guard->measure, 1 / guard->worst_limit, guard->ratio_weight,

@@ -14,7 +14,7 @@
 static double update_star(const pl_star_problem *problem, int64_t index, int wake, double *scratch,
                           const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
-    const star s = gather(problem, index, place, scratch, 1, dim);
+    const star s = gather(problem, index, place, NULL, scratch, 1, dim);
     const int64_t first = problem->link_offset[index];
     double *shift = problem->guard->link_shift + first, largest = 0, closest = NEVER_ACTIVE;
     double x[3] = {0, 0, 0};

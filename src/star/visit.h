@@ -56,6 +56,12 @@ static inline double step_along(const local *here, state *now, const objective *
     return f->sum - best.value.sum;
 }
 
+/** The exponent of the star's scale at its last visit, if it will do, else NULL: what need not be
+ *  chosen need not be waited for. */
+static inline const int *known_scale(const pl_star_problem *problem, const pl_star_kept *kept) {
+    return kept && kept->sum > 0 && !(problem->rr2_skip > 0) ? &kept->exponent : NULL;
+}
+
 /** Newton's direction by the Hessian that was kept; 0 if the star has changed too much since. */
 static inline int kept_direction(const local *here, const pl_star_kept *kept, const objective *f,
                                  const derivatives *derivative, double *direction) {
@@ -85,16 +91,25 @@ static inline void keep(const local *here, pl_star_kept *kept, const double *hes
     kept->exponent = exponent_of(here->s.scale);
 }
 
+/** Keep nothing, and have the star visited again, with a scale that is chosen. */
+PL_NOINLINE void forget(const local *here, int32_t node, pl_star_kept *kept) {
+    kept->sum = 0;
+    __atomic_store_n(&here->problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
+}
+
 /** One step, if a better place is found; returns by how much the sum fell, 0 for no step. */
-static inline double one_step(const local *here, pl_star_kept *kept, conjugate *memory, state *now,
-                              const int dim) {
+static inline double one_step(const local *here, int32_t node, pl_star_kept *kept,
+                              conjugate *memory, state *now, const int dim) {
     const pl_star_problem *problem = here->problem;
     derivatives derivative;
     double direction[3], fall;
     objective f;
     if (kept && kept->sum > 0 && !here->alone) {
-        if (!look(here, now, &f, &derivative, 0, dim))
+        if (!look(here, now, &f, &derivative, 0, dim)) {
+            if (!(f.positive && f.sum < INFINITY)) /* of a size that scale was not for? */
+                forget(here, node, kept);
             return 0;
+        }
         if (kept_direction(here, kept, &f, &derivative, direction)) {
             fall = step_along(here, now, &f, &derivative, direction, dim);
             if (fall > 0)
@@ -126,8 +141,9 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
                               double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
     double *place = problem->coordinates + (int64_t)node * dim;
-    local here = local_of(problem, index, place, scratch, &tally->evaluations, 0, dim);
     pl_star_kept *kept = dim == 3 && problem->kept ? &problem->kept[index] : NULL;
+    local here = local_of(problem, index, place, known_scale(problem, kept), scratch,
+                          &tally->evaluations, 0, dim);
     conjugate memory = {{0, 0, 0}, 0};
     state now;
     double decrease = 0;
@@ -139,7 +155,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
         return;
     }
     do {
-        const double fall = one_step(&here, kept, &memory, &now, dim);
+        const double fall = one_step(&here, node, kept, &memory, &now, dim);
         if (!(fall > 0))
             break;
         decrease += fall;
@@ -173,7 +189,7 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
                            int with_derivatives, pl_star_value *value, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
     int64_t evaluations = 0;
-    const local here = local_of(problem, index, place, scratch, &evaluations, 0, dim);
+    const local here = local_of(problem, index, place, NULL, scratch, &evaluations, 0, dim);
     double x[3];
     to_star(&here, place, x, dim);
     derivatives derivative = {{0}, {0}, 0};

@@ -9,6 +9,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include <cmocka.h>
@@ -317,6 +318,39 @@ static void a_kept_hessian_that_misleads_is_given_up(void **state) {
     }
 }
 
+/** The scale of the visit before serves, too. No bit tells which it was; but where the star has
+ *  left what it was for, the visit does nothing, and the next chooses its own. */
+static void a_scale_serves_while_it_fits(void **state) {
+    static const int off[] = {-9, 9, -300, 300, 900};
+    (void)state;
+    for (size_t i = 0; i < sizeof off / sizeof *off; i++) {
+        hand_star s, other;
+        pl_star_kept kept, right;
+        hand_star_create(&s, 3, 0.3, 5);
+        settle_and_keep(&s, &kept, PLANISH_ISA_AUTO);
+        nudge_ring(&s, 1e-4);
+        hand_star_create(&other, 3, 0.3, 5);
+        memcpy(other.coordinates, s.coordinates, sizeof s.coordinates);
+        right = kept;
+        other.problem.kept = &right;
+        kept.exponent += off[i];
+        for (int j = 0; j < 6; j++)
+            kept.inverse[j] = ldexpf(kept.inverse[j], 2 * off[i]);
+        if (abs(off[i]) > 100) {
+            assert_int_equal(visit_changed(&s, PLANISH_ISA_AUTO).improved, 0);
+            assert_int_equal(s.changed[0], PL_CHANGED);
+            assert_true(kept.sum == 0);
+            assert_memory_equal(s.coordinates, other.coordinates, sizeof s.coordinates);
+            right.sum = 0;
+        }
+        visit_changed(&s, PLANISH_ISA_AUTO);
+        visit_changed(&other, PLANISH_ISA_AUTO);
+        assert_memory_equal(s.coordinates, other.coordinates, sizeof s.coordinates);
+        hand_star_destroy(&s);
+        hand_star_destroy(&other);
+    }
+}
+
 static void float_positions_are_floats(void **state) {
     int dim = *(int *)*state;
     hand_star s;
@@ -412,6 +446,7 @@ int main(void) {
         cmocka_unit_test(a_hessian_is_kept_while_it_serves),
         cmocka_unit_test(a_kept_hessian_gives_the_step),
         cmocka_unit_test(a_kept_hessian_that_misleads_is_given_up),
+        cmocka_unit_test(a_scale_serves_while_it_fits),
         {"float 2-D", float_positions_are_floats, NULL, NULL, &two},
         {"float 3-D", float_positions_are_floats, NULL, NULL, &three},
         {"limit 2-D", limit_refuses_worse_elements, NULL, NULL, &two},
