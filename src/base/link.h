@@ -16,8 +16,7 @@
 
 enum {
     PL_MAX_LINK = 43690, /* facets of a link: their edges are numbered by two bytes */
-    PL_BYTE_LINK = 170,  /* and up to so many by one */
-    PL_LINK_STEP = 16    /* positions that are read at a time, also past the last */
+    PL_BYTE_LINK = 170   /* and up to so many by one */
 };
 
 /** Positions of the whole link per facet, and without the ends of edges. */
@@ -49,11 +48,11 @@ static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position)
         link->high[i] = (uint8_t)(position >> 8);
 }
 
-/** Room for n facets with so many positions each and a step past them, with high bytes if wide; 0,
- * or -1 without memory. To be released in any case. */
+/** Room for n facets with so many positions each, with high bytes if wide; 0, or -1 without memory.
+ *  To be released in any case. */
 static inline int pl_link_alloc(pl_link *link, int64_t positions, int64_t n, int wide) {
-    link->low = pl_alloc(n + PL_LINK_STEP, (size_t)positions);
-    link->high = wide ? pl_alloc(n + PL_LINK_STEP, (size_t)positions) : NULL;
+    link->low = pl_alloc(n, (size_t)positions);
+    link->high = wide ? pl_alloc(n, (size_t)positions) : NULL;
     return link->low && (!wide || link->high) ? 0 : -1;
 }
 

@@ -130,10 +130,10 @@ static inline int64_t column_doubles(int64_t padded) {
 /* Numbers of an edge: its columns, area and shared weight, and row. */
 enum { EDGE_DOUBLES = EDGE_COLUMNS + 2 + PL_ROW };
 
-/** Room for the positions of the facets' nodes, of their edges and of the edges' nodes, and a step
- *  past them, in doubles; what follows is aligned to a row. */
+/** Room for the positions of the facets' nodes, of their edges and of the edges' nodes, in doubles;
+ *  what follows is aligned to a row. */
 static inline int64_t position_doubles(int64_t padded, int64_t padded_edges, int dim) {
-    const int64_t positions = padded * (dim == 3 ? 6 : 2) + padded_edges * 2 + PL_LINK_STEP;
+    const int64_t positions = padded * (dim == 3 ? 6 : 2) + padded_edges * 2;
     return padded_to_lanes(positions * (int64_t)sizeof(uint32_t) / (int64_t)sizeof(double) + 1);
 }
 
@@ -148,21 +148,18 @@ static inline int64_t scratch_doubles(int dim, int64_t n_ring, int64_t n_facets)
 
 /* ---- the whole ----------------------------------------------------------------------------- */
 
-/** Positions from .. from + n count of a link, as rows, padded with copies of the first count; up
- * to a step past them is written. Always inlined: without knowing count, a star takes half as long
- * again. */
+/** Positions from .. from + n count of a link, as rows, padded with copies of the first count.
+ * Always inlined: without knowing count, a star takes half as long again. */
 PL_INLINE void unpack(const pl_link *link, int64_t from, int64_t n, int64_t padded, int count,
-                      uint32_t *restrict row) {
+                      uint32_t *row) {
     const uint8_t *low = link->low + from;
-    for (int64_t i = 0; i < n * count; i += PL_LINK_STEP)
-        for (int k = 0; k < PL_LINK_STEP; k++)
-            row[i + k] = (uint32_t)low[i + k] * PL_ROW;
+    for (int64_t i = 0; i < n * count; i++)
+        row[i] = (uint32_t)low[i] * PL_ROW;
     if (link->high)
         for (int64_t i = 0; i < n * count; i++)
             row[i] += ((uint32_t)link->high[from + i] << 8) * PL_ROW;
-    for (int64_t i = n; i < padded; i++)
-        for (int k = 0; k < count; k++)
-            row[i * count + k] = row[k];
+    for (int64_t i = n * count; i < padded * count; i++)
+        row[i] = row[i % count];
 }
 
 /** Weight 1 for the facets, 0 for what they are padded with. */

@@ -13,7 +13,7 @@ typedef struct hand_star {
     int32_t node, ring[HAND_STAR_MAX_NODES];
     int64_t ring_offset[2], link_offset[2];
     uint16_t link[HAND_STAR_MAX_FACETS * 3];
-    uint8_t positions[(HAND_STAR_MAX_FACETS + PL_LINK_STEP) * 9]; /* link, as the problem has it */
+    uint8_t positions[HAND_STAR_MAX_FACETS * 9]; /* link, as the problem has it */
     uint8_t changed[HAND_STAR_MAX_NODES];
     double *scratch; /* owned */
     pl_star_problem problem;
