@@ -1,4 +1,7 @@
 /* placement: how many threads, and on which cores. The only user of hwloc. */
+#ifdef __linux__
+#define _GNU_SOURCE /* for sched_setaffinity */
+#endif
 #include "sweep/placement.h"
 
 #include "base/memory.h"
@@ -8,6 +11,11 @@
 
 #ifdef PL_HWLOC
 #include <hwloc.h>
+#ifdef __linux__
+#include <sched.h>
+
+#include <hwloc/glibc-sched.h>
+#endif
 #endif
 
 enum { TEXT_SIZE = 160 };
@@ -155,12 +163,26 @@ static void prepare_binding(pl_placement *placement, int threads) {
     hwloc_bitmap_free(allowed);
 }
 
+/** Bind the calling thread to cpus. Where it can be without hwloc_set_cpubind, which writes to what
+ *  malloc gave it on Linux, NULL or not (2.9). */
+static void bind_to(hwloc_topology_t topology, hwloc_const_cpuset_t cpus) {
+#ifdef HWLOC_GLIBC_SCHED_H
+    cpu_set_t set;
+    if (hwloc_bitmap_last(cpus) < CPU_SETSIZE) {
+        hwloc_cpuset_to_glibc_sched_affinity(topology, cpus, &set, sizeof set);
+        sched_setaffinity(0, sizeof set, &set);
+        return;
+    }
+#endif
+    hwloc_set_cpubind(topology, cpus, HWLOC_CPUBIND_THREAD);
+}
+
 static void bind_thread(void *context, int64_t begin, int64_t end, int thread) {
     pl_placement *placement = context;
     (void)begin;
     (void)end;
     hwloc_get_cpubind(placement->topology, placement->former[thread], HWLOC_CPUBIND_THREAD);
-    hwloc_set_cpubind(placement->topology, placement->core[thread], HWLOC_CPUBIND_THREAD);
+    bind_to(placement->topology, placement->core[thread]);
 }
 
 static void restore_thread(void *context, int64_t begin, int64_t end, int thread) {
@@ -168,7 +190,7 @@ static void restore_thread(void *context, int64_t begin, int64_t end, int thread
     (void)begin;
     (void)end;
     if (!hwloc_bitmap_iszero(placement->former[thread]))
-        hwloc_set_cpubind(placement->topology, placement->former[thread], HWLOC_CPUBIND_THREAD);
+        bind_to(placement->topology, placement->former[thread]);
 }
 
 #endif
