@@ -527,9 +527,8 @@ PL_INLINE void add_volumes(guarded_accumulator *t, int k, const star *s, int64_t
 }
 
 /** Add the derivatives of a pack; elements that are not positive have no part in them. */
-PL_INLINE void guarded_derivatives(guarded_accumulator *t, int k, const question *q,
-                                   const aspect *a, lanes weight, lanes slope, lanes bend,
-                                   const int dim) {
+PL_INLINE void add_guarded(guarded_accumulator *t, int k, const question *q, const aspect *a,
+                           lanes weight, lanes slope, lanes bend, const int dim) {
     lanes_mask positive = lanes_greater(a->D, lanes_of(0));
     lanes ratio = a->square * weight * lanes_of(q->ratio_weight);
     for (int r = 0, c = 0; r < dim; r++) {
@@ -576,7 +575,7 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
             store(
                 s, RATE, j,
                 feasible_rate(a.D, a.inverse_d, q->penalty > 0 ? lanes_of(0) : load(s, FLOOR, j)));
-            guarded_derivatives(&t, k, q, &a, weight, slope, bend, dim);
+            add_guarded(&t, k, q, &a, weight, slope, bend, dim);
         }
     if (derive) {
         for (int c = 0; c < dim; c++)
@@ -588,10 +587,9 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
     return guarded_result(&t, q);
 }
 
-/** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
- *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see blocking_rate. */
-static inline objective guarded_at(const star *s, const question *q, const double *position,
-                                   derivatives *out, const int derive, const int dim) {
+/** guarded_at, inlined where derive and dim are constant. */
+PL_INLINE objective guarded_sums_of(const star *s, const question *q, const double *position,
+                                    derivatives *out, const int derive, const int dim) {
     if (q->measure == PLANISH_RADIUS_RATIO)
         return guarded_sums(s, q, position, out, PLANISH_RADIUS_RATIO, derive, dim);
     if (q->measure == PLANISH_MEAN_RATIO)
@@ -601,6 +599,26 @@ static inline objective guarded_at(const star *s, const question *q, const doubl
     if (q->measure == PL_WORST_RATIO)
         return guarded_sums(s, q, position, out, PL_WORST_RATIO, derive, dim);
     return guarded_sums(s, q, position, out, PL_WORST_ANGLE, derive, dim);
+}
+
+/* Values by themselves: what only derivatives need would be kept in memory for them, too. */
+PL_NOINLINE objective guarded_value(const star *s, const question *q, const double *position,
+                                    const int dim) {
+    return dim == 3 ? guarded_sums_of(s, q, position, NULL, 0, 3)
+                    : guarded_sums_of(s, q, position, NULL, 0, 2);
+}
+PL_NOINLINE objective guarded_derivatives(const star *s, const question *q, const double *position,
+                                          derivatives *out, const int dim) {
+    return dim == 3 ? guarded_sums_of(s, q, position, out, 1, 3)
+                    : guarded_sums_of(s, q, position, out, 1, 2);
+}
+
+/** The function of the star at position, and its derivatives if derive. Then the columns GVALUE and
+ *  RATE are set, too: RATE to 1 / D, or 0.9 / (D - floor), see blocking_rate. */
+static inline objective guarded_at(const star *s, const question *q, const double *position,
+                                   derivatives *out, const int derive, const int dim) {
+    return derive ? guarded_derivatives(s, q, position, out, dim)
+                  : guarded_value(s, q, position, dim);
 }
 
 #endif

@@ -88,7 +88,7 @@ typedef struct star {
 enum { SPARE_ROWS = 7, ROW_LENGTH = 4 };
 
 /** Node j of facet i, by its inner number. */
-static inline int32_t node_of_facet(const star *s, int64_t i, int j, int dim) {
+PL_INLINE int32_t node_of_facet(const star *s, int64_t i, int j, int dim) {
     return s->ring[s->facet[i * dim + j] / PL_ROW];
 }
 
@@ -105,7 +105,7 @@ PL_INLINE double *pack_in_block(double *block, const int n_columns, int column, 
 }
 
 /** That of facet i. */
-static inline double *entry(const star *s, int column, int64_t i) {
+PL_INLINE double *entry(const star *s, int column, int64_t i) {
     return in_block(s->column, COLUMNS_3D, column, i);
 }
 PL_INLINE lanes load(const star *s, int column, int64_t i) {
@@ -119,40 +119,39 @@ typedef struct vec3 {
     lanes x, y, z;
 } vec3;
 
-static inline vec3 vec3_load(const star *s, int cx, int cy, int cz, int64_t i) {
+PL_INLINE vec3 vec3_load(const star *s, int cx, int cy, int cz, int64_t i) {
     return (vec3){load(s, cx, i), load(s, cy, i), load(s, cz, i)};
 }
-static inline void vec3_store(const star *s, int cx, int64_t i, vec3 a) {
+PL_INLINE void vec3_store(const star *s, int cx, int64_t i, vec3 a) {
     store(s, cx, i, a.x);
     store(s, cx + 1, i, a.y);
     store(s, cx + 2, i, a.z);
 }
-static inline vec3 vec3_minus(vec3 a, vec3 b) {
+PL_INLINE vec3 vec3_minus(vec3 a, vec3 b) {
     return (vec3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
-static inline vec3 vec3_scaled(vec3 a, lanes f) {
+PL_INLINE vec3 vec3_scaled(vec3 a, lanes f) {
     return (vec3){a.x * f, a.y * f, a.z * f};
 }
-static inline vec3 vec3_plus(vec3 a, vec3 b) {
+PL_INLINE vec3 vec3_plus(vec3 a, vec3 b) {
     return (vec3){a.x + b.x, a.y + b.y, a.z + b.z};
 }
-static inline lanes vec3_dot(vec3 a, vec3 b) {
+PL_INLINE lanes vec3_dot(vec3 a, vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
-static inline vec3 vec3_cross(vec3 a, vec3 b) {
+PL_INLINE vec3 vec3_cross(vec3 a, vec3 b) {
     return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-/** Sum of the absolute values of the components. */
-static inline lanes vec3_norm1(vec3 a) {
-    return lanes_abs(a.x) + lanes_abs(a.y) + lanes_abs(a.z);
-}
-
-/* Rounding error of D = (x - p0) . ((p1 - p0) x (p2 - p0)), all as computed: at most (7 + 56u) u
- * times its permanent, u = 2^-53 (Shewchuk 1997), and the permanent is at most
- * sqrt(3) |x - p0| |b|_1 |c|_1. 8 for 7 pays for the rounding of the bound itself. In 2-D
- * (3 + 16u) u and sqrt(2) |x - p0| |b|_1. */
-#define ROUNDING_3D (3 * 64 * 0x1p-106)
-#define ROUNDING_2D (2 * 16 * 0x1p-106)
+/* Rounding error of D = (x - p0) . (b x c) with b = p1 - p0, c = p2 - p0, all as computed: at most
+ * (7 + 56u) u times its permanent, u = 2^-53 (Shewchuk 1997). The permanent is |x - p0| . v with
+ * v_i = |b_j c_k| + |b_k c_j|, and
+ *
+ *     |v|^2 = |b|^2 |c|^2 + q^2 - 2 sum t_i^2,  t_i = |b_i c_i|, q = sum t_i, sum t_i^2 >= q^2 / 3
+ *          <= |b|^2 |c|^2 + q^2 / 3 <= 4/3 |b|^2 |c|^2
+ *
+ * 8 for 7 pays for the rounding of the bound itself. In 2-D (3 + 16u) u and |x - p0| |b|. */
+#define ROUNDING_3D (4.0 / 3 * 64 * 0x1p-106)
+#define ROUNDING_2D (16 * 0x1p-106)
 
 /** The columns of one corner. */
 PL_INLINE void store_point(const star *s, int cx, int cy, int cz, int64_t i, const lanes *p,
@@ -178,11 +177,11 @@ PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded) {
         }
         vec3 b = {p1[0] - p0[0], p1[1] - p0[1], p1[2] - p0[2]};
         vec3 c = {p2[0] - p0[0], p2[1] - p0[1], p2[2] - p0[2]};
-        vec3 w = vec3_minus(vec3_scaled(c, vec3_dot(b, b)), vec3_scaled(b, vec3_dot(c, c)));
-        lanes permanent = vec3_norm1(b) * vec3_norm1(c);
+        lanes bb = vec3_dot(b, b), cc = vec3_dot(c, c);
+        vec3 w = vec3_minus(vec3_scaled(c, bb), vec3_scaled(b, cc));
         vec3_store(s, NX, i, vec3_cross(b, c));
         vec3_store(s, OX, i, w);
-        store(s, ROUNDING, i, lanes_of(ROUNDING_3D) * (permanent * permanent));
+        store(s, ROUNDING, i, lanes_of(ROUNDING_3D) * (bb * cc));
     }
 }
 
@@ -205,9 +204,9 @@ PL_INLINE void facets_2d(const star *s, const double *ring) {
         store_point(s, P0X, P0Y, P0Z, i, p, 2);
         store_point(s, P1X, P1Y, P1Z, i, q, 2);
         lanes bx = q[0] - p[0], by = q[1] - p[1];
-        lanes permanent = lanes_abs(bx) + lanes_abs(by);
-        store(s, LENGTH, i, lanes_sqrt(bx * bx + by * by));
-        store(s, ROUNDING, i, lanes_of(ROUNDING_2D) * (permanent * permanent));
+        lanes bb = bx * bx + by * by;
+        store(s, LENGTH, i, lanes_sqrt(bb));
+        store(s, ROUNDING, i, lanes_of(ROUNDING_2D) * bb);
     }
 }
 

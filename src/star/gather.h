@@ -52,6 +52,19 @@ PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_
         pl_fetch_node(dim, problem->coordinates, problem->ring[i]);
 }
 
+/** Choose the scale that the star has with its node at x. */
+static inline void scale_by_ring(const pl_star_problem *problem, star *s, const double *x,
+                                 const int dim) {
+    const point_row half_of_x = row_halved(row_of(x, dim));
+    point_row extent = row_minus(half_of_x, half_of_x);
+    for (int64_t i = 0; i < s->n_ring; i++) {
+        const point_row p = row_of(problem->coordinates + (int64_t)s->ring[i] * dim, dim);
+        /* half, because the whole could overflow */
+        extent = row_max(row_abs(row_minus(row_halved(p), half_of_x)), extent);
+    }
+    choose_scale(s, row_largest(extent));
+}
+
 /** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled: by 2^*exponent, or NULL, and the
  *  scale is chosen. */
 static inline void gather_ring(const pl_star_problem *problem, star *s, const double *x,
@@ -59,23 +72,12 @@ static inline void gather_ring(const pl_star_problem *problem, star *s, const do
     if (exponent) {
         s->scale = power_of_two(*exponent);
         s->unscale = power_of_two(-*exponent);
-        for (int64_t i = 0; i < s->n_ring; i++) {
-            const point_row p = row_of(problem->coordinates + (int64_t)s->ring[i] * dim, dim);
-            row_store(ring + PL_ROW * i, row_scaled(p, s->scale));
-        }
-        return;
+    } else {
+        scale_by_ring(problem, s, x, dim);
     }
-    const point_row half_of_x = row_halved(row_of(x, dim));
-    point_row extent = row_minus(half_of_x, half_of_x);
-    for (int64_t i = 0; i < s->n_ring; i++) {
-        const point_row p = row_of(problem->coordinates + (int64_t)s->ring[i] * dim, dim);
-        row_store(ring + PL_ROW * i, p);
-        /* half, because the whole could overflow */
-        extent = row_max(row_abs(row_minus(row_halved(p), half_of_x)), extent);
-    }
-    choose_scale(s, row_largest(extent));
     for (int64_t i = 0; i < s->n_ring; i++)
-        row_store(ring + PL_ROW * i, row_scaled(row_load(ring + PL_ROW * i), s->scale));
+        store_scaled(ring + PL_ROW * i, problem->coordinates + (int64_t)s->ring[i] * dim, s->scale,
+                     dim);
 }
 
 /* Floors are kept within this and its inverse, of stars of a size of about 1: nothing over- or

@@ -3,10 +3,14 @@
  * PL_PACK 4 or 2: a vector of the compiler's vector extension, mapped to what the target has.
  * PL_PACK 1: a double, plain C. A sum over facets always has PL_LANES accumulators (PL_PACKS
  * packs), so all give the same bits.
+ *
+ * All of these are inlined always: left to itself, gcc calls the smallest of them in functions that
+ * have become large, which takes a guarded visit half as long again.
  */
 #ifndef PL_STAR_LANES_H
 #define PL_STAR_LANES_H
 
+#include "geometry/inline.h"
 #include "star/star.h"
 
 #include <math.h>
@@ -22,42 +26,42 @@ enum { PL_PACKS = PL_LANES / PL_PACK };
 typedef double lanes;
 typedef int64_t lanes_mask;
 
-static inline lanes lanes_of(double x) {
+PL_INLINE lanes lanes_of(double x) {
     return x;
 }
-static inline lanes lanes_sqrt(lanes a) {
+PL_INLINE lanes lanes_sqrt(lanes a) {
     return sqrt(a);
 }
-static inline lanes lanes_max(lanes a, lanes b) {
+PL_INLINE lanes lanes_max(lanes a, lanes b) {
     return a > b ? a : b;
 }
-static inline lanes lanes_abs(lanes a) {
+PL_INLINE lanes lanes_abs(lanes a) {
     return fabs(a);
 }
-static inline lanes_mask lanes_greater(lanes a, lanes b) {
+PL_INLINE lanes_mask lanes_greater(lanes a, lanes b) {
     return -(lanes_mask)(a > b); /* all bits, as of vectors */
 }
-static inline lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
+PL_INLINE lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
     return mask ? a : b;
 }
-static inline lanes_mask lanes_bits(lanes a) {
+PL_INLINE lanes_mask lanes_bits(lanes a) {
     lanes_mask bits;
     memcpy(&bits, &a, sizeof bits);
     return bits;
 }
-static inline lanes lanes_of_bits(lanes_mask bits) {
+PL_INLINE lanes lanes_of_bits(lanes_mask bits) {
     lanes a;
     memcpy(&a, &bits, sizeof a);
     return a;
 }
-static inline double lanes_get(lanes a, int lane) {
+PL_INLINE double lanes_get(lanes a, int lane) {
     (void)lane;
     return a;
 }
-static inline int lanes_all_set(lanes_mask mask) {
+PL_INLINE int lanes_all_set(lanes_mask mask) {
     return mask != 0;
 }
-static inline int lanes_any_set(lanes_mask mask) {
+PL_INLINE int lanes_any_set(lanes_mask mask) {
     return mask != 0;
 }
 
@@ -66,13 +70,13 @@ static inline int lanes_any_set(lanes_mask mask) {
 typedef double lanes __attribute__((vector_size(PL_PACK * sizeof(double))));
 typedef int64_t lanes_mask __attribute__((vector_size(PL_PACK * sizeof(double))));
 
-static inline lanes lanes_of(double x) {
+PL_INLINE lanes lanes_of(double x) {
     lanes a;
     for (int i = 0; i < PL_PACK; i++)
         a[i] = x;
     return a;
 }
-static inline lanes lanes_sqrt(lanes a) {
+PL_INLINE lanes lanes_sqrt(lanes a) {
 #if PL_PACK == 4 && defined(__AVX__)
     return _mm256_sqrt_pd(a);
 #elif PL_PACK == 2 && defined(__SSE2__)
@@ -84,16 +88,16 @@ static inline lanes lanes_sqrt(lanes a) {
 #endif
 }
 /** a where mask is set, else b. */
-static inline lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
+PL_INLINE lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
     return (lanes)(((lanes_mask)a & mask) | ((lanes_mask)b & ~mask));
 }
-static inline lanes_mask lanes_bits(lanes a) {
+PL_INLINE lanes_mask lanes_bits(lanes a) {
     return (lanes_mask)a;
 }
-static inline lanes lanes_of_bits(lanes_mask bits) {
+PL_INLINE lanes lanes_of_bits(lanes_mask bits) {
     return (lanes)bits;
 }
-static inline lanes lanes_max(lanes a, lanes b) {
+PL_INLINE lanes lanes_max(lanes a, lanes b) {
 #if PL_PACK == 4 && defined(__AVX__)
     return _mm256_max_pd(a, b); /* a > b ? a : b, which the compiler does not see */
 #elif PL_PACK == 2 && defined(__SSE2__)
@@ -102,22 +106,22 @@ static inline lanes lanes_max(lanes a, lanes b) {
     return lanes_select(a > b, a, b);
 #endif
 }
-static inline lanes lanes_abs(lanes a) {
+PL_INLINE lanes lanes_abs(lanes a) {
     return (lanes)((lanes_mask)a & INT64_MAX);
 }
-static inline lanes_mask lanes_greater(lanes a, lanes b) {
+PL_INLINE lanes_mask lanes_greater(lanes a, lanes b) {
     return a > b;
 }
-static inline double lanes_get(lanes a, int lane) {
+PL_INLINE double lanes_get(lanes a, int lane) {
     return a[lane];
 }
-static inline int lanes_all_set(lanes_mask mask) {
+PL_INLINE int lanes_all_set(lanes_mask mask) {
     int64_t all = mask[0];
     for (int i = 1; i < PL_PACK; i++)
         all &= mask[i];
     return all != 0;
 }
-static inline int lanes_any_set(lanes_mask mask) {
+PL_INLINE int lanes_any_set(lanes_mask mask) {
     int64_t any = mask[0];
     for (int i = 1; i < PL_PACK; i++)
         any |= mask[i];
@@ -127,21 +131,21 @@ static inline int lanes_any_set(lanes_mask mask) {
 #endif
 
 /** Pack at array, which is aligned to its size. */
-static inline lanes lanes_load(const double *array) {
+PL_INLINE lanes lanes_load(const double *array) {
     return *(const lanes *)(const void *)array;
 }
-static inline void lanes_store(double *array, lanes a) {
+PL_INLINE void lanes_store(double *array, lanes a) {
     *(lanes *)(void *)array = a;
 }
 
-static inline lanes lanes_min(lanes a, lanes b) {
+PL_INLINE lanes lanes_min(lanes a, lanes b) {
     return lanes_select(lanes_greater(a, b), b, a);
 }
 
 /** a^(-1/3) of a > 0, finite and normal, to some units in the last place: a guess from the exponent
  *  (3 % off), then Newton's iteration, which squares the error; + - * only, so that the bits are
  * the same everywhere. */
-static inline lanes lanes_inverse_cube_root(lanes a) {
+PL_INLINE lanes lanes_inverse_cube_root(lanes a) {
     enum { GUESS = 0x553ef0ff, THIRD = 0x55555556, NEWTON_STEPS = 4 };
     lanes_mask high = lanes_bits(a) >> 32;
     lanes y = lanes_of_bits((GUESS - (high * THIRD >> 32)) << 32);
@@ -151,16 +155,16 @@ static inline lanes lanes_inverse_cube_root(lanes a) {
 }
 
 /** Value of one of all PL_LANES lanes. */
-static inline double lanes_lane(const lanes packs[PL_PACKS], int lane) {
+PL_INLINE double lanes_lane(const lanes packs[PL_PACKS], int lane) {
     return lanes_get(packs[lane / PL_PACK], lane % PL_PACK);
 }
 
 /** Sum and largest of all lanes, in a fixed order. */
-static inline double lanes_sum(const lanes packs[PL_PACKS]) {
+PL_INLINE double lanes_sum(const lanes packs[PL_PACKS]) {
     return (lanes_lane(packs, 0) + lanes_lane(packs, 1)) +
            (lanes_lane(packs, 2) + lanes_lane(packs, 3));
 }
-static inline double lanes_largest(const lanes packs[PL_PACKS]) {
+PL_INLINE double lanes_largest(const lanes packs[PL_PACKS]) {
     double a = lanes_lane(packs, 0), b = lanes_lane(packs, 1);
     double c = lanes_lane(packs, 2), d = lanes_lane(packs, 3);
     double ab = a > b ? a : b, cd = c > d ? c : d;

@@ -76,7 +76,7 @@ PL_INLINE void find_slopes(const star *s, vec3 x, const int with_bends) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         vec3 e, m = face_normal(s, i, x, &e);
         lanes area = lanes_sqrt(vec3_dot(m, m)), inverse = lanes_of(1) / area;
-        vec3 u = vec3_cross(vec3_scaled(m, inverse), e);
+        vec3 u = vec3_scaled(vec3_cross(m, e), inverse);
         const lanes columns[PL_ROW] = {u.x, u.y, u.z, area};
         point_row rows[PL_PACK];
         columns_to_rows(columns, rows);

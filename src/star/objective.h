@@ -86,8 +86,7 @@ PL_INLINE objective value_3d(const star *s, const double *position, const int gu
             int64_t j = i + k * PL_PACK;
             tetrahedra t = tetrahedra_at(s, j, x, guarded ? areas_at(s, j, x) : sum_areas(s, j));
             lanes inverse_d2 = lanes_of(1) / (t.D * t.D);
-            lanes q = t.s * inverse_d2;
-            accumulate(&total, k, t.N * (q * q), load(s, WEIGHT, j), t.D, inverse_d2,
+            accumulate(&total, k, rr2_of(&t, inverse_d2), load(s, WEIGHT, j), t.D, inverse_d2,
                        load(s, ROUNDING, j) * t.aa);
         }
     return accumulator_result(&total, RR2_FACTOR_3D);
@@ -99,34 +98,48 @@ typedef struct sums_3d {
     lanes g[3][PL_PACKS], h[6][PL_PACKS], trace[PL_PACKS], size2[PL_PACKS];
 } sums_3d;
 
-PL_INLINE void add_gradient_3d(sums_3d *sums, int k, vec3 l, lanes rr2) {
-    sums->g[0][k] += rr2 * l.x;
-    sums->g[1][k] += rr2 * l.y;
-    sums->g[2][k] += rr2 * l.z;
+PL_INLINE void add_gradient_3d(sums_3d *sums, int k, vec3 g) {
+    sums->g[0][k] += g.x;
+    sums->g[1][k] += g.y;
+    sums->g[2][k] += g.z;
 }
 
-/** First pass: values, and the gradient or what it and the Hessian are made of, into columns. In a
- *  loop by itself, since its divisions take long: more facets are under way then. */
-PL_INLINE void add_values_3d(const star *s, vec3 x, sums_3d *sums, const int with_hessian) {
+/** Add a pack's values; returns RR^2 times its weight. */
+PL_INLINE lanes add_values_3d(const star *s, int64_t i, int k, const tetrahedra *t,
+                              lanes inverse_d2, sums_3d *sums) {
+    const lanes rr2 = rr2_of(t, inverse_d2), weight = load(s, WEIGHT, i);
+    accumulate(&sums->values, k, rr2, weight, t->D, inverse_d2, load(s, ROUNDING, i) * t->aa);
+    sums->size2[k] += t->aa * weight;
+    store(s, RATE, i, t->D * inverse_d2);
+    return rr2 * weight;
+}
+
+/** Values, and half of the gradient without the Hessian. */
+PL_INLINE void add_half_gradients_3d(const star *s, vec3 x, sums_3d *sums) {
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
             tetrahedra t = tetrahedra_at(s, j, x, load(s, AREAS, j));
-            lanes weight = load(s, WEIGHT, j);
+            lanes inverse_d2 = lanes_of(1) / (t.D * t.D);
+            add_values_3d(s, j, k, &t, inverse_d2, sums);
+            add_gradient_3d(
+                sums, k,
+                half_gradient_of(&t, vec3_load(s, SX, SY, SZ, j), inverse_d2, load(s, WEIGHT, j)));
+        }
+}
+
+/** First pass for both derivatives: values, and what gradient and Hessian are made of, into
+ * columns. In a loop by itself, since its divisions take long: more facets are under way then. */
+PL_INLINE void prepare_derivatives_3d(const star *s, vec3 x, sums_3d *sums) {
+    for (int64_t i = 0; i < s->padded; i += PL_LANES)
+        for (int k = 0; k < PL_PACKS; k++) {
+            int64_t j = i + k * PL_PACK;
+            tetrahedra t = tetrahedra_at(s, j, x, load(s, AREAS, j));
             lanes inverse_d2 = lanes_of(1) / (t.D * t.D), inverse_d = t.D * inverse_d2;
             lanes inverse_sn = lanes_of(1) / (t.s * t.N), inverse_s = t.N * inverse_sn;
-            lanes q = t.s * inverse_d2;
-            lanes rr2 = t.N * (q * q);
-            accumulate(&sums->values, k, rr2, weight, t.D, inverse_d2, load(s, ROUNDING, j) * t.aa);
-            sums->size2[k] += t.aa * weight;
-            rr2 *= weight;
+            lanes rr2 = add_values_3d(s, j, k, &t, inverse_d2, sums);
             coefficients f = coefficients_of(&t, inverse_d, t.s * inverse_sn, rr2);
             const vec3 gs = vec3_scaled(vec3_load(s, SX, SY, SZ, j), inverse_s);
-            store(s, RATE, j, inverse_d);
-            if (!with_hessian) {
-                add_gradient_3d(sums, k, vec3_plus(half_gradient(&f, t.c, t.n, gs), gs), rr2);
-                continue;
-            }
             sums->trace[k] += f.trace;
             store(s, RR2, j, rr2);
             store(s, OF_S, j, lanes_of(2) * (rr2 * inverse_s));
@@ -151,7 +164,7 @@ PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
             vec3 l =
                 log_derivatives_3d(&f, vec3_load(s, CX, CY, CZ, j), vec3_load(s, NX, NY, NZ, j),
                                    vec3_load(s, SX, SY, SZ, j), rr2, h);
-            add_gradient_3d(sums, k, l, rr2);
+            add_gradient_3d(sums, k, vec3_scaled(l, rr2));
             for (int c = 0; c < 6; c++)
                 sums->h[c][k] += h[c];
         }
@@ -160,7 +173,7 @@ PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
             sums->h[packed(d, d, 3)][k] += sums->trace[k];
 }
 
-/** with_hessian 0: out->hessian is not set; the rest is the same bits. */
+/** with_hessian 0: out->hessian is not set, and the gradient is another sum of the same. */
 PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out,
                                    const int with_hessian) {
     vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
@@ -169,14 +182,16 @@ PL_INLINE objective derivatives_3d(const star *s, const double *position, deriva
     accumulator_init(&sums.values);
     find_slopes(s, x, with_hessian);
     sum_slopes(s);
-    add_values_3d(s, x, &sums, with_hessian);
     if (with_hessian) {
+        prepare_derivatives_3d(s, x, &sums);
         add_derivatives_3d(s, &sums);
         share_weights(s);
         add_bends(s, sums.h);
+    } else {
+        add_half_gradients_3d(s, x, &sums);
     }
     for (int c = 0; c < 3; c++)
-        out->gradient[c] = lanes_sum(sums.g[c]) * RR2_FACTOR_3D;
+        out->gradient[c] = lanes_sum(sums.g[c]) * ((with_hessian ? 1 : 2) * RR2_FACTOR_3D);
     for (int c = 0; c < 6 && with_hessian; c++)
         out->hessian[c] = lanes_sum(sums.h[c]) * RR2_FACTOR_3D;
     out->size2 = lanes_sum(sums.size2) / (double)s->n_facets;

@@ -153,13 +153,44 @@ PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PAC
 
 #endif
 
+/** Write the point p of dim numbers, times f, to a row. Pairs of numbers, as points_to_columns
+ * reads them again soon. */
+PL_INLINE void store_scaled(double *row, const double *p, double f, const int dim) {
+#if PL_PACK == 4 && defined(__AVX__)
+    const __m128d last = dim == 3 ? _mm_load_sd(p + 2) : _mm_setzero_pd();
+    _mm_store_pd(row, _mm_mul_pd(_mm_loadu_pd(p), _mm_set1_pd(f)));
+    _mm_store_pd(row + 2, _mm_mul_pd(last, _mm_set1_pd(f)));
+#else
+    row_store(row, row_scaled(row_of(p, dim), f));
+#endif
+}
+
+#if PL_PACK == 4 && defined(__AVX__)
+/** The pairs at a and b. As instructions: compilers load both and move one, for which a CPU has one
+ *  port, where this has three. */
+PL_INLINE lanes lanes_of_pairs(const double *a, const double *b) {
+    return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(a)), _mm_load_pd(b), 1);
+}
+#endif
+
 /** Columns x, y, z of the points in rows row[0], row[stride], ... of array. */
 PL_INLINE void points_to_columns(const double *array, const uint32_t *row, int stride,
                                  lanes column[PL_ROW]) {
+#if PL_PACK == 4 && defined(__AVX__)
+    const double *p[4];
+    for (int k = 0; k < 4; k++)
+        p[k] = array + row[k * stride];
+    const lanes xy02 = lanes_of_pairs(p[0], p[2]), xy13 = lanes_of_pairs(p[1], p[3]);
+    const lanes z02 = lanes_of_pairs(p[0] + 2, p[2] + 2), z13 = lanes_of_pairs(p[1] + 2, p[3] + 2);
+    column[0] = PL_SHUFFLE(xy02, xy13, 0, 4, 2, 6);
+    column[1] = PL_SHUFFLE(xy02, xy13, 1, 5, 3, 7);
+    column[2] = PL_SHUFFLE(z02, z13, 0, 4, 2, 6);
+#else
     point_row rows[PL_PACK];
     for (int k = 0; k < PL_PACK; k++)
         rows[k] = row_load(array + row[k * stride]);
     rows_to_columns(rows, column);
+#endif
 }
 
 #endif

@@ -89,6 +89,9 @@ typedef struct pl_star_kept {
     int32_t exponent; /* of that scale */
 } pl_star_kept;
 
+/* As sum: there is no Hessian, but the scale that the star had. */
+#define PL_SCALE_ALONE (-1)
+
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
@@ -188,6 +191,9 @@ typedef struct pl_star_value {
 } pl_star_value;
 typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, double *scratch,
                                 int with_derivatives, pl_star_value *value);
+
+/* As with_derivatives: no Hessian, and the gradient as a visit by a kept Hessian computes it. */
+enum { PL_GRADIENT_ALONE = 2 };
 
 /** Add the optimality of stars begin .. end-1 to *optimality; the problem has a guard. */
 typedef void pl_star_optimality_fn(const pl_star_problem *problem, int64_t begin, int64_t end,

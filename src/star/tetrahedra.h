@@ -9,6 +9,7 @@ typedef struct tetrahedra {
     vec3 a, n, c;   /* x - p0, the link facet's normal, x - its circumcentre */
     lanes aa, D, k; /* |a|^2, 6 V, |c|^2 - rho^2 with rho the facet's circumradius */
     lanes nn, ww;   /* |n|^2, 4 rho^2 */
+    lanes nk, wD;   /* nn k, ww D */
     lanes N, s;     /* (12 V R)^2 = nn k^2 + ww D^2, twice the surface */
 } tetrahedra;
 
@@ -58,9 +59,30 @@ PL_INLINE tetrahedra tetrahedra_at(const star *s, int64_t i, vec3 x, lanes areas
     t.k = t.aa + lanes_of(2) * vec3_dot(t.a, from_centre);
     t.nn = load(s, NN, i);
     t.ww = load(s, WW, i);
-    t.N = t.nn * (t.k * t.k) + t.ww * (t.D * t.D);
+    t.nk = t.nn * t.k;
+    t.wD = t.ww * t.D;
+    t.N = t.nk * t.k + t.wD * t.D;
     t.s = load(s, LENGTH, i) + areas;
     return t;
+}
+
+/** RR^2 of a pack, but for a constant factor. */
+PL_INLINE lanes rr2_of(const tetrahedra *t, lanes inverse_d2) {
+    return t->N * (t->s * t->s) * (inverse_d2 * inverse_d2);
+}
+
+/** Half of its gradient, times weight; S = grad s. Without the Hessian there is nothing to divide
+ * by but D^2, which RR^2 needs anyway:
+ *
+ *      grad RR^2 / 2 = [2 nn k s^2 c + (ww D s^2 - 2 N s^2 / D) n + N s S] / D^4
+ */
+PL_INLINE vec3 half_gradient_of(const tetrahedra *t, vec3 S, lanes inverse_d2, lanes weight) {
+    const lanes ss = t->s * t->s, Nss = t->N * ss, factor = inverse_d2 * inverse_d2 * weight;
+    const lanes of_c = (t->nk + t->nk) * ss, of_S = t->N * t->s;
+    const lanes of_n = t->wD * ss - (Nss + Nss) * (t->D * inverse_d2);
+    return (vec3){factor * ((of_c * t->c.x + of_S * S.x) + of_n * t->n.x),
+                  factor * ((of_c * t->c.y + of_S * S.y) + of_n * t->n.y),
+                  factor * ((of_c * t->c.z + of_S * S.z) + of_n * t->n.z)};
 }
 
 /** What the derivatives of one pack are made of besides vectors. */

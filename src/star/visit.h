@@ -59,7 +59,7 @@ static inline double step_along(const local *here, state *now, const objective *
 /** The exponent of the star's scale at its last visit, if it will do, else NULL: what need not be
  *  chosen need not be waited for. */
 static inline const int *known_scale(const pl_star_problem *problem, const pl_star_kept *kept) {
-    return kept && kept->sum > 0 && !(problem->rr2_skip > 0) ? &kept->exponent : NULL;
+    return kept && kept->sum != 0 && !(problem->rr2_skip > 0) ? &kept->exponent : NULL;
 }
 
 /** Newton's direction by the Hessian that was kept; 0 if the star has changed too much since. */
@@ -80,6 +80,12 @@ static inline int kept_direction(const local *here, const pl_star_kept *kept, co
     return 1;
 }
 
+/** Keep the scale that the star has. */
+static inline void keep_scale(const local *here, pl_star_kept *kept) {
+    kept->sum = PL_SCALE_ALONE;
+    kept->exponent = exponent_of(here->s.scale);
+}
+
 /** Keep the Hessian of a star with this sum, if it is positive definite. */
 static inline void keep(const local *here, pl_star_kept *kept, const double *hessian, double sum) {
     double inverse[6];
@@ -91,8 +97,12 @@ static inline void keep(const local *here, pl_star_kept *kept, const double *hes
     kept->exponent = exponent_of(here->s.scale);
 }
 
-/** Keep nothing, and have the star visited again, with a scale that is chosen. */
-PL_NOINLINE void forget(const local *here, int32_t node, pl_star_kept *kept) {
+/** If the star has become of a size that the scale it kept is not for, keep nothing, and have it
+ *  visited again, with a scale that is chosen. */
+PL_NOINLINE void check_scale(const local *here, int32_t node, pl_star_kept *kept,
+                             const objective *f) {
+    if (!kept || kept->sum == 0 || (f->positive && f->sum < INFINITY))
+        return;
     kept->sum = 0;
     __atomic_store_n(&here->problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
 }
@@ -106,8 +116,7 @@ static inline double one_step(const local *here, int32_t node, pl_star_kept *kep
     objective f;
     if (kept && kept->sum > 0 && !here->alone) {
         if (!look(here, now, &f, &derivative, 0, dim)) {
-            if (!(f.positive && f.sum < INFINITY)) /* of a size that scale was not for? */
-                forget(here, node, kept);
+            check_scale(here, node, kept, &f);
             return 0;
         }
         if (kept_direction(here, kept, &f, &derivative, direction)) {
@@ -115,14 +124,19 @@ static inline double one_step(const local *here, int32_t node, pl_star_kept *kep
             if (fall > 0)
                 return fall;
         }
-        kept->sum = 0;
+        keep_scale(here, kept);
     }
-    if (!look_closely(here, now, &f, &derivative, dim) ||
-        !find_direction(problem->direction, &derivative, memory, direction, dim))
+    if (!look_closely(here, now, &f, &derivative, dim)) {
+        check_scale(here, node, kept, &f);
+        return 0;
+    }
+    if (!find_direction(problem->direction, &derivative, memory, direction, dim))
         return 0;
     fall = step_along(here, now, &f, &derivative, direction, dim);
     if (kept && fall < KEEP_BELOW * f.sum)
         keep(here, kept, derivative.hessian, f.sum);
+    else if (kept && kept->sum == 0)
+        keep_scale(here, kept);
     return fall;
 }
 
@@ -193,8 +207,13 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
     double x[3];
     to_star(&here, place, x, dim);
     derivatives derivative = {{0}, {0}, 0};
-    objective f = with_derivatives ? derivatives_at(&here.s, x, &derivative, 1, dim)
-                                   : value_at(&here.s, x, 0, dim);
+    objective f;
+    if (!with_derivatives)
+        f = value_at(&here.s, x, 0, dim);
+    else if (with_derivatives == PL_GRADIENT_ALONE)
+        f = derivatives_at(&here.s, x, &derivative, 0, dim);
+    else
+        f = derivatives_at(&here.s, x, &derivative, 1, dim);
     give_value(&here, &f, &derivative, value);
     return f.positive;
 }
