@@ -601,7 +601,8 @@ PL_INLINE objective guarded_sums_of(const star *s, const question *q, const doub
     return guarded_sums(s, q, position, out, PL_WORST_ANGLE, derive, dim);
 }
 
-/* Values by themselves: what only derivatives need would be kept in memory for them, too. */
+/* Values have a function of their own: in one with derivatives, what only these need would take the
+ * registers of values, too. */
 PL_NOINLINE objective guarded_value(const star *s, const question *q, const double *position,
                                     const int dim) {
     return dim == 3 ? guarded_sums_of(s, q, position, NULL, 0, 3)

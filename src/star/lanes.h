@@ -5,7 +5,7 @@
  * packs), so all give the same bits.
  *
  * All of these are inlined always: left to itself, gcc calls the smallest of them in functions that
- * have become large, which takes a guarded visit half as long again.
+ * have become large, and a guarded visit then takes up to half as long again.
  */
 #ifndef PL_STAR_LANES_H
 #define PL_STAR_LANES_H

@@ -173,7 +173,8 @@ PL_INLINE void add_derivatives_3d(const star *s, sums_3d *sums) {
             sums->h[packed(d, d, 3)][k] += sums->trace[k];
 }
 
-/** with_hessian 0: out->hessian is not set, and the gradient is another sum of the same. */
+/** with_hessian 0: out->hessian is not set; the gradient is by another formula, and differs by
+ *  rounding. */
 PL_INLINE objective derivatives_3d(const star *s, const double *position, derivatives *out,
                                    const int with_hessian) {
     vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};

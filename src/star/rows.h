@@ -153,8 +153,9 @@ PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PAC
 
 #endif
 
-/** Write the point p of dim numbers, times f, to a row. Pairs of numbers, as points_to_columns
- * reads them again soon. */
+/** Write the point p of dim numbers, times f, to a row: by pairs, as points_to_columns reads it
+ * soon after. A load that is wider than the stores before it waits until these have left the core.
+ */
 PL_INLINE void store_scaled(double *row, const double *p, double f, const int dim) {
 #if PL_PACK == 4 && defined(__AVX__)
     const __m128d last = dim == 3 ? _mm_load_sd(p + 2) : _mm_setzero_pd();
@@ -166,8 +167,8 @@ PL_INLINE void store_scaled(double *row, const double *p, double f, const int di
 }
 
 #if PL_PACK == 4 && defined(__AVX__)
-/** The pairs at a and b. As instructions: compilers load both and move one, for which a CPU has one
- *  port, where this has three. */
+/** The pairs at a and b. By intrinsics: left to themselves compilers load both and shuffle, for
+ * which a CPU has one port; to insert what is loaded it has three. */
 PL_INLINE lanes lanes_of_pairs(const double *a, const double *b) {
     return _mm256_insertf128_pd(_mm256_castpd128_pd256(_mm_load_pd(a)), _mm_load_pd(b), 1);
 }

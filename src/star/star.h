@@ -85,7 +85,7 @@ static inline pl_star_limits pl_star_no_limits(void) {
  * once the star's function does. */
 typedef struct pl_star_kept {
     float inverse[6]; /* xx xy xz yy yz zz, in the scale that the star had */
-    float sum;        /* the star's function where it was that; 0: nothing is kept */
+    float sum; /* the star's function where it was that; 0: nothing is kept; PL_SCALE_ALONE */
     int32_t exponent; /* of that scale */
 } pl_star_kept;
 
@@ -192,7 +192,8 @@ typedef struct pl_star_value {
 typedef int pl_star_evaluate_fn(const pl_star_problem *problem, int64_t star, double *scratch,
                                 int with_derivatives, pl_star_value *value);
 
-/* As with_derivatives: no Hessian, and the gradient as a visit by a kept Hessian computes it. */
+/* As with_derivatives, plain tetrahedra: no Hessian, and the gradient as a visit by a kept one
+ * computes it. Elsewhere it is as 1. */
 enum { PL_GRADIENT_ALONE = 2 };
 
 /** Add the optimality of stars begin .. end-1 to *optimality; the problem has a guard. */

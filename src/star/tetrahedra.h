@@ -66,7 +66,9 @@ PL_INLINE tetrahedra tetrahedra_at(const star *s, int64_t i, vec3 x, lanes areas
     return t;
 }
 
-/** RR^2 of a pack, but for a constant factor. */
+/** RR^2 of a pack, but for a constant factor. It overflows where D is below 2^-256 (facets of 1e-38
+ *  of the star's size); where it does not, ROUNDING |x - p0|^2 has not underflowed either, whatever
+ *  the scale, and certain is right. */
 PL_INLINE lanes rr2_of(const tetrahedra *t, lanes inverse_d2) {
     return t->N * (t->s * t->s) * (inverse_d2 * inverse_d2);
 }
@@ -108,12 +110,6 @@ PL_INLINE coefficients coefficients_of(const tetrahedra *t, lanes inverse_d, lan
                           .trace = weight * A};
 }
 
-/** z, see below: grad N / N - 4 n / D + gs. */
-PL_INLINE vec3 half_gradient(const coefficients *f, vec3 c, vec3 n, vec3 gs) {
-    return (vec3){(f->of_c * c.x + f->of_n * n.x) + gs.x, (f->of_c * c.y + f->of_n * n.y) + gs.y,
-                  (f->of_c * c.z + f->of_n * n.z) + gs.z};
-}
-
 /** The log-derivatives of one pack: gradient l of log RR^2 and, times weight, the Hessian h of RR^2
  *  divided by RR^2, but for 2 hess s / s and the multiple of I. gs: grad s / s. With
  *  l = grad N / N + 2 gs - 4 n / D and z = l - gs
@@ -122,7 +118,8 @@ PL_INLINE vec3 half_gradient(const coefficients *f, vec3 c, vec3 n, vec3 gs) {
  *      = 2 z z^T + (the form of c and n) + A I + 2 hess s / s */
 PL_INLINE vec3 log_derivatives_3d(const coefficients *f, vec3 c, vec3 n, vec3 gs, lanes weight,
                                   lanes h[6]) {
-    const vec3 z = half_gradient(f, c, n, gs);
+    const vec3 z = {(f->of_c * c.x + f->of_n * n.x) + gs.x, (f->of_c * c.y + f->of_n * n.y) + gs.y,
+                    (f->of_c * c.z + f->of_n * n.z) + gs.z};
     const vec3 v = vec3_scaled(z, weight + weight);
     const vec3 cc = vec3_minus(vec3_scaled(c, f->of_cc), vec3_scaled(n, f->of_cn));
     const vec3 nn = vec3_minus(vec3_scaled(n, f->of_nn), vec3_scaled(c, f->of_cn));

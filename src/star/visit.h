@@ -133,10 +133,10 @@ static inline double one_step(const local *here, int32_t node, pl_star_kept *kep
     if (!find_direction(problem->direction, &derivative, memory, direction, dim))
         return 0;
     fall = step_along(here, now, &f, &derivative, direction, dim);
+    if (kept && kept->sum == 0)
+        keep_scale(here, kept);
     if (kept && fall < KEEP_BELOW * f.sum)
         keep(here, kept, derivative.hessian, f.sum);
-    else if (kept && kept->sum == 0)
-        keep_scale(here, kept);
     return fall;
 }
 

@@ -1,5 +1,5 @@
 /* placement: how many threads, and on which cores. The only user of hwloc. */
-#ifdef __linux__
+#if defined(__linux__) && !defined(_GNU_SOURCE)
 #define _GNU_SOURCE /* for sched_setaffinity */
 #endif
 #include "sweep/placement.h"
@@ -163,12 +163,13 @@ static void prepare_binding(pl_placement *placement, int threads) {
     hwloc_bitmap_free(allowed);
 }
 
-/** Bind the calling thread to cpus. Where it can be without hwloc_set_cpubind, which writes to what
- *  malloc gave it on Linux, NULL or not (2.9). */
+/** Bind the calling thread to cpus: by the system's own call where that is possible, as
+ *  hwloc_set_cpubind writes to what malloc returned on Linux (2.9), be it NULL. */
 static void bind_to(hwloc_topology_t topology, hwloc_const_cpuset_t cpus) {
-#ifdef HWLOC_GLIBC_SCHED_H
+#if defined(HWLOC_GLIBC_SCHED_H) && defined(HWLOC_HAVE_CPU_SET)
+    const int last = hwloc_bitmap_last(cpus);
     cpu_set_t set;
-    if (hwloc_bitmap_last(cpus) < CPU_SETSIZE) {
+    if (last >= 0 && last < CPU_SETSIZE) {
         hwloc_cpuset_to_glibc_sched_affinity(topology, cpus, &set, sizeof set);
         sched_setaffinity(0, sizeof set, &set);
         return;
@@ -179,10 +180,13 @@ static void bind_to(hwloc_topology_t topology, hwloc_const_cpuset_t cpus) {
 
 static void bind_thread(void *context, int64_t begin, int64_t end, int thread) {
     pl_placement *placement = context;
+    hwloc_bitmap_t former = placement->former[thread];
     (void)begin;
     (void)end;
-    hwloc_get_cpubind(placement->topology, placement->former[thread], HWLOC_CPUBIND_THREAD);
-    bind_to(placement->topology, placement->core[thread]);
+    if (!hwloc_get_cpubind(placement->topology, former, HWLOC_CPUBIND_THREAD))
+        bind_to(placement->topology, placement->core[thread]);
+    else
+        hwloc_bitmap_zero(former); /* it could not be brought back */
 }
 
 static void restore_thread(void *context, int64_t begin, int64_t end, int thread) {
