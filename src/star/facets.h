@@ -142,10 +142,11 @@ PL_INLINE lanes vec3_dot(vec3 a, vec3 b) {
 PL_INLINE vec3 vec3_cross(vec3 a, vec3 b) {
     return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
+
 /* The sign of D = (x - p0) . (b x c), b = p1 - p0, c = p2 - p0, all as computed, is certain where
  * |D| is above (7 + 56u) u times its permanent, u = 2^-53 (Shewchuk 1997; the last addition,
- * another u |D|, changes no sign). The permanent is sum_i |x_i - p0_i| v_i <= |x - p0| |v|, v_i =
- * |b_j c_k| + |b_k c_j|, and
+ * another u |D|, changes no sign). The permanent is sum_i |x_i - p0_i| v_i <= |x - p0| |v| with
+ * v_i = |b_j c_k| + |b_k c_j|, and
  *
  *     |v|^2 = |b|^2 |c|^2 + q^2 - 2 sum t_i^2,  t_i = |b_i c_i|, q = sum t_i, sum t_i^2 >= q^2 / 3
  *          <= |b|^2 |c|^2 + q^2 / 3 <= 4/3 |b|^2 |c|^2
