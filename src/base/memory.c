@@ -9,8 +9,9 @@
 #include <string.h>
 
 enum {
-    ALIGNMENT = 64, /* a cache line, and the widest vector */
-    LARGE = 4 << 20 /* bytes: room for a huge page or two, in pages of its own */
+    ALIGNMENT = 64,  /* a cache line, and the widest vector */
+    LARGE = 4 << 20, /* bytes: room for a huge page or two, in pages of its own */
+    LITTLE = 4       /* this part of them is little */
 };
 
 static size_t round_up(size_t bytes, size_t unit) {
@@ -46,6 +47,14 @@ static void *ask(pl_context *owner, size_t bytes) {
     return start;
 }
 
+/** How many of so many bytes in pages of their own shall be in huge ones: the last bytes, too, if
+ * what the page has besides is little, compared with all. On virtual machines the first touch of
+ *  twenty small pages can take as long as that of a huge one. */
+static size_t huge_part(size_t bytes) {
+    const size_t whole = round_up(bytes, PL_HUGE_PAGE);
+    return (whole - bytes) * LITTLE <= bytes ? whole : bytes;
+}
+
 /** So many bytes of fresh memory, and whom they are from; NULL: there are none. Large arrays have
  *  pages of their own, whose first touch is cheap if they are huge, and which go back at once. */
 static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
@@ -61,7 +70,7 @@ static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
         *from = PAGES;
         start = pl_system_reserve(bytes);
         if (start)
-            pl_system_want_huge_pages(start, bytes);
+            pl_system_want_huge_pages(start, huge_part(bytes));
     }
     if (start)
         return start;
