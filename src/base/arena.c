@@ -21,7 +21,8 @@ void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge) {
     if (!arena->begin)
         return;
     arena->bytes = bytes;
-    pl_system_want_huge_pages(arena->begin, huge < bytes ? huge : bytes);
+    arena->huge = huge < bytes ? huge : bytes;
+    pl_system_want_huge_pages(arena->begin, arena->huge);
 }
 
 void pl_arena_end(pl_arena *arena) {
@@ -46,6 +47,14 @@ static pl_span *take(pl_arena *arena, size_t bytes) {
     return span;
 }
 
+/** Make the small pages between begin and end resident. */
+static void populate(const pl_arena *arena, char *begin, char *end) {
+    char *const small = arena->begin + arena->huge;
+    begin = begin < small ? small : begin;
+    if (begin < end)
+        pl_system_populate(begin, (size_t)(end - begin));
+}
+
 void *pl_arena_take(pl_arena *arena, size_t bytes) {
     if (bytes > arena->bytes)
         return NULL;
@@ -53,7 +62,10 @@ void *pl_arena_take(pl_arena *arena, size_t bytes) {
     pl_spin_lock(&arena->lock);
     pl_span *span = take(arena, bytes);
     pl_spin_unlock(&arena->lock);
-    return span ? (char *)span + ALIGNMENT : NULL;
+    if (!span)
+        return NULL;
+    populate(arena, (char *)span, (char *)span + bytes);
+    return (char *)span + ALIGNMENT;
 }
 
 /** Whole huge pages of a gap go back to the system: arrays that are too large for the arena want

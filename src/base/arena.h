@@ -12,6 +12,7 @@
 typedef struct pl_arena {
     char *begin;           /* NULL: there is none, */
     size_t bytes;          /* and 0 */
+    size_t huge;           /* of them, in huge pages */
     struct pl_span *first; /* those that are taken, by their places */
     int lock;              /* see spin.h */
 } pl_arena;

@@ -9,9 +9,8 @@
 #include <string.h>
 
 enum {
-    ALIGNMENT = 64,  /* a cache line, and the widest vector */
-    LARGE = 4 << 20, /* bytes: room for a huge page or two, in pages of its own */
-    LITTLE = 4       /* this part of them is little */
+    ALIGNMENT = 64, /* a cache line, and the widest vector */
+    LARGE = 4 << 20 /* bytes: room for a huge page or two, in pages of its own */
 };
 
 static size_t round_up(size_t bytes, size_t unit) {
@@ -47,12 +46,15 @@ static void *ask(pl_context *owner, size_t bytes) {
     return start;
 }
 
-/** How many of so many bytes in pages of their own shall be in huge ones: the last bytes, too, if
- * what the page has besides is little, compared with all. On virtual machines the first touch of
- *  twenty small pages can take as long as that of a huge one. */
-static size_t huge_part(size_t bytes) {
-    const size_t whole = round_up(bytes, PL_HUGE_PAGE);
-    return (whole - bytes) * LITTLE <= bytes ? whole : bytes;
+/** Pages for so many bytes: huge ones, but for the last bytes, which do not fill one. */
+static void *pages_of(size_t bytes) {
+    const size_t last = bytes % PL_HUGE_PAGE;
+    char *start = pl_system_reserve(bytes);
+    if (!start)
+        return NULL;
+    pl_system_want_huge_pages(start, bytes);
+    pl_system_populate(start + (bytes - last), last);
+    return start;
 }
 
 /** So many bytes of fresh memory, and whom they are from; NULL: there are none. Large arrays have
@@ -68,14 +70,15 @@ static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
         start = pl_arena_take(&owner->arena, bytes);
     } else if (PL_SHARES_PAGES && bytes >= LARGE) {
         *from = PAGES;
-        start = pl_system_reserve(bytes);
-        if (start)
-            pl_system_want_huge_pages(start, huge_part(bytes));
+        start = pages_of(bytes);
     }
     if (start)
         return start;
     *from = SYSTEM;
-    return pl_system_allocate(ALIGNMENT, bytes);
+    start = pl_system_allocate(ALIGNMENT, bytes);
+    if (start && bytes < LARGE) /* or there could be much that nobody will write to */
+        pl_system_populate(start, bytes);
+    return start;
 }
 
 /** The same for an array of bytes, a multiple of ALIGNMENT, and what stands before it. */

@@ -62,6 +62,19 @@ void pl_system_discard(void *begin, size_t bytes) {
     advise(begin, bytes, (uintptr_t)sysconf(_SC_PAGESIZE), MADV_DONTNEED);
 }
 
+#ifdef MADV_POPULATE_WRITE
+void pl_system_populate(void *begin, size_t bytes) {
+    enum { MANY = 1 << 16 }; /* bytes of pages */
+    if (bytes >= MANY)
+        advise(begin, bytes, (uintptr_t)sysconf(_SC_PAGESIZE), MADV_POPULATE_WRITE);
+}
+#else
+void pl_system_populate(void *begin, size_t bytes) {
+    (void)begin;
+    (void)bytes;
+}
+#endif
+
 int64_t pl_system_memory(void) {
     const int64_t pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     return pages > 0 && size > 0 ? pages * size : INT64_MAX;

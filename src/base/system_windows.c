@@ -39,6 +39,11 @@ void pl_system_discard(void *begin, size_t bytes) {
     (void)bytes;
 }
 
+void pl_system_populate(void *begin, size_t bytes) {
+    (void)begin;
+    (void)bytes;
+}
+
 int64_t pl_system_memory(void) {
     MEMORYSTATUSEX status = {.dwLength = sizeof status};
     return GlobalMemoryStatusEx(&status) ? (int64_t)status.ullTotalPhys : INT64_MAX;

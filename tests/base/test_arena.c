@@ -167,6 +167,23 @@ static void neighbours_go_back_together(void **state) {
     }
 }
 
+/** Pages are populated around what was written in some of them: that stays, and the rest is zero.
+ */
+static void populated(void **state) {
+    (void)state;
+    unsigned char *const start = pl_system_reserve(BYTES);
+    if (!start)
+        skip();
+    start[3 * MEGABYTE + 5] = 7;
+    pl_system_populate(start + HEAD, BYTES - 2 * HEAD);
+    pl_system_populate(start, 1);
+    pl_system_populate(start, 0);
+    for (size_t i = 0; i < BYTES; i++)
+        if (start[i] != (i == 3 * MEGABYTE + 5 ? 7 : 0))
+            fail_msg("byte %zu is %d", i, start[i]);
+    pl_system_unreserve(start, BYTES);
+}
+
 static void none(void **state) {
     (void)state;
     pl_arena arena;
@@ -341,6 +358,7 @@ int main(void) {
         cmocka_unit_test(as_the_model),
         cmocka_unit_test(gaps_go_back),
         cmocka_unit_test(neighbours_go_back_together),
+        cmocka_unit_test(populated),
         cmocka_unit_test(none),
         cmocka_unit_test(threads_at_once),
         cmocka_unit_test(smaller_arrays_share),
