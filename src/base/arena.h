@@ -17,7 +17,7 @@ typedef struct pl_arena {
     int lock;              /* see spin.h */
 } pl_arena;
 
-/** So many bytes, none of which is resident before it is written, the first huge of them in huge
+/** So many bytes, none of which is resident before it is taken, the first huge of them in huge
  *  pages if the system has any. There is none if there are no such bytes. */
 void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge);
 
@@ -25,7 +25,7 @@ void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge);
 void pl_arena_end(pl_arena *arena);
 
 /** bytes, uninitialised and aligned to 64, at the first place where they have room; NULL: nowhere.
- *  By several threads at once. */
+ *  What of them is in small pages becomes resident. By several threads at once. */
 void *pl_arena_take(pl_arena *arena, size_t bytes);
 
 /** Give back what was taken. */

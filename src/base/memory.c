@@ -46,7 +46,9 @@ static void *ask(pl_context *owner, size_t bytes) {
     return start;
 }
 
-/** Pages for so many bytes: huge ones, but for the last bytes, which do not fill one. */
+/** Pages for so many bytes: huge ones if the system has any, but for the last bytes, which fill
+ * none.
+ */
 static void *pages_of(size_t bytes) {
     const size_t last = bytes % PL_HUGE_PAGE;
     char *start = pl_system_reserve(bytes);
@@ -75,10 +77,7 @@ static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
     if (start)
         return start;
     *from = SYSTEM;
-    start = pl_system_allocate(ALIGNMENT, bytes);
-    if (start && bytes < LARGE) /* or there could be much that nobody will write to */
-        pl_system_populate(start, bytes);
-    return start;
+    return pl_system_allocate(ALIGNMENT, bytes);
 }
 
 /** The same for an array of bytes, a multiple of ALIGNMENT, and what stands before it. */

@@ -11,8 +11,8 @@ struct pl_context;
 
 /** count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by pl_free.
  *  NULL if count is negative, the product overflows or there is no memory. A count of 0 gives a
- *  valid pointer. Pages are not touched; those of large arrays are placed by the thread that
- *  writes first. */
+ *  valid pointer. Huge pages are not touched: those of large arrays are placed by the thread
+ *  that writes first; what fills none may be resident at once. */
 void *pl_alloc(int64_t count, size_t size);
 
 /** pl_alloc, zeroed. */

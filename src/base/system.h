@@ -29,9 +29,9 @@ void pl_system_unreserve(void *start, size_t bytes);
 void pl_system_want_huge_pages(void *begin, size_t bytes);
 void pl_system_discard(void *begin, size_t bytes);
 
-/** Make the pages of so many bytes resident, all of which will be written, if they are many: at
- * once that takes less time than one after the other, on virtual machines much less. A refusal does
- * no harm. */
+/** Make the whole pages within so many bytes, 64 kB or more of which most will be written,
+ * resident: at once that takes less time than one after the other, on virtual machines much less.
+ * What they hold stays. A refusal does no harm. */
 void pl_system_populate(void *begin, size_t bytes);
 
 /** Bytes of memory that the machine has; INT64_MAX: not known. */
