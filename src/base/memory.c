@@ -46,9 +46,7 @@ static void *ask(pl_context *owner, size_t bytes) {
     return start;
 }
 
-/** Pages for so many bytes: huge ones if the system has any, but for the last bytes, which fill
- * none.
- */
+/** Pages for so many bytes: huge ones, if the system has any, but for the last bytes. */
 static void *pages_of(size_t bytes) {
     const size_t last = bytes % PL_HUGE_PAGE;
     char *start = pl_system_reserve(bytes);

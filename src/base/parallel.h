@@ -20,8 +20,8 @@ typedef void pl_chunk_fn(void *context, int64_t begin, int64_t end, int thread);
 
 /** Call body once for every chunk of 0 .. n-1; chunks are of size chunk but the last. Each thread
  *  begins with its own stretch of them, so that from loop to loop it finds in its caches, and in
- * the memory of its NUMA node, what it has touched before; when that is done it helps the others.
- * Returns when all are done. */
+ * the memory of its NUMA node (but for the last 2 MB of an array: memory.c), what it has touched
+ * before; when that is done it helps the others. Returns when all are done. */
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context);
 
 /** Call body(context, t, t + 1, t) on thread t of each of the threads that pl_parallel_for uses. */

@@ -62,6 +62,11 @@ void pl_system_discard(void *begin, size_t bytes) {
     advise(begin, bytes, (uintptr_t)sysconf(_SC_PAGESIZE), MADV_DONTNEED);
 }
 
+/* The C library may be older than the kernel, which may refuse what it does not know. */
+#if defined(__linux__) && !defined(MADV_POPULATE_WRITE)
+#define MADV_POPULATE_WRITE 23
+#endif
+
 #ifdef MADV_POPULATE_WRITE
 void pl_system_populate(void *begin, size_t bytes) {
     enum { MANY = 1 << 16 }; /* bytes of pages */

@@ -14,6 +14,10 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/mman.h>
+#include <unistd.h>
+#endif
 
 #include <cmocka.h>
 
@@ -167,9 +171,38 @@ static void neighbours_go_back_together(void **state) {
     }
 }
 
-/** Pages are populated around what was written in some of them: that stays, and the rest is zero.
+/* ---- what is resident ----------------------------------------------------------------------- */
+
+/** Whether the page at place is resident; -1: the system does not tell. */
+static int is_resident(const void *place) {
+#ifdef __linux__
+    const uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE);
+    unsigned char resident = 0;
+    if (mincore((void *)((uintptr_t)place / page * page), page, &resident) == 0)
+        return resident & 1;
+#else
+    (void)place;
+#endif
+    return -1;
+}
+
+/** Skip the test where pages are not populated, or the system does not tell. */
+static void require_populating(void) {
+    char *const start = pl_system_reserve(BYTES);
+    int does = 0;
+    if (start) {
+        does = is_resident(start + MEGABYTE) == 0;
+        pl_system_populate(start, BYTES);
+        does = does && is_resident(start + MEGABYTE) == 1;
+        pl_system_unreserve(start, BYTES);
+    }
+    if (!does)
+        skip();
+}
+
+/** Around what was written in some of the pages that are populated: that stays, and the rest is 0.
  */
-static void populated(void **state) {
+static void populated_pages_keep_content(void **state) {
     (void)state;
     unsigned char *const start = pl_system_reserve(BYTES);
     if (!start)
@@ -182,6 +215,42 @@ static void populated(void **state) {
         if (start[i] != (i == 3 * MEGABYTE + 5 ? 7 : 0))
             fail_msg("byte %zu is %d", i, start[i]);
     pl_system_unreserve(start, BYTES);
+}
+
+/** Of a large array the last bytes are resident at once, and nothing else that was not written; of
+ *  few bytes nothing is populated. */
+static void last_bytes_are_resident(void **state) {
+    (void)state;
+    require_populating();
+    char *const few = pl_system_reserve(MEGABYTE);
+    pl_system_populate(few, (1 << 16) - 1);
+    assert_int_equal(is_resident(few), 0);
+    pl_system_unreserve(few, MEGABYTE);
+    if (!PL_SHARES_PAGES)
+        return;
+    char *const array = pl_alloc(7 * MEGABYTE, 1); /* its head is in the first huge page */
+    assert_non_null(array);
+    assert_int_equal(is_resident(array + 3 * MEGABYTE), 0);
+    assert_int_equal(is_resident(array + 5 * MEGABYTE), 0);
+    assert_int_equal(is_resident(array + 6 * MEGABYTE + MEGABYTE / 8), 1);
+    assert_int_equal(is_resident(array + 7 * MEGABYTE - MEGABYTE / 8), 1);
+    pl_free(array);
+}
+
+/** Of what is taken from an arena, so is what lies in small pages. */
+static void small_pages_are_resident(void **state) {
+    (void)state;
+    pl_arena arena;
+    require_populating();
+    begin(&arena); /* half of it in huge pages */
+    char *const array = pl_arena_take(&arena, 10 * MEGABYTE);
+    assert_non_null(array);
+    assert_int_equal(is_resident(arena.begin + 3 * MEGABYTE), 0);
+    assert_int_equal(is_resident(arena.begin + 7 * MEGABYTE), 0);
+    assert_int_equal(is_resident(arena.begin + 8 * MEGABYTE + MEGABYTE / 8), 1);
+    assert_int_equal(is_resident(array + 10 * MEGABYTE - MEGABYTE / 8), 1);
+    assert_int_equal(is_resident(array + 11 * MEGABYTE), 0);
+    pl_arena_end(&arena);
 }
 
 static void none(void **state) {
@@ -358,7 +427,9 @@ int main(void) {
         cmocka_unit_test(as_the_model),
         cmocka_unit_test(gaps_go_back),
         cmocka_unit_test(neighbours_go_back_together),
-        cmocka_unit_test(populated),
+        cmocka_unit_test(populated_pages_keep_content),
+        cmocka_unit_test(last_bytes_are_resident),
+        cmocka_unit_test(small_pages_are_resident),
         cmocka_unit_test(none),
         cmocka_unit_test(threads_at_once),
         cmocka_unit_test(smaller_arrays_share),
