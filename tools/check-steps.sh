@@ -3,6 +3,7 @@
 
 passed=0 failed=0 skipped=0
 jobs=$(nproc)
+! command -v ninja >/dev/null || export CMAKE_GENERATOR=Ninja # of trees that are new
 sample=docs/examples/bracket.msh
 
 # step NAME COMMAND ...: one thing that passes or fails.
@@ -77,6 +78,14 @@ run_tests() {
     passed=$((passed + good))
     skipped=$((skipped + out))
     failed=$((failed + all - good - out))
+}
+
+# What is called python3 may be a script that looks for the one to run, as pyenv's does for up to a
+# second; tests call it hundreds of times, so it is looked for once.
+find_python() {
+    if [ "$(head -c 2 "$(command -v python3)")" = '#!' ]; then
+        PATH=$(dirname "$(python3 -c 'import sys; print(sys.executable)')"):$PATH
+    fi
 }
 
 # A cube of 48 000 tetrahedra with its nodes off their places: large enough that all threads work.

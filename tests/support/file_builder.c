@@ -12,6 +12,7 @@
 #include <cmocka.h>
 
 #include "support/allocations.h"
+#include "support/effort.h"
 
 void builder_release(file_builder *builder) {
     free(builder->data);
@@ -120,9 +121,10 @@ void builder_expect_error(const file_builder *builder, const io_format *format, 
 void builder_try_to_break(const file_builder *builder, const io_format *format) {
     /* A long file is one of HDF5, which compares its length before anything behind that. */
     enum { EVERY = 4096, STRIDE = 29 };
+    const int step = effort_step(3);
     planish_file *file;
     planish_error error;
-    for (int64_t size = 0; size < builder->size; size += size < EVERY ? 1 : STRIDE) {
+    for (int64_t size = 0; size < builder->size; size += (size < EVERY ? 1 : STRIDE) * step) {
         file_builder cut = *builder;
         cut.size = size;
         cut.data = malloc((size_t)size + (size == 0));
@@ -139,7 +141,7 @@ void builder_let_allocations_fail(const file_builder *builder, const io_format *
     planish_file *file;
     planish_error error;
     int status = PLANISH_ERROR_MEMORY;
-    for (int permitted = 0; status == PLANISH_ERROR_MEMORY; permitted++) {
+    for (int permitted = 0; status == PLANISH_ERROR_MEMORY; permitted += effort_step(3)) {
         allocations_permit(permitted);
         status = builder_read(builder, format, 1, &file, &error);
         allocations_permit(-1);
