@@ -2,6 +2,7 @@
 # Pages in a real browser: no complaint on its console, and the pictures are drawn.
 . "$(dirname "$0")/common.sh"
 
+[ -z "${PLANISH_QUICK-}" ] || { echo "left to tools/check --full: it takes a minute"; exit 77; }
 browser=$(command -v chromium || command -v chromium-browser || command -v google-chrome)
 [ -n "$browser" ] || { echo "no chromium here"; exit 77; }
 expect_status 0 "$program" smooth "$sample" -o smooth.msh --report solid.html -q
