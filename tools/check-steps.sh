@@ -3,7 +3,6 @@
 
 passed=0 failed=0 skipped=0
 jobs=$(nproc)
-! command -v ninja >/dev/null || export CMAKE_GENERATOR=Ninja # of trees that are new
 sample=docs/examples/bracket.msh
 
 # step NAME COMMAND ...: one thing that passes or fails.
@@ -43,6 +42,8 @@ steps_side_by_side() {
 build_tree() {
     local folder=$1 log
     shift
+    # Only now, as tools/check may just have installed it; a tree that is there keeps its generator.
+    ! command -v ninja >/dev/null || export CMAKE_GENERATOR=Ninja
     echo "== building $folder"
     mkdir -p "$folder"
     log=$folder/build.log
