@@ -69,7 +69,7 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
         double begin = seconds_now();
         for (int c = 0; c < plan->interior.n_colours; c++)
             visit(problem, plan->interior.colour_begin[c], plan->interior.colour_begin[c + 1],
-                  plan->scratch);
+                  plan->scratch, &plan->tally->of);
         const double seconds = seconds_now() - begin;
         if (sweep == 0)
             best->visit = least(seconds, best->visit);

@@ -36,20 +36,27 @@ static inline void choose_scale(star *s, double extent) {
     s->unscale = power_of_two(exponent);
 }
 
-/* Stars whose rings are asked for ahead of their visits: on meshes that outgrow the caches they
- * would be waited for. */
+/* Stars that are asked for ahead of their visits: on meshes that outgrow the caches they would be
+ * waited for, and so would what a thread on a core far away has written, or read. */
 enum { AHEAD = 3, MOST_AHEAD = 64 }; /* of a giant ring only the first nodes */
 
-/** Ask for the coordinates of the ring of the star that is due soon after index, before end. */
+/** Ask for what the visit of the star with this index will read, and write: its node and the flags
+ *  around; nothing from end on. */
 PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_t end,
                            const int dim) {
-    if (index + AHEAD >= end)
+    if (index >= end)
         return;
-    const int64_t begin = problem->ring_offset[index + AHEAD];
-    int64_t n = problem->ring_offset[index + AHEAD + 1] - begin;
+    const int64_t begin = problem->ring_offset[index];
+    int64_t n = problem->ring_offset[index + 1] - begin;
     n = n < MOST_AHEAD ? n : MOST_AHEAD;
-    for (int64_t i = begin; i < begin + n; i++)
+    for (int64_t i = begin; i < begin + n; i++) {
         pl_fetch_node(dim, problem->coordinates, problem->ring[i]);
+        pl_fetch_to_write(&problem->changed[problem->ring[i]]);
+    }
+    const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
+    pl_fetch_to_write(place);
+    pl_fetch_to_write(place + dim - 1);
+    pl_fetch_to_write(&problem->changed[problem->node[index]]);
 }
 
 /** Choose the scale that the star has with its node at x. */

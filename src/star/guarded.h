@@ -156,18 +156,18 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
 
 /* ---- ranges of stars ----------------------------------------------------------------------- */
 
-static inline pl_star_tally visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                        double *scratch, const int dim) {
-    pl_star_tally tally = {0};
-    for (int64_t i = begin; i < end; i++) {
+static inline void visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
+                               double *scratch, pl_star_tally *tally, const int dim) {
+    for (int64_t i = begin; i < begin + AHEAD; i++)
         fetch_ahead(problem, i, end, dim);
+    for (int64_t i = begin; i < end; i++) {
+        fetch_ahead(problem, i + AHEAD, end, dim);
         const int flags = claim(problem, i);
         if (!flags || pl_star_is_held(problem->guard, problem->node[i], dim))
             continue;
-        visit_star_guarded(problem, i, flags, scratch, &tally, dim);
-        tally.visits++;
+        visit_star_guarded(problem, i, flags, scratch, tally, dim);
+        tally->visits++;
     }
-    return tally;
 }
 
 /** Add what the star's projected gradient and multipliers say. */
@@ -221,14 +221,14 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
 
 /* ---- the functions of a variant ------------------------------------------------------------ */
 
-static pl_star_tally visit_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                     double *scratch) {
-    return visit_range(problem, begin, end, scratch, 2);
+static void visit_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
+                            double *scratch, pl_star_tally *tally) {
+    visit_range(problem, begin, end, scratch, tally, 2);
 }
 
-static pl_star_tally visit_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                      double *scratch) {
-    return visit_range(problem, begin, end, scratch, 3);
+static void visit_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
+                             double *scratch, pl_star_tally *tally) {
+    visit_range(problem, begin, end, scratch, tally, 3);
 }
 
 static int evaluate_triangles(const pl_star_problem *problem, int64_t star_index, double *scratch,

@@ -95,9 +95,8 @@ static void visit(const pl_star_problem *problem, planish_method method, int64_t
         settle(&here, node, to, size2, FALL_TOLD, 1, place, dim);
 }
 
-pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,
-                              int64_t begin, int64_t end, double *scratch) {
-    pl_star_tally tally = {0};
+void pl_star_average(const pl_star_problem *problem, planish_method method, int dim, int64_t begin,
+                     int64_t end, double *scratch, pl_star_tally *tally) {
     for (int64_t i = begin; i < end; i++) {
         if (!claim(problem, i))
             continue;
@@ -105,8 +104,7 @@ pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method met
             visit(problem, method, i, scratch, 3);
         else
             visit(problem, method, i, scratch, 2);
-        tally.visits++;
-        tally.evaluations++;
+        tally->visits++;
+        tally->evaluations++;
     }
-    return tally;
 }

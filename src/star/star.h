@@ -148,9 +148,9 @@ typedef struct pl_star_optimality {
 int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link);
 
 /** Move the nodes of the changed ones of stars begin .. end-1 by a method of averages
- * (laplacian.c): to the mean that it says, whatever becomes of the elements. */
-pl_star_tally pl_star_average(const pl_star_problem *problem, planish_method method, int dim,
-                              int64_t begin, int64_t end, double *scratch);
+ * (laplacian.c): to the mean that it says, whatever becomes of the elements. Adds to *tally. */
+void pl_star_average(const pl_star_problem *problem, planish_method method, int dim, int64_t begin,
+                     int64_t end, double *scratch, pl_star_tally *tally);
 
 /** Bring x [dim], where the node shall go, to what can be stored and is within its bounds; 0 if the
  *  node has to stay. */
@@ -176,9 +176,9 @@ int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int d
 double pl_star_update_shifts(const pl_star_problem *problem, int dim, int wake, int64_t begin,
                              int64_t end, double *scratch);
 
-/** Visit the changed ones of stars begin .. end-1, which must be independent. */
-typedef pl_star_tally pl_star_visit_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                       double *scratch);
+/** Visit the changed ones of stars begin .. end-1, which must be independent, and add to *tally. */
+typedef void pl_star_visit_fn(const pl_star_problem *problem, int64_t begin, int64_t end,
+                              double *scratch, pl_star_tally *tally);
 
 /** Sum (with a guard, the star's function) and largest of RR^2 (AR^2) over one star at its present
  *  position, and the sum's derivatives: for tests and benchmarks of a variant. Returns 0 if an

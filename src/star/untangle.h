@@ -87,16 +87,14 @@ static inline int may_move(const pl_star_problem *problem, int64_t index) {
     return problem->untangling->in_patch[problem->node[index]];
 }
 
-static inline pl_star_tally untangle_range(const pl_star_problem *problem, int64_t begin,
-                                           int64_t end, double *scratch, const int dim) {
-    pl_star_tally tally = {0};
+static inline void untangle_range(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                  double *scratch, pl_star_tally *tally, const int dim) {
     for (int64_t i = begin; i < end; i++) {
         if (!may_move(problem, i))
             continue;
-        untangle_star(problem, i, scratch, &tally, dim);
-        tally.visits++;
+        untangle_star(problem, i, scratch, tally, dim);
+        tally->visits++;
     }
-    return tally;
 }
 
 /* ---- the energy of a range ------------------------------------------------------------------ */
@@ -136,14 +134,14 @@ static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_
 
 /* ---- the functions of a variant ------------------------------------------------------------- */
 
-static pl_star_tally untangle_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                        double *scratch) {
-    return untangle_range(problem, begin, end, scratch, 2);
+static void untangle_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
+                               double *scratch, pl_star_tally *tally) {
+    untangle_range(problem, begin, end, scratch, tally, 2);
 }
 
-static pl_star_tally untangle_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                         double *scratch) {
-    return untangle_range(problem, begin, end, scratch, 3);
+static void untangle_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                double *scratch, pl_star_tally *tally) {
+    untangle_range(problem, begin, end, scratch, tally, 3);
 }
 
 static pl_star_energy energy_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,

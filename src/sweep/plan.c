@@ -54,9 +54,10 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
     plan->measured = pl_alloc(values, sizeof(double));
     plan->changed = pl_alloc_zero(plan->n_nodes + plan->n_images, 1);
     plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
+    plan->tally = pl_alloc(plan->threads, sizeof *plan->tally);
     if (plan->dim == 3)
         plan->kept = pl_alloc(interior->n_stars, sizeof *plan->kept);
-    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->scratch ||
+    if (!plan->coordinates || !plan->measured || !plan->changed || !plan->scratch || !plan->tally ||
         (plan->dim == 3 && !plan->kept))
         return pl_fail_memory(error, "the working space of a plan");
     const pl_points points = pl_plan_points(plan, plan->coordinates);
@@ -192,6 +193,7 @@ static void destroy(planish_plan *plan) {
     pl_free(plan->changed);
     pl_free(plan->kept);
     pl_free(plan->scratch);
+    pl_free(plan->tally);
     pl_free(plan);
 }
 

@@ -43,6 +43,11 @@ typedef struct pl_whole {
     uint8_t *is_movable;     /* [n_elements] 1: has a free node in the call that is served */
 } pl_whole;
 
+/** What a thread's visits of a sweep did; no line of the cache is shared with another's. */
+typedef struct pl_thread_tally {
+    _Alignas(64) pl_star_tally of;
+} pl_thread_tally;
+
 /** n nodes, m elements: those of the mesh, or of the part of it that is worked on; "inner" numbers
  *  run along the space-filling curve. Everything is owned but elements. */
 struct planish_plan {
@@ -79,6 +84,7 @@ struct planish_plan {
     pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
     double *scratch;     /* [threads][scratch_stride] of the kernels */
     int64_t scratch_stride;
+    pl_thread_tally *tally; /* [threads] of the sweep under way */
 };
 
 /** The local problem of the plan's interior (or sliding) stars in its arrays, with the first
@@ -113,6 +119,6 @@ static inline const uint8_t *pl_plan_counted(const planish_plan *plan) {
     return plan->context->part ? plan->context->part->is_counted : NULL;
 }
 
-enum { PL_CHUNK_STARS = 32 }; /* stars that one thread takes at a time */
+enum { PL_CHUNK_STARS = 16 }; /* stars that one thread takes at a time */
 
 #endif

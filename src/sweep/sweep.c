@@ -5,36 +5,33 @@
 #include "base/parallel.h"
 #include "base/parts.h"
 
-/** One colour under way. */
+#include <string.h>
+
+/** Some stars of a colour under way. */
 typedef struct colour_pass {
     const planish_plan *plan;
     const pl_star_problem *problem;
     planish_method method;
-    int64_t first;       /* star */
-    pl_star_tally tally; /* shared */
+    int64_t first; /* star */
 } colour_pass;
 
-static pl_star_tally visit(const colour_pass *pass, int64_t begin, int64_t end, double *scratch) {
-    const planish_plan *plan = pass->plan;
-    if (pass->problem->untangling)
-        return plan->kernel->guarded->untangle[plan->dim - 2](pass->problem, begin, end, scratch);
-    if (pass->method != PLANISH_METHOD_PLANISH)
-        return pl_star_average(pass->problem, pass->method, plan->dim, begin, end, scratch);
-    if (pass->problem->guard)
-        return plan->kernel->guarded->visit[plan->dim - 2](pass->problem, begin, end, scratch);
-    return plan->kernel->visit[plan->dim - 2](pass->problem, begin, end, scratch);
-}
-
 static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    colour_pass *pass = context;
+    const colour_pass *pass = context;
     const planish_plan *plan = pass->plan;
-    pl_star_tally tally = visit(pass, pass->first + begin, pass->first + end,
-                                plan->scratch + plan->scratch_stride * thread);
-    pl_sum_share(&pass->tally.decrease, &tally.decrease);
-    __atomic_fetch_add(&pass->tally.visits, tally.visits, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&pass->tally.evaluations, tally.evaluations, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&pass->tally.improved, tally.improved, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&pass->tally.restored, tally.restored, __ATOMIC_RELAXED);
+    const pl_star_problem *problem = pass->problem;
+    double *scratch = plan->scratch + plan->scratch_stride * thread;
+    pl_star_tally *tally = &plan->tally[thread].of;
+    const pl_star_guarded *guarded = plan->kernel->guarded;
+    pl_star_visit_fn *visit =
+        problem->guard ? guarded->visit[plan->dim - 2] : plan->kernel->visit[plan->dim - 2];
+    begin += pass->first;
+    end += pass->first;
+    if (problem->untangling)
+        guarded->untangle[plan->dim - 2](problem, begin, end, scratch, tally);
+    else if (pass->method != PLANISH_METHOD_PLANISH)
+        pl_star_average(problem, pass->method, plan->dim, begin, end, scratch, tally);
+    else
+        visit(problem, begin, end, scratch, tally);
 }
 
 /** Where a follower is. What it follows may not have moved: then it is where it was, as it was. */
@@ -56,7 +53,7 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
         *changed |= plan->changed[f->node];
         if (plan->changed[f->node] & PL_CHANGED)
             *changed &= (uint8_t)~PL_TOLD; /* a star around has moved since */
-        plan->changed[f->node] = PL_BAD; /* so that it is told */
+        plan->changed[f->node] = PL_BAD;   /* so that it is told */
     }
 }
 
@@ -79,6 +76,26 @@ static void visit_colour(colour_pass *pass, const pl_visits *visits, int colour)
     visit_stars(pass, inside, end);
     if (plan->context->part)
         pl_ghosts_receive(plan);
+}
+
+/** Nodes that all threads have visited in this sweep. */
+static int64_t count_visits(const planish_plan *plan) {
+    int64_t visits = 0;
+    for (int t = 0; t < plan->threads; t++)
+        visits += plan->tally[t].of.visits;
+    return visits;
+}
+
+/** What the threads have done. */
+static void add_threads(const planish_plan *plan, pl_sweep_tally *tally) {
+    for (int t = 0; t < plan->threads; t++) {
+        pl_star_tally *part = &plan->tally[t].of;
+        pl_sum_share(&tally->decrease, &part->decrease);
+        tally->visits += part->visits;
+        tally->evaluations += part->evaluations;
+        tally->improved += part->improved;
+        tally->restored += part->restored;
+    }
 }
 
 /** What the processes have done, and said, together. */
@@ -108,25 +125,25 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
               planish_method method, pl_after_colour_fn *after_colour, void *context,
               pl_sweep_tally *tally) {
     const int together = plan->context->part != NULL; /* none stops alone */
+    colour_pass pass = {.plan = plan, .problem = problem, .method = method};
     pl_sweep_tally mine = {.stopped = 0};
+    int64_t visited = 0;
     if (tally->stopped)
         return;
+    memset(plan->tally, 0, (size_t)plan->threads * sizeof *plan->tally);
     if (visits->n_followers > 0)
         pl_follow(plan, problem);
     for (int c = 0; c < visits->n_colours && (!mine.stopped || together); c++) {
-        colour_pass pass = {.plan = plan, .problem = problem, .method = method};
+        const int64_t before = visited;
         visit_colour(&pass, visits, c);
-        pl_sum_share(&mine.decrease, &pass.tally.decrease);
-        mine.visits += pass.tally.visits;
-        mine.evaluations += pass.tally.evaluations;
-        mine.improved += pass.tally.improved;
-        mine.restored += pass.tally.restored;
+        visited = count_visits(plan);
         tally->colours++;
         if (visits->n_followers > 0)
             pl_follow(plan, problem);
-        const int said = after_colour(context, tally->colours, pass.tally.visits);
+        const int said = after_colour(context, tally->colours, visited - before);
         mine.stopped = said > mine.stopped ? said : mine.stopped;
     }
+    add_threads(plan, &mine);
     add_parts(&mine);
     add(tally, &mine);
 }

@@ -106,8 +106,10 @@ static pl_star_energy energy(tangled_star *t, planish_isa isa, pl_star_slope *sl
 }
 
 static pl_star_tally visit(tangled_star *t, planish_isa isa) {
-    return pl_star_kernel_select(isa)->guarded->untangle[t->s.dim - 2](&t->s.problem, 0, 1,
-                                                                       t->s.scratch);
+    pl_star_tally tally = {.visits = 0};
+    pl_star_kernel_select(isa)->guarded->untangle[t->s.dim - 2](&t->s.problem, 0, 1, t->s.scratch,
+                                                                &tally);
+    return tally;
 }
 
 static double energy_sum(tangled_star *t, planish_isa isa) {

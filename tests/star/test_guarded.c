@@ -88,8 +88,10 @@ static long double mean_measure(const guarded_star *g) {
 
 static pl_star_tally visit(guarded_star *g, planish_isa isa) {
     g->s.changed[0] = 1;
-    return pl_star_kernel_select(isa)->guarded->visit[g->s.dim - 2](&g->s.problem, 0, 1,
-                                                                    g->s.scratch);
+    pl_star_tally tally = {.visits = 0};
+    pl_star_kernel_select(isa)->guarded->visit[g->s.dim - 2](&g->s.problem, 0, 1, g->s.scratch,
+                                                             &tally);
+    return tally;
 }
 
 static void visits(guarded_star *g, int n) {

@@ -63,6 +63,12 @@ static long double difference(const hand_star *s, int i, int j, int second) {
     return (4 * result[1] - result[0]) / 3;
 }
 
+static pl_star_tally visit(hand_star *s, planish_isa isa) {
+    pl_star_tally tally = {.visits = 0};
+    pl_star_kernel_select(isa)->visit[s->dim - 2](&s->problem, 0, 1, s->scratch, &tally);
+    return tally;
+}
+
 static void derivatives_match_differences(void **state) {
     int dim = *(int *)*state;
     for (unsigned seed = 0; seed < STARS; seed++) {
@@ -111,11 +117,8 @@ static void variants_give_the_same_bits(void **state) {
             evaluate_gradient(&plain, PLANISH_ISA_PLAIN, &a);
             evaluate_gradient(&other, variants[v], &b);
             assert_memory_equal(&a, &b, sizeof a);
-            for (int visit = 0; visit < 3; visit++) {
-                pl_star_tally p = pl_star_kernel_select(PLANISH_ISA_PLAIN)
-                                      ->visit[dim - 2](&plain.problem, 0, 1, plain.scratch);
-                pl_star_tally q = pl_star_kernel_select(variants[v])
-                                      ->visit[dim - 2](&other.problem, 0, 1, other.scratch);
+            for (int i = 0; i < 3; i++) {
+                pl_star_tally p = visit(&plain, PLANISH_ISA_PLAIN), q = visit(&other, variants[v]);
                 assert_memory_equal(&p, &q, sizeof p);
                 assert_memory_equal(plain.coordinates, other.coordinates, sizeof plain.coordinates);
             }
@@ -130,8 +133,7 @@ static void an_inverted_star_is_left_alone(void **state) {
     hand_star s;
     hand_star_create(&s, dim, 0.2, 7);
     s.coordinates[0] = 5; /* outside */
-    pl_star_tally tally =
-        pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    pl_star_tally tally = visit(&s, PLANISH_ISA_AUTO);
     assert_int_equal(tally.visits, 1);
     assert_true(pl_sum_value(&tally.decrease) == 0 && s.coordinates[0] == 5);
     hand_star_destroy(&s);
@@ -162,9 +164,9 @@ static void visits_reach_a_minimum(void **state) {
         move_to_the_brink(&s);
         pl_star_value before, after;
         evaluate(&s, PLANISH_ISA_AUTO, &before);
-        for (int visit = 0; visit < 60; visit++) {
+        for (int i = 0; i < 60; i++) {
             s.changed[0] = 1;
-            pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+            visit(&s, PLANISH_ISA_AUTO);
         }
         evaluate(&s, PLANISH_ISA_AUTO, &after);
         assert_true(after.sum < before.sum / 100);
@@ -184,8 +186,7 @@ static pl_star_tally visit_displaced(int dim, double amount) {
     for (int d = 0; d < dim; d++)
         s.coordinates[d] = d == 0 ? amount : 0;
     evaluate(&s, PLANISH_ISA_AUTO, &value);
-    pl_star_tally tally =
-        pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    pl_star_tally tally = visit(&s, PLANISH_ISA_AUTO);
     const double decrease = pl_sum_value(&tally.decrease);
     assert_true(decrease > 0 && tally.visits == 1);
     assert_int_equal(tally.improved, decrease > 0.01 * value.sum);
@@ -205,7 +206,7 @@ static void a_visit_steps_again_where_that_pays(void **state) {
 
 static pl_star_tally visit_flagged(hand_star *s, planish_isa isa, int flags) {
     s->changed[0] = (uint8_t)flags;
-    return pl_star_kernel_select(isa)->visit[s->dim - 2](&s->problem, 0, 1, s->scratch);
+    return visit(s, isa);
 }
 
 static pl_star_tally visit_changed(hand_star *s, planish_isa isa) {
@@ -221,7 +222,7 @@ static void nudge_ring(hand_star *s, double distance) {
 static void settle_and_keep(hand_star *s, pl_star_kept *kept, planish_isa isa) {
     *kept = (pl_star_kept){.sum = 0};
     s->problem.kept = kept;
-    for (int visit = 0; visit < 20 && !(kept->sum > 0); visit++)
+    for (int i = 0; i < 20 && !(kept->sum > 0); i++)
         visit_changed(s, isa);
     assert_true(kept->sum > 0);
 }
@@ -387,7 +388,7 @@ static void float_positions_are_floats(void **state) {
     hand_star_create(&s, dim, 0.3, 3);
     s.problem.storage.precision = PLANISH_FLOAT;
     double before = s.coordinates[0];
-    pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    visit(&s, PLANISH_ISA_AUTO);
     assert_true(s.coordinates[0] != before);
     for (int d = 0; d < dim; d++)
         assert_true(pl_round_to_float(s.coordinates[d]) == s.coordinates[d]);
@@ -403,7 +404,7 @@ static void limit_refuses_worse_elements(void **state) {
     s.problem.limits.rr2 = 0.5; /* below what any element can have */
     double before[3];
     memcpy(before, s.coordinates, sizeof before);
-    pl_star_kernel_select(PLANISH_ISA_AUTO)->visit[dim - 2](&s.problem, 0, 1, s.scratch);
+    visit(&s, PLANISH_ISA_AUTO);
     assert_memory_equal(before, s.coordinates, (size_t)dim * sizeof(double));
     hand_star_destroy(&s);
 }
@@ -427,9 +428,10 @@ static long double angle_after(const hand_star *s, int guarded, int limited, dou
             pl_blunt_ratio_square(s->dim, copy.problem.limits.acuteness);
     }
     for (int i = 0; i < 20; i++) {
+        pl_star_tally tally = {.visits = 0};
         copy.changed[0] = 1;
         (guarded ? kernel->guarded->visit : kernel->visit)[s->dim - 2](&copy.problem, 0, 1,
-                                                                       copy.scratch);
+                                                                       copy.scratch, &tally);
     }
     for (int d = 0; d < s->dim; d++)
         place[d] = x[d] = copy.coordinates[d];
