@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-enum { CHUNK = 16384 }; /* nodes that one thread looks at at a time */
+enum { CHUNK = 4096 }; /* nodes that one thread looks at at a time */
 
 /* Coordinates beyond it are made smaller before they are subtracted. */
 #define HUGE_COORDINATE 0x1p1000

@@ -7,7 +7,7 @@
 #include <inttypes.h>
 #include <math.h>
 
-enum { CHUNK = 16384 }; /* points that one thread takes at a time */
+enum { CHUNK = 4096 }; /* points that one thread takes at a time */
 
 pl_points pl_points_of(const planish_mesh *mesh, const double *x) {
     return (pl_points){.x = x,
