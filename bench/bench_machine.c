@@ -5,8 +5,9 @@
  * One core: its clock, as dependent shifts and exclusive ors count it; then additions,
  * multiplications, both in turn, divisions and square roots of packs of four doubles, independent
  * of one another, per cycle. Memory: the sum of two arrays of 128 MB into a third, by 1 and by
- * THREADS threads (all CPUs), in GB/s of what is read and written. Each figure is the best of
- * several.
+ * THREADS threads (all CPUs), in GB/s of what is read and written. Between two cores: how long a
+ * line of the cache takes to the other and back, which is four times as long where they have no
+ * cache in common. Each figure is the best of several.
  */
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -32,6 +33,7 @@ enum {
         12, /* independent of one another: more than any latency needs, and they fit registers */
     ROOT_CHAINS = 8,
     ARRAY = 16 << 20, /* doubles */
+    HANDOVERS = 2000, /* of a line, there and back */
     CHUNK = 1 << 16
 };
 
@@ -128,6 +130,35 @@ static double bandwidth(int threads) {
     return best;
 }
 
+/** A line of the cache, and whose turn it is: 0, 1. */
+typedef struct line {
+    _Alignas(128) int turn;
+} line;
+
+static void hand_over(void *context, int64_t begin, int64_t end, int thread) {
+    line *l = context;
+    (void)begin;
+    (void)end;
+    for (int i = 0; thread < 2 && i < HANDOVERS; i++) {
+        while (__atomic_load_n(&l->turn, __ATOMIC_ACQUIRE) != thread)
+            ;
+        __atomic_store_n(&l->turn, !thread, __ATOMIC_RELEASE);
+    }
+}
+
+/** Seconds that a line takes from one core to another and back. */
+static double round_trip(void) {
+    double best = INFINITY;
+    for (int i = 0; i < REPEATS; i++) {
+        line l = {0};
+        double begin = seconds_now();
+        pl_on_each_thread(2, hand_over, &l);
+        double seconds = (seconds_now() - begin) / HANDOVERS;
+        best = seconds < best ? seconds : best;
+    }
+    return best;
+}
+
 int main(int argc, char **argv) {
     int threads = pl_thread_count(argc > 1 ? atoi(argv[1]) : 0);
     double clock = clock_rate();
@@ -139,6 +170,9 @@ int main(int argc, char **argv) {
     printf("  \"threads\": %d, \"memory_gb_per_s\": [%.2f", threads, bandwidth(1) * 1e-9);
     if (threads > 1)
         printf(", %.2f", bandwidth(threads) * 1e-9);
-    printf("] }\n");
+    printf("]");
+    if (threads > 1)
+        printf(",\n  \"line_round_trip_ns\": %.0f", round_trip() * 1e9);
+    printf(" }\n");
     return fflush(stdout) ? 2 : 0;
 }

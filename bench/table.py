@@ -50,6 +50,8 @@ def peak(folder, name):
     print(f"\nA visit by a Hessian that was kept needs {arithmetic:.0f} ns for its additions and "
           f"multiplications at that rate, and {divider:.0f} ns of the divider at the same time; it takes {visit:.0f} ns: "
           f"{arithmetic / visit:.0%} of the peak.")
+    if "line_round_trip_ns" in found:
+        print(f"\nA line of the cache takes {found['line_round_trip_ns']} ns from one core to the other and back.")
 
 
 def main():
