@@ -18,21 +18,28 @@ static void *room(int64_t n, size_t size) {
 
 /* ---- what processes do together ------------------------------------------------------------- */
 
-static int failing(process *p) {
-    const int fails = p->of->fails_at == 0;
-    pthread_barrier_wait(&p->of->barrier);
+/* Each of these has two times at which all wait for each other: before the first they say what they
+ * have, before the second they look at what the others have said. */
+
+/** Whether this is the one that fails: asked before the first, */
+static int fails_now(const process *p) {
+    return p->of->fails_at == 0;
+}
+
+/** and counted before the second. */
+static void count_down(const process *p) {
     if (p->rank == 0 && p->of->fails_at >= 0)
         p->of->fails_at--;
-    pthread_barrier_wait(&p->of->barrier);
-    return fails;
 }
 
 /** values become those of all processes: their sums, or the largest. */
 static int combine(process *p, int64_t *values, int n, int largest) {
     processes *w = p->of;
+    const int fails = fails_now(p);
     int64_t *result = room(n, sizeof *result);
     w->offered[p->rank] = values;
     pthread_barrier_wait(&w->barrier);
+    count_down(p);
     for (int i = 0; i < n; i++) {
         result[i] = w->offered[0][i];
         for (int k = 1; k < w->n; k++) {
@@ -46,7 +53,7 @@ static int combine(process *p, int64_t *values, int n, int largest) {
     pthread_barrier_wait(&w->barrier);
     memcpy(values, result, (size_t)n * sizeof *values);
     free(result);
-    return failing(p);
+    return fails;
 }
 
 static int add(int64_t *values, int n, void *user) {
@@ -88,7 +95,9 @@ static int64_t find(const process *p, int64_t number) {
 static int receive_values(planish_take_fn *take, void *taker, void *user) {
     process *p = user;
     processes *w = p->of;
+    const int fails = fails_now(p);
     pthread_barrier_wait(&w->barrier);
+    count_down(p);
     for (int k = 0; k < w->n; k++) {
         const process *q = &w->parts[k];
         for (int64_t i = 0; k != p->rank && i < q->n_sent; i++) {
@@ -98,7 +107,7 @@ static int receive_values(planish_take_fn *take, void *taker, void *user) {
         }
     }
     pthread_barrier_wait(&w->barrier);
-    return failing(p);
+    return fails;
 }
 
 /* ---- parts ---------------------------------------------------------------------------------- */
