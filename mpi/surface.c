@@ -76,8 +76,10 @@ static int is_own(const pl_share *share, int32_t node) {
 }
 
 /** Of a facet whose nodes all belong to others not all elements need to be here: they see it. */
-static void mark_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+static void mark_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                        int thread) {
     const marking *m = context;
+    (void)thread;
     const int32_t *region = m->share->region;
     for (const pl_facet *f = facets; f < facets + n_facets; f++) {
         const int32_t nodes[3] = {node, f->node[0], f->node[1]};

@@ -31,6 +31,13 @@ void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context);
  *  entries), which is returned. */
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values);
 
+/** Set *flag to value, as other threads may, too: it is written only where it is not that already,
+ * so that cores leave one another its line of the cache. */
+static inline void pl_set_flag(uint8_t *flag, uint8_t value) {
+    if (__atomic_load_n(flag, __ATOMIC_RELAXED) != value)
+        __atomic_store_n(flag, value, __ATOMIC_RELAXED);
+}
+
 /** Raise *largest to value, or lower *lowest to it, whichever thread comes first. */
 void pl_raise_to(int64_t *largest, int64_t value);
 void pl_lower_to(int64_t *lowest, int64_t value);

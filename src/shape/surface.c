@@ -3,6 +3,7 @@
 #include "shape/surface.h"
 
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/status.h"
 #include "topology/facets.h"
 
@@ -115,8 +116,10 @@ static pl_label label_of(const search *s, const pl_facet *facet, const tagged *t
 
 /** Note the facets of the surface among those of node; in a first round only how many they are, and
  *  their nodes. */
-static void note_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+static void note_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                        int thread) {
     search *s = context;
+    (void)thread;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
         found f = {.node = {node, facet->node[0], facet->node[1]}};
         const tagged *t = find_tagged(s, f.node);
@@ -131,7 +134,7 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
             continue;
         }
         for (int j = 0; j < s->mesh->dim; j++)
-            __atomic_store_n(&s->elsewhere[f.node[j]], 0, __ATOMIC_RELAXED);
+            pl_set_flag(&s->elsewhere[f.node[j]], 0);
     }
 }
 

@@ -33,7 +33,7 @@ static void look_at_chunk(void *context, int64_t begin, int64_t end, int thread)
         for (int j = 0; j <= plan->dim; j++) {
             movable |= plan->is_free[element[j]];
             if (l->marks)
-                __atomic_store_n(&plan->is_used[element[j]], 1, __ATOMIC_RELAXED);
+                pl_set_flag(&plan->is_used[element[j]], 1);
         }
         count += !movable && (!is_counted || is_counted[i]);
     }

@@ -2,31 +2,34 @@
 #include "topology/topology.h"
 
 #include "base/memory.h"
+#include "base/parallel.h"
 #include "base/parts.h"
 #include "base/status.h"
 #include "topology/facets.h"
 #include "topology/local_map.h"
 #include "topology/orientation.h"
 
-/** What the facets are asked. Written from several threads: counters by atomic additions, flags by
- *  atomic stores of the one value they can get. */
+/** What a thread counts; no line of the cache is shared with another's. */
+typedef struct counts {
+    _Alignas(64) int64_t boundary_facets;
+    int64_t nonmanifold_facets, duplicate_elements;
+} counts;
+
+/** What the facets are asked. Flags are written from several threads: the one value they can get.
+ */
 typedef struct census {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     pl_boundary *boundary;
+    counts *counts;           /* [threads] */
     const planish_part *part; /* of which facets at its own nodes are looked at: all their elements
                                  are here */
     int consistent;           /* elements joined by a facet traverse it in opposite directions */
     int failed;               /* memory ran out */
 } census;
 
-static void add(int64_t *counter, int64_t n) {
-    if (n)
-        __atomic_fetch_add(counter, n, __ATOMIC_RELAXED);
-}
-
 static void hold(census *c, int32_t node) {
-    __atomic_store_n(&c->boundary->on_boundary[node], 1, __ATOMIC_RELAXED);
+    pl_set_flag(&c->boundary->on_boundary[node], 1);
 }
 
 /* ---- duplicates --------------------------------------------------------------------------- */
@@ -42,7 +45,7 @@ static int32_t number_of_nodes(int dim, pl_local_map *map, const int32_t *s) {
 
 /** Count and hold the duplicates among the elements of which node is the smallest. Rare, so that
  *  the map is made for the occasion. */
-static void find_duplicates(census *c, int32_t node) {
+static void find_duplicates(census *c, int32_t node, counts *count) {
     int dim = c->mesh->dim;
     int64_t begin = c->incidence->offset[node], end = c->incidence->offset[node + 1];
     pl_local_map map = {0};
@@ -59,7 +62,7 @@ static void find_duplicates(census *c, int32_t node) {
         int32_t number = number_of_nodes(dim, &map, s);
         if (number >= known)
             continue;
-        add(&c->boundary->n_duplicate_elements, pl_is_own(c->part, node));
+        count->duplicate_elements += pl_is_own(c->part, node);
         for (int j = 0; j <= dim; j++)
             hold(c, s[j]);
     }
@@ -80,8 +83,10 @@ static int is_here(const census *c, int32_t node, const pl_facet *facet) {
            (facet->node[1] >= 0 && pl_is_own(c->part, facet->node[1]));
 }
 
-static void count_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+static void count_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                         int thread) {
     census *c = context;
+    counts *count = &c->counts[thread];
     int64_t outer = 0, nonmanifold = 0;
     int same_direction = 0, twins = 0;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
@@ -95,13 +100,13 @@ static void count_facets(void *context, int32_t node, const pl_facet *facets, in
             hold_facet(c, node, facet);
     }
     if (pl_is_own(c->part, node)) { /* each in one process */
-        add(&c->boundary->n_boundary_facets, outer);
-        add(&c->boundary->n_nonmanifold_facets, nonmanifold);
+        count->boundary_facets += outer;
+        count->nonmanifold_facets += nonmanifold;
     }
     if (same_direction)
         __atomic_store_n(&c->consistent, 0, __ATOMIC_RELAXED);
     if (twins || nonmanifold)
-        find_duplicates(c, node);
+        find_duplicates(c, node, count);
 }
 
 /* ---- the boundary ------------------------------------------------------------------------- */
@@ -119,13 +124,33 @@ int pl_boundary_create(const planish_mesh *mesh, int all_positive, int threads,
     return status;
 }
 
+/** Ask all facets, and add up what the threads have counted. */
+static int take_census(census *c, const uint8_t *is_inside, int threads, planish_error *error) {
+    pl_boundary *boundary = c->boundary;
+    c->counts = pl_alloc_zero(threads, sizeof *c->counts);
+    if (!c->counts)
+        return pl_fail_memory(error, "the facets");
+    int status = pl_facets_match(c->mesh, c->incidence, is_inside, threads, count_facets, c, error);
+    if (!status && c->failed)
+        status = pl_fail_memory(error, "duplicate elements");
+    for (int t = 0; t < threads; t++) {
+        boundary->n_boundary_facets += c->counts[t].boundary_facets;
+        boundary->n_nonmanifold_facets += c->counts[t].nonmanifold_facets;
+        boundary->n_duplicate_elements += c->counts[t].duplicate_elements;
+    }
+    pl_free(c->counts);
+    return status;
+}
+
 int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
                      const uint8_t *is_inside, int threads, pl_boundary *boundary,
                      planish_error *error) {
-    census c = {mesh, incidence, boundary, pl_part_here(), 1, 0};
-    int status = pl_facets_match(mesh, incidence, is_inside, threads, count_facets, &c, error);
-    if (!status && c.failed)
-        status = pl_fail_memory(error, "duplicate elements");
+    census c = {.mesh = mesh,
+                .incidence = incidence,
+                .boundary = boundary,
+                .part = pl_part_here(),
+                .consistent = 1};
+    int status = take_census(&c, is_inside, threads, error);
     const int consistent = !pl_parts_any(!c.consistent);
     const int agree = boundary->is_guess && consistent;
     if (!status && !agree)

@@ -137,7 +137,7 @@ static inline void match_nodes(matching *m, int dim, int64_t begin, int64_t end,
             return;
         add_elements(m, dim, map, facets, (int32_t)node);
         if (map->count)
-            m->body(m->context, (int32_t)node, facets, map->count);
+            m->body(m->context, (int32_t)node, facets, map->count, thread);
     }
 }
 

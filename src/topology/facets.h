@@ -19,9 +19,10 @@ static inline int pl_facet_joins(const pl_facet *facet) {
     return facet->count == 2 && !facet->twin;
 }
 
-/** Called for each node that is the smallest of a facet, with all those facets; distinct nodes are
- *  visited at the same time on several threads. */
-typedef void pl_facets_fn(void *context, int32_t node, const pl_facet *facets, int32_t n_facets);
+/** Called for each node that is the smallest of a facet, with all those facets, on thread 0 ..
+ *  threads-1; distinct nodes are visited at the same time on several. */
+typedef void pl_facets_fn(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                          int thread);
 
 /** Call body for every node. is_inside [n]: facets of nodes for which it is 1 are left out; NULL:
  *  none are. */

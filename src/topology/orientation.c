@@ -161,8 +161,10 @@ static int joins(const work *w, int32_t node, const pl_facet *facet) {
                                      (facet->node[1] >= 0 && pl_is_own(part, facet->node[1])));
 }
 
-static void join_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+static void join_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                        int thread) {
     work *w = context;
+    (void)thread;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
         if (!joins(w, node, facet))
             continue;
@@ -193,16 +195,18 @@ static int is_conflicting(work *w, int32_t element) {
 }
 
 /** Hold the nodes of facets that contradict the file's order in a component that keeps it. */
-static void hold_conflicts(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+static void hold_conflicts(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                           int thread) {
     work *w = context;
+    (void)thread;
     uint8_t *held = w->boundary->on_boundary;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
         if (!joins(w, node, facet) || facet->parity[0] != facet->parity[1] ||
             !is_conflicting(w, facet->element[0]))
             continue;
-        __atomic_store_n(held + node, 1, __ATOMIC_RELAXED);
+        pl_set_flag(held + node, 1);
         for (int i = 0; i < 2 && facet->node[i] >= 0; i++)
-            __atomic_store_n(held + facet->node[i], 1, __ATOMIC_RELAXED);
+            pl_set_flag(held + facet->node[i], 1);
     }
 }
 

@@ -54,7 +54,7 @@ static int64_t length_of_sphere(int64_t n) {
 
 /* Several threads may do this to a node at the same time. */
 static inline void set_fixed(const work *w, int32_t node) {
-    __atomic_store_n(&w->is_free[node], 0, __ATOMIC_RELAXED);
+    pl_set_flag(&w->is_free[node], 0);
 }
 
 static inline int is_free(const work *w, int32_t node) {

@@ -66,8 +66,10 @@ static int faces_inwards(const planish_mesh *mesh, const int32_t *triangle, int3
 }
 
 /** Take the facets of node that no second element has. */
-static void take_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets) {
+static void take_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                        int thread) {
     collection *c = context;
+    (void)thread;
     for (int32_t i = 0; i < n_facets; i++) {
         if (facets[i].count != 1 || c->failed || !make_room(c))
             continue;
