@@ -1,6 +1,7 @@
 /* The worst elements: what options.worst brings and what it may cost, and that no smoothing makes
  * the worst RR or the smallest angle of a mesh worse. */
 #include "support/allocations.h"
+#include "support/effort.h"
 #include "support/meshes.h"
 
 #include <math.h>
@@ -302,7 +303,7 @@ static void any_call_can_stop(void **state) {
     const double converged = r.result.objective_of_worst;
     assert_true(fabs(all.last / r.result.objective - 1) < options.worst_rise);
     release(&r);
-    for (int at = 1; at <= calls; at += 1 + calls / 97) {
+    for (int at = 1; at <= calls; at += effort_step(3) * (1 + calls / 97)) {
         stop s = {.at = at};
         options.progress_user = &s;
         r = smooth(&box.mesh, &options);
