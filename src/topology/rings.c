@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
+#include "geometry/inline.h"
 #include "topology/elements.h"
 #include "topology/local_map.h"
 #include "topology/small_ring.h"
@@ -164,52 +165,72 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
 
 /* ---- one small ring ----------------------------------------------------------------------- */
 
+/** 1 if two numbers of nodes are the same, or else 0. Where == gives a number, compilers may write
+ *  the low byte of a register alone: then what comes next waits for what that held before. */
+static inline uint32_t is_same(int32_t a, int32_t b) {
+    return ((uint32_t)(a ^ b) - 1) >> 31;
+}
+
 /** The other nodes of a tetrahedron, in its order. Returns 1 if the last two have to be exchanged
  *  for the order of the facet (is_turned), or else 0. No branch: nothing could predict it. */
-static inline int find_facet(const int32_t *element, int32_t node, int negative, int32_t other[3]) {
-    const int is_a = element[0] == node, is_b = element[1] == node, is_d = element[3] == node;
+static inline uint32_t find_facet(const int32_t *element, int32_t node, int32_t other[3]) {
+    const uint32_t is_a = is_same(element[0], node), is_b = is_same(element[1], node),
+                   is_d = is_same(element[3], node);
     other[0] = element[is_a];
-    other[1] = element[1 + (is_a | is_b)];
+    other[1] = element[1 + is_a + is_b];
     other[2] = element[3 - is_d];
-    return (is_b | is_d) == negative;
+    return 1 - is_b - is_d;
 }
 
-/** The nodes of the facets of node's link, numbered. */
-static inline void find_small_facets(const work *w, int32_t node, const int32_t *list, int64_t n,
-                                     pl_small_ring *table) {
-    const int32_t *elements = w->mesh->elements;
-    const int8_t *sign = w->sign;
+/** Number the nodes of node's link by the i-th hash: positions of the corners of its n facets, as
+ *  if all elements were positive. */
+PL_NOINLINE void find_small_facets(const int32_t *elements, int32_t node, const int32_t *list,
+                                   int64_t n, int i, pl_small_ring *table,
+                                   uint8_t *restrict corner) {
+    pl_small_ring_begin_nodes(table, i);
+    const uint32_t factor = table->factor;
+    uint32_t n_nodes = 0, collision = 0;
+    for (const int32_t *end = list + n; list < end; list++, corner += 3) {
+        int32_t other[3];
+        uint8_t position[3];
+        const uint32_t turned = find_facet(elements + (int64_t)*list * 4, node, other);
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; j++)
+            position[j] = pl_small_ring_node(table, factor, other[j], &n_nodes, &collision);
+        const uint8_t exchange = (position[1] ^ position[2]) & (uint8_t)(turned - 1);
+        corner[0] = position[0];
+        corner[1] = position[2] ^ exchange;
+        corner[2] = position[1] ^ exchange;
+    }
+    table->n_nodes = n_nodes;
+    table->collision = collision;
+}
+
+/** Exchange two corners of the facets of negative elements. */
+static void turn_negative(const int8_t *sign, const int32_t *list, int64_t n, uint8_t *corner) {
     for (int64_t i = 0; i < n; i++)
-        table->turned[i] = (uint8_t)find_facet(elements + (int64_t)list[i] * 4, node,
-                                               sign && sign[list[i]] < 0, table->corner + 3 * i);
-    pl_small_ring_number_nodes(table, 3 * n);
+        if (sign[list[i]] < 0) {
+            const uint8_t last = corner[3 * i + 2];
+            corner[3 * i + 2] = corner[3 * i + 1];
+            corner[3 * i + 1] = last;
+        }
 }
 
-/** Write the positions of the corners of n facets, and the numbers of their edges. Returns whether
- *  that is in vain: two of the nodes have the same position. */
-static inline int write_small_facets(pl_small_ring *table, int64_t n, uint8_t *corner,
-                                     uint8_t *edge) {
-    uint32_t n_edges = 0;
-    uint8_t unrepeated = PL_SMALL_NONE;
-    int32_t collision = 0;
+/** Number the edges of n facets. */
+PL_NOINLINE void find_small_edges(pl_small_ring *table, int64_t n, const uint8_t *restrict corner,
+                                  uint8_t *restrict edge) {
+    uint32_t n_edges = 0, unrepeated = PL_SMALL_NONE;
     pl_small_ring_begin_edges(table);
-    for (int64_t f = 0; f < 3 * n; f += 3) {
-        const int turned = table->turned[f / 3];
-        const int64_t at[3] = {f, f + 1 + turned, f + 2 - turned};
-        uint32_t p[3];
-#pragma GCC unroll 3
-        for (int c = 0; c < 3; c++) {
-            p[c] = table->position[at[c]];
-            corner[f + c] = (uint8_t)p[c];
-            collision |= table->node[p[c]] ^ table->corner[at[c]];
-        }
-#pragma GCC unroll 3
-        for (int c = 0; c < 3; c++)
-            edge[f + c] = pl_small_ring_edge(table, p[c], p[(c + 1) % 3], &n_edges, &unrepeated);
+    for (const uint8_t *end = corner + 3 * n; corner < end; corner += 3, edge += 3) {
+        const size_t p = corner[0], q = corner[1], r = corner[2];
+        uint8_t *of_p = pl_small_ring_edges_of(table, p), *of_q = pl_small_ring_edges_of(table, q),
+                *of_r = pl_small_ring_edges_of(table, r);
+        edge[0] = pl_small_ring_edge(of_p + q, of_q + p, &n_edges, &unrepeated);
+        edge[1] = pl_small_ring_edge(of_q + r, of_r + q, &n_edges, &unrepeated);
+        edge[2] = pl_small_ring_edge(of_r + p, of_p + r, &n_edges, &unrepeated);
     }
     table->n_edges = n_edges;
     table->unrepeated = unrepeated;
-    return collision != 0;
 }
 
 /** Nodes of a facet of one element alone, or that its elements traverse in one direction alone, are
@@ -237,10 +258,14 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
     star found = {-1, 0, 0};
     if (n > PL_SMALL_LINK)
         return found;
-    find_small_facets(w, node, list, n, table);
+    for (int i = 0; i == 0 || (table->collision && i < PL_SMALL_HASHES); i++)
+        find_small_facets(w->mesh->elements, node, list, n, i, table, link.low);
     const int64_t length = table->n_nodes;
-    if (length > PL_SMALL_RING || write_small_facets(table, n, link.low, link.low + 3 * n))
+    if (table->collision || length > PL_SMALL_RING)
         return found;
+    if (w->sign)
+        turn_negative(w->sign, list, n, link.low);
+    find_small_edges(table, n, link.low, link.low + 3 * n);
     const int is_closed = 2 * table->n_edges == 3 * n && table->unrepeated == PL_SMALL_NONE;
     if (!is_closed)
         leave_boundary(w, table, link.low, n);

@@ -291,43 +291,74 @@ static void holds_giant_links(void **state) {
     }
 }
 
-/** Numbers of former links count for nothing. */
+/** Numbers of former links count for nothing, by whichever hash they were found. */
 static void tables_forget(void **state) {
     (void)state;
     static pl_small_ring table;
-    const int32_t corner[] = {7, 5, 7, 9};
+    const int32_t node[] = {7, 5, 7, 9};
     const uint8_t position[] = {0, 1, 0, 2};
     pl_small_ring_init(&table);
-    for (int round = 0; round < 3; round++) {
-        uint32_t n_edges = 0;
-        uint8_t unrepeated = PL_SMALL_NONE;
+    uint8_t *of_0 = pl_small_ring_edges_of(&table, 0), *of_1 = pl_small_ring_edges_of(&table, 1),
+            *of_2 = pl_small_ring_edges_of(&table, 2);
+    for (int round = 0; round < 6; round++) {
+        uint32_t n_edges = 0, unrepeated = PL_SMALL_NONE, n_nodes = 0, collision = 0;
+        pl_small_ring_begin_nodes(&table, round % PL_SMALL_HASHES);
         for (int i = 0; i < 4; i++)
-            table.corner[i] = corner[i] + round;
-        pl_small_ring_number_nodes(&table, 4);
-        assert_memory_equal(table.position, position, sizeof position);
-        assert_int_equal(table.n_nodes, 3);
-        assert_int_equal(table.node[2], 9 + round);
+            assert_int_equal(
+                pl_small_ring_node(&table, table.factor, node[i] + round / 2, &n_nodes, &collision),
+                position[i]);
+        assert_int_equal(collision, 0);
+        assert_int_equal(n_nodes, 3);
+        assert_int_equal(table.node[2], 9 + round / 2);
+        table.n_nodes = n_nodes;
         pl_small_ring_begin_edges(&table);
-        assert_int_equal(pl_small_ring_edge(&table, 0, 1, &n_edges, &unrepeated), 0);
-        assert_int_equal(pl_small_ring_edge(&table, 1, 2, &n_edges, &unrepeated), 1);
-        assert_int_equal(pl_small_ring_edge(&table, 1, 0, &n_edges, &unrepeated), 0);
+        assert_int_equal(pl_small_ring_edge(of_0 + 1, of_1 + 0, &n_edges, &unrepeated), 0);
+        assert_int_equal(pl_small_ring_edge(of_1 + 2, of_2 + 1, &n_edges, &unrepeated), 1);
+        assert_int_equal(pl_small_ring_edge(of_1 + 0, of_0 + 1, &n_edges, &unrepeated), 0);
         assert_int_equal(n_edges, 2);
         assert_int_equal(unrepeated, PL_SMALL_NONE);
-        pl_small_ring_edge(&table, 1, 2, &n_edges, &unrepeated);
+        pl_small_ring_edge(of_1 + 2, of_2 + 1, &n_edges, &unrepeated);
         assert_int_not_equal(unrepeated, PL_SMALL_NONE);
     }
 }
 
-/** The same mesh with its nodes numbered anew, by ascending numbers of which the table of small
- *  rings sees no more than so many, all others being unused. */
-static void number_alike(test_mesh *alike, const test_mesh *mesh, int places) {
+/** Two nodes at one place are noticed, and told apart by the other hash. */
+static void tables_notice_collisions(void **state) {
+    (void)state;
     static pl_small_ring table;
+    int32_t alike = 1;
+    while (pl_small_ring_place(alike, pl_small_ring_factor(0)) !=
+           pl_small_ring_place(0, pl_small_ring_factor(0)))
+        alike++;
+    pl_small_ring_init(&table);
+    for (int i = 0; i < PL_SMALL_HASHES; i++) {
+        uint32_t n_nodes = 0, collision = 0;
+        pl_small_ring_begin_nodes(&table, i);
+        pl_small_ring_node(&table, table.factor, 0, &n_nodes, &collision);
+        assert_int_equal(collision, 0);
+        pl_small_ring_node(&table, table.factor, alike, &n_nodes, &collision);
+        assert_int_equal(collision != 0, i == 0);
+        table.n_nodes = n_nodes;
+    }
+}
+
+/** Whether each hash, up to the last one, has node at one of so many places. */
+static int is_at_places(int32_t node, int last, uint32_t places) {
+    int is = 1;
+    for (int i = 0; i <= last; i++)
+        is &= pl_small_ring_place(node, pl_small_ring_factor(i)) < places;
+    return is;
+}
+
+/** The same mesh with its nodes numbered anew, by ascending numbers of which the table of small
+ *  rings sees no more than so many by each hash up to the last one, all others being unused. */
+static void number_alike(test_mesh *alike, const test_mesh *mesh, int last, uint32_t places) {
     const int64_t k = mesh->mesh.dim + 1, n = mesh->mesh.n_nodes, m = mesh->mesh.n_elements;
     int32_t *number = malloc((size_t)n * sizeof *number), next = 0;
     int32_t *elements = malloc((size_t)(m * k) * sizeof *elements);
     assert_true(number && elements);
     for (int64_t i = 0; i < n; i++) {
-        while (pl_small_ring_place(&table, next) - table.at >= places)
+        while (!is_at_places(next, last, places))
             next++;
         number[i] = next++;
     }
@@ -344,35 +375,37 @@ static void number_alike(test_mesh *alike, const test_mesh *mesh, int places) {
     free(number);
 }
 
-/** Nodes that the table of small rings takes for one another: most links have two of them, or
- *  some. */
+/** Nodes that the table of small rings takes for one another by the first hash, or by all: most
+ *  links have two of them, or some. */
 static void nodes_that_hash_alike(void **state) {
     (void)state;
-    for (int places = 16; places <= 1024; places *= 4)
-        for (unsigned seed = 1; seed < 4; seed++) {
-            test_mesh mesh, alike;
-            test_mesh_box(&mesh, 3, 4);
-            test_mesh_renumber(&mesh, seed, NULL);
-            number_alike(&alike, &mesh, places);
-            assert_int_equal(check_any_shape(&alike.mesh), 27);
-            test_mesh_destroy(&alike);
-            test_mesh_destroy(&mesh);
-        }
+    for (int last = 0; last < PL_SMALL_HASHES; last++)
+        for (uint32_t places = last ? 64 : 16; places <= 1024; places *= 4)
+            for (unsigned seed = 1; seed < 4; seed++) {
+                test_mesh mesh, alike;
+                test_mesh_box(&mesh, 3, 4);
+                test_mesh_renumber(&mesh, seed, NULL);
+                number_alike(&alike, &mesh, last, places);
+                assert_int_equal(check_any_shape(&alike.mesh), 27);
+                test_mesh_destroy(&alike);
+                test_mesh_destroy(&mesh);
+            }
 }
 
 /** Small boxes, nearly all of whose links are open: with two of its nodes taken for one another
  * such a link can look closed. */
 static void open_links_that_hash_alike(void **state) {
     (void)state;
-    for (unsigned seed = 1; seed <= 40; seed++) {
-        test_mesh mesh, alike;
-        test_mesh_box(&mesh, 3, 1 + (int)(seed % 3));
-        test_mesh_renumber(&mesh, seed, NULL);
-        number_alike(&alike, &mesh, 3 + (int)seed * 4);
-        check_any_shape(&alike.mesh);
-        test_mesh_destroy(&alike);
-        test_mesh_destroy(&mesh);
-    }
+    for (int last = 0; last < PL_SMALL_HASHES; last++)
+        for (unsigned seed = 1; seed <= 40; seed++) {
+            test_mesh mesh, alike;
+            test_mesh_box(&mesh, 3, 1 + (int)(seed % 3));
+            test_mesh_renumber(&mesh, seed, NULL);
+            number_alike(&alike, &mesh, last, (last ? 60 : 3) + seed * 4);
+            check_any_shape(&alike.mesh);
+            test_mesh_destroy(&alike);
+            test_mesh_destroy(&mesh);
+        }
 }
 
 static void no_free_node(void **state) {
@@ -424,12 +457,13 @@ static void survives_without_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(interior_of_boxes),     cmocka_unit_test(links_of_any_shape),
-        cmocka_unit_test(doubled_elements),      cmocka_unit_test(a_reversed_element),
-        cmocka_unit_test(links_of_any_size),     cmocka_unit_test(pillows),
-        cmocka_unit_test(holds_giant_links),     cmocka_unit_test(tables_forget),
-        cmocka_unit_test(nodes_that_hash_alike), cmocka_unit_test(open_links_that_hash_alike),
-        cmocka_unit_test(no_free_node),          cmocka_unit_test(survives_without_memory),
+        cmocka_unit_test(interior_of_boxes),          cmocka_unit_test(links_of_any_shape),
+        cmocka_unit_test(doubled_elements),           cmocka_unit_test(a_reversed_element),
+        cmocka_unit_test(links_of_any_size),          cmocka_unit_test(pillows),
+        cmocka_unit_test(holds_giant_links),          cmocka_unit_test(tables_forget),
+        cmocka_unit_test(tables_notice_collisions),   cmocka_unit_test(nodes_that_hash_alike),
+        cmocka_unit_test(open_links_that_hash_alike), cmocka_unit_test(no_free_node),
+        cmocka_unit_test(survives_without_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
