@@ -43,6 +43,21 @@ PL_AT_ONCE void pl_fetch_ahead(const planish_mesh *mesh, int dim, const pl_incid
         __builtin_prefetch(incidence->offset + node[i + PL_AHEAD_OFFSET]);
 }
 
+/* ---- comparisons of nodes ----------------------------------------------------------------------
+ *
+ * Where == or < gives a number, compilers may write the low byte of a register alone: then what
+ * comes next waits for what that held before, which can be the end of all that went before. */
+
+/** 1 if two nodes are the same, or else 0. */
+static inline uint32_t pl_is_same(int32_t a, int32_t b) {
+    return ((uint32_t)(a ^ b) - 1) >> 31;
+}
+
+/** 1 if a is less than b, or else 0. */
+static inline uint32_t pl_is_less(int32_t a, int32_t b) {
+    return (uint32_t)(a - b) >> 31;
+}
+
 /* ---- the nodes of an element but one; no branch depends on which, for nothing could predict it -
  */
 

@@ -32,11 +32,11 @@ typedef struct matching {
     } * lists;            /* [threads] */
 } matching;
 
-static inline void add_facet(pl_local_map *map, pl_facet *facets, const uint8_t *is_inside,
-                             int32_t node0, int32_t node1, int32_t opposite, int32_t element,
-                             int parity) {
-    if (is_inside && (is_inside[node0] || (node1 >= 0 && is_inside[node1])))
-        return;
+/** Add the facet of element opposite s[k], of whose sorted nodes s parity is the order. */
+static inline void add_facet(int dim, pl_local_map *map, pl_facet *facets, const int32_t *s, int k,
+                             int32_t element, int parity) {
+    const int32_t node0 = s[k <= 1 ? 2 : 1], node1 = dim == 3 ? s[k <= 2 ? 3 : 2] : -1;
+    const uint8_t order = (uint8_t)((parity + k) % 2);
     int32_t known = map->count;
     int32_t at = pl_local_map_add(map, (uint64_t)(uint32_t)node0 << 32 | (uint32_t)node1);
     pl_facet *facet = facets + at;
@@ -44,44 +44,50 @@ static inline void add_facet(pl_local_map *map, pl_facet *facets, const uint8_t 
         *facet = (pl_facet){.node = {node0, node1},
                             .count = 1,
                             .element = {element, -1},
-                            .opposite = opposite,
-                            .parity = {(uint8_t)parity, 0}};
+                            .opposite = s[k],
+                            .parity = {order, 0}};
         return;
     }
     if (facet->count++ == 1) {
         facet->element[1] = element;
-        facet->parity[1] = (uint8_t)parity;
+        facet->parity[1] = order;
     }
-    facet->twin |= facet->opposite == opposite;
+    facet->twin |= facet->opposite == s[k];
 }
 
-/** Whether an element has facets of which node is the smallest node, and no node is inside: two of
- *  its nodes must not be. No branch: nothing could predict it. */
+/** Whether an element has facets without inside nodes of which node is the smallest node: of its
+ *  nodes that are outside one may be below node, if none is inside. No branch: nothing could
+ *  predict it. */
 static inline int has_facets(int dim, const uint8_t *is_inside, const int32_t *nodes,
                              int32_t node) {
-    int below = 0, inside = 0;
+    uint32_t below = 0, inside = 0;
     for (int j = 0; j <= dim; j++) {
-        below += nodes[j] < node;
-        inside += is_inside && is_inside[nodes[j]];
+        const uint32_t is = is_inside ? is_inside[nodes[j]] : 0;
+        below += pl_is_less(nodes[j], node) & (is ^ 1);
+        inside += is;
     }
-    return (below <= 1) & (inside <= 1);
+    return (int)((below + inside - 2) >> 31); /* less than 2 of both */
 }
 
-/** Add those facets of element whose smallest node is node. */
+/** Add those facets of element, which has some, whose smallest node is node: that opposite the node
+ *  that is inside, if there is one. */
 static inline void add_element(int dim, pl_local_map *map, pl_facet *facets,
                                const uint8_t *is_inside, const int32_t *nodes, int32_t node,
                                int32_t element) {
     int32_t s[4];
-    int parity = pl_sort_element(dim, nodes, s);
-    if (s[1] == node) {
-        add_facet(map, facets, is_inside, s[2], dim == 3 ? s[3] : -1, s[0], element, parity);
-    } else if (dim == 3) {
-        add_facet(map, facets, is_inside, s[2], s[3], s[1], element, parity ^ 1);
-        add_facet(map, facets, is_inside, s[1], s[3], s[2], element, parity);
-        add_facet(map, facets, is_inside, s[1], s[2], s[3], element, parity ^ 1);
+    const int parity = pl_sort_element(dim, nodes, s);
+    int inside = 0, place = 0;
+    for (int k = 0; is_inside && k <= dim; k++) {
+        inside += is_inside[s[k]];
+        place += k * is_inside[s[k]];
+    }
+    if (inside > 0) {
+        add_facet(dim, map, facets, s, place, element, parity);
+    } else if (s[1] == node) {
+        add_facet(dim, map, facets, s, 0, element, parity);
     } else {
-        add_facet(map, facets, is_inside, s[2], -1, s[1], element, parity ^ 1);
-        add_facet(map, facets, is_inside, s[1], -1, s[2], element, parity);
+        for (int k = 1; k <= dim; k++)
+            add_facet(dim, map, facets, s, k, element, parity);
     }
 }
 
@@ -93,7 +99,7 @@ static inline void add_elements(const matching *m, int dim, pl_local_map *map, p
     const int32_t *elements = m->mesh->elements;
     const int64_t end = incidence->offset[node + 1];
     for (int64_t from = incidence->offset[node]; from < end; from += AT_ONCE) {
-        int32_t found[AT_ONCE] = {0};
+        int32_t found[AT_ONCE];
         int n = 0;
         for (int64_t i = from; i < end && i < from + AT_ONCE; i++) {
             const int32_t element = incidence->element[i];

@@ -165,17 +165,11 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
 
 /* ---- one small ring ----------------------------------------------------------------------- */
 
-/** 1 if two numbers of nodes are the same, or else 0. Where == gives a number, compilers may write
- *  the low byte of a register alone: then what comes next waits for what that held before. */
-static inline uint32_t is_same(int32_t a, int32_t b) {
-    return ((uint32_t)(a ^ b) - 1) >> 31;
-}
-
 /** The other nodes of a tetrahedron, in its order. Returns 1 if the last two have to be exchanged
  *  for the order of the facet (is_turned), or else 0. No branch: nothing could predict it. */
 static inline uint32_t find_facet(const int32_t *element, int32_t node, int32_t other[3]) {
-    const uint32_t is_a = is_same(element[0], node), is_b = is_same(element[1], node),
-                   is_d = is_same(element[3], node);
+    const uint32_t is_a = pl_is_same(element[0], node), is_b = pl_is_same(element[1], node),
+                   is_d = pl_is_same(element[3], node);
     other[0] = element[is_a];
     other[1] = element[1 + is_a + is_b];
     other[2] = element[3 - is_d];
