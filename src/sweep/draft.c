@@ -1,6 +1,7 @@
 /* draft: find the free nodes of a plan, order and colour them, gather their stars. */
 #include "sweep/draft.h"
 
+#include "base/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
@@ -9,7 +10,11 @@
 
 #include <inttypes.h>
 
-enum { CHUNK_NODES = 4096, CHUNK_RINGS = 16384 };
+enum {
+    CHUNK_NODES = 4096,
+    CHUNK_RINGS = 16384,
+    AHEAD = 16 /* nodes whose lists are asked for before they are needed */
+};
 
 static void candidates_destroy(pl_candidates *c) {
     pl_rings_destroy(&c->rings);
@@ -75,6 +80,10 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int32_t node = c->d->order[i];
+        if (i + AHEAD < end) {
+            __builtin_prefetch(&offset[c->d->order[i + AHEAD]]);
+            pl_fetch_to_write(&c->plan->inner[c->d->order[i + AHEAD]]);
+        }
         const int used = offset[node + 1] > offset[node];
         c->plan->inner[node] = (int32_t)i;
         c->plan->is_used[node] = (uint8_t)used;

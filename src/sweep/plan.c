@@ -20,24 +20,31 @@ typedef struct look {
     int marks; /* which nodes are used is not known of all yet */
 } look;
 
-/** How many have no free node; the nodes of all are used. */
+/** How many elements have no free node. */
+static inline int64_t count_fixed(const planish_plan *plan, int dim, int64_t begin, int64_t end) {
+    const int32_t *elements = plan->elements;
+    const uint8_t *is_free = plan->is_free, *is_counted = pl_plan_counted(plan);
+    int64_t n = 0;
+    for (int64_t i = begin; i < end; i++) {
+        int movable = 0;
+        for (int j = 0; j <= dim; j++)
+            movable |= is_free[elements[i * (dim + 1) + j]];
+        n += !movable && (!is_counted || is_counted[i]);
+    }
+    return n;
+}
+
+/** That, and the nodes of all elements are used. */
 static void look_at_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const look *l = context;
     planish_plan *plan = l->plan;
+    const int64_t k = plan->dim + 1;
     (void)thread;
-    int64_t count = 0;
-    const uint8_t *is_counted = pl_plan_counted(plan);
-    for (int64_t i = begin; i < end; i++) {
-        const int32_t *element = plan->elements + i * (plan->dim + 1);
-        int movable = 0;
-        for (int j = 0; j <= plan->dim; j++) {
-            movable |= plan->is_free[element[j]];
-            if (l->marks)
-                pl_set_flag(&plan->is_used[element[j]], 1);
-        }
-        count += !movable && (!is_counted || is_counted[i]);
-    }
-    __atomic_fetch_add(&plan->info.n_fixed_elements, count, __ATOMIC_RELAXED);
+    const int64_t n =
+        plan->dim == 3 ? count_fixed(plan, 3, begin, end) : count_fixed(plan, 2, begin, end);
+    __atomic_fetch_add(&plan->info.n_fixed_elements, n, __ATOMIC_RELAXED);
+    for (int64_t i = begin * k; l->marks && i < end * k; i++)
+        pl_set_flag(&plan->is_used[plan->elements[i]], 1);
 }
 
 static int64_t larger(int64_t a, int64_t b) {

@@ -49,6 +49,7 @@ typedef struct work {
     uint8_t *is_new;    /* and whether their colours have just come */
     int32_t *held;      /* [n_rings] those that wait for ghosts */
     int max_colour;
+    int is_shared; /* by several threads */
 } work;
 
 /** The finaliser of MurmurHash3 (A. Appleby, public domain): a bijection, so that hashes of
@@ -162,6 +163,13 @@ static int32_t smallest_colour(const work *w, int64_t r) {
     }
 }
 
+/** How many nodes r waits for when so many more have been coloured. */
+static inline int32_t wait_for_fewer(const work *w, int64_t r, int32_t n) {
+    if (w->is_shared)
+        return __atomic_sub_fetch(w->waiting + r, n, __ATOMIC_ACQ_REL);
+    return w->waiting[r] -= n;
+}
+
 /** Colour r and all nodes that wait for nobody then. They go on a stack that is linked through
  *  next: a node is on one stack at most. */
 static int colour_from(work *w, int32_t r) {
@@ -178,7 +186,7 @@ static int colour_from(work *w, int32_t r) {
         w->colour[current] = colour;
         for (int32_t i = w->higher[current]; i < n; i++) {
             int32_t other = neighbour[i];
-            if (__atomic_sub_fetch(w->waiting + other, 1, __ATOMIC_ACQ_REL) == 0) {
+            if (wait_for_fewer(w, other, 1) == 0) {
                 w->next[other] = top;
                 top = other;
             }
@@ -194,7 +202,7 @@ static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) 
     int max_colour = UNCOLOURED;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        if (w->node[r] < 0 || __atomic_sub_fetch(w->waiting + r, 1, __ATOMIC_ACQ_REL) != 0)
+        if (w->node[r] < 0 || wait_for_fewer(w, r, 1) != 0)
             continue;
         int colour = colour_from(w, (int32_t)r);
         max_colour = colour > max_colour ? colour : max_colour;
@@ -256,7 +264,7 @@ static int32_t count_ghosts(const work *w, int64_t r, int new_only) {
 
 /** Colour r, for which so many ghosts have got theirs, and what waits for it, if it can be done. */
 static void colour_after(work *w, int32_t r, int32_t n_new) {
-    if (n_new == 0 || __atomic_sub_fetch(w->waiting + r, n_new, __ATOMIC_ACQ_REL) != 0)
+    if (n_new == 0 || wait_for_fewer(w, r, n_new) != 0)
         return;
     const int colour = colour_from(w, r);
     w->max_colour = colour > w->max_colour ? colour : w->max_colour;
@@ -344,7 +352,8 @@ int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_
               .number = number,
               .moves_with = moves_with,
               .colour = colour,
-              .max_colour = -1};
+              .max_colour = -1,
+              .is_shared = threads > 1};
     const int done = allocate(&w, pl_parts_ghosts(n_nodes));
     if (done)
         run(&w, threads);

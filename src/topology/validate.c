@@ -19,21 +19,34 @@ typedef struct search {
 
 /* ---- elements ----------------------------------------------------------------------------- */
 
-static inline int element_is_bad(int dim, const int32_t *element, uint32_t n_nodes) {
-    int bad = 0;
+/** Whether an element has a node that is none, or one twice: then the highest bit is set, of a node
+ *  that is negative, of what is left to the last node, or of one less than the bits in which two
+ *  differ. Without a comparison: so a loop over elements becomes vectors. */
+static inline uint32_t badness_of(int dim, const int32_t *element, uint32_t n_nodes) {
+    uint32_t bits = 0;
+#pragma GCC unroll 4
     for (int i = 0; i <= dim; i++) {
-        bad |= (uint32_t)element[i] >= n_nodes; /* negative ones wrap to large ones */
+        const uint32_t node = (uint32_t)element[i];
+        bits |= node | (n_nodes - 1 - node);
+#pragma GCC unroll 3
         for (int j = 0; j < i; j++)
-            bad |= element[i] == element[j];
+            bits |= (node ^ (uint32_t)element[j]) - 1;
     }
-    return bad;
+    return bits;
+}
+
+static inline int is_bad(uint32_t bits) {
+    return bits >> 31 != 0;
 }
 
 static inline void check_elements(search *s, int dim, int64_t begin, int64_t end) {
     const int32_t *elements = s->mesh->elements;
-    uint32_t n_nodes = (uint32_t)s->mesh->n_nodes;
+    const uint32_t n_nodes = (uint32_t)s->mesh->n_nodes;
+    uint32_t bits = 0;
     for (int64_t i = begin; i < end; i++)
-        if (element_is_bad(dim, elements + i * (dim + 1), n_nodes)) {
+        bits |= badness_of(dim, elements + i * (dim + 1), n_nodes);
+    for (int64_t i = begin; is_bad(bits) && i < end; i++)
+        if (is_bad(badness_of(dim, elements + i * (dim + 1), n_nodes))) {
             pl_lower_to(&s->lowest, i);
             return;
         }
