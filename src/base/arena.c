@@ -68,8 +68,8 @@ void *pl_arena_take(pl_arena *arena, size_t bytes) {
     return (char *)span + ALIGNMENT;
 }
 
-/** Whole huge pages of a gap go back to the system: arrays that are too large for the arena want
- *  them. Behind end nothing has changed. */
+/** Whole huge pages of a gap go back to the system: arrays that are not in the arena want them.
+ *  Behind end nothing has changed. */
 static void give_back(char *gap, char *end, char *gap_end) {
     const size_t before = (PL_HUGE_PAGE - (uintptr_t)gap % PL_HUGE_PAGE) % PL_HUGE_PAGE;
     const size_t behind = (PL_HUGE_PAGE - (uintptr_t)end % PL_HUGE_PAGE) % PL_HUGE_PAGE;
@@ -89,7 +89,21 @@ void pl_arena_give(pl_arena *arena, void *taken) {
     }
     char *const end = span->end;
     *at = span->next;
-    give_back(gap, end, *at ? (char *)*at : arena->begin + arena->bytes);
+    if (!arena->holds)
+        give_back(gap, end, *at ? (char *)*at : arena->begin + arena->bytes);
+    pl_spin_unlock(&arena->lock);
+}
+
+void pl_arena_settle(pl_arena *arena) {
+    pl_spin_lock(&arena->lock);
+    char *gap = arena->begin;
+    for (const pl_span *span = arena->first; arena->holds && span; span = span->next) {
+        give_back(gap, (char *)(uintptr_t)span, (char *)(uintptr_t)span);
+        gap = span->end;
+    }
+    if (arena->holds)
+        give_back(gap, arena->begin + arena->bytes, arena->begin + arena->bytes);
+    arena->holds = 0;
     pl_spin_unlock(&arena->lock);
 }
 

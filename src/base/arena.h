@@ -13,6 +13,7 @@ typedef struct pl_arena {
     char *begin;           /* NULL: there is none, */
     size_t bytes;          /* and 0 */
     size_t huge;           /* of them, in huge pages */
+    int holds;             /* what is given back stays resident */
     struct pl_span *first; /* those that are taken, by their places */
     int lock;              /* see spin.h */
 } pl_arena;
@@ -28,8 +29,12 @@ void pl_arena_end(pl_arena *arena);
  *  What of them is in small pages becomes resident. By several threads at once. */
 void *pl_arena_take(pl_arena *arena, size_t bytes);
 
-/** Give back what was taken. */
+/** Give back what was taken: whole huge pages in which nothing is any more go back to the system,
+ * if the arena does not hold them for what will be taken next. */
 void pl_arena_give(pl_arena *arena, void *taken);
+
+/** Hold no longer: what was held goes back. */
+void pl_arena_settle(pl_arena *arena);
 
 int pl_arena_has(const pl_arena *arena, const void *place);
 

@@ -55,19 +55,28 @@ pl_context *pl_context_create(const planish_options *options) {
     return context;
 }
 
-void pl_context_share_pages(pl_context *context, int64_t n_elements) {
+void pl_context_share_pages(pl_context *context, int64_t n_elements, int all) {
     enum {
-        /* Addresses: more than the smaller arrays of a plan take at once. */
+        /* Addresses: more than the arrays of a plan take at once. */
         BYTES_PER_ELEMENT = 128,
         /* Resident if they are touched: little more than these arrays take. */
         HUGE_PER_ELEMENT = 95,
         MAX_BYTES = 32 << 20 /* of a larger mesh most arrays are large */
     };
-    const int64_t wanted = n_elements * BYTES_PER_ELEMENT;
-    const int64_t bytes = wanted < MAX_BYTES ? wanted : MAX_BYTES;
+    int64_t bytes = n_elements * BYTES_PER_ELEMENT;
+    if (bytes > (all && sizeof(size_t) > 4 ? INT64_MAX : MAX_BYTES))
+        bytes = MAX_BYTES;
     const int64_t huge = bytes * HUGE_PER_ELEMENT / BYTES_PER_ELEMENT / PL_HUGE_PAGE * PL_HUGE_PAGE;
-    if (PL_SHARES_PAGES && huge > 0 && !context->allocator.allocate)
-        pl_arena_begin(&context->arena, (size_t)bytes, (size_t)huge);
+    if (!PL_SHARES_PAGES || huge == 0 || context->allocator.allocate)
+        return;
+    pl_arena_begin(&context->arena, (size_t)bytes, (size_t)huge);
+    context->arena.holds = all;
+    context->largest_shared = all ? (size_t)bytes : PL_LARGE_ARRAY - 1;
+}
+
+void pl_context_settle(pl_context *context) {
+    context->keeps = 1;
+    pl_arena_settle(&context->arena);
 }
 
 void pl_context_destroy(pl_context *context) {

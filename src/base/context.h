@@ -29,7 +29,8 @@ typedef struct pl_context {
     int64_t bytes;  /* of all blocks, those that are kept among them */
     int failed;     /* an allocation has failed since this was 0 */
     int call;       /* number of the call that is under way, or the last: see pl_context_begin */
-    pl_arena arena; /* where its smaller arrays are, as far as they have room: see memory.c */
+    pl_arena arena; /* where its arrays are, as far as they have room */
+    size_t largest_shared; /* bytes of the largest that may be: see memory.c */
     struct pl_block *kept; /* see memory.c */
     int lock;              /* of kept */
 } pl_context;
@@ -49,9 +50,14 @@ pl_context *pl_context_create(const planish_options *options);
 #endif
 #endif
 
-/** Let the smaller arrays of context, which works on so many elements, share their pages: not those
- * of few elements, and not where memory is the caller's. */
-void pl_context_share_pages(pl_context *context, int64_t n_elements);
+/** Let the arrays of context, which works on so many elements, share their pages: the smaller ones,
+ *  or with all each of them, and then what is given back is held until the context settles. Not
+ *  those of few elements, and not where memory is the caller's. */
+void pl_context_share_pages(pl_context *context, int64_t n_elements, int all);
+
+/** What was wanted is there: from now on arrays that are released are kept for later ones of their
+ *  size, and nothing else is held. */
+void pl_context_settle(pl_context *context);
 
 /** After all that was allocated in it has been released. context may be NULL. */
 void pl_context_destroy(pl_context *context);

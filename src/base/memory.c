@@ -8,10 +8,7 @@
 #include <limits.h>
 #include <string.h>
 
-enum {
-    ALIGNMENT = 64, /* a cache line, and the widest vector */
-    LARGE = 4 << 20 /* bytes: room for a huge page or two, in pages of its own */
-};
+enum { ALIGNMENT = 64 }; /* a cache line, and the widest vector */
 
 static size_t round_up(size_t bytes, size_t unit) {
     return (bytes + unit - 1) / unit * unit;
@@ -57,18 +54,20 @@ static void *pages_of(size_t bytes) {
     return start;
 }
 
-/** So many bytes of fresh memory, and whom they are from; NULL: there are none. Large arrays have
- *  pages of their own, whose first touch is cheap if they are huge, and which go back at once. */
+/** So many bytes of fresh memory, and whom they are from; NULL: there are none. Large arrays that
+ *  share none have pages of their own, whose first touch is cheap if they are huge, and which go
+ * back at once. */
 static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
     void *start = NULL;
     if (owner && owner->allocator.allocate) {
         *from = CALLER;
         return ask(owner, bytes + ALIGNMENT);
     }
-    if (owner && bytes < LARGE) {
+    if (owner && bytes <= owner->largest_shared) {
         *from = ARENA;
         start = pl_arena_take(&owner->arena, bytes);
-    } else if (PL_SHARES_PAGES && bytes >= LARGE) {
+    }
+    if (!start && PL_SHARES_PAGES && bytes >= PL_LARGE_ARRAY) {
         *from = PAGES;
         start = pages_of(bytes);
     }

@@ -9,6 +9,9 @@
  * that it came from. */
 struct pl_context;
 
+/** Bytes with room for a huge page or two: an array of so many can have pages of its own. */
+enum { PL_LARGE_ARRAY = 4 << 20 };
+
 /** count elements of size bytes, uninitialised and aligned to 64 bytes, to be released by pl_free.
  *  NULL if count is negative, the product overflows or there is no memory. A count of 0 gives a
  *  valid pointer. Huge pages are not touched: those of large arrays are placed by the thread

@@ -431,9 +431,9 @@ int pl_draft_finish(planish_plan *plan, pl_draft *d, planish_error *error) {
         status = find_free(plan, d, error);
     if (!status)
         status = prepare_sliding(plan, d, error);
-    if (!status)
-        status = order_visits(plan, NULL, &d->interior, &plan->interior, error);
     if (!d->mesh->min_volume)
         pl_incidence_destroy(&d->incidence);
+    if (!status)
+        status = order_visits(plan, NULL, &d->interior, &plan->interior, error);
     return status ? status : make_stars(plan, d, &d->interior, &plan->interior, error);
 }

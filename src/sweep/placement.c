@@ -22,6 +22,7 @@ enum { TEXT_SIZE = 160 };
 
 struct pl_placement {
     int threads;
+    int is_near;
     char text[TEXT_SIZE];
 #ifdef PL_HWLOC
     hwloc_topology_t topology; /* the machine; NULL: no core is chosen */
@@ -101,6 +102,15 @@ static int count_cores(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) 
     return cores;
 }
 
+/** The NUMA nodes of allowed hardware threads; 0 where hwloc knows of none. */
+static int count_nodes(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) {
+    int nodes = 0;
+    for (hwloc_obj_t node = NULL;
+         (node = hwloc_get_next_obj_by_type(topology, HWLOC_OBJ_NUMANODE, node));)
+        nodes += hwloc_bitmap_intersects(node->cpuset, allowed);
+    return nodes;
+}
+
 /** The hardware threads of the placement's threads: the first allowed one of each core. */
 static int choose_cores(pl_placement *placement, hwloc_const_cpuset_t allowed) {
     placement->core = pl_alloc_zero(placement->threads, sizeof *placement->core);
@@ -152,6 +162,7 @@ static void prepare_binding(pl_placement *placement, int threads) {
     }
     const int is_here = hwloc_topology_is_thissystem(topology);
     const int cores = count_cores(topology, allowed);
+    placement->is_near = count_nodes(topology, allowed) <= 1;
     if (is_here && threads <= 0 && cores > 0 && cores < placement->threads)
         placement->threads = cores;
     if (cores < 2 || placement->threads != cores || !choose_cores(placement, allowed))
@@ -204,6 +215,7 @@ pl_placement *pl_placement_create(int threads, int bind) {
     if (!placement)
         return NULL;
     placement->threads = pl_thread_count(threads);
+    placement->is_near = placement->threads == 1;
     snprintf(placement->text, sizeof placement->text, "not bound");
 #ifdef PL_HWLOC
     if (bind && placement->threads > 1) /* one is never bound: not to look costs less */
@@ -244,6 +256,10 @@ int pl_placement_cpu(const pl_placement *placement, int thread) {
     (void)thread;
 #endif
     return -1;
+}
+
+int pl_placement_is_near(const pl_placement *placement) {
+    return placement->is_near;
 }
 
 const char *pl_placement_text(const pl_placement *placement) {

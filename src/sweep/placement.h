@@ -20,6 +20,9 @@ int pl_placement_threads(const pl_placement *placement);
 /** The CPU chosen for a thread, by the system's number; -1: none. On a machine that is only
  * described (HWLOC_SYNTHETIC) it is chosen, too, but not used: for tests. */
 int pl_placement_cpu(const pl_placement *placement, int thread);
+/** Whether all memory is known to be as near to one thread as to another, so that it does not
+ * matter which touches it first: there is one thread, or the cores of all are in one NUMA node. */
+int pl_placement_is_near(const pl_placement *placement);
 /** What was decided, for people: "one thread per core, on CPUs 0-1" or "not bound"; text of
  * placement. */
 const char *pl_placement_text(const pl_placement *placement);

@@ -235,6 +235,7 @@ static planish_plan *begin(const planish_mesh *mesh, const planish_options *opti
         pl_free(plan);
         return NULL;
     }
+    pl_context_share_pages(context, mesh->n_elements, pl_placement_is_near(placement));
     const pl_points points = pl_points_of(mesh, mesh->coordinates);
     plan->context = context;
     plan->placement = placement;
@@ -280,7 +281,6 @@ static int create(const planish_mesh *mesh, const planish_options *options, plan
     if (!context)
         return pl_fail_memory(error, "a plan");
     context->part = mesh->part;
-    pl_context_share_pages(context, mesh->n_elements);
     pl_context *before = pl_context_enter(context);
     planish_plan *plan = make(mesh, options, context, &status, error);
     pl_context_enter(before);
@@ -288,7 +288,7 @@ static int create(const planish_mesh *mesh, const planish_options *options, plan
         pl_context_destroy(context);
         return status;
     }
-    context->keeps = 1;
+    pl_context_settle(context);
     *out = plan;
     return PLANISH_OK;
 }

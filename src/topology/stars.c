@@ -45,12 +45,18 @@ static void measure_stars(void *context, int64_t begin, int64_t end, int thread)
     pl_raise_to(&stars->max_link, max_link);
 }
 
-static void copy_ring(const work *w, int64_t r) {
-    const int32_t *neighbour = w->rings->neighbour + w->rings->offset[r];
-    int64_t n_ring = w->rings->offset[r + 1] - w->rings->offset[r];
-    int32_t *ring = w->stars->ring + w->stars->ring_offset[w->star_of[r]];
-    for (int64_t i = 0; i < n_ring; i++)
-        ring[i] = w->number_of[neighbour[i]];
+static void copy_rings(void *context, int64_t begin, int64_t end, int thread) {
+    const work *w = context;
+    (void)thread;
+    for (int64_t r = begin; r < end; r++) {
+        if (w->node[r] < 0)
+            continue;
+        const int32_t *neighbour = w->rings->neighbour + w->rings->offset[r];
+        const int64_t n_ring = w->rings->offset[r + 1] - w->rings->offset[r];
+        int32_t *ring = w->stars->ring + w->stars->ring_offset[w->star_of[r]];
+        for (int64_t i = 0; i < n_ring; i++)
+            ring[i] = w->number_of[neighbour[i]];
+    }
 }
 
 /** Find the ends of the edges of the n facets of source, for link, which has the rest; an open link
@@ -90,32 +96,36 @@ static void copy_link(const work *w, int64_t r) {
     }
 }
 
-static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
+static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
     const work *w = context;
     (void)thread;
-    for (int64_t r = begin; r < end; r++) {
-        if (w->node[r] < 0)
-            continue;
-        copy_ring(w, r);
-        copy_link(w, r);
-    }
+    for (int64_t r = begin; r < end; r++)
+        if (w->node[r] >= 0)
+            copy_link(w, r);
 }
 
-/** Everything behind the offsets' allocation; returns -1 without memory. */
+/** Everything behind the offsets' allocation; returns -1 without memory. The rings are forgotten
+ *  before there are links: that saves the memory of one of them. */
 static int fill(work *w, int threads) {
     pl_stars *stars = w->stars;
+    pl_rings *rings = w->rings;
     int64_t n = stars->n_stars;
     pl_parallel_for(threads, n, CHUNK, measure_stars, w);
     int64_t n_ring = pl_prefix_sum(threads, n, stars->ring_offset);
     int64_t n_link = pl_prefix_sum(threads, n, stars->link_offset);
     stars->ring = pl_alloc(n_ring, sizeof *stars->ring);
+    if (!stars->ring)
+        return -1;
+    pl_parallel_for(threads, rings->n_rings, CHUNK, copy_rings, w);
+    pl_free(rings->neighbour);
+    rings->neighbour = NULL;
     if (w->mesh->min_volume)
         stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
     if (pl_link_alloc(&stars->link, pl_link_positions(w->mesh->dim), n_link,
-                      w->rings->link.high != NULL) != 0 ||
-        !stars->ring || (w->mesh->min_volume && !stars->min_volume))
+                      rings->link.high != NULL) != 0 ||
+        (w->mesh->min_volume && !stars->min_volume))
         return -1;
-    pl_parallel_for(threads, w->rings->n_rings, CHUNK, copy_chunk, w);
+    pl_parallel_for(threads, rings->n_rings, CHUNK, copy_links, w);
     return 0;
 }
 

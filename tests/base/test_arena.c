@@ -171,6 +171,51 @@ static void neighbours_go_back_together(void **state) {
     }
 }
 
+/** Whether all of the bytes are value. */
+static int is_all(const unsigned char *bytes, size_t n, unsigned char value) {
+    size_t i = 0;
+    while (i < n && bytes[i] == value)
+        i++;
+    return i == n;
+}
+
+/** An arena that holds keeps what its gaps had, for the next array there, until it settles: then
+ *  whole huge pages of all gaps go back, and of later ones at once. */
+static void held_until_settled(void **state) {
+    (void)state;
+    pl_arena arena;
+    begin(&arena);
+    arena.holds = 1;
+    model m = {.arena = &arena};
+    for (int i = 0; i < 5; i++) /* of three megabytes each, so that each has a whole huge page */
+        take(&m, &arena, 3 * MEGABYTE - HEAD, (unsigned char)(i + 1));
+    unsigned char *at[5];
+    for (int i = 0; i < 5; i++)
+        at[i] = m.list[i].at;
+    give(&m, &arena, 0);
+    give(&m, &arena, 1); /* the third */
+    assert_true(is_all(at[0], MEGABYTE, 1) && is_all(at[2], 3 * MEGABYTE - HEAD, 3));
+    unsigned char *const again = pl_arena_take(&arena, MEGABYTE);
+    assert_ptr_equal(again, at[0]);
+    assert_true(is_all(again, MEGABYTE, 1)); /* as it was found */
+    pl_arena_give(&arena, again);
+    give(&m, &arena, 2); /* the fifth, the last one */
+    assert_true(is_all(at[4], 3 * MEGABYTE - HEAD, 5));
+    pl_arena_settle(&arena);
+    for (int i = 0; i < m.n; i++)
+        check_content(m.list + i);
+    const unsigned char *const start = (const unsigned char *)arena.begin;
+    assert_true(is_all(start, PL_HUGE_PAGE, 0));
+    assert_true(is_all(start + 3 * PL_HUGE_PAGE, PL_HUGE_PAGE, 0));
+    assert_true(is_all(start + 6 * PL_HUGE_PAGE, PL_HUGE_PAGE, 0));
+    give(&m, &arena, 0); /* the second: now there is a gap before the fourth */
+    assert_true(is_all(start, 4 * PL_HUGE_PAGE, 0));
+    check_content(m.list);
+    pl_arena_settle(&arena);
+    check_content(m.list);
+    pl_arena_end(&arena);
+}
+
 /* ---- what is resident ----------------------------------------------------------------------- */
 
 /** Whether the page at place is resident; -1: the system does not tell. */
@@ -333,14 +378,15 @@ static void release(void *memory, void *user) {
     free(memory);
 }
 
-/** Whether an array of bytes is in the arena of a plan for so many elements; it can be used. */
-static int shares(int64_t n_elements, int64_t bytes, const planish_allocator *allocator) {
+/** Whether an array of bytes is in the arena of a plan for so many elements, of which all arrays
+ *  may be there, or the smaller ones; it can be used. */
+static int shares(int64_t n_elements, int all, int64_t bytes, const planish_allocator *allocator) {
     planish_options options;
     planish_options_init(&options);
     options.allocator = allocator;
     pl_context *context = pl_context_create(&options);
     assert_non_null(context);
-    pl_context_share_pages(context, n_elements);
+    pl_context_share_pages(context, n_elements, all);
     pl_context *before = pl_context_enter(context);
     char *array = pl_alloc(bytes, 1);
     assert_non_null(array);
@@ -353,18 +399,23 @@ static int shares(int64_t n_elements, int64_t bytes, const planish_allocator *al
     return found;
 }
 
-static void smaller_arrays_share(void **state) {
+static void arrays_share(void **state) {
     (void)state;
     const planish_allocator allocator = {.allocate = ask, .release = release};
     pl_arena arena;
     begin(&arena);
     pl_arena_end(&arena);
-    assert_false(shares(1000, 1000, NULL));
-    assert_false(shares(100000, 1000, &allocator));
-    assert_false(shares(100000, 5 * MEGABYTE, NULL));
-    assert_int_equal(shares(100000, 1, NULL), PL_SHARES_PAGES);
-    assert_int_equal(shares(100000, 3 * MEGABYTE, NULL), PL_SHARES_PAGES);
-    assert_int_equal(shares(INT32_MAX, 3 * MEGABYTE, NULL), PL_SHARES_PAGES);
+    for (int all = 0; all < 2; all++) {
+        const int large = all && PL_SHARES_PAGES;
+        assert_false(shares(1000, all, 1000, NULL));
+        assert_false(shares(100000, all, 1000, &allocator));
+        assert_false(shares(1000000, all, 200 * MEGABYTE, NULL));
+        assert_int_equal(shares(100000, all, 1, NULL), PL_SHARES_PAGES);
+        assert_int_equal(shares(100000, all, 3 * MEGABYTE, NULL), PL_SHARES_PAGES);
+        assert_int_equal(shares(INT32_MAX / 64, all, 3 * MEGABYTE, NULL), PL_SHARES_PAGES);
+        assert_int_equal(shares(100000, all, 5 * MEGABYTE, NULL), large);
+        assert_int_equal(shares(1000000, all, 60 * MEGABYTE, NULL), large);
+    }
 }
 
 /** What has no room in the arena stands elsewhere. */
@@ -380,7 +431,7 @@ static void a_full_one_is_no_error(void **state) {
     char *array[N];
     int inside = 0;
     assert_non_null(context);
-    pl_context_share_pages(context, 50000);
+    pl_context_share_pages(context, 50000, 1);
     pl_context *before = pl_context_enter(context);
     for (int i = 0; i < N; i++) {
         array[i] = pl_alloc(MEGABYTE, 1);
@@ -400,7 +451,7 @@ static void a_full_one_is_no_error(void **state) {
     pl_context_destroy(context);
 }
 
-/** Large arrays stand at huge pages of their own, and go back at once, whoever asked for them. */
+/** Large arrays outside of any context stand at huge pages of their own, and go back at once. */
 static void large_arrays_stand_alone(void **state) {
     (void)state;
     enum { LARGE = 9 * MEGABYTE };
@@ -427,12 +478,13 @@ int main(void) {
         cmocka_unit_test(as_the_model),
         cmocka_unit_test(gaps_go_back),
         cmocka_unit_test(neighbours_go_back_together),
+        cmocka_unit_test(held_until_settled),
         cmocka_unit_test(populated_pages_keep_content),
         cmocka_unit_test(last_bytes_are_resident),
         cmocka_unit_test(small_pages_are_resident),
         cmocka_unit_test(none),
         cmocka_unit_test(threads_at_once),
-        cmocka_unit_test(smaller_arrays_share),
+        cmocka_unit_test(arrays_share),
         cmocka_unit_test(a_full_one_is_no_error),
         cmocka_unit_test(large_arrays_stand_alone),
     };

@@ -86,6 +86,33 @@ static void other_machines_are_never_bound_to(void **state) {
     change_machine(NULL);
 }
 
+/** Memory is near to all threads where there is one, or one NUMA node; but not where nobody looks.
+ */
+static void memory_is_near(void **state) {
+    (void)state;
+    static const struct {
+        const char *machine;
+        int is_near;
+    } some[] = {{"numanode:1 core:4 pu:2", 1},
+                {"package:2 numanode:1 core:4 pu:2", 0},
+                {"package:1 numanode:4 core:2 pu:1", 0},
+                {"core:8 pu:1", 1}};
+    if (!planish_has(PLANISH_FEATURE_OPENMP))
+        skip();
+    const int hwloc = has_hwloc();
+    for (size_t i = 0; i < sizeof some / sizeof *some; i++) {
+        change_machine(some[i].machine);
+        for (int threads = 1; threads < 9; threads++)
+            for (int bind = 0; bind < 2; bind++) {
+                pl_placement *placement = pl_placement_create(threads, bind);
+                assert_int_equal(pl_placement_is_near(placement),
+                                 threads == 1 || (hwloc && bind && some[i].is_near));
+                pl_placement_destroy(placement);
+            }
+    }
+    change_machine(NULL);
+}
+
 /** One thread on one core has nowhere else to go. */
 static void one_thread_is_not_bound(void **state) {
     (void)state;
@@ -145,6 +172,7 @@ int main(void) {
         cmocka_unit_test(threads_asked_for_are_given),
         cmocka_unit_test(cores_come_before_hardware_threads),
         cmocka_unit_test(other_machines_are_never_bound_to),
+        cmocka_unit_test(memory_is_near),
         cmocka_unit_test(one_thread_is_not_bound),
         cmocka_unit_test(the_cpuset_is_respected), /* before there are threads of another set */
         cmocka_unit_test(binding_is_undone),
