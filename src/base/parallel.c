@@ -129,7 +129,10 @@ void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context) {
         run_each(&e, 0);
 }
 
-enum { SCAN_BLOCKS = 64 }; /* blocks of a parallel scan: more than threads that pay for one */
+enum {
+    SCAN_BLOCKS = 64,  /* blocks of a parallel scan: more than threads that pay for one */
+    MIN_SCAN = 1 << 16 /* values that pay for several threads */
+};
 
 struct scan {
     int64_t *values;
@@ -159,6 +162,7 @@ static void scan_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values) {
     struct scan scan = {.values = values, .block = n / SCAN_BLOCKS + 1};
+    threads = n < MIN_SCAN ? 1 : threads;
     pl_parallel_for(threads, n, scan.block, scan_chunk, &scan);
     int64_t total = 0;
     for (int64_t i = 0; i * scan.block < n; i++) {
