@@ -7,8 +7,12 @@
 #include "base/status.h"
 
 #include <math.h>
+#include <stdlib.h>
 
-enum { CHUNK = 4096 }; /* nodes that one thread looks at at a time */
+enum {
+    CHUNK = 4096,        /* nodes that one thread looks at at a time */
+    MOST_EXPONENT = 1000 /* of a power of two whose inverse is a number with room to spare */
+};
 
 /* Coordinates beyond it are made smaller before they are subtracted. */
 #define HUGE_COORDINATE 0x1p1000
@@ -63,8 +67,9 @@ static pl_frame frame_of_box(const box *b, int dim) {
     int exponent = 0;
     if (extent > 0)
         frexp(extent, &exponent);
-    frame.scale[0] = ldexp(1, -(exponent / 2));
-    frame.scale[1] = ldexp(1, -(exponent - exponent / 2));
+    const int second = abs(exponent) > MOST_EXPONENT ? exponent / 2 : 0;
+    frame.scale[0] = ldexp(1, second - exponent);
+    frame.scale[1] = ldexp(1, -second);
     return frame;
 }
 

@@ -12,11 +12,19 @@
 typedef struct pl_frame {
     double low[3];   /* [dim] the corner of the box with the smallest coordinates */
     double shrink;   /* 1, or a power of two that lets differences of huge coordinates be numbers */
-    double scale[2]; /* two powers of two: their product may be out of range */
+    double scale[2]; /* two powers of two: the second is 1 unless their product is out of range */
 } pl_frame;
 
 /** The frame of the nodes; their coordinates are finite. */
 int pl_frame_create(const planish_mesh *mesh, int threads, pl_frame *frame, planish_error *error);
+
+/** The plain frame that is the same as frame, which compilers see where it is used; or 0: there is
+ *  none. Nearly all are plain, and that spares half of the multiplications. */
+static inline int pl_frame_is_plain(const pl_frame *frame, pl_frame *plain) {
+    *plain = *frame;
+    plain->shrink = plain->scale[1] = 1;
+    return frame->shrink == 1 && frame->scale[1] == 1;
+}
 
 /** x - y in units of the frame. */
 static inline double pl_frame_difference(const pl_frame *frame, double x, double y) {

@@ -43,20 +43,21 @@ typedef struct work {
 /** In boundary->sign until the signs are known: what is known of an element's component. */
 enum { ORIENTABLE = 0, CONFLICT = 1 };
 
-static inline double measure_at(int dim, const work *w, const double *const x[]) {
+static inline double measure_at(int dim, const pl_frame *frame, const double *const x[]) {
     double edges[3][3];
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
-            edges[j][d] = pl_frame_difference(&w->frame, x[j + 1][d], x[0][d]);
+            edges[j][d] = pl_frame_difference(frame, x[j + 1][d], x[0][d]);
     return pl_determinant_of_edges(dim, (const double(*)[3])edges);
 }
 
-static inline double measure_of(int dim, const work *w, int64_t element) {
-    const int32_t *node = w->mesh->elements + element * (dim + 1);
+static inline double measure_of(int dim, const planish_mesh *mesh, const pl_frame *frame,
+                                int64_t element) {
+    const int32_t *node = mesh->elements + element * (dim + 1);
     const double *x[4];
     for (int j = 0; j <= dim; j++)
-        x[j] = w->mesh->coordinates + (int64_t)node[j] * dim;
-    return measure_at(dim, w, x);
+        x[j] = mesh->coordinates + (int64_t)node[j] * dim;
+    return measure_at(dim, frame, x);
 }
 
 /** The same with the interior nodes at the anchor. The sum over a component does not depend on
@@ -69,19 +70,20 @@ static inline double anchored_measure_of(int dim, const work *w, int64_t element
                    ? w->mesh->coordinates + (int64_t)node[j] * dim
                    : w->anchor;
     }
-    return measure_at(dim, w, x);
+    return measure_at(dim, &w->frame, x);
 }
 
 /* ---- the usual case: everybody agrees ----------------------------------------------------- */
 
 enum { AHEAD = 8 }; /* elements whose nodes are asked for before they are needed */
 
-static inline void count_signs(work *w, int dim, int64_t begin, int64_t end) {
+static inline void count_signs(work *w, int dim, const pl_frame *frame, int64_t begin,
+                               int64_t end) {
     int64_t not_positive = 0, not_negative = 0;
     for (int64_t i = begin; i < end; i++) {
         if (i + AHEAD < end)
             pl_fetch_nodes(dim, w->mesh->elements, w->mesh->coordinates, i + AHEAD);
-        double measure = measure_of(dim, w, i);
+        double measure = measure_of(dim, w->mesh, frame, i);
         not_positive += !(measure > 0);
         not_negative += !(measure < 0);
     }
@@ -91,11 +93,15 @@ static inline void count_signs(work *w, int dim, int64_t begin, int64_t end) {
 
 static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
+    pl_frame plain;
     (void)thread;
-    if (w->mesh->dim == 3)
-        count_signs(w, 3, begin, end);
+    const int is_plain = pl_frame_is_plain(&w->frame, &plain);
+    if (w->mesh->dim == 2)
+        count_signs(w, 2, &w->frame, begin, end);
+    else if (is_plain)
+        count_signs(w, 3, &plain, begin, end);
     else
-        count_signs(w, 2, begin, end);
+        count_signs(w, 3, &w->frame, begin, end);
 }
 
 static void set_negative(void *context, int64_t begin, int64_t end, int thread) {
@@ -255,7 +261,8 @@ static void measure_chunk(void *context, int64_t begin, int64_t end, int thread)
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         const int conflict = w->boundary->sign[w->link[i] >> 1] == CONFLICT;
-        const double measure = conflict ? measure_of(dim, w, i) : anchored_measure_of(dim, w, i);
+        const double measure =
+            conflict ? measure_of(dim, w->mesh, &w->frame, i) : anchored_measure_of(dim, w, i);
         const int opposite = is_opposite(w, i);
         w->measure[i] = opposite ? -measure : measure;
         w->link[i] = (w->link[i] & ~UINT32_C(1)) | (uint32_t)opposite;
