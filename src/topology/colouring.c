@@ -12,6 +12,7 @@
  */
 #include "topology/topology.h"
 
+#include "base/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
@@ -22,6 +23,7 @@
 enum {
     CHUNK_NODES = 16384, /* mesh nodes that one thread takes at a time */
     CHUNK_RINGS = 512,   /* rings, likewise */
+    AHEAD = 8,           /* rings whose neighbours are asked for before they are needed */
     UNCOLOURED = -1,
     MASK_COLOURS = 64 /* colours in a mask */
 };
@@ -195,6 +197,14 @@ static int colour_from(work *w, int32_t r) {
     return max_colour;
 }
 
+/** Ask for the neighbours of r, of which there are seldom more than two lines. */
+PL_AT_ONCE void fetch_neighbours(const work *w, int64_t r) {
+    enum { LINE = 64 / sizeof(int32_t) };
+    const int32_t *neighbour = w->neighbour + w->rings->offset[r];
+    __builtin_prefetch(neighbour);
+    __builtin_prefetch(neighbour + LINE);
+}
+
 /** Come past all nodes; those that wait for nobody else are coloured at once, the others by whoever
  *  colours the last that they wait for. */
 static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -202,6 +212,8 @@ static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) 
     int max_colour = UNCOLOURED;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
+        if (r + AHEAD < end)
+            fetch_neighbours(w, r + AHEAD);
         if (w->node[r] < 0 || wait_for_fewer(w, r, 1) != 0)
             continue;
         int colour = colour_from(w, (int32_t)r);
