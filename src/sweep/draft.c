@@ -12,8 +12,9 @@
 
 enum {
     CHUNK_NODES = 4096,
-    CHUNK_RINGS = 16384,
-    AHEAD = 16 /* nodes whose lists are asked for before they are needed */
+    CHUNK_RINGS = 4096,
+    LINE = 64 / sizeof(int64_t), /* numbers in a line of the cache */
+    AHEAD = 16                   /* nodes that are asked for before they are written */
 };
 
 static void candidates_destroy(pl_candidates *c) {
@@ -72,27 +73,33 @@ typedef struct candidacy {
     pl_draft *d;
 } candidacy;
 
-/** Of the nodes along the curve. */
 static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
     const candidacy *c = context;
     const int64_t *offset = c->d->incidence.offset;
-    int64_t found = 0, unused = 0;
+    int64_t unused = 0;
     (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        const int32_t node = c->d->order[i];
-        if (i + AHEAD < end) {
-            __builtin_prefetch(&offset[c->d->order[i + AHEAD]]);
-            pl_fetch_to_write(&c->plan->inner[c->d->order[i + AHEAD]]);
-        }
+    for (int64_t node = begin; node < end; node++) {
         const int used = offset[node + 1] > offset[node];
-        c->plan->inner[node] = (int32_t)i;
         c->plan->is_used[node] = (uint8_t)used;
         c->plan->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
-        found += c->plan->is_free[node];
         unused += !used;
     }
-    c->d->count[begin / CHUNK_NODES] = found;
     __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
+}
+
+/** Of the nodes along the curve; what they are numbered inside lies all over memory. */
+static void count_candidates(void *context, int64_t begin, int64_t end, int thread) {
+    const candidacy *c = context;
+    const int32_t *order = c->d->order;
+    int64_t found = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        if (i + AHEAD < end)
+            pl_fetch_to_write(&c->plan->inner[order[i + AHEAD]]);
+        c->plan->inner[order[i]] = (int32_t)i;
+        found += c->plan->is_free[order[i]];
+    }
+    c->d->count[begin / CHUNK_NODES] = found;
 }
 
 static void list_candidates(void *context, int64_t begin, int64_t end, int thread) {
@@ -110,6 +117,7 @@ static void find_candidates(planish_plan *plan, pl_draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, count_candidates, &c);
     d->interior.n =
         pl_prefix_sum(plan->threads, (plan->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
@@ -155,9 +163,10 @@ typedef struct arrangement {
     const planish_part *part;
     const pl_candidates *c;
     pl_visits *visits;
-    int64_t n_chunks;
-    int64_t *begin; /* [2 n_colours * n_chunks + 1] first visit of group g in chunk k, at
-                       g * n_chunks + k; counts at first */
+    int n_groups; /* 2 n_colours */
+    int64_t n_chunks, stride;
+    int64_t *next; /* [n_chunks * stride] next visit of group g in chunk k, at k * stride + g:
+                      chunks share no line of the cache; counts at first */
 } arrangement;
 
 /** Of the nodes of a colour those that other processes wait for come first. */
@@ -169,23 +178,39 @@ static int group_of(const arrangement *a, int64_t r) {
 
 static void count_colours(void *context, int64_t begin, int64_t end, int thread) {
     const arrangement *a = context;
-    int64_t *count = a->begin + begin / CHUNK_RINGS;
+    int64_t *count = a->next + begin / CHUNK_RINGS * a->stride;
     (void)thread;
-    for (int g = 0; g < 2 * a->visits->n_colours; g++)
-        count[g * a->n_chunks] = 0;
+    for (int g = 0; g < a->n_groups; g++)
+        count[g] = 0;
     for (int64_t r = begin; r < end; r++)
         if (a->c->colour[r] >= 0)
-            count[group_of(a, r) * a->n_chunks]++;
+            count[group_of(a, r)]++;
+}
+
+/** Counts become first visits: group by group, and chunk by chunk in each. */
+static void add_counts(const arrangement *a) {
+    pl_visits *visits = a->visits;
+    int64_t n = 0;
+    for (int g = 0; g < a->n_groups; g++) {
+        *(g % 2 ? &visits->inside_begin[g / 2] : &visits->colour_begin[g / 2]) = n;
+        for (int64_t k = 0; k < a->n_chunks; k++) {
+            int64_t *next = a->next + k * a->stride + g;
+            const int64_t count = *next;
+            *next = n;
+            n += count;
+        }
+    }
+    visits->colour_begin[visits->n_colours] = n;
 }
 
 static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     const arrangement *a = context;
-    int64_t *next = a->begin + begin / CHUNK_RINGS;
+    int64_t *next = a->next + begin / CHUNK_RINGS * a->stride;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
         if (a->c->colour[r] < 0)
             continue;
-        int64_t place = next[group_of(a, r) * a->n_chunks]++;
+        const int64_t place = next[group_of(a, r)]++;
         a->c->visit[place] = (int32_t)r;
         a->visits->centre[place] = a->plan->inner[a->c->node[r]];
     }
@@ -212,22 +237,19 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
         return status;
     visits->n_all = c->rings.n_free;
     pl_parts_add(&visits->n_all, 1);
-    const int n_groups = 2 * visits->n_colours;
+    a.n_groups = 2 * visits->n_colours;
+    a.stride = (a.n_groups + LINE - 1) / LINE * LINE;
     visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
     visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
-    a.begin = pl_alloc_zero(n_groups * a.n_chunks + 1, sizeof *a.begin);
-    if (!visits->colour_begin || !visits->inside_begin || !a.begin) {
-        pl_free(a.begin);
+    a.next = pl_alloc_zero(a.n_chunks * a.stride, sizeof *a.next);
+    if (!visits->colour_begin || !visits->inside_begin || !a.next) {
+        pl_free(a.next);
         return pl_fail_memory(error, "the colours of nodes");
     }
     pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, count_colours, &a);
-    pl_prefix_sum(plan->threads, n_groups * a.n_chunks, a.begin);
-    for (int i = 0; i <= visits->n_colours; i++)
-        visits->colour_begin[i] = a.begin[2 * i * a.n_chunks];
-    for (int i = 0; i < visits->n_colours; i++)
-        visits->inside_begin[i] = a.begin[(2 * i + 1) * a.n_chunks];
+    add_counts(&a);
     pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, list_visits, &a);
-    pl_free(a.begin);
+    pl_free(a.next);
     return PLANISH_OK;
 }
 
