@@ -176,6 +176,52 @@ int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values) {
     return total;
 }
 
+/** The work of pl_counts_to_places. */
+typedef struct tallies {
+    int64_t row, n_chunks;
+    int64_t *counts, *begin;
+} tallies;
+
+static void add_chunks(void *context, int64_t first, int64_t end, int thread) {
+    const tallies *t = context;
+    (void)thread;
+    for (int64_t key = first; key < end; key++)
+        t->begin[key] = 0;
+    for (int64_t k = 0; k < t->n_chunks; k++)
+        for (int64_t key = first; key < end; key++)
+            t->begin[key] += t->counts[k * t->row + key];
+}
+
+static void place_chunks(void *context, int64_t first, int64_t end, int thread) {
+    enum { AT_ONCE = 256 }; /* keys */
+    const tallies *t = context;
+    int64_t place[AT_ONCE];
+    (void)thread;
+    for (int64_t some = first; some < end; some += AT_ONCE) {
+        const int64_t n = end - some < AT_ONCE ? end - some : AT_ONCE;
+        for (int64_t i = 0; i < n; i++)
+            place[i] = t->begin[some + i];
+        for (int64_t k = 0; k < t->n_chunks; k++) {
+            int64_t *counts = t->counts + k * t->row + some;
+            for (int64_t i = 0; i < n; i++) {
+                const int64_t count = counts[i];
+                counts[i] = place[i];
+                place[i] += count;
+            }
+        }
+    }
+}
+
+void pl_counts_to_places(int threads, int64_t n_keys, int64_t n_chunks, int64_t *counts,
+                         int64_t *begin) {
+    enum { CHUNK_KEYS = 512, MANY = 1 << 16 }; /* as many counts as pay for several threads */
+    tallies t = {pl_counts_row(n_keys), n_chunks, counts, begin};
+    threads = n_keys * n_chunks < MANY ? 1 : threads;
+    pl_parallel_for(threads, n_keys, CHUNK_KEYS, add_chunks, &t);
+    pl_prefix_sum(1, n_keys, begin);
+    pl_parallel_for(threads, n_keys, CHUNK_KEYS, place_chunks, &t);
+}
+
 void pl_raise_to(int64_t *largest, int64_t value) {
     int64_t seen = __atomic_load_n(largest, __ATOMIC_RELAXED);
     while (value > seen && !__atomic_compare_exchange_n(largest, &seen, value, 1, __ATOMIC_RELAXED,

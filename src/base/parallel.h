@@ -31,6 +31,18 @@ void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context);
  *  entries), which is returned. */
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values);
 
+/** Of a counting sort in chunks: where chunk k counts what it has of key, counts[k * row + key],
+ * row at least n_keys so that chunks share no line of the cache. */
+static inline int64_t pl_counts_row(int64_t n_keys) {
+    enum { LINE = 64 / sizeof(int64_t) };
+    return (n_keys + LINE - 1) / LINE * LINE;
+}
+
+/** Counts [n_chunks][row] become the places where each chunk puts what it has of each key: key by
+ *  key, and chunk by chunk in each. begin [n_keys + 1]: where each key begins, and the end. */
+void pl_counts_to_places(int threads, int64_t n_keys, int64_t n_chunks, int64_t *counts,
+                         int64_t *begin);
+
 /** Set *flag to value, as other threads may, too: it is written only where it is not that already,
  * so that cores leave one another its line of the cache. */
 static inline void pl_set_flag(uint8_t *flag, uint8_t value) {

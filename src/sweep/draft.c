@@ -13,8 +13,7 @@
 enum {
     CHUNK_NODES = 4096,
     CHUNK_RINGS = 4096,
-    LINE = 64 / sizeof(int64_t), /* numbers in a line of the cache */
-    AHEAD = 16                   /* nodes that are asked for before they are written */
+    AHEAD = 16 /* nodes that are asked for before they are written */
 };
 
 static void candidates_destroy(pl_candidates *c) {
@@ -164,9 +163,8 @@ typedef struct arrangement {
     const pl_candidates *c;
     pl_visits *visits;
     int n_groups; /* 2 n_colours */
-    int64_t n_chunks, stride;
-    int64_t *next; /* [n_chunks * stride] next visit of group g in chunk k, at k * stride + g:
-                      chunks share no line of the cache; counts at first */
+    int64_t n_chunks, row;
+    int64_t *next; /* [n_chunks][row] next visit of each group in each chunk; counts at first */
 } arrangement;
 
 /** Of the nodes of a colour those that other processes wait for come first. */
@@ -178,7 +176,7 @@ static int group_of(const arrangement *a, int64_t r) {
 
 static void count_colours(void *context, int64_t begin, int64_t end, int thread) {
     const arrangement *a = context;
-    int64_t *count = a->next + begin / CHUNK_RINGS * a->stride;
+    int64_t *count = a->next + begin / CHUNK_RINGS * a->row;
     (void)thread;
     for (int g = 0; g < a->n_groups; g++)
         count[g] = 0;
@@ -187,25 +185,9 @@ static void count_colours(void *context, int64_t begin, int64_t end, int thread)
             count[group_of(a, r)]++;
 }
 
-/** Counts become first visits: group by group, and chunk by chunk in each. */
-static void add_counts(const arrangement *a) {
-    pl_visits *visits = a->visits;
-    int64_t n = 0;
-    for (int g = 0; g < a->n_groups; g++) {
-        *(g % 2 ? &visits->inside_begin[g / 2] : &visits->colour_begin[g / 2]) = n;
-        for (int64_t k = 0; k < a->n_chunks; k++) {
-            int64_t *next = a->next + k * a->stride + g;
-            const int64_t count = *next;
-            *next = n;
-            n += count;
-        }
-    }
-    visits->colour_begin[visits->n_colours] = n;
-}
-
 static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     const arrangement *a = context;
-    int64_t *next = a->next + begin / CHUNK_RINGS * a->stride;
+    int64_t *next = a->next + begin / CHUNK_RINGS * a->row;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
         if (a->c->colour[r] < 0)
@@ -223,7 +205,7 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
                      .part = pl_part_here(),
                      .c = c,
                      .visits = visits,
-                     .n_chunks = c->n / CHUNK_RINGS + 1};
+                     .n_chunks = (c->n + CHUNK_RINGS - 1) / CHUNK_RINGS};
     c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->n_nodes), sizeof *c->colour);
     c->visit = pl_alloc(c->rings.n_free, sizeof *c->visit);
     visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
@@ -238,18 +220,25 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
     visits->n_all = c->rings.n_free;
     pl_parts_add(&visits->n_all, 1);
     a.n_groups = 2 * visits->n_colours;
-    a.stride = (a.n_groups + LINE - 1) / LINE * LINE;
+    a.row = pl_counts_row(a.n_groups);
     visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
     visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
-    a.next = pl_alloc_zero(a.n_chunks * a.stride, sizeof *a.next);
-    if (!visits->colour_begin || !visits->inside_begin || !a.next) {
+    a.next = pl_alloc(a.n_chunks * a.row, sizeof *a.next);
+    int64_t *begin = pl_alloc(a.n_groups + 1, sizeof *begin);
+    if (!visits->colour_begin || !visits->inside_begin || !a.next || !begin) {
         pl_free(a.next);
+        pl_free(begin);
         return pl_fail_memory(error, "the colours of nodes");
     }
     pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, count_colours, &a);
-    add_counts(&a);
+    pl_counts_to_places(plan->threads, a.n_groups, a.n_chunks, a.next, begin);
+    for (int i = 0; i <= visits->n_colours; i++)
+        visits->colour_begin[i] = begin[2 * i];
+    for (int i = 0; i < visits->n_colours; i++)
+        visits->inside_begin[i] = begin[2 * i + 1];
     pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, list_visits, &a);
     pl_free(a.next);
+    pl_free(begin);
     return PLANISH_OK;
 }
 

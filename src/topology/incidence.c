@@ -31,8 +31,10 @@ typedef struct sort {
     pl_incidence *incidence;
     int bits;
     int64_t n_buckets, chunk, n_chunks;
-    int64_t *begin; /* [n_buckets * n_chunks + 1] first pair of chunk c in bucket b, at b * n_chunks
-                       + c; counts at first */
+    int64_t *place; /* [n_chunks][row] where each chunk puts its next pair of each bucket; counts at
+                       first */
+    int64_t row;
+    int64_t *begin; /* [n_buckets + 1] first pair of each bucket */
     pair *pairs;    /* [n_pairs] bucket by bucket */
     int64_t n_pairs;
 } sort;
@@ -47,7 +49,7 @@ static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
         count[node >> s->bits] += !(s->unasked && s->unasked[node]);
     }
     for (int64_t b = 0; b < s->n_buckets; b++)
-        s->begin[b * s->n_chunks + begin / s->chunk] = count[b];
+        s->place[begin / s->chunk * s->row + b] = count[b];
 }
 
 static inline void deal(const sort *s, int dim, int64_t begin, int64_t end, int64_t *place) {
@@ -79,10 +81,8 @@ static void deal_asked(const sort *s, int64_t begin, int64_t end, int64_t *place
 
 static void deal_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const sort *s = context;
-    int64_t place[MAX_BUCKETS];
+    int64_t *place = s->place + begin / s->chunk * s->row;
     (void)thread;
-    for (int64_t b = 0; b < s->n_buckets; b++)
-        place[b] = s->begin[b * s->n_chunks + begin / s->chunk];
     if (s->unasked)
         deal_asked(s, begin, end, place);
     else if (s->mesh->dim == 3)
@@ -97,7 +97,7 @@ static void sort_bucket(void *context, int64_t bucket, int64_t unused, int threa
     sort *s = context;
     int64_t *offset = s->incidence->offset;
     int64_t first_node = bucket << s->bits, end_node = (bucket + 1) << s->bits;
-    int64_t begin = s->begin[bucket * s->n_chunks], end = s->begin[(bucket + 1) * s->n_chunks];
+    int64_t begin = s->begin[bucket], end = s->begin[bucket + 1];
     (void)unused;
     (void)thread;
     if (end_node > s->mesh->n_nodes)
@@ -116,7 +116,8 @@ static void sort_bucket(void *context, int64_t bucket, int64_t unused, int threa
 static int run(sort *s, int threads) {
     const int64_t m = s->mesh->n_elements;
     pl_parallel_for(threads, m, s->chunk, count_chunk, s);
-    s->n_pairs = pl_prefix_sum(threads, s->n_buckets * s->n_chunks, s->begin);
+    pl_counts_to_places(threads, s->n_buckets, s->n_chunks, s->place, s->begin);
+    s->n_pairs = s->begin[s->n_buckets];
     s->pairs = pl_alloc(s->n_pairs, sizeof *s->pairs);
     s->incidence->element = pl_alloc(s->n_pairs, sizeof *s->incidence->element);
     if (!s->pairs || !s->incidence->element)
@@ -137,14 +138,17 @@ int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int th
     s.n_buckets = ((n - 1) >> s.bits) + 1;
     s.chunk = m / MAX_CHUNKS + 1 > MIN_CHUNK ? m / MAX_CHUNKS + 1 : MIN_CHUNK;
     s.n_chunks = (m + s.chunk - 1) / s.chunk;
-    s.begin = pl_alloc(s.n_buckets * s.n_chunks + 1, sizeof *s.begin);
+    s.row = pl_counts_row(s.n_buckets);
+    s.place = pl_alloc(s.n_chunks * s.row, sizeof *s.place);
+    s.begin = pl_alloc(s.n_buckets + 1, sizeof *s.begin);
     incidence->offset = pl_alloc(n + 1, sizeof *incidence->offset);
     int status = PLANISH_OK;
-    if (!s.begin || !incidence->offset || run(&s, threads) != 0) {
+    if (!s.place || !s.begin || !incidence->offset || run(&s, threads) != 0) {
         pl_incidence_destroy(incidence);
         status = pl_fail_memory(error, "the elements of the nodes");
     }
     pl_free(s.pairs);
+    pl_free(s.place);
     pl_free(s.begin);
     return status;
 }

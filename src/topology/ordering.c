@@ -143,8 +143,7 @@ typedef struct sort {
     item *from, *to;               /* [n] a pass sorts from -> to */
     int shift;                     /* of the pass's digit */
     int64_t chunk, n_chunks;
-    int64_t *begin; /* [DIGITS * n_chunks + 1] where digit d of chunk c goes, at d * n_chunks + c;
-                       counts at first */
+    int64_t *place; /* [n_chunks][DIGITS] where each digit of each chunk goes; counts at first */
     int32_t *order; /* [n] result */
 } sort;
 
@@ -185,15 +184,13 @@ static void count_digits(void *context, int64_t begin, int64_t end, int thread) 
     for (int64_t i = begin; i < end; i++)
         count[digit_of(s, s->from + i)]++;
     for (int64_t d = 0; d < DIGITS; d++)
-        s->begin[d * s->n_chunks + begin / s->chunk] = count[d];
+        s->place[begin / s->chunk * DIGITS + d] = count[d];
 }
 
 static void move_items(void *context, int64_t begin, int64_t end, int thread) {
     sort *s = context;
-    int64_t place[DIGITS];
+    int64_t *place = s->place + begin / s->chunk * DIGITS;
     (void)thread;
-    for (int64_t d = 0; d < DIGITS; d++)
-        place[d] = s->begin[d * s->n_chunks + begin / s->chunk];
     for (int64_t i = begin; i < end; i++)
         s->to[place[digit_of(s, s->from + i)]++] = s->from[i];
 }
@@ -201,11 +198,12 @@ static void move_items(void *context, int64_t begin, int64_t end, int thread) {
 /** Sort by the digits of the keys from bit first_bit on. */
 static void sort_digits(sort *s, int first_bit, int threads) {
     const int64_t n = s->mesh->n_nodes;
+    int64_t begin[DIGITS + 1];
     for (s->shift = first_bit; s->shift < 64; s->shift += DIGIT_BITS) {
         if ((s->differing >> s->shift & (DIGITS - 1)) == 0)
             continue;
         pl_parallel_for(threads, n, s->chunk, count_digits, s);
-        pl_prefix_sum(threads, DIGITS * s->n_chunks, s->begin);
+        pl_counts_to_places(threads, DIGITS, s->n_chunks, s->place, begin);
         pl_parallel_for(threads, n, s->chunk, move_items, s);
         item *sorted = s->to;
         s->to = s->from;
@@ -291,15 +289,15 @@ int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planis
         return status;
     s.chunk = n / MAX_CHUNKS + 1 > MIN_CHUNK ? n / MAX_CHUNKS + 1 : MIN_CHUNK;
     s.n_chunks = (n - 1) / s.chunk + 1;
-    s.begin = pl_alloc(DIGITS * s.n_chunks + 1, sizeof *s.begin);
+    s.place = pl_alloc(DIGITS * s.n_chunks, sizeof *s.place);
     s.from = pl_alloc(n, sizeof *s.from);
     s.to = pl_alloc(n, sizeof *s.to);
-    if (s.begin && s.from && s.to)
+    if (s.place && s.from && s.to)
         run(&s, threads);
     else
         status = pl_fail_memory(error, "the order of the nodes");
     pl_free(s.from);
     pl_free(s.to);
-    pl_free(s.begin);
+    pl_free(s.place);
     return status;
 }

@@ -52,6 +52,39 @@ static void prefix_sums_are_exclusive(void **state) {
     free(values);
 }
 
+/** Key by key, and chunk by chunk in each, whatever lies between the rows. */
+static void counts_become_places(void **state) {
+    (void)state;
+    static const struct {
+        int64_t keys, chunks;
+    } sizes[] = {{0, 3}, {1, 0}, {1, 1}, {7, 5}, {8, 1}, {513, 3}, {2048, 40}, {1000, 100}};
+    for (size_t s = 0; s < sizeof sizes / sizeof *sizes; s++)
+        for (int threads = 1; threads <= 3; threads++) {
+            const int64_t keys = sizes[s].keys, chunks = sizes[s].chunks;
+            const int64_t row = pl_counts_row(keys);
+            int64_t *counts = malloc(sizeof *counts * (size_t)(row * chunks + 1));
+            int64_t *begin = malloc(sizeof *begin * (size_t)(keys + 1));
+            assert_true(counts && begin && row >= keys && row % 8 == 0);
+            for (int64_t i = 0; i < row * chunks; i++)
+                counts[i] = i % row < keys ? (i * 5 + i / 3) % 11 : -1;
+            pl_counts_to_places(threads, keys, chunks, counts, begin);
+            int64_t expected = 0;
+            for (int64_t key = 0; key < keys; key++) {
+                assert_int_equal(begin[key], expected);
+                for (int64_t k = 0; k < chunks; k++) {
+                    const int64_t i = k * row + key;
+                    assert_int_equal(counts[i], expected);
+                    expected += (i * 5 + i / 3) % 11;
+                }
+            }
+            assert_int_equal(begin[keys], expected);
+            for (int64_t i = 0; i < row * chunks; i++)
+                assert_true(i % row < keys || counts[i] == -1);
+            free(counts);
+            free(begin);
+        }
+}
+
 static void impossible_sizes_are_refused(void **state) {
     (void)state;
     assert_null(pl_alloc(-1, 8));
@@ -80,9 +113,8 @@ static void growing_keeps_the_content(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_index_once),
-        cmocka_unit_test(prefix_sums_are_exclusive),
-        cmocka_unit_test(impossible_sizes_are_refused),
+        cmocka_unit_test(every_index_once),          cmocka_unit_test(prefix_sums_are_exclusive),
+        cmocka_unit_test(counts_become_places),      cmocka_unit_test(impossible_sizes_are_refused),
         cmocka_unit_test(growing_keeps_the_content),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -121,7 +121,7 @@ static void survives_without_memory(void **state) {
         status = pl_incidence_create(&mesh.mesh, NULL, 2, &incidence, NULL);
         allocations_permit(-1);
         assert_true(status == PLANISH_OK || status == PLANISH_ERROR_MEMORY);
-        assert_true(status == (permitted < 4 ? PLANISH_ERROR_MEMORY : PLANISH_OK));
+        assert_true(status == (permitted < 5 ? PLANISH_ERROR_MEMORY : PLANISH_OK));
     }
     pl_incidence_destroy(&incidence);
     test_mesh_destroy(&mesh);
