@@ -41,14 +41,19 @@ static double *copy_of(const planish_mesh *mesh) {
     return copy;
 }
 
+/** In the plane larger, so that a colour is more than one thread takes at a time. */
+static void box_for_threads(test_mesh *mesh, int dim) {
+    test_mesh_box(mesh, dim, dim == 2 ? 4 * CELLS : CELLS);
+}
+
 static void bad_box(test_mesh *mesh, int dim) {
-    test_mesh_box(mesh, dim, CELLS);
+    box_for_threads(mesh, dim);
     test_mesh_perturb(mesh, 0.14, 12345);
 }
 
 /** Tangled, and stretched so that some helps are wanted. */
 static void tangled_box(test_mesh *mesh, int dim) {
-    test_mesh_box(mesh, dim, CELLS);
+    box_for_threads(mesh, dim);
     test_mesh_perturb(mesh, 0.7, 12345);
 }
 
