@@ -95,14 +95,15 @@ void pl_arena_give(pl_arena *arena, void *taken) {
 }
 
 void pl_arena_settle(pl_arena *arena) {
+    if (!arena->holds)
+        return;
     pl_spin_lock(&arena->lock);
-    char *gap = arena->begin;
-    for (const pl_span *span = arena->first; arena->holds && span; span = span->next) {
-        give_back(gap, (char *)(uintptr_t)span, (char *)(uintptr_t)span);
+    char *gap = arena->begin, *const end = arena->begin + arena->bytes;
+    for (pl_span *span = arena->first; span; span = span->next) {
+        give_back(gap, (char *)span, (char *)span);
         gap = span->end;
     }
-    if (arena->holds)
-        give_back(gap, arena->begin + arena->bytes, arena->begin + arena->bytes);
+    give_back(gap, end, end);
     arena->holds = 0;
     pl_spin_unlock(&arena->lock);
 }

@@ -63,14 +63,18 @@ void pl_context_share_pages(pl_context *context, int64_t n_elements, int all) {
         HUGE_PER_ELEMENT = 95,
         MAX_BYTES = 32 << 20 /* of a larger mesh most arrays are large */
     };
+    const int has_addresses = SIZE_MAX > UINT32_MAX;
     int64_t bytes = n_elements * BYTES_PER_ELEMENT;
-    if (bytes > (all && sizeof(size_t) > 4 ? INT64_MAX : MAX_BYTES))
+    const int is_large = bytes > MAX_BYTES;
+    if (is_large && !(all && has_addresses))
         bytes = MAX_BYTES;
-    const int64_t huge = bytes * HUGE_PER_ELEMENT / BYTES_PER_ELEMENT / PL_HUGE_PAGE * PL_HUGE_PAGE;
+    int64_t huge = bytes * HUGE_PER_ELEMENT / BYTES_PER_ELEMENT / PL_HUGE_PAGE * PL_HUGE_PAGE;
+    if (is_large && all) /* what the last page has too much does not count */
+        huge = bytes;
     if (!PL_SHARES_PAGES || huge == 0 || context->allocator.allocate)
         return;
     pl_arena_begin(&context->arena, (size_t)bytes, (size_t)huge);
-    context->arena.holds = all;
+    context->arena.holds = all && context->arena.begin;
     context->largest_shared = all ? (size_t)bytes : PL_LARGE_ARRAY - 1;
 }
 

@@ -151,7 +151,7 @@ static void ask_chunk(void *context, int64_t begin, int64_t end, int thread) {
         if (s->shortest[i] & s->asks) {
             const ends at = shortest_of(s, i, s->mesh->dim);
             for (int j = 0; j < 2; j++)
-                __atomic_store_n(&s->unasked[at.node[j]], 0, __ATOMIC_RELAXED);
+                pl_set_flag(&s->unasked[at.node[j]], 0);
         }
 }
 

@@ -130,7 +130,7 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
         if (s->found) {
             s->found[place] = f;
             if (t)
-                __atomic_store_n(&s->is_met[t - s->tagged], 1, __ATOMIC_RELAXED);
+                pl_set_flag(&s->is_met[t - s->tagged], 1);
             continue;
         }
         for (int j = 0; j < s->mesh->dim; j++)

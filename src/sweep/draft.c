@@ -86,8 +86,9 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
     __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
 }
 
-/** Of the nodes along the curve; what they are numbered inside lies all over memory. */
-static void count_candidates(void *context, int64_t begin, int64_t end, int thread) {
+/** Number the nodes inside, along the curve, and count the candidates among them. The numbers are
+ *  written all over memory. */
+static void number_nodes(void *context, int64_t begin, int64_t end, int thread) {
     const candidacy *c = context;
     const int32_t *order = c->d->order;
     int64_t found = 0;
@@ -116,7 +117,7 @@ static void find_candidates(planish_plan *plan, pl_draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, count_candidates, &c);
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, number_nodes, &c);
     d->interior.n =
         pl_prefix_sum(plan->threads, (plan->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
@@ -163,8 +164,8 @@ typedef struct arrangement {
     const pl_candidates *c;
     pl_visits *visits;
     int n_groups; /* 2 n_colours */
-    int64_t n_chunks, row;
-    int64_t *next; /* [n_chunks][row] next visit of each group in each chunk; counts at first */
+    int64_t row;
+    int64_t *next; /* [chunks][row] next visit of each group in each chunk; counts at first */
 } arrangement;
 
 /** Of the nodes of a colour those that other processes wait for come first. */
@@ -198,48 +199,50 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
+/** List the visits group by group, along the curve within each. */
+static int arrange(arrangement *a, planish_error *error) {
+    const int threads = a->plan->threads;
+    const int64_t n = a->c->n, n_chunks = (n + CHUNK_RINGS - 1) / CHUNK_RINGS;
+    pl_visits *visits = a->visits;
+    a->n_groups = 2 * visits->n_colours;
+    a->row = pl_counts_row(a->n_groups);
+    a->next = pl_alloc(n_chunks * a->row, sizeof *a->next);
+    int64_t *begin = pl_alloc(a->n_groups + 1, sizeof *begin);
+    visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
+    visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
+    const int done = a->next && begin && visits->colour_begin && visits->inside_begin;
+    if (done) {
+        pl_parallel_for(threads, n, CHUNK_RINGS, count_colours, a);
+        pl_counts_to_places(threads, a->n_groups, n_chunks, a->next, begin);
+        for (int i = 0; i <= visits->n_colours; i++)
+            visits->colour_begin[i] = begin[2 * i];
+        for (int i = 0; i < visits->n_colours; i++)
+            visits->inside_begin[i] = begin[2 * i + 1];
+        pl_parallel_for(threads, n, CHUNK_RINGS, list_visits, a);
+    }
+    pl_free(a->next);
+    pl_free(begin);
+    return done ? PLANISH_OK : pl_fail_memory(error, "the colours of nodes");
+}
+
 /** Colour the rings and put them in order of colour, along the curve within each. */
 static int order_visits(const planish_plan *plan, const pl_periodic *periodic, pl_candidates *c,
                         pl_visits *visits, planish_error *error) {
-    arrangement a = {.plan = plan,
-                     .part = pl_part_here(),
-                     .c = c,
-                     .visits = visits,
-                     .n_chunks = (c->n + CHUNK_RINGS - 1) / CHUNK_RINGS};
+    arrangement a = {.plan = plan, .part = pl_part_here(), .c = c, .visits = visits};
     c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->n_nodes), sizeof *c->colour);
     c->visit = pl_alloc(c->rings.n_free, sizeof *c->visit);
     visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
     if (!c->colour || !c->visit || !visits->centre)
         return pl_fail_memory(error, "the colours of nodes");
-    int status = pl_colouring_create(&c->rings, c->node, plan->node_of,
-                                     periodic ? periodic->n_nodes : plan->n_nodes,
-                                     periodic ? periodic->moves_with : NULL, plan->threads,
-                                     c->colour, &visits->n_colours, error);
+    const int status = pl_colouring_create(&c->rings, c->node, plan->node_of,
+                                           periodic ? periodic->n_nodes : plan->n_nodes,
+                                           periodic ? periodic->moves_with : NULL, plan->threads,
+                                           c->colour, &visits->n_colours, error);
     if (status)
         return status;
     visits->n_all = c->rings.n_free;
     pl_parts_add(&visits->n_all, 1);
-    a.n_groups = 2 * visits->n_colours;
-    a.row = pl_counts_row(a.n_groups);
-    visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
-    visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
-    a.next = pl_alloc(a.n_chunks * a.row, sizeof *a.next);
-    int64_t *begin = pl_alloc(a.n_groups + 1, sizeof *begin);
-    if (!visits->colour_begin || !visits->inside_begin || !a.next || !begin) {
-        pl_free(a.next);
-        pl_free(begin);
-        return pl_fail_memory(error, "the colours of nodes");
-    }
-    pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, count_colours, &a);
-    pl_counts_to_places(plan->threads, a.n_groups, a.n_chunks, a.next, begin);
-    for (int i = 0; i <= visits->n_colours; i++)
-        visits->colour_begin[i] = begin[2 * i];
-    for (int i = 0; i < visits->n_colours; i++)
-        visits->inside_begin[i] = begin[2 * i + 1];
-    pl_parallel_for(plan->threads, c->n, CHUNK_RINGS, list_visits, &a);
-    pl_free(a.next);
-    pl_free(begin);
-    return PLANISH_OK;
+    return arrange(&a, error);
 }
 
 /** The stars of the visits; of the candidates' rings nothing is left. */

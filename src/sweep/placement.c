@@ -215,7 +215,6 @@ pl_placement *pl_placement_create(int threads, int bind) {
     if (!placement)
         return NULL;
     placement->threads = pl_thread_count(threads);
-    placement->is_near = placement->threads == 1;
     snprintf(placement->text, sizeof placement->text, "not bound");
 #ifdef PL_HWLOC
     if (bind && placement->threads > 1) /* one is never bound: not to look costs less */
@@ -223,6 +222,7 @@ pl_placement *pl_placement_create(int threads, int bind) {
 #else
     (void)bind;
 #endif
+    placement->is_near |= placement->threads == 1;
     return placement;
 }
 

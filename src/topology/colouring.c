@@ -199,10 +199,8 @@ static int colour_from(work *w, int32_t r) {
 
 /** Ask for the neighbours of r, of which there are seldom more than two lines. */
 PL_AT_ONCE void fetch_neighbours(const work *w, int64_t r) {
-    enum { LINE = 64 / sizeof(int32_t) };
-    const int32_t *neighbour = w->neighbour + w->rings->offset[r];
-    __builtin_prefetch(neighbour);
-    __builtin_prefetch(neighbour + LINE);
+    __builtin_prefetch(w->neighbour + w->rings->offset[r]);
+    __builtin_prefetch(w->neighbour + w->rings->offset[r + 1]);
 }
 
 /** Come past all nodes; those that wait for nobody else are coloured at once, the others by whoever

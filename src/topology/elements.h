@@ -1,4 +1,5 @@
-/* elements: walk over the elements of one node after the other. Internal to topology.
+/* elements: walk over the elements of one node after the other, and compare their nodes. Internal
+ * to topology.
  *
  * The elements of a node lie all over memory. Who walks over many nodes asks for those of a node
  * some steps ahead, and waits for none: on a million tetrahedra that halves the time.
@@ -48,7 +49,7 @@ PL_AT_ONCE void pl_fetch_ahead(const planish_mesh *mesh, int dim, const pl_incid
  * Where == or < gives a number, compilers may write the low byte of a register alone: then what
  * comes next waits for what that held before, which can be the end of all that went before. */
 
-/** 1 if two nodes are the same, or else 0. */
+/** 1 if two nodes are the same, or else 0. No number of a node is negative. */
 static inline uint32_t pl_is_same(int32_t a, int32_t b) {
     return ((uint32_t)(a ^ b) - 1) >> 31;
 }

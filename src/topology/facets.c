@@ -62,7 +62,7 @@ static inline int has_facets(int dim, const uint8_t *is_inside, const int32_t *n
                              int32_t node) {
     uint32_t below = 0, inside = 0;
     for (int j = 0; j <= dim; j++) {
-        const uint32_t is = is_inside ? is_inside[nodes[j]] : 0;
+        const uint32_t is = is_inside ? is_inside[nodes[j]] != 0 : 0;
         below += pl_is_less(nodes[j], node) & (is ^ 1);
         inside += is;
     }
@@ -78,8 +78,9 @@ static inline void add_element(int dim, pl_local_map *map, pl_facet *facets,
     const int parity = pl_sort_element(dim, nodes, s);
     int inside = 0, place = 0;
     for (int k = 0; is_inside && k <= dim; k++) {
-        inside += is_inside[s[k]];
-        place += k * is_inside[s[k]];
+        const int is = is_inside[s[k]] != 0;
+        inside += is;
+        place += k * is;
     }
     if (inside > 0) {
         add_facet(dim, map, facets, s, place, element, parity);

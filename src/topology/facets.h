@@ -24,8 +24,8 @@ static inline int pl_facet_joins(const pl_facet *facet) {
 typedef void pl_facets_fn(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
                           int thread);
 
-/** Call body for every node. is_inside [n]: facets of nodes for which it is 1 are left out; NULL:
- *  none are. */
+/** Call body for every node. is_inside [n]: facets of nodes for which it is not 0 are left out;
+ * NULL: none are. */
 int pl_facets_match(const planish_mesh *mesh, const pl_incidence *incidence,
                     const uint8_t *is_inside, int threads, pl_facets_fn *body, void *context,
                     planish_error *error);

@@ -106,6 +106,7 @@ static inline uint64_t spread(unsigned dim, uint32_t place) {
     return (bits | bits << 1) & UINT64_C(0x5555555555555555);
 }
 
+_Static_assert(DIGITS % 8 == 0, "a row of counts is as long as pl_counts_row says");
 _Static_assert(LEVELS_3D % 2 && LEVELS_2D % 2, "one level is left for the first step");
 
 /** Key of the point in cell place [dim] of 2^levels along each axis. */
@@ -189,7 +190,7 @@ static void count_digits(void *context, int64_t begin, int64_t end, int thread) 
 
 static void move_items(void *context, int64_t begin, int64_t end, int thread) {
     sort *s = context;
-    int64_t *place = s->place + begin / s->chunk * DIGITS;
+    int64_t *restrict place = s->place + begin / s->chunk * DIGITS; /* no key is there */
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         s->to[place[digit_of(s, s->from + i)]++] = s->from[i];

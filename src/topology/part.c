@@ -31,7 +31,7 @@ static int has_selected(const passes *p, int64_t element) {
 }
 
 static void take_node(const passes *p, int32_t node) {
-    __atomic_store_n(&p->is_in[node], 1, __ATOMIC_RELAXED);
+    pl_set_flag(&p->is_in[node], 1);
 }
 
 static void count_elements(void *context, int64_t begin, int64_t end, int thread) {

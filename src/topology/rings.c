@@ -243,7 +243,7 @@ static void leave_boundary(const work *w, const pl_small_ring *table, const uint
 }
 
 /** The same as find_ring, faster, in 3-D where it is small and, if closed, one sphere. Of an open
- * one neither ring nor edges are written. */
+ * one no ring is written, and what is in its link means nothing. */
 static star find_small_ring(const work *w, int thread, int32_t node, pl_link link, int32_t *ring,
                             int64_t room) {
     const int32_t *list = w->incidence->element + w->incidence->offset[node];

@@ -163,14 +163,19 @@ static void what_is_inside_may_be_told(void **state) {
     uint8_t *inside = malloc((size_t)box.mesh.n_nodes);
     assert_int_equal(planish_plan_create(&box.mesh, NULL, &plan, NULL), 0);
     planish_plan_get_free(plan, inside);
-    const planish_surface surface = {.is_inside = inside};
-    found f = find(&box.mesh, &surface);
-    expect_box(&box.mesh, &f, -1);
     int64_t n = 0;
     for (int64_t i = 0; i < box.mesh.n_nodes; i++)
         n += inside[i];
     assert_int_equal(n, (CELLS - 1) * (CELLS - 1) * (CELLS - 1));
-    release(&f);
+    static const uint8_t marks[] = {1, 2, 255}; /* whatever is not 0 */
+    for (size_t m = 0; m < sizeof marks; m++) {
+        for (int64_t i = 0; i < box.mesh.n_nodes; i++)
+            inside[i] = inside[i] ? marks[m] : 0;
+        const planish_surface surface = {.is_inside = inside};
+        found f = find(&box.mesh, &surface);
+        expect_box(&box.mesh, &f, -1);
+        release(&f);
+    }
     planish_plan_destroy(plan);
     free(inside);
     test_mesh_destroy(&box);
