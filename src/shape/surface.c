@@ -25,7 +25,7 @@ typedef struct found {
     pl_label label;
 } found;
 
-/** The search for facets. Bodies run on several threads: counters are added to atomically. */
+/** The search for facets. */
 typedef struct search {
     const planish_mesh *mesh;
     const planish_surface *tags;
@@ -34,8 +34,10 @@ typedef struct search {
     int64_t n_tagged;
     uint8_t *has_tagged; /* [n] node of a tagged facet */
     uint8_t *elsewhere;  /* [n] 1: not on the surface, as far as known */
-    found *found;        /* [capacity] */
-    int64_t n_found, capacity;
+    int64_t *place;      /* [n + 1] of each node the first that is found of which it is the smallest
+                            node;      counts at first */
+    found *found;        /* [n_found] ascending by nodes; NULL: they are counted */
+    int64_t n_found;
 } search;
 
 static int compare_nodes(const int32_t *a, const int32_t *b) {
@@ -114,11 +116,28 @@ static pl_label label_of(const search *s, const pl_facet *facet, const tagged *t
                       .tag = t ? t->tag : 0};
 }
 
+/** Sort the n facets of one smallest node: few, as a rule. */
+static void sort_found(found *facets, int64_t n) {
+    enum { FEW = 16 };
+    if (n > FEW) {
+        qsort(facets, (size_t)n, sizeof *facets, compare_found);
+        return;
+    }
+    for (int64_t i = 1; i < n; i++) {
+        const found f = facets[i];
+        int64_t at = i;
+        for (; at > 0 && compare_nodes(facets[at - 1].node, f.node) > 0; at--)
+            facets[at] = facets[at - 1];
+        facets[at] = f;
+    }
+}
+
 /** Note the facets of the surface among those of node; in a first round only how many they are, and
  *  their nodes. */
 static void note_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
                         int thread) {
     search *s = context;
+    int64_t n = 0;
     (void)thread;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
         found f = {.node = {node, facet->node[0], facet->node[1]}};
@@ -126,22 +145,20 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
         f.label = label_of(s, facet, t);
         if (f.label.n_elements == 2 && f.label.region[0] == f.label.region[1] && !t)
             continue;
-        const int64_t place = __atomic_fetch_add(&s->n_found, 1, __ATOMIC_RELAXED);
         if (s->found) {
-            s->found[place] = f;
+            s->found[s->place[node] + n] = f;
             if (t)
                 pl_set_flag(&s->is_met[t - s->tagged], 1);
-            continue;
+        } else {
+            for (int j = 0; j < s->mesh->dim; j++)
+                pl_set_flag(&s->elsewhere[f.node[j]], 0);
         }
-        for (int j = 0; j < s->mesh->dim; j++)
-            pl_set_flag(&s->elsewhere[f.node[j]], 0);
+        n++;
     }
-}
-
-static int match(search *s, const pl_incidence *incidence, const uint8_t *elsewhere, int threads,
-                 planish_error *error) {
-    s->n_found = 0;
-    return pl_facets_match(s->mesh, incidence, elsewhere, threads, note_facets, s, error);
+    if (s->found)
+        sort_found(s->found + s->place[node], n);
+    else
+        s->place[node] = n;
 }
 
 /** Two rounds: one counts and finds the nodes, the other notes and looks only at these. */
@@ -151,14 +168,17 @@ static int find_facets(search *s, int threads, planish_error *error) {
                                      &incidence, error);
     if (status)
         return status;
-    status = match(s, &incidence, s->tags ? s->tags->is_inside : NULL, threads, error);
-    if (!status && !(s->found = pl_alloc(s->n_found, sizeof *s->found)))
-        status = pl_fail_memory(error, "the surface");
+    status = pl_facets_match(s->mesh, &incidence, s->tags ? s->tags->is_inside : NULL, threads,
+                             note_facets, s, error);
+    if (!status) {
+        s->n_found = pl_prefix_sum(threads, s->mesh->n_nodes, s->place);
+        s->found = pl_alloc(s->n_found, sizeof *s->found);
+        if (!s->found)
+            status = pl_fail_memory(error, "the surface");
+    }
     if (!status)
-        status = match(s, &incidence, s->elsewhere, threads, error);
+        status = pl_facets_match(s->mesh, &incidence, s->elsewhere, threads, note_facets, s, error);
     pl_incidence_destroy(&incidence);
-    if (!status)
-        qsort(s->found, (size_t)s->n_found, sizeof *s->found, compare_found);
     return status;
 }
 
@@ -255,8 +275,9 @@ int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int
     s.is_met = pl_alloc_zero(n_facets, 1);
     s.has_tagged = pl_alloc_zero(n, 1);
     s.elsewhere = pl_alloc(n, 1);
+    s.place = pl_alloc_zero(n + 1, sizeof *s.place);
     int status = PLANISH_OK;
-    if (!s.tagged || !s.is_met || !s.has_tagged || !s.elsewhere) {
+    if (!s.tagged || !s.is_met || !s.has_tagged || !s.elsewhere || !s.place) {
         status = pl_fail_memory(error, "the surface");
     } else {
         memset(s.elsewhere, 1, (size_t)n);
@@ -272,6 +293,7 @@ int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int
     pl_free(s.is_met);
     pl_free(s.has_tagged);
     pl_free(s.elsewhere);
+    pl_free(s.place);
     pl_free(s.found);
     if (status)
         pl_surface_destroy(surface);
