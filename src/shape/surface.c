@@ -34,8 +34,8 @@ typedef struct search {
     int64_t n_tagged;
     uint8_t *has_tagged; /* [n] node of a tagged facet */
     uint8_t *elsewhere;  /* [n] 1: not on the surface, as far as known */
-    int64_t *place;      /* [n + 1] of each node the first that is found of which it is the smallest
-                            node;      counts at first */
+    int64_t *place;      /* [n + 1] first in found of those whose smallest node it is; counts at
+                            first */
     found *found;        /* [n_found] ascending by nodes; NULL: they are counted */
     int64_t n_found;
 } search;

@@ -72,6 +72,7 @@ typedef struct candidacy {
     pl_draft *d;
 } candidacy;
 
+/** Which nodes are used, and which of them may be free. */
 static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
     const candidacy *c = context;
     const int64_t *offset = c->d->incidence.offset;

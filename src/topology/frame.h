@@ -10,10 +10,9 @@
 #include <planish/planish.h>
 
 typedef struct pl_frame {
-    double low[3]; /* [dim] the corner of the box with the smallest coordinates */
-    double shrink; /* 1, or a power of two that lets differences of huge coordinates be numbers */
-    double
-        scale[2]; /* two powers of two: the second is 1 unless their product may be out of range */
+    double low[3];   /* [dim] the corner of the box with the smallest coordinates */
+    double shrink;   /* 1, or a power of two that lets differences of huge coordinates be numbers */
+    double scale[2]; /* powers of two: the second is 1 unless the product may be out of range */
 } pl_frame;
 
 /** The frame of the nodes; their coordinates are finite. */

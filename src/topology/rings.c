@@ -252,8 +252,10 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
     star found = {-1, 0, 0};
     if (n > PL_SMALL_LINK)
         return found;
-    for (int i = 0; i == 0 || (table->collision && i < PL_SMALL_HASHES); i++)
+    int i = 0;
+    do
         find_small_facets(w->mesh->elements, node, list, n, i, table, link.low);
+    while (table->collision && ++i < PL_SMALL_HASHES);
     const int64_t length = table->n_nodes;
     if (table->collision || length > PL_SMALL_RING)
         return found;
