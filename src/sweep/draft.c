@@ -11,8 +11,8 @@
 #include <inttypes.h>
 
 enum {
-    CHUNK_NODES = 4096,
-    CHUNK_RINGS = 4096,
+    CHUNK_NODES = 1024,
+    CHUNK_RINGS = 2048,
     AHEAD = 16 /* nodes that are asked for before they are written */
 };
 

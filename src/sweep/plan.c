@@ -12,7 +12,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 4096 };
+enum { CHUNK_ELEMENTS = 4096, CHUNK_NODES = 1024 };
 
 /** A last look at all elements. */
 typedef struct look {

@@ -15,7 +15,7 @@
 
 /* ---- coordinates out ----------------------------------------------------------------------- */
 
-enum { CHUNK_NODES = 4096 };
+enum { CHUNK_NODES = 1024 };
 
 /** How many nodes have moved, and how far: the bits of a double that is not negative are ordered as
  *  it is. */

@@ -3,9 +3,10 @@
  * The serial greedy algorithm gives each node, in order of priority, the smallest colour that no
  * neighbour has. A node's colour depends on its neighbours of higher priority only, so that a node
  * can be coloured as soon as all of them are, on any thread and in any order (Jones and Plassmann,
- * A parallel graph coloring heuristic, SIAM J. Sci. Comput. 14, 1993). Here every node counts those
- * it waits for; the thread that colours the last of them colours the node as well. There are no
- * rounds and no barriers, and what becomes ready lies close to what has just been coloured.
+ * A parallel graph coloring heuristic, SIAM J. Sci. Comput. 14, 1993). Here a thread that wants to
+ * colour a node first colours those of its neighbours that are still missing, and what they need.
+ * Nobody waits and nothing is counted: where two threads need the same node, both find the same
+ * colour for it.
  *
  * With other processes there are rounds: nodes wait for ghosts of higher priority, too, and when
  * nothing can be done without more of them, their colours are fetched.
@@ -23,8 +24,11 @@
 enum {
     CHUNK_NODES = 16384, /* mesh nodes that one thread takes at a time */
     CHUNK_RINGS = 512,   /* rings, likewise */
+    MIN_COLOURED = 512,  /* rings that it colours at a time, at least */
+    MAX_COLOURED = 4096, /* and at most */
     AHEAD = 8,           /* rings whose neighbours are asked for before they are needed */
     UNCOLOURED = -1,
+    MOST_WANTED = 64, /* rings that a thread remembers on its way to one that can be coloured */
     MASK_COLOURS = 64 /* colours in a mask */
 };
 
@@ -42,16 +46,11 @@ typedef struct work {
     int32_t *neighbour; /* [offset[n_rings]] rings of the free neighbours, packed to the front of
                            each ring's room */
     uint64_t *priority; /* [n_all] larger: earlier; distinct */
-    int32_t *higher;    /* [n_rings] neighbours of higher priority, which come first */
-    int32_t *waiting;   /* [n_all] uncoloured neighbours of higher priority, and 1 until the
-                           loop over all nodes has come past */
-    int32_t *next;      /* [n_rings] below it on a thread's stack, -1: none */
-    int32_t *colour;    /* [n_all] */
-    int32_t *ghost;     /* [n_all - n_rings] their nodes, */
-    uint8_t *is_new;    /* and whether their colours have just come */
+    int32_t *colour;    /* [n_all] negative: none */
+    int32_t blocked;    /* the colour of those that wait for ghosts: another one in each round */
+    int32_t *ghost;     /* [n_all - n_rings] their nodes */
     int32_t *held;      /* [n_rings] those that wait for ghosts */
-    int max_colour;
-    int is_shared; /* by several threads */
+    int64_t max_colour;
 } work;
 
 /** The finaliser of MurmurHash3 (A. Appleby, public domain): a bijection, so that hashes of
@@ -125,76 +124,87 @@ static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Put those of higher priority first among the neighbours, and count them. No branch: nothing
- * could predict it. */
-static void count_waiting(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
-    (void)thread;
-    for (int64_t r = begin; r < end; r++) {
-        if (w->node[r] < 0)
-            continue;
-        int32_t *neighbour = w->neighbour + w->rings->offset[r];
-        const int32_t n = degree(w, r);
-        int32_t higher = 0;
-        for (int32_t i = 0; i < n; i++) {
-            const int32_t other = neighbour[i];
-            neighbour[i] = neighbour[higher];
-            neighbour[higher] = other;
-            higher += w->priority[other] > w->priority[r];
-        }
-        w->higher[r] = higher;
-        w->waiting[r] = higher + 1;
-    }
-}
-
 /* ---- colours ------------------------------------------------------------------------------ */
 
-/** The smallest colour that no neighbour of r has. Those coloured by now are those of higher
- *  priority, as the others wait for r. */
-static int32_t smallest_colour(const work *w, int64_t r) {
+/* Threads read colours while others write them, which changes nothing (above). */
+static int32_t colour_of(const work *w, int64_t r) {
+    return __atomic_load_n(w->colour + r, __ATOMIC_RELAXED);
+}
+
+static void set_colour(work *w, int64_t r, int32_t colour) {
+    __atomic_store_n(w->colour + r, colour, __ATOMIC_RELAXED);
+}
+
+/** A ring to be coloured: the colours, of the first MASK_COLOURS, that those of its neighbours have
+ *  taken which have been looked at. */
+typedef struct wanted {
+    uint64_t taken;
+    int32_t ring, n_seen;
+} wanted;
+
+/** Look at the next neighbours, until one of higher priority has no colour yet: that one; -1: all
+ *  have theirs. There is no other branch, as nothing could predict it: a difference of priorities
+ *  is below 2^63, its top bit tells which is higher. */
+static int32_t find_missing(const work *w, wanted *self) {
+    const int32_t *neighbour = w->neighbour + w->rings->offset[self->ring];
+    const uint64_t priority = w->priority[self->ring];
+    const int32_t n = degree(w, self->ring);
+    uint64_t taken = self->taken;
+    for (int32_t i = self->n_seen; i < n; i++) {
+        const uint32_t colour = (uint32_t)colour_of(w, neighbour[i]); /* none: a large number */
+        const uint64_t is_higher = (priority - w->priority[neighbour[i]]) >> 63;
+        if (is_higher & colour >> 31) {
+            self->taken = taken;
+            self->n_seen = i;
+            return neighbour[i];
+        }
+        taken |= (is_higher & (colour < MASK_COLOURS)) << colour % MASK_COLOURS;
+    }
+    self->taken = taken;
+    return -1;
+}
+
+/** The smallest colour from first on that no neighbour of higher priority has. */
+static int32_t smallest_colour(const work *w, int64_t r, int32_t first) {
     const int32_t *neighbour = w->neighbour + w->rings->offset[r];
-    const int32_t n = w->higher[r];
-    for (int32_t first = 0;; first += MASK_COLOURS) {
-        uint64_t taken = 0;
-        for (int32_t i = 0; i < n; i++) {
-            uint32_t colour = (uint32_t)(w->colour[neighbour[i]] - first);
-            taken |= (uint64_t)(colour < MASK_COLOURS) << (colour % MASK_COLOURS);
+    int is_taken = 1;
+    while (is_taken) {
+        is_taken = 0;
+        for (int32_t i = 0; i < degree(w, r); i++)
+            is_taken |=
+                w->priority[neighbour[i]] > w->priority[r] && colour_of(w, neighbour[i]) == first;
+        first += is_taken;
+    }
+    return first;
+}
+
+/** Colour r and what it needs for that, or find that it waits for ghosts. If too much is needed at
+ *  once the first of it is forgotten, r as well. */
+static void colour_from(work *w, int32_t r, int64_t *max_colour) {
+    wanted stack[MOST_WANTED];
+    int n = 0;
+    stack[n++] = (wanted){0, r, 0};
+    while (n > 0) {
+        wanted *last = &stack[n - 1];
+        const int32_t missing = find_missing(w, last);
+        int32_t colour = w->blocked;
+        if (missing >= 0 && colour_of(w, missing) != w->blocked) {
+            n = n < MOST_WANTED ? n : 0;
+            stack[n++] = (wanted){0, missing, 0};
+            continue;
         }
-        if (~taken)
-            return first + __builtin_ctzll(~taken);
+        if (missing < 0)
+            colour = ~last->taken ? __builtin_ctzll(~last->taken)
+                                  : smallest_colour(w, last->ring, MASK_COLOURS);
+        *max_colour = colour > *max_colour ? colour : *max_colour;
+        set_colour(w, last->ring, colour);
+        n--;
     }
 }
 
-/** How many nodes r waits for when so many more have been coloured. */
-static inline int32_t wait_for_fewer(const work *w, int64_t r, int32_t n) {
-    if (w->is_shared)
-        return __atomic_sub_fetch(w->waiting + r, n, __ATOMIC_ACQ_REL);
-    return w->waiting[r] -= n;
-}
-
-/** Colour r and all nodes that wait for nobody then. They go on a stack that is linked through
- *  next: a node is on one stack at most. */
-static int colour_from(work *w, int32_t r) {
-    int32_t top = r;
-    int max_colour = 0;
-    w->next[r] = -1;
-    while (top >= 0) {
-        int32_t current = top;
-        top = w->next[current];
-        int32_t colour = smallest_colour(w, current);
-        max_colour = colour > max_colour ? colour : max_colour;
-        const int32_t *neighbour = w->neighbour + w->rings->offset[current];
-        int32_t n = degree(w, current);
-        w->colour[current] = colour;
-        for (int32_t i = w->higher[current]; i < n; i++) {
-            int32_t other = neighbour[i];
-            if (wait_for_fewer(w, other, 1) == 0) {
-                w->next[other] = top;
-                top = other;
-            }
-        }
-    }
-    return max_colour;
+static int is_done(const work *w, int64_t r) {
+    const int32_t colour = colour_of(w, r);
+    return w->node[r] < 0 || colour >= 0 || colour == w->blocked;
 }
 
 /** Ask for the neighbours of r, of which there are seldom more than two lines. */
@@ -203,24 +213,43 @@ PL_AT_ONCE void fetch_neighbours(const work *w, int64_t r) {
     __builtin_prefetch(w->neighbour + w->rings->offset[r + 1]);
 }
 
-/** Come past all nodes; those that wait for nobody else are coloured at once, the others by whoever
- *  colours the last that they wait for. */
+enum { DEGREES = 64, HASH_BITS = 4, ROUGH_PLACES = DEGREES << HASH_BITS };
+
+/** About the place of ring r when all are in order of priority. */
+static int rough_place(const work *w, int64_t r) {
+    if (w->node[r] < 0)
+        return 0;
+    const int n = degree(w, r) < DEGREES ? degree(w, r) : DEGREES - 1;
+    const uint32_t hash = (uint32_t)w->priority[r];
+    return (DEGREES - 1 - n) << HASH_BITS | (int)(~hash >> (32 - HASH_BITS));
+}
+
+/** order [end - begin] becomes the rings begin .. end-1, about in order of priority: so most of
+ * them have all they need when their turn comes. */
+static void sort_roughly(const work *w, int64_t begin, int64_t end, int32_t *order) {
+    int32_t next[ROUGH_PLACES + 1] = {0};
+    for (int64_t r = begin; r < end; r++)
+        next[rough_place(w, r) + 1]++;
+    for (int k = 0; k < ROUGH_PLACES; k++)
+        next[k + 1] += next[k];
+    for (int64_t r = begin; r < end; r++)
+        order[next[rough_place(w, r)]++] = (int32_t)r;
+}
+
 static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
-    int max_colour = UNCOLOURED;
+    int32_t order[MAX_COLOURED];
+    int64_t max_colour = UNCOLOURED;
+    const int64_t n = end - begin;
     (void)thread;
-    for (int64_t r = begin; r < end; r++) {
-        if (r + AHEAD < end)
-            fetch_neighbours(w, r + AHEAD);
-        if (w->node[r] < 0 || wait_for_fewer(w, r, 1) != 0)
-            continue;
-        int colour = colour_from(w, (int32_t)r);
-        max_colour = colour > max_colour ? colour : max_colour;
+    sort_roughly(w, begin, end, order);
+    for (int64_t i = 0; i < n; i++) {
+        if (i + AHEAD < n)
+            fetch_neighbours(w, order[i + AHEAD]);
+        while (!is_done(w, order[i]))
+            colour_from(w, order[i], &max_colour);
     }
-    int seen = __atomic_load_n(&w->max_colour, __ATOMIC_RELAXED);
-    while (max_colour > seen && !__atomic_compare_exchange_n(&w->max_colour, &seen, max_colour, 1,
-                                                             __ATOMIC_RELAXED, __ATOMIC_RELAXED)) {
-    }
+    pl_raise_to(&w->max_colour, max_colour);
 }
 
 /* ---- ghosts ------------------------------------------------------------------------------- */
@@ -245,56 +274,43 @@ static void find_priorities_of_ghosts(work *w) {
     pl_parts_update(NULL, w->of_nodes, sizeof *w->of_nodes);
     for (int64_t g = n; g < w->n_all; g++) {
         w->priority[g] = (uint64_t)w->of_nodes[w->ghost[g - n]];
-        w->colour[g] = UNCOLOURED;
-        w->waiting[g] = INT32_MAX; /* for another process */
+        w->colour[g] = w->blocked;
     }
 }
 
-static void fetch_colours(const work *w) {
-    const int64_t n = w->rings->n_rings;
+/** Of ghosts that have no colour yet others still wait. */
+static void fetch_colours(work *w) {
     for (int64_t i = 0; i < w->n_nodes; i++)
         w->of_nodes[i] = w->ring_of[i] >= 0 ? w->colour[w->ring_of[i]] : UNCOLOURED;
     pl_parts_update(NULL, w->of_nodes, sizeof *w->of_nodes);
-    for (int64_t g = n; g < w->n_all; g++) {
-        const int32_t colour = (int32_t)w->of_nodes[w->ghost[g - n]];
-        w->is_new[g - n] = w->colour[g] != colour;
-        w->colour[g] = colour;
+    w->blocked--;
+    for (int64_t g = w->rings->n_rings; g < w->n_all; g++) {
+        const int32_t colour = (int32_t)w->of_nodes[w->ghost[g - w->rings->n_rings]];
+        w->colour[g] = colour < 0 ? w->blocked : colour;
     }
 }
 
-/** Of the nodes that r waits for the ghosts; or only those whose colours are new. */
-static int32_t count_ghosts(const work *w, int64_t r, int new_only) {
-    const int32_t *neighbour = w->neighbour + w->rings->offset[r];
-    const int64_t first = w->rings->n_rings;
-    int32_t n = 0;
-    for (int32_t i = 0; i < w->higher[r]; i++)
-        n += neighbour[i] >= first && (!new_only || w->is_new[neighbour[i] - first]);
-    return n;
-}
-
-/** Colour r, for which so many ghosts have got theirs, and what waits for it, if it can be done. */
-static void colour_after(work *w, int32_t r, int32_t n_new) {
-    if (n_new == 0 || wait_for_fewer(w, r, n_new) != 0)
-        return;
-    const int colour = colour_from(w, r);
-    w->max_colour = colour > w->max_colour ? colour : w->max_colour;
+/** Of the n rings held those that are blocked; how many. */
+static int64_t hold_blocked(const work *w, int64_t n) {
+    int64_t n_held = 0;
+    for (int64_t k = 0; k < n; k++)
+        if (w->colour[w->held[k]] == w->blocked)
+            w->held[n_held++] = w->held[k];
+    return n_held;
 }
 
 /** Colour what is left, in rounds. */
 static void colour_with_ghosts(work *w) {
-    int64_t n_held = 0;
-    for (int64_t r = 0; r < w->rings->n_rings; r++)
-        if (w->node[r] >= 0 && w->colour[r] == UNCOLOURED && count_ghosts(w, r, 0) > 0)
-            w->held[n_held++] = (int32_t)r;
+    int64_t n_held = w->rings->n_rings;
+    for (int64_t r = 0; r < n_held; r++)
+        w->held[r] = (int32_t)r;
+    n_held = hold_blocked(w, n_held);
     while (pl_parts_any(n_held > 0)) {
-        int64_t n_left = 0;
         fetch_colours(w);
         for (int64_t k = 0; k < n_held; k++)
-            colour_after(w, w->held[k], count_ghosts(w, w->held[k], 1));
-        for (int64_t k = 0; k < n_held; k++)
-            if (w->colour[w->held[k]] == UNCOLOURED)
-                w->held[n_left++] = w->held[k];
-        n_held = n_left;
+            while (!is_done(w, w->held[k]))
+                colour_from(w, w->held[k], &w->max_colour);
+        n_held = hold_blocked(w, n_held);
     }
 }
 
@@ -309,8 +325,9 @@ static void run(work *w, int threads) {
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, make_graph, w);
     if (w->of_nodes)
         find_priorities_of_ghosts(w);
-    pl_parallel_for(threads, n_rings, CHUNK_RINGS, count_waiting, w);
-    pl_parallel_for(threads, n_rings, CHUNK_RINGS, colour_chunk, w);
+    int64_t chunk = n_rings / threads / 4;
+    chunk = chunk < MIN_COLOURED ? MIN_COLOURED : chunk > MAX_COLOURED ? MAX_COLOURED : chunk;
+    pl_parallel_for(threads, n_rings, chunk, colour_chunk, w);
     if (w->of_nodes)
         colour_with_ghosts(w);
 }
@@ -321,9 +338,8 @@ static int allocate_for_ghosts(work *w, int64_t n_ghosts) {
         return 1;
     w->of_nodes = pl_alloc(w->n_nodes, sizeof *w->of_nodes);
     w->ghost = pl_alloc(n_ghosts, sizeof *w->ghost);
-    w->is_new = pl_alloc(n_ghosts, sizeof *w->is_new);
     w->held = pl_alloc(w->rings->n_rings, sizeof *w->held);
-    return w->of_nodes && w->ghost && w->is_new && w->held;
+    return w->of_nodes && w->ghost && w->held;
 }
 
 static int allocate(work *w, int64_t n_ghosts) {
@@ -331,23 +347,15 @@ static int allocate(work *w, int64_t n_ghosts) {
     w->ring_of = pl_alloc(w->n_nodes, sizeof *w->ring_of);
     w->neighbour = pl_alloc(w->rings->offset[n], sizeof *w->neighbour);
     w->priority = pl_alloc(n + n_ghosts, sizeof *w->priority);
-    w->higher = pl_alloc(n, sizeof *w->higher);
-    w->waiting = pl_alloc(n + n_ghosts, sizeof *w->waiting);
-    w->next = pl_alloc(n, sizeof *w->next);
-    return w->ring_of && w->neighbour && w->priority && w->higher && w->waiting && w->next &&
-           allocate_for_ghosts(w, n_ghosts);
+    return w->ring_of && w->neighbour && w->priority && allocate_for_ghosts(w, n_ghosts);
 }
 
 static void release(work *w) {
     pl_free(w->ring_of);
     pl_free(w->neighbour);
     pl_free(w->priority);
-    pl_free(w->higher);
-    pl_free(w->waiting);
-    pl_free(w->next);
     pl_free(w->of_nodes);
     pl_free(w->ghost);
-    pl_free(w->is_new);
     pl_free(w->held);
 }
 
@@ -362,15 +370,15 @@ int pl_colouring_create(const pl_rings *rings, const int32_t *node, const int32_
               .number = number,
               .moves_with = moves_with,
               .colour = colour,
-              .max_colour = -1,
-              .is_shared = threads > 1};
+              .blocked = UNCOLOURED - 1,
+              .max_colour = -1};
     const int done = allocate(&w, pl_parts_ghosts(n_nodes));
     if (done)
         run(&w, threads);
     release(&w);
     if (!done)
         return pl_fail_memory(error, "the colours of the nodes");
-    double most = w.max_colour;
+    double most = (double)w.max_colour;
     pl_parts_largest(&most, 1);
     *n_colours = (int)most + 1;
     return pl_parts_check(error);

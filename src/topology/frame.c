@@ -10,7 +10,7 @@
 #include <stdlib.h>
 
 enum {
-    CHUNK = 4096,        /* nodes that one thread looks at at a time */
+    CHUNK = 1024,        /* nodes that one thread looks at at a time */
     MOST_EXPONENT = 1000 /* of a power of two whose inverse is a number with room to spare */
 };
 

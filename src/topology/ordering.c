@@ -18,10 +18,11 @@ enum {
     MAX_STATES = 24, /* entry corners times directions */
     DIGIT_BITS = 11, /* a table of counts fits the first-level cache */
     DIGITS = 1 << DIGIT_BITS,
-    MIN_CHUNK = 4096, /* nodes that one thread takes at a time, at least, */
-    MAX_CHUNKS = 256, /* and such chunks, at most: bounds the table of counts */
-    SPARE_BITS = 3,   /* of leading digits, beyond those that number the nodes */
-    MAX_RUN = 32      /* nodes with the same leading digits that are sorted by insertion */
+    CHUNK_KEYS = 1024, /* nodes whose keys one thread makes at a time */
+    MIN_CHUNK = 4096,  /* nodes that it sorts at a time, at least, */
+    MAX_CHUNKS = 256,  /* and such chunks, at most: bounds the table of counts */
+    SPARE_BITS = 3,    /* of leading digits, beyond those that number the nodes */
+    MAX_RUN = 32       /* nodes with the same leading digits that are sorted by insertion */
 };
 
 /* ---- the curve ---------------------------------------------------------------------------- */
@@ -272,7 +273,7 @@ static void run(sort *s, int threads) {
     make_steps_of_two((unsigned)s->mesh->dim, &s->curve);
     s->first_key =
         s->mesh->dim == 3 ? key_of_node(s, 3, LEVELS_3D, 0) : key_of_node(s, 2, LEVELS_2D, 0);
-    pl_parallel_for(threads, n, s->chunk, make_keys, s);
+    pl_parallel_for(threads, n, CHUNK_KEYS, make_keys, s);
     s->first_bit = first_bit_of(s);
     sort_digits(s, s->first_bit, threads);
     pl_parallel_for(threads, n, s->chunk, write_order, s);

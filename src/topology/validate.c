@@ -9,7 +9,7 @@
 
 #include <inttypes.h>
 
-enum { CHUNK = 16384 }; /* elements or nodes that one thread checks at a time */
+enum { CHUNK = 4096 }; /* elements or nodes that one thread checks at a time */
 
 /** A search for the lowest offender. */
 typedef struct search {
