@@ -20,7 +20,7 @@ static void candidates_destroy(pl_candidates *c) {
     pl_rings_destroy(&c->rings);
     pl_free(c->node);
     pl_free(c->colour);
-    pl_free(c->visit);
+    pl_free(c->star_of);
 }
 
 void pl_draft_destroy(pl_draft *d) {
@@ -192,10 +192,11 @@ static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
     int64_t *next = a->next + begin / CHUNK_RINGS * a->row;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
+        a->c->star_of[r] = -1;
         if (a->c->colour[r] < 0)
             continue;
         const int64_t place = next[group_of(a, r)]++;
-        a->c->visit[place] = (int32_t)r;
+        a->c->star_of[r] = (int32_t)place;
         a->visits->centre[place] = a->plan->inner[a->c->node[r]];
     }
 }
@@ -231,9 +232,9 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
                         pl_visits *visits, planish_error *error) {
     arrangement a = {.plan = plan, .part = pl_part_here(), .c = c, .visits = visits};
     c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->n_nodes), sizeof *c->colour);
-    c->visit = pl_alloc(c->rings.n_free, sizeof *c->visit);
+    c->star_of = pl_alloc(c->n, sizeof *c->star_of);
     visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
-    if (!c->colour || !c->visit || !visits->centre)
+    if (!c->colour || !c->star_of || !visits->centre)
         return pl_fail_memory(error, "the colours of nodes");
     const int status = pl_colouring_create(&c->rings, c->node, plan->node_of,
                                            periodic ? periodic->n_nodes : plan->n_nodes,
@@ -249,7 +250,7 @@ static int order_visits(const planish_plan *plan, const pl_periodic *periodic, p
 /** The stars of the visits; of the candidates' rings nothing is left. */
 static int make_stars(const planish_plan *plan, pl_draft *d, pl_candidates *c, pl_visits *visits,
                       planish_error *error) {
-    return pl_stars_create(d->mesh, &d->incidence, &c->rings, c->node, c->visit, plan->inner,
+    return pl_stars_create(d->mesh, &d->incidence, &c->rings, c->node, c->star_of, plan->inner,
                            plan->threads, &visits->stars, error);
 }
 
@@ -284,8 +285,10 @@ static int check_constraints(const planish_plan *plan, const planish_mesh *mesh,
 
 static void note_slides(planish_plan *plan, const pl_draft *d) {
     const planish_mesh *mesh = d->mesh;
-    for (int64_t s = 0; s < plan->sliding.stars.n_stars; s++) {
-        const int32_t node = d->sliding.node[d->sliding.visit[s]];
+    for (int64_t r = 0; r < d->sliding.n; r++) {
+        const int32_t node = d->sliding.node[r], s = d->sliding.star_of[r];
+        if (s < 0)
+            continue;
         pl_star_slide *slide = &plan->slide[s];
         *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node],
                                  .node = (int32_t)pl_plan_node(plan, node)};
@@ -377,7 +380,7 @@ static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slide
     if (!status)
         status = order_visits(plan, periodic, c, &plan->sliding, error);
     if (!status)
-        status = pl_stars_create(&around, incidence, &c->rings, c->node, c->visit,
+        status = pl_stars_create(&around, incidence, &c->rings, c->node, c->star_of,
                                  periodic ? d->number_of : plan->inner, plan->threads,
                                  &plan->sliding.stars, error);
     if (!status && periodic)

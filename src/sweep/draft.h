@@ -8,10 +8,10 @@
 /** Nodes that shall be visited, if their links allow it. */
 typedef struct pl_candidates {
     int64_t n;
-    int32_t *node;   /* [n] the caller's numbers, along the curve; -1: not free after all */
-    pl_rings rings;  /* of node */
-    int32_t *colour; /* [n] of node */
-    int32_t *visit;  /* [rings.n_free] indices into node, colour by colour */
+    int32_t *node;    /* [n] the caller's numbers, along the curve; -1: not free after all */
+    pl_rings rings;   /* of node */
+    int32_t *colour;  /* [n] of node */
+    int32_t *star_of; /* [n] its place among the visits, colour by colour; -1: none */
 } pl_candidates;
 
 /** What plan creation needs only while it runs. */

@@ -1,7 +1,7 @@
 /* stars: the rings and links of the free nodes in the order of their visits.
  *
- * Stars are stored in that order but copied in the order of the rings: along the curve, at one
- * place for each colour at a time.
+ * Stars are stored in that order but made in the order of the rings: along the curve, at one place
+ * for each colour at a time.
  */
 #include "topology/topology.h"
 
@@ -12,7 +12,7 @@
 #include <string.h>
 
 enum {
-    CHUNK = 256 /* stars that one thread takes at a time */
+    CHUNK = 256 /* rings that one thread takes at a time */
 };
 
 /** The work on all stars. */
@@ -20,22 +20,22 @@ typedef struct work {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     pl_rings *rings;
-    const int32_t *node, *visit, *number_of;
-    int32_t *star_of; /* [n_rings] star of each ring that has a node: the inverse of visit */
+    const int32_t *node, *star_of, *number_of;
     pl_stars *stars;
 } work;
 
-/** Lengths into the offsets, and the inverse of visit. */
+/** Lengths into the offsets. */
 static void measure_stars(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     pl_stars *stars = w->stars;
     int64_t max_ring = 0, max_link = 0;
     (void)thread;
-    for (int64_t s = begin; s < end; s++) {
-        int32_t r = w->visit[s];
-        int64_t ring = w->rings->offset[r + 1] - w->rings->offset[r];
-        int64_t link = w->rings->link_offset[r + 1] - w->rings->link_offset[r];
-        w->star_of[r] = (int32_t)s;
+    for (int64_t r = begin; r < end; r++) {
+        const int32_t s = w->star_of[r];
+        if (s < 0)
+            continue;
+        const int64_t ring = w->rings->offset[r + 1] - w->rings->offset[r];
+        const int64_t link = w->rings->link_offset[r + 1] - w->rings->link_offset[r];
         stars->ring_offset[s] = ring;
         stars->link_offset[s] = link;
         max_ring = ring > max_ring ? ring : max_ring;
@@ -49,7 +49,7 @@ static void copy_rings(void *context, int64_t begin, int64_t end, int thread) {
     const work *w = context;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
-        if (w->node[r] < 0)
+        if (w->star_of[r] < 0)
             continue;
         const int32_t *neighbour = w->rings->neighbour + w->rings->offset[r];
         const int64_t n_ring = w->rings->offset[r + 1] - w->rings->offset[r];
@@ -100,7 +100,7 @@ static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
     const work *w = context;
     (void)thread;
     for (int64_t r = begin; r < end; r++)
-        if (w->node[r] >= 0)
+        if (w->star_of[r] >= 0)
             copy_link(w, r);
 }
 
@@ -110,7 +110,7 @@ static int fill(work *w, int threads) {
     pl_stars *stars = w->stars;
     pl_rings *rings = w->rings;
     int64_t n = stars->n_stars;
-    pl_parallel_for(threads, n, CHUNK, measure_stars, w);
+    pl_parallel_for(threads, rings->n_rings, CHUNK, measure_stars, w);
     int64_t n_ring = pl_prefix_sum(threads, n, stars->ring_offset);
     int64_t n_link = pl_prefix_sum(threads, n, stars->link_offset);
     stars->ring = pl_alloc(n_ring, sizeof *stars->ring);
@@ -130,7 +130,7 @@ static int fill(work *w, int threads) {
 }
 
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
-                    const int32_t *node, const int32_t *visit, const int32_t *number_of,
+                    const int32_t *node, const int32_t *star_of, const int32_t *number_of,
                     int threads, pl_stars *stars, planish_error *error) {
     int64_t n = rings->n_free;
     *stars = (pl_stars){.n_stars = n};
@@ -138,14 +138,12 @@ int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_
               .incidence = incidence,
               .rings = rings,
               .node = node,
-              .visit = visit,
+              .star_of = star_of,
               .number_of = number_of,
               .stars = stars};
-    w.star_of = pl_alloc(rings->n_rings, sizeof *w.star_of);
     stars->ring_offset = pl_alloc(n + 1, sizeof *stars->ring_offset);
     stars->link_offset = pl_alloc(n + 1, sizeof *stars->link_offset);
-    int done = w.star_of && stars->ring_offset && stars->link_offset && fill(&w, threads) == 0;
-    pl_free(w.star_of);
+    const int done = stars->ring_offset && stars->link_offset && fill(&w, threads) == 0;
     pl_rings_destroy(rings);
     if (done)
         return PLANISH_OK;

@@ -67,10 +67,17 @@ static pl_rings copy_of_rings(const fixture *f) {
 /** Like pl_stars_create; permitted: allocations, or -1. */
 static int try_to_create(fixture *f, int threads, int permitted, pl_stars *stars) {
     pl_rings rings = copy_of_rings(f);
+    int32_t *star_of = malloc((size_t)rings.n_rings * sizeof *star_of + 1);
+    assert_non_null(star_of);
+    for (int64_t r = 0; r < rings.n_rings; r++)
+        star_of[r] = -1;
+    for (int32_t s = 0; s < rings.n_free; s++)
+        star_of[f->visit[s]] = s;
     allocations_permit(permitted);
-    int status = pl_stars_create(&f->mesh.mesh, &f->rings.incidence, &rings, f->rings.node,
-                                 f->visit, f->number_of, threads, stars, NULL);
+    int status = pl_stars_create(&f->mesh.mesh, &f->rings.incidence, &rings, f->rings.node, star_of,
+                                 f->number_of, threads, stars, NULL);
     allocations_permit(-1);
+    free(star_of);
     assert_null(rings.neighbour);
     assert_null(rings.link.low);
     return status;
