@@ -28,7 +28,7 @@ enum {
     MAX_COLOURED = 4096, /* and at most */
     AHEAD = 8,           /* rings whose neighbours are asked for before they are needed */
     UNCOLOURED = -1,
-    MOST_WANTED = 64, /* rings that a thread remembers on its way to one that can be coloured */
+    MOST_WANTED = 64, /* rings that a thread remembers of its way to one that can be coloured */
     MASK_COLOURS = 64 /* colours in a mask */
 };
 
@@ -45,11 +45,12 @@ typedef struct work {
     int32_t *ring_of;          /* [n_nodes] ring of each node, -1: not free */
     int32_t *neighbour; /* [offset[n_rings]] rings of the free neighbours, packed to the front of
                            each ring's room */
-    uint64_t *priority; /* [n_all] larger: earlier; distinct */
+    uint64_t *priority; /* [n_all] larger: earlier; distinct, and below 2^63 as numbers of
+                           neighbours are below 2^31 */
     int32_t *colour;    /* [n_all] negative: none */
     int32_t blocked;    /* the colour of those that wait for ghosts: another one in each round */
     int32_t *ghost;     /* [n_all - n_rings] their nodes */
-    int32_t *held;      /* [n_rings] those that wait for ghosts */
+    int32_t *held;      /* [n_rings] those that wait for ghosts, or for others that do */
     int64_t max_colour;
 } work;
 
@@ -135,16 +136,17 @@ static void set_colour(work *w, int64_t r, int32_t colour) {
     __atomic_store_n(w->colour + r, colour, __ATOMIC_RELAXED);
 }
 
-/** A ring to be coloured: the colours, of the first MASK_COLOURS, that those of its neighbours have
- *  taken which have been looked at. */
+/** A ring to be coloured, on the way to one that can be: the colours, of the first MASK_COLOURS,
+ * that those of its neighbours have which have been looked at. */
 typedef struct wanted {
     uint64_t taken;
     int32_t ring, n_seen;
+    int64_t depth; /* rings before it on the way */
 } wanted;
 
 /** Look at the next neighbours, until one of higher priority has no colour yet: that one; -1: all
- *  have theirs. There is no other branch, as nothing could predict it: a difference of priorities
- *  is below 2^63, its top bit tells which is higher. */
+ *  have theirs. One of lower priority may have a colour, too, if another thread has been here: not
+ *  the ring's own, so that it makes no difference. */
 static int32_t find_missing(const work *w, wanted *self) {
     const int32_t *neighbour = w->neighbour + w->rings->offset[self->ring];
     const uint64_t priority = w->priority[self->ring];
@@ -152,45 +154,64 @@ static int32_t find_missing(const work *w, wanted *self) {
     uint64_t taken = self->taken;
     for (int32_t i = self->n_seen; i < n; i++) {
         const uint32_t colour = (uint32_t)colour_of(w, neighbour[i]); /* none: a large number */
+        /* The top bit of the difference tells: nothing could predict a branch. */
         const uint64_t is_higher = (priority - w->priority[neighbour[i]]) >> 63;
         if (is_higher & colour >> 31) {
             self->taken = taken;
             self->n_seen = i;
             return neighbour[i];
         }
-        taken |= (is_higher & (colour < MASK_COLOURS)) << colour % MASK_COLOURS;
+        taken |= (uint64_t)(colour < MASK_COLOURS) << colour % MASK_COLOURS;
     }
     self->taken = taken;
     return -1;
 }
 
-/** The smallest colour from first on that no neighbour of higher priority has. */
+/** The smallest colour from first on that no neighbour has. */
 static int32_t smallest_colour(const work *w, int64_t r, int32_t first) {
     const int32_t *neighbour = w->neighbour + w->rings->offset[r];
-    int is_taken = 1;
-    while (is_taken) {
-        is_taken = 0;
-        for (int32_t i = 0; i < degree(w, r); i++)
-            is_taken |=
-                w->priority[neighbour[i]] > w->priority[r] && colour_of(w, neighbour[i]) == first;
-        first += is_taken;
+    const int32_t n = degree(w, r);
+    for (;; first += MASK_COLOURS) {
+        uint64_t taken = 0;
+        for (int32_t i = 0; i < n; i++) {
+            const uint32_t place = (uint32_t)(colour_of(w, neighbour[i]) - first);
+            taken |= (uint64_t)(place < MASK_COLOURS) << place % MASK_COLOURS;
+        }
+        if (~taken)
+            return first + __builtin_ctzll(~taken);
     }
-    return first;
 }
 
-/** Colour r and what it needs for that, or find that it waits for ghosts. If too much is needed at
- *  once the first of it is forgotten, r as well. */
+/** Forget one of the way, not its first nor its last, so that what is left lies the denser the
+ * nearer it is to the end: then a way of any length n is gone at most about n log n times. */
+static void forget_one(wanted *way) {
+    const int64_t end = way[MOST_WANTED - 1].depth;
+    int least = 1;
+    for (int k = 2; k < MOST_WANTED - 1; k++) {
+        const int64_t gap = way[k + 1].depth - way[k - 1].depth;
+        const int64_t least_gap = way[least + 1].depth - way[least - 1].depth;
+        if (gap * (end - way[least].depth) < least_gap * (end - way[k].depth))
+            least = k;
+    }
+    memmove(way + least, way + least + 1, (size_t)(MOST_WANTED - 1 - least) * sizeof *way);
+}
+
+/** Colour r and what it needs for that, or find that it waits for ghosts. */
 static void colour_from(work *w, int32_t r, int64_t *max_colour) {
-    wanted stack[MOST_WANTED];
+    wanted way[MOST_WANTED];
     int n = 0;
-    stack[n++] = (wanted){0, r, 0};
+    way[n++] = (wanted){.ring = r};
     while (n > 0) {
-        wanted *last = &stack[n - 1];
+        wanted *last = &way[n - 1];
         const int32_t missing = find_missing(w, last);
         int32_t colour = w->blocked;
         if (missing >= 0 && colour_of(w, missing) != w->blocked) {
-            n = n < MOST_WANTED ? n : 0;
-            stack[n++] = (wanted){0, missing, 0};
+            const wanted next = {.ring = missing, .depth = last->depth + 1};
+            if (n == MOST_WANTED) {
+                forget_one(way);
+                n--;
+            }
+            way[n++] = next;
             continue;
         }
         if (missing < 0)
@@ -224,30 +245,30 @@ static int rough_place(const work *w, int64_t r) {
     return (DEGREES - 1 - n) << HASH_BITS | (int)(~hash >> (32 - HASH_BITS));
 }
 
-/** order [end - begin] becomes the rings begin .. end-1, about in order of priority: so most of
- * them have all they need when their turn comes. */
-static void sort_roughly(const work *w, int64_t begin, int64_t end, int32_t *order) {
+/** order [end - begin] becomes the rings begin .. end-1, counted from begin, about in order of
+ *  priority: so most of them have all they need when their turn comes. */
+static void sort_roughly(const work *w, int64_t begin, int64_t end, uint16_t *order) {
     int32_t next[ROUGH_PLACES + 1] = {0};
     for (int64_t r = begin; r < end; r++)
         next[rough_place(w, r) + 1]++;
     for (int k = 0; k < ROUGH_PLACES; k++)
         next[k + 1] += next[k];
     for (int64_t r = begin; r < end; r++)
-        order[next[rough_place(w, r)]++] = (int32_t)r;
+        order[next[rough_place(w, r)]++] = (uint16_t)(r - begin);
 }
 
 static void colour_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
-    int32_t order[MAX_COLOURED];
+    uint16_t order[MAX_COLOURED];
     int64_t max_colour = UNCOLOURED;
     const int64_t n = end - begin;
     (void)thread;
     sort_roughly(w, begin, end, order);
     for (int64_t i = 0; i < n; i++) {
         if (i + AHEAD < n)
-            fetch_neighbours(w, order[i + AHEAD]);
-        while (!is_done(w, order[i]))
-            colour_from(w, order[i], &max_colour);
+            fetch_neighbours(w, begin + order[i + AHEAD]);
+        if (!is_done(w, begin + order[i]))
+            colour_from(w, (int32_t)begin + order[i], &max_colour);
     }
     pl_raise_to(&w->max_colour, max_colour);
 }
@@ -270,7 +291,8 @@ static void find_ghosts(work *w) {
 static void find_priorities_of_ghosts(work *w) {
     const int64_t n = w->rings->n_rings;
     for (int64_t i = 0; i < w->n_nodes; i++)
-        w->of_nodes[i] = w->ring_of[i] >= 0 ? (int64_t)w->priority[w->ring_of[i]] : 0;
+        w->of_nodes[i] =
+            w->ring_of[i] >= 0 && w->ring_of[i] < n ? (int64_t)w->priority[w->ring_of[i]] : 0;
     pl_parts_update(NULL, w->of_nodes, sizeof *w->of_nodes);
     for (int64_t g = n; g < w->n_all; g++) {
         w->priority[g] = (uint64_t)w->of_nodes[w->ghost[g - n]];
@@ -308,7 +330,7 @@ static void colour_with_ghosts(work *w) {
     while (pl_parts_any(n_held > 0)) {
         fetch_colours(w);
         for (int64_t k = 0; k < n_held; k++)
-            while (!is_done(w, w->held[k]))
+            if (!is_done(w, w->held[k]))
                 colour_from(w, w->held[k], &w->max_colour);
         n_held = hold_blocked(w, n_held);
     }

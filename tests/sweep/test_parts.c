@@ -306,6 +306,24 @@ static void the_bits_are_those_of_one_process(void **state) {
     }
 }
 
+/** Each process may have several threads, and enough nodes for all of them. */
+static void threads_do_not_change_them(void **state) {
+    (void)state;
+    const int owning[] = {SLABS, SCATTERED};
+    planish_options options = options_of(FEW_SWEEPS);
+    options.threads = 3;
+    for (int k = 0; k < 2; k++) {
+        test_mesh m;
+        test_mesh_box(&m, 3, 17);
+        test_mesh_perturb(&m, 0.14, 3);
+        int *owner = malloc((size_t)m.mesh.n_nodes * sizeof *owner);
+        own(&m.mesh, owning[k], 2, 1, owner);
+        compare(&m.mesh, &options, 2, owner);
+        free(owner);
+        test_mesh_destroy(&m);
+    }
+}
+
 /* ---- what is wrong --------------------------------------------------------------------------- */
 
 /** Each of the calls for others fails once: the call fails in all processes, none waits, and no
@@ -735,6 +753,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[0]),
         cmocka_unit_test_prestate(the_bits_are_those_of_one_process, &dims[1]),
+        cmocka_unit_test(threads_do_not_change_them),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[0]),
         cmocka_unit_test_prestate(processes_that_are_lost_end_the_call, &dims[1]),
         cmocka_unit_test(parts_that_are_none_are_refused),
