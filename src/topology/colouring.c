@@ -199,8 +199,8 @@ static void forget_one(wanted *way) {
 /** Colour r and what it needs for that, or find that it waits for ghosts. */
 static void colour_from(work *w, int32_t r, int64_t *max_colour) {
     wanted way[MOST_WANTED];
-    int n = 0;
-    way[n++] = (wanted){.ring = r};
+    int n = 1;
+    way[0] = (wanted){.ring = r};
     while (n > 0) {
         wanted *last = &way[n - 1];
         const int32_t missing = find_missing(w, last);
