@@ -17,6 +17,13 @@ PL_AT_ONCE void pl_fetch_to_write(const void *place) {
     __builtin_prefetch(place, 1);
 }
 
+/** The same for all lines from begin to before end. */
+PL_AT_ONCE void pl_fetch_all_to_write(const void *begin, const void *end) {
+    enum { CACHE_LINE = 64 };
+    for (const char *line = begin; line < (const char *)end; line += CACHE_LINE)
+        pl_fetch_to_write(line);
+}
+
 /** Ask for the coordinates [.][dim] of a node. Both ends: one in four lies in two lines of the
  * cache. */
 PL_AT_ONCE void pl_fetch_node(int dim, const double *coordinates, int32_t node) {

@@ -10,8 +10,9 @@
 #include "base/fetch.h"
 #include "topology/topology.h"
 
-/** How many nodes ahead to fetch the elements, the list of their numbers, and where that begins. */
-enum { PL_AHEAD_ELEMENTS = 2, PL_AHEAD_LIST = 6, PL_AHEAD_OFFSET = 16 };
+/** How many nodes ahead to fetch the elements, the list of their numbers, where that begins, and
+ * room for what is found. */
+enum { PL_AHEAD_ELEMENTS = 2, PL_AHEAD_LIST = 6, PL_AHEAD_OFFSET = 16, PL_AHEAD_ROOM = 4 };
 
 /** Fetch the elements of node; of a giant star only the first ones. */
 PL_AT_ONCE void pl_fetch_elements(const planish_mesh *mesh, int dim, const pl_incidence *incidence,

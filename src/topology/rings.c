@@ -32,6 +32,7 @@ typedef struct work {
     pl_small_ring *tables; /* [threads] the same, where it is small */
     int open;              /* links may be */
     int wide;              /* positions need high bytes */
+    int is_shared;         /* by several threads */
     int counting;          /* lengths are wanted, not nodes */
     int foretold_wrong;    /* a ring has another length than its room */
 } work;
@@ -346,12 +347,24 @@ static void foretell_lengths(void *context, int64_t begin, int64_t end, int thre
     pl_raise_to(&w->rings->max_link, max_link);
 }
 
+/** Ask for where the ring and the link of r will be written: another core may have written there
+ * what is gone by now. */
+PL_AT_ONCE void fetch_room(const pl_rings *rings, int dim, int64_t r) {
+    const int64_t k = pl_link_positions_kept(dim);
+    pl_fetch_all_to_write(rings->neighbour + rings->offset[r],
+                          rings->neighbour + rings->offset[r + 1]);
+    pl_fetch_all_to_write(rings->link.low + k * rings->link_offset[r],
+                          rings->link.low + k * rings->link_offset[r + 1]);
+}
+
 /** Count the nodes of rings begin .. end-1 into their offsets, or fill the room that the offsets
  * say and compare. Nodes whose links are open are free no longer. */
 static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int thread) {
     pl_rings *rings = w->rings;
     for (int64_t r = begin; r < end; r++) {
         pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, rings->n_rings);
+        if (w->is_shared && !w->counting && r + PL_AHEAD_ROOM < end)
+            fetch_room(rings, dim, r + PL_AHEAD_ROOM);
         const int64_t room = w->counting ? 0 : rings->offset[r + 1] - rings->offset[r];
         int32_t *ring = w->counting ? NULL : rings->neighbour + rings->offset[r];
         const pl_link link =
@@ -454,6 +467,7 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
               .is_free = is_free,
               .rings = rings,
               .open = open,
+              .is_shared = threads > 1,
               .maps = pl_local_maps_create(threads),
               .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
     rings->offset = pl_alloc(n + 1, sizeof *rings->offset);
