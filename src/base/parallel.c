@@ -129,10 +129,7 @@ void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context) {
         run_each(&e, 0);
 }
 
-enum {
-    SCAN_BLOCKS = 64,  /* blocks of a parallel scan: more than threads that pay for one */
-    MIN_SCAN = 1 << 16 /* values that pay for several threads */
-};
+enum { SCAN_BLOCKS = 64 }; /* of a parallel scan: more than threads that pay for one */
 
 struct scan {
     int64_t *values;
@@ -162,7 +159,7 @@ static void scan_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values) {
     struct scan scan = {.values = values, .block = n / SCAN_BLOCKS + 1};
-    threads = n < MIN_SCAN ? 1 : threads;
+    threads = pl_paying_threads(threads, n);
     pl_parallel_for(threads, n, scan.block, scan_chunk, &scan);
     int64_t total = 0;
     for (int64_t i = 0; i * scan.block < n; i++) {
@@ -214,9 +211,9 @@ static void place_chunks(void *context, int64_t first, int64_t end, int thread) 
 
 void pl_counts_to_places(int threads, int64_t n_keys, int64_t n_chunks, int64_t *counts,
                          int64_t *begin) {
-    enum { CHUNK_KEYS = 512, MANY = 1 << 16 }; /* as many counts as pay for several threads */
+    enum { CHUNK_KEYS = 512 };
     tallies t = {pl_counts_row(n_keys), n_chunks, counts, begin};
-    threads = n_keys * n_chunks < MANY ? 1 : threads;
+    threads = pl_paying_threads(threads, n_keys * n_chunks);
     pl_parallel_for(threads, n_keys, CHUNK_KEYS, add_chunks, &t);
     pl_prefix_sum(1, n_keys, begin);
     pl_parallel_for(threads, n_keys, CHUNK_KEYS, place_chunks, &t);

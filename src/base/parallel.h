@@ -24,6 +24,13 @@ typedef void pl_chunk_fn(void *context, int64_t begin, int64_t end, int thread);
  * before; when that is done it helps the others. Returns when all are done. */
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context);
 
+/** Of threads those that pay for a loop over n values which does little with each, or writes all
+ * over the memory of n: of few values most lines would go to and fro between cores. */
+static inline int pl_paying_threads(int threads, int64_t n) {
+    enum { FEW = 1 << 16 };
+    return n < FEW ? 1 : threads;
+}
+
 /** Call body(context, t, t + 1, t) on thread t of each of the threads that pl_parallel_for uses. */
 void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context);
 

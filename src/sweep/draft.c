@@ -118,7 +118,8 @@ static void find_candidates(planish_plan *plan, pl_draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, number_nodes, &c);
+    pl_parallel_for(pl_paying_threads(plan->threads, plan->n_nodes), plan->n_nodes, CHUNK_NODES,
+                    number_nodes, &c);
     d->interior.n =
         pl_prefix_sum(plan->threads, (plan->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
     pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
@@ -220,7 +221,7 @@ static int arrange(arrangement *a, planish_error *error) {
             visits->colour_begin[i] = begin[2 * i];
         for (int i = 0; i < visits->n_colours; i++)
             visits->inside_begin[i] = begin[2 * i + 1];
-        pl_parallel_for(threads, n, CHUNK_RINGS, list_visits, a);
+        pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK_RINGS, list_visits, a);
     }
     pl_free(a->next);
     pl_free(begin);

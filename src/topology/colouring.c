@@ -341,7 +341,7 @@ static void colour_with_ghosts(work *w) {
 static void run(work *w, int threads) {
     const int64_t n_rings = w->rings->n_rings;
     pl_parallel_for(threads, w->n_nodes, CHUNK_NODES, clear_ring_of, w);
-    pl_parallel_for(threads, n_rings, CHUNK_RINGS, set_ring_of, w);
+    pl_parallel_for(pl_paying_threads(threads, n_rings), n_rings, CHUNK_RINGS, set_ring_of, w);
     if (w->of_nodes)
         find_ghosts(w);
     pl_parallel_for(threads, n_rings, CHUNK_RINGS, make_graph, w);

@@ -206,7 +206,7 @@ static void sort_digits(sort *s, int first_bit, int threads) {
             continue;
         pl_parallel_for(threads, n, s->chunk, count_digits, s);
         pl_counts_to_places(threads, DIGITS, s->n_chunks, s->place, begin);
-        pl_parallel_for(threads, n, s->chunk, move_items, s);
+        pl_parallel_for(pl_paying_threads(threads, n), n, s->chunk, move_items, s);
         item *sorted = s->to;
         s->to = s->from;
         s->from = sorted;
