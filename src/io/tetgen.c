@@ -97,6 +97,15 @@ static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
     return PLANISH_OK;
 }
 
+/** Lines may have fewer attributes than were promised, so that the size of the file is no bound:
+ * with shorter coordinates what was read could not be read again. */
+static int check_attributes(const part *p, int64_t promised, planish_error *error) {
+    if (promised <= INT32_MAX)
+        return PLANISH_OK;
+    return io_fail_text(&p->view, p->view.input.data, error,
+                        "%lld attributes were promised, no line has so many", (long long)promised);
+}
+
 /* ---- rows -------------------------------------------------------------------------------- */
 
 /** The number that each row begins with: in sequence. */
@@ -231,12 +240,9 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
     *dim = (int)p.count[0];
     model->columns = *dim;
     model->first_number = p.first;
-    /* Attributes are words of each line, so that their count is that of the file
-     * at most. */
-    if (p.count[1] > model->input.size)
-        return io_fail_text(&p.view, model->input.data, error,
-                            "%lld attributes were promised, the file is too short for that",
-                            (long long)p.count[1]);
+    status = check_attributes(&p, p.count[1], error);
+    if (status)
+        return status;
     const int64_t words = 1 + *dim + p.count[1] + (p.count[2] > 0);
     status = io_model_nodes(model, p.n, 1, error);
     if (!status)
@@ -273,11 +279,9 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
         return io_fail_text(&p.view, file->data, error,
                             "elements of %lld nodes: %d were expected in %d dimensions",
                             (long long)p.count[0], dim + 1, dim);
-    if (p.count[1] > file->size)
-        return io_fail_text(&p.view, file->data, error,
-                            "%lld attributes were promised, the file is too short for that",
-                            (long long)p.count[1]);
-    status = io_cells_reserve(cells, dim, p.n, p.count[1] > 0, 0, error);
+    status = check_attributes(&p, p.count[1], error);
+    if (!status)
+        status = io_cells_reserve(cells, dim, p.n, p.count[1] > 0, 0, error);
     if (status)
         return status;
     rows r = {.model = model,

@@ -185,12 +185,12 @@ static void bad_files_are_refused(void **state) {
         {NULL, "2 4 0\n1 1 2 3 4\n3 1 2 3 4\n", "a.ele:3", "number 2"},
         {NULL, "2 4 0\n1 1 2 3 4\n# 2 1 2 3 5\n", "a.ele:4", "cut short"},
         {NULL, "4611686018427387904 4 0\n1 1 2 3 4\n", "a.ele:1", "too short"},
-        {NULL, "1 4 4611686018427387904\n1 1 2 3 4\n", "a.ele:1", "too short"},
+        {NULL, "1 4 4611686018427387904\n1 1 2 3 4\n", "a.ele:1", "no line"},
         {NULL, "-1 4 0\n", "a.ele:1", "count"},
         {NULL, "0 4 0\n", "a.node", "nothing to smooth"},
         {NULL, "1 4 1\n1 1 2 3 4 x\n", "a.ele:2", "attribute (a number) was expected, not 'x'"},
         {"4611686018427387904 3 0 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
-        {"1 3 4611686018427387904 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
+        {"1 3 4611686018427387904 0\n1 0 0 0\n", NULL, "a.node:1", "no line"},
         {"1 4 0 0\n1 0 0 0 0\n", NULL, "a.node:1", "dimension 4"},
         {"2 3 0 0\n1 0 0 0\n2 0 nan 0\n", NULL, "a.node:3", "finite"},
         {"2 3 0 0\n1 0 0 0\n2 0 1e999 0\n", NULL, "a.node:3", "finite"},
@@ -201,7 +201,7 @@ static void bad_files_are_refused(void **state) {
         {"2 3 0 1\n1 0 0 0 1\n2 0 0 0  1.5 6\n", NULL, "a.node:3", "not '1.5'"},
         {"2 3 0 0\n9223372036854775807 0 0 0\n-9223372036854775808 0 0 0\n", NULL, "a.node:2",
          "9223372036854775807 is out of range"},
-        {"1 3 9223372036854775807 0\n1 0 0 0\n", NULL, "a.node:1", "too short"},
+        {"1 3 9223372036854775807 0\n1 0 0 0\n", NULL, "a.node:1", "no line"},
         {"hello\n", NULL, "a.node:1", "counts"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
@@ -299,6 +299,27 @@ static int write_as(void **state, const char *name, planish_error *error) {
                                     planish_file_coordinates(file), 1, NULL, 0, error);
     planish_file_close(file);
     return status;
+}
+
+/** Lines may lack attributes that were promised, also where coordinates become shorter. */
+static void promised_attributes_may_be_missing(void **state) {
+    static const double where[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1};
+    char path[TEST_PATH_SIZE];
+    file_builder nodes = {.data = NULL};
+    builder_text(&nodes, "5 3 300\n");
+    for (int i = 0; i < 5; i++)
+        builder_text(&nodes, "%d %.20f %.20f %.20f\n", i + 1, where[3 * i] / 7,
+                     where[3 * i + 1] / 7, where[3 * i + 2] / 7);
+    test_write(*state, "a.node", nodes.data, (size_t)nodes.size);
+    put(state, "a.ele", elements_from_1);
+    planish_file *file = open_mesh(state, "a.node");
+    assert_int_equal(
+        planish_file_write(file, test_path(path, *state, "b.node"), where, 1, NULL, 0, NULL), 0);
+    planish_file_close(file);
+    file = open_mesh(state, "b.node");
+    assert_memory_equal(planish_file_mesh(file).coordinates, where, sizeof where);
+    planish_file_close(file);
+    builder_release(&nodes);
 }
 
 /** The content of a file, or NULL: there is none. */
@@ -408,6 +429,7 @@ int main(void) {
         IN_A_FOLDER(numbers_may_begin_with_1),
         IN_A_FOLDER(marked_faces_and_edges_hold),
         IN_A_FOLDER(attributes_that_are_no_integers_make_no_regions),
+        IN_A_FOLDER(promised_attributes_may_be_missing),
         IN_A_FOLDER(threads_see_the_same_regions),
         IN_A_FOLDER(triangles_in_the_plane),
         IN_A_FOLDER(bad_files_are_refused),
