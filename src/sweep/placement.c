@@ -111,15 +111,33 @@ static int count_nodes(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) 
     return nodes;
 }
 
-/** The hardware threads of the placement's threads: the first allowed one of each core. */
+/** The core before the one that the calling thread runs on, so that this comes next; NULL: the
+ * first comes next. */
+static hwloc_obj_t core_before(hwloc_topology_t topology, hwloc_const_cpuset_t allowed) {
+    hwloc_cpuset_t here = hwloc_bitmap_alloc();
+    hwloc_obj_t before = NULL, core = NULL;
+    if (here && hwloc_topology_is_thissystem(topology) &&
+        !hwloc_get_last_cpu_location(topology, here, HWLOC_CPUBIND_THREAD))
+        while ((core = next_core(topology, allowed, core)) &&
+               !hwloc_bitmap_intersects(core->cpuset, here))
+            before = core;
+    hwloc_bitmap_free(here);
+    return core ? before : NULL;
+}
+
+/** The hardware threads of the placement's threads: the first allowed one of each core. The calling
+ *  thread, which is the first, stays on its core: moved to another one, where the system has just
+ *  woken the thread that belongs to the first's, it can be in the way of that for 4 ms. */
 static int choose_cores(pl_placement *placement, hwloc_const_cpuset_t allowed) {
     placement->core = pl_alloc_zero(placement->threads, sizeof *placement->core);
     placement->former = pl_alloc_zero(placement->threads, sizeof *placement->former);
     if (!placement->core || !placement->former)
         return 0;
-    hwloc_obj_t core = NULL;
+    hwloc_obj_t core = core_before(placement->topology, allowed);
     for (int t = 0; t < placement->threads; t++) {
         core = next_core(placement->topology, allowed, core);
+        if (!core)
+            core = next_core(placement->topology, allowed, NULL);
         placement->core[t] = hwloc_bitmap_dup(core->cpuset);
         placement->former[t] = hwloc_bitmap_alloc();
         if (!placement->core[t] || !placement->former[t])
