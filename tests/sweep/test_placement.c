@@ -167,6 +167,40 @@ static void the_cpuset_is_respected(void **state) {
     assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
 }
 
+/** Wherever it is: that is the core of the first thread, and the others have the other cores. The
+ *  system may move it at any time, so that it has several tries. */
+static void the_caller_stays_on_its_core(void **state) {
+    enum { TRIES = 100 };
+    (void)state;
+    cpu_set_t before, one;
+    change_machine(NULL);
+    assert_int_equal(sched_getaffinity(0, sizeof before, &before), 0);
+    pl_placement *placement = pl_placement_create(0, 1);
+    const int threads = pl_placement_threads(placement),
+              binds = pl_placement_cpu(placement, 0) >= 0;
+    pl_placement_destroy(placement);
+    if (!binds || threads < CPU_COUNT(&before)) /* two hardware threads of one core would do */
+        skip();
+    for (size_t cpu = 0; cpu < CPU_SETSIZE; cpu++) {
+        int stays = !CPU_ISSET(cpu, &before);
+        for (int i = 0; i < TRIES && !stays; i++) {
+            cpu_set_t all;
+            CPU_ZERO(&one);
+            CPU_SET(cpu, &one);
+            assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+            assert_int_equal(sched_setaffinity(0, sizeof before, &before), 0);
+            placement = pl_placement_create(0, 1);
+            CPU_ZERO(&all);
+            for (int t = 0; t < threads; t++)
+                CPU_SET((size_t)pl_placement_cpu(placement, t), &all);
+            assert_true(CPU_EQUAL(&all, &before));
+            stays = pl_placement_cpu(placement, 0) == (int)cpu;
+            pl_placement_destroy(placement);
+        }
+        assert_true(stays);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(threads_asked_for_are_given),
@@ -176,6 +210,7 @@ int main(void) {
         cmocka_unit_test(one_thread_is_not_bound),
         cmocka_unit_test(the_cpuset_is_respected), /* before there are threads of another set */
         cmocka_unit_test(binding_is_undone),
+        cmocka_unit_test(the_caller_stays_on_its_core),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
