@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """phases: run planish from file to file.   phases.py PROGRAMS RESULT.json BOX ..."""
+import itertools
 import json
 import mmap
 import os
@@ -10,7 +11,7 @@ import time
 
 import machine
 
-REPEATS, MANY = 5, 3_000_000  # elements from which on one run is enough
+REPEATS, MANY, REPEATS_OF_MANY = 5, 3_000_000, 3  # from so many elements on
 MEMORY = 4  # times the file: what a run takes, and what it writes
 
 
@@ -56,25 +57,28 @@ def copy(path):
         return time.monotonic() - begin
 
 
-def best(runs):
-    """The run that took the least time in all, of several."""
-    return min(runs, key=lambda run: run["seconds"]["total"])
+def middle(runs):
+    """The run that took the median time in all, of an odd number."""
+    return sorted(runs, key=lambda run: run["seconds"]["total"])[len(runs) // 2]
 
 
 def main():
     programs, result = sys.argv[1:3]
     about = machine.description()
     threads = sorted({1, about["cpus"]})
-    growth, touched, copied = [], [], []
-    for mesh in sys.argv[3:]:
-        for n in threads:
+    runs, touched, copied = {}, [], []
+    # In rounds: where the machine is slower for a minute, it is so for meshes of all sizes.
+    for _ in range(REPEATS):
+        for mesh, n in itertools.product(sys.argv[3:], threads):
+            of_mesh = runs.setdefault((mesh, n), [])
+            if len(of_mesh) == REPEATS_OF_MANY and of_mesh[0]["elements"] > MANY:
+                continue
             warm(mesh)
             size = MEMORY * os.path.getsize(mesh)
             touched.append({"bytes": size, "seconds": touch(size)})
-            first = smooth(programs, mesh, n)
-            again = 0 if first["elements"] > MANY else REPEATS - 1
-            growth.append(best([first] + [smooth(programs, mesh, n) for _ in range(again)]))
+            of_mesh.append(smooth(programs, mesh, n))
             copied.append({"bytes": os.path.getsize(mesh), "seconds": copy(mesh)})
+    growth = [middle(of_mesh) for of_mesh in runs.values()]
     with open(result, "w") as file:
         json.dump({"machine": about, "growth": growth, "touched": touched,
                    "copied": copied}, file, indent=1)
