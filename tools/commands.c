@@ -21,8 +21,8 @@ static const pl_command_text command_table[] = {
      "number of threads. OUT is IN with the coordinates of the moved nodes replaced,\n"
      "and every other byte as it was.",
      "0 done; 1 a usable mesh was written, but it has elements that are inverted or\n"
-     "below their least volume, or smoothing was cut short; 2 failed, nothing was\n"
-     "written; 64 bad usage.",
+     "below their least volume, smoothing was cut short, or a report could not be\n"
+     "written; 2 failed, nothing was written; 64 bad usage.",
      pl_smooth_command},
     {PL_COMMAND_QUALITY, "quality", "FILE...", "mesh file", 1, "measure meshes",
      "Measure a mesh and print what it is worth; several are compared, a row each.\n"

@@ -434,7 +434,8 @@ static const option_row option_table[] = {
     {0, "layers", "K", SMOOTH | OPTIMISES, set_layers,
      "with --only-worse-than: and of K layers of elements\naround these (default 0)", NULL},
     {'j', "threads", "N", BOTH, set_threads,
-     "run on N threads (default: OMP_NUM_THREADS, else one\nper core)", NULL},
+     "run on N threads (default: OMP_NUM_THREADS, else one\nper core, of a small mesh fewer)",
+     NULL},
     {0, "bind", "HOW", BOTH, set_bind,
      "auto (default): bind one thread to each core if there\nare as many, and OpenMP's variables "
      "say nothing;\n"

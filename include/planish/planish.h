@@ -96,12 +96,13 @@ typedef struct planish_mesh {
     const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL: all free */
     const double *direction;   /* [n_nodes][dim] of nodes on planes and lines, of any length but 0;
                                   others are not looked at. NULL if there are none */
-    int64_t n_periodic;        /* pairs of nodes that a translation brings to one another, as at */
-    const int32_t *periodic;   /* [n_periodic][2] periodic boundaries: they move by the same, if all
-                                  that a node is joined to this way slides, in the same directions,
-                                  or not at all, as pairs inside the mesh or in one element. At
-                                  least two pairs for each translation; coordinates to be smoothed
-                                  are such, too. NULL if there are none */
+    int64_t n_periodic;
+    const int32_t *periodic;   /* [n_periodic][2] pairs of nodes that a translation takes to one
+                                  another, as on periodic boundaries. All that pairs join move by
+                                  the same vector if all of them slide, in the same directions;
+                                  otherwise none of them moves (so where one is inside the mesh, or
+                                  two are in one element). Each translation has two pairs at least.
+                                  Coordinates to be smoothed fit the pairs, too. NULL: none */
     const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
     const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
@@ -423,9 +424,10 @@ typedef struct planish_options {
     void *round_user;                   /* handed to round */
 } planish_options;
 
-/** Fill in the defaults: as many threads as OpenMP would use, not bound; the fastest kernel; radius
- * ratio by constrained optimisation, Newton, volumes only positive, no bounds; doubles; untangling;
- * 200 sweeps, tolerance 1e-5, no time limit; all nodes; no callback. */
+/** Fill in the defaults: as many threads as OpenMP would use and as the mesh is large enough for,
+ * not bound; the fastest kernel; radius ratio by constrained optimisation, Newton, volumes only
+ * positive, no bounds; doubles; untangling; nothing for the worst, worst_rise 0.01; 200 sweeps,
+ * tolerance 1e-5, no time limit; all nodes; no callback. */
 PLANISH_API void planish_options_init(planish_options *options);
 
 /* ---- Plan --------------------------------------------------------------------------------- */
@@ -453,29 +455,31 @@ typedef struct planish_plan_info {
 } planish_plan_info;
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
- *  free nodes. Uses threads, bind and isa of options (NULL: defaults), and only_worse_than, around,
- *  layers and least volumes to choose the nodes. The plan refers to mesh->elements (not to
- *  elements64), which must stay as they are until planish_plan_destroy; the other arrays are not
- *  read after the return. Which order of an element is the positive one is decided here, from these
- *  coordinates: for a mirrored copy of them make another plan. Nodes with more than 43690 elements
- *  are held. A mesh without elements is an error.
+ *  free nodes. Uses threads, bind and isa of options (NULL: defaults), its allocator, parallel and
+ *  log, and only_worse_than, around, layers and least volumes to choose the nodes. The plan refers
+ *  to mesh->elements (not to elements64), and to mesh->part with all that it points to: these must
+ *  stay as they are until planish_plan_destroy; the other arrays are not read after the return.
+ *  Which order of an element is the positive one is decided here, from these coordinates: for a
+ *  mirrored copy of them make another plan. Nodes with more than 43690 elements are held. A mesh
+ *  without elements is an error.
  *
  *  With options.around the plan is for the elements that have one of its nodes, and so is what is
- *  said of elements in its info, in results and by planish_measure. Everything costs by these alone
- *  if around_elements and mesh->neighbours are given: nothing else of the mesh is read, or checked
- *  (but periodic pairs); the elements of a node are then those that it has together with the given
- *  one by facets at the node. Without them all elements are looked at while the plan is made. Which
- *  order is the positive one is decided from the plan's elements, too: where all of them are
- *  inverted nobody sees it. Nodes of periodic pairs stay. around excludes only_worse_than and
- *  min_volume_fraction, which are about all of the mesh. The bits are those of a plan for all of it
- *  with its other nodes fixed, as long as nothing is untangled, raised to a least volume or done
- *  for options.worst.
+ *  said of elements in its info, in results and by planish_measure. Everything costs by these
+ *  alone if around_elements and mesh->neighbours are given: nothing else of the mesh is read, or
+ *  checked (but periodic pairs); the elements of a node are then those that it has together with
+ *  the given one by facets at the node. Without them all elements are looked at while the plan is
+ *  made. Which order is the positive one is decided from the plan's elements, too: where all of
+ *  them are inverted nobody sees it. Nodes of periodic pairs stay. around excludes only_worse_than
+ *  and min_volume_fraction, which are about all of the mesh. The bits are those of a plan for all
+ *  of it with its other nodes fixed, as long as nothing is untangled, raised to a least volume or
+ *  done for options.worst.
  *
  *  With only_worse_than, neighbours save passes over the elements if few of them are bad; the bits
  *  are the same. In a mesh in parts they are those of one process if what is smoothed is what the
  *  plan was made of: elsewhere one process may look at fewer elements when it untangles.
  *
- *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY. */
+ *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY; with mesh->part also _PROCESS, and
+ *  _PARTS (around, periodic pairs). */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
 /** plan may be NULL. */
@@ -601,21 +605,26 @@ typedef struct planish_result {
     int64_t reserved[8];
 } planish_result;
 
-/** Smooth coordinates [n_nodes][dim] in place, after untangling them where need be.
+/** Smooth coordinates [n_nodes][dim] (or as the mesh's strides say) in place, after untangling them
+ *  where need be.
+ *
  *  Promised: only free nodes move, and within their bounds; no more elements are inverted than
  *  were; in a mesh without inverted elements none is, and no element gets a worse RR than the worst
- * of those that had a free node, nor (with RR alone as objective) a smaller angle, dihedral in 3-D,
- * unless elements were brought above their least volume; F never rises (but for options.worst, by
- * at most worst_rise of what it had converged to) once no
- * element is inverted or below its least volume; the same bits for any number of threads, any isa
- * and compiler (gcc and clang are tested). Not promised: that every mesh that could be made valid
- * is. Stars with an element that is left not positive stay as they are; those with an element below
- * its least volume are brought above it first where that can be done. Untangling ends by a bound on
- * its work, which takes minutes on large meshes that cannot be helped: set time_limit if that
- * matters. coordinates may be as the mesh's strides say. options (NULL: defaults); threads, bind
- * and isa are those of the plan. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY;
- * coordinates are then untouched.
- */
+ *  of those that had a free node, nor (with RR alone as objective) a smaller angle, dihedral in
+ *  3-D, unless elements were brought above their least volume; F never rises (but for
+ *  options.worst, by at most worst_rise of what it had converged to) once no element is inverted or
+ *  below its least volume; the same bits for any number of threads, any isa and compiler (gcc and
+ *  clang are tested).
+ *
+ *  Not promised: that every mesh that could be made valid is. Stars with an element that is left
+ *  not positive stay as they are; those with an element below its least volume are brought above it
+ *  first where that can be done. Untangling ends by a bound on its work, which takes minutes on
+ *  large meshes that cannot be helped: set time_limit if that matters.
+ *
+ *  options (NULL: defaults): threads, bind, isa, allocator, parallel and log are those of the plan.
+ *  result may be NULL. Errors: _ARGUMENT, _MESH (a coordinate is not finite), _MEMORY; coordinates
+ *  are then untouched. With a mesh in parts also _PROCESS, as of all calls that look at
+ *  coordinates. */
 PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,
                                planish_error *error);

@@ -1,10 +1,10 @@
 /* planish_io: mesh files for planish. Read one, smooth its coordinates, write it back with every
  * byte but the coordinates of the moved nodes as it was.
  *
- * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED and OFF;
- * see docs/formats.md. Calls on different files may run at the same time, but of files in HDF5
- * (CGNS, MED, VTKHDF, DMPlex) one at a time, unless the HDF5 library is built for threads.
- * Error convention as in planish.h; the text says file, line or byte, and what to do.
+ * Formats: Gmsh, Medit, VTK (legacy, XML, HDF), TetGen, Netgen, Abaqus, Nastran, CGNS, MED, PETSc's
+ * DMPlex and OFF; see docs/formats.md. Calls on different files may run at the same time, but of
+ * files in HDF5 (CGNS, MED, VTKHDF, DMPlex) one at a time, unless the HDF5 library is built for
+ * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
  */
 #ifndef PLANISH_IO_H
 #define PLANISH_IO_H
@@ -26,14 +26,18 @@ PLANISH_API int planish_file_open(const char *path, const char *format, int thre
                                   planish_file **file, planish_error *error);
 
 /** The same for files of which nothing is known, in a process that must not die. The HDF5 library
- *  (1.10) crashes on some damaged files: such a file (CGNS, MED, VTKHDF, DMPlex) is first opened in a child
- *  process, and packed coordinates are later changed in one, so that a crash is a _FORMAT error. It
- *  takes twice the time to open these; others are opened as they are by planish_file_open. The
- *  child is a fork of the caller, of the calling thread alone: no other thread may be within the
- *  HDF5 library then, and if the caller ignores SIGCHLD or waits for any child elsewhere, the signal
- *  in the error's text is 0. Errors besides: _MEMORY: no process could be started. */
+ *  (1.10) crashes on some damaged files: such a file (CGNS, MED, VTKHDF, DMPlex) is first opened
+ *  in a child process, and packed coordinates are later changed in one, so that a crash is a
+ *  _FORMAT error. It takes twice the time to open these; others are opened as they are by
+ *  planish_file_open. The child is a fork of the caller, of the calling thread alone: no other
+ *  thread may be within the HDF5 library then, and if the caller ignores SIGCHLD or waits for any
+ *  child elsewhere, the signal in the error's text is 0. Errors besides: _MEMORY: no process could
+ *  be started. */
 PLANISH_API int planish_file_open_isolated(const char *path, const char *format, int threads,
                                            planish_file **file, planish_error *error);
+
+/** Free the file and all that belongs to it: the arrays of planish_file_mesh and _surface, names,
+ *  round_user. file may be NULL. */
 PLANISH_API void planish_file_close(planish_file *file);
 
 /** NULL-terminated list of the formats' names: "gmsh", "medit", "vtk", "vtu", ... */
@@ -52,16 +56,19 @@ typedef struct planish_file_info {
                       if it was cut short there, nothing tells */
 } planish_file_info;
 
+/** Fill in *info. */
 PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_info *info);
 
 /** The mesh: its arrays belong to the file; constraint is NULL, to be set to what
- *  planish_file_constraints fills in. Coordinates may be changed in place
- *  through planish_file_coordinates. */
+ *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
+
+/** Those coordinates [n_nodes][dim], in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
 
 typedef struct planish_hold {
-    const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N": hold all nodes of these groups */
+    const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N" (DMPlex: "LABEL:VALUE", "LABEL"):
+                                hold all nodes of these groups */
     int n_tags;
     int ignore_regions; /* not 0: nodes between regions are not held */
     int ignore_marks;   /* not 0: nodes are not held for being among planish_file_marks */
@@ -98,7 +105,8 @@ PLANISH_API int planish_file_min_volumes(const planish_file *file, const char *c
                                          const double *values, int n_tags, double *min_volume,
                                          planish_error *error);
 
-/** The numbers that the file gives element and node (by their index in planish_file_mesh). */
+/** The numbers that the file gives element and node, by their index in planish_file_mesh, which is
+ *  not checked. */
 PLANISH_API int64_t planish_file_element_number(const planish_file *file, int64_t element);
 PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t node);
 
@@ -111,7 +119,8 @@ PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t n
 PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                             size_t size);
 
-/** Whether path has an extension that this file's format can be written to (the input's own). */
+/** 1 if planish_file_write takes path: one with the extension of the input, or another one of its
+ *  format, or a pipe or device; else 0. */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
 
 /** Write the file to path with coordinates [n_nodes][dim]: a copy of the input in which only
@@ -119,7 +128,8 @@ PLANISH_API int planish_file_can_write(const planish_file *file, const char *pat
  *  and renamed, its mode kept; symbolic links are followed; pipes and devices are written directly.
  *  temporary (may be NULL): a buffer of temporary_size bytes, zeroed, that holds the paths of the
  *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
- *  signal handler that removes them. TetGen's .ele, .face and .edge are written along with .node.
+ *  signal handler that removes them. What TetGen has beside .node (.ele, .face, .edge, .neigh, ..:
+ *  docs/formats.md) is written along with it.
  *  Errors: _FILE, _MEMORY, _ARGUMENT, _FORMAT (the input is not what was read any more); nothing is
  *  left behind then (but if one of TetGen's files cannot be renamed, those that had already been,
  *  .node the last, stay where they replaced others). */
@@ -127,7 +137,7 @@ PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);
 
-/** Whether path has the extension of another format that the mesh can be converted to: .vtu or
+/** 1 if path has the extension of another format that the mesh can be converted to, else 0: .vtu or
  *  .vtk, but for that of the file's own format (planish_file_can_write). */
 PLANISH_API int planish_file_can_convert(const planish_file *file, const char *path);
 

@@ -22,7 +22,8 @@ prefix=$work/prefix
 lib=$(dirname "$(find "$prefix" -name libplanish.a)")
 for file in include/planish/planish.h include/planish/planish_io.h bin/planish \
     share/man/man1/planish.1 share/man/man3/planish.3 share/doc/planish/LICENSE \
-    share/doc/planish/CHANGELOG.md share/bash-completion/completions/planish \
+    share/doc/planish/CHANGELOG.md share/doc/planish/docs/embedding.md \
+    share/bash-completion/completions/planish \
     share/zsh/site-functions/_planish share/planish/python/planish.py; do
     [ -s "$prefix/$file" ] || fail "$file is not installed"
 done
