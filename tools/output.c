@@ -3,7 +3,9 @@
 
 #include "message.h"
 
+#include "base/memory.h"
 #include "base/system.h"
+#include "io/companions.h"
 #include "io/output.h"
 
 #include <errno.h>
@@ -45,20 +47,12 @@ int pl_output_same_file(const char *a, const char *b) {
            status_a.kind == PL_FILE_REGULAR && pl_file_is_same(&status_a, &status_b);
 }
 
-int pl_output_hits_mesh(const char *path, const char *mesh_path) {
-    static const char *const parts[] = {".node", ".ele", ".face", ".edge"};
-    enum { N_PARTS = sizeof parts / sizeof *parts };
-    if (pl_output_same_file(path, mesh_path))
-        return 1;
-    const char *dot = strrchr(mesh_path, '.');
-    int is_part = 0, hit = 0;
-    for (int i = 0; dot && i < N_PARTS; i++)
-        is_part |= strcmp(dot, parts[i]) == 0;
-    for (int i = 0; is_part && i < N_PARTS; i++) {
-        char other[PATH_MAX];
-        const int size =
-            snprintf(other, sizeof other, "%.*s%s", (int)(dot - mesh_path), mesh_path, parts[i]);
-        hit |= size > 0 && (size_t)size < sizeof other && pl_output_same_file(path, other);
+int pl_output_hits_mesh(const char *path, const char *mesh_path, const char *format) {
+    int hit = pl_output_same_file(path, mesh_path);
+    char *other;
+    for (int i = 0; !hit && (other = io_mesh_file(mesh_path, format, i)); i++) {
+        hit = pl_output_same_file(path, other);
+        pl_free(other);
     }
     return hit;
 }
@@ -70,6 +64,8 @@ int pl_output_check(const char *path) {
     if (strcmp(path, "-") == 0)
         return 0;
     const int exists = pl_file_find(path, &status) == 0;
+    if (!exists && errno == ENAMETOOLONG)
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
     if (exists && status.kind == PL_FILE_FOLDER)
         return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
     if (io_output_is_stream(path) || (!exists && pl_path_read_link(path, link, sizeof link) == 0))
@@ -103,8 +99,9 @@ static int check_report(const pl_arguments *arguments, const char *path) {
     if (!path || strcmp(path, "-") == 0)
         return 0;
     for (int i = 0; i < arguments->n_inputs; i++)
-        hits |= pl_output_hits_mesh(path, arguments->inputs[i]);
-    if (hits || (arguments->output && pl_output_hits_mesh(path, arguments->output)))
+        hits |= pl_output_hits_mesh(path, arguments->inputs[i], arguments->format);
+    if (hits ||
+        (arguments->output && pl_output_hits_mesh(path, arguments->output, arguments->format)))
         return pl_complain_usage(pl_command_name(arguments->command),
                                  "the report would overwrite the mesh '%s'", path);
     return pl_output_check(path);

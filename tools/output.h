@@ -17,9 +17,9 @@ int pl_output_is_stdout(const char *path);
 /** Whether the two paths name one file, which need not exist. */
 int pl_output_same_file(const char *a, const char *b);
 
-/** Whether writing to path would change a file of the mesh at mesh_path: itself, or, of TetGen's,
- *  those of the same base name beside it. */
-int pl_output_hits_mesh(const char *path, const char *mesh_path);
+/** Whether writing to path would change a file that the mesh at mesh_path, of that format (NULL:
+ * told by its name), can have: itself, or, of TetGen's, those of the same base name beside it. */
+int pl_output_hits_mesh(const char *path, const char *mesh_path, const char *format);
 
 /** Whether a file can be made or replaced at path, which may be "-", standard output; 0, or an exit
  * status after a message. */

@@ -320,7 +320,8 @@ static int check_meshes(const drawing *d, const char *output) {
         char path[PATH_MAX];
         const char *file = pl_figure_text(d->figures->result, keys[i]);
         for (int place = 0; place < N_PLACES; place++)
-            if (find_place(d, file, place, path, sizeof path) && pl_output_hits_mesh(output, path))
+            if (find_place(d, file, place, path, sizeof path) &&
+                pl_output_hits_mesh(output, path, NULL))
                 return pl_complain_usage("report", "the page would overwrite the mesh '%s'", path);
     }
     return 0;

@@ -1,9 +1,9 @@
 /* signals: what the program does when it is told to stop.
  *
- * The first SIGINT or SIGTERM asks the smoothing to stop after the colour it is at; the second one
- * ends the program at once, temporary files removed. An input that shrinks while it is mapped
- * (SIGBUS) ends it with one line. A reader that goes away makes writing fail (SIGPIPE is ignored),
- * so that it is reported like any other failure to write.
+ * The first SIGINT, SIGTERM or SIGHUP asks the smoothing to stop after the colour it is at; the
+ * second one ends the program at once, temporary files removed. An input that shrinks while it is
+ * mapped (SIGBUS) ends it with one line. A reader that goes away makes writing fail (SIGPIPE is
+ * ignored), so that it is reported like any other failure to write.
  */
 #ifndef PL_TOOLS_SIGNALS_H
 #define PL_TOOLS_SIGNALS_H
@@ -16,7 +16,8 @@ typedef enum pl_temporary {
     PL_N_TEMPORARIES
 } pl_temporary;
 
-enum { PL_TEMPORARY_SIZE = 16384 };
+/* Of 15 files at the most (TetGen's), with paths as long as the system takes. */
+enum { PL_TEMPORARY_SIZE = 16 * 4096 };
 
 /** What takes a line away on a terminal, from where its cursor is. */
 #define PL_ERASE_TO_END "\033[K"

@@ -42,11 +42,16 @@ static int engine_writes(const pl_job *job) {
            job->engine->can_write(output);
 }
 
-/** Another extension than the input's asks for a conversion. */
-static int check_extension(const pl_job *job) {
+/** What can be known of writing before the work. Another extension than the input's asks for a
+ *  conversion. */
+static int check_output(const pl_job *job) {
     const char *output = job->arguments->output;
-    if (engine_writes(job) || planish_file_can_write(job->file, output) ||
-        planish_file_can_convert(job->file, output))
+    planish_error error;
+    if (planish_file_can_write(job->file, output))
+        return planish_file_check_output(job->file, output, &error)
+                   ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+                   : 0;
+    if (engine_writes(job) || planish_file_can_convert(job->file, output))
         return 0;
     return pl_complain_usage("smooth",
                              "'%s' does not have an extension of the input's format, %s, and there "
@@ -356,7 +361,7 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     pl_progress_phase(&progress, PL_PHASE_READING);
     status = pl_job_read(&job, arguments, engine);
     if (!status)
-        status = check_extension(&job);
+        status = check_output(&job);
     if (!status)
         status = smooth_job(&job, &result, &progress);
     pl_progress_free(&progress);

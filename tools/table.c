@@ -11,6 +11,7 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, UNIT_WIDTH = 4, CHANGE_WIDTH = 11, SPREAD_WIDTH = 11 };
 
@@ -310,11 +311,20 @@ void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *qu
     pl_histogram_print(stream, NULL, quality);
 }
 
+static void note_open_end(FILE *stream, const pl_job *job) {
+    const char *input = job->arguments->input, *open = planish_file_open_end(job->file);
+    /* Of several inputs the notes of each are named. */
+    const int is_named = job->arguments->n_inputs == 1 || strcmp(open, input) != 0;
+    pl_note(stream,
+            "the last line%s%s has no end: if the file was cut short there, its last number may be "
+            "wrong",
+            is_named ? " of " : "", is_named ? open : "");
+}
+
 void pl_table_oddities(FILE *stream, const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     const int64_t facets = info->n_nonmanifold_facets, copies = info->n_duplicate_elements;
     const int64_t others = job->file_info.n_other_elements;
-    const int is_only = job->arguments->n_inputs == 1; /* else the notes of each are named */
     if (facets > 0)
         pl_note(stream, "%" PRId64 " %s to more than two elements; %s nodes are held", facets,
                 job->mesh.dim == 3 ? word_for(facets, "face belongs", "faces belong")
@@ -329,8 +339,5 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
                 word_for(others, "element of another type passes", "elements of other types pass"),
                 word_for(others, "its", "their"));
     if (job->file_info.ends_open)
-        pl_note(stream,
-                "the last line%s%s has no end: if the file was cut short there, its last "
-                "number may be wrong",
-                is_only ? " of " : "", is_only ? job->arguments->input : "");
+        note_open_end(stream, job);
 }

@@ -59,6 +59,10 @@ typedef struct planish_file_info {
 /** Fill in *info. */
 PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_info *info);
 
+/** The path of the file, of those that were read, whose last line has no end (info.ends_open); NULL
+ *  if there is none. */
+PLANISH_API const char *planish_file_open_end(const planish_file *file);
+
 /** The mesh: its arrays belong to the file; constraint is NULL, to be set to what
  *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
@@ -122,6 +126,13 @@ PLANISH_API int planish_file_element_region(const planish_file *file, int64_t el
 /** 1 if planish_file_write takes path: one with the extension of the input, or another one of its
  *  format, or a pipe or device; else 0. */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
+
+/** Ask, before long work, what planish_file_write to path would fail for wherever nodes go: files
+ *  beside it that are of another mesh (TetGen), compressed coordinates that cannot be written to a
+ *  pipe. Whether the place can be written is not tried.
+ *  Errors: _FILE, _ARGUMENT, _MEMORY. */
+PLANISH_API int planish_file_check_output(const planish_file *file, const char *path,
+                                          planish_error *error);
 
 /** Write the file to path with coordinates [n_nodes][dim]: a copy of the input in which only
  *  coordinates that differ from those read are replaced. A regular file is written beside its place

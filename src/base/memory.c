@@ -218,6 +218,12 @@ void *pl_alloc_zero(int64_t count, size_t size) {
     return array;
 }
 
+char *pl_copy_text(const char *text) {
+    const size_t size = strlen(text) + 1;
+    char *copy = pl_alloc((int64_t)size, 1);
+    return copy ? memcpy(copy, text, size) : NULL;
+}
+
 void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, size_t size) {
     if (needed <= *capacity && array)
         return array;

@@ -25,6 +25,9 @@ void *pl_alloc_zero(int64_t count, size_t size);
  *  Updates *capacity; returns the new array, or NULL (the old one stays valid). */
 void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, size_t size);
 
+/** A copy of text, from pl_alloc; NULL without memory. */
+char *pl_copy_text(const char *text);
+
 void pl_free(void *array);
 
 /** Say that array is context's. */

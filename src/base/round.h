@@ -4,6 +4,8 @@
 
 #include <planish/planish.h>
 
+#include <math.h>
+
 /** What coordinates are stored as. */
 typedef struct pl_storage {
     planish_precision precision;
@@ -16,6 +18,11 @@ typedef struct pl_storage {
 static inline double pl_round_to_float(double value) {
     volatile float rounded = (float)value;
     return (double)rounded;
+}
+
+/** Whether two numbers are the same, signs of zeros too. */
+static inline int pl_is_same(double a, double b) {
+    return a == b && !signbit(a) == !signbit(b);
 }
 
 /** The value that will be stored in the place of value. */

@@ -129,7 +129,8 @@ static int are_consecutive(const int64_t *number, int64_t n) {
 static int settle_node_numbers(abaqus_reader *r) {
     io_model *model = r->model;
     if (!are_consecutive(model->node_number, model->n_nodes))
-        return io_numbers_create(model->node_number, model->n_nodes, &r->numbers, r->error);
+        return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
+                                 &r->numbers, r->error);
     model->first_number = model->node_number[0];
     pl_free(model->node_number);
     model->node_number = NULL;

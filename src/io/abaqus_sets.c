@@ -164,8 +164,8 @@ static int number_elements(sets *s) {
         return pl_fail_memory(s->reader->error, "the numbers of elements");
     for (int64_t i = 0; i < s->n[ELEMENTS]; i++)
         number[i] = number_of(s, ELEMENTS, i);
-    int status =
-        io_numbers_create_of("element", number, s->n[ELEMENTS], &s->elements, s->reader->error);
+    int status = io_numbers_create(s->reader->model->input.path, "element", number, s->n[ELEMENTS],
+                                   &s->elements, s->reader->error);
     pl_free(number);
     return status;
 }

@@ -14,14 +14,6 @@ enum { MAPPED_NO, MAPPED_YES, MAPPED_BORROWED }; /* io_bytes.mapped */
 /* What a device of characters may give: a terminal, somebody's typing. Others have no end. */
 static const int64_t LARGEST_OF_DEVICE = 1 << 20;
 
-static char *copy_text(const char *text) {
-    size_t size = strlen(text) + 1;
-    char *copy = pl_alloc((int64_t)size, 1);
-    if (copy)
-        memcpy(copy, text, size);
-    return copy;
-}
-
 /** How much may come of what is no regular file: half of the machine's memory, since what never
  *  ends would take all of it, and the process would be killed. */
 static int64_t largest_stream(const pl_file_status *about) {
@@ -121,7 +113,7 @@ static int open_descriptor(int fd, io_bytes *bytes, planish_error *error) {
 }
 
 int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
-    *bytes = (io_bytes){.path = copy_text(path), .fd = -1};
+    *bytes = (io_bytes){.path = pl_copy_text(path), .fd = -1};
     if (!bytes->path)
         return pl_fail_memory(error, path);
     int fd = pl_file_open(path, PL_FILE_READ);
@@ -136,8 +128,11 @@ int io_bytes_open(const char *path, io_bytes *bytes, planish_error *error) {
 
 int io_bytes_borrow(const char *path, const char *data, int64_t size, io_bytes *bytes,
                     planish_error *error) {
-    *bytes = (io_bytes){
-        .path = copy_text(path), .data = data, .size = size, .mapped = MAPPED_BORROWED, .fd = -1};
+    *bytes = (io_bytes){.path = pl_copy_text(path),
+                        .data = data,
+                        .size = size,
+                        .mapped = MAPPED_BORROWED,
+                        .fd = -1};
     return bytes->path ? PLANISH_OK : pl_fail_memory(error, path);
 }
 

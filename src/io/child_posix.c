@@ -27,13 +27,16 @@ typedef struct answer {
 } answer;
 
 /** A crash is to end the child as the system does it: without the caller's handlers, a core file or
- *  text. What ends the caller ends the child. */
+ *  text. What ends the caller ends the child; a signal that both get (Ctrl-C) is for the caller to
+ *  answer, who may want the result all the more. */
 static void become_quiet(void) {
-    static const int signals[] = {SIGSEGV, SIGBUS,  SIGABRT, SIGFPE, SIGILL,
-                                  SIGINT,  SIGTERM, SIGHUP,  SIGPIPE};
+    static const int of_crashes[] = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGPIPE};
+    static const int of_people[] = {SIGINT, SIGTERM, SIGHUP};
     const struct rlimit none = {0, 0};
-    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++)
-        signal(signals[i], SIG_DFL);
+    for (size_t i = 0; i < sizeof of_crashes / sizeof *of_crashes; i++)
+        signal(of_crashes[i], SIG_DFL);
+    for (size_t i = 0; i < sizeof of_people / sizeof *of_people; i++)
+        signal(of_people[i], SIG_IGN);
     setrlimit(RLIMIT_CORE, &none);
 #ifdef __linux__
     prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -298,23 +298,48 @@ static int digits_of_coordinate(const planish_file *file, io_cursor *cursor, int
     return digits;
 }
 
-/** How far nodes of a plane may be off it by the digits that the file gives them. Of text the
- *  longest numbers of the first nodes tell; whole numbers and the like may be exact with few, so
- *  that there is a limit. */
-static double tolerance_of_digits(const planish_file *file) {
+/** The digits of the longest coordinate of a node that stands as text. */
+static int digits_of_node(const planish_file *file, int64_t node) {
     const io_model *model = &file->model;
-    enum { LOOKED_AT_NODES = 4096 };
-    const char *end = model->input.data + model->input.size;
+    io_cursor cursor = {model->input.data + model->text_offset[node],
+                        model->input.data + model->input.size};
     int most = 0;
-    if (model->precision == PLANISH_FLOAT)
-        return FLOAT_TOLERANCE;
-    for (int64_t i = 0; model->text_offset && i < model->n_nodes && i < LOOKED_AT_NODES; i++) {
-        io_cursor cursor = {model->input.data + model->text_offset[i], end};
-        for (int d = 0; d < model->columns; d++) {
-            const int digits = digits_of_coordinate(file, &cursor, d);
+    for (int d = 0; d < model->columns; d++) {
+        const int digits = digits_of_coordinate(file, &cursor, d);
+        most = digits > most ? digits : most;
+    }
+    return most;
+}
+
+/** How many digits the writer of the file gave numbers. Most tells, but where some nodes have few,
+ *  others all that a double has: the latter have been moved since, by a smoother, say. */
+static int digits_of_file(const planish_file *file) {
+    enum { LOOKED_AT_NODES = 4096, SOME = 100, SHORT = 4, LONG = 12 };
+    const io_model *model = &file->model;
+    int most = 0, most_of_few = 0;
+    int64_t n = 0, n_few = 0;
+    for (int64_t i = 0; i < model->n_spans; i++) {
+        const io_span *span = &model->span[i];
+        if (span->encoding != IO_TEXT)
+            continue;
+        for (int64_t k = 0; k < span->n_nodes && n < LOOKED_AT_NODES; k++, n++) {
+            const int digits = digits_of_node(file, span->first_node + k);
             most = digits > most ? digits : most;
+            if (digits > SHORT && digits <= LONG) {
+                most_of_few = digits > most_of_few ? digits : most_of_few;
+                n_few++;
+            }
         }
     }
+    return n_few * SOME >= n ? most_of_few : most;
+}
+
+/** How far nodes of a plane may be off it by the digits that the file gives them. Whole numbers and
+ *  the like may be exact with few, so that there is a limit. */
+static double tolerance_of_digits(const planish_file *file) {
+    if (file->model.precision == PLANISH_FLOAT)
+        return FLOAT_TOLERANCE;
+    const int most = digits_of_file(file);
     if (most == 0)
         return 0; /* the library's own */
     double tolerance = 10;

@@ -71,17 +71,24 @@ int io_is_hdf5(const char *data, int64_t size) {
     return 0;
 }
 
+const io_format *io_format_by_extension(const char *path) {
+    for (int i = 0; i < N_FORMATS; i++)
+        if (io_format_has_extension(formats[i], path))
+            return formats[i];
+    return NULL;
+}
+
 const io_format *io_format_find(const char *path, const char *data, int64_t size) {
-    enum { LOOKED_AT = 1 << 16 }; /* what begins a file of any format but HDF5 is not farther */
+    enum {
+        LOOKED_AT = 1 << 18
+    }; /* what begins a file of any format but HDF5 is not farther: most
+          can be before it in Nastran's, comments and cases */
     if (size > LOOKED_AT && !io_is_hdf5(data, size))
         size = LOOKED_AT;
     for (int i = 0; i < N_FORMATS; i++)
         if (formats[i]->recognise(data, size))
             return formats[i];
-    for (int i = 0; i < N_FORMATS; i++)
-        if (io_format_has_extension(formats[i], path))
-            return formats[i];
-    return NULL;
+    return io_format_by_extension(path);
 }
 
 /* ---- opening ------------------------------------------------------------------------------ */
@@ -264,12 +271,16 @@ static int ends_open(const io_bytes *bytes) {
     return last != '\n' && last != '\r';
 }
 
-static int any_ends_open(const planish_file *file) {
+const char *planish_file_open_end(const planish_file *file) {
     const io_model *model = &file->model;
-    int open = model->text_offset && ends_open(&model->input);
-    for (int i = 0; i < model->n_companions; i++)
-        open |= ends_open(&model->companion[i]);
-    return file->format->has_no_end && open;
+    if (!file->format->has_no_end || !model->text_offset)
+        return NULL;
+    if (ends_open(&model->input))
+        return model->input.path;
+    for (int i = 0; i < model->n_read; i++)
+        if (ends_open(&model->companion[i]))
+            return model->companion[i].path;
+    return NULL;
 }
 
 void planish_file_get_info(const planish_file *file, planish_file_info *info) {
@@ -281,7 +292,7 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                                 .n_lower_elements = file->model.n_lower,
                                 .n_regions = file->n_regions,
                                 .bytes = file->model.input.size,
-                                .ends_open = any_ends_open(file)};
+                                .ends_open = planish_file_open_end(file) != NULL};
 }
 
 planish_mesh planish_file_mesh(const planish_file *file) {

@@ -13,6 +13,9 @@ struct planish_file {
 /** The format called name, or NULL. */
 const io_format *io_format_by_name(const char *name);
 
+/** The format that the extension of path is of, or NULL. */
+const io_format *io_format_by_extension(const char *path);
+
 /** The format that the content, else the extension of path, is of; NULL if neither tells. */
 const io_format *io_format_find(const char *path, const char *data, int64_t size);
 

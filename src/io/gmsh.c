@@ -6,6 +6,7 @@
  */
 #include "io/gmsh.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -211,16 +212,6 @@ static int is_consecutive(const int64_t *number, int64_t n) {
     return 1;
 }
 
-/* Put the file's name before the error's text. */
-static int fail_in_file(const gmsh_reader *reader) {
-    planish_error error;
-    if (reader->error == NULL)
-        return PLANISH_ERROR_FORMAT;
-    error = *reader->error;
-    return pl_fail(reader->error, PLANISH_ERROR_FORMAT, "%s: %s", reader->model->input.path,
-                   error.text);
-}
-
 int gmsh_index_nodes(gmsh_reader *reader) {
     io_model *model = reader->model;
     reader->have_nodes = 1;
@@ -230,9 +221,8 @@ int gmsh_index_nodes(gmsh_reader *reader) {
         model->node_number = NULL;
         return 0;
     }
-    int status =
-        io_numbers_create(model->node_number, model->n_nodes, &reader->numbers, reader->error);
-    return status == PLANISH_ERROR_FORMAT ? fail_in_file(reader) : status;
+    return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
+                             &reader->numbers, reader->error);
 }
 
 /* Keep the numbers of cells only where they say more than the first of them. */
@@ -246,15 +236,10 @@ static int settle_numbers(gmsh_reader *reader, io_cells *cells) {
         return 0;
     }
     io_numbers *table; /* made only to find a number that occurs twice */
-    planish_error found;
-    int status = io_numbers_create(cells->number, cells->n, &table, &found);
+    const int status = io_numbers_create(reader->model->input.path, "element", cells->number,
+                                         cells->n, &table, reader->error);
     if (status == 0)
         io_numbers_destroy(table);
-    else if (status == PLANISH_ERROR_FORMAT)
-        return pl_fail(reader->error, status, "%s: two elements have the same number",
-                       reader->model->input.path);
-    else if (reader->error != NULL)
-        *reader->error = found;
     return status;
 }
 
@@ -506,12 +491,15 @@ static int read_gmsh(io_model *model, planish_error *error) {
     return status;
 }
 
-/* A first line that begins with $ and a letter: no other format has that. */
+/* A first line of $ and letters, the first a capital: no other format begins so. */
 static int recognise_gmsh(const char *data, int64_t size) {
-    int64_t at = 0;
-    while (at < size && (data[at] == ' ' || (data[at] >= '\t' && data[at] <= '\r')))
-        at++;
-    return size - at > 1 && data[at] == '$' && data[at + 1] >= 'A' && data[at + 1] <= 'Z';
+    io_cursor cursor = io_begin_text(data, size);
+    io_skip_space(&cursor);
+    if (cursor.end - cursor.at < 2 || *cursor.at++ != '$' || *cursor.at < 'A' || *cursor.at > 'Z')
+        return 0;
+    while (cursor.at < cursor.end && isalpha((unsigned char)*cursor.at))
+        cursor.at++;
+    return cursor.at == cursor.end || isspace((unsigned char)*cursor.at);
 }
 
 static const char *const gmsh_extensions[] = {".msh", NULL};

@@ -39,8 +39,8 @@ int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) PL_PRINTF(3
 typedef enum io_hdf5_kind { IO_HDF5_NONE, IO_HDF5_GROUP, IO_HDF5_DATASET } io_hdf5_kind;
 io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path);
 
-/** After all of the file: fails if io_hdf5_kind_of has called anything _NONE that is there, but could
- *  not be looked at (without memory, say). */
+/** After all of the file: fails if io_hdf5_kind_of has called anything _NONE that is there, but
+ * could not be looked at (without memory, say). */
 int io_hdf5_check(io_hdf5 *file);
 
 /** Names of the objects in a group, in the names' order. */

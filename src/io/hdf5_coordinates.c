@@ -318,7 +318,7 @@ static int put_values(const amendment *a, const io_hdf5_place *place, int is_flo
             double *value = &values[c * place->component_step + i * place->node_step];
             double wanted = a->coordinates[i * model->dim + place->component + c];
             wanted = is_float ? pl_round_to_float(wanted) : wanted;
-            if (*value != wanted) {
+            if (!pl_is_same(*value, wanted)) {
                 *value = wanted;
                 changed = 1;
             }

@@ -123,7 +123,7 @@ enum {
 typedef struct io_model {
     io_bytes input;      /* holds the coordinates */
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
-    int n_companions;
+    int n_companions, n_read; /* the first of these are read, too */
     int threads;
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
     planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */
@@ -137,7 +137,8 @@ typedef struct io_model {
     int64_t first_number; /* of the nodes if node_number is NULL */
     io_span *span;        /* [n_spans] */
     int64_t n_spans, span_capacity;
-    int64_t *text_offset; /* [n_nodes] byte of the first coordinate, or NULL: no text spans */
+    int64_t *text_offset; /* [n_nodes] byte of the first coordinate of nodes of text spans; or NULL:
+                             there are none */
     uint8_t *hold;        /* [n_nodes] bits IO_HELD_... */
     int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL */
     int32_t *periodic;    /* [n_periodic][2] pairs of periodic nodes, indices */
@@ -193,11 +194,10 @@ void io_edits_destroy(io_edits *edits);
 
 /** Table from the file's node numbers to indices, for files whose numbers are not 1 .. n. */
 typedef struct io_numbers io_numbers;
-/** numbers [n]; fails on a number that occurs twice (error names it). Any order, any gaps. */
-int io_numbers_create(const int64_t *numbers, int64_t n, io_numbers **table, planish_error *error);
-/** The same for the numbers of other things than nodes: what ("element") is for the error. */
-int io_numbers_create_of(const char *what, const int64_t *numbers, int64_t n, io_numbers **table,
-                         planish_error *error);
+/** numbers [n] of nodes, or what they are of, in the file at path; fails on a number that occurs
+ *  twice (error names it). Any order, any gaps. */
+int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
+                      io_numbers **table, planish_error *error);
 /** Index of number, or -1. */
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);

@@ -16,6 +16,7 @@
 #include "base/memory.h"
 #include "base/status.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -254,7 +255,8 @@ static int settle_node_numbers(reader *r) {
         model->node_number = NULL;
         return PLANISH_OK;
     }
-    return io_numbers_create(model->node_number, model->n_nodes, &r->numbers, r->error);
+    return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
+                             &r->numbers, r->error);
 }
 
 static int read_grids(reader *r) {
@@ -653,10 +655,22 @@ static int nastran_read(io_model *model, planish_error *error) {
     return status;
 }
 
-/** A GRID or BEGIN BULK at the beginning of a line, not too far into the file. */
+/** Whether the first field of a card is a whole number; a title may begin with the name of one. */
+static int begins_with_number(span fields) {
+    const char *at = fields.begin;
+    if (at < fields.end && *at == ',')
+        at++;
+    while (at < fields.end && (*at == ' ' || *at == '\t'))
+        at++;
+    const char *digits = at;
+    while (at < fields.end && *at >= '0' && *at <= '9')
+        at++;
+    return at > digits && (at == fields.end || !isalpha((unsigned char)*at));
+}
+
+/** A GRID or BEGIN BULK at the beginning of a line. */
 static int nastran_recognise(const char *data, int64_t size) {
-    enum { LOOKED_AT = 1 << 18 };
-    io_cursor cursor = io_begin_text(data, size < LOOKED_AT ? size : LOOKED_AT);
+    io_cursor cursor = io_begin_text(data, size);
     while (cursor.at < cursor.end) {
         const line l = nastran_take_line(&cursor);
         const span name = trim(l.name);
@@ -668,8 +682,9 @@ static int nastran_recognise(const char *data, int64_t size) {
         if (memchr(data, '\0', (size_t)(name.begin - data)))
             return 0; /* not text, but bytes that spell a word */
         span rest = trim((span){l.name.end, l.text.end});
-        if (nastran_line_begins(name, "GRID") || nastran_line_begins(name, "GRID*"))
-            return rest.begin < rest.end;
+        if ((nastran_line_begins(name, "GRID") || nastran_line_begins(name, "GRID*")) &&
+            begins_with_number(rest))
+            return 1;
         if (nastran_line_begins(l.text, "BEGIN") && l.text.end - trim(l.text).begin > 5 &&
             nastran_line_begins((span){trim(l.text).begin + 5, l.text.end}, "BULK"))
             return 1;

@@ -95,7 +95,7 @@ static int take_name(netgen_reader *r, io_cursor *cursor, int codimension, int64
 
 /** Names may be anything, keywords as well: lines are counted. */
 static int read_lines(netgen_reader *r, io_cursor *cursor, const netgen_keyword *k) {
-    int64_t count, number;
+    int64_t count = 0, number;
     int status = take_count(r, cursor, k, &count);
     if (k->kind == NETGEN_LINES)
         io_skip_line(cursor); /* that of the count */

@@ -15,15 +15,15 @@ typedef struct numbered {
 } numbered;
 
 struct io_numbers {
-    const char *what;       /* has numbers */
-    int64_t n, first, last; /* numbers first .. last occur */
-    int32_t *place;         /* [last - first + 1] index or -1; NULL: see sorted */
-    numbered *sorted;       /* [n] by number */
+    const char *path, *what; /* of the file, and of what has numbers */
+    int64_t n, first, last;  /* numbers first .. last occur */
+    int32_t *place;          /* [last - first + 1] index or -1; NULL: see sorted */
+    numbered *sorted;        /* [n] by number */
 };
 
 static int fail_twice(const io_numbers *table, int64_t number, planish_error *error) {
-    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s number %lld occurs twice", table->what,
-                   (long long)number);
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: %s number %lld occurs twice", table->path,
+                   table->what, (long long)number);
 }
 
 static int fill_table(io_numbers *table, const int64_t *numbers, planish_error *error) {
@@ -60,15 +60,12 @@ static int fill_sorted(io_numbers *table, const int64_t *numbers, planish_error 
     return PLANISH_OK;
 }
 
-int io_numbers_create(const int64_t *numbers, int64_t n, io_numbers **table, planish_error *error) {
-    return io_numbers_create_of("node", numbers, n, table, error);
-}
-
-int io_numbers_create_of(const char *what, const int64_t *numbers, int64_t n, io_numbers **out,
-                         planish_error *error) {
+int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
+                      io_numbers **out, planish_error *error) {
     io_numbers *table = pl_alloc_zero(1, sizeof *table);
     if (!table)
         return pl_fail_memory(error, "node numbers");
+    table->path = path;
     table->what = what;
     table->n = n;
     table->first = n ? INT64_MAX : 0;

@@ -119,8 +119,8 @@ static int create(const char *path, pl_file_use use, io_temporaries temporaries)
     return fd;
 }
 
-/** Create TARGET.planish-N beside target: as open for others as any new file if there is no target
- *  whose mode it will get. */
+/** Create TARGET.planish-PROCESS-N beside target: as open for others as any new file if there is no
+ * target whose mode it will get. */
 static int create_temporary(io_temporaries temporaries, io_output *output) {
     const pl_file_use use =
         pl_file_exists(output->target) ? PL_FILE_CREATE_PRIVATE : PL_FILE_CREATE;

@@ -85,12 +85,6 @@ static int add_set(labels *l, const char *path, char **label, char **value) {
     return status ? status : look_at_points(r, points, s);
 }
 
-static char *copy_text(const char *text) {
-    const size_t size = strlen(text) + 1;
-    char *copy = pl_alloc((int64_t)size, 1);
-    return copy ? memcpy(copy, text, size) : NULL;
-}
-
 static int read_label(labels *l, const char *group, const char *label) {
     plex_reader *r = l->r;
     char path[IO_HDF5_PATH_SIZE], of_value[IO_HDF5_PATH_SIZE];
@@ -102,7 +96,7 @@ static int read_label(labels *l, const char *group, const char *label) {
         status = io_hdf5_path(r->file, of_value, "%s/%s", path, values.name[i]);
         if (status || io_hdf5_kind_of(r->file, of_value) != IO_HDF5_GROUP)
             continue;
-        char *copy = copy_text(label);
+        char *copy = pl_copy_text(label);
         status = copy ? add_set(l, of_value, &copy, &values.name[i])
                       : pl_fail_memory(r->error, "the labels of the file");
         pl_free(copy);

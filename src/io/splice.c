@@ -6,7 +6,7 @@
  * change keeps its bytes, found by reading it again.
  */
 #include "io/bytes.h"
-#include "io/file.h"
+#include "io/companions.h"
 #include "io/number.h"
 #include "io/output.h"
 #include "io/text.h"
@@ -18,6 +18,7 @@
 #include "base/status.h"
 #include "base/system.h"
 
+#include <stdio.h>
 #include <string.h>
 
 enum { CHUNK_NODES = 8192 };
@@ -117,7 +118,7 @@ static char *splice_text_node(const splice *s, int64_t node, const char **at, ch
             before.length = 0;
         line_end = field.end;
         gap_add(&before, field.lead, field.n_lead, 0);
-        if (as_read(model, field.value) != wanted) {
+        if (!pl_is_same(as_read(model, field.value), wanted)) {
             to = append(to, *at, field.begin);
             to = append(to, before.text, before.text + before.length);
             before.length = 0;
@@ -162,13 +163,13 @@ static void splice_binary_node(const splice *s, int64_t node, char *bytes) {
         if (is_float) {
             float before;
             memcpy(&before, now, sizeof before);
-            if (before == single)
+            if (pl_is_same(before, single))
                 continue;
             memcpy(now, &single, sizeof single);
         } else {
             double before;
             memcpy(&before, now, sizeof before);
-            if (before == wanted)
+            if (pl_is_same(before, wanted))
                 continue;
             memcpy(now, &value, sizeof value);
         }
@@ -327,26 +328,14 @@ static int amend_main(const planish_file *file, const double *coordinates, io_ou
 
 /* ---- the file and its companions ----------------------------------------------------------- */
 
-/** path with the extension of another; owned by the caller, NULL without memory. */
-static char *with_extension_of(const char *path, const char *other) {
-    size_t base = (size_t)(io_extension(path) - path);
-    const char *extension = io_extension(other);
-    char *result = pl_alloc((int64_t)(base + strlen(extension) + 1), 1);
-    if (result) {
-        memcpy(result, path, base);
-        strcpy(result + base, extension);
-    }
-    return result;
-}
-
 static int same_file(const char *a, const char *b) {
     pl_file_status x, y;
     return pl_file_find(a, &x) == 0 && pl_file_find(b, &y) == 0 && pl_file_is_same(&x, &y);
 }
 
-static int write_companion(const io_bytes *companion, const char *path, io_temporaries temporaries,
-                           io_output *output, planish_error *error) {
-    char *target = with_extension_of(path, companion->path);
+static int write_companion(const io_format *format, const io_bytes *companion, const char *path,
+                           io_temporaries temporaries, io_output *output, planish_error *error) {
+    char *target = io_companion_path(format, path, io_extension(companion->path));
     if (!target)
         return pl_fail_memory(error, companion->path);
     int status = PLANISH_OK;
@@ -358,48 +347,6 @@ static int write_companion(const io_bytes *companion, const char *path, io_tempo
             status = io_output_finish(output, error);
     }
     pl_free(target);
-    return status;
-}
-
-/** Whether the file at path is such that it would be read as a companion; unreadable ones are. */
-static int is_companion(const planish_file *file, const char *path) {
-    io_bytes bytes;
-    planish_error ignored;
-    if (!file->format->is_companion)
-        return 1;
-    if (io_bytes_open(path, &bytes, &ignored))
-        return ignored.code != PLANISH_ERROR_FORMAT; /* empty: neither */
-    const int is = file->format->is_companion(&file->model, &bytes);
-    io_bytes_close(&bytes);
-    return is;
-}
-
-/** A file at the place of a companion: one that would be read along with what is written, or one of
- *  another kind that a companion would take the place of. */
-static int check_stranger(const planish_file *file, const char *path, int is_written,
-                          planish_error *error) {
-    if (!pl_file_exists(path) || is_companion(file, path) == is_written)
-        return PLANISH_OK;
-    return pl_fail(error, PLANISH_ERROR_FILE,
-                   is_written ? "%s: is no such file of this mesh and would be overwritten; remove "
-                                "it, or choose another name"
-                              : "%s: is of another mesh and would be read along with the one to be "
-                                "written; remove it, or choose another name",
-                   path);
-}
-
-/** Files of another mesh are neither read along nor overwritten. */
-static int check_strangers(const planish_file *file, const char *path, planish_error *error) {
-    const io_model *model = &file->model;
-    int status = PLANISH_OK;
-    for (const char *const *kind = file->format->companions; kind && *kind && !status; kind++) {
-        int known = 0;
-        for (int i = 0; i < model->n_companions; i++)
-            known |= strcmp(io_extension(model->companion[i].path), *kind) == 0;
-        char *place = with_extension_of(path, *kind);
-        status = place ? check_stranger(file, place, known, error) : pl_fail_memory(error, path);
-        pl_free(place);
-    }
     return status;
 }
 
@@ -422,14 +369,28 @@ static int check_inputs_unchanged(const planish_file *file, int n_companions,
     return status;
 }
 
+static void tell_replaced(planish_error *error, int n) {
+    const size_t used = error ? strlen(error->text) : 0;
+    if (error)
+        snprintf(
+            error->text + used, sizeof error->text - used,
+            "; %d file%s of the mesh beside it %s been replaced before: they belong to the new "
+            "one",
+            n, n == 1 ? "" : "s", n == 1 ? "has" : "have");
+}
+
 /** Rename all temporary files: the one with the coordinates, the first, in the end, so that no file
  *  is new if that one is not. */
 static int commit_all(io_output *output, int n, io_temporaries temporaries, planish_error *error) {
-    int status = PLANISH_OK;
-    for (int i = n - 1; i >= 0 && !status; i--)
+    int status = PLANISH_OK, replaced = 0;
+    for (int i = n - 1; i >= 0 && !status; i--) {
         status = io_output_commit(&output[i], temporaries, error);
+        replaced += !status && output[i].is_committed && output[i].replaces;
+    }
     for (int i = 0; i < n && status; i++)
         io_output_undo(&output[i]);
+    if (status && replaced > 0)
+        tell_replaced(error, replaced);
     return status;
 }
 
@@ -445,8 +406,8 @@ static int write_all(const planish_file *file, const char *path, const char *mai
     if (!status)
         status = amend_main(file, coordinates, &output[0], error);
     for (int i = 0; i < n_companions && !status; i++)
-        status =
-            write_companion(&file->model.companion[i], path, temporaries, &output[i + 1], error);
+        status = write_companion(file->format, &file->model.companion[i], path, temporaries,
+                                 &output[i + 1], error);
     if (!status)
         status = check_inputs_unchanged(file, n_companions, error);
     if (!status)
@@ -456,21 +417,32 @@ static int write_all(const planish_file *file, const char *path, const char *mai
     return status;
 }
 
+int planish_file_check_output(const planish_file *file, const char *path, planish_error *error) {
+    if (!file || !path)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and path must not be NULL");
+    if (file->format->amend && file->model.encoding && io_output_is_stream(path))
+        return pl_fail(error, PLANISH_ERROR_FILE,
+                       "%s: its coordinates are compressed or packed, so that the result cannot be "
+                       "written to a pipe or device; give the name of a file",
+                       file->model.input.path);
+    return io_check_strangers(file, path, error);
+}
+
 int planish_file_write(const planish_file *file, const char *path, const double *coordinates,
                        int threads, char *temporary, size_t temporary_size, planish_error *error) {
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
-    int alone = file->model.n_companions == 0 || io_output_is_stream(path);
-    int n_companions = alone ? 0 : file->model.n_companions;
     const pl_outside outside = pl_call_enter(NULL);
-    char *main_path = with_extension_of(path, alone ? path : file->model.input.path);
+    const int n_companions = io_companions_to_write(file, path);
+    char *main_path =
+        io_output_is_stream(path) ? pl_copy_text(path) : io_main_path(file->format, path);
     io_output *output = pl_alloc(n_companions + 1, sizeof *output);
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
     for (int i = 0; i <= n_companions && output; i++)
         output[i] = (io_output){.fd = -1};
-    if (!status && !alone)
-        status = check_strangers(file, path, error);
+    if (!status)
+        status = io_check_strangers(file, path, error);
     if (!status)
         status =
             write_all(file, path, main_path, coordinates, pl_thread_count(threads),

@@ -15,7 +15,7 @@
  * may be any quantity.
  */
 #include "io/bytes.h"
-#include "io/file.h"
+#include "io/companions.h"
 #include "io/records.h"
 
 #include "base/memory.h"
@@ -347,26 +347,23 @@ static int read_face_file(io_model *model, const io_bytes *file, int dim, planis
 
 /* ---- which files ------------------------------------------------------------------------- */
 
-/** Length of path without the extension .node or .ele. */
-static size_t base_length(const char *path) {
-    size_t length = strlen(path);
-    if (length > 5 && strcasecmp(path + length - 5, ".node") == 0)
-        return length - 5;
-    if (length > 4 && strcasecmp(path + length - 4, ".ele") == 0)
-        return length - 4;
-    return length;
+/** The file of that extension beside path: as path is written, or else in small letters. Owned;
+ *  NULL without memory. */
+static char *find_beside(const char *path, const char *extension) {
+    char *beside = io_companion_path(&io_format_tetgen, path, extension);
+    if (!beside || pl_file_exists(beside))
+        return beside;
+    strcpy(beside + strlen(beside) - strlen(extension), extension);
+    return beside;
 }
 
-/** Open the file of that extension beside path as *bytes; absent (data NULL) is
- * no error where it is not needed. */
+/** Open the file of that extension beside path as *bytes; absent (data NULL) is no error where it
+ *  is not needed; nor then is an empty one, which is as good as none. */
 static int open_beside(const char *path, const char *extension, int needed, io_bytes *bytes,
                        planish_error *error) {
-    size_t base = base_length(path);
-    char *beside = pl_alloc((int64_t)(base + strlen(extension) + 1), 1);
+    char *beside = find_beside(path, extension);
     if (!beside)
         return pl_fail_memory(error, path);
-    memcpy(beside, path, base);
-    strcpy(beside + base, extension);
     int status = PLANISH_OK;
     memset(bytes, 0, sizeof *bytes);
     if (pl_file_exists(beside))
@@ -376,6 +373,8 @@ static int open_beside(const char *path, const char *extension, int needed, io_b
                          "%s: there is no %s beside it; TetGen's meshes are a "
                          ".node and an .ele file",
                          path, beside);
+    if (status == PLANISH_ERROR_FORMAT && !needed)
+        status = PLANISH_OK;
     pl_free(beside);
     return status;
 }
@@ -394,8 +393,8 @@ enum { N_OTHER = sizeof other_extensions / sizeof *other_extensions };
 static int gather_files(io_model *model, int *dim_of, planish_error *error) {
     static const int dims[N_READ] = {-1, 2, 1};
     io_bytes named = model->input, other;
-    size_t length = strlen(named.path), base = base_length(named.path);
-    int is_ele = length - base == 4;
+    const int is_ele = io_format_has_extension(&io_format_tetgen, named.path) &&
+                       strcasecmp(io_extension(named.path), ".ele") == 0;
     model->companion = pl_alloc(N_READ + N_OTHER, sizeof *model->companion);
     if (!model->companion)
         return pl_fail_memory(error, named.path);
@@ -421,9 +420,10 @@ static int gather_files(io_model *model, int *dim_of, planish_error *error) {
  *  number of elements. */
 static int is_companion(const io_model *model, const io_bytes *file) {
     const char *extension = io_extension(file->path);
-    const int is_boundary = strcmp(extension, ".poly") == 0 || strcmp(extension, ".smesh") == 0;
+    const int is_boundary =
+        strcasecmp(extension, ".poly") == 0 || strcasecmp(extension, ".smesh") == 0;
     int64_t count;
-    if (!is_boundary && strcmp(extension, ".vol") != 0)
+    if (!is_boundary && strcasecmp(extension, ".vol") != 0)
         return 1;
     io_cursor cursor = {file->data, file->data + file->size};
     io_skip_space_comments(&cursor, '#');
@@ -439,8 +439,6 @@ static int gather_others(io_model *model, planish_error *error) {
     for (int i = 0; i < N_OTHER && !status; i++) {
         io_bytes other;
         status = open_beside(model->input.path, other_extensions[i], 0, &other, error);
-        if (status == PLANISH_ERROR_FORMAT) /* empty: nothing that could be written along */
-            status = PLANISH_OK;
         if (status || !other.data)
             continue;
         if (is_companion(model, &other))
@@ -458,6 +456,7 @@ static int read_tetgen(io_model *model, planish_error *error) {
         status = read_node_file(model, &dim, error);
     if (!status)
         status = read_ele_file(model, &model->companion[0], dim, error);
+    model->n_read = model->n_companions;
     for (int i = 1; i < model->n_companions && !status; i++)
         if (dim_of[i] < dim)
             status = read_face_file(model, &model->companion[i], dim_of[i], error);

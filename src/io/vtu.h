@@ -82,10 +82,11 @@ enum { VTU_HEADER_NUMBERS = 3 };
 /** Where the packed blocks of an array are. */
 typedef struct vtu_blocks {
     int64_t n, size, last_size; /* bytes of all blocks but the last, and of that, unpacked */
-    int64_t *packed;            /* [n + 1] owned: where each begins among the packed bytes */
-    const char *data;           /* packed bytes of all blocks */
-    char *owned;                /* what data is if they were base64, else NULL */
-    int64_t text_end;           /* byte of the file behind the array */
+    int64_t last_told; /* the latter as the header has it: 0 if the last is whole, or not */
+    int64_t *packed;   /* [n + 1] owned: where each begins among the packed bytes */
+    const char *data;  /* packed bytes of all blocks */
+    char *owned;       /* what data is if they were base64, else NULL */
+    int64_t text_end;  /* byte of the file behind the array */
 } vtu_blocks;
 
 /** The piece that an array is of. */

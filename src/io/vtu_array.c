@@ -105,6 +105,7 @@ static int take_shape(const io_model *model, vtu_document *document, const vtu_a
     blocks->n = (int64_t)n;
     blocks->size = (int64_t)size;
     blocks->last_size = (int64_t)(last > 0 ? last : size);
+    blocks->last_told = (int64_t)last;
     /* With this no product overflows: n - 1 blocks of size are bytes at most. */
     const int fits = n == 0 ? bytes == 0
                             : size > 0 && blocks->last_size <= bytes &&

@@ -39,10 +39,10 @@ typedef struct rewrite {
     int changed;
     /* Packed: */
     vtu_blocks blocks;
-    uint8_t *dirty;       /* [blocks.n] something changed in it */
-    char **packed;        /* [blocks.n] owned; NULL: as it was */
-    int64_t *packed_size; /* [blocks.n] */
-    int failed;
+    uint8_t *dirty;             /* [blocks.n] something changed in it */
+    char **packed;              /* [blocks.n] owned; NULL: as it was */
+    int64_t *packed_size;       /* [blocks.n] */
+    int out_of_memory, refused; /* in a block, */
 } rewrite;
 
 static void store_real(char *at, double value, int size, int swapped) {
@@ -76,7 +76,7 @@ static void replace_chunk(void *context, int64_t begin, int64_t end, int thread)
                                          : io_load_f64(r->bytes + at, swapped);
             double wanted = r->coordinates[(r->piece->first_point + i) * dim + d];
             wanted = size == 4 ? pl_round_to_float(wanted) : wanted;
-            if (now == wanted)
+            if (pl_is_same(now, wanted))
                 continue;
             store_real(r->bytes + at, wanted, size, swapped);
             mark(r, at, size);
@@ -114,8 +114,10 @@ static void pack_chunk(void *context, int64_t begin, int64_t end, int thread) {
         if (r->packed[i])
             r->packed_size[i] = io_pack(compression, r->bytes + i * b->size, size,
                                         b->data + b->packed[i], r->packed[i]);
-        if (!r->packed[i] || r->packed_size[i] < 0)
-            __atomic_store_n(&r->failed, 1, __ATOMIC_RELAXED);
+        if (!r->packed[i])
+            __atomic_store_n(&r->out_of_memory, 1, __ATOMIC_RELAXED);
+        else if (r->packed_size[i] < 0)
+            __atomic_store_n(&r->refused, 1, __ATOMIC_RELAXED);
     }
 }
 
@@ -140,7 +142,7 @@ static char *join_blocks(const rewrite *r, int64_t *header, int64_t *length) {
         return NULL;
     store_header(r->document, joined, b->n);
     store_header(r->document, joined + word, b->size);
-    store_header(r->document, joined + 2 * word, b->last_size == b->size ? 0 : b->last_size);
+    store_header(r->document, joined + 2 * word, b->last_told);
     char *to = joined + *header;
     for (int64_t i = 0; i < b->n; i++) {
         store_header(r->document, joined + (VTU_HEADER_NUMBERS + i) * word, r->packed_size[i]);
@@ -167,8 +169,14 @@ static int pack_blocks(rewrite *r, io_edits *edits, int threads, planish_error *
     const char *data = r->model->input.data;
     int64_t header, length, begin = array->begin;
     pl_parallel_for(threads, r->blocks.n, CHUNK_BLOCKS, pack_chunk, r);
-    if (r->failed)
+    if (r->out_of_memory)
         return pl_fail_memory(error, "the packed points");
+    if (r->refused)
+        return pl_fail(
+            error, PLANISH_ERROR_FORMAT,
+            "%s: a block of %lld bytes of points cannot be packed again (it is too large "
+            "for its library, or memory was short)",
+            r->model->input.path, (long long)r->blocks.size);
     char *text = join_blocks(r, &header, &length);
     if (array->form == VTU_BASE64) {
         text = blocks_to_base64(text, header, &length);

@@ -361,7 +361,7 @@ static int find_marks(search *s, int threads, planish_error *error) {
 /** The caller's array is written to when nothing can fail any more. */
 static int find_layers(search *s, int threads, planish_error *error) {
     const int64_t n = s->mesh->n_elements;
-    int status = pl_frame_create(s->mesh, threads, &s->frame, error);
+    int status = pl_frame_create(s->mesh, NULL, threads, &s->frame, error);
     s->shortest = pl_alloc(n, 1);
     if (!status && !s->shortest)
         status = pl_fail_memory(error, "thin elements");

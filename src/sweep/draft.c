@@ -298,16 +298,18 @@ static void note_slides(planish_plan *plan, const pl_draft *d) {
     }
 }
 
-/** A node of a group is chosen if one of its group is. */
+/** A node of a group is chosen if one of its group is: handed on from pair to pair. */
 static void select_groups(const pl_draft *d) {
-    enum { STEPS = 8 }; /* from node to node of a group, at most */
     const planish_mesh *mesh = d->mesh;
-    for (int step = 0; d->is_selected && step < STEPS; step++)
+    for (int changed = d->is_selected != NULL; changed;) {
+        changed = 0;
         for (int64_t i = 0; i < mesh->n_periodic; i++) {
             uint8_t *a = &d->is_selected[mesh->periodic[2 * i]];
             uint8_t *b = &d->is_selected[mesh->periodic[2 * i + 1]];
+            changed |= *a != *b;
             *a = *b = *a | *b;
         }
+    }
 }
 
 /** The mesh that the nodes that slide are in: with copies where some of them move together. slides

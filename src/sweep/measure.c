@@ -4,6 +4,7 @@
 #include "base/checksum.h"
 #include "base/context.h"
 #include "base/memory.h"
+#include "base/parts.h"
 #include "base/status.h"
 #include "quality/measure.h"
 
@@ -63,7 +64,7 @@ static int check_and_measure(const planish_plan *plan, const double *coordinates
     const double *x = pl_plan_dense(plan, &points, room);
     status = quality ? measure(plan, x, quality, error) : find_ratios(plan, x, ratio, error);
     pl_free(room);
-    return status;
+    return status ? status : pl_parts_check(error);
 }
 
 int planish_measure(const planish_plan *plan, const double *coordinates, planish_quality *quality,

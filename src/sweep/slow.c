@@ -210,18 +210,22 @@ static int try_help(pl_run *r, pl_help help, double fall) {
 /* L-BFGS keeps 31 vectors over the free nodes: 2 GB for so many in space. */
 enum { LARGEST = 1 << 21 };
 /* Squares and cubes of lengths in units beyond this, or its inverse, could overflow: then the mesh
- * is brought to a size of 1 for the time of the help, if nothing of it is lost on the way back. */
+ * is brought to a size of 1 for the time of the help, if nothing of it is lost on the way back.
+ * There is no help where that would not do: nodes that slide are where they slide in the size that
+ * it has, and so is what coordinates are rounded to. */
 #define EXTREME 0x1p200
 #define TINY    0x1p900
 
 int pl_run_help(pl_run *r, pl_help help, double fall) {
     const double unit = r->unit;
-    if (r->plan->interior.n_all > LARGEST || unit > TINY ||
+    const int is_extreme = unit > EXTREME || unit < 1 / EXTREME;
+    const int has_size = r->plan->sliding.n_all > 0 || r->options->precision != PLANISH_DOUBLE;
+    if (r->plan->interior.n_all > LARGEST || unit > TINY || (is_extreme && has_size) ||
         (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
         return 0;
     pl_log(PLANISH_LOG_DETAIL, "sweeps are slow: %s",
            help == PL_CENTRING ? "nodes to the mean of their neighbours" : "L-BFGS");
-    if (unit <= EXTREME && unit >= 1 / EXTREME)
+    if (!is_extreme)
         return try_help(r, help, fall);
     rescale(r, unit);
     const int stopped = try_help(r, help, fall);

@@ -22,6 +22,7 @@ enum { CHUNK_NODES = 1024 };
 typedef struct transfer {
     pl_run *run;
     pl_points points; /* of the caller */
+    int writes;       /* 0: only look */
     int64_t moved, far_bits;
 } transfer;
 
@@ -40,7 +41,7 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
             continue;
         moved += pl_is_own(pl_part_here(), i);
         farthest = fmax(farthest, far);
-        for (int d = 0; d < dim; d++)
+        for (int d = 0; d < dim && t->writes; d++)
             t->run->coordinates[pl_point_at(&t->points, i, d)] = inside[d];
     }
     memcpy(&far_bits, &farthest, sizeof far_bits);
@@ -48,14 +49,27 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
     __atomic_fetch_add(&t->moved, moved, __ATOMIC_RELAXED);
 }
 
-/** Write the nodes that moved to the caller's coordinates; how many and how far is the result's. */
-static void transfer_out(pl_run *r) {
-    transfer t = {r, pl_plan_points(r->plan, r->coordinates), 0, 0};
-    pl_parallel_for(r->plan->threads, r->plan->n_nodes, CHUNK_NODES, transfer_chunk, &t);
-    pl_parts_add(&t.moved, 1);
-    r->result->moved_nodes = t.moved;
+static void transfer_all(transfer *t) {
+    t->moved = t->far_bits = 0;
+    pl_parallel_for(t->run->plan->threads, t->run->plan->n_nodes, CHUNK_NODES, transfer_chunk, t);
+}
+
+/** Write the nodes that moved to the caller's coordinates; how many and how far is the result's.
+ *  Nothing is written if other processes are not reached any more: what they ought to be told comes
+ *  first. */
+static int transfer_out(pl_run *r, planish_error *error) {
+    const int is_part = pl_part_here() != NULL;
+    transfer t = {.run = r, .points = pl_plan_points(r->plan, r->coordinates), .writes = !is_part};
+    transfer_all(&t);
     memcpy(&r->result->max_displacement, &t.far_bits, sizeof t.far_bits);
+    pl_parts_add(&t.moved, 1);
     pl_parts_largest(&r->result->max_displacement, 1);
+    r->result->moved_nodes = t.moved;
+    const int status = pl_parts_check(error);
+    t.writes = 1;
+    if (!status && is_part)
+        transfer_all(&t);
+    return status;
 }
 
 /* ---- a call --------------------------------------------------------------------------------- */
@@ -323,9 +337,7 @@ static int smooth(pl_run *r, planish_error *error) {
         status = pl_fail_memory(error, "the smoothing of a mesh");
     if (!status)
         status = pl_parts_check(error);
-    if (!status)
-        transfer_out(r);
-    return status;
+    return status ? status : transfer_out(r, error);
 }
 
 static void fill_result(const pl_run *r) {

@@ -4,6 +4,7 @@
 
 #include "base/context.h"
 #include "base/memory.h"
+#include "base/parts.h"
 #include "base/status.h"
 
 #include <string.h>
@@ -267,6 +268,8 @@ int planish_check_volumes(const planish_plan *plan, const double *coordinates,
         status = room_create(plan, coordinates, &r, error);
     if (!status) {
         status = check_volumes(&r, options, &n, error);
+        if (!status)
+            status = pl_parts_check(error);
         if (!status)
             hand_out(&r, 0, state);
         room_destroy(&r);

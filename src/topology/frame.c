@@ -24,7 +24,8 @@ typedef struct box {
 
 typedef struct search {
     const planish_mesh *mesh;
-    box *boxes; /* [chunks] */
+    const uint8_t *which; /* [n_nodes], or NULL: all */
+    box *boxes;           /* [chunks] */
 } search;
 
 static void extend(box *whole, const box *part, int dim) {
@@ -34,11 +35,11 @@ static void extend(box *whole, const box *part, int dim) {
     }
 }
 
-static inline box box_of_nodes(int dim, const double *coordinates, int64_t begin, int64_t end) {
+static inline box box_of_nodes(int dim, const search *s, int64_t begin, int64_t end) {
     box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (int64_t i = begin; i < end; i++)
-        for (int d = 0; d < dim; d++) {
-            double x = coordinates[i * dim + d];
+        for (int d = 0; d < dim && (!s->which || s->which[i]); d++) {
+            double x = s->mesh->coordinates[i * dim + d];
             b.low[d] = x < b.low[d] ? x : b.low[d];
             b.high[d] = x > b.high[d] ? x : b.high[d];
         }
@@ -47,19 +48,18 @@ static inline box box_of_nodes(int dim, const double *coordinates, int64_t begin
 
 static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
     search *s = context;
-    const double *x = s->mesh->coordinates;
     (void)thread;
     s->boxes[begin / CHUNK] =
-        s->mesh->dim == 3 ? box_of_nodes(3, x, begin, end) : box_of_nodes(2, x, begin, end);
+        s->mesh->dim == 3 ? box_of_nodes(3, s, begin, end) : box_of_nodes(2, s, begin, end);
 }
 
 static pl_frame frame_of_box(const box *b, int dim) {
     pl_frame frame = {.shrink = 1};
     double extent = 0;
-    for (int d = 0; d < dim; d++)
+    for (int d = 0; d < dim && b->low[d] <= b->high[d]; d++) /* there are nodes */
         if (fabs(b->low[d]) > HUGE_COORDINATE || fabs(b->high[d]) > HUGE_COORDINATE)
             frame.shrink = SHRINK;
-    for (int d = 0; d < dim; d++) {
+    for (int d = 0; d < dim && b->low[d] <= b->high[d]; d++) {
         double side = b->high[d] * frame.shrink - b->low[d] * frame.shrink;
         extent = side > extent ? side : extent;
         frame.low[d] = b->low[d];
@@ -73,12 +73,13 @@ static pl_frame frame_of_box(const box *b, int dim) {
     return frame;
 }
 
-int pl_frame_create(const planish_mesh *mesh, int threads, pl_frame *frame, planish_error *error) {
+int pl_frame_create(const planish_mesh *mesh, const uint8_t *which, int threads, pl_frame *frame,
+                    planish_error *error) {
     int64_t chunks = (mesh->n_nodes - 1) / CHUNK + 1;
-    search s = {.mesh = mesh, .boxes = pl_alloc(chunks, sizeof *s.boxes)};
+    search s = {.mesh = mesh, .which = which, .boxes = pl_alloc(chunks, sizeof *s.boxes)};
     if (!s.boxes)
         return pl_fail_memory(error, "the bounding box");
-    s.boxes[0] = box_of_nodes(mesh->dim, mesh->coordinates, 0, 0);
+    s.boxes[0] = box_of_nodes(mesh->dim, &s, 0, 0);
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, search_chunk, &s);
     for (int64_t i = 1; i < chunks; i++)
         extend(&s.boxes[0], &s.boxes[i], mesh->dim);

@@ -15,8 +15,10 @@ typedef struct pl_frame {
     double scale[2]; /* powers of two: the second is 1 unless the product may be out of range */
 } pl_frame;
 
-/** The frame of the nodes; their coordinates are finite. */
-int pl_frame_create(const planish_mesh *mesh, int threads, pl_frame *frame, planish_error *error);
+/** The frame of the nodes, or of those that are marked in which [n_nodes] (NULL: all); their
+ *  coordinates are finite. */
+int pl_frame_create(const planish_mesh *mesh, const uint8_t *which, int threads, pl_frame *frame,
+                    planish_error *error);
 
 /** The plain frame that is the same as frame, which compilers see where it is used; or 0: there is
  *  none. Nearly all are plain, and that spares half of the multiplications. */

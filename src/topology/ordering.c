@@ -286,7 +286,7 @@ static void run(sort *s, int threads) {
 int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planish_error *error) {
     int64_t n = mesh->n_nodes;
     sort s = {.mesh = mesh, .order = order};
-    int status = pl_frame_create(mesh, threads, &s.frame, error);
+    int status = pl_frame_create(mesh, NULL, threads, &s.frame, error);
     if (status || n == 0)
         return status;
     s.chunk = n / MAX_CHUNKS + 1 > MIN_CHUNK ? n / MAX_CHUNKS + 1 : MIN_CHUNK;

@@ -28,7 +28,8 @@ enum { CHUNK = 8192 }; /* elements that one thread takes at a time */
 typedef struct work {
     const planish_mesh *mesh;
     pl_boundary *boundary;
-    pl_frame frame;
+    pl_frame frame;                         /* of all nodes, */
+    pl_frame of_boundary;                   /* and of those on the boundary, if there are any */
     int64_t n_not_positive, n_not_negative; /* elements of such a measure */
     uint32_t *link; /* [m] parent << 1 | parity: 1 if the order is opposite to the parent's; parents
                        have smaller numbers, and a root is its own parent */
@@ -60,8 +61,9 @@ static inline double measure_of(int dim, const planish_mesh *mesh, const pl_fram
     return measure_at(dim, frame, x);
 }
 
-/** The same with the interior nodes at the anchor. The sum over a component does not depend on
- * where they are, but its rounding does: they may have been thrown far out of the domain. */
+/** The same with the interior nodes at the anchor, in units of the boundary's frame. The sum over a
+ *  component does not depend on where they are, but its rounding does, and whether a measure is a
+ *  number: they, and nodes of no element, may have been thrown far out of the domain. */
 static inline double anchored_measure_of(int dim, const work *w, int64_t element) {
     const int32_t *node = w->mesh->elements + element * (dim + 1);
     const double *x[4];
@@ -70,7 +72,7 @@ static inline double anchored_measure_of(int dim, const work *w, int64_t element
                    ? w->mesh->coordinates + (int64_t)node[j] * dim
                    : w->anchor;
     }
-    return measure_at(dim, &w->frame, x);
+    return measure_at(dim, &w->of_boundary, x);
 }
 
 /* ---- the usual case: everybody agrees ----------------------------------------------------- */
@@ -353,6 +355,12 @@ static int orient_components(work *w, const pl_incidence *incidence, int threads
         return status;
     find_anchor(w);
     pl_parts_update(NULL, w->boundary->on_boundary, sizeof *w->boundary->on_boundary);
+    w->of_boundary = w->frame;
+    if (w->has_anchor)
+        status =
+            pl_frame_create(w->mesh, w->boundary->on_boundary, threads, &w->of_boundary, error);
+    if (status)
+        return status;
     pl_parallel_for(threads, m, CHUNK, measure_chunk, w);
     status = pl_components_sum(w->mesh, w->link, w->mesh->part ? &w->settlement : NULL, w->measure,
                                &w->boundary->n_components, error);
@@ -369,7 +377,7 @@ int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *bou
                          planish_error *error) {
     int64_t m = mesh->n_elements;
     work w = {.mesh = mesh, .boundary = boundary};
-    int status = pl_frame_create(mesh, threads, &w.frame, error);
+    int status = pl_frame_create(mesh, NULL, threads, &w.frame, error);
     if (status)
         return status;
     pl_parallel_for(threads, m, CHUNK, count_chunk, &w);
@@ -391,7 +399,7 @@ int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *bou
 int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
                           pl_boundary *boundary, planish_error *error) {
     work w = {.mesh = mesh, .boundary = boundary};
-    int status = pl_frame_create(mesh, threads, &w.frame, error);
+    int status = pl_frame_create(mesh, NULL, threads, &w.frame, error);
     if (status)
         return status;
     if (!boundary->sign)

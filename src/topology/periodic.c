@@ -323,15 +323,17 @@ static int build(work *w, const int8_t *sign, uint8_t *slides) {
     return find_movers(w) != 0 || extend(w, sign) != 0 ? -1 : 0;
 }
 
-static double size_of(const planish_mesh *mesh) {
+/** Half the longest side of the box of all nodes of pairs: others may be anywhere. */
+static double half_size_of(const planish_mesh *mesh) {
     double size = 0;
     for (int d = 0; d < mesh->dim; d++) {
         double low = INFINITY, high = -INFINITY;
-        for (int64_t i = 0; i < mesh->n_nodes; i++) {
-            low = fmin(low, mesh->coordinates[i * mesh->dim + d]);
-            high = fmax(high, mesh->coordinates[i * mesh->dim + d]);
+        for (int64_t i = 0; i < 2 * mesh->n_periodic; i++) {
+            const double x = mesh->coordinates[(int64_t)mesh->periodic[i] * mesh->dim + d];
+            low = fmin(low, x);
+            high = fmax(high, x);
         }
-        size = fmax(size, high - low);
+        size = fmax(size, high / 2 - low / 2);
     }
     return size;
 }
@@ -342,7 +344,7 @@ int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, 
     *out = (pl_periodic){0};
     work w = {.mesh = mesh,
               .incidence = incidence,
-              .tolerance = SHIFT_TOLERANCE * size_of(mesh),
+              .tolerance = 2 * SHIFT_TOLERANCE * half_size_of(mesh),
               .next = pl_alloc(mesh->n_nodes, sizeof *w.next),
               .leader = pl_alloc(mesh->n_nodes, sizeof *w.leader),
               .shift_of = pl_alloc(mesh->n_nodes, 1),

@@ -68,7 +68,7 @@ END
 head -c -1 tetgen.ele >cut.ele
 cp tetgen.node cut.node
 expect_status 0 "$program" quality cut.node
-expect_text "note: the last line of cut.node has no end"
+expect_text "note: the last line of cut.ele has no end"
 expect_status 0 "$program" quality tetgen.node
 [ ! -s err ] || fail "$(cat err)"
 

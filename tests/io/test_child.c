@@ -87,7 +87,7 @@ static void result_and_files_come_back(void **state) {
 }
 
 static void any_end_is_an_error(void **state) {
-    static const int signals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGKILL, SIGTERM, SIGPIPE};
+    static const int signals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGKILL, SIGILL, SIGPIPE};
     const int n = count_descriptors();
     (void)state;
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
@@ -102,6 +102,18 @@ static void any_end_is_an_error(void **state) {
     for (int status = 0; status < 2; status++)
         assert_int_equal(io_child_run(leave, &status, "a.med", NULL), PLANISH_ERROR_FORMAT);
     assert_int_equal(count_descriptors(), n);
+    none_is_left();
+}
+
+/** What people end programs by reaches all processes of a terminal: the caller answers it. */
+static void signals_of_people_are_the_callers(void **state) {
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP};
+    (void)state;
+    for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
+        planish_error error = {.text = ""};
+        int number = signals[i];
+        assert_int_equal(io_child_run(end_by, &number, "a.med", &error), PLANISH_OK);
+    }
     none_is_left();
 }
 
@@ -209,6 +221,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(result_and_files_come_back, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(any_end_is_an_error),
+        cmocka_unit_test(signals_of_people_are_the_callers),
         cmocka_unit_test(ignored_children_are_no_trouble),
         cmocka_unit_test(other_formats_need_no_child),
 #ifdef PL_HDF5

@@ -495,7 +495,7 @@ static void test_errors(void **state) {
         {HEAD NODES "$Elements\n1\n1 4 -3 1 2 3 4\n$EndElements\n", "element"},
         {HEAD NODES "$Elements\n4611686018427387904\n", "cannot be in the rest"},
         {HEAD NODES "$Elements\n3\n1 4 0 1 2 3 4\n2 15 0 1\n1 4 0 1 2 4 3\n$EndElements\n",
-         "same number"},
+         "element number 1 occurs twice"},
         {HEAD NODES "$Elements\n1\n1 15 0 1\n$EndElements\n", "nothing to smooth"},
         {HEAD "$NodeData\n1\n", "no $EndNodeData"},
         {HEAD "$ParametricNodes\n", "msh41"},

@@ -21,7 +21,7 @@ static void check_numbers(int64_t first, int64_t stride) {
         numbers[i] = first + (i * 7919 % N) * stride;
     io_numbers *table = NULL;
     planish_error error;
-    assert_int_equal(io_numbers_create(numbers, N, &table, &error), PLANISH_OK);
+    assert_int_equal(io_numbers_create("mesh", "node", numbers, N, &table, &error), PLANISH_OK);
     for (int64_t i = 0; i < N; i++) {
         assert_int_equal(io_numbers_find(table, numbers[i]), i);
         if (stride > 1)
@@ -50,12 +50,12 @@ static void numbers_at_the_limits(void **state) {
     (void)state;
     static const int64_t numbers[] = {INT64_MAX, 0, INT64_MIN};
     io_numbers *table = NULL;
-    assert_int_equal(io_numbers_create(numbers, 3, &table, NULL), PLANISH_OK);
+    assert_int_equal(io_numbers_create("mesh", "node", numbers, 3, &table, NULL), PLANISH_OK);
     for (int64_t i = 0; i < 3; i++)
         assert_int_equal(io_numbers_find(table, numbers[i]), i);
     assert_int_equal(io_numbers_find(table, 1), -1);
     io_numbers_destroy(table);
-    assert_int_equal(io_numbers_create(numbers, 0, &table, NULL), PLANISH_OK);
+    assert_int_equal(io_numbers_create("mesh", "node", numbers, 0, &table, NULL), PLANISH_OK);
     assert_int_equal(io_numbers_find(table, 0), -1);
     io_numbers_destroy(table);
 }
@@ -65,9 +65,11 @@ static void numbers_that_occur_twice(void **state) {
     static const int64_t close[] = {4, 2, 17, 2}, far[] = {4, 1000000000000, 17, 1000000000000};
     io_numbers *table = NULL;
     planish_error error;
-    assert_int_equal(io_numbers_create(close, 4, &table, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_numbers_create("mesh", "node", close, 4, &table, &error),
+                     PLANISH_ERROR_FORMAT);
     assert_non_null(strstr(error.text, " 2 "));
-    assert_int_equal(io_numbers_create(far, 4, &table, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_numbers_create("mesh", "node", far, 4, &table, &error),
+                     PLANISH_ERROR_FORMAT);
     assert_non_null(strstr(error.text, "1000000000000"));
 }
 

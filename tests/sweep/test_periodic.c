@@ -262,6 +262,92 @@ static void bits_do_not_depend_on_threads_or_scale(void **state) {
     destroy(&p);
 }
 
+/** Nodes of no element, wherever they are, change nothing. */
+static void strangers_change_nothing(void **state) {
+    const int dim = *(int *)*state;
+    periodic_box p;
+    planish_options options = defaults();
+    create(&p, dim, dim, 0.13);
+    run alone = smooth(&p.mesh, &options);
+    const int64_t n = p.mesh.n_nodes;
+    double *x = calloc((size_t)((n + 1) * dim), sizeof *x);
+    uint8_t *constraint = calloc((size_t)(n + 1), 1);
+    double *direction = calloc((size_t)((n + 1) * dim), sizeof *direction);
+    memcpy(x, p.mesh.coordinates, (size_t)(n * dim) * sizeof *x);
+    memcpy(constraint, p.constraint, (size_t)n);
+    memcpy(direction, p.direction, (size_t)(n * dim) * sizeof *direction);
+    x[n * dim] = 1e11;
+    planish_mesh strange = p.mesh;
+    strange.n_nodes = n + 1;
+    strange.coordinates = x;
+    strange.constraint = constraint;
+    strange.direction = direction;
+    run other = smooth(&strange, &options);
+    assert_int_equal(other.result.moved_nodes, alone.result.moved_nodes);
+    for (int64_t i = 0; i < n * dim; i++)
+        assert_true(fabs(other.coordinates[i] - alone.coordinates[i]) < 1e-3);
+    assert_true(fabs(other.after.rms_radius_ratio / alone.after.rms_radius_ratio - 1) < 1e-6);
+    free(x);
+    free(constraint);
+    free(direction);
+    free(alone.coordinates);
+    free(other.coordinates);
+    destroy(&p);
+}
+
+/** A group is chosen as a whole, in whatever order its pairs are given: around one bad element in
+ *  the corner of a strip whose nodes are joined in a long chain. */
+static void long_groups_are_chosen_whole(void **state) {
+    enum { LONG = 40 };
+    (void)state;
+    double x[2 * (LONG + 1) * 3];
+    int32_t elements[LONG * 4 * 3], pair[2 * LONG];
+    uint8_t constraint[(LONG + 1) * 3];
+    double direction[2 * (LONG + 1) * 3] = {0};
+    int64_t m = 0;
+    for (int i = 0; i <= LONG; i++)
+        for (int j = 0; j < 3; j++) {
+            x[2 * (3 * i + j)] = i;
+            x[2 * (3 * i + j) + 1] = j;
+            constraint[3 * i + j] = j == 0 ? PLANISH_ON_LINE : PLANISH_FIXED;
+            direction[2 * (3 * i + j)] = 1;
+        }
+    for (int i = 0; i < LONG; i++)
+        for (int j = 0; j < 2; j++) {
+            const int32_t a = 3 * i + j, b = a + 3;
+            const int32_t both[] = {a, b, b + 1, a, b + 1, a + 1};
+            memcpy(elements + 3 * m, both, sizeof both);
+            m += 2;
+        }
+    planish_mesh mesh = {.dim = 2,
+                         .n_nodes = 3 * (LONG + 1),
+                         .n_elements = m,
+                         .coordinates = x,
+                         .elements = elements,
+                         .constraint = constraint,
+                         .direction = direction,
+                         .n_periodic = 20,
+                         .periodic = pair};
+    x[0] = -3; /* the only bad elements are at the first of the chain */
+    int64_t n_sliding[2];
+    for (int order = 0; order < 2; order++) {
+        planish_options options = defaults();
+        planish_plan *plan;
+        planish_plan_info info;
+        for (int k = 0; k < 20; k++) {
+            const int at = order ? 19 - k : k;
+            pair[2 * k] = 3 * (2 * at);
+            pair[2 * k + 1] = 3 * (2 * at + 2);
+        }
+        options.only_worse_than = 1.5;
+        assert_int_equal(planish_plan_create(&mesh, &options, &plan, NULL), 0);
+        planish_plan_get_info(plan, &info);
+        n_sliding[order] = info.n_sliding;
+        planish_plan_destroy(plan);
+    }
+    assert_int_equal(n_sliding[0], n_sliding[1]);
+}
+
 static void other_options_hold(void **state) {
     enum { WORST, SELECTIVE, VOLUME, BOX, DISTANCE, MEAN_RATIO, FLOATS, CASES };
     const int dim = *(int *)*state;
@@ -582,6 +668,8 @@ int main(void) {
         BOTH(pairs_move_together),
         BOTH(pairs_end_at_their_common_optimum),
         BOTH(bits_do_not_depend_on_threads_or_scale),
+        BOTH(strangers_change_nothing),
+        cmocka_unit_test(long_groups_are_chosen_whole),
         BOTH(other_options_hold),
         BOTH(rounding_harms_no_follower),
         BOTH(followers_stay_within_their_bounds),

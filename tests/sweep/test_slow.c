@@ -209,6 +209,41 @@ static void powers_of_two_change_no_bit(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** Nodes that slide stay on their lines and planes in meshes of any size; there the very large and
+ *  very small are not helped. */
+static void what_slides_stays_where_it_slides(void **state) {
+    static const int exponents[] = {0, -230, 230};
+    const int dim = *(int *)*state;
+    test_mesh mesh;
+    squeezed_box(&mesh, dim);
+    test_mesh_transform(&mesh, 1, 0.5);
+    const int64_t n = mesh.mesh.n_nodes;
+    uint8_t *constraint = malloc((size_t)n);
+    double *direction = malloc((size_t)(n * dim) * sizeof *direction);
+    assert_int_equal(planish_find_slides(&mesh.mesh, NULL, 1, constraint, direction, NULL, NULL),
+                     0);
+    planish_mesh sliding = mesh.mesh;
+    sliding.constraint = constraint;
+    sliding.direction = direction;
+    for (int k = 0; k < 3; k++) {
+        planish_options options = defaults();
+        const double scale = ldexp(1, exponents[k]), near = scale * 0.5;
+        const double far = scale * ((dim == 3 ? CELLS_3D : CELLS_2D) + 0.5);
+        smoothed s;
+        test_mesh_transform(&mesh, scale, 0);
+        smooth(&sliding, &options, &s);
+        assert_true(s.result.moved_nodes > 0);
+        for (int64_t i = 0; i < n * dim; i++)
+            if (mesh.coordinates[i] == near || mesh.coordinates[i] == far)
+                assert_true(s.coordinates[i] == mesh.coordinates[i]);
+        test_mesh_transform(&mesh, 1 / scale, 0);
+        free(s.coordinates);
+    }
+    free(constraint);
+    free(direction);
+    test_mesh_destroy(&mesh);
+}
+
 /** An unused node far away, and a component that cannot be helped, keep nothing from its help. */
 static void strangers_change_nothing(void **state) {
     int dim = *(int *)*state;
@@ -290,13 +325,10 @@ int main(void) {
 #test " 3-D", test, NULL, NULL, &dims[1]                                                   \
     }
     const struct CMUnitTest tests[] = {
-        BOTH(help_comes_and_brings_it_home),
-        BOTH(cut_short_it_leaves_what_stood),
-        BOTH(the_most_sweeps_are_the_most),
-        BOTH(same_bits),
-        BOTH(powers_of_two_change_no_bit),
-        BOTH(strangers_change_nothing),
-        BOTH(floats_stay_valid),
+        BOTH(help_comes_and_brings_it_home),   BOTH(cut_short_it_leaves_what_stood),
+        BOTH(the_most_sweeps_are_the_most),    BOTH(same_bits),
+        BOTH(powers_of_two_change_no_bit),     BOTH(what_slides_stays_where_it_slides),
+        BOTH(strangers_change_nothing),        BOTH(floats_stay_valid),
         BOTH(without_memory_there_is_no_help),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -346,6 +346,30 @@ static void extreme_coordinates(void **state) {
         }
 }
 
+/** Neither does a node of no element, nor where interior nodes have been thrown, however far. */
+static void nodes_far_away(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int inside = 0; inside < 2; inside++) {
+            test_mesh box, far;
+            pl_boundary b;
+            test_mesh_box(&box, dim, 3);
+            const int64_t n = box.mesh.n_nodes, interior = dim == 3 ? 21 : 5;
+            double *x = calloc((size_t)((n + 1) * dim), sizeof *x);
+            memcpy(x, box.coordinates, (size_t)(n * dim) * sizeof *x);
+            x[(inside ? interior : n) * dim] = 1e170;
+            test_mesh_create(&far, dim, n + 1, x, box.mesh.n_elements, box.elements);
+            for (int64_t i = 0; i < far.mesh.n_elements; i++)
+                test_mesh_reverse(&far, i);
+            create(&far.mesh, 1, &b);
+            assert_int_equal(b.n_reversed, far.mesh.n_elements);
+            pl_boundary_destroy(&b);
+            free(x);
+            test_mesh_destroy(&box);
+            test_mesh_destroy(&far);
+        }
+}
+
 /* ---- special meshes ----------------------------------------------------------------------- */
 
 static void parts_of_opposite_order(void **state) {
@@ -580,6 +604,7 @@ int main(void) {
         cmocka_unit_test(consistent_boxes),
         cmocka_unit_test(mixed_boxes),
         cmocka_unit_test(extreme_coordinates),
+        cmocka_unit_test(nodes_far_away),
         cmocka_unit_test(parts_of_opposite_order),
         cmocka_unit_test(five_tetrahedra_in_a_cube),
         cmocka_unit_test(three_tetrahedra_on_a_facet),

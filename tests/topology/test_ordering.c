@@ -108,7 +108,7 @@ static void check_against_reference(const planish_mesh *mesh) {
     keyed *expected = malloc((size_t)mesh->n_nodes * sizeof *expected);
     pl_frame frame;
     assert_non_null(expected);
-    assert_int_equal(pl_frame_create(mesh, 1, &frame, NULL), PLANISH_OK);
+    assert_int_equal(pl_frame_create(mesh, NULL, 1, &frame, NULL), PLANISH_OK);
     for (int32_t i = 0; i < mesh->n_nodes; i++) {
         uint32_t place[3];
         for (int d = 0; d < dim; d++)
