@@ -37,6 +37,30 @@ echo "first line" >log
 head -n 1 log | grep -q "first line" || fail "the log was replaced"
 expect_status 64 "$program" smooth in.msh -o absent.msh --json ./absent.msh -q
 expect_no_file absent.msh
+cp "$source_folder/tests/data/tetgen.node" mesh.node
+cp "$source_folder/tests/data/tetgen.ele" mesh.ele
+cp mesh.node MESH.NODE
+cp mesh.ele MESH.ELE
+cp mesh.node mesh.txt
+cp mesh.ele mesh.txt.ele
+for report in "mesh.node mesh.ele" "mesh.ele mesh.neigh" "MESH.NODE MESH.ELE" "MESH.NODE MESH.face"; do
+    expect_status 64 "$program" quality ${report% *} --json "${report#* }" -q
+    expect_text "would overwrite the mesh"
+done
+expect_status 64 "$program" quality mesh.txt --format tetgen --json mesh.txt.ele -q
+expect_status 64 "$program" smooth mesh.node -o other.node --json other.neigh -q
+expect_no_file other.node mesh.neigh MESH.face
+cmp MESH.ELE "$source_folder/tests/data/tetgen.ele" || fail "MESH.ELE"
+
+# What writing would fail for is said before the work: a name that is too long, a file in its way.
+expect_status 2 "$program" smooth in.msh -o "$(printf 'a%.0s' $(seq 300)).msh" -v
+expect_one_line
+expect_text "too long"
+printf '1 1\n' >other.face
+expect_status 2 "$program" smooth mesh.node -o other.node -v
+expect_one_line
+expect_text "other.face: is of another mesh"
+rm other.face
 
 # The longest name that a file can have.
 long=$(printf 'x%.0s' $(seq 251)).msh

@@ -53,6 +53,27 @@ for name, marks in (("box.vtk", outer), ("some.vtk", [i == outer.index(True) + 9
         print(*map(int, marks), file=out)
 END
 
+# A square in six decimals, turned: what smoothing has moved has more of them, and slides again.
+python3 - <<'END' || exit 1
+import math, random
+random.seed(3)
+N, c, s = 12, math.cos(0.4), math.sin(0.4)
+with open("turned.off", "w") as out:
+    print("OFF", (N + 1) ** 2, 2 * N * N, 0, file=out)
+    for j in range(N + 1):
+        for i in range(N + 1):
+            x, y = (k / N + (random.uniform(-0.3, 0.3) / N if 0 < k < N else 0) for k in (i, j))
+            print("%.6f %.6f 0" % (c * x - s * y, s * x + c * y), file=out)
+    for j in range(N):
+        for i in range(N):
+            a = j * (N + 1) + i
+            print(3, a, a + 1, a + N + 2, "\n3", a, a + N + 2, a + N + 1, file=out)
+END
+expect_status 0 "$program" smooth turned.off -o first.off --slide auto --json report.json -q
+expect_json "r['mesh']['sliding_nodes'] > 40"
+expect_status 0 "$program" smooth first.off -o second.off --slide auto --json report.json -q
+expect_json "r['mesh']['sliding_nodes'] > 40"
+
 # check IN OUT CUT: walls keep their coordinates to the bit, regions their volumes, and nodes of the
 # walls have moved along them. CUT: the wall between regions, or none.
 check() {

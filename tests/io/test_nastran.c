@@ -234,14 +234,32 @@ static void contents_are_recognised(void **state) {
                                       "$Comment\nGRID*   1       \n",
                                       "begin bulk\n",
                                       "  BEGIN   BULK $ x",
-                                      "\xef\xbb\xbfGRID,1,,0.\n"};
-    static const char *const no[] = {"",          "$MeshFormat\n4.1 0 8\n", "GRID\n", "GRIDS 1\n",
-                                     "BEGINBULK", "*NODE\n1,2\n",           "BEGIN\n"};
+                                      "\xef\xbb\xbfGRID,1,,0.\n",
+                                      "Grid of the wing\nGRID    12      \n"};
+    static const char *const no[] = {"",
+                                     "$MeshFormat\n4.1 0 8\n",
+                                     "GRID\n",
+                                     "GRIDS 1\n",
+                                     "BEGINBULK",
+                                     "*NODE\n1,2\n",
+                                     "BEGIN\n",
+                                     "Grid of the wing, 2nd version\n",
+                                     "GRID 2nd version\n"};
     for (size_t i = 0; i < sizeof yes / sizeof *yes; i++)
         assert_true(format->recognise(yes[i], (int64_t)strlen(yes[i])));
     for (size_t i = 0; i < sizeof no / sizeof *no; i++)
         assert_false(format->recognise(no[i], (int64_t)strlen(no[i])));
     assert_ptr_equal(io_format_find("x.dat", solid, sizeof solid - 1), format);
+    /* Much may be before it: comments, of a kind that looks like Gmsh's sections, too. */
+    enum { LINES = 4000 };
+    static const char comment[] = "$ANSA_VERSION;22.1.0;  a comment\n";
+    char *text = malloc(LINES * (sizeof comment - 1) + sizeof solid);
+    for (int i = 0; i < LINES; i++)
+        memcpy(text + (size_t)i * (sizeof comment - 1), comment, sizeof comment - 1);
+    memcpy(text + LINES * (sizeof comment - 1), solid, sizeof solid);
+    assert_ptr_equal(io_format_find("x.dat", text, (int64_t)strlen(text)), format);
+    assert_false(io_format_gmsh.recognise(text, (int64_t)strlen(text)));
+    free(text);
 }
 
 static void bad_files_do_no_harm(void **state) {

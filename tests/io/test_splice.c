@@ -81,6 +81,9 @@ static void only_what_changed_is_rewritten(void **state) {
         {9, 3, "+.5 .25", "3 .25"},
         {14, 7.25, "6. 7. 0\n", "6. 7.25 0\n"},
         {0, 0.0, "", ""}, /* no change: the same bytes */
+        {11, -0.0, "", ""},
+        {11, 0.0, ".25 -0 9", ".25 0 9"}, /* zeros have signs, which are bits */
+        {0, -0.0, "\n0 0 0 1", "\n-0 0 0 1"},
     };
     char path[TEST_PATH_SIZE];
     planish_file *file = open_small(state);

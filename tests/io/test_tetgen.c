@@ -406,6 +406,89 @@ static void files_of_others_are_not_taken_for_ours(void **state) {
     check_file(state, "a.poly", boundary);
 }
 
+/** What is named is what is written, and files beside it are called likewise. */
+static void names(void **state) {
+    static const struct {
+        const char *output, *nodes, *elements;
+    } cases[] = {{"b.node", "b.node", "b.ele"}, {"b.ele", "b.node", "b.ele"},
+                 {"b.NODE", "b.NODE", "b.ELE"}, {"B.ELE", "B.NODE", "B.ELE"},
+                 {"b.Node", "b.Node", "b.ele"}, {"b.c.node", "b.c.node", "b.c.ele"}};
+    static const char *const sources[][2] = {
+        {"a.node", "a.ele"}, {"A.NODE", "A.ELE"}, {"d.NODE", "d.ele"}};
+    char path[TEST_PATH_SIZE];
+    for (size_t s = 0; s < sizeof sources / sizeof *sources; s++) {
+        put(state, sources[s][0], nodes_from_0);
+        put(state, sources[s][1], elements_from_0);
+        for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+            planish_file *file = open_mesh(state, sources[s][0]);
+            planish_error error;
+            test_path(path, *state, cases[i].output);
+            assert_int_equal(planish_file_check_output(file, path, &error), 0);
+            assert_int_equal(
+                planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, &error),
+                0);
+            check_file(state, cases[i].nodes, nodes_from_0);
+            check_file(state, cases[i].elements, elements_from_0);
+            planish_file_close(file);
+            planish_file_close(open_mesh(state, cases[i].output));
+            unlink(test_path(path, *state, cases[i].nodes));
+            unlink(test_path(path, *state, cases[i].elements));
+        }
+    }
+    /* In place: no second file of another case. */
+    planish_file *file = open_mesh(state, "d.NODE");
+    test_path(path, *state, "d.NODE");
+    assert_int_equal(
+        planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, NULL), 0);
+    planish_file_close(file);
+    assert_int_not_equal(access(test_path(path, *state, "d.ELE"), F_OK), 0);
+}
+
+/** Any name, if the format is told: the others' are longer by their extensions. */
+static void names_without_the_extension(void **state) {
+    char path[TEST_PATH_SIZE];
+    planish_file *file;
+    put(state, "a.txt", nodes_from_0);
+    put(state, "a.txt.ele", elements_from_0);
+    put(state, "a.ele", "of another mesh");
+    assert_int_equal(planish_file_open(test_path(path, *state, "a.txt"), "tetgen", 1, &file, NULL),
+                     0);
+    test_path(path, *state, "b.txt");
+    assert_int_equal(
+        planish_file_write(file, path, planish_file_coordinates(file), 1, NULL, 0, NULL), 0);
+    planish_file_close(file);
+    check_file(state, "b.txt", nodes_from_0);
+    check_file(state, "b.txt.ele", elements_from_0);
+}
+
+/** An empty file beside is as good as none, whether read or written beside. */
+static void empty_files_beside(void **state) {
+    planish_error error = {.text = ""};
+    put(state, "a.node", nodes_from_0);
+    put(state, "a.ele", elements_from_0);
+    put(state, "a.face", "");
+    put(state, "b.edge", "");
+    assert_int_equal(write_as(state, "b.node", &error), 0);
+    planish_file_close(open_mesh(state, "b.node"));
+    put(state, "a.ele", "");
+    open_fails(state, "a.node", "a.ele", "empty");
+}
+
+static void open_ends_are_named(void **state) {
+    put(state, "a.node", nodes_from_0);
+    put(state, "a.mtr", "not read");
+    put(state, "b.node", nodes_from_0);
+    put(state, "b.ele", elements_from_0);
+    put(state, "b.mtr", "not read");
+    put(state, "a.ele", "2 4 1\n0  0 1 2 3  7\n1  1 2 3 4  8");
+    planish_file *file = open_mesh(state, "a.node");
+    assert_non_null(strstr(planish_file_open_end(file), "a.ele"));
+    planish_file_close(file);
+    file = open_mesh(state, "b.node");
+    assert_null(planish_file_open_end(file));
+    planish_file_close(file);
+}
+
 static void a_real_mesh(void **state) {
     char path[TEST_PATH_SIZE];
     planish_file *file = NULL;
@@ -439,6 +522,10 @@ int main(void) {
         IN_A_FOLDER(written_over_itself),
         IN_A_FOLDER(files_that_stay_right_are_written_along),
         IN_A_FOLDER(files_of_others_are_not_taken_for_ours),
+        IN_A_FOLDER(names),
+        IN_A_FOLDER(names_without_the_extension),
+        IN_A_FOLDER(empty_files_beside),
+        IN_A_FOLDER(open_ends_are_named),
         cmocka_unit_test(a_real_mesh),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -33,8 +33,9 @@ typedef struct variant {
     form form;
     int is_float, header_size, is_big;
     io_compression compression;
-    int block; /* bytes of a block, if packed */
-    int keys;  /* information keys in the elements: 1 before the numbers, 2 behind them */
+    int block;       /* bytes of a block, if packed */
+    int keys;        /* information keys in the elements: 1 before the numbers, 2 behind them */
+    int tells_whole; /* the size of a last block that is whole is told, in place of 0 */
 } variant;
 
 /** An array of the file. */
@@ -110,7 +111,8 @@ static file_builder encode(const variant *v, const array *a, int64_t *header) {
         }
         builder_integer(&out, n, v->header_size);
         builder_integer(&out, v->block, v->header_size);
-        builder_integer(&out, values.size % v->block, v->header_size);
+        const int64_t last = values.size % v->block;
+        builder_integer(&out, last == 0 && v->tells_whole ? v->block : last, v->header_size);
         for (int64_t i = 0; i < n; i++)
             builder_integer(&out, size[i], v->header_size);
         *header = out.size;
@@ -253,7 +255,7 @@ static void each_variant(void (*visit)(const variant *v, void *context), void *c
                 for (int keys = 0; keys < (how < APPENDED_RAW ? 3 : 1); keys++) {
                     const variant v = {(form)how, bits & 1,   bits & 2 ? 8 : 4,
                                        bits >> 2, packers[p], bits & 1 ? 20 : 48,
-                                       keys};
+                                       keys,      0};
                     if (io_compression_is_built(v.compression))
                         visit(&v, context);
                 }
@@ -382,10 +384,37 @@ static void pieces_are_one_mesh(void **state) {
     planish_file_close(file);
 }
 
+/** One piece has its points as bytes, one as text: the digits of the latter tell how exact they
+ *  are. */
+static void pieces_of_bytes_and_of_text(void **state) {
+    (void)state;
+    planish_file *file = reading_text(
+        &io_format_vtu,
+        GRID(" byte_order=\"LittleEndian\"") PIECE(
+            "3", "1") "<Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" "
+                      "format=\"binary\">SAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAPA/"
+                      "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA8D8AAAAAAAAAAA=="
+                      "</DataArray></Points>" CELLS("0 1 2", "3", "5") "</Piece>" PIECE("3", "1")
+                          POINTS("2 0 0 3 0 0 2.123456 1.5 0") CELLS("0 1 2", "3", "5") END);
+    const double tolerance = planish_file_surface(file, NULL).tolerance;
+    assert_true(tolerance > 0.99e-6 && tolerance < 1.01e-6);
+    planish_file_close(file);
+}
+
 /** Blocks of any size, less than a number's even, and what is not packed beside. */
 static void blocks_of_any_size(void **state) {
     for (int block = 1; block <= 30; block += block < 9 ? 1 : 7) {
-        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0};
+        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0, 0};
+        if (io_compression_is_built(IO_ZLIB))
+            write_one(&v, *state);
+    }
+}
+
+/** A last block that is whole may be told by its size, or 0: that stays. */
+static void whole_blocks(void **state) {
+    const int block = 3 * N_NODES * (int)sizeof(double) / 2;
+    for (int tells = 0; tells < 2; tells++) {
+        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0, tells};
         if (io_compression_is_built(IO_ZLIB))
             write_one(&v, *state);
     }
@@ -397,8 +426,8 @@ static void points_in_the_element(void **state) {
     double moved[3 * N_NODES];
     array a[N_ARRAYS];
     planish_file *file;
-    const variant v = {INLINE, 0, 8, 0, IO_ZLIB, 48, 0},
-                  raw = {APPENDED_RAW, 0, 8, 0, IO_ZLIB, 48, 0};
+    const variant v = {INLINE, 0, 8, 0, IO_ZLIB, 48, 0, 0},
+                  raw = {APPENDED_RAW, 0, 8, 0, IO_ZLIB, 48, 0, 0};
     file_builder f = {0}, data = {0};
     if (!io_compression_is_built(IO_ZLIB))
         skip();
@@ -671,6 +700,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(blocks_of_any_size, test_folder_create, test_folder_remove),
         cmocka_unit_test_setup_teardown(points_in_the_element, test_folder_create,
                                         test_folder_remove),
+        cmocka_unit_test_setup_teardown(whole_blocks, test_folder_create, test_folder_remove),
+        cmocka_unit_test(pieces_of_bytes_and_of_text),
         cmocka_unit_test(empty_pieces_may_be_of_any_type),
         cmocka_unit_test(arrays_of_the_same_bytes_are_refused),
         cmocka_unit_test_setup_teardown(pieces_in_any_order, test_folder_create,
