@@ -119,24 +119,6 @@ static int read_node_block(abaqus_reader *r, const abaqus_block *b) {
     return status;
 }
 
-static int are_consecutive(const int64_t *number, int64_t n) {
-    for (int64_t i = 1; i < n; i++)
-        if (number[i] != number[0] + i)
-            return 0;
-    return n > 0;
-}
-
-static int settle_node_numbers(abaqus_reader *r) {
-    io_model *model = r->model;
-    if (!are_consecutive(model->node_number, model->n_nodes))
-        return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
-                                 &r->numbers, r->error);
-    model->first_number = model->node_number[0];
-    pl_free(model->node_number);
-    model->node_number = NULL;
-    return PLANISH_OK;
-}
-
 static int read_nodes(abaqus_reader *r) {
     io_model *model = r->model;
     int64_t n = 0;
@@ -159,7 +141,7 @@ static int read_nodes(abaqus_reader *r) {
     for (int64_t i = 0; i < r->n_blocks && !status; i++)
         if (is_node_block(r, &r->block[i]))
             status = read_node_block(r, &r->block[i]);
-    return status ? status : settle_node_numbers(r);
+    return status ? status : io_settle_node_numbers(r->model, &r->numbers, r->error);
 }
 
 int64_t abaqus_node(const abaqus_reader *r, int64_t number) {
@@ -227,10 +209,6 @@ static shape shape_of(const char *type) {
 
 /* ---- elements ----------------------------------------------------------------------------- */
 
-io_cells *abaqus_cells(io_model *model, int dim) {
-    return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
-}
-
 /** The last point between INSTANCE and NAME, or NULL: none that is in quotes or behind nothing but
  *  digits, as in a real number. */
 static const char *find_point(abaqus_span item) {
@@ -265,7 +243,7 @@ static int element_item(io_cursor *cursor, abaqus_span *line, abaqus_span *item)
 
 /** An element of n nodes; cells: where it is kept. */
 static int read_cell(abaqus_reader *r, io_cursor *cursor, abaqus_span line, int dim) {
-    io_cells *cells = abaqus_cells(r->model, dim);
+    io_cells *cells = io_model_cells(r->model, dim);
     int status = io_cells_reserve(cells, dim, 1, 1, 1, r->error);
     if (status)
         return status;
@@ -317,7 +295,7 @@ static void hold_element(abaqus_reader *r, const abaqus_block *b, io_cursor *cur
 
 /** dim: 0, the block has no cells that are kept, but its set has a name. */
 static int add_range(abaqus_reader *r, const abaqus_block *b, int dim, int64_t begin) {
-    const int64_t end = dim ? abaqus_cells(r->model, dim)->n : begin;
+    const int64_t end = dim ? io_model_cells(r->model, dim)->n : begin;
     abaqus_range range = {dim, begin, end, {NULL, NULL}};
     abaqus_parameter(b, "ELSET", &range.set);
     abaqus_range *grown =
@@ -344,7 +322,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
                             "elements of second order (%s) cannot be smoothed; export the mesh "
                             "with straight elements of first order",
                             type);
-    const int64_t first = kind.dim ? abaqus_cells(r->model, kind.dim)->n : 0;
+    const int64_t first = kind.dim ? io_model_cells(r->model, kind.dim)->n : 0;
     while (!status && abaqus_line(&cursor, &line)) {
         if (kind.dim && is_here)
             status = read_cell(r, &cursor, line, kind.dim);
@@ -365,14 +343,6 @@ static int read_elements(abaqus_reader *r) {
 
 /* ---- the file ----------------------------------------------------------------------------- */
 
-static void settle_cell_numbers(io_cells *cells) {
-    if (!cells->number || !are_consecutive(cells->number, cells->n))
-        return;
-    cells->first_number = cells->number[0];
-    pl_free(cells->number);
-    cells->number = NULL;
-}
-
 static int read_all(abaqus_reader *r) {
     int status = abaqus_find_blocks(r);
     if (!status)
@@ -384,7 +354,7 @@ static int read_all(abaqus_reader *r) {
     if (!status)
         status = abaqus_read_sets(r);
     for (int dim = 1; dim <= 3; dim++)
-        settle_cell_numbers(abaqus_cells(r->model, dim));
+        io_settle_cell_numbers(io_model_cells(r->model, dim));
     return status;
 }
 

@@ -74,7 +74,6 @@ int64_t abaqus_node(const abaqus_reader *reader, int64_t number);
 /** What an item of a block names: INSTANCE.NAME without its instance. 0 if numbers there are of
  *  another numbering than the mesh's. */
 int abaqus_local(const abaqus_reader *reader, const abaqus_block *block, abaqus_span *item);
-io_cells *abaqus_cells(io_model *model, int dim);
 
 static inline char abaqus_upper(char c) {
     return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;

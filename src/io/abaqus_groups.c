@@ -129,7 +129,7 @@ static int make_cell_entities(sets *s, io_memberships *m, const int32_t *region)
     io_model *model = s->reader->model;
     int32_t last = -1;
     for (int dim = 1; dim <= 3; dim++) {
-        io_cells *cells = abaqus_cells(model, dim);
+        io_cells *cells = io_model_cells(model, dim);
         if (cells->n == 0)
             continue;
         cells->region = pl_alloc(cells->n, sizeof *cells->region);

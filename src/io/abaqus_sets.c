@@ -155,7 +155,7 @@ static int64_t number_of(const sets *s, set_kind things, int64_t thing) {
     if (things == NODES)
         return model->node_number ? model->node_number[thing] : model->first_number + thing;
     const int dim = abaqus_dim_of(s, thing, &local);
-    return cell_number(abaqus_cells(model, dim), local);
+    return cell_number(io_model_cells(model, dim), local);
 }
 
 static int number_elements(sets *s) {
@@ -282,7 +282,7 @@ static int add_nodes_of(sets *s, const abaqus_block *b, int32_t set, abaqus_span
     for (int64_t i = 0; i < s->set[from].n && !status; i++) {
         int64_t local;
         const int dim = abaqus_dim_of(s, s->set[from].member[i], &local);
-        const int32_t *nodes = abaqus_cells(s->reader->model, dim)->nodes + local * (dim + 1);
+        const int32_t *nodes = io_model_cells(s->reader->model, dim)->nodes + local * (dim + 1);
         for (int j = 0; j <= dim && !status; j++)
             status = add_member(s, set, nodes[j]);
     }
@@ -434,7 +434,7 @@ static int prepare(sets *s) {
     s->n[NODES] = model->n_nodes;
     for (int dim = 1; dim <= 3; dim++) {
         s->first_cell[dim] = s->n[ELEMENTS];
-        s->n[ELEMENTS] += abaqus_cells(model, dim)->n;
+        s->n[ELEMENTS] += io_model_cells(model, dim)->n;
     }
     if (s->n[ELEMENTS] > INT32_MAX)
         return pl_fail(s->reader->error, PLANISH_ERROR_FORMAT, "%s: too many elements",

@@ -40,11 +40,6 @@ int cgns_integers(cgns_reader *r, const char *path, io_hdf5_integers *integers);
 /** Text of a node, without blanks at its end; "" if there is no such node. */
 int cgns_text(cgns_reader *r, const char *path, char *text, size_t size);
 
-/** The cells of a dimension that are kept. */
-static inline io_cells *cgns_cells(const cgns_reader *r, int dim) {
-    return dim == 3 ? &r->model->tetrahedron : dim == 2 ? &r->model->triangle : &r->model->line;
-}
-
 /* ---- cgns_elements.c ----------------------------------------------------------------------- */
 
 /** All sections of the zone: cells with their numbers, and as entity the index of their section. */

@@ -149,7 +149,7 @@ static int take_node(walk *w, int64_t at, int32_t *node) {
 static int store_element(walk *w, int32_t section) {
     io_model *model = w->r->model;
     const element_type t = w->type;
-    io_cells *cells = t.kind == KEPT ? cgns_cells(w->r, t.dim) : NULL;
+    io_cells *cells = t.kind == KEPT ? io_model_cells(w->r->model, t.dim) : NULL;
     int32_t held;
     int status = PLANISH_OK;
     for (int j = 0; j < t.nodes && !status; j++) {
@@ -171,7 +171,7 @@ static int store_elements(walk *w, int32_t section) {
     int64_t kept[4];
     int status = count_kept(w, kept);
     for (int dim = 1; dim <= 3 && !status; dim++) {
-        io_cells *cells = cgns_cells(w->r, dim);
+        io_cells *cells = io_model_cells(w->r->model, dim);
         w->section->first[dim] = w->section->behind[dim] = cells->n;
         if (kept[dim] > 0)
             status = io_cells_reserve(cells, dim, kept[dim], 1, 1, w->r->error);
@@ -184,7 +184,7 @@ static int store_elements(walk *w, int32_t section) {
             status = store_element(w, section);
     }
     for (int dim = 1; dim <= 3; dim++)
-        w->section->behind[dim] = cgns_cells(w->r, dim)->n;
+        w->section->behind[dim] = io_model_cells(w->r->model, dim)->n;
     return status;
 }
 

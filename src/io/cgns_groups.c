@@ -106,7 +106,7 @@ static const cgns_section *find_section(const cgns_reader *r, int64_t number) {
 /** The cell of that number: its dimension and *index, or 0 if it is not kept. */
 static int find_cell(const cgns_reader *r, const cgns_section *s, int64_t number, int64_t *index) {
     for (int dim = 1; dim <= 3; dim++) {
-        const io_cells *cells = cgns_cells(r, dim);
+        const io_cells *cells = io_model_cells(r->model, dim);
         int64_t low = s->first[dim], high = s->behind[dim];
         while (low < high) {
             const int64_t middle = low + (high - low) / 2;
@@ -140,7 +140,8 @@ static int put_in_condition(groups *g, const char *path, int is_nodes, int64_t n
     int64_t index;
     const int dim = s ? find_cell(g->r, s, number, &index) : 0;
     /* Conditions may list faces of structured or polyhedral parts that are not there. */
-    return dim ? move_member(g, in_condition, &cgns_cells(g->r, dim)->entity[index]) : PLANISH_OK;
+    return dim ? move_member(g, in_condition, &io_model_cells(g->r->model, dim)->entity[index])
+               : PLANISH_OK;
 }
 
 /** Nodes that are joined with others of the zone stay. */
@@ -159,7 +160,8 @@ static int hold_member(groups *g, const char *path, int is_nodes, int64_t number
     int64_t index;
     const int dim = s ? find_cell(g->r, s, number, &index) : 0;
     for (int j = 0; dim && j <= dim; j++)
-        io_hold_node(model, cgns_cells(g->r, dim)->nodes[index * (dim + 1) + j], IO_HELD_REQUIRED);
+        io_hold_node(model, io_model_cells(g->r->model, dim)->nodes[index * (dim + 1) + j],
+                     IO_HELD_REQUIRED);
     return PLANISH_OK;
 }
 
@@ -325,7 +327,7 @@ static int make_entities(groups *g) {
     io_model *model = g->r->model;
     int status = PLANISH_OK;
     for (int dim = 3; dim >= 1 && !status; dim--) {
-        io_cells *cells = cgns_cells(g->r, dim);
+        io_cells *cells = io_model_cells(g->r->model, dim);
         status = index_entities(g, dim, cells->entity, cells->n, NONE);
     }
     if (!status && model->node_entity)

@@ -203,39 +203,17 @@ int gmsh_load_point(const gmsh_reader *reader, const char *at, int64_t node, pla
     return 0;
 }
 
-static int is_consecutive(const int64_t *number, int64_t n) {
-    if (n > 0 && number[0] > INT64_MAX - n)
-        return 0;
-    for (int64_t i = 1; i < n; i++)
-        if (number[i] != number[0] + i)
-            return 0;
-    return 1;
-}
-
 int gmsh_index_nodes(gmsh_reader *reader) {
-    io_model *model = reader->model;
     reader->have_nodes = 1;
-    if (is_consecutive(model->node_number, model->n_nodes)) {
-        model->first_number = model->n_nodes > 0 ? model->node_number[0] : 1;
-        pl_free(model->node_number);
-        model->node_number = NULL;
-        return 0;
-    }
-    return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
-                             &reader->numbers, reader->error);
+    return io_settle_node_numbers(reader->model, &reader->numbers, reader->error);
 }
 
 /* Keep the numbers of cells only where they say more than the first of them. */
 static int settle_numbers(gmsh_reader *reader, io_cells *cells) {
-    if (cells->n == 0 || cells->number == NULL)
-        return 0;
-    if (is_consecutive(cells->number, cells->n)) {
-        cells->first_number = cells->number[0];
-        pl_free(cells->number);
-        cells->number = NULL;
-        return 0;
-    }
     io_numbers *table; /* made only to find a number that occurs twice */
+    io_settle_cell_numbers(cells);
+    if (cells->number == NULL)
+        return 0;
     const int status = io_numbers_create(reader->model->input.path, "element", cells->number,
                                          cells->n, &table, reader->error);
     if (status == 0)

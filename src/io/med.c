@@ -49,10 +49,6 @@ static element_type type_of(const char *name) {
     return (element_type){name, OTHER, 0};
 }
 
-static io_cells *cells_of(io_model *model, int dim) {
-    return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
-}
-
 /* ---- the mesh ----------------------------------------------------------------------------- */
 
 /** Fails unless there is no such attribute, or its value is the wanted one. */
@@ -252,7 +248,7 @@ static void take_cell_numbers(io_cells *cells, const io_hdf5_integers *numbers) 
 
 static int read_cells(reader *r, const block *b) {
     const int corners = b->type.dim + 1;
-    io_cells *cells = cells_of(r->model, b->type.dim);
+    io_cells *cells = io_model_cells(r->model, b->type.dim);
     io_hdf5_integers families = {0}, numbers = {0};
     int status = read_optional(r, b->group, "FAM", b->n, &families);
     if (!status)

@@ -211,15 +211,11 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
     return PLANISH_OK;
 }
 
-static io_cells *cells_of(io_model *model, int dim) {
-    return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
-}
-
 static int read_cells(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                       planish_error *error) {
     const medit_reader *r = context;
     const medit_keyword *k = r->current->keyword;
-    io_cells *cells = cells_of(r->model, k->dim);
+    io_cells *cells = io_model_cells(r->model, k->dim);
     for (int64_t i = begin; i < end; i++) {
         int64_t cell = r->first_cell + i, node;
         for (int j = 0; j < k->nodes; j++) {
@@ -259,7 +255,7 @@ static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t 
                        planish_error *error) {
     const medit_reader *r = context;
     const medit_keyword *k = r->current->keyword;
-    const io_cells *cells = k->dim ? cells_of(r->model, k->dim) : NULL;
+    const io_cells *cells = k->dim ? io_model_cells(r->model, k->dim) : NULL;
     for (int64_t i = begin; i < end; i++) {
         int64_t index;
         int status =
@@ -332,7 +328,7 @@ static int read_vertex_section(medit_reader *r, const medit_section *s) {
 
 static int read_cell_section(medit_reader *r, const medit_section *s) {
     const medit_keyword *k = s->keyword;
-    io_cells *cells = cells_of(r->model, k->dim);
+    io_cells *cells = io_model_cells(r->model, k->dim);
     cells->first_number = 1;
     r->first_cell = cells->n;
     int status = io_cells_reserve(cells, k->dim, s->count, 1, 0, r->error);

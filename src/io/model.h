@@ -170,6 +170,11 @@ int io_model_span(io_model *model, io_span span, planish_error *error);
 /** A pair of periodic nodes. */
 int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error);
 
+/** The cells of that dimension, 1 .. 3. */
+static inline io_cells *io_model_cells(io_model *model, int dim) {
+    return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
+}
+
 /** Room for n more cells; the reader then writes nodes, entity, number at index cells->n ...; and
  *  raises cells->n. with_entity/with_number must be the same in every call for the same cells. */
 int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
@@ -198,6 +203,10 @@ typedef struct io_numbers io_numbers;
  *  twice (error names it). Any order, any gaps. */
 int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
                       io_numbers **table, planish_error *error);
+/** Keep the numbers that nodes and cells have been given only where they say more than the first:
+ *  not if each is one more than that before. Of the nodes' a table is made where they are kept. */
+int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error);
+void io_settle_cell_numbers(io_cells *cells);
 /** Index of number, or -1. */
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);

@@ -240,25 +240,6 @@ static int check_system(reader *r) {
                    r->model->input.path, (long long)r->system);
 }
 
-static int numbers_are_consecutive(const int64_t *number, int64_t n) {
-    for (int64_t i = 1; i < n; i++)
-        if (number[i] != number[0] + i)
-            return 0;
-    return 1;
-}
-
-static int settle_node_numbers(reader *r) {
-    io_model *model = r->model;
-    if (model->n_nodes > 0 && numbers_are_consecutive(model->node_number, model->n_nodes)) {
-        model->first_number = model->node_number[0];
-        pl_free(model->node_number);
-        model->node_number = NULL;
-        return PLANISH_OK;
-    }
-    return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
-                             &r->numbers, r->error);
-}
-
 static int read_grids(reader *r) {
     io_model *model = r->model;
     int status = io_model_nodes(model, r->n_grids, 1, r->error);
@@ -274,7 +255,7 @@ static int read_grids(reader *r) {
         status = walk(r, "G", read_grid_card);
     if (!status)
         status = check_system(r);
-    return status ? status : settle_node_numbers(r);
+    return status ? status : io_settle_node_numbers(r->model, &r->numbers, r->error);
 }
 
 /* ---- third walk: elements ----------------------------------------------------------------- */
@@ -373,10 +354,6 @@ static int64_t find_grid(const reader *r, int64_t number) {
     return index < (uint64_t)r->model->n_nodes ? (int64_t)index : -1;
 }
 
-static io_cells *cells_of(io_model *model, int dim) {
-    return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
-}
-
 /** Nodes behind the corners. */
 static int check_first_order(const reader *r, const card_kind *k, card *c) {
     span field;
@@ -440,7 +417,7 @@ static void hold_orientation(reader *r, card *c) {
 }
 
 static int read_cell(reader *r, const card_kind *k, card *c) {
-    io_cells *cells = cells_of(r->model, k->dim);
+    io_cells *cells = io_model_cells(r->model, k->dim);
     int64_t number, property;
     int status = take_property(r, k, c, &number, &property);
     if (!status)
@@ -564,14 +541,6 @@ static int read_element(reader *r, card *c) {
     return hold_fields(r, k, c);
 }
 
-static void settle_cell_numbers(io_cells *cells) {
-    if (cells->n == 0 || !numbers_are_consecutive(cells->number, cells->n))
-        return;
-    cells->first_number = cells->number[0];
-    pl_free(cells->number);
-    cells->number = NULL;
-}
-
 /* ---- names -------------------------------------------------------------------------------- */
 
 /** $HMNAME PROP 5"steel" (HyperMesh): the name of property 5. */
@@ -639,9 +608,9 @@ static int read_all(reader *r) {
     hold_ranges(r);
     if (!status)
         status = read_names(r);
-    settle_cell_numbers(&model->line);
-    settle_cell_numbers(&model->triangle);
-    settle_cell_numbers(&model->tetrahedron);
+    io_settle_cell_numbers(&model->line);
+    io_settle_cell_numbers(&model->triangle);
+    io_settle_cell_numbers(&model->tetrahedron);
     return status;
 }
 

@@ -99,17 +99,13 @@ static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record,
     return PLANISH_OK;
 }
 
-static io_cells *cells_of(io_model *model, int dim) {
-    return dim == 3 ? &model->tetrahedron : &model->triangle;
-}
-
 /** Triangles and tetrahedra are kept, others hold their nodes. Elements that differ are read in
  *  order; r->n_kept of them are kept so far. */
 static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                          planish_error *error) {
     netgen_reader *r = context;
     const netgen_keyword *k = r->current->keyword;
-    io_cells *cells = cells_of(r->model, k->corner);
+    io_cells *cells = io_model_cells(r->model, k->corner);
     for (int64_t i = begin; i < end; i++) {
         int32_t group, node;
         int64_t corners;
@@ -291,7 +287,7 @@ static int first_corners(netgen_reader *r, const netgen_section *s) {
 
 static int read_element_section(netgen_reader *r, const netgen_section *s) {
     const netgen_keyword *k = s->keyword;
-    io_cells *cells = cells_of(r->model, k->corner);
+    io_cells *cells = io_model_cells(r->model, k->corner);
     planish_error ignored;
     cells->first_number = 1;
     r->first_cell = cells->n;

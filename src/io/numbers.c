@@ -84,6 +84,33 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
     return status;
 }
 
+static int are_consecutive(const int64_t *number, int64_t n) {
+    if (n == 0 || number[0] > INT64_MAX - n)
+        return 0;
+    for (int64_t i = 1; i < n; i++)
+        if (number[i] != number[0] + i)
+            return 0;
+    return 1;
+}
+
+int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error) {
+    if (!are_consecutive(model->node_number, model->n_nodes))
+        return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
+                                 table, error);
+    model->first_number = model->node_number[0];
+    pl_free(model->node_number);
+    model->node_number = NULL;
+    return PLANISH_OK;
+}
+
+void io_settle_cell_numbers(io_cells *cells) {
+    if (!cells->number || !are_consecutive(cells->number, cells->n))
+        return;
+    cells->first_number = cells->number[0];
+    pl_free(cells->number);
+    cells->number = NULL;
+}
+
 int64_t io_numbers_find(const io_numbers *table, int64_t number) {
     if (number < table->first || number > table->last)
         return -1;

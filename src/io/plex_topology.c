@@ -350,14 +350,10 @@ int plex_fail_point(plex_reader *r, int64_t point) {
 
 /* ---- cells of the model --------------------------------------------------------------------- */
 
-static io_cells *cells_of(plex_reader *r, int dim) {
-    return dim == 3 ? &r->model->tetrahedron : dim == 2 ? &r->model->triangle : &r->model->line;
-}
-
 int plex_add_cell(plex_reader *r, int64_t point) {
     int32_t node[PLEX_MOST_NODES];
     const int dim = plex_dim_of(r, point);
-    io_cells *cells = cells_of(r, dim);
+    io_cells *cells = io_model_cells(r->model, dim);
     if (r->of_point[point] >= 0)
         return PLANISH_OK;
     const int n = plex_nodes_of(r, point, node);
@@ -381,7 +377,7 @@ typedef struct filling {
 static void fill_chunk(void *context, int64_t begin, int64_t end, int thread) {
     filling *f = context;
     plex_reader *r = f->r;
-    io_cells *cells = cells_of(r, r->dim);
+    io_cells *cells = io_model_cells(r->model, r->dim);
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         int32_t node[PLEX_MOST_NODES];
@@ -404,7 +400,7 @@ static int place_elements(plex_reader *r) {
     for (int64_t i = 0; i < r->n_elements; i++)
         if (r->size[i] == r->dim + 1)
             r->of_point[i] = (int32_t)n++;
-    io_cells *cells = cells_of(r, r->dim);
+    io_cells *cells = io_model_cells(r->model, r->dim);
     r->model->n_other = r->n_elements - n;
     const int status = io_cells_reserve(cells, r->dim, n, 1, r->model->n_other > 0, r->error);
     for (int64_t i = 0; i < r->n_elements && cells->number && !status; i++)

@@ -94,7 +94,7 @@ typedef struct pl_star_kept {
 
 /** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
-    double *coordinates;        /* [n_nodes][dim], scaled to a bounding box of about 1 */
+    double *coordinates;        /* [n_nodes][dim] */
     const int32_t *node;        /* [n_stars] the node of each star */
     const int64_t *ring_offset; /* [n_stars + 1] */
     const int32_t *ring;        /* neighbours, see pl_stars */

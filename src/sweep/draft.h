@@ -8,7 +8,7 @@
 /** Nodes that shall be visited, if their links allow it. */
 typedef struct pl_candidates {
     int64_t n;
-    int32_t *node;    /* [n] the caller's numbers, along the curve; -1: not free after all */
+    int32_t *node;    /* [n] of the draft's mesh, along the curve; -1: not free after all */
     pl_rings rings;   /* of node */
     int32_t *colour;  /* [n] of node */
     int32_t *star_of; /* [n] its place among the visits, colour by colour; -1: none */
@@ -26,7 +26,7 @@ typedef struct pl_draft {
     pl_incidence incidence;
     int is_partial; /* incidence has no elements of nodes that are not selected */
     pl_boundary boundary;
-    int32_t *order; /* [n] the caller's numbers along the curve */
+    int32_t *order; /* [n] the nodes of mesh along the curve */
     pl_candidates interior,
         sliding;          /* nodes that are free if they are inside, and those that slide */
     int64_t *count;       /* [chunks of nodes + 1] */

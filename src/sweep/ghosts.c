@@ -37,7 +37,7 @@ static void list_pair(pl_ghosts *g, int32_t ghost, int32_t inner) {
 
 static int find_neighbours(const planish_plan *plan, const planish_mesh *mesh, pl_ghosts *g,
                            planish_error *error) {
-    g->offset = pl_alloc_zero(mesh->n_nodes + 2, sizeof *g->offset);
+    g->offset = pl_alloc_zero(mesh->n_nodes + 1, sizeof *g->offset);
     if (!g->offset)
         return pl_fail_memory(error, "the neighbours of ghosts");
     for_pairs(plan, mesh, count_pair, g);

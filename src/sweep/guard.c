@@ -102,7 +102,7 @@ static double storable(const planish_options *options, double x, double towards)
     return rounded;
 }
 
-/** The bounds of coordinate d of the caller's node i. */
+/** The bounds of coordinate d of node i of the plan's mesh. */
 static void bound(const work *w, int64_t i, int d, double *lower, double *upper) {
     const planish_options *options = w->options;
     double low = options->box_lower[d], high = options->box_upper[d];

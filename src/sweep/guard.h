@@ -17,8 +17,7 @@ typedef struct pl_guard {
     int wanted; /* 0: the plain problem will do */
     pl_star_guard star;
     double min_volume; /* delta */
-    uint8_t *
-        is_free; /* [n] by the caller's numbers: the plan's, but for held ones; or NULL: the same */
+    uint8_t *is_free; /* [n] of the plan's mesh: the plan's, but for held ones; or NULL: the same */
     int64_t held_outside;
 } pl_guard;
 

@@ -61,8 +61,8 @@ struct planish_plan {
     uint8_t *is_used;        /* [n] by an element */
     int32_t *inner;          /* [n] inner number of each node */
     int is_selective;        /* only nodes of bad elements are free, see pl_select */
-    int32_t *node_of;        /* [n] the caller's number of each node; NULL: the same */
-    int32_t *element_of;     /* [m] likewise of each element */
+    int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
+    int32_t *element_of; /* [m] likewise of each element */
     pl_scope scope;
     pl_whole whole;
     int64_t node_stride, component_stride; /* of the caller's coordinates */
@@ -78,8 +78,8 @@ struct planish_plan {
     planish_plan_info info;
     /* Scratch of planish_smooth: */
     double *start;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
-    double *coordinates; /* [n + n_images][dim] by inner numbers, scaled */
-    double *measured;    /* [n][dim] by the caller's numbers, scaled: for measuring */
+    double *coordinates; /* [n + n_images][dim] by inner numbers */
+    double *measured;    /* [n][dim] in the mesh's order, in units of its size: for measuring */
     uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
     pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
     double *scratch;     /* [threads][scratch_stride] of the kernels */

@@ -16,7 +16,7 @@ enum { CHUNK_NODES = 4096 };
  * 1e-15 of that one, could come near to the tolerance: measure again. */
 #define MEASURE_AGAIN 0.01
 
-/** The present coordinates by the caller's numbers, for measuring. */
+/** The present coordinates in the order of the plan's mesh, for measuring. */
 static void transfer_measured(void *context, int64_t begin, int64_t end, int thread) {
     const pl_run *r = context;
     const planish_plan *plan = r->plan;

@@ -110,10 +110,6 @@ int pl_run_help(pl_run *r, pl_help help, double fall);
 
 /* ---- untangle.c ---------------------------------------------------------------------------- */
 
-/** Whether elements of the mesh as measured last are inverted, or so flat that they count as such.
- */
-int pl_run_is_tangled(const pl_run *r);
-
 /** Untangle the mesh as measured last: what is inverted or flat; or bring up what is below its
  * least volume. If anything was done r->stop is _CONVERGED then, unless it was cut short. Errors:
  * _MEMORY.

@@ -1,5 +1,5 @@
-/* sweep: passes over the colours of a plan until the RMS converges. One header for the parts
- * of the folder that are not the plan's or the placement's own. */
+/* sweep: passes over the colours of a plan until the RMS converges: options, what is selected, one
+ * sweep, volumes, optimality, convergence. */
 #ifndef PL_SWEEP_H
 #define PL_SWEEP_H
 

@@ -7,9 +7,8 @@
 
 enum { PL_TANGLE_CHUNK = 256 }; /* stars that one thread takes at a time */
 
-/** What is known of an element; the first two are those of planish_volume_state. */
+/** What is known of an element that is not PLANISH_VOLUME_MET. */
 typedef enum pl_tangle_state {
-    PL_SOUND = PLANISH_VOLUME_MET,
     PL_TANGLED = PLANISH_VOLUME_BELOW,
     PL_HOPELESS = 2 /* tangled, and given up */
 } pl_tangle_state;

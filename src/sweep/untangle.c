@@ -270,12 +270,14 @@ static int untangle(pl_run *r, int floors, const measures *ladder, int n, planis
     return status;
 }
 
-int pl_run_is_tangled(const pl_run *r) {
+/** Whether elements of the mesh as measured last are inverted, or so flat that they count as such.
+ */
+static int is_tangled(const pl_run *r) {
     return pl_run_inverted(r) > 0 || worst_rr2(r) > FLAT_RR2;
 }
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
-    if (!pl_run_is_tangled(r))
+    if (!is_tangled(r))
         return PLANISH_OK;
     pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", pl_run_inverted(r));
     return untangle(r, 0, LADDER, pl_run_inverted(r) > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);

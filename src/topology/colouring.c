@@ -39,7 +39,7 @@ typedef struct work {
     const planish_part *part;  /* or NULL */
     int64_t n_nodes, n_all;    /* n_rings and the ghosts that take part */
     int64_t *of_nodes;         /* [n_nodes] what ghosts are asked; NULL: there are none */
-    const int32_t *node;       /* [n_rings] the caller's number, -1: none */
+    const int32_t *node;       /* [n_rings] of the mesh, -1: none */
     const int32_t *number;     /* [n_nodes] of each node, or NULL: itself */
     const int32_t *moves_with; /* [n_nodes] or NULL */
     int32_t *ring_of;          /* [n_nodes] ring of each node, -1: not free */
@@ -115,12 +115,12 @@ static void make_graph(void *context, int64_t begin, int64_t end, int thread) {
         w->colour[r] = UNCOLOURED;
         if (w->node[r] < 0)
             continue;
-        for (int64_t i = rings->offset[r]; i < rings->offset[r + 1]; i++) {
+        if (w->moves_with)
+            n = list_movers(w, r, neighbour);
+        for (int64_t i = rings->offset[r]; i < rings->offset[r + 1] && !w->moves_with; i++) {
             neighbour[n] = w->ring_of[rings->neighbour[i]];
             n += neighbour[n] >= 0;
         }
-        if (w->moves_with)
-            n = list_movers(w, r, neighbour);
         w->priority[r] = (uint64_t)n << 32 | hash_of(number_of(w, w->node[r]));
     }
 }

@@ -1,4 +1,5 @@
-/* facets: match the facets of the elements, each at its smallest node. Internal to topology. */
+/* facets: match the facets of the elements, each at its smallest node. For topology, shape, reports
+ * and planish-mpi. */
 #ifndef PL_TOPOLOGY_FACETS_H
 #define PL_TOPOLOGY_FACETS_H
 

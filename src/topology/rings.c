@@ -322,7 +322,6 @@ static void make_room_for_open(void *context, int64_t begin, int64_t end, int th
     }
     if (max_link > BYTE_OPEN_LINK)
         __atomic_store_n(&w->wide, 1, __ATOMIC_RELAXED);
-    pl_raise_to(&w->rings->max_link, max_link);
 }
 
 /** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links are too large, certainly
@@ -344,7 +343,6 @@ static void foretell_lengths(void *context, int64_t begin, int64_t end, int thre
     }
     if (max_link > PL_BYTE_LINK)
         __atomic_store_n(&w->wide, 1, __ATOMIC_RELAXED);
-    pl_raise_to(&w->rings->max_link, max_link);
 }
 
 /** Ask for where the ring and the link of r will be written: another core may have written there

@@ -28,8 +28,8 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error);
  * elements have no ghosts alone. Errors: _ARGUMENT, _MESH. */
 int pl_check_part(const planish_mesh *mesh, planish_error *error);
 
-/** The same, and indices, repeated nodes of an element and finite coordinates. The lowest offending
- *  element or node is reported, whatever the number of threads. */
+/** What pl_check_counts does, and indices, repeated nodes of an element and finite coordinates. The
+ * lowest offending element or node is reported, whatever the number of threads. */
 int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
 void pl_dense_destroy(pl_dense *dense);
 
@@ -102,7 +102,6 @@ typedef struct pl_rings {
     int64_t *offset;      /* [n_rings + 1] into neighbour */
     int32_t *neighbour;   /* each once, in order of first appearance in the ascending elements */
     int64_t *link_offset; /* [n_rings + 1] in link facets: one per element of the node */
-    int64_t max_link;     /* of one node */
     pl_link link; /* of all nodes, without the ends of edges; facets in the order of their elements,
                      oriented so that the measure of (facet, node) is positive in a valid mesh: with
                      x the node, 3-D (x - p0) . ((p1 - p0) x (p2 - p0)) > 0, 2-D
@@ -110,11 +109,11 @@ typedef struct pl_rings {
 } pl_rings;
 
 /** is_free [n]: not 0 for the nodes that may move, node [n_rings]: these in the wanted order. Free
- * are those of them that are inside, and have no more than PL_MAX_LINK elements; of the others
- * is_free becomes 0, and node -1. Inside: the link is closed, every facet at the node belongs to
- * two elements, no duplicates, which traverse it in opposite directions. open: links may be, as on
- * the boundary: facets of one element will do. The edges of such links are not in rings->link.
- * sign: as in pl_boundary. */
+ * are those of them that are inside, and have no more than PL_MAX_LINK elements (open: half as
+ * many); of the others is_free becomes 0, and node -1. Inside: the link is closed, every facet at
+ * the node belongs to two elements, no duplicates, which traverse it in opposite directions. open:
+ * links may be, as on the boundary: facets of one element will do. The edges of such links are not
+ * in rings->link. sign: as in pl_boundary. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                     uint8_t *is_free, int32_t *node, int64_t n_rings, int open, int threads,
                     pl_rings *rings, planish_error *error);

@@ -68,6 +68,9 @@ static inline void fuzz_check_questions(const planish_file *file) {
     if (mesh.n_nodes > 0)
         planish_file_node_number(file, mesh.n_nodes - 1);
     fuzz_check_region(file, constraint);
+    hold.slide = 1;
+    const planish_surface surface = planish_file_surface(file, &hold);
+    fuzz_require(surface.tolerance >= 0 && surface.tolerance < 1, "the surface's tolerance");
     free(constraint);
 }
 
@@ -129,7 +132,8 @@ static inline void fuzz_check_moved(const planish_file *file, const char *path) 
                      other.n_elements == mesh.n_elements,
                  "the written mesh has the same size");
     for (int64_t i = 0; i < mesh.n_nodes * mesh.dim; i++)
-        fuzz_require(other.coordinates[i] == moved[i], "the written coordinates are those given");
+        fuzz_require(memcmp(&other.coordinates[i], &moved[i], sizeof moved[i]) == 0,
+                     "the written coordinates are those given");
     fuzz_require(memcmp(other.elements, mesh.elements,
                         (size_t)(mesh.n_elements * (mesh.dim + 1)) * sizeof *mesh.elements) == 0,
                  "the written mesh has the same elements");
