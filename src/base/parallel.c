@@ -226,6 +226,14 @@ void pl_raise_to(int64_t *largest, int64_t value) {
     }
 }
 
+void pl_raise_double(double *largest, double value) {
+    double known;
+    __atomic_load(largest, &known, __ATOMIC_RELAXED);
+    while (value > known && !__atomic_compare_exchange(largest, &known, &value, 1, __ATOMIC_RELAXED,
+                                                       __ATOMIC_RELAXED))
+        ;
+}
+
 void pl_lower_to(int64_t *lowest, int64_t value) {
     int64_t seen = __atomic_load_n(lowest, __ATOMIC_RELAXED);
     while (value < seen && !__atomic_compare_exchange_n(lowest, &seen, value, 1, __ATOMIC_RELAXED,

@@ -43,9 +43,9 @@ typedef struct exact_sums {
 /** The work on all chunks. */
 typedef struct work {
     const pl_objective_problem *problem;
-    exact_sums *sums;              /* shared, but the largest: */
-    int64_t radius_max, acuteness; /* bits of doubles, ordered as these; shared */
-    uint8_t *state;                /* [m] or NULL */
+    exact_sums *sums;             /* shared, but the largest: */
+    double radius_max, acuteness; /* shared */
+    uint8_t *state;               /* [m] or NULL */
     double flat;      /* for state: D not above this times the permanent is below, too; -1: no */
     int64_t *n_below; /* for state; shared */
 } work;
@@ -181,18 +181,6 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
         pl_sum_add(&sums->sum[VOLUME + movable], g * g);
 }
 
-static void raise_to(int64_t *largest, double value) {
-    int64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    pl_raise_to(largest, bits);
-}
-
-static double double_of(int64_t bits) {
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
 static void share(work *w, exact_sums *part) {
     exact_sums *sums = w->sums;
     for (int i = 0; i < N_SUMS; i++)
@@ -201,8 +189,8 @@ static void share(work *w, exact_sums *part) {
         __atomic_fetch_add(&sums->n[movable], part->n[movable], __ATOMIC_RELAXED);
     __atomic_fetch_add(&sums->inverted, part->inverted, __ATOMIC_RELAXED);
     __atomic_fetch_add(&sums->below, part->below, __ATOMIC_RELAXED);
-    raise_to(&w->radius_max, part->radius_max);
-    raise_to(&w->acuteness, part->acuteness);
+    pl_raise_double(&w->radius_max, part->radius_max);
+    pl_raise_double(&w->acuteness, part->acuteness);
 }
 
 static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -240,7 +228,7 @@ void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *su
     work w = {.problem = problem, .sums = &exact};
     memset(&exact, 0, sizeof exact);
     pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &w);
-    double most[] = {double_of(w.radius_max), double_of(w.acuteness)};
+    double most[] = {w.radius_max, w.acuteness};
     add_parts(&exact);
     pl_parts_largest(most, 2);
     *sums = (pl_objective_sums){.radius_max = most[0],

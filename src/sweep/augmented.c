@@ -29,28 +29,24 @@ enum { MOST_SWEEPS = 40 };
 typedef struct update {
     const pl_run *run;
     int wake;
-    int64_t largest; /* bits of the largest change; shared */
+    double largest; /* change; shared */
 } update;
 
 static void update_chunk(void *context, int64_t begin, int64_t end, int thread) {
     update *u = context;
     const planish_plan *plan = u->run->plan;
-    const double change = pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
-                                                plan->scratch + plan->scratch_stride * thread);
-    int64_t bits; /* of doubles that are not negative: ordered as these are */
-    memcpy(&bits, &change, sizeof bits);
-    pl_raise_to(&u->largest, bits);
+    pl_raise_double(&u->largest,
+                    pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
+                                          plan->scratch + plan->scratch_stride * thread));
 }
 
 /** Update the multipliers of all elements; returns the largest change. */
 static double update_shifts(const pl_run *r, int wake) {
     const int64_t n = r->plan->interior.stars.n_stars;
     update u = {r, wake, 0};
-    double largest;
     pl_parallel_for(r->plan->threads, n, PL_CHUNK_STARS, update_chunk, &u);
-    memcpy(&largest, &u.largest, sizeof largest);
-    pl_parts_largest(&largest, 1);
-    return largest;
+    pl_parts_largest(&u.largest, 1);
+    return u.largest;
 }
 
 /** Sweeps of the augmented Lagrangian around where a least volume is in force; 0 if cut short. */

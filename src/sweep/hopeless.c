@@ -152,9 +152,7 @@ int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t
     w.failed = !star_of || !seen || !rounds || !w.mine || !w.node || !w.value;
     double n_rounds = 0;
     if (!w.failed) {
-        memset(star_of, -1, (size_t)plan->n_nodes * sizeof *star_of);
-        for (int64_t s = 0; s < n_stars; s++)
-            star_of[plan->interior.centre[s]] = (int32_t)s;
+        pl_plan_number_stars(plan, star_of);
         n_rounds = list_mine(&w, of_facet, star_of, seen, rounds);
     }
     pl_parts_largest(&n_rounds, 1);

@@ -389,6 +389,12 @@ pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates
     return points;
 }
 
+void pl_plan_number_stars(const planish_plan *plan, int32_t *star_of) {
+    memset(star_of, -1, (size_t)plan->n_nodes * sizeof *star_of);
+    for (int64_t s = 0; s < plan->interior.stars.n_stars; s++)
+        star_of[plan->interior.centre[s]] = (int32_t)s;
+}
+
 const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, double *room) {
     if (pl_points_are_dense(points))
         return points->x;

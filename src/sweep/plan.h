@@ -98,6 +98,9 @@ int pl_plan_colours(const planish_plan *plan);
 /** Copy coordinates [n][dim] to inside [n][dim], by inner numbers. */
 void pl_plan_order(const planish_plan *plan, const double *coordinates, double *inside);
 
+/** star_of [n] by inner numbers becomes the star of each node of the interior, -1: none. */
+void pl_plan_number_stars(const planish_plan *plan, int32_t *star_of);
+
 /** The nodes of the plan, or of all of the mesh, in the caller's coordinates. */
 pl_points pl_plan_points(const planish_plan *plan, const double *coordinates);
 pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates);

@@ -17,20 +17,20 @@
 
 enum { CHUNK_NODES = 1024 };
 
-/** How many nodes have moved, and how far: the bits of a double that is not negative are ordered as
- *  it is. */
+/** How many nodes have moved, and how far. */
 typedef struct transfer {
     pl_run *run;
     pl_points points; /* of the caller */
     int writes;       /* 0: only look */
-    int64_t moved, far_bits;
+    int64_t moved;
+    double farthest;
 } transfer;
 
 static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread) {
     transfer *t = context;
     const planish_plan *plan = t->run->plan;
     const int dim = plan->dim;
-    int64_t moved = 0, far_bits;
+    int64_t moved = 0;
     double farthest = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
@@ -44,13 +44,13 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
         for (int d = 0; d < dim && t->writes; d++)
             t->run->coordinates[pl_point_at(&t->points, i, d)] = inside[d];
     }
-    memcpy(&far_bits, &farthest, sizeof far_bits);
-    pl_raise_to(&t->far_bits, far_bits);
+    pl_raise_double(&t->farthest, farthest);
     __atomic_fetch_add(&t->moved, moved, __ATOMIC_RELAXED);
 }
 
 static void transfer_all(transfer *t) {
-    t->moved = t->far_bits = 0;
+    t->moved = 0;
+    t->farthest = 0;
     pl_parallel_for(t->run->plan->threads, t->run->plan->n_nodes, CHUNK_NODES, transfer_chunk, t);
 }
 
@@ -61,7 +61,7 @@ static int transfer_out(pl_run *r, planish_error *error) {
     const int is_part = pl_part_here() != NULL;
     transfer t = {.run = r, .points = pl_plan_points(r->plan, r->coordinates), .writes = !is_part};
     transfer_all(&t);
-    memcpy(&r->result->max_displacement, &t.far_bits, sizeof t.far_bits);
+    r->result->max_displacement = t.farthest;
     pl_parts_add(&t.moved, 1);
     pl_parts_largest(&r->result->max_displacement, 1);
     r->result->moved_nodes = t.moved;

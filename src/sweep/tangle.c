@@ -382,13 +382,6 @@ void pl_tangle_measure(pl_tangle *t) {
 
 /* ---- all of it ----------------------------------------------------------------------------- */
 
-static void number_stars(pl_tangle *t) {
-    const planish_plan *plan = t->run->plan;
-    memset(t->star_of, -1, (size_t)plan->n_nodes * sizeof *t->star_of);
-    for (int64_t s = 0; s < plan->interior.stars.n_stars; s++)
-        t->star_of[plan->interior.centre[s]] = (int32_t)s;
-}
-
 /** The ghosts that may be in the patch. */
 static int list_ghosts(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
@@ -441,7 +434,7 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->of_thread ||
         !list_ghosts(t))
         return pl_fail_memory(error, "untangling");
-    number_stars(t);
+    pl_plan_number_stars(t->run->plan, t->star_of);
     t->scale = pl_box_of_fixed(plan).scale;
     t->asked = (pl_star_untangling){t->in_patch, t->size, t->link_skip, 1};
     return PLANISH_OK;

@@ -44,13 +44,10 @@ static void search_destroy(search *s) {
     pl_free(s->part);
 }
 
-static void number_stars(search *s) {
+static void note_fixed(search *s) {
     const planish_plan *plan = s->plan;
     for (int64_t i = 0; i < plan->n_nodes; i++)
         s->is_fixed[plan->inner[i]] = !plan->is_free[i];
-    memset(s->star_of, -1, (size_t)plan->n_nodes * sizeof *s->star_of);
-    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
-        s->star_of[plan->interior.centre[i]] = (int32_t)i;
 }
 
 /** The only free node of an element; -1: it has none, -2: it has several, or one that slides: of
@@ -138,7 +135,8 @@ int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem,
     search s;
     int status = PLANISH_OK;
     if (search_create(plan, problem, state, &s)) {
-        number_stars(&s);
+        note_fixed(&s);
+        pl_plan_number_stars(plan, s.star_of);
         look_at_elements(&s);
         look_for_proofs(&s);
         *n_infeasible = mark_elements(&s, part != NULL);
