@@ -111,13 +111,12 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
     double *x = pl_patch_vector(p, 0), *residual = pl_patch_vector(p, 1),
            *z = pl_patch_vector(p, 2), *way = pl_patch_vector(p, 3);
     double *image = pl_patch_vector(p, 4), *start = pl_patch_vector(p, 5);
-    const double *zero = pl_patch_vector(p, 6);
     pl_patch_take(p, start, r->plan->coordinates);
     clamp(p, &fixed, x, start);
     pl_patch_put(p, r->plan->coordinates, x);
     difference(p, residual, r->plan->coordinates);
-    pl_patch_combine(p, x, zero, fixed.scale, x);
-    pl_patch_combine(p, residual, zero, -fixed.scale, residual);
+    pl_patch_scale(p, x, fixed.scale, x);
+    pl_patch_scale(p, residual, -fixed.scale, residual);
     share(p, z, residual);
     pl_patch_combine(p, way, z, 0, z);
     double square = pl_patch_product(p, residual, z), goal = CENTRED * CENTRED * square;
@@ -135,6 +134,6 @@ void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally) {
         tally->visits += p->n_all;
         tally->stopped = pl_run_ask_all(r, pl_plan_colours(r->plan), p->n);
     }
-    pl_patch_combine(p, x, zero, 1 / fixed.scale, x);
+    pl_patch_scale(p, x, 1 / fixed.scale, x);
     pl_patch_admit(p, x, start);
 }

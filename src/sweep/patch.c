@@ -82,6 +82,18 @@ void pl_patch_combine(const pl_patch *p, double *a, const double *b, double fact
     pl_patch_for(p, combine_chunk, &o);
 }
 
+static void scale_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const operation *o = context;
+    (void)thread;
+    for (int64_t i = begin * o->p->dim; i < end * o->p->dim; i++)
+        o->a[i] = 0 + o->factor * o->b[i];
+}
+
+void pl_patch_scale(const pl_patch *p, double *a, double factor, const double *b) {
+    operation o = {p, a, b, NULL, factor, NULL};
+    pl_patch_for(p, scale_chunk, &o);
+}
+
 static void take_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const operation *o = context;
     const int dim = o->p->dim;

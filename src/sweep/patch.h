@@ -48,6 +48,9 @@ double pl_patch_product(const pl_patch *p, const double *b, const double *c);
 void pl_patch_combine(const pl_patch *p, double *a, const double *b, double factor,
                       const double *c);
 
+/** a = factor b, whose zeros have no sign */
+void pl_patch_scale(const pl_patch *p, double *a, double factor, const double *b);
+
 /** a from an array [n_nodes][dim], and back. */
 void pl_patch_take(const pl_patch *p, double *a, const double *field);
 void pl_patch_put(const pl_patch *p, double *field, const double *a);
@@ -68,6 +71,6 @@ pl_box pl_box_of_fixed(const planish_plan *plan);
  * (centre.c); the patch has PL_CENTRE_VECTORS at least. Cut short where tally says so then. */
 void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally);
 
-enum { PL_CENTRE_VECTORS = 7 };
+enum { PL_CENTRE_VECTORS = 6 };
 
 #endif
