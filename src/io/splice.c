@@ -372,11 +372,9 @@ static int check_inputs_unchanged(const planish_file *file, int n_companions,
 static void tell_replaced(planish_error *error, int n) {
     const size_t used = error ? strlen(error->text) : 0;
     if (error)
-        snprintf(
-            error->text + used, sizeof error->text - used,
-            "; %d file%s of the mesh beside it %s been replaced before: they belong to the new "
-            "one",
-            n, n == 1 ? "" : "s", n == 1 ? "has" : "have");
+        snprintf(error->text + used, sizeof error->text - used,
+                 "; %d other file%s of the new mesh %s in place already", n, n == 1 ? "" : "s",
+                 n == 1 ? "is" : "are");
 }
 
 /** Rename all temporary files: the one with the coordinates, the first, in the end, so that no file
