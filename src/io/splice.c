@@ -360,11 +360,10 @@ static int check_not_input(const io_bytes *input, const io_output *output, plani
                    output->target);
 }
 
-/** What was copied is what was read. */
-static int check_inputs_unchanged(const planish_file *file, int n_companions,
-                                  planish_error *error) {
+/** What was copied is what was read, and so is what stays beside it where the input is replaced. */
+static int check_inputs_unchanged(const planish_file *file, planish_error *error) {
     int status = io_bytes_check_unchanged(&file->model.input, error);
-    for (int i = 0; i < n_companions && !status; i++)
+    for (int i = 0; i < file->model.n_companions && !status; i++)
         status = io_bytes_check_unchanged(&file->model.companion[i], error);
     return status;
 }
@@ -407,7 +406,7 @@ static int write_all(const planish_file *file, const char *path, const char *mai
         status = write_companion(file->format, &file->model.companion[i], path, temporaries,
                                  &output[i + 1], error);
     if (!status)
-        status = check_inputs_unchanged(file, n_companions, error);
+        status = check_inputs_unchanged(file, error);
     if (!status)
         status = commit_all(output, 1 + n_companions, temporaries, error);
     for (int i = 0; i <= n_companions; i++)

@@ -444,6 +444,25 @@ static void names(void **state) {
     assert_int_not_equal(access(test_path(path, *state, "d.ELE"), F_OK), 0);
 }
 
+/** Elements that somebody else has changed meanwhile do not go with new coordinates. */
+static void changed_elements_are_refused(void **state) {
+    static const char *const outputs[] = {"a.node", "b.node", "a.ele"};
+    for (size_t i = 0; i < sizeof outputs / sizeof *outputs; i++) {
+        char path[TEST_PATH_SIZE];
+        planish_error error = {.text = ""};
+        put(state, "a.node", nodes_from_0);
+        put(state, "a.ele", elements_from_0);
+        planish_file *file = open_mesh(state, "a.node");
+        put(state, "a.ele", "1 4 1\n0  0 1 2 3  7\n");
+        assert_true(planish_file_write(file, test_path(path, *state, outputs[i]),
+                                       planish_file_coordinates(file), 1, NULL, 0, &error) < 0);
+        assert_non_null(strstr(error.text, "a.ele"));
+        check_file(state, "a.node", nodes_from_0);
+        check_file(state, "b.node", NULL);
+        planish_file_close(file);
+    }
+}
+
 /** Any name, if the format is told: the others' are longer by their extensions. */
 static void names_without_the_extension(void **state) {
     char path[TEST_PATH_SIZE];
@@ -523,6 +542,7 @@ int main(void) {
         IN_A_FOLDER(files_that_stay_right_are_written_along),
         IN_A_FOLDER(files_of_others_are_not_taken_for_ours),
         IN_A_FOLDER(names),
+        IN_A_FOLDER(changed_elements_are_refused),
         IN_A_FOLDER(names_without_the_extension),
         IN_A_FOLDER(empty_files_beside),
         IN_A_FOLDER(open_ends_are_named),
