@@ -26,13 +26,14 @@ PLANISH_API int planish_file_open(const char *path, const char *format, int thre
                                   planish_file **file, planish_error *error);
 
 /** The same for files of which nothing is known, in a process that must not die. The HDF5 library
- *  (1.10) crashes on some damaged files: such a file (CGNS, MED, VTKHDF, DMPlex) is first opened
- *  in a child process, and packed coordinates are later changed in one, so that a crash is a
- *  _FORMAT error. It takes twice the time to open these; others are opened as they are by
- *  planish_file_open. The child is a fork of the caller, of the calling thread alone: no other
- *  thread may be within the HDF5 library then, and if the caller ignores SIGCHLD or waits for any
- *  child elsewhere, the signal in the error's text is 0. Errors besides: _MEMORY: no process could
- *  be started. */
+ *  (1.10) crashes on some damaged files, and takes memory without end for others: such a file
+ *  (CGNS, MED, VTKHDF, DMPlex) is first opened in a child process, and packed coordinates are later
+ *  changed in one, so that either is a _FORMAT error. On Linux the child may take 1 GB, and 4 kB
+ *  for each byte of the file, but no more than three quarters of the machine's memory.
+ *  It takes twice the time to open these; others are opened as they are by planish_file_open. The
+ *  child is a fork of the caller, of the calling thread alone: no other thread may be within the
+ *  HDF5 library then, and if the caller ignores SIGCHLD or waits for any child elsewhere, the
+ *  signal in the error's text is 0. Errors besides: _MEMORY: no process could be started. */
 PLANISH_API int planish_file_open_isolated(const char *path, const char *format, int threads,
                                            planish_file **file, planish_error *error);
 

@@ -8,10 +8,12 @@
 #include "io/child.h"
 
 #include "base/status.h"
+#include "base/system.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -48,6 +50,46 @@ static void become_quiet(void) {
     }
 }
 
+#ifdef __linux__
+
+/** Bytes of memory that are this process's own; negative: not known. */
+static int64_t own_memory(void) {
+    char text[128];
+    long long pages;
+    const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+    const ssize_t length = file >= 0 ? read(file, text, sizeof text - 1) : -1;
+    if (file >= 0)
+        close(file);
+    text[length > 0 ? length : 0] = '\0';
+    return sscanf(text, "%*s %*s %*s %*s %*s %lld", &pages) == 1 ? pages * sysconf(_SC_PAGESIZE)
+                                                                 : -1;
+}
+
+/** In damaged files the HDF5 library follows lists that have no end, and takes memory for each
+ * entry. Let it have, besides what the caller had, no more than a mesh in size bytes can need; and
+ * of the machine's memory not all. */
+static void limit_memory(int64_t size) {
+    const int64_t least = INT64_C(1) << 30;
+    const int64_t growth = 4096; /* a byte unpacks to a thousand at most, which are held as four */
+    const int64_t most = pl_system_memory() / 4 * 3;
+    const int64_t before = own_memory();
+    const int64_t more = size < (most - least) / growth ? least + size * growth : most;
+    struct rlimit limit;
+    if (before < 0 || more > INT64_MAX - before || getrlimit(RLIMIT_DATA, &limit))
+        return;
+    const rlim_t now = (rlim_t)(before + more);
+    if (now < limit.rlim_cur) { /* RLIM_INFINITY is the largest number */
+        limit.rlim_cur = now;
+        setrlimit(RLIMIT_DATA, &limit);
+    }
+}
+
+#else
+static void limit_memory(int64_t size) {
+    (void)size;
+}
+#endif
+
 /** A parent that is not told all of it takes it for a crash. */
 static void tell(int to_parent, const answer *a) {
     size_t n = 0;
@@ -60,10 +102,11 @@ static void tell(int to_parent, const answer *a) {
     }
 }
 
-static void be_child(io_child_fn *function, void *data, int to_parent) {
+static void be_child(io_child_fn *function, void *data, int64_t size, int to_parent) {
     answer a;
     memset(&a, 0, sizeof a);
     become_quiet();
+    limit_memory(size);
     a.status = function(data, &a.error);
     tell(to_parent, &a);
     _exit(0); /* nothing of the caller's is flushed or called */
@@ -102,13 +145,13 @@ static int make_pipe(int ends[2]) {
 }
 
 /** Fork; the child, or a negative number. Errors are in errno. *from_child is to be closed. */
-static pid_t start(io_child_fn *function, void *data, int *from_child) {
+static pid_t start(io_child_fn *function, void *data, int64_t size, int *from_child) {
     int ends[2];
     if (make_pipe(ends))
         return -1;
     const pid_t child = fork();
     if (child == 0)
-        be_child(function, data, ends[1]);
+        be_child(function, data, size, ends[1]);
     const int why = errno;
     close(ends[1]);
     if (child < 0)
@@ -118,12 +161,12 @@ static pid_t start(io_child_fn *function, void *data, int *from_child) {
     return child;
 }
 
-int io_child_run(io_child_fn *function, void *data, const char *path, planish_error *error) {
+int io_child_run(io_child_fn *function, void *data, const io_bytes *input, planish_error *error) {
     answer a;
     int from_child;
-    const pid_t child = start(function, data, &from_child);
+    const pid_t child = start(function, data, input->size, &from_child);
     if (child < 0)
-        return pl_fail_errno(error, path, "no process could be started to try it in");
+        return pl_fail_errno(error, input->path, "no process could be started to try it in");
     const int answered = hear(from_child, &a);
     const int signal_number = wait_for(child);
     close(from_child);
@@ -131,7 +174,7 @@ int io_child_run(io_child_fn *function, void *data, const char *path, planish_er
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: the HDF5 library crashed on it (signal %d, in a process of its own); "
                        "the file is damaged, or memory was short",
-                       path, signal_number);
+                       input->path, signal_number);
     if (a.status && error)
         *error = a.error;
     return a.status;

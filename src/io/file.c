@@ -177,7 +177,7 @@ static int try_isolated(planish_file *file, const char *format, planish_error *e
     if (!io_is_hdf5(input->data, input->size))
         return PLANISH_OK;
     file->model.is_isolated = 1;
-    return io_child_run(try_file, &t, input->path, error);
+    return io_child_run(try_file, &t, input, error);
 }
 
 /** Nothing is read again until it is written. */

@@ -9,10 +9,11 @@
  * when they are to be written. Unchanged coordinates that are written give the same bytes.
  *
  * The library itself (1.10) is not proof against all damage: it asks for memory of any size and
- * uses it without looking whether it came, loses memory when it fails, and reads beyond what it has
- * allocated. These are not reported here, so that what is, is planish's. Where it crashes, the
- * fuzzing ends with status 0, and the input is left as hdf5-crash-PID in the folder that
- * PLANISH_FUZZ_CRASHES names, if it does: planish_file_open_isolated is for such files.
+ * uses it without looking whether it came, loses memory when it fails, reads beyond what it has
+ * allocated, and follows lists that have no end. These are not reported here, so that what is, is
+ * planish's. Where it crashes, or takes memory again and again, the fuzzing ends with status 0, and
+ * the input is left as hdf5-crash-PID in the folder that PLANISH_FUZZ_CRASHES names, if it does:
+ * planish_file_open_isolated is for such files.
  */
 #ifndef FUZZ_HDF5_H
 #define FUZZ_HDF5_H
@@ -27,6 +28,9 @@
 #include <signal.h>
 #include <stdio.h>
 #include <unistd.h>
+#ifdef PLANISH_FUZZ
+#include <sanitizer/allocator_interface.h>
+#endif
 
 const char *__asan_default_options(void);
 const char *__asan_default_suppressions(void);
@@ -47,7 +51,7 @@ int __lsan_is_turned_off(void) {
 #ifdef PLANISH_FUZZ
 /** Whether the innermost calls, past the handler and functions like memcpy, are of libhdf5. */
 static int is_in_library(void) {
-    enum { INNERMOST = 6 };
+    enum { INNERMOST = 7 };
     void *frame[INNERMOST];
     const int n = backtrace(frame, INNERMOST);
     for (int i = 0; i < n; i++) {
@@ -71,15 +75,33 @@ static void keep_input(void) {
     (void)written;
 }
 
+static void end_if_in_library(void) {
+    static const char text[] = "the HDF5 library failed: end of the fuzzing\n";
+    if (!is_in_library())
+        return;
+    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written;
+    keep_input();
+    _exit(0);
+}
+
 static void on_crash(int signal_number) {
-    static const char text[] = "the HDF5 library crashed: end of the fuzzing\n";
-    if (is_in_library()) {
-        const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
-        (void)written;
-        keep_input();
-        _exit(0);
-    }
+    end_if_in_library();
     sigaction(signal_number, &reporter, NULL); /* and the crash happens again */
+}
+
+static _Thread_local size_t n_allocations; /* for this input */
+
+static void on_allocation(const volatile void *memory, size_t size) {
+    enum { MANY = 1 << 22 }; /* of files of kilobytes: a thousand times what one needs */
+    (void)memory;
+    (void)size;
+    if (++n_allocations % MANY == 0)
+        end_if_in_library();
+}
+
+static void on_release(const volatile void *memory) {
+    (void)memory;
 }
 
 int LLVMFuzzerInitialize(int *argc, char ***argv);
@@ -87,12 +109,14 @@ int LLVMFuzzerInitialize(int *argc, char ***argv) {
     struct sigaction action = {.sa_handler = on_crash};
     (void)argc;
     (void)argv;
+    __sanitizer_install_malloc_and_free_hooks(on_allocation, on_release);
     return sigaction(SIGSEGV, &action, &reporter);
 }
 
 static inline void fuzz_hdf5_remember(const uint8_t *data, size_t size) {
     input = data;
     input_size = size;
+    n_allocations = 0;
 }
 #else
 static inline void fuzz_hdf5_remember(const uint8_t *data, size_t size) {

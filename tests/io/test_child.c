@@ -16,10 +16,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
+
+static const io_bytes a = {.path = "a"}, a_med = {.path = "a.med"};
 
 static int succeed(void *data, planish_error *error) {
     (void)error;
@@ -71,14 +75,14 @@ static void result_and_files_come_back(void **state) {
     planish_error error = {.text = ""};
     int memory = 3;
     const int n = count_descriptors();
-    assert_int_equal(io_child_run(succeed, &memory, "a", &error), PLANISH_OK);
+    assert_int_equal(io_child_run(succeed, &memory, &a, &error), PLANISH_OK);
     assert_int_equal(memory, 3);
-    assert_int_equal(io_child_run(fail_here, NULL, "a", &error), PLANISH_ERROR_MESH);
+    assert_int_equal(io_child_run(fail_here, NULL, &a, &error), PLANISH_ERROR_MESH);
     assert_int_equal(error.element, 4);
     assert_string_equal(error.text, "no mesh");
-    assert_int_equal(io_child_run(fail_here, NULL, "a", NULL), PLANISH_ERROR_MESH);
+    assert_int_equal(io_child_run(fail_here, NULL, &a, NULL), PLANISH_ERROR_MESH);
     test_path(path, *state, "file");
-    assert_int_equal(io_child_run(write_file, path, "a", &error), PLANISH_OK);
+    assert_int_equal(io_child_run(write_file, path, &a, &error), PLANISH_OK);
     char *text = test_read(path, NULL);
     assert_string_equal(text, "done");
     free(text);
@@ -94,15 +98,56 @@ static void any_end_is_an_error(void **state) {
         planish_error error = {.text = ""};
         char wanted[32];
         int number = signals[i];
-        assert_int_equal(io_child_run(end_by, &number, "a.med", &error), PLANISH_ERROR_FORMAT);
+        assert_int_equal(io_child_run(end_by, &number, &a_med, &error), PLANISH_ERROR_FORMAT);
         snprintf(wanted, sizeof wanted, "(signal %d,", number);
         assert_non_null(strstr(error.text, wanted));
         assert_non_null(strstr(error.text, "a.med: "));
     }
     for (int status = 0; status < 2; status++)
-        assert_int_equal(io_child_run(leave, &status, "a.med", NULL), PLANISH_ERROR_FORMAT);
+        assert_int_equal(io_child_run(leave, &status, &a_med, NULL), PLANISH_ERROR_FORMAT);
     assert_int_equal(count_descriptors(), n);
     none_is_left();
+}
+
+/** Whether a child's memory is limited: on Linux, if no emulator of another machine is between. */
+static int memory_is_limited(void) {
+#ifdef __linux__
+    enum { PLENTY = 64 << 20 };
+    struct rlimit before, none;
+    getrlimit(RLIMIT_DATA, &before);
+    none = before;
+    none.rlim_cur = 1; /* 0 would mean any, for Valgrind */
+    setrlimit(RLIMIT_DATA, &none);
+    void *memory = mmap(NULL, PLENTY, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    setrlimit(RLIMIT_DATA, &before);
+    return memory == MAP_FAILED || munmap(memory, PLENTY);
+#else
+    return 0;
+#endif
+}
+
+/** What takes memory without end is told that there is no more. */
+static int take_all(void *data, planish_error *error) {
+    enum { PIECE = 1 << 20 };
+    int64_t n = 0;
+    (void)data;
+    while (mmap(NULL, PIECE, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0) !=
+           MAP_FAILED)
+        n++;
+    *error = (planish_error){.code = PLANISH_ERROR_MEMORY, .element = n};
+    return PLANISH_ERROR_MEMORY;
+}
+
+static void memory_has_an_end(void **state) {
+    planish_error error = {.text = ""};
+    const io_bytes none = {.path = "a"}, some = {.path = "a", .size = 1 << 16};
+    (void)state;
+    if (!memory_is_limited())
+        skip();
+    assert_int_equal(io_child_run(take_all, NULL, &none, &error), PLANISH_ERROR_MEMORY);
+    assert_in_range(error.element, 900, 1024);
+    assert_int_equal(io_child_run(take_all, NULL, &some, &error), PLANISH_ERROR_MEMORY);
+    assert_in_range(error.element, 900 + 256, 1024 + 256);
 }
 
 /** What people end programs by reaches all processes of a terminal: the caller answers it. */
@@ -112,7 +157,7 @@ static void signals_of_people_are_the_callers(void **state) {
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
         planish_error error = {.text = ""};
         int number = signals[i];
-        assert_int_equal(io_child_run(end_by, &number, "a.med", &error), PLANISH_OK);
+        assert_int_equal(io_child_run(end_by, &number, &a_med, &error), PLANISH_OK);
     }
     none_is_left();
 }
@@ -121,8 +166,8 @@ static void ignored_children_are_no_trouble(void **state) {
     int number = SIGSEGV, memory = 0;
     (void)state;
     signal(SIGCHLD, SIG_IGN);
-    assert_int_equal(io_child_run(succeed, &memory, "a", NULL), PLANISH_OK);
-    assert_int_equal(io_child_run(end_by, &number, "a", NULL), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_child_run(succeed, &memory, &a, NULL), PLANISH_OK);
+    assert_int_equal(io_child_run(end_by, &number, &a, NULL), PLANISH_ERROR_FORMAT);
     signal(SIGCHLD, SIG_DFL);
 }
 
@@ -156,6 +201,21 @@ static void what_the_library_crashes_on_is_refused(void **state) {
         assert_null(file);
     }
     assert_int_equal(count_descriptors(), n);
+    none_is_left();
+}
+
+/** Its list of the free parts of a local heap leads back to itself. */
+static void what_the_library_never_ends_on_is_refused(void **state) {
+    planish_file *file = NULL;
+    planish_error error = {.text = ""};
+    char path[TEST_PATH_SIZE];
+    (void)state;
+    if (!memory_is_limited())
+        skip();
+    test_path_from(path, "PLANISH_TEST_DATA", "damaged_endless.med");
+    assert_true(planish_file_open_isolated(path, NULL, 1, &file, &error) < 0);
+    assert_non_null(strstr(error.text, "damaged_endless.med: "));
+    assert_null(file);
     none_is_left();
 }
 
@@ -221,11 +281,13 @@ int main(void) {
         cmocka_unit_test_setup_teardown(result_and_files_come_back, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(any_end_is_an_error),
+        cmocka_unit_test(memory_has_an_end),
         cmocka_unit_test(signals_of_people_are_the_callers),
         cmocka_unit_test(ignored_children_are_no_trouble),
         cmocka_unit_test(other_formats_need_no_child),
 #ifdef PL_HDF5
         cmocka_unit_test(what_the_library_crashes_on_is_refused),
+        cmocka_unit_test(what_the_library_never_ends_on_is_refused),
         cmocka_unit_test_setup_teardown(packed_coordinates_are_changed, test_folder_create,
                                         test_folder_remove),
 #endif
