@@ -97,12 +97,18 @@ static int is_gzip(const io_bytes *input) {
     return input->size > 2 && memcmp(input->data, "\x1f\x8b", 2) == 0;
 }
 
+/** Text of two bytes a letter begins with their order. */
+static int is_utf16(const io_bytes *input) {
+    return input->size > 2 &&
+           (memcmp(input->data, "\xff\xfe", 2) == 0 || memcmp(input->data, "\xfe\xff", 2) == 0);
+}
+
 static int choose_format(planish_file *file, const char *name, planish_error *error) {
     const io_bytes *input = &file->model.input;
     file->format =
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
-    if (file->format || is_gzip(input))
-        return PLANISH_OK; /* compressed: read_model says so */
+    if (file->format || is_gzip(input) || is_utf16(input))
+        return PLANISH_OK; /* of the others read_model says what to do */
     char names[256];
     list_formats(names, sizeof names);
     if (name)
@@ -143,6 +149,10 @@ static int read_model(planish_file *file, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is compressed; unpack it first: gunzip -c %s > OUT", input->path,
                        input->path);
+    if (is_utf16(input))
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is text in UTF-16; convert it first: iconv -f UTF-16 -t UTF-8 %s > OUT",
+                       input->path, input->path);
     int status = file->format->read(&file->model, error);
     if (!status)
         status = io_model_finish(&file->model, error);

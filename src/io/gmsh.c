@@ -453,9 +453,9 @@ static int read_sections(gmsh_reader *reader) {
 }
 
 static int read_gmsh(io_model *model, planish_error *error) {
-    gmsh_reader reader = {.model = model, .error = error};
-    reader.cursor.at = model->input.data;
-    reader.cursor.end = model->input.data + model->input.size;
+    gmsh_reader reader = {.model = model,
+                          .error = error,
+                          .cursor = io_begin_text(model->input.data, model->input.size)};
     io_text_init(&reader.text, model);
     model->columns = 3;
     int status = read_sections(&reader);

@@ -387,7 +387,7 @@ static int read_all(reader *r) {
 static int read_off(io_model *model, planish_error *error) {
     reader r = {.model = model,
                 .error = error,
-                .cursor = {model->input.data, model->input.data + model->input.size}};
+                .cursor = io_begin_text(model->input.data, model->input.size)};
     io_text_init(&r.text, model);
     int status = read_all(&r);
     io_text_release(&r.text);
@@ -395,7 +395,7 @@ static int read_off(io_model *model, planish_error *error) {
 }
 
 static int recognise_off(const char *data, int64_t size) {
-    io_cursor cursor = {data, data + size};
+    io_cursor cursor = io_begin_text(data, size);
     header ignored;
     int64_t length;
     io_skip_space_comments(&cursor, '#');

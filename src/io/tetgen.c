@@ -73,7 +73,7 @@ static int line_real(io_cursor *cursor, double *value) {
 static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
                       planish_error *error) {
     *p = (part){.view = {.input = *file, .threads = threads},
-                .cursor = {file->data, file->data + file->size}};
+                .cursor = io_begin_text(file->data, file->size)};
     io_skip_space_comments(&p->cursor, '#');
     if (line_integer(&p->cursor, &p->n) || p->n < 0)
         return io_fail_text(&p->view, p->cursor.at, error, "a first line of counts was expected");
