@@ -289,10 +289,12 @@ static int write_plex(pl_crew *crew, const planish_mesh *whole, const int32_t *r
     code = pl_crew_agree(crew, code, error);
     if (!code) {
         MPI_Bcast(name, PL_TEMPORARY_SIZE, MPI_BYTE, 0, crew->comm);
+        pl_plexout out;
         code = pl_crew_agree(
-            crew, pl_plexfile_convert(crew->exchange_comm, whole, region, name, error), error);
+            crew, pl_plexfile_convert(crew->exchange_comm, whole, region, name, &out, error),
+            error);
         crew->is_broken = code != 0;
-        code = pl_crew_agree(crew, pl_plexfile_finish(crew->rank, name, code, error), error);
+        code = pl_crew_agree(crew, pl_plexfile_finish(&out, code, error), error);
     }
     free(name);
     return code;
@@ -325,14 +327,45 @@ static int check_elements(const planish_mesh *mesh, planish_error *error) {
     return code;
 }
 
+static int lead_get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
+    pl_crew *crew = crew_of(job);
+    if (crew->is_alone)
+        return pl_engine_here.get_free(job, is_free, error);
+    memset(is_free, 0, (size_t)job->mesh.n_nodes);
+    tell(crew, GET_FREE);
+    return get_free(crew, is_free, error);
+}
+
+/** Each part is smoothed as if it had no periodic nodes: those must not move. */
+static int check_periodic(const pl_job *job, planish_error *error) {
+    const planish_mesh *mesh = &job->mesh;
+    if (mesh->n_periodic == 0)
+        return PLANISH_OK;
+    uint8_t *is_free = pl_new_array(mesh->n_nodes, 1);
+    if (!is_free)
+        return fail_memory(error);
+    int code = lead_get_free(job, is_free, error);
+    for (int64_t i = 0; !code && i < 2 * mesh->n_periodic; i++) {
+        const int32_t node = mesh->periodic[i];
+        if (is_free[node] || (mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE)) {
+            *error = (planish_error){PLANISH_ERROR_PARTS, -1, -1, "its periodic sides can move"};
+            code = error->code;
+        }
+    }
+    free(is_free);
+    return code;
+}
+
 static int lead_create(pl_job *job, planish_error *error) {
     pl_crew *crew = crew_of(job);
     if (check_elements(&job->mesh, error))
         return error->code;
     tell(crew, CREATE);
-    const int code = create_plan(crew, &job->mesh, &job->options, error);
-    if (!code)
+    int code = create_plan(crew, &job->mesh, &job->options, error);
+    if (!code) {
         planish_plan_get_info(crew->plan, &job->plan_info);
+        code = check_periodic(job, error);
+    }
     if (code != PLANISH_ERROR_PARTS)
         return code;
     const planish_error why = *error;
@@ -346,15 +379,6 @@ static void lead_destroy(pl_job *job) {
         return;
     tell(crew, DESTROY);
     pl_crew_destroy_plan(crew);
-}
-
-static int lead_get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
-    pl_crew *crew = crew_of(job);
-    if (crew->is_alone)
-        return pl_engine_here.get_free(job, is_free, error);
-    memset(is_free, 0, (size_t)job->mesh.n_nodes);
-    tell(crew, GET_FREE);
-    return get_free(crew, is_free, error);
 }
 
 static int lead_measure(const pl_job *job, planish_quality *quality, planish_error *error) {

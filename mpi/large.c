@@ -92,7 +92,7 @@ static void share_arguments(work *w) {
     w->output = share_text(w->crew, a ? a->output : NULL);
     if (a) {
         w->job.options = a->library;
-        w->job.options.bind = !a->leave_unbound;
+        w->job.options.bind = pl_job_binds(a);
         w->job.options.progress = pl_progress_step;
         w->job.options.progress_user = &w->progress;
     }
@@ -356,14 +356,14 @@ static int write_mesh(work *w) {
     const double begin = pl_seconds();
     pl_crew *crew = w->crew;
     uint64_t checksums[2] = {0};
+    pl_plexout out;
     int code = pl_crew_agree(crew,
-                             pl_plexfile_write(&w->file, &crew->share, w->output,
+                             pl_plexfile_write(&w->file, &crew->share, w->output, &out,
                                                w->wants_checksums ? checksums : NULL, &w->error),
                              &w->error);
     w->result.input_checksum = checksums[0];
     w->result.checksum = checksums[1];
-    code =
-        pl_crew_agree(crew, pl_plexfile_finish(crew->rank, w->output, code, &w->error), &w->error);
+    code = pl_crew_agree(crew, pl_plexfile_finish(&out, code, &w->error), &w->error);
     w->result.write_seconds = pl_seconds() - begin;
     return code;
 }

@@ -11,10 +11,10 @@
 #include <petscviewer.h>
 
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* What DMPlex, and those who give it meshes, call the regions of elements. */
@@ -429,53 +429,65 @@ static PetscErrorCode view(MPI_Comm comm, DM dm, const char *path) {
     return PetscViewerDestroy(&viewer);
 }
 
-/** Name a file beside path as nobody else does. */
-static int name_beside(MPI_Comm comm, const char *path, planish_error *error) {
-    char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
-    int number = (int)getpid();
-    MPI_Bcast(&number, 1, MPI_INT, 0, comm);
-    if (strlen(path) + 32 > PL_TEMPORARY_SIZE)
-        return fail(error, PLANISH_ERROR_FILE, path, "has too long a name");
-    snprintf(temporary, PL_TEMPORARY_SIZE, "%s.planish-%d", path, number);
+static io_temporaries temporaries(void) {
+    return (io_temporaries){pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE};
+}
+
+/** Make the file, which its owner may read and write whatever mode it is to have. */
+static int make_beside(const char *path, pl_plexout *out, planish_error *error) {
+    const int code = io_output_open(path, temporaries(), &out->output, error);
+    if (code)
+        return code;
+    if (!out->output.temporary)
+        return fail(
+            error, PLANISH_ERROR_FILE, path,
+            "is a pipe or device, which HDF5 cannot be written to; give the name of a file");
+    out->mode = pl_file_make_accessible(out->output.temporary);
     return PLANISH_OK;
 }
 
-/** To that file, which is to become path's. */
-static int write_beside(MPI_Comm comm, DM dm, const char *path, planish_error *error) {
-    const int before = keep_silent();
-    const PetscErrorCode code = view(comm, dm, pl_signals_temporary(PL_TEMPORARY_MESH));
-    speak(before);
-    return code ? fail(error, PLANISH_ERROR_FILE, path, "cannot be written") : PLANISH_OK;
-}
-
-/** What was at path stays what it was, but for its content: who may read it. */
-static int take_place(const char *temporary, const char *path) {
-    struct stat status;
-    if (stat(path, &status) == 0 && chmod(temporary, status.st_mode & 07777))
-        return -1;
-    return rename(temporary, path);
-}
-
-int pl_plexfile_finish(int rank, const char *path, int code, planish_error *error) {
-    char *temporary = pl_signals_temporary(PL_TEMPORARY_MESH);
-    char *target = realpath(path, NULL); /* a link stays one */
-    if (rank == 0 && !code && take_place(temporary, target ? target : path))
-        code = fail(error, PLANISH_ERROR_FILE, path, "cannot be replaced");
-    if (rank == 0 && code)
-        remove(temporary);
-    memset(temporary, 0, PL_TEMPORARY_SIZE);
-    free(target);
+/** Likewise, in all processes: the first one makes it, and all know its name, in text [size]. */
+static int begin_beside(MPI_Comm comm, const char *path, pl_plexout *out, char *text, int size,
+                        planish_error *error) {
+    int rank, code = PLANISH_OK;
+    MPI_Comm_rank(comm, &rank);
+    *out = (pl_plexout){.output = {.fd = -1}, .mode = -1};
+    if (rank == 0) {
+        code = make_beside(path, out, error);
+        if (!code && snprintf(text, (size_t)size, "%s", out->output.temporary) >= size)
+            code = fail(error, PLANISH_ERROR_FILE, path, "has too long a name");
+    }
+    MPI_Bcast(&code, 1, MPI_INT, 0, comm);
+    MPI_Bcast(text, size, MPI_BYTE, 0, comm);
+    if (rank > 0 && !code) { /* whichever process a signal ends removes it */
+        char *list = temporaries().paths;
+        memcpy(list + 1, text + 1, (size_t)size - 1);
+        list[0] = text[0];
+    }
     return code;
 }
 
-int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
+int pl_plexfile_finish(pl_plexout *out, int code, planish_error *error) {
+    io_output *output = &out->output;
+    if (output->temporary && out->mode >= 0)
+        pl_file_set_mode(output->temporary, out->mode);
+    if (output->temporary && !code)
+        code = io_output_finish(output, error);
+    if (output->temporary && !code)
+        code = io_output_commit(output, temporaries(), error);
+    io_output_release(output, temporaries());
+    memset(temporaries().paths, 0, PL_TEMPORARY_SIZE);
+    return code;
+}
+
+int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path, pl_plexout *out,
                       uint64_t *checksums, planish_error *error) {
+    char temporary[2 * PATH_MAX] = "";
     int reason = 0;
-    const int status = name_beside(file->comm, path, error);
+    const int status = begin_beside(file->comm, path, out, temporary, (int)sizeof temporary, error);
     if (status)
         return status;
-    const PetscErrorCode code =
-        pl_plexrows_write(file, share, pl_signals_temporary(PL_TEMPORARY_MESH), checksums, &reason);
+    const PetscErrorCode code = pl_plexrows_write(file, share, temporary, checksums, &reason);
     if (code)
         return pl_fail_petsc(error, code);
     if (!reason)
@@ -509,12 +521,19 @@ static PetscErrorCode make_plex(MPI_Comm comm, const planish_mesh *whole, const 
 }
 
 int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
-                        const char *path, planish_error *error) {
+                        const char *path, pl_plexout *out, planish_error *error) {
+    char temporary[2 * PATH_MAX] = "";
     DM dm = NULL;
-    const PetscErrorCode code = make_plex(comm, whole, region, &dm);
-    int status = code ? pl_fail_petsc(error, code) : name_beside(comm, path, error);
-    if (!status)
-        status = write_beside(comm, dm, path, error);
+    int status = begin_beside(comm, path, out, temporary, (int)sizeof temporary, error);
+    if (status)
+        return status;
+    PetscErrorCode code = make_plex(comm, whole, region, &dm);
+    if (code)
+        status = pl_fail_petsc(error, code);
+    const int before = keep_silent();
+    if (!status && view(comm, dm, temporary))
+        status = fail(error, PLANISH_ERROR_FILE, path, "cannot be written");
+    speak(before);
     DMDestroy(&dm);
     return status;
 }

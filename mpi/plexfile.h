@@ -6,6 +6,8 @@
 
 #include "share.h"
 
+#include "io/output.h"
+
 /** What has to be known of a file before PETSc can read it. */
 typedef struct pl_plexform {
     char name[256];         /* of the mesh; "": the file's form has none */
@@ -43,20 +45,26 @@ PetscErrorCode pl_plexfile_nodes(const pl_plexfile *file, int64_t *n, int64_t **
 /** Cut it into pieces. Collective; piece is to be destroyed in any case. */
 int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error);
 
-/** Write the mesh with the coordinates of share to a file beside path: a copy in which they alone
- *  are others. checksums [2]: what planish_checksum says of the mesh before and after, in the first
- *  process; NULL: not wanted. Collective; it may fail in some processes alone. */
-int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path,
+/** A file that processes write together, beside its place until it is whole: the first one's. */
+typedef struct pl_plexout {
+    io_output output;
+    int mode; /* that it is to have in the end; -1: the one that it has */
+} pl_plexout;
+
+/** Write the mesh with the coordinates of share to out, which is to become path's: a copy in which
+ *  they alone are others. checksums [2]: what planish_checksum says of the mesh before and after,
+ * in the first process; NULL: not wanted. Collective; it may fail in some processes alone. out is
+ * to be finished in any case. */
+int pl_plexfile_write(pl_plexfile *file, const pl_share *share, const char *path, pl_plexout *out,
                       uint64_t *checksums, planish_error *error);
 
-/** Write whole, which the first process has (the others: NULL), as PETSc does to a file beside
- *  path, with the region [n_elements] of each element, or NULL: there are none. Likewise
- *  collective. */
+/** Write whole, which the first process has (the others: NULL), as PETSc does, with the region
+ *  [n_elements] of each element, or NULL: there are none. Likewise in all else. */
 int pl_plexfile_convert(MPI_Comm comm, const planish_mesh *whole, const int32_t *region,
-                        const char *path, planish_error *error);
+                        const char *path, pl_plexout *out, planish_error *error);
 
-/** Let the file that one of these has written take the place of that at path; with a code remove
- *  it: the first process does. Returns code, or a planish_status. */
-int pl_plexfile_finish(int rank, const char *path, int code, planish_error *error);
+/** Let what has been written take its place; with a code remove it. Returns code, or a
+ *  planish_status in the first process. */
+int pl_plexfile_finish(pl_plexout *out, int code, planish_error *error);
 
 #endif

@@ -101,9 +101,10 @@ const char *pl_plexrows_refusal(const char *path, pl_plexform *form) {
            : o.columns != o.dim
                ? "its nodes have three coordinates, and its elements two dimensions"
            : !o.has_simplices_alone ? "not all of its elements are simplices"
-           : !o.has_regions_alone ? "it has labels besides 'Cell Sets', or elements in two of these"
-           : !has_rows(path, &o)  ? "its coordinates do not stand there as doubles, row by row"
-                                  : NULL;
+           : !o.has_regions_alone
+               ? "it has labels besides 'Cell Sets', or elements in two of these, or a set -1"
+           : !has_rows(path, &o) ? "its coordinates do not stand there as doubles, row by row"
+                                 : NULL;
 }
 
 /** What the first process has found, in all; and who has which rows. */

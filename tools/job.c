@@ -14,9 +14,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Whether the user has told OpenMP where threads belong; the program then leaves that alone. */
-static int user_binds_threads(void) {
-    return getenv("OMP_PLACES") || getenv("OMP_PROC_BIND") || getenv("GOMP_CPU_AFFINITY");
+int pl_job_binds(const pl_arguments *arguments) {
+    return !arguments->leave_unbound && !getenv("OMP_PLACES") && !getenv("OMP_PROC_BIND") &&
+           !getenv("GOMP_CPU_AFFINITY");
 }
 
 int64_t pl_job_element_number(const pl_job *job, int64_t element) {
@@ -132,7 +132,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     job->arguments = arguments;
     job->engine = engine;
     job->options = arguments->library;
-    job->options.bind = !arguments->leave_unbound && !user_binds_threads();
+    job->options.bind = pl_job_binds(arguments);
     job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (planish_file_open_isolated(arguments->input, arguments->format, job->options.threads,
                                    &job->file, &error))

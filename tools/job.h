@@ -50,6 +50,10 @@ typedef struct pl_job {
     double setup_seconds; /* plan */
 } pl_job;
 
+/** Whether threads are to be bound to cores: not if the user has told planish or OpenMP otherwise.
+ */
+int pl_job_binds(const pl_arguments *arguments);
+
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */
 int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine);
 

@@ -86,7 +86,7 @@ typedef struct io_plex_outline {
     int dim, columns;                    /* of the elements; coordinates of a node */
     int64_t n_nodes;
     int has_simplices_alone; /* as elements, and all points are bounded as they must be */
-    int has_regions_alone;   /* no labels but that of regions, and an element is of one */
+    int has_regions_alone;   /* no labels but that of regions; an element is of one, never of -1 */
 } io_plex_outline;
 
 /** What stands in the file at path; but for places of nodes, nothing in it can be out of range

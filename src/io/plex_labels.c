@@ -144,13 +144,17 @@ static int is_of_new_elements(const plex_reader *r, const set *s, uint8_t *seen)
     return 1;
 }
 
+/** Whether a set is a region, as PETSc reads it: of -1 it reads nothing, as that is no set. */
+static int is_region(const plex_reader *r, const set *s, uint8_t *seen) {
+    return strcmp(s->label, regions) == 0 && strcmp(s->value, "-1") != 0 &&
+           is_of_new_elements(r, s, seen);
+}
+
 static int check_labels(labels *l, uint8_t *seen, int *has_regions_alone) {
     const int status = read_sets(l, 1);
     *has_regions_alone = 1;
     for (int64_t i = 0; i < l->n && !status && *has_regions_alone; i++)
-        *has_regions_alone =
-            is_note(l->set[i].label) ||
-            (strcmp(l->set[i].label, regions) == 0 && is_of_new_elements(l->r, &l->set[i], seen));
+        *has_regions_alone = is_note(l->set[i].label) || is_region(l->r, &l->set[i], seen);
     return status;
 }
 

@@ -50,6 +50,28 @@ awk '/^Tetrahedra/ { t = 1 } t && NF == 5 && ++n % 3 == 0 { a = $1; $1 = $2; $2 
 compare "$work/mixed.mesh" parts
 compare "$PLANISH_SOURCE/tests/data/square.msh" parts
 compare "$PLANISH_SOURCE/tests/data/nastran.bdf" alone
+# Periodic sides: one process moves them.
+python3 - "$work/valid.mesh" "$work/periodic.msh" <<'PERIODIC' || fail "no periodic mesh"
+import sys
+words = open(sys.argv[1]).read().split()
+at, to = words.index("Vertices") + 2, words.index("Tetrahedra") + 2
+nodes = [words[i : i + 3] for i in range(at, to - 2, 4)]
+cells = [words[i : i + 4] for i in range(to, len(words) - 1, 5)]
+n = round(len(nodes) ** (1 / 3))  # a row
+with open(sys.argv[2], "w") as file:
+    print("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes", len(nodes), sep="\n", file=file)
+    for i, x in enumerate(nodes, 1):
+        print(i, *x, file=file)
+    print("$EndNodes\n$Elements", len(cells), sep="\n", file=file)
+    for i, c in enumerate(cells, 1):
+        print(i, "4 2 1 1", *c, file=file)
+    print("$EndElements\n$Periodic\n1\n2 2 1", n * n, sep="\n", file=file)
+    for i in range(1, n**3, n):
+        print(i + n - 1, i, file=file)
+    print("$EndPeriodic", file=file)
+PERIODIC
+compare "$work/periodic.msh" parts
+compare "$work/periodic.msh" alone --slide auto
 [ -s "$work/report.html" ] || fail "no report"
 
 # More processes than elements, and nodes of no element.
@@ -132,9 +154,13 @@ def label(file):
     file["labels/Cell Sets/1/indices"][3] = 10**8
 def order(file):
     file["topology/order"][5] = -7
-for edit in twice, cone, label, order:
+def minus(file): # a region of the number that DMPlex has for none, beside elements in none
+    del file["labels/Cell Sets/1"]
+    file.move("labels/Cell Sets/2", "labels/Cell Sets/-1")
+for edit in twice, cone, label, order, minus:
     change(edit.__name__, edit)
 DAMAGE
+compare "$work/minus.h5" parts
 compare "$work/twice.h5" parts
 together 2 "$work/twice.h5" -o "$work/n.h5" 2>"$work/err" >/dev/null
 grep -q "^note: .*twice.h5: one process has all of the mesh: it has labels" "$work/err" || fail "no note: $(cat "$work/err")"
@@ -185,8 +211,34 @@ else
 fi
 cp "$work/more.h5" "$work/n.h5" # in its own place, as a link
 ln -s n.h5 "$work/link.h5"
+chmod 600 "$work/n.h5"
 together 2 "$work/link.h5" -o "$work/link.h5" -q && [ -L "$work/link.h5" ] || fail "a link"
 $python "$PLANISH_SOURCE/tests/mpi/only_rows.py" "$work/more.h5" "$work/n.h5" || fail "in its own place"
+[ "$(stat -c %a "$work/n.h5")" = 600 ] || fail "the mode of the file that was replaced"
+# A link that leads nowhere yet, and one to another file system; for .h5 of other files, too.
+for file in more.h5 valid.mesh; do
+    rm -f "$work/new.h5" "$work/away.h5"
+    ln -s new.h5 "$work/away.h5"
+    together 2 "$work/$file" -o "$work/away.h5" -q 2>"$work/err" && [ -L "$work/away.h5" ] && [ -s "$work/new.h5" ] ||
+        fail "$file: a link that leads nowhere: $(cat "$work/err")"
+    elsewhere=$(mktemp -p /dev/shm planish-XXXXXX.h5) || continue
+    ln -sf "$elsewhere" "$work/away.h5"
+    together 2 "$work/$file" -o "$work/away.h5" -q 2>"$work/err" && [ -L "$work/away.h5" ] &&
+        [ "$(stat -c %s "$elsewhere")" = "$(stat -c %s "$work/new.h5")" ]
+    status=$?
+    rm "$elsewhere"
+    [ $status = 0 ] || fail "$file: a link to another file system: $(cat "$work/err")"
+done
+mkfifo "$work/pipe.h5"
+together 2 "$work/more.h5" -o "$work/pipe.h5" -q 2>"$work/err" <>"$work/pipe.h5"
+[ $? = 2 ] && [ -p "$work/pipe.h5" ] && [ "$(grep -c '^planish: .*pipe' "$work/err")" = 1 ] || fail "a pipe: $(cat "$work/err")"
+# Bound where the user has not said where threads belong.
+for variable in NOTHING=1 OMP_PROC_BIND=true; do
+    env "$variable" mpirun --oversubscribe --bind-to none -n 1 "$PLANISH_MPI_PROGRAM" "$work/more.h5" -o "$work/n.h5" -j 2 -v \
+        >"$work/out" 2>&1
+    grep -q "2 threads (one thread per core" "$work/out"
+    [ $? = "$([ $variable = NOTHING=1 ]; echo $?)" ] || fail "$variable: $(cat "$work/out")"
+done
 # A node of no element stays where it is.
 together 2 "$work/one.mesh" -o "$work/one.h5" -q --max-sweeps 0 || fail "one element as .h5"
 $python - "$work/valid.h5" "$work/wrong.h5" <<'WRONG'
