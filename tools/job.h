@@ -69,6 +69,9 @@ int pl_job_plan(pl_job *job);
 /** Whether anything is going to be said of the mesh: in a table, or a report. */
 int pl_job_is_told(const pl_job *job);
 
+/** Tell, once there is a plan, of nodes that may move while parameters in the file do not. */
+int pl_job_note_parameters(const pl_job *job);
+
 /** Where none shall, and any may move, count the nodes that could; there is a plan. */
 int pl_job_count_slides(pl_job *job);
 

@@ -312,6 +312,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     pl_progress_phase(progress, PL_PHASE_MEASURING);
     pl_smooth_tell_plan(job);
+    if (job->arguments->verbosity != PL_QUIET && (status = pl_job_note_parameters(job)))
+        return status;
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &result->before)))

@@ -234,7 +234,7 @@ static int find_constraints(const planish_file *file, const planish_hold *hold, 
     const int slide = hold && hold->slide;
     const unsigned undecided =
         (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
-        (hold && hold->ignore_marks ? IO_HELD_MARKED : 0);
+        (hold && hold->ignore_marks ? IO_HELD_MARKED : 0) | IO_HAS_PARAMETERS;
     for (int64_t i = 0; i < file->model.n_nodes; i++)
         constraint[i] = file->model.hold[i] & ~undecided ? PLANISH_FIXED : PLANISH_FREE;
     int status = PLANISH_OK;

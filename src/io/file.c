@@ -305,6 +305,17 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                                 .ends_open = planish_file_open_end(file) != NULL};
 }
 
+int64_t planish_file_parameters(const planish_file *file, uint8_t *has) {
+    int64_t count = 0;
+    for (int64_t i = 0; i < file->model.n_nodes; i++) {
+        const uint8_t has_some = (file->model.hold[i] & IO_HAS_PARAMETERS) != 0;
+        if (has)
+            has[i] = has_some;
+        count += has_some;
+    }
+    return count;
+}
+
 planish_mesh planish_file_mesh(const planish_file *file) {
     const io_cells *cells = io_file_elements(file);
     return (planish_mesh){.dim = file->model.dim,

@@ -326,6 +326,8 @@ int gmsh4_nodes(gmsh_reader *reader) {
         node_block block = {reader, done, head.kind != 0 ? head.dim : 0};
         status = reader->binary ? read_binary_block(reader, &block, head.n)
                                 : read_text_block(reader, &block, head.n);
+        for (int64_t k = 0; status == 0 && block.extra > 0 && k < head.n; k++)
+            io_hold_node(reader->model, (int32_t)(done + k), IO_HAS_PARAMETERS);
         done += status == 0 ? head.n : 0;
     }
     if (status == 0)

@@ -462,8 +462,7 @@ int io_hdf5_amend(const io_model *model, const double *coordinates, io_output *o
     request r = {model, coordinates, output};
     if (!list || list->n == 0)
         return PLANISH_OK;
-    return model->is_isolated ? io_child_run(amend, &r, &model->input, error)
-                              : amend(&r, error);
+    return model->is_isolated ? io_child_run(amend, &r, &model->input, error) : amend(&r, error);
 }
 
 #endif

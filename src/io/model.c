@@ -6,6 +6,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -258,16 +259,27 @@ static int finish_solid(io_model *model, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** The nodes of the triangles must share one z. */
+/** The nodes of the triangles must share one z, but for what geometry kernels leave of roundings.
+ */
 static int check_plane(const io_model *model, planish_error *error) {
+    const double noise = 1e-8; /* of the longest side */
     const int32_t *nodes = model->triangle.nodes;
-    double z = model->xyz[3 * (int64_t)nodes[0] + 2];
+    const double z = model->xyz[3 * (int64_t)nodes[0] + 2];
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
     for (int64_t i = 0; i < 3 * model->triangle.n; i++)
-        if (model->xyz[3 * (int64_t)nodes[i] + 2] != z)
-            return pl_fail_at(error, PLANISH_ERROR_FORMAT, i / 3, nodes[i],
-                              "%s: triangles in space (z is %.17g here and %.17g there): "
-                              "only plane meshes of one z can be smoothed, surfaces cannot",
-                              model->input.path, z, model->xyz[3 * (int64_t)nodes[i] + 2]);
+        for (int d = 0; d < 2; d++) {
+            const double x = model->xyz[3 * (int64_t)nodes[i] + d];
+            low[d] = x < low[d] ? x : low[d];
+            high[d] = x > high[d] ? x : high[d];
+        }
+    const double most = noise * fmax(high[0] - low[0], high[1] - low[1]);
+    for (int64_t i = 0; i < 3 * model->triangle.n; i++)
+        if (!(fabs(model->xyz[3 * (int64_t)nodes[i] + 2] - z) <= most))
+            return pl_fail_at(
+                error, PLANISH_ERROR_FORMAT, i / 3, nodes[i],
+                "%s: triangles in space (z is %.17g here and %.17g there): "
+                "only meshes in the plane of x and y can be smoothed, surfaces cannot",
+                model->input.path, z, model->xyz[3 * (int64_t)nodes[i] + 2]);
     return PLANISH_OK;
 }
 

@@ -116,8 +116,9 @@ enum {
     IO_HELD_PERIODIC = 8,     /* one of a periodic pair */
     IO_HELD_BY_LINE = 16,     /* on a line, */
     IO_HELD_BY_TRIANGLE = 32, /* on a triangle of a mesh of tetrahedra */
-    IO_HELD_MARKED = 64       /* marked in a file that may mean no more than that it is on the
+    IO_HELD_MARKED = 64,      /* marked in a file that may mean no more than that it is on the
                                  boundary (VTK) */
+    IO_HAS_PARAMETERS = 128 /* is not held by that: parameters of the geometry go with its place */
 };
 
 typedef struct io_model {

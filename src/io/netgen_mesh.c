@@ -120,6 +120,8 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
                 cells->nodes[cell * corners + j] = node;
             else if (!status)
                 io_hold_node(r->model, node, IO_HELD_BY_OTHER);
+            if (k->parameter && !status)
+                io_hold_node(r->model, node, IO_HAS_PARAMETERS);
         }
         if (!status)
             status = skip_words(r, cursor, i, k->extra * (int)corners, error);
@@ -131,6 +133,16 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
             r->n_kept += kept;
     }
     return PLANISH_OK;
+}
+
+/** The parameter of a node, which files without a geometry leave 0. */
+static int take_parameter(const netgen_reader *r, io_cursor *cursor, int64_t record, int32_t node,
+                          planish_error *error) {
+    io_cursor word = *cursor;
+    double value;
+    if (!io_real(&word, &value) && value != 0)
+        io_hold_node(r->model, node, IO_HAS_PARAMETERS);
+    return skip_words(r, cursor, record, 1, error);
 }
 
 static int read_segments(void *context, io_cursor *cursor, int64_t begin, int64_t end,
@@ -147,6 +159,9 @@ static int read_segments(void *context, io_cursor *cursor, int64_t begin, int64_
                 status = take_node(r, cursor, i, error, &lines->nodes[2 * cell + j - k->corner]);
             else if (j == group)
                 status = take_group(r, cursor, i, error, &lines->entity[cell]);
+            else if (k->parameter && (j == k->parameter || j == k->parameter + 2))
+                status = take_parameter(r, cursor, i, lines->nodes[2 * cell + (j > k->parameter)],
+                                        error);
             else
                 status = skip_words(r, cursor, i, 1, error);
         }
