@@ -25,13 +25,12 @@ typedef enum netgen_kind {
 typedef struct netgen_keyword {
     const char *name;
     netgen_kind kind;
-    int words;     /* of a record; of elements those before the nodes */
-    int group;     /* elements and segments: which word has it; NETGEN_NAMES: codimension */
-    int extra;     /* elements: words for each node that stand behind the nodes */
-    int corner;    /* segments: which word is the first node. Elements: dimension */
-    int parameter; /* segments: which word is the first node's parameter on its curve, that of the
-                      second stands two words behind; 0: there are none. Elements: not 0: the extra
-                      words are parameters */
+    int words;        /* of a record; of elements those before the nodes */
+    int group;        /* elements and segments: which word has it; NETGEN_NAMES: codimension */
+    int extra;        /* elements: words for each node that stand behind the nodes */
+    int corner;       /* segments: which word is the first node. Elements: dimension */
+    int parameter[2]; /* segments: which words are the nodes' parameters on their curve, or 0.
+                         Elements: not 0: the extra words are parameters */
 } netgen_keyword;
 
 enum {

@@ -120,7 +120,7 @@ static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_
                 cells->nodes[cell * corners + j] = node;
             else if (!status)
                 io_hold_node(r->model, node, IO_HELD_BY_OTHER);
-            if (k->parameter && !status)
+            if (k->parameter[0] && !status)
                 io_hold_node(r->model, node, IO_HAS_PARAMETERS);
         }
         if (!status)
@@ -159,9 +159,9 @@ static int read_segments(void *context, io_cursor *cursor, int64_t begin, int64_
                 status = take_node(r, cursor, i, error, &lines->nodes[2 * cell + j - k->corner]);
             else if (j == group)
                 status = take_group(r, cursor, i, error, &lines->entity[cell]);
-            else if (k->parameter && (j == k->parameter || j == k->parameter + 2))
-                status = take_parameter(r, cursor, i, lines->nodes[2 * cell + (j > k->parameter)],
-                                        error);
+            else if (k->parameter[0] && (j == k->parameter[0] || j == k->parameter[1]))
+                status = take_parameter(r, cursor, i,
+                                        lines->nodes[2 * cell + (j == k->parameter[1])], error);
             else
                 status = skip_words(r, cursor, i, 1, error);
         }

@@ -9,6 +9,7 @@
 #include <cmocka.h>
 
 #include "support/file_builder.h"
+#include "support/reading.h"
 
 /* A tetrahedron cut into four by a node inside, with one surface triangle, one line, one point. */
 enum { N_NODES = 6, INSIDE = 4, FAR = 5 };
@@ -226,8 +227,16 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
         assert_int_equal(planish_file_node_number(file, i), node_tag(variant, i));
     static const uint8_t held[] = {IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE | IO_HELD_BY_LOWER,
                                    IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE, IO_HELD_BY_TRIANGLE};
+    const int with = variant->parametric ? IO_HAS_PARAMETERS : 0;
     for (int i = 0; i < N_NODES; i++)
-        assert_int_equal(model->hold[i], i < 3 ? held[i] : i == INSIDE ? 0 : IO_HELD_PERIODIC);
+        assert_int_equal(model->hold[i], with | (i < 3         ? held[i]
+                                                 : i == INSIDE ? 0
+                                                               : IO_HELD_PERIODIC));
+    const planish_hold whole = {.ignore_regions = 1};
+    uint8_t constraint[N_NODES];
+    assert_int_equal(planish_file_constraints(file, &whole, constraint, NULL), PLANISH_OK);
+    assert_int_equal(constraint[INSIDE], PLANISH_FREE);
+    assert_int_equal(planish_file_parameters(file, NULL), with ? N_NODES : 0);
 }
 
 static void expect_entities(const io_model *model) {
@@ -307,6 +316,30 @@ static void test_plane_mesh(void **state) {
     assert_int_equal(file->model.hold[0], IO_HELD_BY_LINE);
     assert_int_equal(file->model.hold[2], 0);
     planish_file_close(file);
+}
+
+/** What geometry kernels leave of roundings in z is no surface. */
+static void test_noise_of_a_plane(void **state) {
+    (void)state;
+    static const struct {
+        const char *z;
+        int is_plane;
+    } cases[] = {{"2", 1}, {"2.00000001e0", 1}, {"1.99999999", 1}, {"2.0000001", 0}, {"1.9", 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0 0 2\n2 3 0 2\n3 3 1 %s\n"
+                 "$EndNodes\n$Elements\n1\n1 2 0 1 2 3\n$EndElements\n",
+                 cases[i].z);
+        if (cases[i].is_plane) {
+            planish_file *file;
+            read_text(text, &file);
+            assert_int_equal(file->model.dim, 2);
+            planish_file_close(file);
+        } else {
+            reading_fails(&io_format_gmsh, text, "triangles in space");
+        }
+    }
 }
 
 static void test_other_elements_hold(void **state) {
@@ -574,12 +607,19 @@ static void test_real_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_msh2),       cmocka_unit_test(test_msh4),
-        cmocka_unit_test(test_plane_mesh), cmocka_unit_test(test_other_elements_hold),
-        cmocka_unit_test(test_partition),  cmocka_unit_test(test_copies),
-        cmocka_unit_test(test_large_msh2), cmocka_unit_test(test_large_msh4),
-        cmocka_unit_test(test_errors),     cmocka_unit_test(test_binary_tags_that_lie),
-        cmocka_unit_test(test_recognise),  cmocka_unit_test(test_real_files),
+        cmocka_unit_test(test_msh2),
+        cmocka_unit_test(test_msh4),
+        cmocka_unit_test(test_plane_mesh),
+        cmocka_unit_test(test_noise_of_a_plane),
+        cmocka_unit_test(test_other_elements_hold),
+        cmocka_unit_test(test_partition),
+        cmocka_unit_test(test_copies),
+        cmocka_unit_test(test_large_msh2),
+        cmocka_unit_test(test_large_msh4),
+        cmocka_unit_test(test_errors),
+        cmocka_unit_test(test_binary_tags_that_lie),
+        cmocka_unit_test(test_recognise),
+        cmocka_unit_test(test_real_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -152,16 +152,31 @@ static void segments_of_every_kind(void **state) {
     static const struct {
         const char *text;
         int tag;
-    } cases[] = {{"edgesegments\n1\n5 0 2 3\n", 5},
-                 {"edgesegmentsgi\n1\n5 0 2 3 9 9\n", 5},
-                 {"edgesegmentsgi2\n1\n5 0 2 3\n9 9 1 2 6 0 0 0\n", 6}, /* on two lines */
-                 {"edgesegmentsgi3\n1\n2 3 9 9 0.5 0.25 6\n", 7}};
+        const char *has_parameters; /* of each node */
+    } cases[] = {
+        {"edgesegments\n1\n5 0 2 3\n", 5, "0000"},
+        {"edgesegmentsgi\n1\n5 0 2 3 9 9\n", 5, "0000"},
+        {"edgesegmentsgi2\n1\n5 0 2 3\n9 9 1 2 6 0 0 0\n", 6, "0000"}, /* on two lines */
+        {"edgesegmentsgi2\n1\n5 0 2 3\n9 9 1 2 6 0 0 0.5\n", 6, "0010"},
+        {"edgesegmentsgi2\n1\n5 0 2 3\n9 9 1 2 6 -2e-9 0 0\n", 6, "0100"},
+        {"edgesegmentsgi3\n1\n2 3 9 9 0.5 0 6\n", 7, "0100"},
+        {"edgesegmentsgi3\n1\n2 3 9 9 0.5 0.25 6\n", 7, "0110"},
+        {"surfaceelementsuv\n1\n1 5 1 0 3 1 2 3 0 0.5 1 0 0.5 1\nedgesegments\n1\n5 0 2 3\n", 5,
+         "1110"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[512];
         snprintf(text, sizeof text, HEAD "%s" NODES TET TAIL, cases[i].text);
         planish_file *file = reading_text(&io_format_netgen, text);
         assert_int_equal(tag_of(file, &file->model.line, 0), cases[i].tag);
-        constraints_are(file, NULL, 0, "0110");
+        constraints_are(file, NULL, 0, i == 7 ? "1110" : "0110");
+        uint8_t has[4];
+        int64_t n = 0;
+        planish_file_parameters(file, has);
+        for (int k = 0; k < 4; k++) {
+            assert_int_equal(has[k], cases[i].has_parameters[k] == '1');
+            n += has[k];
+        }
+        assert_int_equal(planish_file_parameters(file, NULL), n);
         planish_file_close(file);
     }
 }
