@@ -23,9 +23,26 @@ int64_t pl_job_element_number(const pl_job *job, int64_t element) {
     return job->file ? planish_file_element_number(job->file, element) : element;
 }
 
+/** Whether that is what is wrong: an element with the same node at two corners. */
+static int is_collapsed(const pl_job *job, const planish_error *error) {
+    const int32_t *corner = job->mesh.elements + error->element * (job->mesh.dim + 1);
+    int n = 0;
+    for (int i = 0; i <= job->mesh.dim; i++)
+        n += corner[i] == error->node;
+    return n > 1;
+}
+
 int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
     const char *input = job->arguments->input;
     char where[64] = "";
+    /* The library's text has its own numbers. */
+    if (error->code == PLANISH_ERROR_MESH && job->file && error->element >= 0 &&
+        error->element < job->mesh.n_elements && is_collapsed(job, error))
+        return pl_complain(status,
+                           "%s: element %" PRId64 " has node %" PRId64
+                           " twice; remove the collapsed element",
+                           input, planish_file_element_number(job->file, error->element),
+                           planish_file_node_number(job->file, error->node));
     if (error->element >= 0 && job->file)
         snprintf(where, sizeof where, " (element %" PRId64 " of the file)",
                  planish_file_element_number(job->file, error->element));
@@ -134,6 +151,8 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     job->options = arguments->library;
     job->options.bind = pl_job_binds(arguments);
     job->options.threads = pl_threads_to_use(arguments->library.threads);
+    if (strcmp(arguments->input, "-") == 0)
+        return pl_complain(PL_EXIT_USAGE, "'-' is no file; standard input is /dev/stdin");
     if (planish_file_open_isolated(arguments->input, arguments->format, job->options.threads,
                                    &job->file, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);

@@ -413,7 +413,9 @@ static const option_row option_table[] = {
     {0, "tolerance", "T", SMOOTH, set_tolerance,
      "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)", NULL},
     {0, "time-limit", "S", SMOOTH, set_time_limit,
-     "stop after S seconds; the mesh is written and the\nexit status is 1", NULL},
+     "stop smoothing S seconds after it has begun (reading\nand set-up do not count); the mesh is "
+     "written and the\nexit status is 1",
+     NULL},
     {0, "fix", "TAG", BOTH, set_fix,
      "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once", NULL},
     {0, "fix-layers", NULL, BOTH, set_fix_layers,

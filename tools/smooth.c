@@ -53,10 +53,13 @@ static int check_output(const pl_job *job) {
                    : 0;
     if (engine_writes(job) || planish_file_can_convert(job->file, output))
         return 0;
-    return pl_complain_usage("smooth",
-                             "'%s' does not have an extension of the input's format, %s, and there "
-                             "is conversion to .vtu and .vtk only",
-                             output, job->file_info.format);
+    if (strcmp(output, "-") == 0)
+        return pl_complain_usage("smooth", "'-' is no file; standard output is /dev/stdout");
+    return pl_complain_usage(
+        "smooth",
+        "'%s' is no name for the input's format, %s, as it is there, and there "
+        "is conversion to .vtu and .vtk only",
+        output, job->file_info.format);
 }
 
 static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {

@@ -422,6 +422,12 @@ static const char *next_section(io_cursor *cursor, int64_t *length) {
     return word + 1;
 }
 
+static int fail_foreign(gmsh_reader *reader, const char *at) {
+    return gmsh_fail(
+        reader, at, reader->error,
+        "no $MeshFormat: this is no mesh of Gmsh's (others call their files .msh, too)");
+}
+
 static int read_sections(gmsh_reader *reader) {
     int64_t length;
     int major = 0;
@@ -441,10 +447,14 @@ static int read_sections(gmsh_reader *reader) {
             return gmsh_fail(reader, name, reader->error, "no $MeshFormat before this section");
         } else {
             status = read_section(reader, major, name, length);
+            if (status == PLANISH_ERROR_FORMAT && major == 0)
+                return fail_foreign(reader, name);
         }
         if (status != 0)
             return status;
     }
+    if (major == 0)
+        return fail_foreign(reader, reader->cursor.end);
     if (!reader->have_nodes || !reader->have_elements)
         return gmsh_fail(reader, reader->cursor.end, reader->error,
                          "the file ends without %s (it may be cut short)",

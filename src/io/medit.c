@@ -424,7 +424,7 @@ static int medit_read(io_model *model, planish_error *error) {
 }
 
 static int medit_recognise(const char *data, int64_t size) {
-    io_cursor cursor = {data, data + size};
+    io_cursor cursor = io_begin_text(data, size);
     int64_t length;
     io_skip_space_comments(&cursor, '#');
     const char *word = io_word(&cursor, &length);

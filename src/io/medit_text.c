@@ -73,7 +73,7 @@ static int walk_keyword(medit_reader *r, io_cursor *cursor, int *done) {
 }
 
 int medit_text_walk(medit_reader *r) {
-    io_cursor cursor = {r->model->input.data, r->model->input.data + r->model->input.size};
+    io_cursor cursor = io_begin_text(r->model->input.data, r->model->input.size);
     int status = PLANISH_OK, done = 0;
     io_skip_numbers(&cursor);
     while (!status && !done && cursor.at < cursor.end)

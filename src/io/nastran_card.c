@@ -41,8 +41,10 @@ static void set_wrong(card *c, const char *at, const char *what) {
 
 static void enter_line(card *c, line l) {
     if (!l.is_free && find(l.text, '\t') < l.text.end)
-        set_wrong(c, l.text.begin,
-                  "a tab among fields of fixed columns; write it as blanks (expand -t 8 IN >OUT)");
+        set_wrong(
+            c, l.text.begin,
+            "a tab among fields of fixed columns; write tabs that part fields as commas "
+            "(tr '\\t' , <IN >OUT), or those that fill columns as blanks (expand -t 8 IN >OUT)");
     c->line = l;
     c->at = l.is_free ? l.name.end + 1 : NULL;
     c->n_of_line = 0;

@@ -64,8 +64,24 @@ tetrahedron "0 0 1" 4 "1 2 3 5" >range.msh
 bad range.msh
 tetrahedron "0 0 1" 4 "1 2 3 3" >repeated.msh
 bad repeated.msh
+sed 's/^4 0 0 1/70 0 0 1/; s/^1 4 2 1 1.*/800 4 2 1 1 1 2 70 70/' good.msh >repeated.msh
+bad repeated.msh # in the file's numbers
+expect_text "repeated.msh: element 800 has node 70 twice"
+# Others' .msh.
+printf '4 2 4\n0 0 1\n1 0 1\n1 1 1\n0 1 1\n1 2 3 1\n1 3 4 1\n' >freefem.msh
+printf '$ENTER COMPONENT NAME=A\n$STRUCTURE\n' >permas.msh
+for file in freefem permas; do
+    bad $file.msh
+    expect_text "no \$MeshFormat: this is no mesh of Gmsh's"
+done
 printf '%b1\n1 0 0 0\n$EndNodes\n$Elements\n1\n1 15 2 1 1 1\n$EndElements\n' "$header" >points.msh
 bad points.msh
+
+# No standard streams by that name.
+expect_status 64 "$program" smooth - -o out.msh
+expect_text "/dev/stdin"
+expect_status 64 "$program" smooth good.msh -o -
+expect_text "/dev/stdout"
 
 # Outputs that cannot be written.
 cp "$sample" in.msh

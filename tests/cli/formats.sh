@@ -51,6 +51,7 @@ done
 
 # Editors begin text with a byte order mark: it stays, and nothing else is different.
 mkdir marked
+tr -d '\n' <<<' ' | cat - medit.mesh | sed '1s/^ *//' >first.mesh
 printf '\xef\xbb\xbf' | cat - tetgen.ele >marked/tetgen.ele
 for file in *.{msh,mesh,vtk,vtu,vol,inp,bdf,off,node}; do
     case $file in smooth.* | again.*) continue ;; esac

@@ -81,7 +81,7 @@ static void put_gain(pl_markup *page, const pl_figures *figures) {
         pl_markup_put(page, "The RMS of the radius ratios %s from %.5g to %.5g.",
                       after < before ? "fell" : "rose", before, after);
     if (inverted > 0) {
-        pl_markup_put(page, " There were ");
+        pl_markup_put(page, inverted == 1 ? " There was " : " There were ");
         pl_markup_put_number_of(page, inverted, "inverted element", "inverted elements");
         pl_markup_put(page, " before, and now there %s ", left == 1 ? "is" : "are");
         if (left > 0)

@@ -432,15 +432,16 @@ const slider = section.querySelector('input[type=range]');
 /** The range of radius ratios for which all worse elements are known, in every state: empty, from
  *  infinity, where there are more inverted ones than are drawn. */
 function findRange() {
-    let low = 1, high = 1;
+    let low = 1, high = 1, anyFinite = false;
     for (const state of states) {
         const n = state.badRatios.length, last = n ? state.badRatios[n - 1] : 1;
-        if (n < picture.elements)
-            low = Math.max(low, last > 0 ? last : Infinity);
+        if (n < picture.elements && last > 0)
+            low = Math.max(low, last);
+        anyFinite = anyFinite || n === 0 || last > 0;
         for (const ratio of state.badRatios)
             high = Math.max(high, ratio);
     }
-    return [low, Math.max(high, low)];
+    return anyFinite ? [low, Math.max(high, low)] : [Infinity, Infinity];
 }
 
 const [lowest, highest] = findRange();
@@ -456,7 +457,7 @@ function plural(n, noun) {
 /** What a view shows, in words. */
 function describe(state, value, text) {
     const drawn = countWorse(state, Infinity), n = countWorse(state, value);
-    if (value === Infinity)
+    if (value === Infinity || drawn < state.inverted) // more than are drawn, whatever the value
         return plural(state.inverted, 'inverted element') +
             (drawn < state.inverted ? ', of which ' + drawn.toLocaleString('en') + ' are drawn' : '');
     return plural(n, 'element') + ' worse than ' + text +
