@@ -57,9 +57,10 @@ static int check_output(const pl_job *job) {
         return pl_complain_usage("smooth", "'-' is no file; standard output is /dev/stdout");
     return pl_complain_usage(
         "smooth",
-        "'%s' is no name for the input's format, %s, as it is there, and there "
+        "'%s' does not have an extension of the input's format, %s%s, and there "
         "is conversion to .vtu and .vtk only",
-        output, job->file_info.format);
+        output, job->file_info.format,
+        strcmp(job->file_info.format, "medit") == 0 ? " (text is .mesh, binary .meshb)" : "");
 }
 
 static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {

@@ -39,10 +39,11 @@ static int find_scope(abaqus_reader *r) {
         if (b->keyword != ABAQUS_NODE || b->scope == ABAQUS_IN_ASSEMBLY || !has_data(b))
             continue;
         if (first && first->scope != b->scope)
-            return abaqus_fail(r, b,
-                               "several parts have nodes; write each to a file of its own, or all "
-                               "of them without parts (Abaqus/CAE: Edit Attributes of the model, "
-                               "Do not use parts and assemblies in input files)");
+            return abaqus_fail(
+                r, b,
+                "several parts or instances have nodes; write each to a file of its own, or all "
+                "of them without parts (Abaqus/CAE: Edit Attributes of the model, "
+                "Do not use parts and assemblies in input files)");
         first = first ? first : b;
     }
     r->scope = first ? first->scope : 0;

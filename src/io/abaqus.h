@@ -20,13 +20,16 @@ typedef enum abaqus_keyword {
     ABAQUS_MPC,
     ABAQUS_PART,
     ABAQUS_END_PART,
+    ABAQUS_INSTANCE,
+    ABAQUS_END_INSTANCE,
     ABAQUS_ASSEMBLY,
     ABAQUS_END_ASSEMBLY,
     ABAQUS_REFUSED,
     ABAQUS_OTHER
 } abaqus_keyword;
 
-/** Where nodes and elements are numbered: outside of parts, in a part (1, 2, ...), or: */
+/** Where nodes and elements are numbered: outside of parts, in a part or instance (1, 2, ...), or:
+ */
 enum { ABAQUS_IN_ASSEMBLY = -1 };
 
 /** A keyword line, which may be several, and its data lines. */

@@ -137,6 +137,8 @@ static const known_keyword keywords[] = {
     {"MPC", ABAQUS_MPC},
     {"PART", ABAQUS_PART},
     {"ENDPART", ABAQUS_END_PART},
+    {"INSTANCE", ABAQUS_INSTANCE},
+    {"ENDINSTANCE", ABAQUS_END_INSTANCE},
     {"ASSEMBLY", ABAQUS_ASSEMBLY},
     {"ENDASSEMBLY", ABAQUS_END_ASSEMBLY},
     {"INCLUDE", ABAQUS_REFUSED},
@@ -199,12 +201,15 @@ static abaqus_span whole_keyword_line(io_cursor *cursor, abaqus_span line) {
     return line;
 }
 
-/** Parts have numbers of their own, and so has the assembly. */
+/** Parts have numbers of their own, and so have instances that have a mesh of theirs, and the
+ *  assembly. */
 static int32_t scope_behind(abaqus_keyword keyword, int32_t scope, int32_t *n_parts) {
     switch (keyword) {
     case ABAQUS_PART:
+    case ABAQUS_INSTANCE:
         return ++*n_parts;
     case ABAQUS_ASSEMBLY:
+    case ABAQUS_END_INSTANCE:
         return ABAQUS_IN_ASSEMBLY;
     case ABAQUS_END_PART:
     case ABAQUS_END_ASSEMBLY:

@@ -290,7 +290,32 @@ static void parts_are_understood(void **state) {
     }
     reading_fails(format,
                   "*PART,NAME=A\n*NODE\n1,0,0\n*END PART\n*PART,NAME=B\n*NODE\n1,0,0\n*END PART\n",
-                  "test:6: several parts have nodes");
+                  "test:6: several parts or instances have nodes");
+}
+
+/* The mesh of an independent instance of Abaqus/CAE is the instance's own. */
+static const char instance[] =
+    "*Heading\n*Part, name=P\n*End Part\n*Assembly, name=A\n*Instance, name=P-1, part=P\n"
+    "*Node\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n"
+    "*Element, type=C3D4\n1,1,2,3,4\n2,2,3,4,5\n*Nset, nset=S\n1,\n*End Instance\n"
+    "*Instance, name=Q-1, part=P\n*End Instance\n"
+    "*Node\n1, 9., 9., 9.\n*Nset, nset=Ref\n1,\n*Nset, nset=T, instance=P-1\n 4,\n"
+    "*Nset, nset=Dotted\nP-1.5, P-1.S\n*Elset, elset=E, instance=P-1\n 2,\n"
+    "*Element, type=CONN3D2\n1, P-1.2, 1\n"
+    "*End Assembly\n*Material, name=M\n";
+
+static void meshes_of_instances_are_understood(void **state) {
+    (void)state;
+    check_held(instance, NULL, 0, "01000");
+    check_held(instance, "S", 0, "11000");
+    check_held(instance, "Ref", 0, "01000");
+    check_held(instance, "T", 0, "01010");
+    check_held(instance, "Dotted", 0, "11001");
+    check_held(instance, "E", 0, "01111");
+    reading_fails(format,
+                  "*PART,NAME=A\n*NODE\n1,0,0\n*END PART\n*ASSEMBLY,NAME=B\n*INSTANCE,NAME=C\n"
+                  "*NODE\n1,0,0\n*END INSTANCE\n*END ASSEMBLY\n",
+                  "test:7: several parts or instances have nodes");
 }
 
 /* Sets of the part, sections of these, and sets of the assembly that have the same names. */
@@ -533,6 +558,7 @@ int main(void) {
         cmocka_unit_test(names_are_listed),
         cmocka_unit_test(types_are_known),
         cmocka_unit_test(parts_are_understood),
+        cmocka_unit_test(meshes_of_instances_are_understood),
         cmocka_unit_test(names_are_of_part_or_assembly),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(sets_have_a_limit),
