@@ -98,6 +98,35 @@ static void a_plane_is_read(void **state) {
     planish_file_close(file);
 }
 
+/** TetGen lists all facets; a surface is fewer, and may well have reference 0. */
+static void all_facets_are_no_surface(void **state) {
+    (void)state;
+    static const char mesh[] =
+        "MeshVersionFormatted 2 Dimension 3 Vertices 5 0 0 0 0 1 0 0 0 0 1 0 0 "
+        "0 0 1 0 1 1 1 0 Tetrahedra 2 1 2 3 4 0 2 3 4 5 0 RequiredTriangles 1 2 "
+        "Triangles %s End";
+    static const struct {
+        const char *triangles;
+        int held_1, n;
+    } cases[] = {
+        {"7 1 2 3 0 2 3 4 0 1 2 4 0 1 3 4 0 2 3 5 4 2 4 5 4 3 4 5 4", 0, 3},
+        {"4 1 2 3 0 2 3 4 0 1 2 4 0 1 3 4 0", IO_HELD_BY_TRIANGLE, 4},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        planish_file_info info;
+        snprintf(text, sizeof text, mesh, cases[i].triangles);
+        planish_file *file = reading_text(&io_format_medit, text);
+        assert_int_equal(file->model.hold[0], cases[i].held_1);
+        assert_int_equal(file->model.hold[1], IO_HELD_BY_TRIANGLE | IO_HELD_REQUIRED);
+        assert_int_equal(file->model.hold[4], i == 0 ? IO_HELD_BY_TRIANGLE : 0);
+        assert_int_equal(planish_file_surface(file, NULL).n_facets, cases[i].n);
+        planish_file_get_info(file, &info);
+        assert_int_equal(info.n_lower_elements, i == 0 ? 7 : 4);
+        planish_file_close(file);
+    }
+}
+
 static void sections_may_stand_in_any_order(void **state) {
     (void)state;
     planish_file *file =
@@ -522,6 +551,7 @@ int main(void) {
         cmocka_unit_test(a_solid_is_read),
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(a_plane_is_read),
+        cmocka_unit_test(all_facets_are_no_surface),
         cmocka_unit_test(sections_may_stand_in_any_order),
         cmocka_unit_test(comments_are_no_keywords),
         cmocka_unit_test(wrong_files_are_refused),
