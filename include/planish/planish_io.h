@@ -5,6 +5,7 @@
  * DMPlex and OFF; see docs/formats.md. Calls on different files may run at the same time, but of
  * files in HDF5 (CGNS, MED, VTKHDF, DMPlex) one at a time, unless the HDF5 library is built for
  * threads. Error convention as in planish.h; the text says file, line or byte, and what to do.
+ * Functions that cannot fail return 0, NULL or -1 where the file or path is NULL.
  */
 #ifndef PLANISH_IO_H
 #define PLANISH_IO_H
@@ -135,10 +136,10 @@ PLANISH_API int planish_file_element_region(const planish_file *file, int64_t el
  *  format, or a pipe or device; else 0. */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
 
-/** Ask, before long work, what planish_file_write to path would fail for wherever nodes go: files
- *  beside it that are of another mesh (TetGen), compressed coordinates that cannot be written to a
- *  pipe. Whether the place can be written is not tried.
- *  Errors: _FILE, _ARGUMENT, _MEMORY. */
+/** Ask, before long work, what planish_file_write to path would fail for wherever nodes go: a name
+ *  that planish_file_can_write does not take, files beside it that are of another mesh (TetGen),
+ *  compressed coordinates that cannot be written to a pipe. Whether the place can be written is not
+ * tried. Errors: _FILE, _ARGUMENT, _MEMORY. */
 PLANISH_API int planish_file_check_output(const planish_file *file, const char *path,
                                           planish_error *error);
 
@@ -149,9 +150,10 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
  *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
  *  signal handler that removes them. What TetGen has beside .node (.ele, .face, .edge, .neigh, ..:
  *  docs/formats.md) is written along with it.
- *  Errors: _FILE, _MEMORY, _ARGUMENT, _FORMAT (the input is not what was read any more); nothing is
- *  left behind then (but if one of TetGen's files cannot be renamed, those that had already been,
- *  .node the last, stay where they replaced others). */
+ *  Errors: _FILE, _MEMORY, _ARGUMENT (a path that planish_file_can_write does not take, coordinates
+ *  that are not finite), _FORMAT (the input is not what was read any more); nothing is left behind
+ * then (but if one of TetGen's files cannot be renamed, those that had already been, .node the
+ * last, stay where they replaced others). */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);

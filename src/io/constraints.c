@@ -247,10 +247,21 @@ static int find_constraints(const planish_file *file, const planish_hold *hold, 
     return status;
 }
 
+static int has_all(const char *const *tags, int n) {
+    for (int i = 0; i < n; i++)
+        if (!tags || !tags[i])
+            return 0;
+    return n >= 0;
+}
+
 int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                              uint8_t *constraint, planish_error *error) {
     if (!file || !constraint)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
+    if (hold &&
+        (!has_all(hold->tags, hold->n_tags) || !has_all(hold->slide_tags, hold->n_slide_tags)))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "hold: there are fewer tags than n_tags and n_slide_tags say");
     uint8_t *found = pl_alloc(file->model.n_nodes, 1);
     const int status = found ? find_constraints(file, hold, found, error)
                              : pl_fail_memory(error, "the constraints of nodes");
@@ -260,15 +271,24 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     return status;
 }
 
-int64_t planish_file_marks(const planish_file *file, uint8_t *marked) {
+/** How many nodes have a bit of io_model.hold; has [n_nodes], or NULL, says which. */
+static int64_t count_nodes(const planish_file *file, uint8_t bit, uint8_t *has) {
     int64_t n = 0;
-    for (int64_t i = 0; i < file->model.n_nodes; i++) {
-        const uint8_t is_marked = (file->model.hold[i] & IO_HELD_MARKED) != 0;
-        n += is_marked;
-        if (marked)
-            marked[i] = is_marked;
+    for (int64_t i = 0; file && i < file->model.n_nodes; i++) {
+        const uint8_t has_it = (file->model.hold[i] & bit) != 0;
+        n += has_it;
+        if (has)
+            has[i] = has_it;
     }
     return n;
+}
+
+int64_t planish_file_marks(const planish_file *file, uint8_t *marked) {
+    return count_nodes(file, IO_HELD_MARKED, marked);
+}
+
+int64_t planish_file_parameters(const planish_file *file, uint8_t *has) {
+    return count_nodes(file, IO_HAS_PARAMETERS, has);
 }
 
 /** Digits of the number that begins at text, but for leading zeros. */
@@ -351,6 +371,8 @@ static double tolerance_of_digits(const planish_file *file) {
 }
 
 planish_surface planish_file_surface(const planish_file *file, const planish_hold *hold) {
+    if (!file)
+        return (planish_surface){.n_facets = 0};
     const io_model *model = &file->model;
     const io_cells *facets = facet_cells(model);
     planish_surface surface = {

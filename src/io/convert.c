@@ -28,7 +28,7 @@ static const struct target *find_target(const planish_file *file, const char *pa
 }
 
 int planish_file_can_convert(const planish_file *file, const char *path) {
-    return find_target(file, path) != NULL;
+    return file && path && find_target(file, path) != NULL;
 }
 
 /** A list of what is not written. */

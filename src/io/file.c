@@ -283,7 +283,7 @@ static int ends_open(const io_bytes *bytes) {
 
 const char *planish_file_open_end(const planish_file *file) {
     const io_model *model = &file->model;
-    if (!file->format->has_no_end || !model->text_offset)
+    if (!file || !file->format->has_no_end || !model->text_offset)
         return NULL;
     if (ends_open(&model->input))
         return model->input.path;
@@ -294,6 +294,11 @@ const char *planish_file_open_end(const planish_file *file) {
 }
 
 void planish_file_get_info(const planish_file *file, planish_file_info *info) {
+    if (!info)
+        return;
+    *info = (planish_file_info){.format = ""};
+    if (!file)
+        return;
     *info = (planish_file_info){.format = file->format->name,
                                 .precision = file->model.precision,
                                 .round = round_to_field,
@@ -305,18 +310,9 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
                                 .ends_open = planish_file_open_end(file) != NULL};
 }
 
-int64_t planish_file_parameters(const planish_file *file, uint8_t *has) {
-    int64_t count = 0;
-    for (int64_t i = 0; i < file->model.n_nodes; i++) {
-        const uint8_t has_some = (file->model.hold[i] & IO_HAS_PARAMETERS) != 0;
-        if (has)
-            has[i] = has_some;
-        count += has_some;
-    }
-    return count;
-}
-
 planish_mesh planish_file_mesh(const planish_file *file) {
+    if (!file)
+        return (planish_mesh){.dim = 0};
     const io_cells *cells = io_file_elements(file);
     return (planish_mesh){.dim = file->model.dim,
                           .n_nodes = file->model.n_nodes,
@@ -329,20 +325,26 @@ planish_mesh planish_file_mesh(const planish_file *file) {
 }
 
 double *planish_file_coordinates(planish_file *file) {
-    return file->model.coordinates;
+    return file ? file->model.coordinates : NULL;
 }
 
 int64_t planish_file_element_number(const planish_file *file, int64_t element) {
+    if (!file)
+        return -1;
     const io_cells *cells = io_file_elements(file);
     return cells->number ? cells->number[element] : cells->first_number + element;
 }
 
 int64_t planish_file_node_number(const planish_file *file, int64_t node) {
+    if (!file)
+        return -1;
     const io_model *model = &file->model;
     return model->node_number ? model->node_number[node] : model->first_number + node;
 }
 
 int planish_file_can_write(const planish_file *file, const char *path) {
+    if (!file || !path)
+        return 0;
     const io_format *format = file->format;
     const int is_name = io_format_has_extension(format, path) &&
                         (!format->may_be_called || format->may_be_called(&file->model, path));

@@ -18,6 +18,8 @@
 #include "base/status.h"
 #include "base/system.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -414,9 +416,30 @@ static int write_all(const planish_file *file, const char *path, const char *mai
     return status;
 }
 
+static int check_name(const planish_file *file, const char *path, planish_error *error) {
+    return planish_file_can_write(file, path)
+               ? PLANISH_OK
+               : pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                         "%s: does not have an extension of the input's format, %s, which alone is "
+                         "written",
+                         path, file->format->name);
+}
+
+static int check_finite(const planish_file *file, const double *coordinates, planish_error *error) {
+    const int dim = file->model.dim;
+    for (int64_t i = 0; i < dim * file->model.n_nodes; i++)
+        if (!(fabs(coordinates[i]) <= DBL_MAX))
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / dim,
+                              "coordinate %d of node %lld is not finite", (int)(i % dim),
+                              (long long)(i / dim));
+    return PLANISH_OK;
+}
+
 int planish_file_check_output(const planish_file *file, const char *path, planish_error *error) {
     if (!file || !path)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and path must not be NULL");
+    if (check_name(file, path, error))
+        return PLANISH_ERROR_ARGUMENT;
     if (file->format->amend && file->model.encoding && io_output_is_stream(path))
         return pl_fail(error, PLANISH_ERROR_FILE,
                        "%s: its coordinates are compressed or packed, so that the result cannot be "
@@ -430,6 +453,8 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
+    if (check_name(file, path, error) || check_finite(file, coordinates, error))
+        return PLANISH_ERROR_ARGUMENT;
     const pl_outside outside = pl_call_enter(NULL);
     const int n_companions = io_companions_to_write(file, path);
     char *main_path =

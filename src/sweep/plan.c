@@ -308,10 +308,12 @@ int planish_plan_create(const planish_mesh *mesh, const planish_options *options
 void planish_plan_destroy(planish_plan *plan) {
     if (!plan)
         return;
+    const pl_outside outside = pl_call_enter(NULL);
     pl_context *context = plan->context;
     pl_forget_kept(context);
     destroy(plan);
     pl_context_destroy(context);
+    pl_call_leave(&outside);
 }
 
 void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {

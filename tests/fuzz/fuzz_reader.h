@@ -198,6 +198,8 @@ static inline int fuzz_reader(const io_format *format, const uint8_t *data, size
     fuzz_check_questions(file);
     fuzz_check_converted(file);
     fuzz_path(path, format->extensions[0]);
+    if (!planish_file_can_write(file, path)) /* Medit in binary */
+        fuzz_path(path, format->extensions[1]);
     fuzz_check_same(file, path, data, size, !tells);
     if (tells) {
         fuzz_check_moved(file, path);

@@ -83,6 +83,9 @@ run cmake -S "$here/find_package" -B "$work/cpp" -DCMAKE_PREFIX_PATH="$prefix" \
 run cmake --build "$work/cpp"
 expect_run "$work/cpp/consumer"
 expect_run "$work/cpp/consumer_io" "$source_dir/docs/examples/bracket.msh"
+run cmake -S "$here/c_alone" -B "$work/c_alone" -DCMAKE_PREFIX_PATH="$prefix"
+run cmake --build "$work/c_alone"
+expect_run "$work/c_alone/consumer" "$source_dir/docs/examples/bracket.msh"
 mkdir "$work/newer"
 sed 's/planish 0.1/planish 0.2/' "$here/find_package/CMakeLists.txt" >"$work/newer/CMakeLists.txt"
 cp "$here/find_package/main.cpp" "$work/newer/"
@@ -91,7 +94,7 @@ cmake -S "$work/newer" -B "$work/cpp2" -DCMAKE_PREFIX_PATH="$prefix" >"$work/log
 grep -q "version: 0.1.0" "$work/log" || fail "version 0.2 is refused for another reason"
 
 run cmake -S "$here/subdirectory" -B "$work/sub" -DPLANISH_SOURCE="$source_dir" \
-    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS=-O1 -DPLANISH_X86_KERNELS=OFF # soon built
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="-O1 -Werror -Wfloat-equal" -DPLANISH_X86_KERNELS=OFF # soon built
 run cmake --build "$work/sub" -j 2
 expect_run "$work/sub/consumer"
 [ -z "$(find "$work/sub" -name 'libplanish_io*' -o -name planish_program)" ] ||

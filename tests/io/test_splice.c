@@ -364,10 +364,72 @@ static void failures_are_reported(void **state) {
     if (access("/dev/full", W_OK) == 0)
         write_fails(state, file, "/dev/full", 1);
     write_fails(state, file, test_path(path, *state, "no/such/folder.mesh"), 1);
-    write_fails(state, file, *state, 1);
+    assert_int_equal(mkdir(test_path(path, *state, "folder.mesh"), 0700), 0);
+    write_fails(state, file, path, 2);
+    rmdir(path);
     test_path(path, *state, "loop.mesh");
     assert_int_equal(symlink("loop.mesh", path), 0);
     write_fails(state, file, path, 2);
+    planish_file_close(file);
+}
+
+/** Another format's name, and coordinates that no mesh has. */
+static void what_cannot_be_meant_is_refused(void **state) {
+    static const char *const names[] = {"out.vtu", "out", "out.meshb", "mesh"};
+    char path[TEST_PATH_SIZE];
+    planish_error error;
+    planish_file *file = open_small(state);
+    double *coordinates = planish_file_coordinates(file);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        test_path(path, *state, names[i]);
+        assert_int_equal(planish_file_can_write(file, path), 0);
+        assert_int_equal(planish_file_check_output(file, path, &error), PLANISH_ERROR_ARGUMENT);
+        assert_int_equal(planish_file_write(file, path, coordinates, 1, NULL, 0, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        assert_non_null(strstr(error.text, "extension"));
+    }
+    const double before = coordinates[4];
+    test_path(path, *state, "out.mesh");
+    for (int i = 0; i < 2; i++) {
+        coordinates[4] = i ? NAN : -INFINITY;
+        assert_int_equal(planish_file_write(file, path, coordinates, 1, NULL, 0, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        assert_int_equal(error.node, 4 / planish_file_mesh(file).dim);
+    }
+    coordinates[4] = before;
+    assert_int_equal(test_count_files(*state), 1);
+    planish_file_close(file);
+}
+
+static void nothing_is_asked_of_no_file(void **state) {
+    planish_file *file = open_small(state);
+    planish_file_info info = {.bytes = 7};
+    planish_error error;
+    uint8_t constraint[64];
+    const planish_hold no_tags = {.n_tags = 1}, no_slides = {.slide = 1, .n_slide_tags = 1},
+                       fewer = {.n_tags = -1};
+    planish_file_get_info(NULL, &info);
+    assert_int_equal(info.bytes, 0);
+    planish_file_get_info(file, NULL);
+    assert_int_equal(planish_file_mesh(NULL).n_nodes, 0);
+    assert_int_equal(planish_file_surface(NULL, NULL).n_facets, 0);
+    assert_null(planish_file_coordinates(NULL));
+    assert_null(planish_file_open_end(NULL));
+    assert_int_equal(planish_file_marks(NULL, NULL), 0);
+    assert_int_equal(planish_file_parameters(NULL, NULL), 0);
+    assert_int_equal(planish_file_element_number(NULL, 0), -1);
+    assert_int_equal(planish_file_node_number(NULL, 0), -1);
+    assert_int_equal(planish_file_can_write(NULL, "a.mesh"), 0);
+    assert_int_equal(planish_file_can_write(file, NULL), 0);
+    assert_int_equal(planish_file_can_convert(NULL, "a.vtu"), 0);
+    assert_int_equal(planish_file_can_convert(file, NULL), 0);
+    assert_true(planish_file_mesh(file).n_nodes <= 64);
+    assert_int_equal(planish_file_constraints(file, &no_tags, constraint, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_constraints(file, &no_slides, constraint, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_constraints(file, &fewer, constraint, &error),
+                     PLANISH_ERROR_ARGUMENT);
     planish_file_close(file);
 }
 
@@ -449,6 +511,8 @@ int main(void) {
         IN_A_FOLDER(pipes_are_written_directly),
         IN_A_FOLDER(open_files_are_written_on),
         IN_A_FOLDER(failures_are_reported),
+        IN_A_FOLDER(what_cannot_be_meant_is_refused),
+        IN_A_FOLDER(nothing_is_asked_of_no_file),
         IN_A_FOLDER(a_file_that_does_not_fit_leaves_the_old_one),
         IN_A_FOLDER(a_changed_input_is_refused),
         IN_A_FOLDER(a_replaced_input_is_none),

@@ -1,9 +1,11 @@
 """Tests of the Python module."""
 
+import copy
 import ctypes
 import itertools
 import os
 import pathlib
+import pickle
 import subprocess
 import sys
 import tempfile
@@ -41,6 +43,48 @@ def box(dim, cells=6, amount=0.14, seed=1):
     return points, np.array(found, dtype=np.int32), inside
 
 
+def smooth_box(seed):
+    """Of more nodes than one thread is worth."""
+    points, cells, _ = box(2, cells=60, amount=0.3, seed=seed)
+    before = planish.quality(points, cells).rms_radius_ratio
+    return bool(planish.find_layers(points, cells).any()), planish.smooth(points, cells).rms < before
+
+
+class Processes(unittest.TestCase):
+    """Children of a fork, in a process of their own: one that hangs is ended."""
+
+    @unittest.skipUnless(hasattr(os, "fork"), "there is no fork")
+    def test_children_of_a_fork(self):
+        text = ("import multiprocessing, sys; sys.path.insert(0, %r); import module\n"
+                "module.smooth_box(1)\n"
+                "with multiprocessing.get_context('fork').Pool(2) as pool:\n"
+                "    assert pool.map(module.smooth_box, range(2)) == [(False, True)] * 2\n"
+                "points, cells, _ = module.box(2, cells=60)\n"
+                "plan = module.planish.Plan(points, cells, threads=2)\n"
+                "if module.os.fork() == 0:\n"
+                "    try:\n"
+                "        plan.smooth()\n"
+                "    except RuntimeError:\n"
+                "        module.os._exit(0)\n"
+                "    module.os._exit(1)\n"
+                "sys.exit(module.os.wait()[1] != 0)\n" % str(pathlib.Path(__file__).parent))
+        done = subprocess.run([sys.executable, "-c", text], timeout=120, check=False,
+                              env=dict(os.environ, OMP_NUM_THREADS="2"))
+        self.assertEqual(done.returncode, 0)
+
+    def test_a_wrong_library_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, code in (("other", "int other(void) { return 0; }"),
+                               ("later", 'const char *planish_version(void) { return "0.2.0"; }')):
+                source, library = (os.path.join(folder, name + end) for end in (".c", ".so"))
+                pathlib.Path(source).write_text(code)
+                subprocess.run(["cc", "-shared", "-fPIC", source, "-o", library], check=True)
+                done = subprocess.run([sys.executable, "-c", "import planish"], check=False, text=True,
+                                      stderr=subprocess.PIPE, env=dict(os.environ, PLANISH_LIBRARY=library))
+                self.assertNotEqual(done.returncode, 0)
+                self.assertIn("ImportError", done.stderr)
+
+
 class Smoothing(unittest.TestCase):
     def test_in_place(self):
         for dim, kind in itertools.product((2, 3), (np.int32, np.int64)):
@@ -56,6 +100,29 @@ class Smoothing(unittest.TestCase):
             self.assertAlmostEqual(result.rms, after.rms_radius_ratio, 12)
             np.testing.assert_array_equal(points[~inside], start[~inside])
             self.assertEqual(result.moved_nodes, (points != start).any(axis=1).sum())
+
+    def test_plans_are_not_copied(self):
+        points, cells, _ = box(2)
+        with planish.Plan(points, cells) as plan:
+            for way in copy.copy, copy.deepcopy, pickle.dumps:
+                self.assertRaises(TypeError, way, plan)
+            self.assertEqual(plan.smooth().stop, "converged")
+
+    def test_integers_have_a_range(self):
+        points, cells, _ = box(2)
+        for options in {"threads": 2**32 + 1}, {"layers": 2**32}, {"max_sweeps": 2**32}:
+            self.assertRaises(ValueError, planish.smooth, points, cells, **options)
+        wide = cells.astype(np.uint64)
+        wide[0, 0] = 2**64 - 1
+        self.assertRaisesRegex(ValueError, "out of range", planish.smooth, points, wide)
+
+    def test_noise_of_a_plane(self):
+        points, cells, _ = box(2)
+        points = np.column_stack([points, np.full(len(points), 2.0)])
+        points[3, 2] += 1e-9
+        self.assertEqual(planish.smooth(points, cells).stop, "converged")
+        points[3, 2] += 1e-3
+        self.assertRaises(ValueError, planish.smooth, points, cells)
 
     def test_layouts_have_the_same_bits(self):
         points, cells, _ = box(3)

@@ -7,6 +7,7 @@
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -24,10 +25,14 @@ static planish_file *read_bytes(const io_format *format, const char *data, int64
 /** What is written with these coordinates; to be freed. */
 static char *write_bytes(const planish_file *file, const double *coordinates, const char *folder,
                          int64_t *size) {
-    char path[TEST_PATH_SIZE];
+    char path[TEST_PATH_SIZE], name[64];
     planish_error error;
     size_t written;
-    test_path(path, folder, "written");
+    snprintf(name, sizeof name, "written%s", file->format->extensions[0]);
+    if (!planish_file_can_write(file, test_path(path, folder, name))) { /* Medit in binary */
+        snprintf(name, sizeof name, "written%s", file->format->extensions[1]);
+        test_path(path, folder, name);
+    }
     if (planish_file_write(file, path, coordinates, 1, NULL, 0, &error))
         fail_msg("%s", error.text);
     char *data = test_read(path, &written);

@@ -70,6 +70,21 @@ static int watch(const planish_progress *progress, void *user) {
     return 0;
 }
 
+static pool
+    *watched; /* what planish_plan_destroy releases is seen, too, after its options are gone */
+
+static void *take(size_t bytes, void *user) {
+    (void)user;
+    watched->unusual += !test_arithmetic_is_usual();
+    return malloc(bytes);
+}
+
+static void give(void *block, void *user) {
+    (void)user;
+    watched->unusual += !test_arithmetic_is_usual();
+    free(block);
+}
+
 /* ---- the same bits ----------------------------------------------------------------------------
  */
 
@@ -125,6 +140,9 @@ static void solve_with(test_problem *p, const test_arithmetic *arithmetic, team 
     options->parallel = t == POOL ? pool_run : NULL;
     options->parallel_user = options->progress_user = &own;
     options->progress = watch;
+    static const planish_allocator allocator = {.allocate = take, .release = give};
+    options->allocator = &allocator;
+    watched = &own;
     set_on_all(arithmetic);
     const test_arithmetic_state before = test_arithmetic_now();
     test_outcome o = test_problem_solve(p);
@@ -133,6 +151,7 @@ static void solve_with(test_problem *p, const test_arithmetic *arithmetic, team 
     if (changed || own.changed || own.unusual)
         fail_msg("%s: changed on %d threads, of the pool %d; %d calls saw it", arithmetic->name,
                  changed, own.changed, own.unusual);
+    options->allocator = NULL;
     expect_same(p, usual, &o);
     test_outcome_destroy(&o);
 }

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import ctypes
 import ctypes.util
+import operator
 import os
 import pathlib
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_int64, c_size_t, c_uint8, c_void_p
@@ -245,7 +246,7 @@ class Error(ValueError):
 
 # ---- the library ---------------------------------------------------------------------------------
 
-_NAME = "libplanish.so.0.1"
+_NAME, _VERSION = "libplanish.so.0.1", "0.1."
 
 
 # How the installed library is reached from this file's folder; cmake --install fills it in.
@@ -259,11 +260,23 @@ def _candidates() -> list[str]:
     return beside + [_NAME, ctypes.util.find_library("planish") or _NAME]
 
 
+def _open(path: str) -> ctypes.CDLL:
+    """The library at path, if its structures are those of this module: of any 0.1."""
+    library = ctypes.CDLL(path)
+    if not hasattr(library, "planish_version"):
+        raise OSError(f"{path}: is no library of planish")
+    library.planish_version.restype = ctypes.c_char_p
+    found = library.planish_version().decode()
+    if not found.startswith(_VERSION):
+        raise OSError(f"{path}: is version {found}, but this module needs {_VERSION}x")
+    return library
+
+
 def _load() -> ctypes.CDLL:
     failures = []
     for path in _candidates():
         try:
-            return ctypes.CDLL(path)
+            return _open(path)
         except OSError as failure:
             failures.append(str(failure))
     raise ImportError(
@@ -273,7 +286,6 @@ def _load() -> ctypes.CDLL:
 
 
 _library = _load()
-_library.planish_version.restype = ctypes.c_char_p
 _library.planish_checksum.restype = ctypes.c_uint64
 _library.planish_options_init.restype = None
 _library.planish_plan_destroy.restype = None
@@ -283,6 +295,32 @@ _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
               "planish_measure_mesh", "planish_find_layers"):
     getattr(_library, _name).restype = c_int
+
+
+# A child of a fork has none of the parent's threads, and libgomp waits for them for ever.
+_is_forked = False
+
+
+def _after_fork() -> None:
+    global _is_forked  # pylint: disable=global-statement
+    _is_forked = True
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
+def _threads(wanted: int) -> int:
+    """How many to ask the library for."""
+    return 1 if _is_forked and wanted == 0 else _whole(wanted, "threads")
+
+
+def _whole(value: Any, name: str) -> int:
+    """An integer that C's int can hold."""
+    number = operator.index(value)
+    if not -(2**31) <= number < 2**31:
+        raise ValueError(f"{name} is {number}, which is out of range")
+    return number
 
 
 def version() -> str:
@@ -346,8 +384,10 @@ class _Points:
             raise TypeError(f"points must be of float64 or float32, not {points.dtype}")
         if writes and not points.flags.writeable:
             raise ValueError("points is read-only; give a copy")
-        if dim == 2 and points.shape[1] == 3 and len(points) and np.ptp(points[:, 2]) != 0:
-            raise ValueError("triangles must lie in a plane of constant z")
+        if dim == 2 and points.shape[1] == 3 and len(points):
+            # but for what geometry kernels leave of roundings, as in files
+            if not np.ptp(points[:, 2]) <= 1e-8 * np.ptp(points[:, :2], axis=0).max():
+                raise ValueError("triangles must lie in a plane of constant z")
         self.points = points[:, :dim]
         self.is_float = points.dtype.itemsize == 4
         self.array = self.points
@@ -383,6 +423,8 @@ def _cells(cells: Any) -> np.ndarray:
         raise ValueError(f"cells must be [m, 3] (triangles) or [m, 4] (tetrahedra), not {cells.shape}")
     if cells.dtype.kind not in "iu":
         raise TypeError(f"cells must be integers, not {cells.dtype}")
+    if cells.dtype == np.uint64 and cells.size and cells.max() > np.iinfo(np.int64).max:
+        raise ValueError(f"cells has node {cells.max()}, which is out of range")
     return np.require(cells, np.int32 if cells.dtype.itemsize <= 4 and cells.dtype.kind == "i"
                       else np.int64, "CA")
 
@@ -464,7 +506,8 @@ class Plan:
     points [n, 2 or 3] and cells [m, 3 or 4] are arrays of numpy, or points is a mesh of meshio or
     pyvista (cells is None then), whose nodes on cells of other kinds are held. fixed: numbers, or a
     mask, of nodes that stay besides those of the boundary. min_volumes [m]: least volume of each
-    cell, 0 for none. threads: 0 as many as there are and the mesh is large enough for.
+    cell, 0 for none. threads: 0 as many as there are and the mesh is large enough for; one in a child of
+    os.fork (multiprocessing), where those of the parent would be waited for.
     only_worse_than and layers: only nodes of cells whose radius ratio exceeds it move, and of so
     many layers around. around: only these nodes (numbers) move, and of so many layers around;
     qualities and results are then of the cells at these.
@@ -490,9 +533,10 @@ class Plan:
         self._view.own_cells()  # the plan reads them as long as it lives
         self._options = _Options()
         _library.planish_options_init(byref(self._options))
-        self._options.threads = threads
+        self._options.threads = _threads(threads)
+        self._process = os.getpid()
         self._options.only_worse_than = only_worse_than
-        self._options.layers = layers
+        self._options.layers = _whole(layers, "layers")
         self._around = None if around is None else _nodes(around, self._view.n, "around")
         if self._around is not None:
             self._options.around = _address(self._around) or 1
@@ -514,7 +558,11 @@ class Plan:
 
     def _check_idle(self) -> None:
         if self._is_busy:
-            raise RuntimeError("the plan is at work: smooth calls progress, where only quality may be used")
+            raise RuntimeError("the plan is at work, in another thread or in the smooth that calls progress: "
+                               "it smooths one mesh at a time")
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a plan can be neither copied nor pickled; make another one")
 
     def __enter__(self) -> Plan:
         return self
@@ -530,6 +578,9 @@ class Plan:
         """points (a mesh, or None: those given at first), laid out as the plan's mesh is."""
         if not self._plan:
             raise ValueError("the plan is closed")
+        if self._process != os.getpid() and self._options.threads != 1:
+            raise RuntimeError("the plan was made before this process was forked, and may have threads that "
+                               "are not here; make it with threads=1, or another one here")
         if points is None:
             points = self._view.given
         points = getattr(points, "points", points)
@@ -610,7 +661,7 @@ class Plan:
         options.area_weight = area_weight
         options.max_displacement = max_displacement
         options.untangle = bool(untangle)
-        options.max_sweeps = max_sweeps
+        options.max_sweeps = _whole(max_sweeps, "max_sweeps")
         options.tolerance = tolerance
         options.time_limit = time_limit
         options.precision = taken.is_float
@@ -654,8 +705,10 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
 
 def quality(points: Any, cells: Any = None, *, fixed: Any = None) -> Quality:
     """What a mesh is worth: points, cells and fixed as for Plan."""
-    view, error, found = _View(points, cells, fixed, None), _Error(), Quality()
-    _check(_library.planish_measure_mesh(byref(view.mesh), None, byref(found), byref(error)), error)
+    view, error, found, options = _View(points, cells, fixed, None), _Error(), Quality(), _Options()
+    _library.planish_options_init(byref(options))
+    options.threads = _threads(0)
+    _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
     return found
 
 
@@ -666,7 +719,7 @@ def find_layers(points: Any, cells: Any = None, *, threads: int = 0) -> np.ndarr
     mask = np.zeros(len(view.cells), dtype=np.uint8)
     _check(
         _library.planish_find_layers(
-            byref(view.mesh), c_int(threads), c_void_p(_address(mask)), None, byref(error)
+            byref(view.mesh), c_int(_threads(threads)), c_void_p(_address(mask)), None, byref(error)
         ),
         error,
     )
