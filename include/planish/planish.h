@@ -12,7 +12,7 @@
  * Floating-point environment: whatever the caller's, each thread computes with the usual one (round
  * to nearest, subnormals kept, no traps) while it works for a call, and has its own again, flags
  * included, when the call or task returns. Functions of the caller's are called with the usual one
- * of doubles, and are to leave it so.
+ * of doubles, and are to leave it so; they return: no longjmp or C++ exception may leave them.
  * Structures are to be zeroed before they are filled in ({0}, or designated initialisers; options
  * by planish_options_init): what is reserved in them is for later versions of the library.
  * "Radius ratio" (RR) is the normalised one: R/(3r) of a tetrahedron, R/(2r) of a triangle, R the
@@ -101,8 +101,9 @@ typedef struct planish_mesh {
                                   another, as on periodic boundaries. All that pairs join move by
                                   the same vector if all of them slide, in the same directions;
                                   otherwise none of them moves (so where one is inside the mesh, or
-                                  two are in one element). Each translation has two pairs at least.
-                                  Coordinates to be smoothed fit the pairs, too. NULL: none */
+                                  two are in one element). Each translation has two pairs at least;
+                                  nodes of others are held. Coordinates to be smoothed fit the
+                                  pairs, too. NULL: none */
     const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
     const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
