@@ -40,7 +40,8 @@ static int print_version(void) {
 static int print_help(void) {
     printf("planish-mpi is 'planish smooth' by several processes (docs/distributed.md):\n\n"
            "    mpirun -n 4 planish-mpi IN -o OUT [OPTION...]\n\n"
-           "Its options are those of 'planish smooth'; -j is for each process.\n\n");
+           "Its options are those of 'planish smooth'; -j is for each process. OUT.h5 is a file\n"
+           "of PETSc's, whatever IN is.\n\n");
     pl_help_print_command(pl_command_row(PL_COMMAND_SMOOTH));
     return pl_flush_stdout(PL_EXIT_DONE, PL_EXIT_FAILED);
 }

@@ -83,8 +83,8 @@ static int run(int argc, char **argv) {
         return print_help(NULL);
     if (strcmp(word, "--version") == 0)
         return print_version();
-    if (strcmp(word, "--generate") == 0 && argc == 3)
-        return pl_generate_command(argv[2]);
+    if (strcmp(word, "--generate") == 0)
+        return pl_generate_command(argc == 3 ? argv[2] : "");
     return complain_command(word);
 }
 

@@ -42,9 +42,9 @@ refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/base/paralle
 refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/sweep/placement.c)" "hwloc\.h" "hwloc belongs in src/sweep/placement.c"
 refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] include/planish/*.h)" '^ *# *include *[<"](mpi|petsc)' \
     "MPI and PETSc belong in mpi/"
-refuse "$(ls mpi/* | grep -v plexrows.c)" "$(includes "$(others base topology)")" \
-    "planish-mpi knows public headers, base, and topology's facets, its plexrows io's HDF5"
-refuse mpi/plexrows.c "$(includes "$(others base io)")" "plexrows knows io's HDF5"
+refuse "$(ls mpi/* | grep -v -e plexrows.c -e plexfile.h)" "$(includes "$(others base topology)")" \
+    "planish-mpi knows public headers, base, and topology's facets, its plexfile io's output and HDF5"
+refuse "mpi/plexrows.c mpi/plexfile.h" "$(includes "$(others base io)")" "plexfile knows io's output and HDF5"
 
 [ $bad = 0 ] && echo "includes point one way"
 exit $bad
