@@ -38,6 +38,11 @@ expect_status 0 "$program" quality tangled.mesh --report quality.html -q
 inverted=$("$program" quality tangled.mesh | sed -n 's/^inverted elements *//p')
 expect_picture solid.html 2 "elements worse than"
 expect_picture tangled.html 2 "$inverted of them inverted"
+# More inverted elements than are drawn: what is bad after that is still to be seen.
+python3 "$cli/make_mesh.py" 20 0.9 large.mesh
+expect_status 0 "$program" smooth large.mesh -o smooth.mesh --report large.html -q
+expect_picture large.html 2 "of which 4,000 are drawn" "after: "
+grep -q 'after: <span class="count">[0-9,]* elements worse than 1\.[0-9]' dom || fail "no element of the result can be chosen"
 expect_picture plane.html 2 "elements worse than"
 expect_picture quality.html 1 "$inverted of them inverted"
 
