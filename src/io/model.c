@@ -259,8 +259,7 @@ static int finish_solid(io_model *model, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** The nodes of the triangles must share one z, but for what geometry kernels leave of roundings.
- */
+/** The nodes of the triangles must share one z, but for roundings of what has made them. */
 static int check_plane(const io_model *model, planish_error *error) {
     const double noise = 1e-8; /* of the longest side */
     const int32_t *nodes = model->triangle.nodes;
@@ -272,7 +271,7 @@ static int check_plane(const io_model *model, planish_error *error) {
             low[d] = x < low[d] ? x : low[d];
             high[d] = x > high[d] ? x : high[d];
         }
-    const double most = noise * fmax(high[0] - low[0], high[1] - low[1]);
+    const double most = fmax(noise * high[0] - noise * low[0], noise * high[1] - noise * low[1]);
     for (int64_t i = 0; i < 3 * model->triangle.n; i++)
         if (!(fabs(model->xyz[3 * (int64_t)nodes[i] + 2] - z) <= most))
             return pl_fail_at(
