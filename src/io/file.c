@@ -282,9 +282,9 @@ static int ends_open(const io_bytes *bytes) {
 }
 
 const char *planish_file_open_end(const planish_file *file) {
-    const io_model *model = &file->model;
-    if (!file || !file->format->has_no_end || !model->text_offset)
+    if (!file || !file->format->has_no_end || !file->model.text_offset)
         return NULL;
+    const io_model *model = &file->model;
     if (ends_open(&model->input))
         return model->input.path;
     for (int i = 0; i < model->n_read; i++)
