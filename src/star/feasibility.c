@@ -13,7 +13,7 @@
 /* The proof must hold within this many sizes of the star, whatever rounding did to it. */
 #define PROOF_REACH 1e6
 /* What an element without a least volume needs, by the mean measure of the star's elements; or,
- * with a small link facet, by that times the star's size. */
+ * with a small link facet or if all are flat, by that times the star's size. */
 #define PART_LEAST 1e-9
 
 /** What is known of a link facet while the search goes on. */
@@ -29,11 +29,11 @@ static void set_floors(const star *s, const double *x, const int dim) {
         mean += fabs(a.D) / (double)s->n_facets;
         size2 += a.aa / (double)s->n_facets;
     }
-    for (int64_t i = 0; mean > FLOOR_LEAST && i < s->n_facets; i++) {
+    for (int64_t i = 0; i < s->n_facets; i++) {
         const double own = *entry(s, LENGTH, i) * sqrt(size2);
         if (*entry(s, FLOOR, i) > 0 || !(own > FLOOR_LEAST))
             continue;
-        *entry(s, FLOOR, i) = PART_LEAST * (own < mean ? own : mean);
+        *entry(s, FLOOR, i) = PART_LEAST * (own < mean || !(mean > FLOOR_LEAST) ? own : mean);
         *entry(s, INVERSE_FLOOR, i) = 1 / *entry(s, FLOOR, i);
     }
 }

@@ -394,6 +394,40 @@ static void the_rest_is_mended(void **state) {
     assert_true(impossible > 5);
 }
 
+/** A star whose elements are all flat, in one plane or line: those that want its node on the one
+ * side contradict the others. */
+static void flat_stars_contradict_themselves(void **state) {
+    static const double solid[] = {0, 0,  0,  1, 0,  0,  1, 1,  0,  0, 1,
+                                   0, .5, .5, 0, .5, .5, 0, .5, .5, 0};
+    static const int32_t tetrahedra[] = {0, 1, 6, 4, 1, 2, 6, 4, 2, 3, 6, 4, 3, 0, 6, 4,
+                                         1, 0, 6, 5, 2, 1, 6, 5, 3, 2, 6, 5, 0, 3, 6, 5};
+    static const double flat[] = {0, 0, 1, 0, 2, 0, 1, 0, 1, 0};
+    static const int32_t triangles[] = {0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4};
+    const int dim = *(int *)*state;
+    for (int exponent = -600; exponent <= 600; exponent += 300) {
+        double coordinates[21];
+        const int n = dim == 3 ? 7 : 5;
+        int64_t n_found = 0;
+        planish_plan *plan = NULL;
+        planish_result result;
+        for (int i = 0; i < n * dim; i++)
+            coordinates[i] = ldexp((dim == 3 ? solid : flat)[i], exponent);
+        const planish_mesh mesh = {.dim = dim,
+                                   .n_nodes = n,
+                                   .n_elements = dim == 3 ? 8 : 4,
+                                   .coordinates = coordinates,
+                                   .elements = dim == 3 ? tetrahedra : triangles};
+        assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
+        assert_int_equal(planish_find_unfixable(plan, coordinates, NULL, &n_found, NULL), 0);
+        assert_true(n_found >= mesh.n_elements / 2); /* all that are in proofs */
+        assert_int_equal(planish_smooth(plan, coordinates, NULL, &result, NULL), 0);
+        assert_int_equal(result.inverted, mesh.n_elements / 2);
+        assert_int_equal(planish_find_unfixable(plan, coordinates, NULL, &n_found, NULL), 0);
+        assert_int_equal(n_found, mesh.n_elements / 2);
+        planish_plan_destroy(plan);
+    }
+}
+
 static void without_memory_nothing_is_said(void **state) {
     int dim = *(int *)*state, failures = 0, status = PLANISH_ERROR_MEMORY;
     planish_plan *plan;
@@ -437,6 +471,7 @@ int main(void) {
         BOTH(a_place_that_exists_is_found),
         BOTH(meshes_that_can_be_mended_have_none),
         BOTH(the_rest_is_mended),
+        BOTH(flat_stars_contradict_themselves),
         BOTH(without_memory_nothing_is_said),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
