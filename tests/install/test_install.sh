@@ -66,6 +66,9 @@ if command -v pkg-config >/dev/null; then
     expect_run "$work/c_static"
     readelf -d "$work/c_static" | grep -q libplanish && fail "it is not linked statically"
     pkg-config --exists planish_io || fail "planish_io.pc"
+    # shellcheck disable=SC2086
+    run cc "$here/pkgconfig/stack.c" -o "$work/stack" $flags -lpthread
+    expect_run "$work/stack"
     # Inside of parallel regions, of this OpenMP runtime and of another.
     for compiler in cc clang; do
         echo 'int main(void) { return 0; }' >"$work/empty.c"
