@@ -1,6 +1,8 @@
 /* status: fill in a planish_error in one line. */
 #include "base/status.h"
 
+#include "base/system.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -57,10 +59,9 @@ int pl_fail_at(planish_error *error, planish_status code, int64_t element, int64
 
 int pl_fail_errno(planish_error *error, const char *path, const char *what) {
     const int number = errno;
-    char text[128]; /* strerror's own may be of another thread by now */
+    char text[128];
     if (number == ENOMEM)
         return pl_fail_memory(error, path);
-    if (strerror_r(number, text, sizeof text) != 0)
-        snprintf(text, sizeof text, "error %d of the system", number);
+    pl_system_explain(number, text, sizeof text);
     return pl_fail(error, PLANISH_ERROR_FILE, "%s: %s: %s", path, what, text);
 }

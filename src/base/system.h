@@ -123,6 +123,9 @@ int pl_file_replace(const char *from, const char *to);
 /** Remove a file; a signal handler may. */
 int pl_file_remove(const char *path);
 
+/** What an errno means, in text [size]: strerror's own text may be of another thread by now. */
+void pl_system_explain(int number, char *text, size_t size);
+
 /** A number that no other running process has. */
 long pl_process_number(void);
 

@@ -236,6 +236,11 @@ int pl_file_remove(const char *path) {
     return unlink(path);
 }
 
+void pl_system_explain(int number, char *text, size_t size) {
+    if (strerror_r(number, text, size) != 0)
+        snprintf(text, size, "error %d of the system", number);
+}
+
 long pl_process_number(void) {
     return getpid();
 }

@@ -286,6 +286,11 @@ int pl_file_remove(const char *path) {
     return result;
 }
 
+void pl_system_explain(int number, char *text, size_t size) {
+    if (strerror_s(text, size, number) != 0)
+        snprintf(text, size, "error %d of the system", number);
+}
+
 long pl_process_number(void) {
     return (long)GetCurrentProcessId();
 }

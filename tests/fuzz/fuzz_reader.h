@@ -118,15 +118,30 @@ static inline void fuzz_check_same(const planish_file *file, const char *path, c
                      "unchanged coordinates give the same bytes");
 }
 
+/** Whether the nodes are in a plane but for noise, which another place of them may make too large.
+ */
+static inline int fuzz_has_noise(const planish_file *file) {
+    const double *z = file->model.z;
+    for (int64_t i = 1; z && i < file->model.n_nodes; i++)
+        if (z[i] != z[0])
+            return 1;
+    return 0;
+}
+
 /** Write file with other coordinates, and read it again. */
 static inline void fuzz_check_moved(const planish_file *file, const char *path) {
     planish_mesh mesh = planish_file_mesh(file), other;
     planish_file *again;
     planish_error error;
     double *moved = fuzz_move(file);
-    if (planish_file_write(file, path, moved, 1, NULL, 0, &error) ||
-        planish_file_open(path, file->format->name, 1, &again, &error))
+    if (planish_file_write(file, path, moved, 1, NULL, 0, &error))
         fuzz_require(0, error.text);
+    if (planish_file_open(path, file->format->name, 1, &again, &error)) {
+        fuzz_require(fuzz_has_noise(file), error.text);
+        unlink(path);
+        free(moved);
+        return;
+    }
     other = planish_file_mesh(again);
     fuzz_require(other.dim == mesh.dim && other.n_nodes == mesh.n_nodes &&
                      other.n_elements == mesh.n_elements,
