@@ -34,7 +34,7 @@ void pl_signals_clean_up(void) {
 
 void pl_signals_end(const char *text) {
     pl_signals_clean_up();
-    const ssize_t written = write(STDERR_FILENO, text, strlen(text));
+    const ssize_t written = write(STDERR_FILENO, text, (unsigned)strlen(text));
     (void)written;
     _exit(atomic_load(&status_now));
 }

@@ -31,7 +31,7 @@ static const double FLAT = 0x1p-44;
 enum { SCALE_LIMIT = 1000 };
 
 /** The sums of pl_objective_sums; of the first three there are two. */
-enum { RATIO = 0, RADIUS = 2, VOLUME = 4, SHORTFALL = 6, DOMAIN, N_SUMS };
+enum { RATIO = 0, RADIUS = 2, VOLUME = 4, SHORTFALL = 6, WHOLE, N_SUMS };
 
 /** pl_objective_sums, of a chunk or of all. */
 typedef struct exact_sums {
@@ -159,7 +159,7 @@ static inline void add_element(const pl_objective_problem *problem, int64_t inde
                                double *blunt, const int dim) {
     element e = element_at(problem, index, dim);
     double g = volume_constraint(least_volume(problem, index), &e);
-    pl_sum_add(&sums->sum[DOMAIN], e.measure);
+    pl_sum_add(&sums->sum[WHOLE], e.measure);
     sums->below += g > PLANISH_VOLUME_TOLERANCE;
     if (g > 0)
         pl_sum_add(&sums->sum[SHORTFALL], g * g);
@@ -236,7 +236,7 @@ void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *su
                                 .inverted = (double)exact.inverted,
                                 .below = (double)exact.below,
                                 .shortfall = pl_sum_value(&exact.sum[SHORTFALL]),
-                                .domain = pl_sum_value(&exact.sum[DOMAIN])};
+                                .domain = pl_sum_value(&exact.sum[WHOLE])};
     for (int movable = 0; movable < 2; movable++) {
         sums->ratio[movable] = pl_sum_value(&exact.sum[RATIO + movable]);
         sums->radius[movable] = pl_sum_value(&exact.sum[RADIUS + movable]);
