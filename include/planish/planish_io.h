@@ -65,11 +65,10 @@ PLANISH_API void planish_file_get_info(const planish_file *file, planish_file_in
  *  if there is none. */
 PLANISH_API const char *planish_file_open_end(const planish_file *file);
 
-/** How many nodes have, beside their coordinates, parameters of the geometry that they are on (u,
- * v, w of Gmsh's, those on curves and surfaces of Netgen's). These stay as they are in the file: of
- * a node that has moved they are wrong. has [n_nodes] becomes 1 for such nodes, 0 for others; or
- * NULL.
- */
+/** How many nodes have parameters of the geometry that they are on beside their coordinates: u, v,
+ * w of Gmsh's, those on curves and surfaces of Netgen's. These stay as they are in the file: of a
+ *  node that has moved they are wrong. has [n_nodes] (may be NULL) becomes 1 for such nodes, else
+ * 0. */
 PLANISH_API int64_t planish_file_parameters(const planish_file *file, uint8_t *has);
 
 /** The mesh: its arrays belong to the file; constraint is NULL, to be set to what

@@ -28,7 +28,7 @@ typedef enum abaqus_keyword {
     ABAQUS_OTHER
 } abaqus_keyword;
 
-/** Where nodes and elements are numbered: outside of parts, in a part or instance (1, 2, ...), or:
+/** Where nodes and elements are numbered: outside of parts, in a part or instance (1, 2, ..), or:
  */
 enum { ABAQUS_IN_ASSEMBLY = -1 };
 

@@ -438,8 +438,9 @@ static int check_finite(const planish_file *file, const double *coordinates, pla
 int planish_file_check_output(const planish_file *file, const char *path, planish_error *error) {
     if (!file || !path)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and path must not be NULL");
-    if (check_name(file, path, error))
-        return PLANISH_ERROR_ARGUMENT;
+    const int status = check_name(file, path, error);
+    if (status)
+        return status;
     if (file->format->amend && file->model.encoding && io_output_is_stream(path))
         return pl_fail(error, PLANISH_ERROR_FILE,
                        "%s: its coordinates are compressed or packed, so that the result cannot be "
@@ -453,14 +454,16 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
-    if (check_name(file, path, error) || check_finite(file, coordinates, error))
-        return PLANISH_ERROR_ARGUMENT;
     const pl_outside outside = pl_call_enter(NULL);
     const int n_companions = io_companions_to_write(file, path);
     char *main_path =
         io_output_is_stream(path) ? pl_copy_text(path) : io_main_path(file->format, path);
     io_output *output = pl_alloc(n_companions + 1, sizeof *output);
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
+    if (!status)
+        status = check_name(file, path, error);
+    if (!status)
+        status = check_finite(file, coordinates, error);
     for (int i = 0; i <= n_companions && output; i++)
         output[i] = (io_output){.fd = -1};
     if (!status)

@@ -49,6 +49,41 @@ assert 0.999 < again["rms_radius_ratio"] / first["rms_radius_ratio"] <= 1
 END
 done
 
+# Parameters of the geometry stay: those of nodes that may move are told of.
+cat >parametric.txt <<'MSH'
+$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$Nodes
+2 5 1 5
+1 1 1 4
+1
+2
+3
+4
+0 0 0 0
+1 0 0 1
+1 1 0 2
+0 1 0 3
+2 1 1 1
+5
+.3 .6 0 -.2 .1
+$EndNodes
+$Elements
+1 4 1 4
+2 1 2 4
+1 1 2 5
+2 2 3 5
+3 3 4 5
+4 4 1 5
+$EndElements
+MSH
+expect_status 0 "$program" smooth parametric.txt -o parametric_smooth.txt
+expect_text "note: 1 of the nodes that may move have parameters"
+grep -q '0 -\.2 \.1$' parametric_smooth.txt || fail "parameters are not what they were"
+expect_status 0 "$program" smooth ascii41.msh -o parametric_smooth.msh
+! grep -q parameters err || fail "parameters that are not there"
+
 # Editors begin text with a byte order mark: it stays, and nothing else is different.
 mkdir marked
 tr -d '\n' <<<' ' | cat - medit.mesh | sed '1s/^ *//' >first.mesh

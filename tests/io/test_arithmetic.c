@@ -46,6 +46,9 @@ static uint64_t read_and_write(const char *folder, int threads) {
     status = planish_file_write(file, test_path(out, folder, "out.mesh"), copy, threads, temporary,
                                 sizeof temporary, NULL);
     assert_int_equal(status, 0);
+    memset(copy, 0xff, sizeof *copy); /* not a number: refused, whatever that traps outside */
+    assert_int_equal(planish_file_write(file, out, copy, threads, NULL, 0, NULL),
+                     PLANISH_ERROR_ARGUMENT);
     planish_file_close(file);
     return sum;
 }

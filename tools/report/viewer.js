@@ -430,7 +430,7 @@ function applyTheme() {
 const slider = section.querySelector('input[type=range]');
 
 /** The range of radius ratios for which all worse elements are known, in every state: empty, from
- *  infinity, where there are more inverted ones than are drawn. */
+ *  infinity, where there are more inverted ones than are drawn in all of them. */
 function findRange() {
     let low = 1, high = 1, anyFinite = false;
     for (const state of states) {
