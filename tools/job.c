@@ -249,9 +249,8 @@ int pl_job_is_told(const pl_job *job) {
     return arguments->json || arguments->report || arguments->verbosity != PL_QUIET;
 }
 
-int pl_job_note_parameters(const pl_job *job) {
+int pl_job_count_parameters(pl_job *job) {
     const size_t n = (size_t)job->mesh.n_nodes + 1;
-    int64_t n_stale = 0;
     int status = 0;
     if (planish_file_parameters(job->file, NULL) == 0)
         return 0;
@@ -260,16 +259,9 @@ int pl_job_note_parameters(const pl_job *job) {
     if (!status)
         planish_file_parameters(job->file, has);
     for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
-        n_stale += has[i] && (is_free[i] || job->constraint[i] > PLANISH_FIXED);
+        job->n_with_parameters += has[i] && (is_free[i] || job->constraint[i] > PLANISH_FIXED);
     free(has);
     free(is_free);
-    if (n_stale > 0)
-        pl_note(
-            stderr,
-            "%" PRId64 " of the nodes that may move have parameters of the geometry in the "
-            "file (u, v), which stay as they are and will not fit: refine such a mesh, or curve "
-            "its elements, only after they are left out (docs/formats.md)",
-            n_stale);
     return status;
 }
 

@@ -38,8 +38,9 @@ typedef struct pl_job {
     double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
     uint8_t *is_layer; /* [mesh.n_elements] thin in layers, owned, or NULL: without --fix-layers */
     pl_layers layers;
-    int64_t could_slide; /* nodes that would with --slide auto; -1: not looked for */
-    double *min_volume;  /* [mesh.n_elements] owned, or NULL: no group has one of its own */
+    int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
+    int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
+    double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
     char binding[256];    /* its text, as the plan is gone when that is told */
@@ -69,8 +70,8 @@ int pl_job_plan(pl_job *job);
 /** Whether anything is going to be said of the mesh: in a table, or a report. */
 int pl_job_is_told(const pl_job *job);
 
-/** Tell, once there is a plan, of nodes that may move while parameters in the file do not. */
-int pl_job_note_parameters(const pl_job *job);
+/** Count, once there is a plan, the nodes that may move while parameters in the file do not. */
+int pl_job_count_parameters(pl_job *job);
 
 /** Where none shall, and any may move, count the nodes that could; there is a plan. */
 int pl_job_count_slides(pl_job *job);

@@ -37,6 +37,7 @@ packages_full=(
     abigail-tools                # the library's interface, compared with the last release
     libcgns-dev libmedc-dev python3-h5py # owners of formats in HDF5
     libtet1.5-dev libgmsh-dev libcgal-dev # meshers that the library is embedded in
+    g++-mingw-w64-x86-64-posix wine64 dpkg-dev # Windows
 )
 
 # shellcheck disable=SC2034
@@ -50,7 +51,6 @@ packages_long=(
     gcc-aarch64-linux-gnu g++-aarch64-linux-gnu # other machines
     gcc-s390x-linux-gnu g++-s390x-linux-gnu gcc-i686-linux-gnu
     qemu-user                    # runs their programs
-    g++-mingw-w64-x86-64-posix wine64 dpkg-dev # Windows
 )
 
 is_installed() {

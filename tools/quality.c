@@ -98,6 +98,8 @@ static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
     if ((status = pl_job_plan(job)))
         return status;
     pl_progress_phase(&r->progress, PL_PHASE_MEASURING);
+    if ((status = pl_job_count_parameters(job)))
+        return status;
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &measured->quality)))

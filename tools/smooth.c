@@ -278,6 +278,13 @@ void pl_smooth_tell_plan(const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     if (job->arguments->verbosity != PL_QUIET)
         pl_table_oddities(stderr, job);
+    if (job->arguments->verbosity != PL_QUIET && job->n_with_parameters > 0)
+        pl_note(
+            stderr,
+            "%" PRId64 " of the nodes that may move have parameters of the geometry in the "
+            "file (u, v), which stay as they are and will not fit: refine such a mesh, or curve "
+            "its elements, only after they are left out (docs/formats.md)",
+            job->n_with_parameters);
     if (job->arguments->verbosity >= PL_VERBOSE)
         print_threads(info);
 }
@@ -315,9 +322,9 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = pl_job_plan(job)))
         return status;
     pl_progress_phase(progress, PL_PHASE_MEASURING);
-    pl_smooth_tell_plan(job);
-    if (job->arguments->verbosity != PL_QUIET && (status = pl_job_note_parameters(job)))
+    if ((status = pl_job_count_parameters(job)))
         return status;
+    pl_smooth_tell_plan(job);
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &result->before)))

@@ -157,32 +157,6 @@ static int read_apart(plex_reader *r, const char *group) {
     return status;
 }
 
-/** Elements are the first points, nodes those that follow. */
-static int find_kinds(plex_reader *r, const char *group) {
-    int64_t first = 0, last;
-    while (first < r->n_points && r->size[first] > 0)
-        first++;
-    for (last = first; last < r->n_points && r->size[last] == 0;)
-        last++;
-    r->n_elements = first;
-    r->n_nodes = last - first;
-    for (int64_t i = last; i < r->n_points; i++)
-        if (r->size[i] == 0)
-            return io_hdf5_fail(r->file, group,
-                                "nodes are not numbered one after another behind the elements");
-    if (r->n_elements == 0 || r->n_nodes == 0)
-        return io_hdf5_fail(r->file, group, "there are no elements, or no nodes");
-    return PLANISH_OK;
-}
-
-int plex_read_topology(plex_reader *r) {
-    char group[IO_HDF5_PATH_SIZE];
-    int status = io_hdf5_path(r->file, group, "%s/topology", r->root);
-    if (!status)
-        status = r->version < 3 ? read_together(r, group) : read_apart(r, group);
-    return status ? status : find_kinds(r, group);
-}
-
 void plex_release_topology(plex_reader *r) {
     for (int d = 0; d < PLEX_MOST_STRATA; d++) {
         io_hdf5_integers_release(&r->stratum[d].cones);
@@ -210,6 +184,46 @@ static int64_t in_cone(const plex_reader *r, int64_t point, int k, int64_t *orie
     if (orientation)
         *orientation = io_hdf5_integer(&s->orientations, r->start[point] + k);
     return below >= 0 && below < r->n_points - s->below ? s->below + below : -1;
+}
+
+/** Whether all that bounds a point is among the elements. */
+static int is_of_elements(const plex_reader *r, int64_t point) {
+    for (int k = 0; k < r->size[point]; k++) {
+        const int64_t below = in_cone(r, point, k, NULL);
+        if (below < 0 || below >= r->n_elements)
+            return 0;
+    }
+    return 1;
+}
+
+/** Elements are the first points, nodes those that follow. */
+static int find_kinds(plex_reader *r, const char *group) {
+    int64_t first = 0, last;
+    while (first < r->n_points && r->size[first] > 0)
+        first++;
+    for (last = first; last < r->n_points && r->size[last] == 0;)
+        last++;
+    r->n_elements = first;
+    r->n_nodes = last - first;
+    for (int64_t i = last; i < r->n_points; i++)
+        if (r->size[i] == 0)
+            return io_hdf5_fail(r->file, group,
+                                "nodes are not numbered one after another behind the elements");
+    if (r->n_elements == 0 || r->n_nodes == 0)
+        return io_hdf5_fail(r->file, group, "there are no elements, or no nodes");
+    if (is_of_elements(r, 0))
+        return io_hdf5_fail(r->file, group,
+                            "faces or edges are numbered between elements and nodes; elements are "
+                            "expected first, then nodes");
+    return PLANISH_OK;
+}
+
+int plex_read_topology(plex_reader *r) {
+    char group[IO_HDF5_PATH_SIZE];
+    int status = io_hdf5_path(r->file, group, "%s/topology", r->root);
+    if (!status)
+        status = r->version < 3 ? read_together(r, group) : read_apart(r, group);
+    return status ? status : find_kinds(r, group);
 }
 
 static int is_node(const plex_reader *r, int64_t point) {

@@ -78,10 +78,15 @@ $Elements
 4 4 1 5
 $EndElements
 MSH
-expect_status 0 "$program" smooth parametric.txt -o parametric_smooth.txt
+expect_status 0 "$program" smooth parametric.txt -o parametric_smooth.txt --json report.json
+expect_json "r['mesh']['nodes_with_parameters'] == 1"
 expect_text "note: 1 of the nodes that may move have parameters"
 grep -q '0 -\.2 \.1$' parametric_smooth.txt || fail "parameters are not what they were"
-expect_status 0 "$program" smooth ascii41.msh -o parametric_smooth.msh
+expect_status 0 "$program" quality parametric.txt --json report.json
+expect_json "r['mesh']['nodes_with_parameters'] == 1"
+! grep -q parameters err || fail "a note where nothing moves"
+expect_status 0 "$program" smooth ascii41.msh -o parametric_smooth.msh --json report.json
+expect_json "r['mesh']['nodes_with_parameters'] == 0"
 ! grep -q parameters err || fail "parameters that are not there"
 
 # Editors begin text with a byte order mark: it stays, and nothing else is different.

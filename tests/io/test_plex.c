@@ -51,8 +51,9 @@ static const struct {
 /** A file with its labels; and what is wrong in it: the value there, -1: nothing. */
 typedef struct plex {
     int version;
-    int is_permuted; /* points stand from the last to the first */
-    int is_flat;     /* elements are bounded by nodes, and the last one is a pyramid */
+    int is_permuted;    /* points stand from the last to the first */
+    int has_nodes_last; /* behind faces and edges */
+    int is_flat;        /* elements are bounded by nodes, and the last one is a pyramid */
     int chunk, is_packed, is_float;
     int is_dangling;                  /* a link for a label leads nowhere */
     int is_one_chunk, has_user_block; /* all data in one chunk; bytes before HDF5's own */
@@ -83,6 +84,14 @@ static void put_dim(hdf5_builder *b, const char *group, const char *name, int di
     hdf5_attribute(b, path, "cell_dim", dim);
 }
 
+/** The number of a point if nodes come last. */
+static int nodes_last(int point) {
+    const int is_node = point >= N_ELEMENTS && point < N_ELEMENTS + N_NODES;
+    return point < N_ELEMENTS ? point
+           : is_node          ? point + N_POINTS - N_ELEMENTS - N_NODES
+                              : point - N_NODES;
+}
+
 static void put_together(hdf5_builder *b, const plex *p, const char *group) {
     int order[N_POINTS], size[N_POINTS], below[N_CONES], around[N_CONES], n = 0, end = N_CONES;
     for (int k = 0; k < 4; k++)
@@ -105,6 +114,10 @@ static void put_together(hdf5_builder *b, const plex *p, const char *group) {
             size[N_POINTS - 1 - i] = other;
         }
     }
+    for (int i = 0; i < N_POINTS && p->has_nodes_last; i++)
+        order[i] = nodes_last(order[i]);
+    for (int i = 0; i < N_CONES && p->has_nodes_last; i++)
+        below[i] = nodes_last(below[i]);
     if (p->cone >= 0)
         below[0] = p->cone;
     if (p->order >= 0)
@@ -443,6 +456,7 @@ static void wrong_files_are_refused(void **state) {
     p = right;
     refuse(((void)(p = right, p.is_dangling = 1), &p), "/labels/gone: cannot be looked at");
     refuse(((void)(p = right, p.order = 2), &p), "twice");
+    refuse(((void)(p = right, p.has_nodes_last = 1), &p), "numbered between elements and nodes");
     refuse(((void)(p = right, p.order = N_POINTS), &p), "point 51");
     refuse(((void)(p = right, p.version = 2, p.row = 7), &p), "one place for each node");
     refuse(((void)(p = right, p.version = 2, p.meshes = 2), &p), "2 meshes (mine, other, ...)");
