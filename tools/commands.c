@@ -17,9 +17,10 @@ static const pl_command_text command_table[] = {
     {PL_COMMAND_SMOOTH, "smooth", "IN -o OUT", "mesh file", 0, "smooth a mesh",
      "Move the interior nodes of the mesh IN until its elements are best: until the\n"
      "root mean square of their radius ratios is least. Inverted elements are mended\n"
-     "first, the mesh never becomes worse or invalid, and the bits are the same on any\n"
-     "number of threads. OUT is IN with the coordinates of the moved nodes replaced,\n"
-     "and every other byte as it was.",
+     "first; what is valid stays valid, and of the elements that change the worst gets\n"
+     "no worse and the smallest angle no smaller, unless options ask for what costs\n"
+     "that. The bits are the same on any number of threads. OUT is IN with the\n"
+     "coordinates of the moved nodes replaced, and every other byte as it was.",
      "0 done; 1 a usable mesh was written, but it has elements that are inverted or\n"
      "below their least volume, smoothing was cut short, or a report could not be\n"
      "written; 2 failed, nothing was written; 64 bad usage.",

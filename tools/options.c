@@ -409,7 +409,9 @@ static const option_row option_table[] = {
      "leave inverted elements alone (default: make them\nvalid first where that can be done)",
      NULL},
     {0, "max-sweeps", "N", SMOOTH, set_max_sweeps,
-     "at most N sweeps over the mesh once it is untangled\n(default 200)", NULL},
+     "at most N sweeps over the mesh once it is untangled,\nand N more where nodes have to go back "
+     "(default 200)",
+     NULL},
     {0, "tolerance", "T", SMOOTH, set_tolerance,
      "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)", NULL},
     {0, "time-limit", "S", SMOOTH, set_time_limit,

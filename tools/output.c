@@ -23,6 +23,10 @@ int pl_output_is_stdout(const char *path) {
            named.kind != PL_FILE_CHARACTERS && pl_file_is_same(&named, &standard);
 }
 
+int pl_output_is_stream(const char *path) {
+    return io_output_is_stream(path);
+}
+
 /** The folder that path is in, as folder [PATH_MAX], which is cut as no name of a file can be. */
 static void folder_of(const char *path, char *folder) {
     const size_t length = (size_t)(pl_path_name(path) - path);
@@ -39,9 +43,18 @@ static int same_place(const char *a, const char *b) {
            pl_file_find(in_b, &folder_b) == 0 && pl_file_is_same(&folder_a, &folder_b);
 }
 
+/** The same of where links lead to, which need not be there yet either. */
+static int same_target(const char *a, const char *b) {
+    char *target_a = io_output_target(a), *target_b = io_output_target(b);
+    const int same = target_a && target_b && same_place(target_a, target_b);
+    pl_free(target_a);
+    pl_free(target_b);
+    return same;
+}
+
 int pl_output_same_file(const char *a, const char *b) {
     pl_file_status status_a, status_b;
-    if (strcmp(a, b) == 0 || same_place(a, b))
+    if (strcmp(a, b) == 0 || same_place(a, b) || same_target(a, b))
         return 1;
     return pl_file_find(a, &status_a) == 0 && pl_file_find(b, &status_b) == 0 &&
            status_a.kind == PL_FILE_REGULAR && pl_file_is_same(&status_a, &status_b);

@@ -308,6 +308,9 @@ static int find_output(const pl_arguments *arguments, char *path, size_t size) {
         output ? snprintf(path, size, "%s", output) : snprintf(path, size, "%.*s.html", stem, json);
     if (length < 0 || (size_t)length >= size)
         return pl_complain(PL_EXIT_FAILED, "%s: the name is too long", json);
+    if (!output && pl_output_is_stream(json))
+        return pl_complain_usage("report", "'%s' is no file to put a page beside; name one by -o",
+                                 json);
     if (pl_output_same_file(path, json))
         return pl_complain_usage("report", "the page would overwrite '%s'", json);
     return pl_output_check(path);

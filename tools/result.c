@@ -110,6 +110,7 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job) {
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
     add_integer(json, mesh, "nodes_with_parameters", job->n_with_parameters);
+    add_integer(json, mesh, "reversed_elements", job->plan_info.n_reversed);
 }
 
 static void add_spread(document *json, cJSON *quality, const char *name, const planish_spread *s) {

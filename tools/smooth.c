@@ -300,7 +300,8 @@ static int take_before(const pl_job *job, pl_result *result) {
 
 /** And of the result. */
 static int take_after(const pl_job *job, pl_result *result) {
-    result->checksum = job->arguments->json ? planish_checksum(&job->mesh) : 0;
+    if (job->arguments->json || job->arguments->report)
+        result->checksum = planish_checksum(&job->mesh);
     const int status = pl_worst_find_asked(job, &result->worst_after);
     return status ? status : pl_report_draw(job, "after", &result->picture);
 }

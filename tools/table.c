@@ -324,7 +324,7 @@ static void note_open_end(FILE *stream, const pl_job *job) {
 void pl_table_oddities(FILE *stream, const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     const int64_t facets = info->n_nonmanifold_facets, copies = info->n_duplicate_elements;
-    const int64_t others = job->file_info.n_other_elements;
+    const int64_t others = job->file_info.n_other_elements, reversed = info->n_reversed;
     if (facets > 0)
         pl_note(stream, "%" PRId64 " %s to more than two elements; %s nodes are held", facets,
                 job->mesh.dim == 3 ? word_for(facets, "face belongs", "faces belong")
@@ -334,6 +334,12 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         pl_note(stream, "%" PRId64 " %s the nodes of another one; %s held", copies,
                 word_for(copies, "element has", "elements have"),
                 word_for(copies, "it is", "they are"));
+    if (reversed > 0 && reversed < job->mesh.n_elements)
+        pl_note(stream,
+                "%" PRId64 " %s numbered the other way round than the rest, and %s: that is no "
+                "inversion to planish, but may be one to others",
+                reversed, word_for(reversed, "element is", "elements are"),
+                word_for(reversed, "stays so", "stay so"));
     if (others > 0)
         pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
                 word_for(others, "element of another type passes", "elements of other types pass"),

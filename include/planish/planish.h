@@ -65,7 +65,7 @@ typedef enum planish_status {
 typedef struct planish_error {
     int code;        /* a planish_status */
     int64_t element; /* the element meant, or -1 */
-    int64_t node;    /* the node meant, or -1 */
+    int64_t node;    /* the node meant, or -1; as given, which may be no node of the mesh */
     char text[512];  /* one line: what, where, what to do */
 } planish_error;
 
@@ -94,16 +94,18 @@ typedef struct planish_mesh {
     const double *coordinates; /* [n_nodes][dim], finite */
     const int32_t *elements;   /* [n_elements][dim + 1], any consistent or mixed orientation */
     const uint8_t *constraint; /* [n_nodes] of planish_constraint, or NULL: all free */
-    const double *direction;   /* [n_nodes][dim] of nodes on planes and lines, of any length but 0;
-                                  others are not looked at. NULL if there are none */
-    int64_t n_periodic;
+    const double *direction;   /* [n_nodes][dim] of nodes on planes and lines, of any length but 0,
+                                  whatever the strides; others are not looked at. NULL if there are
+                                  none */
+    int64_t n_periodic;        /* 0: none */
     const int32_t *periodic;   /* [n_periodic][2] pairs of nodes that a translation takes to one
                                   another, as on periodic boundaries. All that pairs join move by
                                   the same vector if all of them slide, in the same directions;
                                   otherwise none of them moves (so where one is inside the mesh, or
                                   two are in one element). Each translation has two pairs at least;
-                                  nodes of others are held. Coordinates to be smoothed fit the
-                                  pairs, too. NULL: none */
+                                  nodes of others are held, as are pairs with a node ON_SURFACE,
+                                  groups of more than 64 nodes, and what is beyond the 64th
+                                  translation. Coordinates to be smoothed fit the pairs, too */
     const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
     const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
@@ -406,7 +408,7 @@ typedef struct planish_options {
                                are not positive there are 4 at least, with the former */
     /* In planish_plan_create: only these nodes are free, and those of so many layers of elements
        around. The plan knows nothing of the rest of the mesh; see there. */
-    int64_t n_around;
+    int64_t n_around;               /* at least 1 if there are any */
     const int64_t *around;          /* [n_around] nodes, in any order; NULL: all nodes */
     const int64_t *around_elements; /* [n_around] an element of each; NULL: they are looked for */
     planish_progress_fn *progress;  /* or NULL */
@@ -479,7 +481,8 @@ typedef struct planish_plan_info {
  *  are the same. In a mesh in parts they are those of one process if what is smoothed is what the
  *  plan was made of: elsewhere one process may look at fewer elements when it untangles.
  *
- *  Errors: _ARGUMENT, _MESH (element or node is set), _MEMORY; with mesh->part also _PROCESS, and
+ *  Errors: _ARGUMENT, _MESH (element or node is set, but for a mesh without elements), _MEMORY;
+ *  with mesh->part also _PROCESS, and
  *  _PARTS (around, periodic pairs). */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
@@ -502,7 +505,8 @@ typedef struct planish_spread {
 } planish_spread;
 
 /** What a mesh is worth. Definitions and sources: docs/measures.md. Ratios and angles are over the
- * valid elements (positive measure). */
+ * valid elements (positive measure). An element with a free node is one with a node that may move,
+ * anywhere or sliding; here and in planish_result. */
 typedef struct planish_quality {
     int64_t n_elements;
     int64_t inverted;  /* elements whose measure is not positive, decided exactly */
@@ -640,7 +644,8 @@ typedef enum planish_volume_state {
 } planish_volume_state;
 
 /** Compare the elements of coordinates [n_nodes][dim] with their least volumes, those of options
- * and of the plan's mesh. state [n_elements] (may be NULL) is filled with planish_volume_state;
+ * and of the plan's mesh; of elements that a plan with options.around does not know nothing is said
+ * (MET). state [n_elements] (may be NULL) is filled with planish_volume_state;
  * *n_below counts those that are not MET. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *coordinates,
                                       const planish_options *options, uint8_t *state,
@@ -651,7 +656,7 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
  * those that contradict each other around one free node whose link there is fixed, by more than
  * 1e-9 of their measures (docs/algorithm.md). unfixable [n_elements] (may
  * be NULL) is filled with 0 or 1; *n counts the ones. Nothing is said of elements that are merely
- * hard. Errors: _ARGUMENT, _MESH, _MEMORY. */
+ * hard, or that a plan with options.around does not know. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *coordinates,
                                        uint8_t *unfixable, int64_t *n, planish_error *error);
 

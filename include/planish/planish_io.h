@@ -126,13 +126,13 @@ PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t n
  *  text [size] is filled with the name of its group, or with "DIM:N" where it has none that means
  *  elements of this dimension alone; with "" where the file has no regions, or no tag means this
  *  one. Of an element in several groups the first that is named counts. Returns the length of the
- *  tag as snprintf does, or PLANISH_ERROR_ARGUMENT. Time goes by the number of the file's regions:
- *  elements of one region (planish_file_surface) have the same tag. */
+ *  tag as snprintf does (NULL and 0 ask for it alone), or PLANISH_ERROR_ARGUMENT. Time goes by the
+ * number of the file's regions: elements of one region (planish_file_surface) have the same tag. */
 PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                             size_t size);
 
 /** 1 if planish_file_write takes path: one with the extension of the input, or another one of its
- *  format, or a pipe or device; else 0. */
+ *  format, or a pipe or device; else 0. planish_file_check_output knows more. */
 PLANISH_API int planish_file_can_write(const planish_file *file, const char *path);
 
 /** Ask, before long work, what planish_file_write to path would fail for wherever nodes go: a name
@@ -144,15 +144,17 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
 
 /** Write the file to path with coordinates [n_nodes][dim]: a copy of the input in which only
  *  coordinates that differ from those read are replaced. A regular file is written beside its place
- *  and renamed, its mode kept; symbolic links are followed; pipes and devices are written directly.
+ *  and renamed, its mode kept; symbolic links are followed; pipes and devices are written directly
+ *  (a process that does not ignore SIGPIPE ends where nobody reads them).
  *  temporary (may be NULL): a buffer of temporary_size bytes, zeroed, that holds the paths of the
  *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
- *  signal handler that removes them. What TetGen has beside .node (.ele, .face, .edge, .neigh, ..:
- *  docs/formats.md) is written along with it.
- *  Errors: _FILE, _MEMORY, _ARGUMENT (a path that planish_file_can_write does not take, coordinates
- *  that are not finite), _FORMAT (the input is not what was read any more); nothing is left behind
- * then (but if one of TetGen's files cannot be renamed, those that had already been, .node the
- * last, stay where they replaced others). */
+ *  signal handler that removes them; one whose path does not fit is not listed: give the length of
+ *  path and 80 bytes for each file that is written. What TetGen has beside .node (.ele, .face,
+ * .edge, .neigh, ..: docs/formats.md) is written along with it. Errors: _FILE, _MEMORY, _ARGUMENT
+ * (a path that planish_file_can_write does not take, coordinates that are not finite), _FILE too
+ * where the input is not what was read any more; nothing is left behind then (but if one of
+ * TetGen's files cannot be renamed, those that had already been, .node the last, stay where they
+ * replaced others). */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);

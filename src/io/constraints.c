@@ -5,6 +5,7 @@
 #include "io/file.h"
 #include "io/text.h"
 
+#include "base/context.h"
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -133,6 +134,7 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
                       planish_error *error) {
     static const char *const kind[] = {"of lines", "of triangles", "of tetrahedra"};
     tag t = tag_parse(text, dim);
+    t.has_number = t.has_number && !model->groups_by_name;
     int found = choose_group(model, &t, dim, chosen);
     if (t.has_number && (dim < 0 || t.dim == dim))
         found |= choose_number(model, t.dim, t.number, chosen);
@@ -373,6 +375,7 @@ static double tolerance_of_digits(const planish_file *file) {
 planish_surface planish_file_surface(const planish_file *file, const planish_hold *hold) {
     if (!file)
         return (planish_surface){.n_facets = 0};
+    const pl_outside outside = pl_call_enter(NULL);
     const io_model *model = &file->model;
     const io_cells *facets = facet_cells(model);
     planish_surface surface = {
@@ -387,6 +390,7 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
         surface.edges = model->line.nodes;
         surface.edge_tag = io_cells_regions(&model->line);
     }
+    pl_call_leave(&outside);
     return surface;
 }
 
@@ -409,9 +413,10 @@ static int raise_group(const io_model *model, const char *text, double value, ui
 int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                              const double *values, int n_tags, double *min_volume,
                              planish_error *error) {
-    if (!file || !min_volume || (n_tags > 0 && (!tags || !values)))
+    if (!file || !min_volume || !has_all(tags, n_tags) || (n_tags > 0 && !values))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "file, tags, values and min_volume must not be NULL");
+                       "file, min_volume and each of n_tags tags and values must not be NULL");
+    const pl_outside outside = pl_call_enter(NULL);
     const io_cells *cells = io_file_elements(file);
     const int32_t n_entities = file->model.n_entities;
     uint8_t *chosen = pl_alloc(n_entities, 1);
@@ -423,6 +428,7 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
         min_volume[i] = cells->entity ? least[cells->entity[i]] : 0;
     pl_free(least);
     pl_free(chosen);
+    pl_call_leave(&outside);
     return status;
 }
 
@@ -463,9 +469,10 @@ static int is_overruled(const io_model *model, const io_entity *entity) {
 int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                 size_t size) {
     const io_cells *cells = file ? io_file_elements(file) : NULL;
-    if (!file || element < 0 || element >= cells->n || !text || size == 0)
+    if (!file || element < 0 || element >= cells->n || (!text && size > 0))
         return PLANISH_ERROR_ARGUMENT;
-    text[0] = '\0';
+    if (size > 0)
+        text[0] = '\0';
     if (!cells->entity || cells->entity[element] < 0)
         return 0;
     const io_model *model = &file->model;

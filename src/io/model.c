@@ -315,7 +315,18 @@ static int finish_plane(io_model *model, planish_error *error) {
     return status;
 }
 
+/** Points that name every node say nothing of any: Mmg writes all vertices so, and others vertex
+ *  cells. */
+static void drop_plain_points(io_model *model) {
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        if (!(model->hold[i] & IO_HELD_BY_LOWER))
+            return;
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        model->hold[i] &= (uint8_t)~IO_HELD_BY_LOWER;
+}
+
 int io_model_finish(io_model *model, planish_error *error) {
+    drop_plain_points(model);
     model->n_lower += model->line.n;
     hold_cells(model, &model->line, 2, IO_HELD_BY_LINE);
     if (model->tetrahedron.n > 0)

@@ -59,6 +59,8 @@ static void temporaries_remove(io_temporaries list, const char *path) {
  *  others write, too (>> log): it must not be replaced. */
 static int named_descriptor(const char *path) {
     static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+    if (strcmp(path, "/dev/stdin") == 0)
+        return STDIN_FILENO;
     if (strcmp(path, "/dev/stdout") == 0)
         return STDOUT_FILENO;
     if (strcmp(path, "/dev/stderr") == 0)
@@ -81,8 +83,7 @@ int io_output_is_stream(const char *path) {
             about.kind != PL_FILE_FOLDER);
 }
 
-/** path with a link at its end followed, also one that leads nowhere yet. Owned; NULL: errno. */
-static char *follow_links(const char *path) {
+char *io_output_target(const char *path) {
     char *at = pl_alloc(PATH_MAX, 1), *link = pl_alloc(PATH_MAX, 1);
     int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
     if (!status)
@@ -146,7 +147,7 @@ static int create_temporary(io_temporaries temporaries, io_output *output) {
 static int open_beside(const char *path, io_temporaries temporaries, io_output *output,
                        planish_error *error) {
     pl_file_status about;
-    output->target = follow_links(path);
+    output->target = io_output_target(path);
     if (!output->target)
         return pl_fail_errno(error, path, "cannot be written");
     if (pl_file_find(output->target, &about) == 0 && about.kind == PL_FILE_FOLDER)

@@ -25,6 +25,9 @@ typedef struct io_output {
 /** Not 0 if path is written as it is: a pipe, a device, a name of an open file (/dev/stdout). */
 int io_output_is_stream(const char *path);
 
+/** path with a link at its end followed, also one that leads nowhere yet. Owned; NULL: errno. */
+char *io_output_target(const char *path);
+
 /** Begin to write path. A file that exists keeps its mode and owner. */
 int io_output_open(const char *path, io_temporaries temporaries, io_output *output,
                    planish_error *error);

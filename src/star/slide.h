@@ -91,7 +91,15 @@ static inline int slide_ask(const pl_star_problem *problem, sliding *s, const do
     pl_context *before = pl_context_enter(NULL);
     s->kind = problem->project(s->of->node, at, direction, problem->project_user);
     pl_context_enter(before);
-    const double length = sqrt(dot(direction, direction, dim));
+    double length = sqrt(dot(direction, direction, dim));
+    if (!(length > 0x1p-500 && length < 0x1p500)) { /* squares of others over- or underflow */
+        double largest = 0;
+        for (int d = 0; d < dim; d++)
+            largest = fmax(largest, fabs(direction[d]));
+        for (int d = 0; d < dim; d++)
+            direction[d] /= largest;
+        length = sqrt(dot(direction, direction, dim));
+    }
     if ((s->kind != PLANISH_ON_PLANE && s->kind != PLANISH_ON_LINE) ||
         !(length > 0 && length < INFINITY)) {
         s->kind = PLANISH_FIXED;

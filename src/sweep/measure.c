@@ -107,7 +107,7 @@ int planish_measure_mesh(const planish_mesh *mesh, const planish_options *option
 
 uint64_t planish_checksum(const planish_mesh *mesh) {
     uint64_t checksum = 0;
-    if (!mesh || !mesh->coordinates || pl_check_counts(mesh, NULL))
+    if (!mesh || !mesh->coordinates || pl_check_nodes(mesh, NULL))
         return 0;
     const pl_points points = pl_points_of(mesh, mesh->coordinates);
     for (int64_t i = 0; i < points.n; i++)

@@ -23,6 +23,8 @@ typedef struct pl_dense {
 
 /** Check dim, counts and strides of mesh, and which arrays there are. */
 int pl_check_counts(const planish_mesh *mesh, planish_error *error);
+/** Of that what is about nodes alone. */
+int pl_check_nodes(const planish_mesh *mesh, planish_error *error);
 
 /** Check mesh->part, if there is one: its functions, the numbers and roles of nodes, and that
  * elements have no ghosts alone. Errors: _ARGUMENT, _MESH. */

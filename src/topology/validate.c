@@ -91,7 +91,7 @@ static int strides_are_sound(const planish_mesh *mesh) {
     return p.apart <= (p.step - 1) / (p.dim - 1) || p.apart > p.step * (p.n - 1);
 }
 
-int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
+int pl_check_nodes(const planish_mesh *mesh, planish_error *error) {
     if (!mesh)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh must not be NULL");
     if (mesh->dim != 2 && mesh->dim != 3)
@@ -101,6 +101,21 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_nodes is %" PRId64 "; it must lie between 0 and %" PRId32,
                        mesh->n_nodes, INT32_MAX);
+    if (!mesh->coordinates && mesh->n_nodes > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.coordinates must not be NULL");
+    if (!strides_are_sound(mesh))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.node_stride is %" PRId64 " and component_stride %" PRId64
+                       ": they must be positive, no more than 2^30 for nodes, and let no two "
+                       "coordinates overlap; or 0",
+                       mesh->node_stride, mesh->component_stride);
+    return PLANISH_OK;
+}
+
+int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
+    const int status = pl_check_nodes(mesh, error);
+    if (status)
+        return status;
     if (mesh->n_elements < 0 || mesh->n_elements > INT32_MAX)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_elements is %" PRId64 "; it must lie between 0 and %" PRId32,
@@ -111,14 +126,6 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        mesh->elements ? "mesh.elements and mesh.elements64 are both set; give one"
                                       : "mesh.elements must not be NULL");
-    if (!mesh->coordinates && mesh->n_nodes > 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.coordinates must not be NULL");
-    if (!strides_are_sound(mesh))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "mesh.node_stride is %" PRId64 " and component_stride %" PRId64
-                       ": they must be positive, no more than 2^30 for nodes, and let no two "
-                       "coordinates overlap; or 0",
-                       mesh->node_stride, mesh->component_stride);
     return PLANISH_OK;
 }
 

@@ -14,7 +14,8 @@ QUALITY = {
 MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "sliding_nodes": int,
         "could_slide": (int, type(None)), "layer_elements": (int, type(None)),
         "free_layer_elements": (int, type(None)),
-        "fixed_elements": int, "colours": int, "nodes_with_parameters": int}
+        "fixed_elements": int, "colours": int, "nodes_with_parameters": int,
+        "reversed_elements": int}
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list}
 SMOOTH = {
     "planish": str, "input": str, "output": str, "format": str, "mesh": MESH, "method": str,

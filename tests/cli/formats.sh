@@ -89,6 +89,31 @@ expect_status 0 "$program" smooth ascii41.msh -o parametric_smooth.msh --json re
 expect_json "r['mesh']['nodes_with_parameters'] == 0"
 ! grep -q parameters err || fail "parameters that are not there"
 
+# Mmg writes a point for every vertex, which hold nothing then; points for some hold these.
+awk -v every=1 -f "$cli/add_points.awk" ascii22.msh >every_point.msh
+awk -v every=3 -f "$cli/add_points.awk" ascii22.msh >some_points.msh
+for file in ascii22 every_point some_points; do
+    expect_status 0 "$program" smooth $file.msh -o $file.smooth.msh -q --json report.json
+    python3 -c "import json; print(json.load(open('report.json'))['mesh']['free_nodes'])" >$file.free
+done
+cmp ascii22.free every_point.free || fail "points for every node hold some"
+[ "$(cat some_points.free)" -lt "$(cat ascii22.free)" ] || fail "points for some nodes do not hold them"
+
+# How elements are numbered is no inversion, but told of.
+python3 - <<'END'
+words = open("medit.mesh").read().split("\n")
+at = words.index(" Tetrahedra") + 2
+for i in range(at, at + 5):
+    a, b, *rest = words[i].split()
+    words[i] = " ".join([b, a, *rest])
+open("mixed.mesh", "w").write("\n".join(words))
+END
+expect_status 0 "$program" quality mixed.mesh --json report.json
+expect_json "r['quality']['inverted'] == 0 and r['mesh']['reversed_elements'] in (5, r['mesh']['elements'] - 5)"
+expect_text "numbered the other way round"
+expect_status 0 "$program" quality medit.mesh --json report.json
+! grep -q "other way round" err || fail "a note on elements that are all numbered alike"
+
 # Editors begin text with a byte order mark: it stays, and nothing else is different.
 mkdir marked
 tr -d '\n' <<<' ' | cat - medit.mesh | sed '1s/^ *//' >first.mesh

@@ -36,6 +36,9 @@ echo "first line" >log
 "$program" quality in.msh -q --json /dev/stdout >>log || fail "report to a log"
 head -n 1 log | grep -q "first line" || fail "the log was replaced"
 expect_status 64 "$program" smooth in.msh -o absent.msh --json ./absent.msh -q
+ln -s absent.msh absent.json
+expect_status 64 "$program" smooth in.msh -o absent.msh --json absent.json -q
+expect_status 64 "$program" quality in.msh --json absent.json --report absent.msh -q
 expect_no_file absent.msh
 cp "$source_folder/tests/data/tetgen.node" mesh.node
 cp "$source_folder/tests/data/tetgen.ele" mesh.ele

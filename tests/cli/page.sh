@@ -37,6 +37,15 @@ check_page quality.html quality.json tangled.mesh
 expect_status 0 "$program" report quality.json -o again.html
 cmp quality.html again.html || fail "the page of quality's JSON"
 
+# A page by itself has the same figures; the first ones of a long list.
+expect_status 0 "$program" smooth tangled.mesh -o smooth.mesh --slide auto --report alone.html -q
+checksum=$(python3 -c "import json; print(json.load(open('run.json'))['checksum'])")
+grep -q "$checksum" alone.html || fail "the checksum of a page without JSON"
+expect_status 0 "$program" quality tangled.mesh --worst 1100 --report many.html -q
+grep -q "These are the first 1000 of 1100" many.html || fail "a long list"
+expect_status 64 "$program" report /dev/stdin
+expect_text "name one by -o"
+
 # Regular elements, whose radius ratio rounding might take below 1.
 python3 - >regular.mesh <<'END'
 import math, random

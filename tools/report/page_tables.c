@@ -244,6 +244,7 @@ static void put_element(pl_markup *page, const cJSON *element) {
 }
 
 static void put_bad_elements(pl_markup *page, const cJSON *state) {
+    enum { MOST_ROWS = 1000 };
     const cJSON *list = cJSON_GetObjectItemCaseSensitive(state, "worst_elements"), *element;
     pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">element</th>"
                         "<th scope=\"col\">picture</th>"
@@ -252,10 +253,14 @@ static void put_bad_elements(pl_markup *page, const cJSON *state) {
                         "</th><th scope=\"col\" class=\"word\">middle</th><th scope=\"col\" "
                         "class=\"word\">nodes</th><th scope=\"col\" "
                         "class=\"word\">region</th></tr></thead><tbody>\n");
+    int n = 0;
     cJSON_ArrayForEach(element, list) {
-        put_element(page, element);
+        if (n++ < MOST_ROWS)
+            put_element(page, element);
     }
     pl_markup_put(page, "</tbody></table></div>\n");
+    if (n > MOST_ROWS)
+        pl_markup_put(page, "<p class=\"quiet\">These are the first %d of %d.</p>\n", MOST_ROWS, n);
 }
 
 static int lists_elements(const cJSON *state) {
