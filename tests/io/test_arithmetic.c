@@ -80,9 +80,44 @@ static void files_do_not_depend_on_the_callers(void **state) {
     free(bytes);
 }
 
+/** Tolerances of digits, and least volumes next to nothing. */
+static void groups_do_not_depend_on_the_callers(void **state) {
+    const char *folder = *state;
+    static const char text[] = "MeshVersionFormatted 2\nDimension 2\nVertices\n3\n0 0 1\n"
+                               "1.123456 0 1\n0 1 1\nTriangles\n1\n1 2 3 7\nEnd\n";
+    char path[TEST_PATH_SIZE];
+    planish_file *file = NULL;
+    const char *tag = "7";
+    double tiny, expected = 0, volume;
+    test_write(folder, "small.mesh", text, sizeof text - 1);
+    memset(&tiny, 0, sizeof tiny);
+    memset(&tiny, 1, 2); /* subnormal */
+    assert_int_equal(planish_file_open(test_path(path, folder, "small.mesh"), NULL, 1, &file, NULL),
+                     0);
+    test_arithmetic_reset();
+    const double tolerance = planish_file_surface(file, NULL).tolerance;
+    assert_true(tolerance > 0);
+    assert_int_equal(planish_file_min_volumes(file, &tag, &tiny, 1, &expected, NULL), 0);
+    for (const test_arithmetic *a = test_arithmetics; a->name; a++) {
+        a->set();
+        const test_arithmetic_state before = test_arithmetic_now();
+        const planish_surface surface = planish_file_surface(file, NULL);
+        const int status = planish_file_min_volumes(file, &tag, &tiny, 1, &volume, NULL);
+        const test_arithmetic_state after = test_arithmetic_now();
+        test_arithmetic_reset();
+        if (status || memcmp(&volume, &expected, sizeof volume) != 0 ||
+            memcmp(&surface.tolerance, &tolerance, sizeof tolerance) != 0)
+            fail_msg("%s: another tolerance or volume", a->name);
+        assert_memory_equal(&before, &after, sizeof before);
+    }
+    planish_file_close(file);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(files_do_not_depend_on_the_callers, test_folder_create,
+                                        test_folder_remove),
+        cmocka_unit_test_setup_teardown(groups_do_not_depend_on_the_callers, test_folder_create,
                                         test_folder_remove),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -207,6 +207,11 @@ static void arguments_are_checked(void **state) {
                      PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_file_min_volumes(file, &tag, &value, 1, NULL, NULL),
                      PLANISH_ERROR_ARGUMENT);
+    const char *const nothing = NULL;
+    assert_int_equal(planish_file_min_volumes(file, &nothing, &value, 1, min_volume, NULL),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_min_volumes(file, &tag, &value, -1, min_volume, NULL),
+                     PLANISH_ERROR_ARGUMENT);
     planish_file_close(file);
 }
 

@@ -1,6 +1,7 @@
 /* Writing: nothing but the coordinates that changed is another byte, and files are replaced whole
  * or not at all. */
 #include "support/files.h"
+#include "support/reading.h"
 
 #include "io/file.h"
 
@@ -433,6 +434,33 @@ static void nothing_is_asked_of_no_file(void **state) {
     planish_file_close(file);
 }
 
+/** Lists of the caller's that are too short for what goes there are not written beyond their end.
+ */
+static void short_buffers_stay_whole(void **state) {
+    char path[TEST_PATH_SIZE], temporary[TEST_PATH_SIZE], lost[64];
+    planish_file *file =
+        reading_text(&io_format_medit, "MeshVersionFormatted 2 Dimension 2 Vertices 4 0 0 0 1 0 0 "
+                                       "1 1 0 0 1 0 Quadrilaterals 1 1 2 3 4 0 Triangles 1 1 2 3 0 "
+                                       "End");
+    planish_error error = {.text = ""};
+    const double *x = planish_file_coordinates(file);
+    for (size_t size = 0; size < 40; size++) {
+        memset(temporary, 0, sizeof temporary);
+        memset(temporary + size, '#', sizeof temporary - size);
+        memset(lost, '#', sizeof lost);
+        if (planish_file_write(file, test_path(path, *state, "out.mesh"), x, 1, temporary, size,
+                               &error) ||
+            planish_file_convert(file, test_path(path, *state, "out.vtk"), x, NULL, NULL, temporary,
+                                 size, lost, size, &error))
+            fail_msg("%s", error.text);
+        for (size_t i = size; i < sizeof lost; i++)
+            assert_true(temporary[i] == '#' && lost[i] == '#');
+        assert_true(size == 0 || memchr(lost, '\0', size) != NULL);
+    }
+    assert_int_equal(strncmp(lost, "1 elements of other types", 25), 0);
+    planish_file_close(file);
+}
+
 /** A limit on the size of files stands in for a disk that becomes full half way. */
 static void a_file_that_does_not_fit_leaves_the_old_one(void **state) {
     char path[TEST_PATH_SIZE];
@@ -513,6 +541,7 @@ int main(void) {
         IN_A_FOLDER(failures_are_reported),
         IN_A_FOLDER(what_cannot_be_meant_is_refused),
         IN_A_FOLDER(nothing_is_asked_of_no_file),
+        IN_A_FOLDER(short_buffers_stay_whole),
         IN_A_FOLDER(a_file_that_does_not_fit_leaves_the_old_one),
         IN_A_FOLDER(a_changed_input_is_refused),
         IN_A_FOLDER(a_replaced_input_is_none),

@@ -378,6 +378,76 @@ static void callbacks_may_call_the_library(void **state) {
     test_mesh_destroy(&box);
 }
 
+/** Asks what planish.h permits in a callback; results are as without, and times go on. */
+typedef struct reader_on_the_way {
+    planish_plan *plan;
+    const planish_options *volumes;
+    double *coordinates; /* [n_nodes][dim] of the caller, from which nothing moves meanwhile */
+    double *start;
+    size_t bytes;
+    uint8_t *state;
+    pthread_t thread;
+    int64_t below;
+    int calls;
+    double seconds;
+} reader_on_the_way;
+
+static int ask_on_the_way(const planish_progress *progress, void *user) {
+    reader_on_the_way *a = user;
+    planish_quality quality;
+    assert_true(pthread_equal(a->thread, pthread_self()));
+    assert_int_equal(
+        planish_check_volumes(a->plan, a->coordinates, a->volumes, a->state, &a->below, NULL), 0);
+    assert_true(a->below > 0);
+    assert_int_equal(planish_measure(a->plan, a->coordinates, &quality, NULL), 0);
+    assert_memory_equal(a->coordinates, a->start, a->bytes);
+    assert_true(progress->seconds >= 0 && progress->seconds < 3600);
+    a->calls++;
+    return 0;
+}
+
+static int count_calls(const planish_progress *progress, void *user) {
+    (void)progress;
+    (*(int *)user)++;
+    return 0;
+}
+
+static void callbacks_may_ask_of_the_mesh(void **state) {
+    (void)state;
+    for (int which = 0; which < 3; which++) {
+        test_mesh box;
+        planish_options options = defaults(), volumes = defaults();
+        planish_result result;
+        int calls = 0;
+        (which == 1 ? tangled_box : bad_box)(&box, 3);
+        options.min_volume = which == 2 ? 0.1 : 0;
+        volumes.min_volume = 0.2;
+        double *expected = copy_of(&box.mesh);
+        reader_on_the_way a = {.volumes = &volumes,
+                               .coordinates = copy_of(&box.mesh),
+                               .start = copy_of(&box.mesh),
+                               .bytes = bytes_of(&box.mesh),
+                               .state = malloc((size_t)box.mesh.n_elements),
+                               .thread = pthread_self()};
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &a.plan, NULL), 0);
+        options.progress = count_calls;
+        options.progress_user = &calls;
+        assert_int_equal(planish_smooth(a.plan, expected, &options, NULL, NULL), 0);
+        options.progress = ask_on_the_way;
+        options.progress_user = &a;
+        assert_int_equal(planish_smooth(a.plan, a.coordinates, &options, &result, NULL), 0);
+        assert_memory_equal(a.coordinates, expected, bytes_of(&box.mesh));
+        assert_int_equal(a.calls, calls);
+        assert_true(result.seconds > 0);
+        planish_plan_destroy(a.plan);
+        free(a.coordinates);
+        free(a.start);
+        free(a.state);
+        free(expected);
+        test_mesh_destroy(&box);
+    }
+}
+
 /* ---- threads of the caller ------------------------------------------------------------------ */
 
 typedef struct pool {
@@ -716,6 +786,8 @@ static void checksums_tell_bits_apart(void **state) {
         box.coordinates[i] = was;
     }
     assert_true(planish_checksum(NULL) == 0);
+    const planish_mesh view = {.dim = 3, .n_nodes = n, .coordinates = box.coordinates};
+    assert_true(planish_checksum(&view) == sum); /* whatever there is besides */
     free(x);
     test_mesh_destroy(&box);
 }
@@ -836,7 +908,40 @@ static void wrong_options_are_named(void **state) {
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "allocator"));
     assert_null(plan);
+    options = defaults();
+    options.isa = (planish_isa)77;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_non_null(strstr(error.text, "isa"));
+    for (int threads = -1; threads <= 1025; threads += 1026) {
+        options = defaults();
+        options.threads = threads;
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
+                         PLANISH_ERROR_ARGUMENT);
+        assert_non_null(strstr(error.text, "threads"));
+    }
+    assert_null(plan);
     test_mesh_destroy(&box);
+}
+
+/** What planish.h says of planish_options_init. */
+static void defaults_are_as_documented(void **state) {
+    (void)state;
+    planish_options o;
+    planish_options_init(&o);
+    assert_int_equal(o.struct_size, sizeof o);
+    assert_true(o.threads == 0 && o.bind == 0 && o.isa == PLANISH_ISA_AUTO);
+    assert_true(o.method == PLANISH_METHOD_PLANISH && o.objective == PLANISH_RADIUS_RATIO &&
+                o.direction == PLANISH_NEWTON);
+    assert_true(o.min_volume == 0 && o.min_volume_fraction == 0 && o.area_weight == 0);
+    assert_true(!o.lower && !o.upper && o.max_displacement == 0);
+    for (int d = 0; d < 3; d++)
+        assert_true(o.box_lower[d] == -INFINITY && o.box_upper[d] == INFINITY);
+    assert_true(o.precision == PLANISH_DOUBLE && o.untangle);
+    assert_true(o.worst == PLANISH_WORST_NONE && o.worst_rise == 0.01);
+    assert_true(o.max_sweeps == 200 && o.tolerance == 1e-5 && o.time_limit == 0);
+    assert_true(o.only_worse_than == 0 && o.layers == 0 && o.n_around == 0 && !o.around);
+    assert_true(!o.progress && !o.project && !o.allocator && !o.parallel && !o.log && !o.round);
 }
 
 int main(void) {
@@ -848,6 +953,7 @@ int main(void) {
         cmocka_unit_test(kept_memory_is_bounded),
         cmocka_unit_test(failures_in_callbacks_stay_there),
         cmocka_unit_test(callbacks_may_call_the_library),
+        cmocka_unit_test(callbacks_may_ask_of_the_mesh),
         cmocka_unit_test(threads_may_be_the_callers),
         cmocka_unit_test(meshes_may_be_smoothed_at_once),
 #ifdef _OPENMP
@@ -863,6 +969,7 @@ int main(void) {
         cmocka_unit_test(cancelling_at_once_is_safe),
         cmocka_unit_test(nothing_is_an_argument),
         cmocka_unit_test(wrong_options_are_named),
+        cmocka_unit_test(defaults_are_as_documented),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -419,6 +419,122 @@ static void memory_may_run_out(void **state) {
     test_mesh_destroy(&box);
 }
 
+static int note_inverted(const planish_progress *progress, void *user) {
+    *(int64_t *)user = progress->inverted;
+    return 0;
+}
+
+static int has_node(const planish_mesh *mesh, int64_t element, int64_t node) {
+    int any = 0;
+    for (int j = 0; j <= mesh->dim; j++)
+        any |= mesh->elements[element * (mesh->dim + 1) + j] == node;
+    return any;
+}
+
+/** What is inverted elsewhere counts, though the plan may not touch it. */
+static void inverted_elements_elsewhere_are_counted(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_plan *plan;
+    planish_quality quality;
+    planish_result result;
+    planish_options options = defaults();
+    bad_box(&box, 3);
+    const size_t n = (size_t)box.mesh.n_nodes;
+    assert_int_equal(planish_measure_mesh(&box.mesh, &options, &quality, NULL), 0);
+    options.only_worse_than = quality.max_radius_ratio * 0.999;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
+    uint8_t *is_free = malloc(n);
+    double *x = malloc(3 * n * sizeof *x);
+    memcpy(x, box.coordinates, 3 * n * sizeof *x);
+    planish_plan_get_free(plan, is_free);
+    int pushed = 0;
+    for (size_t i = 0; i < n; i++)
+        if (!is_free[i] && is_inside(&box.mesh, box.coordinates, (int64_t)i) && i % 7 == 0) {
+            x[3 * i] += 3;
+            pushed++;
+        }
+    assert_true(pushed > 0);
+    int64_t told = -1;
+    options.progress = note_inverted;
+    options.progress_user = &told;
+    assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
+    assert_int_equal(planish_measure(plan, x, &quality, NULL), 0);
+    assert_true(quality.inverted > pushed);
+    assert_int_equal(result.inverted, quality.inverted);
+    assert_true(told < 0 || told >= quality.inverted);
+    free(x);
+    free(is_free);
+    planish_plan_destroy(plan);
+    test_mesh_destroy(&box);
+}
+
+/** Errors of plans of a part name elements and nodes by their numbers in the mesh. */
+static void errors_name_what_the_mesh_calls_it(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_error error;
+    planish_plan *plan = NULL;
+    planish_options options = defaults();
+    test_mesh_box(&box, 3, CELLS);
+    const int64_t line = CELLS + 1, inside = ((line * 5) + 5) * line + 5;
+    const size_t n = (size_t)box.mesh.n_nodes;
+    options.around = &inside;
+    options.n_around = 1;
+    int64_t element = box.mesh.n_elements - 1;
+    while (!has_node(&box.mesh, element, inside))
+        element--;
+    double *least = calloc((size_t)box.mesh.n_elements, sizeof *least);
+    for (int which = 0; which < 2; which++) {
+        least[element] = which ? -1 : NAN;
+        box.mesh.min_volume = least;
+        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
+                         PLANISH_ERROR_MESH);
+        assert_int_equal(error.element, element);
+    }
+    box.mesh.min_volume = NULL;
+    uint8_t *constraint = calloc(1, n);
+    constraint[inside] = 9;
+    box.mesh.constraint = constraint;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(error.node, inside);
+    constraint[inside] = PLANISH_FREE;
+    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error), 0);
+    double *lower = malloc(3 * n * sizeof *lower);
+    for (size_t i = 0; i < 3 * n; i++)
+        lower[i] = -INFINITY;
+    lower[3 * inside + 1] = NAN;
+    options.lower = lower;
+    assert_int_not_equal(planish_smooth(plan, box.coordinates, &options, NULL, &error), 0);
+    assert_int_equal(error.node, inside);
+    planish_plan_destroy(plan);
+    free(lower);
+    free(constraint);
+    free(least);
+    test_mesh_destroy(&box);
+}
+
+static void unused_nodes_are_counted(void **state) {
+    (void)state;
+    test_mesh box;
+    planish_options options = defaults();
+    bad_box(&box, 2);
+    planish_mesh mesh = box.mesh;
+    double *x = calloc((size_t)(mesh.n_nodes + 3) * 2, sizeof *x);
+    memcpy(x, box.coordinates, (size_t)mesh.n_nodes * 2 * sizeof *x);
+    mesh.coordinates = x;
+    mesh.n_nodes += 3;
+    planish_plan *plan;
+    planish_plan_info info;
+    assert_int_equal(planish_plan_create(&mesh, &options, &plan, NULL), 0);
+    planish_plan_get_info(plan, &info);
+    assert_int_equal(info.n_unused, 3);
+    planish_plan_destroy(plan);
+    free(x);
+    test_mesh_destroy(&box);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(only_nodes_of_bad_elements_move),
@@ -431,6 +547,9 @@ int main(void) {
         cmocka_unit_test(sliding_nodes_are_chosen_too),
         cmocka_unit_test(layers_are_checked),
         cmocka_unit_test(memory_may_run_out),
+        cmocka_unit_test(inverted_elements_elsewhere_are_counted),
+        cmocka_unit_test(errors_name_what_the_mesh_calls_it),
+        cmocka_unit_test(unused_nodes_are_counted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -398,6 +398,139 @@ static void a_surface_is_asked_for(void **state) {
     box_destroy(&b);
 }
 
+/** Where nodes began, by their numbers in the mesh. */
+typedef struct roll {
+    const double *start; /* [n_nodes][3] of the box */
+    double length;       /* of the directions that are told */
+    _Atomic int calls, strangers;
+} roll;
+
+static planish_constraint on_side(int64_t node, double *point, double *direction, void *user) {
+    roll *r = user;
+    const double *start = r->start + 3 * node;
+    double far = 0;
+    r->calls++;
+    for (int d = 0; d < 3; d++)
+        far += fabs(point[d] - start[d]);
+    r->strangers += far > 2;
+    for (int d = 0; d < 3; d++)
+        if (start[d] == 0 || start[d] == CELLS) {
+            direction[d] = r->length;
+            point[d] = start[d];
+            return PLANISH_ON_PLANE;
+        }
+    return PLANISH_FIXED;
+}
+
+/** A node is named by its number in the mesh, in plans of a part of it too. */
+static void surfaces_are_asked_for_by_number(void **state) {
+    (void)state;
+    sliding_box b;
+    box_create(&b, 3);
+    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
+        b.constraint[i] = b.constraint[i] == PLANISH_ON_PLANE ? PLANISH_ON_SURFACE
+                          : b.constraint[i] != PLANISH_FREE   ? PLANISH_FIXED
+                                                              : PLANISH_FREE;
+    b.mesh.direction = NULL;
+    roll user = {.start = b.base.coordinates, .length = 1};
+    const int64_t middle = (CELLS + 1) * (CELLS + 1) * 2 + (CELLS + 1) * 2;
+    assert_int_equal(b.constraint[middle], PLANISH_ON_SURFACE);
+    for (int which = 0; which < 3; which++) {
+        planish_options options = defaults();
+        options.project = on_side;
+        options.project_user = &user;
+        options.layers = which == 1;
+        options.around = which == 1 ? &middle : NULL;
+        options.n_around = which == 1;
+        options.only_worse_than = which == 2 ? 1.5 : 0;
+        user.calls = 0;
+        smooth(&b, &options);
+        assert_true(user.calls > 0);
+        assert_int_equal(user.strangers, 0);
+        int moved = 0;
+        for (int64_t i = 0; i < b.mesh.n_nodes; i++)
+            moved +=
+                b.constraint[i] == PLANISH_ON_SURFACE &&
+                memcmp(b.coordinates + 3 * i, b.base.coordinates + 3 * i, 3 * sizeof(double)) != 0;
+        if (moved == 0)
+            fail_msg("plan %d: %d nodes slide, none moved", which, (int)b.info.n_sliding);
+    }
+    box_destroy(&b);
+}
+
+/** Directions are of any length but 0. */
+static void lengths_of_normals_do_not_matter(void **state) {
+    (void)state;
+    static const double lengths[] = {1, 0x1p-60, 0x1p600, 0x1p-600, 0x1p-1074};
+    sliding_box b;
+    box_create(&b, 3);
+    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
+        b.constraint[i] = b.constraint[i] == PLANISH_ON_PLANE ? PLANISH_ON_SURFACE
+                          : b.constraint[i] != PLANISH_FREE   ? PLANISH_FIXED
+                                                              : PLANISH_FREE;
+    b.mesh.direction = NULL;
+    double *first = malloc(bytes_of(&b));
+    for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
+        planish_options options = defaults();
+        roll user = {.start = b.base.coordinates, .length = lengths[k]};
+        options.project = on_side;
+        options.project_user = &user;
+        smooth(&b, &options);
+        if (k == 0)
+            memcpy(first, b.coordinates, bytes_of(&b));
+        assert_true(b.after.rms_radius_ratio < b.before.rms_radius_ratio);
+        assert_true(b.result.moved_nodes > b.info.n_free + b.info.n_sliding / 2);
+        assert_memory_equal(first, b.coordinates, bytes_of(&b));
+    }
+    free(first);
+    box_destroy(&b);
+}
+
+/** A fan of n triangles: all around node 0, or on one side of it. */
+static void limits_on_elements_of_a_node(void **state) {
+    (void)state;
+    static const struct {
+        int n, is_closed, moves;
+    } fans[] = {{21845, 0, 1}, {21846, 0, 0}, {43690, 1, 1}, {43691, 1, 0}};
+    for (size_t k = 0; k < sizeof fans / sizeof *fans; k++) {
+        const int n = fans[k].n;
+        const size_t n_nodes = (size_t)n + 2;
+        double *x = calloc(2 * n_nodes, sizeof *x), *direction = calloc(2 * n_nodes, sizeof *x);
+        int32_t *elements = malloc(3 * (size_t)n * sizeof *elements);
+        uint8_t *constraint = malloc(n_nodes);
+        memset(constraint, PLANISH_FIXED, n_nodes);
+        constraint[0] = fans[k].is_closed ? PLANISH_FREE : PLANISH_ON_LINE;
+        direction[0] = 1;
+        for (int i = 0; i <= n; i++) {
+            const double angle = 3.141592653589793 * (fans[k].is_closed + 1) * i / n;
+            x[2 * (i + 1)] = cos(angle);
+            x[2 * (i + 1) + 1] = i == n && !fans[k].is_closed ? 0 : sin(angle);
+            if (i < n) {
+                elements[3 * i] = 0;
+                elements[3 * i + 1] = i + 1;
+                elements[3 * i + 2] = i + 1 == n && fans[k].is_closed ? 1 : i + 2;
+            }
+        }
+        const planish_mesh mesh = {.dim = 2,
+                                   .n_nodes = (int64_t)n_nodes - fans[k].is_closed,
+                                   .n_elements = n,
+                                   .coordinates = x,
+                                   .elements = elements,
+                                   .constraint = constraint,
+                                   .direction = direction};
+        planish_plan *plan;
+        planish_plan_info info;
+        assert_int_equal(planish_plan_create(&mesh, NULL, &plan, NULL), 0);
+        planish_plan_get_info(plan, &info);
+        assert_int_equal(info.n_free + info.n_sliding, fans[k].moves);
+        planish_plan_destroy(plan);
+        free(x);
+        free(direction);
+        free(elements);
+        free(constraint);
+    }
+}
+
 /** Many pieces that share no more than a node on a line: its ring has more nodes than its link has
  *  facets, and more than a byte can number before the link itself is that large. */
 static void separate_pieces_are_one_star(void **state) {
@@ -550,6 +683,9 @@ int main(void) {
         cmocka_unit_test(sides_slide_alone),
         cmocka_unit_test(tangled_meshes_are_mended),
         cmocka_unit_test(a_surface_is_asked_for),
+        cmocka_unit_test(surfaces_are_asked_for_by_number),
+        cmocka_unit_test(lengths_of_normals_do_not_matter),
+        cmocka_unit_test(limits_on_elements_of_a_node),
         cmocka_unit_test(separate_pieces_are_one_star),
         cmocka_unit_test(nodes_of_inverted_elements_stay),
         cmocka_unit_test(nonmanifold_nodes_stay),
