@@ -109,7 +109,7 @@ assert after["rms_radius_ratio"] < 0.9 * before["rms_radius_ratio"]
 assert after["max_radius_ratio"] <= before["max_radius_ratio"]
 assert same(after["total_volume"], before["total_volume"])
 assert smooth["fixed"]["count"] == mesh["fixed_elements"]
-assert smooth["fixed"]["max_radius_ratio"] <= after["max_radius_ratio"]
+assert 1 <= smooth["fixed"]["rms_radius_ratio"] < smooth["fixed"]["max_radius_ratio"] <= after["max_radius_ratio"]
 assert 0 < smooth["moved_nodes"] <= mesh["free_nodes"] and smooth["max_displacement"] > 0
 
 sweeps = smooth["sweeps"]

@@ -36,10 +36,27 @@ for in in medit.mesh tetgen.node square.msh binary22.msh zlib.vtu binary.vtk; do
         expect_status 0 "$program" quality $out -q
     done
 done
-sed 's/ 0$/ 0.75/' "$data/square.msh" >lifted.msh
-if "$program" quality lifted.msh -q 2>/dev/null; then
-    expect_status 0 "$program" smooth lifted.msh -o lifted.vtk -q
-fi
+awk 'NR > 4 && NF == 3 && $3 == "0.0" { $3 = "0.75" } { print }' "$data/square.off" >lifted.off
+expect_status 0 "$program" smooth lifted.off -o lifted.vtu -q
+expect_status 0 "$program" smooth "$data/square.off" -o flat.vtu -q
+# Coordinates of version 1 are floats, and stay floats.
+sed 's/MeshVersionFormatted *2/MeshVersionFormatted 1/' "$data/medit.mesh" >float.mesh
+expect_status 0 "$program" smooth float.mesh -o float.vtu -q
+expect_status 0 "$program" smooth "$data/medit.mesh" -o double.vtu -q
+python3 - <<'END' || fail "points of copies for viewing"
+import re, struct
+def points(path):
+    """Of a file with its arrays as they are behind the mark."""
+    data = open(path, "rb").read()
+    kind, offset = re.search(rb'<Points>\s*<DataArray type="(\w+)"[^>]*offset="(\d+)"', data).groups()
+    at = data.index(b"_", data.index(b"<AppendedData")) + 1 + int(offset)
+    size = struct.unpack_from("<Q", data, at)[0]
+    letter, width = {b"Float32": ("f", 4), b"Float64": ("d", 8)}[kind]
+    return kind, struct.unpack_from("<%d%s" % (size // width, letter), data, at + 8)
+assert points("float.vtu")[0] == b"Float32" and points("double.vtu")[0] == b"Float64"
+assert set(points("lifted.vtu")[1][2::3]) == {0.75} and set(points("flat.vtu")[1][2::3]) == {0}
+assert points("lifted.vtu")[1][0::3] == points("flat.vtu")[1][0::3]
+END
 
 # Names of groups of any kind: markup, bytes that are no UTF-8, one name twice, and very long.
 sed 's/"skin"/"a<b> \& c"/; s/"lower part"/"Fronti\xe8re"/; s/"upper part"/"a<b> \& c"/' \

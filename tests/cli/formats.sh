@@ -89,6 +89,14 @@ expect_status 0 "$program" smooth ascii41.msh -o parametric_smooth.msh --json re
 expect_json "r['mesh']['nodes_with_parameters'] == 0"
 ! grep -q parameters err || fail "parameters that are not there"
 
+# All names of a format.
+for pair in nastran.bdf:bdf nastran.bdf:nas nastran.bdf:fem cube.med:med cube.med:mmed cube.med:rmed \
+    cube.vtkhdf:vtkhdf cube.vtkhdf:hdf; do
+    ! lacks "${pair%:*}" || continue
+    expect_status 0 "$program" smooth "${pair%:*}" -o "another.${pair#*:}" -q --max-sweeps 1
+    expect_status 0 "$program" quality "another.${pair#*:}" -q
+done
+
 # Mmg writes a point for every vertex, which hold nothing then; points for some hold these.
 awk -v every=1 -f "$cli/add_points.awk" ascii22.msh >every_point.msh
 awk -v every=3 -f "$cli/add_points.awk" ascii22.msh >some_points.msh

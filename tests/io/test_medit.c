@@ -98,6 +98,31 @@ static void a_plane_is_read(void **state) {
     planish_file_close(file);
 }
 
+/** What is required holds its nodes, of every dimension. */
+static void required_elements_hold_their_nodes(void **state) {
+    (void)state;
+    static const char mesh[] =
+        "MeshVersionFormatted 2 Dimension 3 Vertices 5 0 0 0 0 1 0 0 0 0 1 0 0 "
+        "0 0 1 0 1 1 1 0 Tetrahedra 2 1 2 3 4 0 2 3 4 5 0 Triangles 1 2 3 5 0 "
+        "Edges 2 1 2 0 4 5 0 %s 1 %d End";
+    static const struct {
+        const char *section;
+        int number, held[5];
+    } cases[] = {{"RequiredVertices", 3, {0, 0, 1, 0, 0}},
+                 {"Corners", 5, {0, 0, 0, 0, 1}},
+                 {"RequiredEdges", 2, {0, 0, 0, 1, 1}},
+                 {"RequiredTriangles", 1, {0, 1, 1, 0, 1}},
+                 {"RequiredTetrahedra", 2, {0, 1, 1, 1, 1}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text, mesh, cases[i].section, cases[i].number);
+        planish_file *file = reading_text(&io_format_medit, text);
+        for (int k = 0; k < 5; k++)
+            assert_int_equal((file->model.hold[k] & IO_HELD_REQUIRED) != 0, cases[i].held[k]);
+        planish_file_close(file);
+    }
+}
+
 /** TetGen lists all facets; a surface is fewer, and may well have reference 0. */
 static void all_facets_are_no_surface(void **state) {
     (void)state;
@@ -551,6 +576,7 @@ int main(void) {
         cmocka_unit_test(a_solid_is_read),
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(a_plane_is_read),
+        cmocka_unit_test(required_elements_hold_their_nodes),
         cmocka_unit_test(all_facets_are_no_surface),
         cmocka_unit_test(sections_may_stand_in_any_order),
         cmocka_unit_test(comments_are_no_keywords),

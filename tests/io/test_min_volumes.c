@@ -188,6 +188,18 @@ static void regions_of_vtk(void **state) {
     check(file, "-1=3 3:5=1", "31");
     refuse(file, "9=1", "3:-1, 3:5", NULL);
     planish_file_close(file);
+    static const char *const names[] = {
+        "region",    "gmsh:geometrical", "gmsh:physical", "medit:ref", "CellEntityIds",
+        "cell_tags", "MaterialIDs",      "MaterialId",    "material",  "regionId",
+        "RegionIds", "subdomain_id",     "BlockId",       "attribute", "ATTRIBUTE"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char text[512];
+        snprintf(text, sizeof text, "%sFIELD data 1\n%s 1 2 int\n4 6\n", VTK_OF_TWO "CELL_DATA 2\n",
+                 names[i]);
+        file = reading_text(&io_format_vtk, text);
+        check(file, "6=2", "02");
+        planish_file_close(file);
+    }
 }
 
 static void arguments_are_checked(void **state) {

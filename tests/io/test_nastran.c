@@ -112,6 +112,7 @@ static void nodes_are_held(void **state) {
                                 "000000000"));
     assert_true(constraints_are(NINE "CORD1R,1,7,8,9,2,5,6,7\n", NULL, "000011111"));
     assert_true(constraints_are(NINE "CORD1C,1,7,8,9\nCORD1S,6,5,1,2\n", NULL, "110010111"));
+    assert_true(constraints_are(NINE "CORD3R,1,7,8,9\n", NULL, "000000111"));
     assert_true(constraints_are(NINE "CORD2R,9,8,7,6,5,4,3,2\n", NULL, "000000000"));
     assert_true(
         constraints_are(NINE "SPC1,9,123,1,2\nFORCE,1,3,0,1.\nTEMP,1,5,20.\n", NULL, "000000000"));

@@ -183,6 +183,11 @@ static void put_set(hdf5_builder *b, const char *root, const char *set, int n, c
     put(b, path, "indices", n, points);
 }
 
+/** Of the first element, which no region would part from its neighbours. */
+static const char *const notes[] = {"celltype/6",   "depth/3",           "ghost/1",
+                                    "vtk/1",        "interior_facets/1", "exterior_facets/1",
+                                    "pyop2_core/1", "pyop2_owned/1",     "pyop2_ghost/1"};
+
 /** Two regions; a surface and one with all that bounds it; a line; nodes; what PETSc notes. */
 static void put_labels(hdf5_builder *b, const plex *p, const char *root) {
     int one[] = {0, 2, 5}, two[] = {1, 3, 4}, node[] = {12};
@@ -191,7 +196,8 @@ static void put_labels(hdf5_builder *b, const plex *p, const char *root) {
         one[1] = p->labelled;
     put_set(b, root, "Cell Sets/7", 3, one);
     put_set(b, root, "Cell Sets/8", 3, two);
-    put_set(b, root, "celltype/6", 1, all);
+    for (size_t i = 0; i < sizeof notes / sizeof *notes; i++)
+        put_set(b, root, notes[i], 1, all);
     if (p->is_flat)
         return;
     put_set(b, root, "Face Sets/5", 2, inlet);
