@@ -276,7 +276,11 @@ def faults(counts):
 
 def run_scenario(shim, s):
     runs = Runs(shim, s)
-    for fault in faults(runs.reference()):
+    counts = runs.reference()
+    if s.is_old and counts.get("fsync", 0) < len(s.outputs):
+        runs.problems += 1
+        print(f"FAILED: {s.name}: what is replaced is given up before the new one is on the disk")
+    for fault in faults(counts):
         runs.try_fault(*fault)
     print(f"figure: {s.name}: {runs.n} faults, {runs.n_crashes} crashes of HDF5 and hwloc, "
           f"{runs.problems} problems", flush=True)

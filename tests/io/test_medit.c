@@ -98,6 +98,28 @@ static void a_plane_is_read(void **state) {
     planish_file_close(file);
 }
 
+/** Planes may be as rough as digits are few, but no more than 1e-5. */
+static void digits_tell_how_rough_planes_may_be(void **state) {
+    (void)state;
+    static const struct {
+        const char *x;
+        double tolerance; /* 0: the library's own */
+    } cases[] = {{"1.25", 1e-5},      {"1.23456", 1e-5},    {"1.234567", 1e-6},
+                 {"1.2345678", 1e-7}, {"1.23456789", 1e-8}, {"1.2345678912", 0}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[256];
+        snprintf(text, sizeof text,
+                 "MeshVersionFormatted 2 Dimension 2 Vertices 3 0 0 0 %s 0 0 0 1 0 "
+                 "Triangles 1 1 2 3 0 End",
+                 cases[i].x);
+        planish_file *file = reading_text(&io_format_medit, text);
+        const double found = planish_file_surface(file, NULL).tolerance;
+        if (!(fabs(found - cases[i].tolerance) <= 1e-9 * cases[i].tolerance))
+            fail_msg("%s: tolerance %g", cases[i].x, found);
+        planish_file_close(file);
+    }
+}
+
 /** What is required holds its nodes, of every dimension. */
 static void required_elements_hold_their_nodes(void **state) {
     (void)state;
@@ -576,6 +598,7 @@ int main(void) {
         cmocka_unit_test(a_solid_is_read),
         cmocka_unit_test(nodes_are_held),
         cmocka_unit_test(a_plane_is_read),
+        cmocka_unit_test(digits_tell_how_rough_planes_may_be),
         cmocka_unit_test(required_elements_hold_their_nodes),
         cmocka_unit_test(all_facets_are_no_surface),
         cmocka_unit_test(sections_may_stand_in_any_order),
