@@ -400,7 +400,7 @@ static const option_row option_table[] = {
     {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_area_weight,
      "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)", NULL},
     {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box,
-     "keep all nodes in the box; those outside stay put", NULL},
+     "keep free nodes in the box; those outside stay put", NULL},
     {0, "max-displacement", "D", SMOOTH, set_max_displacement,
      "move no node farther than D from where it was; Dh:\nthan D times the mean length of its "
      "edges",
@@ -589,6 +589,9 @@ static int check_combinations(const pl_arguments *arguments) {
     if (arguments->report && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--report makes a page of one mesh, and %d are named",
                                  arguments->n_inputs);
+    if (arguments->n_worst > 0 && arguments->verbosity == PL_QUIET && !arguments->json &&
+        !arguments->report)
+        return pl_complain_usage(command, "--worst has no effect with --quiet and no report");
     if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
         return pl_complain_usage(command, "--%s has no effect with --method %s",
                                  arguments->optimiser, pl_method_name(library->method));

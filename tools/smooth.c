@@ -55,12 +55,9 @@ static int check_output(const pl_job *job) {
         return 0;
     if (strcmp(output, "-") == 0)
         return pl_complain_usage("smooth", "'-' is no file; standard output is /dev/stdout");
-    return pl_complain_usage(
-        "smooth",
-        "'%s' does not have an extension of the input's format, %s%s, and there "
-        "is conversion to .vtu and .vtk only",
-        output, job->file_info.format,
-        strcmp(job->file_info.format, "medit") == 0 ? " (text is .mesh, binary .meshb)" : "");
+    planish_file_check_output(job->file, output, &error); /* tells the extensions */
+    return pl_complain_usage("smooth", "%s, and there is conversion to .vtu and .vtk only",
+                             error.text);
 }
 
 static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {

@@ -417,12 +417,19 @@ static int write_all(const planish_file *file, const char *path, const char *mai
 }
 
 static int check_name(const planish_file *file, const char *path, planish_error *error) {
-    return planish_file_can_write(file, path)
-               ? PLANISH_OK
-               : pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                         "%s: does not have an extension of the input's format, %s, which alone is "
-                         "written",
-                         path, file->format->name);
+    char list[64] = "";
+    if (planish_file_can_write(file, path))
+        return PLANISH_OK;
+    for (const char *const *e = file->format->extensions; *e; e++) {
+        const size_t used = strlen(list);
+        char name[32];
+        snprintf(name, sizeof name, "x%s", *e);
+        if (planish_file_can_write(file, name))
+            snprintf(list + used, sizeof list - used, "%s%s", used > 0 ? ", " : "", *e);
+    }
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "%s: does not have an extension of the input's format, %s (%s)", path,
+                   file->format->name, list);
 }
 
 static int check_finite(const planish_file *file, const double *coordinates, planish_error *error) {

@@ -100,6 +100,10 @@ for method in laplacian area-laplacian length-laplacian; do
     expect_text "no effect"
 done
 
+bad quality in.msh --worst 3 -q
+expect_text "no effect"
+expect_status 0 "$program" quality in.msh --worst 3 -q --json worst.json
+
 # Where a region has a volume and another has none, there is nothing to weigh.
 cp "$source_folder/tests/data/ascii22.msh" parts.msh
 bad smooth parts.msh -o out.msh --min-volume "upper part=1e-3" --area-weight 0.5

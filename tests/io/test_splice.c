@@ -387,7 +387,7 @@ static void what_cannot_be_meant_is_refused(void **state) {
         assert_int_equal(planish_file_check_output(file, path, &error), PLANISH_ERROR_ARGUMENT);
         assert_int_equal(planish_file_write(file, path, coordinates, 1, NULL, 0, &error),
                          PLANISH_ERROR_ARGUMENT);
-        assert_non_null(strstr(error.text, "extension"));
+        assert_non_null(strstr(error.text, "extension of the input's format, medit (.mesh)"));
     }
     const double before = coordinates[4];
     test_path(path, *state, "out.mesh");
