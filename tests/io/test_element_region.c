@@ -143,8 +143,8 @@ static void arguments_are_checked(void **state) {
     assert_int_equal(planish_file_element_region(file, -1, tag, 9), PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_file_element_region(file, 7, tag, 9), PLANISH_ERROR_ARGUMENT);
     assert_int_equal(planish_file_element_region(file, 0, NULL, 9), PLANISH_ERROR_ARGUMENT);
-    assert_int_equal(planish_file_element_region(file, 0, tag, 0), 2);
-    assert_int_equal(planish_file_element_region(file, 0, NULL, 0), 2);
+    assert_int_equal(planish_file_element_region(file, 0, tag, 0), 4);
+    assert_int_equal(planish_file_element_region(file, 0, NULL, 0), 4);
     assert_int_equal(planish_file_element_region(file, 0, tag, 3), 4); /* cut short */
     assert_string_equal(tag, "le");
     planish_file_close(file);
