@@ -262,7 +262,7 @@ typedef enum planish_length_unit {
 } planish_length_unit;
 
 typedef enum planish_direction {
-    PLANISH_NEWTON = 0,         /* shifted Newton steps, one or two per visit */
+    PLANISH_NEWTON = 0,         /* shifted Newton steps, mostly one or two per visit */
     PLANISH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's choice (its equation 3) */
 } planish_direction;
 

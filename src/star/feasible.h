@@ -15,8 +15,8 @@
  * constraints in force is found and not just its surroundings. */
 #define BAND_FACTOR 0.1
 enum { BANDS = 5 };
-/* Push-off factors theta = min(50, (1 + g / |ct|)^2), ct = ACTIVE_ABOVE, and phi: 5, 50, 500, 1000;
- * the values of CONMIN (Vanderplaats 1973), with gradients normalised. */
+/* Push-off factors theta = min(50, (1 + g / |ct|)^2), ct = ACTIVE_ABOVE, and phi: 5, 50, 500,
+ * no more than 1000; the values of CONMIN (Vanderplaats 1973), with gradients normalised. */
 #define PUSH_OFF_LARGEST 50.0
 #define PHI_FIRST        5.0
 #define PHI_FACTOR       10.0
