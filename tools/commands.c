@@ -28,7 +28,8 @@ static const pl_command_text command_table[] = {
     {PL_COMMAND_QUALITY, "quality", "FILE...", "mesh file", 1, "measure meshes",
      "Measure a mesh and print what it is worth; several are compared, a row each.\n"
      "Nothing is changed.",
-     "0 if the files could be read; 2 if one could not; 64 bad usage.", pl_quality_command},
+     "0 if the files could be read; 2 if one could not, or a report could not be\n"
+     "written; 64 bad usage.", pl_quality_command},
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0,
      "make a page for people of a result",
      "Make a page for a browser from RESULT.json, which smooth or quality wrote with\n"

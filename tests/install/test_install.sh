@@ -97,10 +97,11 @@ cmake -S "$work/newer" -B "$work/cpp2" -DCMAKE_PREFIX_PATH="$prefix" >"$work/log
 grep -q "version: 0.1.0" "$work/log" || fail "version 0.2 is refused for another reason"
 
 run cmake -S "$here/subdirectory" -B "$work/sub" -DPLANISH_SOURCE="$source_dir" \
-    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="-O1 -Werror -Wfloat-equal" -DPLANISH_X86_KERNELS=OFF # soon built
+    -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS="-O1 -Werror -Werror=float-equal" \
+    -DCMAKE_COMPILE_WARNING_AS_ERROR=ON -DPLANISH_X86_KERNELS=OFF # soon built
 run cmake --build "$work/sub" -j 2
 expect_run "$work/sub/consumer"
-[ -z "$(find "$work/sub" -name 'libplanish_io*' -o -name planish_program)" ] ||
+[ -z "$(find "$work/sub" -name 'libplanish_io*' -o -name planish_program -o -name 'libplanish.so*')" ] ||
     fail "add_subdirectory builds more than the library"
 
 # ---- the program, its manual and completion -----------------------------------------------------

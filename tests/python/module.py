@@ -6,10 +6,12 @@ import itertools
 import os
 import pathlib
 import pickle
+import signal
 import subprocess
 import sys
 import tempfile
 import threading
+import time
 import unittest
 
 import numpy as np
@@ -293,6 +295,80 @@ class Plans(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt):
             planish.smooth(start.copy(), cells, progress=fail)
 
+        class Seen(list):  # empty, so not true
+            __call__ = list.append
+
+        seen = Seen()
+        planish.smooth(start.copy(), cells, progress=seen)
+        self.assertGreater(len(seen), 5)
+
+    @unittest.skipUnless(hasattr(signal, "setitimer"), "there are no timers")
+    def test_signals_end_it(self):
+        """A handler's exception may come before the first line of what the library calls."""
+        class Late(Exception):
+            pass
+
+        def handler(_number, _frame):
+            raise Late
+
+        points, cells, _ = box(3, cells=14)
+        before, hook = signal.signal(signal.SIGALRM, handler), sys.unraisablehook
+        try:
+            with planish.Plan(points, cells, threads=1) as plan:
+                for k in range(12):
+                    moved = points.copy()
+                    with self.assertRaises(Late):
+                        signal.setitimer(signal.ITIMER_REAL, 0.002 + 0.001 * k)
+                        plan.smooth(moved, tolerance=0, progress=lambda seen: None)
+                        time.sleep(1)  # that was soon done
+                    self.assertEqual(plan.quality(moved).inverted, 0)
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0)
+            signal.signal(signal.SIGALRM, before)
+        self.assertIs(sys.unraisablehook, hook)
+
+    def test_every_option_has_its_effect(self):
+        points, cells, inside = box(3, amount=0.14)
+        plain = points.copy()
+        usual = planish.smooth(plain, cells)
+
+        def run(start=points, **options):
+            moved = start.copy()
+            result = planish.smooth(moved, cells, **options)
+            return result, planish.quality(moved, cells), moved
+
+        self.assertEqual(run(time_limit=1e-9)[0].stop, "time-limit")
+        self.assertEqual(run(max_sweeps=1)[0].stop, "max-sweeps")
+        near = run(max_displacement=0.01)
+        self.assertLessEqual(np.linalg.norm(near[2] - points, axis=1).max(), 0.01 * (1 + 1e-12))
+        self.assertGreater(usual.max_displacement, 0.02)
+        self.assertEqual(run(min_volume=0.1)[0].min_volume, 0.1)
+        self.assertGreater(run(min_volume=0.1)[1].min_volume, 0.0996)
+        self.assertLess(planish.quality(points, cells).min_volume, 0.0996)
+        part = run(min_volume_fraction=1e-4)[0].min_volume
+        self.assertAlmostEqual(part, 1e-4 * 6 ** 3, 12)
+        even = [run(min_volume=0.1, area_weight=w)[1].rms_radius_ratio for w in (0, 0.9)]
+        self.assertGreater(even[1], even[0])  # which is not all that counts then
+        tangled = points.copy()
+        tangled[np.flatnonzero(inside)[50]] += 1.5
+        self.assertGreater(run(tangled, untangle=False)[1].inverted, 0)
+        self.assertEqual(run(tangled)[1].inverted, 0)
+        hard = {"objective": "worst", "fixed": np.flatnonzero(inside)[::4]}
+        worst = [run(worst_rise=rise, **hard)[1] for rise in (1e-5, 0.1)]
+        self.assertGreater(worst[1].min_angle_deg, worst[0].min_angle_deg + 1)
+        self.assertGreater(worst[1].rms_radius_ratio, worst[0].rms_radius_ratio)
+        by_angle, by_ratio = (run(worst_measure=measure, worst_rise=0.1, **hard)[1]
+                              for measure in ("dihedral", "radius-ratio"))
+        self.assertGreater(by_angle.min_angle_deg, by_ratio.min_angle_deg)
+        self.assertLess(by_ratio.max_radius_ratio, by_angle.max_radius_ratio)
+        by_mean, by_edge = (run(objective=name)[1] for name in ("mean-ratio", "edge-ratio"))
+        self.assertGreater(by_mean.mean_ratio.mean, by_edge.mean_ratio.mean)
+        self.assertLess(by_edge.edge_ratio.mean, by_mean.edge_ratio.mean)
+        self.assertLess(run(tolerance=0.1)[0].sweeps, run(tolerance=1e-9)[0].sweeps)
+        few = [run(only_worse_than=1.9, layers=layers)[0].moved_nodes for layers in (0, 1)]
+        self.assertTrue(0 < few[0] < few[1] < usual.moved_nodes)
+        self.assertEqual(planish.quality(points, cells, fixed=range(len(points))).n_fixed, len(cells))
+
     def test_several_threads(self):
         meshes = [box(3, seed=seed) for seed in range(4)]
         copies = [points.copy() for points, _, _ in meshes]
@@ -355,6 +431,18 @@ class Refusals(unittest.TestCase):
         self.refuse(ValueError, "around has a number", points, cells, around=[len(points)])
         self.refuse(TypeError, "fixed must be numbers", points, cells, fixed=[0.5])
         self.refuse(ValueError, "fixed is a mask", points, cells, fixed=np.ones(3, dtype=bool))
+
+    def test_errors_say_where(self):
+        points, cells, _ = box(2, cells=3)
+        cells[5, 1] = cells[5, 0]
+        with self.assertRaises(planish.Error) as caught:
+            planish.smooth(points, cells)
+        error = caught.exception
+        self.assertEqual((error.code, error.element), (-2, 5))
+        for other in (copy.copy(error), pickle.loads(pickle.dumps(error))):  # as from another process
+            self.assertEqual((str(other), other.code, other.element, other.node),
+                             (str(error), error.code, error.element, error.node))
+        self.assertIn("5", str(error))
 
     def test_wrong_meshes(self):
         points, cells, _ = box(3, 3)
@@ -430,6 +518,32 @@ class Meshes(unittest.TestCase):
         mesh = Mesh(flat, regular_faces=cells)
         planish.smooth(mesh)
         np.testing.assert_array_equal(mesh.points[:, :2], points)
+
+    def test_polyhedra_and_lines(self):
+        nodes = self.held.ravel().tolist()
+        uneven = [[nodes, nodes[:2]], [nodes[:1], nodes[1:]]]
+        self.check(Mesh(self.points, cells=[Block("tetra", self.cells), Block("polyhedron6", uneven)]))
+
+    def test_faces_of_others(self):
+        points, cells, inside = box(2)
+        stay = np.flatnonzero(inside)[:3]
+        flat = np.column_stack([points, np.zeros(len(points))])
+        planish.smooth(points, cells, fixed=stay)
+        planish.smooth(Mesh(flat, regular_faces=cells, lines=np.array([2, stay[0], stay[1]]),
+                            verts=np.array([1, stay[2], 1, stay[0]])))
+        np.testing.assert_array_equal(flat[:, :2], points)
+        with self.assertRaisesRegex(ValueError, "neither"):
+            planish.smooth(Mesh(flat, regular_faces=np.array([[0, 1, 2, 3]])))
+
+    def test_noise_in_z_of_floats(self):
+        points, cells, _ = box(2)
+        flat = np.column_stack([points, np.full(len(points), 5)]).astype(np.float32)
+        flat[0, 2] = np.nextafter(np.float32(5), np.float32(6))
+        self.assertEqual(planish.quality(flat, cells).inverted, 0)
+        flat[0, 2] = 5.1
+        for array in (flat, np.column_stack([flat, flat[:, :1]])):
+            with self.assertRaisesRegex(ValueError, "plane"):
+                planish.quality(array, cells)
 
     def test_neither(self):
         with self.assertRaisesRegex(ValueError, "neither"):

@@ -11,8 +11,8 @@ A thin module over the shared library: arrays of numpy go to it as they are, not
         for points in positions:
             plan.smooth(points)
 
-The library is looked for in the environment variable PLANISH_LIBRARY, beside the installation that
-this file is part of, and where the system's linker looks.
+The library is what the environment variable PLANISH_LIBRARY names; without it, it is looked for beside
+the installation that this file is part of, and where the system's linker looks.
 """
 
 from __future__ import annotations
@@ -22,6 +22,8 @@ import ctypes.util
 import operator
 import os
 import pathlib
+import sys
+import threading
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_int64, c_size_t, c_uint8, c_void_p
 from typing import Any, Callable, Optional, Sequence
 
@@ -237,11 +239,11 @@ class Error(ValueError):
     code is a planish_status; element and node are the ones meant, or -1.
     """
 
-    def __init__(self, error: _Error) -> None:
-        super().__init__(error.text.decode())
-        self.code = error.code
-        self.element = error.element
-        self.node = error.node
+    def __init__(self, text: str, code: int = 0, element: int = -1, node: int = -1) -> None:
+        super().__init__(text)
+        self.code = code
+        self.element = element
+        self.node = node
 
 
 # ---- the library ---------------------------------------------------------------------------------
@@ -254,7 +256,7 @@ _BESIDE = ""
 
 
 def _candidates() -> list[str]:
-    if "PLANISH_LIBRARY" in os.environ:
+    if os.environ.get("PLANISH_LIBRARY"):
         return [os.environ["PLANISH_LIBRARY"]]
     beside = [str(pathlib.Path(__file__).resolve().parent / _BESIDE / _NAME)] if _BESIDE else []
     return beside + [_NAME, ctypes.util.find_library("planish") or _NAME]
@@ -336,15 +338,45 @@ _TETRAHEDRON, _TRIANGLE = "tetra", "triangle"
 _VTK_NAMES = {10: _TETRAHEDRON, 5: _TRIANGLE}
 
 
+def _flat(nodes: Any) -> list[int]:
+    """All numbers in lists of lists, as of the faces of polyhedra."""
+    if isinstance(nodes, (list, tuple, np.ndarray)):
+        return [number for part in nodes for number in _flat(part)]
+    return [int(nodes)]
+
+
+def _nodes_of(data: Any) -> np.ndarray:
+    """Nodes of cells: [m, k], or, of cells that have not the same number, all in one row."""
+    try:
+        nodes = np.asarray(data)
+    except ValueError:
+        nodes = np.empty(0, dtype=object)
+    return nodes if nodes.dtype != object else np.array(_flat(data), dtype=np.int64)
+
+
+def _listed(cells: Any) -> np.ndarray:
+    """The nodes of VTK's lists: a count, so many nodes, a count, ..."""
+    flat = np.zeros(0, dtype=np.int64) if cells is None else np.asarray(cells).ravel()
+    is_node = np.ones(len(flat), dtype=bool)
+    at = 0
+    while at < len(flat):
+        is_node[at] = False
+        at += 1 + int(flat[at])
+    return flat[is_node]
+
+
 def _blocks(mesh: Any) -> list[tuple[str, np.ndarray]]:
     """Names of kinds of cells, and their nodes, of a mesh of meshio or of pyvista."""
     if hasattr(mesh, "cells_dict") and not isinstance(getattr(mesh, "cells", None), list):
         return [(_VTK_NAMES.get(int(kind), "other"), np.asarray(cells))
                 for kind, cells in mesh.cells_dict.items()]
     if isinstance(getattr(mesh, "cells", None), list):
-        return [(block.type, np.asarray(block.data)) for block in mesh.cells]
+        return [(block.type, _nodes_of(block.data)) for block in mesh.cells]
     if hasattr(mesh, "regular_faces"):
-        return [(_TRIANGLE, np.asarray(mesh.regular_faces))]
+        faces = np.asarray(mesh.regular_faces)
+        kind = _TRIANGLE if faces.ndim == 2 and faces.shape[1] == 3 else "polygon"
+        others = [_listed(getattr(mesh, name, None)) for name in ("lines", "verts")]
+        return [(kind, faces)] + [("other", nodes) for nodes in others if len(nodes)]
     raise TypeError("give points and cells as arrays, or a mesh of meshio or pyvista")
 
 
@@ -358,11 +390,8 @@ def _take_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     cells = [data for name, data in blocks if name == kind]
     held = np.zeros(len(mesh.points), dtype=np.uint8)
     for name, data in blocks:
-        if name != kind and data.dtype != object:
+        if name != kind:
             held[data.ravel()] = 1
-        elif name != kind:  # polygons, polyhedra
-            for nodes in data:
-                held[np.hstack(nodes).astype(np.int64)] = 1
     points = mesh.points
     return points, cells[0] if len(cells) == 1 else np.concatenate(cells), held
 
@@ -384,9 +413,10 @@ class _Points:
             raise TypeError(f"points must be of float64 or float32, not {points.dtype}")
         if writes and not points.flags.writeable:
             raise ValueError("points is read-only; give a copy")
-        if dim == 2 and points.shape[1] == 3 and len(points):
+        if dim == 2 and points.shape[1] >= 3 and len(points):
             # but for what geometry kernels leave of roundings, as in files
-            if not np.ptp(points[:, 2]) <= 1e-8 * np.ptp(points[:, :2], axis=0).max():
+            noise = 1e-8 if points.dtype.itemsize == 8 else 1e-6
+            if not np.ptp(points[:, 2]) <= noise * np.ptp(points[:, :2], axis=0).max():
                 raise ValueError("triangles must lie in a plane of constant z")
         self.points = points[:, :dim]
         self.is_float = points.dtype.itemsize == 4
@@ -450,7 +480,8 @@ def _address(array: Optional[np.ndarray]) -> Optional[int]:
 
 def _check(status: int, error: _Error) -> None:
     if status:
-        raise MemoryError(error.text.decode()) if error.code == -3 else Error(error)
+        text = error.text.decode()
+        raise MemoryError(text) if error.code == -3 else Error(text, error.code, error.element, error.node)
 
 
 class _View:
@@ -643,8 +674,9 @@ class Plan:
         objective: radius-ratio, mean-ratio, edge-ratio, or worst: radius-ratio, and then the worst
         cells by worst_measure (dihedral, radius-ratio), for which F may rise by worst_rise of
         itself. The other options are those of planish_options in planish.h. progress is called after
-        every colour of nodes; if it returns something true, smoothing ends there; what it raises
-        is raised here, and points are then as good as they had become.
+        every colour of nodes; if it returns something true, smoothing ends there (it may be called once
+        more, for the end of the sweep); what it raises, or a signal's handler meanwhile, is raised here,
+        and points are then as good as they had become. Without progress signals wait for the end.
         """
         if objective not in _OBJECTIVES:
             raise ValueError(f"objective must be one of {', '.join(_OBJECTIVES)}, not {objective!r}")
@@ -668,13 +700,25 @@ class Plan:
         raised: list[BaseException] = []
 
         def call(seen: Any, _user: Any) -> int:
+            if raised:
+                return 1
             try:
                 return bool(progress(Progress.from_buffer_copy(seen.contents)))  # type: ignore[misc]
             except BaseException as exception:  # pylint: disable=broad-except
                 raised.append(exception)
                 return 1
 
-        options.progress = _PROGRESS(call) if progress else _PROGRESS()
+        def note(unraisable: Any) -> None:
+            """What a signal's handler raises before call's first line, as KeyboardInterrupt."""
+            if unraisable.object is call:
+                raised.append(unraisable.exc_value)
+            else:
+                hook(unraisable)
+
+        options.progress = _PROGRESS(call) if progress is not None else _PROGRESS()
+        hook = sys.unraisablehook
+        if threading.current_thread() is threading.main_thread():  # where handlers of signals run
+            sys.unraisablehook = note
         self._is_busy = True
         try:
             status = _library.planish_smooth(
@@ -682,6 +726,8 @@ class Plan:
             )
         finally:
             self._is_busy = False
+            if sys.unraisablehook is note:
+                sys.unraisablehook = hook
             options.progress = _PROGRESS()
         _check(status, error)
         taken.write_back()
