@@ -221,6 +221,19 @@ static void assert_same_quality(const planish_quality *a, const planish_quality 
     assert_true(is_near(a->total_volume, b->total_volume));
 }
 
+/** Elements a and b are one, or equally bad at x. */
+static void assert_as_bad(const planish_mesh *mesh, const double *x, int64_t a, int64_t b) {
+    planish_plan *plan;
+    if (a == b)
+        return;
+    double *ratio = malloc((size_t)mesh->n_elements * sizeof *ratio);
+    assert_int_equal(planish_plan_create(mesh, NULL, &plan, NULL), 0);
+    assert_int_equal(planish_measure_elements(plan, x, ratio, NULL), 0);
+    assert_same(ratio[a], ratio[b]);
+    planish_plan_destroy(plan);
+    free(ratio);
+}
+
 /** Smooth mesh (from start, if that is not NULL) in one process, and in n that own its nodes as
  * owner says. Returns what one comes to. */
 static outcome compare_from(const planish_mesh *mesh, const double *start,
@@ -231,6 +244,7 @@ static outcome compare_from(const planish_mesh *mesh, const double *start,
     job j = {.options = options, .start = start};
     memcpy(alone, mesh->coordinates, values * sizeof *alone);
     const outcome expected = smooth(mesh, options, start, NULL, alone);
+    int n_worst = 0; /* processes that have the worst element */
     assert_int_equal(expected.status, 0);
     processes_create(&w, mesh, n, owner);
     processes_run(&w, smooth_part, &j);
@@ -240,7 +254,15 @@ static outcome compare_from(const planish_mesh *mesh, const double *start,
         assert_same_info(&j.outcome[k].info, &expected.info);
         assert_same_result(&j.outcome[k].result, &expected.result);
         assert_same_quality(&j.outcome[k].quality, &expected.quality);
+        const int64_t worst = j.outcome[k].quality.worst_element;
+        if (worst >= 0) {
+            assert_true(w.parts[k].is_counted[worst]);
+            assert_as_bad(mesh, alone, w.parts[k].element_number[worst],
+                          expected.quality.worst_element);
+            n_worst++;
+        }
     }
+    assert_int_equal(n_worst > 0, expected.quality.worst_element >= 0);
     processes_gather(&w, mesh->dim, together);
     assert_memory_equal(together, alone, values * sizeof *alone);
     processes_destroy(&w);
