@@ -29,6 +29,20 @@ for file in include/planish/planish.h include/planish/planish_io.h bin/planish \
 done
 [ "$(find "$prefix" -name '*.h' | wc -l)" = 2 ] || fail "there are other headers"
 
+# ---- the Python module finds the library beside it, wherever both are ---------------------------
+python=/usr/bin/python3 # the one that Debian's packages are for
+if $python -c 'import numpy' 2>/dev/null; then
+    # shellcheck disable=SC2016
+    run env -u PLANISH_LIBRARY -u LD_LIBRARY_PATH PYTHONDONTWRITEBYTECODE=1 \
+        PYTHONPATH="$prefix/share/planish/python" $python -c '
+import planish, sys
+here = [line.split()[-1] for line in open("/proc/self/maps") if "libplanish.so" in line]
+assert here and all(path.startswith(sys.argv[1]) for path in here), here
+assert planish.version() == "0.1.0"' "$(cd "$prefix" && pwd -P)"
+else
+    echo "without numpy: the installed module is not tried"
+fi
+
 # ---- what is public -----------------------------------------------------------------------------
 for name in planish planish_io; do
     library=$lib/lib$name.so
