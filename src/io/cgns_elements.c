@@ -155,7 +155,8 @@ static int store_element(walk *w, int32_t section) {
     for (int j = 0; j < t.nodes && !status; j++) {
         status = take_node(w, w->at + j, cells ? &cells->nodes[cells->n * t.nodes + j] : &held);
         if (!status && !cells)
-            io_hold_node(model, held, t.kind == LOWER ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER);
+            io_hold_node(model, held,
+                         t.kind == LOWER && t.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
     }
     if (cells) {
         cells->entity[cells->n] = section;

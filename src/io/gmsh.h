@@ -51,7 +51,7 @@ void gmsh_count_rest(io_model *model, gmsh_type type, int64_t n);
 
 /** Why elements that are not smoothed hold their nodes. */
 static inline uint8_t gmsh_hold_reason(gmsh_type type) {
-    return type.dim < 2 ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER;
+    return type.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER;
 }
 
 /** Index of the node with that number in the file, or -1. */

@@ -285,7 +285,8 @@ static int hold_nodes(reader *r, const block *b) {
         const int64_t node = io_hdf5_integer(&b->nodes, i);
         if (node < 1 || node > r->model->n_nodes)
             return fail_node(r, b, b->n > 0 ? i % b->n : 0, node);
-        io_hold_node(r->model, node - 1, is_lower ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER);
+        io_hold_node(r->model, node - 1,
+                     is_lower && b->type.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
     }
     return PLANISH_OK;
 }

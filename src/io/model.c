@@ -319,10 +319,10 @@ static int finish_plane(io_model *model, planish_error *error) {
  *  cells. */
 static void drop_plain_points(io_model *model) {
     for (int64_t i = 0; i < model->n_nodes; i++)
-        if (!(model->hold[i] & IO_HELD_BY_LOWER))
+        if (!(model->hold[i] & IO_HELD_BY_POINT))
             return;
     for (int64_t i = 0; i < model->n_nodes; i++)
-        model->hold[i] &= (uint8_t)~IO_HELD_BY_LOWER;
+        model->hold[i] &= (uint8_t)~IO_HELD_BY_POINT;
 }
 
 int io_model_finish(io_model *model, planish_error *error) {

@@ -110,8 +110,9 @@ typedef struct io_group {
 
 /** Why the file holds a node, bits of io_model.hold. */
 enum {
-    IO_HELD_BY_LOWER = 1,     /* on an element of lower dimension that is not kept */
-    IO_HELD_BY_OTHER = 2,     /* on an element of a type that is not smoothed */
+    IO_HELD_BY_POINT = 1,     /* on an element that is a point */
+    IO_HELD_BY_OTHER = 2,     /* on an element of a type that is not smoothed, or a line of more
+                                 than two nodes */
     IO_HELD_REQUIRED = 4,     /* marked in the file */
     IO_HELD_PERIODIC = 8,     /* one of a periodic pair */
     IO_HELD_BY_LINE = 16,     /* on a line, */

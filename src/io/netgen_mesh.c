@@ -185,7 +185,7 @@ static int read_held(void *context, io_cursor *cursor, int64_t begin, int64_t en
             status = skip_words(r, cursor, i, 1, error);
         if (status)
             return status;
-        io_hold_node(r->model, node, is_element ? IO_HELD_BY_LOWER : IO_HELD_REQUIRED);
+        io_hold_node(r->model, node, is_element ? IO_HELD_BY_POINT : IO_HELD_REQUIRED);
     }
     return PLANISH_OK;
 }

@@ -261,7 +261,7 @@ static int take_corners(const reader *r, io_cursor *cursor, int64_t face, planis
 /** The vertices of a face go where it is kept, or are held. */
 static int take_vertices(reader *r, io_cursor *cursor, int64_t face, int64_t corners, int32_t *kept,
                          planish_error *error) {
-    const uint8_t reason = corners == 1 ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER;
+    const uint8_t reason = corners == 1 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER;
     for (int64_t j = 0; j < corners; j++) {
         int32_t node;
         int status = take_node(r, cursor, face, error, &node);

@@ -16,7 +16,14 @@ typedef enum cell_class {
     CELL_REFUSED
 } cell_class;
 
-enum { VTK_LINE = 3, VTK_TRIANGLE = 5, VTK_TETRAHEDRON = 10, VTK_LAST_TYPE = 81 };
+enum {
+    VTK_VERTEX = 1,
+    VTK_POLY_VERTEX = 2,
+    VTK_LINE = 3,
+    VTK_TRIANGLE = 5,
+    VTK_TETRAHEDRON = 10,
+    VTK_LAST_TYPE = 81
+};
 
 static cell_class class_of(int32_t type) {
     switch (type) {
@@ -26,8 +33,8 @@ static cell_class class_of(int32_t type) {
         return CELL_TETRAHEDRON;
     case VTK_LINE:
         return CELL_LINE;
-    case 1: /* vertices and lines, of any order */
-    case 2:
+    case VTK_VERTEX: /* and lines of any order */
+    case VTK_POLY_VERTEX:
     case 4:
     case 21:
     case 35:
@@ -97,6 +104,11 @@ static cell_class class_at(const struct cell_walk *walk) {
     return class == CELL_LINE && walk->n != 2 ? CELL_LOWER : class;
 }
 
+static int is_point(const struct cell_walk *walk) {
+    const int32_t type = walk->cells->type[walk->index - 1];
+    return type == VTK_VERTEX || type == VTK_POLY_VERTEX;
+}
+
 static void count_in(struct tally *tally, int64_t cell) {
     if (tally->n++ == 0)
         tally->first = cell;
@@ -136,10 +148,10 @@ static int survey_cells(io_model *model, struct cell_walk walk, struct tally *li
         } else if (class == CELL_LINE) {
             count_in(lines, cell);
         } else {
+            const uint8_t reason = is_point(&walk) ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER;
             *(class == CELL_LOWER ? &model->n_lower : &model->n_other) += 1;
             for (int64_t i = 0; i < walk.n; i++)
-                io_hold_node(model, walk.cells->first_point + walk.nodes[i],
-                             class == CELL_LOWER ? IO_HELD_BY_LOWER : IO_HELD_BY_OTHER);
+                io_hold_node(model, walk.cells->first_point + walk.nodes[i], reason);
         }
     }
     return 0;

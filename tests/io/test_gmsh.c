@@ -225,7 +225,7 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
     assert_int_equal(model->node_number == NULL, !variant->sparse);
     for (int i = 0; i < N_NODES; i++)
         assert_int_equal(planish_file_node_number(file, i), node_tag(variant, i));
-    static const uint8_t held[] = {IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE | IO_HELD_BY_LOWER,
+    static const uint8_t held[] = {IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE | IO_HELD_BY_POINT,
                                    IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE, IO_HELD_BY_TRIANGLE};
     const int with = variant->parametric ? IO_HAS_PARAMETERS : 0;
     for (int i = 0; i < N_NODES; i++)

@@ -48,7 +48,7 @@ static void a_file_is_read(void **state) {
     assert_int_equal(file->model.hold[1], IO_HELD_BY_LINE);
     assert_int_equal(file->model.hold[2], 0);
     assert_int_equal(file->model.hold[6], IO_HELD_BY_OTHER);
-    assert_int_equal(file->model.hold[8], IO_HELD_BY_LOWER);
+    assert_int_equal(file->model.hold[8], IO_HELD_BY_POINT);
     assert_int_equal(file->model.hold[9], 0);
     planish_file_close(file);
 }

@@ -11,6 +11,7 @@
 
 #include "io/binary.h"
 #include "support/file_builder.h"
+#include "support/reading.h"
 
 enum { N_NODES = 5, N_CELLS = 6 };
 static const double points[N_NODES][3] = {
@@ -393,6 +394,28 @@ static void test_other_cells_hold(void **state) {
 
 /* ---- files made by others ----------------------------------------------------------------- */
 
+/** Points hold their nodes, unless they are all there are; polylines always do. */
+static void test_points_of_all_nodes(void **state) {
+    (void)state;
+    static const struct {
+        const char *cells, *types, *held;
+    } cases[] = {{"CELLS 3 10\n3 0 1 2\n3 0 2 3\n1 0\n", "5 5 1", "1000"},
+                 {"CELLS 4 14\n3 0 1 2\n3 0 2 3\n1 0\n3 1 2 3\n", "5 5 1 2", "0000"},
+                 {"CELLS 3 13\n3 0 1 2\n3 0 2 3\n4 0 1 2 3\n", "5 5 4", "1111"},
+                 {"CELLS 4 15\n3 0 1 2\n3 0 2 3\n4 0 1 2 3\n1 2\n", "5 5 4 1", "1111"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 "# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\n"
+                 "POINTS 4 double\n0 0 0 1 0 0 1 1 0 0 1 0\n%sCELL_TYPES %d\n%s\n",
+                 cases[i].cells, (int)(strlen(cases[i].types) + 1) / 2, cases[i].types);
+        planish_file *file = reading_text(&io_format_vtk, text);
+        for (int k = 0; k < 4; k++)
+            assert_int_equal(file->model.hold[k] != 0, cases[i].held[k] == '1');
+        planish_file_close(file);
+    }
+}
+
 static void test_real_files(void **state) {
     (void)state;
     const struct {
@@ -431,6 +454,7 @@ int main(void) {
         cmocka_unit_test(test_large),
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_other_cells_hold),
+        cmocka_unit_test(test_points_of_all_nodes),
         cmocka_unit_test(test_real_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
