@@ -482,8 +482,7 @@ typedef struct planish_plan_info {
  *  plan was made of: elsewhere one process may look at fewer elements when it untangles.
  *
  *  Errors: _ARGUMENT, _MESH (element or node is set, but for a mesh without elements), _MEMORY;
- *  with mesh->part also _PROCESS, and
- *  _PARTS (around, periodic pairs). */
+ *  with mesh->part also _PROCESS, and _PARTS (around, periodic pairs). */
 PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_options *options,
                                     planish_plan **plan, planish_error *error);
 /** plan may be NULL. */

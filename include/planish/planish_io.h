@@ -150,11 +150,11 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
  *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
  *  signal handler that removes them; one whose path does not fit is not listed: give the length of
  *  path and 80 bytes for each file that is written. What TetGen has beside .node (.ele, .face,
- * .edge, .neigh, ..: docs/formats.md) is written along with it. Errors: _FILE, _MEMORY, _ARGUMENT
- * (a path that planish_file_can_write does not take, coordinates that are not finite), _FILE too
- * where the input is not what was read any more; nothing is left behind then (but if one of
- * TetGen's files cannot be renamed, those that had already been, .node the last, stay where they
- * replaced others). */
+ *  .edge, .neigh, ..: docs/formats.md) is written along with it.
+ *  Errors: _FILE (also if the input is not what was read any more), _MEMORY, _ARGUMENT (a path that
+ *  planish_file_can_write does not take, coordinates that are not finite); nothing is left behind
+ *  then (but if one of TetGen's files cannot be renamed, those that had already been, .node the
+ *  last, stay where they replaced others). */
 PLANISH_API int planish_file_write(const planish_file *file, const char *path,
                                    const double *coordinates, int threads, char *temporary,
                                    size_t temporary_size, planish_error *error);

@@ -422,16 +422,21 @@ static planish_constraint on_side(int64_t node, double *point, double *direction
     return PLANISH_FIXED;
 }
 
+/** A box whose sides only the caller knows; edges stay. */
+static void box_of_surfaces(sliding_box *b) {
+    box_create(b, 3);
+    for (int64_t i = 0; i < b->mesh.n_nodes; i++)
+        b->constraint[i] = b->constraint[i] == PLANISH_ON_PLANE ? PLANISH_ON_SURFACE
+                           : b->constraint[i] != PLANISH_FREE   ? PLANISH_FIXED
+                                                                : PLANISH_FREE;
+    b->mesh.direction = NULL;
+}
+
 /** A node is named by its number in the mesh, in plans of a part of it too. */
 static void surfaces_are_asked_for_by_number(void **state) {
     (void)state;
     sliding_box b;
-    box_create(&b, 3);
-    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
-        b.constraint[i] = b.constraint[i] == PLANISH_ON_PLANE ? PLANISH_ON_SURFACE
-                          : b.constraint[i] != PLANISH_FREE   ? PLANISH_FIXED
-                                                              : PLANISH_FREE;
-    b.mesh.direction = NULL;
+    box_of_surfaces(&b);
     roll user = {.start = b.base.coordinates, .length = 1};
     const int64_t middle = (CELLS + 1) * (CELLS + 1) * 2 + (CELLS + 1) * 2;
     assert_int_equal(b.constraint[middle], PLANISH_ON_SURFACE);
@@ -463,12 +468,7 @@ static void lengths_of_normals_do_not_matter(void **state) {
     (void)state;
     static const double lengths[] = {1, 0x1p-60, 0x1p600, 0x1p-600, 0x1p-1074};
     sliding_box b;
-    box_create(&b, 3);
-    for (int64_t i = 0; i < b.mesh.n_nodes; i++)
-        b.constraint[i] = b.constraint[i] == PLANISH_ON_PLANE ? PLANISH_ON_SURFACE
-                          : b.constraint[i] != PLANISH_FREE   ? PLANISH_FIXED
-                                                              : PLANISH_FREE;
-    b.mesh.direction = NULL;
+    box_of_surfaces(&b);
     double *first = malloc(bytes_of(&b));
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
         planish_options options = defaults();
