@@ -85,6 +85,12 @@ static void end_if_in_library(void) {
     _exit(0);
 }
 
+/** What no suppression covers, like a memcpy of -1 bytes; called before the report. */
+void __asan_on_error(void);
+void __asan_on_error(void) {
+    end_if_in_library();
+}
+
 static void on_crash(int signal_number) {
     end_if_in_library();
     sigaction(signal_number, &reporter, NULL); /* and the crash happens again */
