@@ -122,6 +122,6 @@ static inline const uint8_t *pl_plan_counted(const planish_plan *plan) {
     return plan->context->part ? plan->context->part->is_counted : NULL;
 }
 
-enum { PL_CHUNK_STARS = 16 }; /* stars that one thread takes at a time */
+enum { PL_CHUNK_STARS = 16 }; /* stars that one thread takes at a time, at most */
 
 #endif

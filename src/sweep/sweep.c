@@ -57,10 +57,20 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     }
 }
 
+/** How many of n stars a thread takes at a time: of few fewer, so that all threads end together. */
+static int64_t chunk_of(int64_t n, int threads) {
+    enum { FEWEST = 4, CHUNKS_EACH = 8 };
+    const int64_t chunk = n / CHUNKS_EACH / threads;
+    if (chunk > PL_CHUNK_STARS)
+        return PL_CHUNK_STARS;
+    return chunk < FEWEST ? FEWEST : chunk;
+}
+
 /** Visit a range of stars of a colour. */
 static void visit_stars(colour_pass *pass, int64_t begin, int64_t end) {
+    const int threads = pass->plan->threads;
     pass->first = begin;
-    pl_parallel_for(pass->plan->threads, end - begin, PL_CHUNK_STARS, visit_chunk, pass);
+    pl_parallel_for(threads, end - begin, chunk_of(end - begin, threads), visit_chunk, pass);
 }
 
 /** Visit a colour; while the others hear of the nodes that they wait for, those inside. */
