@@ -57,11 +57,12 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     }
 }
 
-/** How many of n stars a thread takes at a time: of few fewer, so that all threads end together. */
+/** How many of n stars a thread takes at a time: of few fewer, so that all threads end together;
+ *  but one takes all if to wake the others would cost more than they save. */
 static int64_t chunk_of(int64_t n, int threads) {
     enum { FEWEST = 4, CHUNKS_EACH = 8 };
     const int64_t chunk = n / CHUNKS_EACH / threads;
-    if (chunk > PL_CHUNK_STARS)
+    if (n <= PL_CHUNK_STARS || chunk > PL_CHUNK_STARS)
         return PL_CHUNK_STARS;
     return chunk < FEWEST ? FEWEST : chunk;
 }
