@@ -1,8 +1,10 @@
 // The sample mesh: an angle bracket with four bolt holes, a pin bore and a stiffening rib.
 //   gmsh -3 bracket.geo -format msh41 -o bracket.msh
-// Mesh.Optimize = 0 leaves the slivers of the Delaunay mesh in, so that there is something to gain.
+// Gmsh's optimisation is off, so that the slivers of the Delaunay mesh stay in;
+// -setnumber optimise 1 switches it on.
 SetFactory("OpenCASCADE");
-DefineConstant[ h = {4, Name "element size [mm]"} ];
+DefineConstant[ h = {4, Name "element size [mm]"},
+                optimise = {0, Choices{0, 1}, Name "mesh optimisation"} ];
 
 Box(1) = {0, 0, 0, 60, 40, 12};                      // base plate
 Box(2) = {0, 0, 0, 12, 40, 50};                      // wall
@@ -27,7 +29,7 @@ BooleanDifference(30) = { Volume{10}; Delete; }{ Volume{20:24}; Delete; };
 Physical Volume("bracket") = {30};
 Physical Surface("skin") = Surface{:};
 
-Mesh.Optimize = 0;
+Mesh.Optimize = optimise;
 Mesh.OptimizeNetgen = 0;
 Mesh.MeshSizeMin = 0.6 * h;
 Mesh.MeshSizeMax = h;
