@@ -153,9 +153,10 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
 
 /* ---- holding ------------------------------------------------------------------------------ */
 
-static void hold_cells(const io_cells *cells, int corners, const uint8_t *chosen,
+/** Hold the nodes of the first n cells that are of a chosen entity. */
+static void hold_cells(const io_cells *cells, int64_t n, int corners, const uint8_t *chosen,
                        uint8_t *constraint) {
-    for (int64_t i = 0; cells->entity && i < cells->n; i++)
+    for (int64_t i = 0; cells->entity && i < n; i++)
         for (int j = 0; chosen[cells->entity[i]] && j < corners; j++)
             constraint[cells->nodes[i * corners + j]] = PLANISH_FIXED;
 }
@@ -167,9 +168,9 @@ static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t *c
     for (int i = 0; i < hold->n_tags && !status; i++)
         status = choose_tag(model, hold->tags[i], -1, chosen, error);
     if (!status) {
-        hold_cells(&model->tetrahedron, 4, chosen, constraint);
-        hold_cells(&model->triangle, 3, chosen, constraint);
-        hold_cells(&model->line, 2, chosen, constraint);
+        hold_cells(&model->tetrahedron, model->tetrahedron.n, 4, chosen, constraint);
+        hold_cells(&model->triangle, model->triangle.n, 3, chosen, constraint);
+        hold_cells(&model->line, model->line.n, 2, chosen, constraint);
         for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
             if (model->node_entity[i] >= 0 && chosen[model->node_entity[i]])
                 constraint[i] = PLANISH_FIXED;
@@ -194,7 +195,7 @@ static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_
     for (int32_t i = 0; i < model->n_entities && !status; i++)
         chosen[i] = !chosen[i];
     if (!status)
-        hold_cells(cells, model->dim, chosen, constraint);
+        hold_cells(cells, io_cells_telling(cells), model->dim, chosen, constraint);
     pl_free(chosen);
     return status;
 }
@@ -380,13 +381,13 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
     const io_cells *facets = facet_cells(model);
     planish_surface surface = {
         .region = hold && hold->ignore_regions ? NULL : io_cells_regions(io_file_elements(file)),
-        .n_facets = facets->n,
+        .n_facets = io_cells_telling(facets),
         .facets = facets->nodes,
         .facet_tag = io_cells_regions(facets),
         .tagged_only = hold && hold->n_slide_tags > 0,
         .tolerance = tolerance_of_digits(file)};
     if (model->dim == 3) {
-        surface.n_edges = model->line.n;
+        surface.n_edges = io_cells_telling(&model->line);
         surface.edges = model->line.nodes;
         surface.edge_tag = io_cells_regions(&model->line);
     }

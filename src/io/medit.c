@@ -396,23 +396,6 @@ static int read_sections(medit_reader *r, medit_kind wanted) {
     return status;
 }
 
-/** TetGen lists all facets, those inside with reference 0: these are no surfaces. There are more
- *  than two facets for each tetrahedron, and fewer triangles in files that list surfaces alone. */
-static void drop_plain_facets(io_model *model) {
-    io_cells *cells = &model->triangle;
-    const int64_t n = cells->n;
-    if (model->tetrahedron.n == 0 || n <= 2 * model->tetrahedron.n)
-        return;
-    cells->n = 0;
-    for (int64_t i = 0; i < n; i++) {
-        if (model->entity[cells->entity[i]].tag == 0)
-            continue;
-        memmove(cells->nodes + 3 * cells->n, cells->nodes + 3 * i, 3 * sizeof *cells->nodes);
-        cells->entity[cells->n++] = cells->entity[i];
-    }
-    model->n_lower += n - cells->n; /* those that are kept are counted with the others */
-}
-
 static int read_all(medit_reader *r) {
     int status = r->binary ? medit_binary_walk(r) : medit_text_walk(r);
     if (!status)
@@ -428,8 +411,6 @@ static int read_all(medit_reader *r) {
         status = read_sections(r, MEDIT_MARKED);
     if (!status)
         status = read_sections(r, MEDIT_PAIRS);
-    if (!status)
-        drop_plain_facets(r->model);
     return status;
 }
 

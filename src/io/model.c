@@ -100,6 +100,15 @@ int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int w
     return PLANISH_OK;
 }
 
+void io_cells_release(io_cells *cells) {
+    pl_free(cells->nodes);
+    pl_free(cells->entity);
+    pl_free(cells->number);
+    pl_free(cells->region);
+    cells->nodes = cells->entity = cells->region = NULL;
+    cells->number = NULL;
+}
+
 /* ---- entities and groups ------------------------------------------------------------------ */
 
 static int entity_is(const io_entity *entity, int dim, int32_t tag, int n_physical,
@@ -244,7 +253,7 @@ static void hold_chunk(void *context, int64_t begin, int64_t end, int thread) {
 
 static void hold_cells(io_model *model, const io_cells *cells, int corners, uint8_t reason) {
     holders h = {model, cells, corners, reason};
-    pl_parallel_for(model->threads, cells->n, CHUNK_NODES, hold_chunk, &h);
+    pl_parallel_for(model->threads, io_cells_telling(cells), CHUNK_NODES, hold_chunk, &h);
 }
 
 static int finish_solid(io_model *model, planish_error *error) {
@@ -326,6 +335,9 @@ static void drop_plain_points(io_model *model) {
 }
 
 int io_model_finish(io_model *model, planish_error *error) {
+    const int status = io_model_find_plain(model, error);
+    if (status)
+        return status;
     drop_plain_points(model);
     model->n_lower += model->line.n;
     hold_cells(model, &model->line, 2, IO_HELD_BY_LINE);
@@ -336,13 +348,6 @@ int io_model_finish(io_model *model, planish_error *error) {
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: no tetrahedron and no triangle in it: there is nothing to smooth",
                    model->input.path);
-}
-
-static void cells_destroy(io_cells *cells) {
-    pl_free(cells->nodes);
-    pl_free(cells->entity);
-    pl_free(cells->number);
-    pl_free(cells->region);
 }
 
 void io_model_destroy(io_model *model) {
@@ -360,9 +365,9 @@ void io_model_destroy(io_model *model) {
     pl_free(model->hold);
     pl_free(model->node_entity);
     pl_free(model->periodic);
-    cells_destroy(&model->line);
-    cells_destroy(&model->triangle);
-    cells_destroy(&model->tetrahedron);
+    io_cells_release(&model->line);
+    io_cells_release(&model->triangle);
+    io_cells_release(&model->tetrahedron);
     for (int32_t i = 0; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);
     pl_free(model->entity);

@@ -84,7 +84,13 @@ typedef struct io_cells {
     int64_t first_number;
     int32_t *region; /* [n] which region each is of, where entities say more than that; or NULL: the
                         entity. A reader that wants it allocates it */
+    int64_t n_plain; /* the last of them say nothing of their nodes (io_model_find_plain) */
 } io_cells;
+
+/** Those that say something of their nodes: the first ones. */
+static inline int64_t io_cells_telling(const io_cells *cells) {
+    return cells->n - cells->n_plain;
+}
 
 /** What tells the regions of cells apart: [n], or NULL: there is one. */
 static inline const int32_t *io_cells_regions(const io_cells *cells) {
@@ -214,6 +220,13 @@ int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);
 
 /* ---- for file.c --------------------------------------------------------------------------- */
+
+/** Release the arrays of cells; NULL then. */
+void io_cells_release(io_cells *cells);
+
+/** Find the lines and triangles that a file has only because it lists all edges or facets of its
+ *  elements, and put them behind the others: n_plain of each (listed.c). */
+int io_model_find_plain(io_model *model, planish_error *error);
 
 /** Decide the dimension (tetrahedra if there are any, else triangles), let lines, and triangles of
  *  a 3-D mesh, hold their nodes, check that a 2-D mesh has one z, lay out
