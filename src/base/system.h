@@ -96,6 +96,9 @@ typedef enum pl_file_use {
 int pl_file_open(const char *path, pl_file_use use);
 int pl_file_close(int fd);
 
+/** Whether a file that is open can be replaced by another one. */
+int pl_file_open_is_replaceable(void);
+
 /** Another descriptor of what is open as fd, or -1. */
 int pl_file_duplicate(int fd);
 

@@ -171,6 +171,10 @@ int pl_file_close(int fd) {
     return close(fd) && errno != EINTR ? -1 : 0;
 }
 
+int pl_file_open_is_replaceable(void) {
+    return 1;
+}
+
 int pl_file_duplicate(int fd) {
     return fcntl(fd, F_DUPFD_CLOEXEC, 0);
 }

@@ -227,6 +227,10 @@ int pl_file_close(int fd) {
     return _close(fd);
 }
 
+int pl_file_open_is_replaceable(void) {
+    return 0;
+}
+
 int pl_file_duplicate(int fd) {
     return _dup(fd);
 }

@@ -9,6 +9,7 @@
  */
 #include "io/abaqus.h"
 
+#include "io/bytes.h"
 #include "io/number.h"
 #include "io/records.h"
 
@@ -93,6 +94,8 @@ static int take_number(const abaqus_reader *r, abaqus_span *line, const char *wh
 static int read_node(abaqus_reader *r, abaqus_span line) {
     io_model *model = r->model;
     const int64_t node = model->n_nodes;
+    if (node == r->n_counted)
+        return io_bytes_fail_changed(&model->input, r->error);
     int status = take_number(r, &line, "the number of a node", &model->node_number[node]);
     if (status)
         return status;
@@ -139,9 +142,12 @@ static int read_nodes(abaqus_reader *r) {
         return pl_fail_memory(r->error, "the numbers of nodes");
     status = io_model_span(model, (io_span){.n_nodes = n, .encoding = IO_TEXT}, r->error);
     model->n_nodes = 0;
+    r->n_counted = n;
     for (int64_t i = 0; i < r->n_blocks && !status; i++)
         if (is_node_block(r, &r->block[i]))
             status = read_node_block(r, &r->block[i]);
+    if (!status && model->n_nodes != n)
+        status = io_bytes_fail_changed(&model->input, r->error);
     return status ? status : io_settle_node_numbers(r->model, &r->numbers, r->error);
 }
 

@@ -54,6 +54,7 @@ typedef struct abaqus_reader {
     int64_t n_blocks, block_capacity;
     abaqus_range *range; /* [n_ranges] */
     int64_t n_ranges, range_capacity;
+    int64_t n_counted;   /* nodes that there is room for */
     int32_t scope;       /* of the mesh */
     io_numbers *numbers; /* of nodes; NULL: consecutive */
 } abaqus_reader;

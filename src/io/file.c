@@ -197,13 +197,22 @@ static void rest(const io_model *model) {
         io_bytes_rest(&model->companion[i]);
 }
 
+/** The HDF5 library trusts what it has read before, so that its files must not change. */
+static int own_hdf5(planish_file *file, planish_error *error) {
+    io_bytes *input = &file->model.input;
+    return io_is_hdf5(input->data, input->size) ? io_bytes_own(input, error) : PLANISH_OK;
+}
+
 static int open_file(const char *path, const char *format, int threads, int isolated,
-                     planish_file **out, planish_error *error) {
+                     int64_t largest_copy, planish_file **out, planish_error *error) {
     planish_file *file = pl_alloc_zero(1, sizeof *file);
     if (!file)
         return pl_fail_memory(error, path);
     file->model.threads = pl_thread_count(threads);
-    int status = io_bytes_open(path, &file->model.input, error);
+    file->model.largest_copy = largest_copy;
+    int status = io_bytes_open(path, largest_copy, &file->model.input, error);
+    if (!status)
+        status = own_hdf5(file, error);
     if (!status && isolated)
         status = try_isolated(file, format, error);
     if (!status)
@@ -219,23 +228,28 @@ static int open_file(const char *path, const char *format, int threads, int isol
 }
 
 static int open_as_usual(const char *path, const char *format, int threads, int isolated,
-                         planish_file **out, planish_error *error) {
+                         int64_t largest_copy, planish_file **out, planish_error *error) {
     if (!path || !out)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "path and file must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
-    const int status = open_file(path, format, threads, isolated, out, error);
+    const int status = open_file(path, format, threads, isolated, largest_copy, out, error);
     pl_call_leave(&outside);
     return status;
 }
 
 int planish_file_open(const char *path, const char *format, int threads, planish_file **file,
                       planish_error *error) {
-    return open_as_usual(path, format, threads, 0, file, error);
+    return open_as_usual(path, format, threads, 0, IO_LARGEST_COPY, file, error);
 }
 
 int planish_file_open_isolated(const char *path, const char *format, int threads,
                                planish_file **file, planish_error *error) {
-    return open_as_usual(path, format, threads, 1, file, error);
+    return open_as_usual(path, format, threads, 1, IO_LARGEST_COPY, file, error);
+}
+
+int io_file_open(const char *path, int threads, int64_t largest_copy, planish_file **file,
+                 planish_error *error) {
+    return open_as_usual(path, NULL, threads, 0, largest_copy, file, error);
 }
 
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
@@ -244,6 +258,7 @@ int io_file_from_memory(const io_format *format, const char *path, const char *d
     if (!file)
         return pl_fail_memory(error, path);
     file->model.threads = threads;
+    file->model.largest_copy = IO_LARGEST_COPY;
     file->format = format;
     int status = io_bytes_borrow(path, data, size, &file->model.input, error);
     if (!status)

@@ -25,6 +25,10 @@ int io_format_has_extension(const io_format *format, const char *path);
 /** Where the extension of path begins (its dot), or its end. */
 const char *io_extension(const char *path);
 
+/** planish_file_open that maps files of more than largest_copy bytes: for tests. */
+int io_file_open(const char *path, int threads, int64_t largest_copy, planish_file **file,
+                 planish_error *error);
+
 /** Read size bytes at data (borrowed) as a file of format called path: for fuzzing and tests. */
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
                         int threads, planish_file **file, planish_error *error);

@@ -12,6 +12,7 @@
 #include "base/parallel.h"
 #include "base/status.h"
 #include "io/binary.h"
+#include "io/bytes.h"
 
 enum {
     LINES_AT_ONCE = 1 << 18, /* bytes of lines that a thread takes at once */
@@ -252,6 +253,15 @@ static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const struct 
     return 0;
 }
 
+/* Whether the element is one that was counted in the chunk: if not, a mapped file has changed since.
+ * run: the run of elements of one owner that it is in. */
+static int was_counted(const struct chunk *chunk, const struct element *element, int64_t run,
+                       const int64_t next[4], int is_kept) {
+    const int dim = element->type.dim;
+    return run < chunk->n_owners && same_owner(chunk->owner[run], element->owner) &&
+           (!is_kept || next[dim] < chunk->first[dim] + chunk->n_cells[dim]);
+}
+
 static int store_chunk(const gmsh_reader *reader, const struct chunk *chunk, planish_error *error) {
     io_model *model = reader->model;
     io_cursor cursor = chunk->lines;
@@ -265,6 +275,8 @@ static int store_chunk(const gmsh_reader *reader, const struct chunk *chunk, pla
         if (!same_owner(chunk->owner[run], element.owner))
             run++;
         io_cells *cells = gmsh_cells(model, element.type);
+        if (!was_counted(chunk, &element, run, next, cells != NULL))
+            return io_bytes_fail_changed(&model->input, error);
         if (cells == NULL)
             status = hold_rest(reader, &cursor, &element, error);
         else
@@ -273,6 +285,9 @@ static int store_chunk(const gmsh_reader *reader, const struct chunk *chunk, pla
         if (status != 0)
             return status;
     }
+    for (int dim = 1; dim < 4; dim++)
+        if (next[dim] != chunk->first[dim] + chunk->n_cells[dim])
+            return io_bytes_fail_changed(&model->input, error);
     return 0;
 }
 

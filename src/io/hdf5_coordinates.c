@@ -286,7 +286,7 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
     const io_hdf5_place place = {(char *)(uintptr_t)dataset, 0, width, width, 1};
     *span = NULL;
     *n_spans = 0;
-    int status = io_bytes_open(path, &model.input, error);
+    int status = io_bytes_open(path, INT64_MAX, &model.input, error);
     if (status)
         return status;
     status = io_hdf5_open(&model, &file, error);
@@ -371,10 +371,18 @@ static int amend_dataset(amendment *a, const io_hdf5_place *place, const hdf5_da
     return PLANISH_OK;
 }
 
+/** Where in the dataset the last coordinate of the last node is. */
+static int64_t last_value(const amendment *a, const io_hdf5_place *place) {
+    return (place->n_components - 1) * place->component_step +
+           (a->file.model->n_nodes - 1) * place->node_step;
+}
+
 static int amend_place(amendment *a, const io_hdf5_place *place) {
     hdf5_dataset d;
     double *values = NULL, *before = NULL;
     int status = hdf5_dataset_open(&a->file, place->path, &d);
+    if (!status && last_value(a, place) >= d.shape.n)
+        status = io_bytes_fail_changed(&a->file.model->input, a->file.error);
     if (!status) {
         values = pl_alloc(d.shape.n, sizeof *values);
         before = a->is_writing ? pl_alloc(d.shape.n, sizeof *before) : NULL;
@@ -410,7 +418,7 @@ static void close_amended(amendment *a) {
 /** What the file at path becomes: *bytes [*size], to be released by pl_free. */
 static int change(amendment *a, const char *path, char **bytes, int64_t *size) {
     io_bytes finished;
-    int status = io_bytes_open(path, &finished, a->file.error);
+    int status = io_bytes_open(path, 0, &finished, a->file.error); /* the library copies it */
     if (status)
         return status;
     a->is_writing = 1;

@@ -19,13 +19,13 @@ typedef struct io_cursor {
     const char *at, *end;
 } io_cursor;
 
-/** The bytes of a file: mapped, or read when it is no regular file. */
+/** The bytes of a file: read, or mapped where it is large (bytes.h). */
 typedef struct io_bytes {
     char *path;
     const char *data; /* [size] */
     int64_t size;
     int mapped;
-    int fd;           /* of a mapped file, else -1 */
+    int fd;           /* of a regular file, else -1 */
     int64_t modified; /* when it was last, in ns */
 } io_bytes;
 
@@ -132,6 +132,7 @@ typedef struct io_model {
     io_bytes input;      /* holds the coordinates */
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
     int n_companions, n_read; /* the first of these are read, too */
+    int64_t largest_copy; /* files of more bytes are mapped (bytes.h) */
     int threads;
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
     planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */

@@ -10,6 +10,7 @@
  */
 #include "io/nastran.h"
 
+#include "io/bytes.h"
 #include "io/number.h"
 #include "io/records.h"
 
@@ -187,6 +188,8 @@ static int read_system(reader *r, card *c) {
 static int read_grid(reader *r, card *c) {
     io_model *model = r->model;
     const int64_t node = model->n_nodes;
+    if (node == r->n_grids)
+        return io_bytes_fail_changed(&model->input, r->error);
     int status = take_number(r, c, "its number", &model->node_number[node]);
     if (!status)
         status = read_system(r, c);
@@ -253,6 +256,8 @@ static int read_grids(reader *r) {
     model->n_nodes = 0;
     if (!status)
         status = walk(r, "G", read_grid_card);
+    if (!status && model->n_nodes != r->n_grids)
+        status = io_bytes_fail_changed(&model->input, r->error);
     if (!status)
         status = check_system(r);
     return status ? status : io_settle_node_numbers(r->model, &r->numbers, r->error);

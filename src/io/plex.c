@@ -234,7 +234,7 @@ int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error
     io_model model = {.n_nodes = 0};
     plex_reader r = {.model = &model, .error = error};
     *outline = (io_plex_outline){.version = 0};
-    int status = io_bytes_open(path, &model.input, error);
+    int status = io_bytes_open(path, INT64_MAX, &model.input, error);
     if (status)
         return status;
     status = io_hdf5_open(&model, &r.file, error);

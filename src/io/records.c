@@ -110,11 +110,12 @@ static const char *token_begin(const io_text *text, int64_t rank) {
         still -= starts;
         at += BLOCK;
     }
-    for (;; at++) {
+    for (; at < text->end; at++) {
         int starts = is_token_byte(*at) && (at == text->begin || !is_token_byte(at[-1]));
         if (starts && still-- == 0)
             return at;
     }
+    return text->end; /* a mapped file changed since its tokens were counted */
 }
 
 /* ---- chunks of records -------------------------------------------------------------------- */
@@ -150,7 +151,7 @@ static int read_text_chunks(io_text *text, io_cursor *cursor, struct job *job, i
     if (cursor->at != token_begin(text, job->rank))
         return 0;
     const char *end = token_begin(text, job->rank + n * job->size);
-    if (memchr(cursor->at, '#', (size_t)(end - cursor->at)))
+    if (end < cursor->at || memchr(cursor->at, '#', (size_t)(end - cursor->at)))
         return 0;
     pl_parallel_for(text->threads, n, RECORDS_AT_ONCE, read_text_chunk, job);
     if (atomic_load(&job->failed))

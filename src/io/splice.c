@@ -4,6 +4,11 @@
  * Nodes are taken in chunks; the text of a chunk is made by one thread, and chunks are written in
  * the file's order, with the bytes between them copied from the input. A component that did not
  * change keeps its bytes, found by reading it again.
+ *
+ * The input may be mapped, and others may write to it at any moment. So it is compared with what was
+ * read before it is read again and when all is written. Between the two nothing relies on it: every
+ * field must be within the stretch that its piece has, behind the fields before it, and every byte
+ * that is appended must have room.
  */
 #include "io/bytes.h"
 #include "io/companions.h"
@@ -25,12 +30,18 @@
 
 enum { CHUNK_NODES = 8192 };
 
+typedef enum piece_state {
+    PIECE_MADE,
+    PIECE_OUT_OF_MEMORY,
+    PIECE_CHANGED /* the input is not what was read */
+} piece_state;
+
 /** A run of nodes of one span and the bytes that replace its stretch of the file. */
 typedef struct piece {
     const char *begin, *end; /* the stretch: from the first coordinate to behind the last */
     char *text;              /* [length] owned */
     int64_t length;
-    int failed;
+    piece_state state;
 } piece;
 
 typedef struct splice {
@@ -57,6 +68,46 @@ static char *append(char *to, const char *from, const char *end) {
     return to + (end - from);
 }
 
+/** Where the text of a piece goes. */
+typedef struct sink {
+    char *at, *end;
+    const char *from, *from_end; /* what of the piece's stretch has not been copied yet */
+    int is_full;                 /* there was no room, or no such stretch: the input has changed */
+} sink;
+
+/** Room for length bytes, or NULL. */
+static char *take_room(sink *to, int64_t length) {
+    if (length < 0 || length > to->end - to->at) {
+        to->is_full = 1;
+        return NULL;
+    }
+    char *at = to->at;
+    to->at += length;
+    return at;
+}
+
+static void put(sink *to, const char *from, int64_t length) {
+    char *at = take_room(to, length);
+    if (at)
+        memcpy(at, from, (size_t)length);
+}
+
+static void put_blanks(sink *to, int64_t n) {
+    char *at = take_room(to, n > 0 ? n : 0);
+    if (at)
+        memset(at, ' ', (size_t)(n > 0 ? n : 0));
+}
+
+/** Copy the input as far as stop, and go on behind at next. */
+static void copy_to(sink *to, const char *stop, const char *next) {
+    if (stop < to->from || next < stop || next > to->from_end) {
+        to->is_full = 1;
+        return;
+    }
+    put(to, to->from, stop - to->from);
+    to->from = next;
+}
+
 static int plain_field(io_cursor *cursor, io_field *field) {
     *field = (io_field){.width = 0};
     io_skip_space_comments(cursor, '#');
@@ -73,20 +124,20 @@ static int next_field(const splice *s, io_cursor *cursor, int d, io_field *field
                             : plain_field(cursor, field);
 }
 
-static char *append_blanks(char *to, int64_t n) {
-    for (int64_t i = 0; i < n; i++)
-        *to++ = ' ';
-    return to;
-}
-
 /** The number in place of what the field has. */
-static char *append_number(const splice *s, const io_field *field, double value, char *to) {
-    if (field->width == 0)
-        return to + io_format_real(to, value, s->model->precision == PLANISH_FLOAT);
-    const int64_t length = io_format_field(to, value, field->width, s->model->implied_exponent);
-    if (length == 0) /* no such text: what is there stays */
-        return append(to, field->begin, field->end);
-    return append_blanks(to + length, field->is_fixed ? field->end - field->begin - length : 0);
+static void put_number(const splice *s, const io_field *field, double value, sink *to) {
+    char text[IO_REAL_SIZE];
+    if (field->width == 0) {
+        put(to, text, io_format_real(text, value, s->model->precision == PLANISH_FLOAT));
+        return;
+    }
+    const int64_t length = io_format_field(text, value, field->width, s->model->implied_exponent);
+    if (length == 0) { /* no such text: what is there stays */
+        put(to, field->begin, field->end - field->begin);
+        return;
+    }
+    put(to, text, length);
+    put_blanks(to, field->is_fixed ? field->end - field->begin - length : 0);
 }
 
 /** What has to be written before a number behind fields that the file cuts short or has not. */
@@ -95,44 +146,51 @@ typedef struct gap {
     int64_t length;
 } gap;
 
+/** n_lead and blanks are IO_LEAD_SIZE and IO_REAL_SIZE at most, three times. */
 static void gap_add(gap *g, const char *lead, int n_lead, int64_t blanks) {
     char *to = g->text + g->length;
     if (n_lead > 0)
         to = append(to, lead, lead + n_lead);
-    g->length = append_blanks(to, blanks) - g->text;
+    memset(to, ' ', (size_t)blanks);
+    g->length = to + blanks - g->text;
 }
 
-/** Copy one node's text with changed components replaced; at: behind what has been copied. */
-static char *splice_text_node(const splice *s, int64_t node, const char **at, char *to) {
+static int is_sound(const io_field *field, const sink *to) {
+    return field->begin >= to->from && field->end >= field->begin && field->end <= to->from_end &&
+           field->n_lead >= 0 && field->n_lead <= IO_LEAD_SIZE && field->width < IO_REAL_SIZE;
+}
+
+/** Copy one node's text with changed components replaced. */
+static void splice_text_node(const splice *s, int64_t node, sink *to) {
     const io_model *model = s->model;
     io_cursor cursor = {model->input.data + model->text_offset[node],
                         model->input.data + model->input.size};
     gap before;
     before.length = 0;
     const char *line_end = NULL; /* if the field before has not its full width */
-    for (int d = 0; d < model->dim; d++) {
+    for (int d = 0; d < model->dim && !to->is_full; d++) {
         double wanted = s->coordinates[node * model->dim + d];
         io_field field;
-        if (next_field(s, &cursor, d, &field))
-            break;
+        if (next_field(s, &cursor, d, &field) || !is_sound(&field, to)) {
+            to->is_full = 1;
+            return;
+        }
         int64_t filled = field.end - field.begin;
         if (!field.lead || field.begin != line_end)
             before.length = 0;
         line_end = field.end;
         gap_add(&before, field.lead, field.n_lead, 0);
         if (!pl_is_same(as_read(model, field.value), wanted)) {
-            to = append(to, *at, field.begin);
-            to = append(to, before.text, before.text + before.length);
+            copy_to(to, field.begin, field.end);
+            put(to, before.text, before.length);
             before.length = 0;
-            char *number = to;
-            to = append_number(s, &field, wanted, to);
-            filled = to - number;
-            *at = field.end;
+            const char *number = to->at;
+            put_number(s, &field, wanted, to);
+            filled = to->at - number;
         }
         if (field.is_fixed && filled < field.width)
             gap_add(&before, NULL, 0, field.width - filled);
     }
-    return to;
 }
 
 static void swap_bytes(char *bytes, int size) {
@@ -183,28 +241,42 @@ static void splice_binary_node(const splice *s, int64_t node, char *bytes) {
 
 /* ---- one piece ---------------------------------------------------------------------------- */
 
-static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
+/** The stretch of a piece: up to behind the last coordinate of its last node, before the next one.
+ *  0, or -1: it is not as it was read. */
+static int find_stretch(const splice *s, int64_t first, int64_t last, piece *p) {
     const io_model *model = s->model;
-    io_cursor cursor = {model->input.data + model->text_offset[last - 1],
-                        model->input.data + model->input.size};
-    io_field field = {.end = cursor.at};
-    p->begin = model->input.data + model->text_offset[first];
+    const char *data = model->input.data, *end = data + model->input.size;
+    io_cursor cursor = {data + model->text_offset[last - 1], end};
+    io_field field = {.end = NULL};
+    p->begin = data + model->text_offset[first];
+    if (last < s->span->first_node + s->span->n_nodes)
+        end = data + model->text_offset[last];
     for (int d = 0; d < model->dim; d++)
         if (next_field(s, &cursor, d, &field))
-            break;
+            return -1;
     p->end = field.end;
-    p->text = pl_alloc(
-        p->end - p->begin + (last - first) * model->dim * (IO_REAL_SIZE + IO_LEAD_SIZE), 1);
-    if (!p->text) {
-        p->failed = 1;
+    return p->begin <= p->end && p->end <= end ? 0 : -1;
+}
+
+static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
+    if (find_stretch(s, first, last, p)) {
+        p->state = PIECE_CHANGED;
         return;
     }
-    const char *at = p->begin;
-    char *to = p->text;
-    for (int64_t node = first; node < last; node++)
-        to = splice_text_node(s, node, &at, to);
-    to = append(to, at, p->end);
-    p->length = to - p->text;
+    const int64_t room =
+        p->end - p->begin + (last - first) * s->model->dim * (IO_REAL_SIZE + IO_LEAD_SIZE);
+    p->text = pl_alloc(room, 1);
+    if (!p->text) {
+        p->state = PIECE_OUT_OF_MEMORY;
+        return;
+    }
+    sink to = {.at = p->text, .end = p->text + room, .from = p->begin, .from_end = p->end};
+    for (int64_t node = first; node < last && !to.is_full; node++)
+        splice_text_node(s, node, &to);
+    if (!to.is_full)
+        copy_to(&to, p->end, p->end);
+    p->length = to.at - p->text;
+    p->state = to.is_full ? PIECE_CHANGED : PIECE_MADE;
 }
 
 static void make_binary(const splice *s, int64_t first, int64_t last, piece *p) {
@@ -216,7 +288,7 @@ static void make_binary(const splice *s, int64_t first, int64_t last, piece *p) 
     p->length = p->end - p->begin;
     p->text = pl_alloc(p->length, 1);
     if (!p->text) {
-        p->failed = 1;
+        p->state = PIECE_OUT_OF_MEMORY;
         return;
     }
     append(p->text, p->begin, p->end);
@@ -232,7 +304,7 @@ static void make_piece(void *context, int64_t begin, int64_t end, int thread) {
     int64_t first = s->first + begin * CHUNK_NODES;
     int64_t last = last_of_span - first < CHUNK_NODES ? last_of_span : first + CHUNK_NODES;
     piece *p = &s->pieces[begin];
-    *p = (piece){NULL, NULL, NULL, 0, 0};
+    *p = (piece){.state = PIECE_MADE};
     if (s->span->encoding == IO_TEXT)
         make_text(s, first, last, p);
     else
@@ -250,6 +322,8 @@ static int copy_input(splice *s, const char *at, const char *end, io_output *out
         const io_edit *edit = &s->edits->edit[s->next_edit];
         if (data + edit->begin >= end)
             break;
+        if (data + edit->begin < at || edit->end < edit->begin || data + edit->end > end)
+            return io_bytes_fail_changed(&s->model->input, error);
         status = io_output_write(output, at, data + edit->begin - at, error);
         if (!status)
             status = io_output_write(output, edit->text, edit->length, error);
@@ -265,8 +339,10 @@ static int write_wave(splice *s, int64_t n_pieces, const char **at, io_output *o
     pl_parallel_for(s->threads, n_pieces, 1, make_piece, s);
     for (int64_t i = 0; i < n_pieces; i++) {
         piece *p = &s->pieces[i];
-        if (!status && p->failed)
+        if (!status && p->state == PIECE_OUT_OF_MEMORY)
             status = pl_fail_memory(error, "the text of coordinates");
+        if (!status && (p->state == PIECE_CHANGED || p->begin < *at))
+            status = io_bytes_fail_changed(&s->model->input, error);
         if (!status)
             status = copy_input(s, *at, p->begin, output, error);
         if (!status)
@@ -362,11 +438,22 @@ static int check_not_input(const io_bytes *input, const io_output *output, plani
                    output->target);
 }
 
-/** What was copied is what was read, and so is what stays beside it where the input is replaced. */
+/** Whether the files are still what was read; where the input is replaced, those beside it stay. */
 static int check_inputs_unchanged(const planish_file *file, planish_error *error) {
     int status = io_bytes_check_unchanged(&file->model.input, error);
     for (int i = 0; i < file->model.n_companions && !status; i++)
         status = io_bytes_check_unchanged(&file->model.companion[i], error);
+    return status;
+}
+
+/** A failure that comes of an input that changed is better told so. */
+static int explain(const planish_file *file, int status, planish_error *error) {
+    planish_error changed;
+    if (status != PLANISH_OK && check_inputs_unchanged(file, &changed)) {
+        if (error)
+            *error = changed;
+        return changed.code;
+    }
     return status;
 }
 
@@ -397,7 +484,9 @@ static int commit_all(io_output *output, int n, io_temporaries temporaries, plan
 static int write_all(const planish_file *file, const char *path, const char *main_path,
                      const double *coordinates, int threads, io_temporaries temporaries,
                      io_output *output, int n_companions, planish_error *error) {
-    int status = io_output_open(main_path, temporaries, &output[0], error);
+    int status = check_inputs_unchanged(file, error); /* before they are read again */
+    if (!status)
+        status = io_output_open(main_path, temporaries, &output[0], error);
     if (!status)
         status = check_not_input(&file->model.input, &output[0], error);
     if (!status)
@@ -407,8 +496,7 @@ static int write_all(const planish_file *file, const char *path, const char *mai
     for (int i = 0; i < n_companions && !status; i++)
         status = write_companion(file->format, &file->model.companion[i], path, temporaries,
                                  &output[i + 1], error);
-    if (!status)
-        status = check_inputs_unchanged(file, error);
+    status = status ? explain(file, status, error) : check_inputs_unchanged(file, error);
     if (!status)
         status = commit_all(output, 1 + n_companions, temporaries, error);
     for (int i = 0; i <= n_companions; i++)

@@ -359,15 +359,15 @@ static char *find_beside(const char *path, const char *extension) {
 
 /** Open the file of that extension beside path as *bytes; absent (data NULL) is no error where it
  *  is not needed; nor then is an empty one, which is as good as none. */
-static int open_beside(const char *path, const char *extension, int needed, io_bytes *bytes,
-                       planish_error *error) {
+static int open_beside(const io_model *model, const char *path, const char *extension, int needed,
+                       io_bytes *bytes, planish_error *error) {
     char *beside = find_beside(path, extension);
     if (!beside)
         return pl_fail_memory(error, path);
     int status = PLANISH_OK;
     memset(bytes, 0, sizeof *bytes);
     if (pl_file_exists(beside))
-        status = io_bytes_open(beside, bytes, error);
+        status = io_bytes_open(beside, model->largest_copy, bytes, error);
     else if (needed)
         status = pl_fail(error, PLANISH_ERROR_FILE,
                          "%s: there is no %s beside it; TetGen's meshes are a "
@@ -398,7 +398,7 @@ static int gather_files(io_model *model, int *dim_of, planish_error *error) {
     model->companion = pl_alloc(N_READ + N_OTHER, sizeof *model->companion);
     if (!model->companion)
         return pl_fail_memory(error, named.path);
-    int status = open_beside(named.path, is_ele ? ".node" : ".ele", 1, &other, error);
+    int status = open_beside(model, named.path, is_ele ? ".node" : ".ele", 1, &other, error);
     if (status)
         return status;
     model->input = is_ele ? other : named;
@@ -406,7 +406,7 @@ static int gather_files(io_model *model, int *dim_of, planish_error *error) {
     dim_of[0] = dims[0];
     model->n_companions = 1;
     for (int i = 1; i < N_READ && !status; i++) {
-        status = open_beside(model->input.path, read_extensions[i], 0, &other, error);
+        status = open_beside(model, model->input.path, read_extensions[i], 0, &other, error);
         if (!status && other.data) {
             dim_of[model->n_companions] = dims[i];
             model->companion[model->n_companions++] = other;
@@ -438,7 +438,7 @@ static int gather_others(io_model *model, planish_error *error) {
     int status = PLANISH_OK;
     for (int i = 0; i < N_OTHER && !status; i++) {
         io_bytes other;
-        status = open_beside(model->input.path, other_extensions[i], 0, &other, error);
+        status = open_beside(model, model->input.path, other_extensions[i], 0, &other, error);
         if (status || !other.data)
             continue;
         if (is_companion(model, &other))

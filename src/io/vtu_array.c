@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "io/base64.h"
 #include "io/binary.h"
+#include "io/bytes.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -140,12 +141,13 @@ int vtu_find_blocks(const io_model *model, vtu_document *document, const vtu_arr
     if (status)
         return status;
     const int64_t packed = blocks->packed[blocks->n];
-    if (s.form == VTU_RAW) {
+    if (packed > io_left(&s.text.cursor) && s.form == VTU_RAW)
+        return fail_cut(model, array, error);
+    if (s.form == VTU_RAW && !io_bytes_can_change(&model->input)) {
         blocks->data = s.text.cursor.at;
-        if (packed > io_left(&s.text.cursor))
-            return fail_cut(model, array, error);
         s.text.cursor.at += packed;
     } else {
+        /* Of bytes that can change the libraries get a copy: they look at some twice. */
         /* Header and blocks are segments of their own: nothing of them is in one group. */
         blocks->data = blocks->owned = pl_alloc(packed, 1);
         if (!blocks->owned)

@@ -13,6 +13,7 @@
 #include "base/status.h"
 #include "io/base64.h"
 #include "io/binary.h"
+#include "io/bytes.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -180,7 +181,7 @@ static int pack_blocks(rewrite *r, io_edits *edits, int threads, planish_error *
     char *text = join_blocks(r, &header, &length);
     if (array->form == VTU_BASE64) {
         text = blocks_to_base64(text, header, &length);
-        while ((unsigned char)data[begin] <= ' ')
+        while (begin < r->blocks.text_end && (unsigned char)data[begin] <= ' ')
             begin++;
     }
     if (!text)
@@ -199,11 +200,22 @@ static void release_packed(rewrite *r) {
 
 /* ---- writing: the arrays ------------------------------------------------------------------- */
 
+/** Whether a block is too short to have been unpacked: its first bytes tell how to pack again. */
+static int has_tiny_block(const vtu_blocks *blocks) {
+    enum { LEAST = 2 };
+    for (int64_t i = 0; i < blocks->n; i++)
+        if (blocks->packed[i + 1] - blocks->packed[i] < LEAST)
+            return 1;
+    return 0;
+}
+
 static int prepare_packed(rewrite *r, vtu_document *document, planish_error *error) {
     int status = vtu_find_blocks(r->model, document, r->array, r->size, &r->blocks, error);
     if (status)
         return status;
     const int64_t n = r->blocks.n;
+    if (has_tiny_block(&r->blocks))
+        return io_bytes_fail_changed(&r->model->input, error);
     r->dirty = pl_alloc_zero(n, 1);
     r->packed = pl_alloc_zero(n, sizeof *r->packed);
     r->packed_size = pl_alloc(n, sizeof *r->packed_size);

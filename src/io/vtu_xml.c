@@ -385,6 +385,17 @@ static int fail_xml(walk *w) {
                         "XML: %s (the file may be cut short)", XML_ErrorString(code));
 }
 
+/** Expat looks at bytes more than once: it is given a copy, which cannot change meanwhile. */
+static enum XML_Status parse_copy(const walk *w, const char *bytes, int size, int is_last) {
+    if (size == 0)
+        return XML_Parse(w->parser, bytes, 0, is_last);
+    void *copy = XML_GetBuffer(w->parser, size);
+    if (!copy)
+        return XML_STATUS_ERROR;
+    memcpy(copy, bytes, (size_t)size);
+    return XML_ParseBuffer(w->parser, size, is_last);
+}
+
 /** Give Expat the file up to appended data. */
 static int feed(walk *w) {
     const io_bytes *input = &w->model->input;
@@ -396,7 +407,7 @@ static int feed(walk *w) {
         }
         const int64_t left = input->size - at;
         const int size = left < PIECE_BYTES ? (int)left : PIECE_BYTES;
-        const enum XML_Status status = XML_Parse(w->parser, input->data + at, size, size == left);
+        const enum XML_Status status = parse_copy(w, input->data + at, size, size == left);
         if (status != XML_STATUS_OK && !w->status && w->document->appended < 0)
             return fail_xml(w);
         at += size;
