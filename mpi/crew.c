@@ -24,6 +24,7 @@ typedef enum order {
     MEASURE_ELEMENTS,
     CHECK_VOLUMES,
     FIND_UNFIXABLE,
+    FIND_REVERSED,
     SMOOTH,
     WRITE,
     END
@@ -237,6 +238,16 @@ static int find_unfixable(const pl_crew *crew, uint8_t *whole, planish_error *er
     return code;
 }
 
+static int find_reversed(const pl_crew *crew, uint8_t *whole, planish_error *error) {
+    uint8_t *state = pl_new_array(crew->share.mesh.n_elements, 1);
+    int64_t n;
+    int code = state ? planish_find_reversed(crew->plan, crew->share.coordinates, state, &n, error)
+                     : fail_memory(error);
+    code = collect_states(crew, code, state, whole, error);
+    free(state);
+    return code;
+}
+
 /** Coordinates of the nodes that each process moves, to whole. */
 static int collect_coordinates(pl_crew *crew, double *whole, planish_error *error) {
     const pl_share *share = &crew->share;
@@ -433,6 +444,16 @@ static int lead_find_unfixable(const pl_job *job, uint8_t *state, int64_t *n,
     return code ? code : count_states(job, state, n);
 }
 
+static int lead_find_reversed(const pl_job *job, uint8_t *state, int64_t *n, planish_error *error) {
+    pl_crew *crew = crew_of(job);
+    if (crew->is_alone)
+        return pl_engine_here.find_reversed(job, state, n, error);
+    memset(state, 0, (size_t)job->mesh.n_elements);
+    tell(crew, FIND_REVERSED);
+    const int code = find_reversed(crew, state, error);
+    return code ? code : count_states(job, state, n);
+}
+
 static int lead_smooth(pl_job *job, planish_result *result, planish_error *error) {
     pl_crew *crew = crew_of(job);
     if (crew->is_alone)
@@ -464,6 +485,7 @@ void pl_crew_create(pl_crew *crew, int threads, int bind) {
                                  .measure_elements = lead_measure_elements,
                                  .check_volumes = lead_check_volumes,
                                  .find_unfixable = lead_find_unfixable,
+                                 .find_reversed = lead_find_reversed,
                                  .smooth = lead_smooth,
                                  .can_write = pl_plexfile_is,
                                  .write = lead_write},
@@ -523,6 +545,9 @@ int pl_crew_follow(pl_crew *crew) {
             break;
         case FIND_UNFIXABLE:
             find_unfixable(crew, NULL, &error);
+            break;
+        case FIND_REVERSED:
+            find_reversed(crew, NULL, &error);
             break;
         case SMOOTH:
             smooth(crew, NULL, NULL, &result, &traffic, &error);

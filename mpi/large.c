@@ -34,6 +34,7 @@ typedef struct work {
     pl_plexfile file;
     pl_job job;
     pl_result result;
+    uint8_t *reversed_before; /* this process's elements, owned, or NULL: none in any process */
     pl_progress progress;
     planish_error error;
     int is_usage; /* error is one of the command line */
@@ -345,6 +346,55 @@ static int find_unfixable(work *w) {
     return code;
 }
 
+/** The reversed elements of this process as they are now, owned by the caller; NULL: n, those of
+ *  all processes, are none. */
+static int find_reversed(work *w, int64_t n, uint8_t **state) {
+    const pl_share *share = &w->crew->share;
+    *state = NULL;
+    if (n == 0)
+        return PLANISH_OK;
+    *state = make_states(w);
+    const int code =
+        *state ? planish_find_reversed(w->crew->plan, share->coordinates, *state, NULL, &w->error)
+               : PLANISH_ERROR_MEMORY;
+    return pl_crew_agree(w->crew, code, &w->error);
+}
+
+/** Radius ratios of this process's elements, owned by the caller; NULL: all are valid. */
+static int find_ratios(work *w, double **ratio) {
+    const pl_share *share = &w->crew->share;
+    *ratio = NULL;
+    if (w->result.after.inverted == 0)
+        return PLANISH_OK;
+    w->error =
+        (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the ratios of elements"};
+    *ratio = pl_new_array(share->mesh.n_elements, sizeof **ratio);
+    const int code =
+        *ratio ? planish_measure_elements(w->crew->plan, share->coordinates, *ratio, &w->error)
+               : PLANISH_ERROR_MEMORY;
+    return pl_crew_agree(w->crew, code, &w->error);
+}
+
+/** Which elements are reversed in the end, and which of them are new, as pl_reversed_compare has
+ *  it; before: this process's of the input, or NULL. */
+static int compare_reversed(work *w, const uint8_t *before) {
+    pl_reversed *reversed = &w->result.reversed;
+    uint8_t *state;
+    double *ratio = NULL;
+    int code = find_reversed(w, w->result.after.reversed, &state);
+    if (!code && w->result.after.reversed > 0)
+        code = find_ratios(w, &ratio);
+    if (!code && state) {
+        pl_reversed_mark_new(w->crew->share.mesh.n_elements, before, ratio, state);
+        code = gather_states(w, state, &reversed->state);
+    }
+    for (int64_t i = 0; reversed->state && i < w->file.n_elements; i++)
+        reversed->n_new += reversed->state[i] == PL_REVERSED_NEW;
+    free(state);
+    free(ratio);
+    return code;
+}
+
 /** The first process judges, and all heed that: 0, or an exit status. */
 static int check_promises(work *w) {
     int status = w->arguments ? pl_smooth_check(&w->job, &w->result) : 0;
@@ -387,6 +437,8 @@ static int do_steps(work *w, int *status) {
         pl_smooth_tell_plan(&w->job);
     if ((code = measure(w, &w->result.before)) || (code = count_below(w, &w->result.below_before)))
         return code;
+    if ((code = find_reversed(w, w->result.before.reversed, &w->reversed_before)))
+        return code;
     if ((code = smooth(w)))
         return code;
     if (w->arguments)
@@ -394,7 +446,8 @@ static int do_steps(work *w, int *status) {
     enter(w, PL_PHASE_CHECKING);
     if ((code = measure(w, &w->result.after)))
         return code;
-    if ((code = find_volumes(w)) || (code = find_unfixable(w)))
+    if ((code = find_volumes(w)) || (code = find_unfixable(w)) ||
+        (code = compare_reversed(w, w->reversed_before)))
         return code;
     if ((*status = check_promises(w)))
         return PLANISH_OK;
@@ -434,6 +487,8 @@ int pl_large_smooth(pl_crew *crew, const pl_arguments *arguments) {
     pl_plexfile_close(&w.file);
     pl_volumes_free(&w.result.volumes);
     pl_unfixable_free(&w.result.unfixable);
+    pl_reversed_free(&w.result.reversed);
+    free(w.reversed_before);
     pl_progress_free(&w.progress);
     free(w.input);
     free(w.output);

@@ -38,6 +38,10 @@ static int find_unfixable(const pl_job *job, uint8_t *state, int64_t *n, planish
     return planish_find_unfixable(job->plan, job->mesh.coordinates, state, n, error);
 }
 
+static int find_reversed(const pl_job *job, uint8_t *state, int64_t *n, planish_error *error) {
+    return planish_find_reversed(job->plan, job->mesh.coordinates, state, n, error);
+}
+
 static int smooth(pl_job *job, planish_result *result, planish_error *error) {
     return planish_smooth(job->plan, planish_file_coordinates(job->file), &job->options, result,
                           error);
@@ -50,4 +54,5 @@ const pl_engine pl_engine_here = {.plan_create = plan_create,
                                   .measure_elements = measure_elements,
                                   .check_volumes = check_volumes,
                                   .find_unfixable = find_unfixable,
+                                  .find_reversed = find_reversed,
                                   .smooth = smooth};

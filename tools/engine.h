@@ -18,6 +18,8 @@ typedef struct pl_engine {
                          int64_t *n_below, planish_error *error);
     int (*find_unfixable)(const struct pl_job *job, uint8_t *state, int64_t *n,
                           planish_error *error);
+    int (*find_reversed)(const struct pl_job *job, uint8_t *state, int64_t *n,
+                         planish_error *error);
     int (*smooth)(struct pl_job *job, planish_result *result, planish_error *error);
     /* Files that the engine can write besides those of planish_io; NULL: none. */
     int (*can_write)(const char *path);

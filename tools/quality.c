@@ -44,8 +44,9 @@ static int is_comparison(const run *r) {
     return r->arguments->n_inputs > 1;
 }
 
-static void put_notes(FILE *stream, const pl_job *job) {
+static void put_notes(FILE *stream, const pl_job *job, const planish_quality *quality) {
     pl_table_oddities(stream, job);
+    pl_table_reversed(stream, quality);
     pl_layers_print(stream, job);
 }
 
@@ -56,7 +57,7 @@ static int keep_notes(const run *r, const pl_job *job, pl_compared *mesh) {
     pl_memory_stream stream;
     pl_memory_stream_open(&stream);
     if (stream.file)
-        put_notes(stream.file, job);
+        put_notes(stream.file, job, &mesh->measured.quality);
     mesh->notes = pl_memory_stream_close(&stream);
     if (!mesh->notes)
         return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the notes", mesh->name);
@@ -88,6 +89,8 @@ static void print_table(run *r, const pl_job *job, const pl_measured *measured) 
     pl_table_quality(r->stream, job, &measured->quality, &measured->volumes);
     pl_worst_print(r->stream, &measured->worst, r->arguments->n_worst);
     pl_volumes_print(stderr, job, &measured->volumes);
+    pl_reversed_print(stderr, job, measured->reversed, measured->quality.reversed);
+    pl_table_reversed(stderr, &measured->quality);
     pl_layers_print(stderr, job);
 }
 
@@ -108,6 +111,9 @@ static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
         return status;
     const double least = least_volume(&job->options, measured->quality.total_volume);
     if ((status = pl_volumes_find(job, least, &measured->volumes)))
+        return status;
+    if (pl_job_is_told(job) &&
+        (status = pl_reversed_find(job, measured->quality.reversed, &measured->reversed)))
         return status;
     if ((status = pl_worst_find_asked(job, &measured->worst)))
         return status;
@@ -141,6 +147,8 @@ static int measure_file(run *r, const char *input) {
     mesh->n_elements = job.mesh.n_elements;
     pl_job_close(&job);
     pl_volumes_free(&mesh->measured.volumes);
+    free(mesh->measured.reversed);
+    mesh->measured.reversed = NULL;
     if (status)
         free_compared(mesh);
     else

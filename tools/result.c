@@ -99,7 +99,8 @@ static void add_layers(document *json, cJSON *mesh, const pl_job *job) {
     }
 }
 
-static void add_mesh(document *json, cJSON *root, const pl_job *job) {
+/** n_reversed: as measured of the input. */
+static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_reversed) {
     cJSON *mesh = new_object(json, root, "mesh");
     add_integer(json, mesh, "dimension", job->mesh.dim);
     add_integer(json, mesh, "nodes", job->mesh.n_nodes);
@@ -110,7 +111,7 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job) {
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
     add_integer(json, mesh, "nodes_with_parameters", job->n_with_parameters);
-    add_integer(json, mesh, "reversed_elements", job->plan_info.n_reversed);
+    add_integer(json, mesh, "reversed_elements", n_reversed);
 }
 
 static void add_spread(document *json, cJSON *quality, const char *name, const planish_spread *s) {
@@ -176,6 +177,7 @@ static void add_quality(document *json, cJSON *root, const char *name, const pl_
                         const planish_quality *q, int64_t below_min_volume, const pl_worst *worst) {
     cJSON *quality = new_object(json, root, name);
     add_integer(json, quality, "inverted", q->inverted);
+    add_integer(json, quality, "reversed_elements", q->reversed);
     add_integer(json, quality, "below_min_volume", below_min_volume);
     add_real(json, quality, "min_volume", q->min_volume);
     add_real(json, quality, "max_volume", q->max_volume);
@@ -362,7 +364,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_text(&json, root, "input", job->arguments->input);
     add_text(&json, root, "output", job->arguments->output);
     add_text(&json, root, "format", job->file_info.format);
-    add_mesh(&json, root, job);
+    add_mesh(&json, root, job, result->before.reversed);
     add_text(&json, root, "method", pl_method_name(job->options.method));
     add_objective(&json, root, job, &result->smooth);
     add_quality(&json, root, "before", job, &result->before, result->below_before,
@@ -390,6 +392,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_seconds(&json, root, job, result);
     add_fixed(&json, root, &result->after);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
+    add_elements(&json, root, "reversed", job, NULL, PLANISH_VOLUME_MET, result->reversed.state);
     add_text(&json, root, "reason", result->reason);
     add_integer(&json, root, "peak_memory_bytes", pl_peak_memory_bytes());
     return finish(&json, root);
@@ -406,11 +409,12 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     add_text(&json, mesh, "planish", planish_version());
     add_text(&json, mesh, "input", job->arguments->input);
     add_text(&json, mesh, "format", job->file_info.format);
-    add_mesh(&json, mesh, job);
+    add_mesh(&json, mesh, job, measured->quality.reversed);
     add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
                 &measured->worst);
     add_checksum(&json, mesh, "checksum", planish_checksum(&job->mesh));
     add_volumes(&json, mesh, job, &measured->volumes, NULL);
+    add_elements(&json, mesh, "reversed", job, NULL, PLANISH_VOLUME_MET, measured->reversed);
     report->failed = json.failed;
 }
 

@@ -5,6 +5,7 @@
 #include "job.h"
 #include "progress.h"
 #include "report/picture.h"
+#include "reversed.h"
 #include "volumes.h"
 #include "worst.h"
 
@@ -17,10 +18,11 @@ typedef struct pl_result {
     int64_t below_before;    /* elements below their least volume in the input */
     pl_volumes volumes;      /* those of the result */
     pl_unfixable unfixable;
+    pl_reversed reversed;
     pl_worst worst_before, worst_after; /* empty if there is no report */
     planish_result smooth;
     double smooth_seconds, write_seconds, total_seconds;
-    char reason[512]; /* why the end is not the plain one, or "" */
+    char reason[1024]; /* why the end is not the plain one, or "" */
 } pl_result;
 
 /** Whether first-order optimality was measured: there is more to it than a small gradient. */
@@ -34,6 +36,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
 typedef struct pl_measured {
     planish_quality quality;
     pl_volumes volumes;
+    uint8_t *reversed; /* [mesh.n_elements] as of pl_reversed_find, owned, or NULL */
     pl_worst worst;
 } pl_measured;
 

@@ -195,6 +195,21 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
         add_reason(result, "untangling was switched off by --no-untangle");
 }
 
+/** Elements whose nodes are listed in the wrong order: repaired, they are negative to a solver. */
+static void judge_reversed(pl_result *result) {
+    const int64_t n = result->reversed.n_new;
+    if (n == 0)
+        return;
+    add_reason(result,
+               "%" PRId64 " element%s reversed in the order in which the file lists %s nodes, and "
+               "%s not before: %s measure has the other sign than most elements', so a solver may "
+               "reject %s. planish does not renumber elements, because loads and surfaces address "
+               "the faces of elements by number; swap two nodes of each in the program that made "
+               "the mesh, or mesh that region anew",
+               n, is_or_are(n), n == 1 ? "its" : "their", n == 1 ? "was" : "were",
+               n == 1 ? "its" : "their", n == 1 ? "it" : "them");
+}
+
 static void judge_volumes(pl_result *result) {
     const pl_volumes *volumes = &result->volumes;
     if (volumes->n_below == 0)
@@ -210,6 +225,7 @@ static void judge_volumes(pl_result *result) {
 static int judge(const pl_job *job, pl_result *result) {
     judge_inverted(job, result);
     judge_volumes(result);
+    judge_reversed(result);
     if (result->smooth.stop == PLANISH_STOP_TIME_LIMIT)
         add_reason(result, "stopped by the time limit of %g s before convergence",
                    job->options.time_limit);
@@ -237,6 +253,9 @@ static int write_reports(const pl_job *job, const pl_result *result, const pl_pr
 static void print_lists(const pl_job *job, const pl_result *result) {
     pl_volumes_print(stderr, job, &result->volumes);
     pl_unfixable_print(stderr, job, &result->unfixable);
+    pl_reversed_print(stderr, job, result->reversed.state, result->after.reversed);
+    if (result->reversed.n_new == 0)
+        pl_table_reversed(stderr, &result->after);
 }
 
 /** Table and reason; the table gives way to standard error if standard output carries data. */
@@ -333,6 +352,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         pl_layers_print(stderr, job);
     if ((status = pl_volumes_count(job, &result->below_before)))
         return status;
+    if ((status = pl_reversed_find(job, result->before.reversed, &result->reversed.before)))
+        return status;
     if ((status = take_before(job, result)))
         return status;
     if ((status = run_sweeps(job, result, progress)))
@@ -344,6 +365,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     if ((status = pl_volumes_find(job, result->smooth.min_volume, &result->volumes)))
         return status;
     if ((status = pl_unfixable_find(job, result->after.inverted, &result->unfixable)))
+        return status;
+    if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;
     if ((status = pl_smooth_check(job, result)))
         return status;
@@ -378,6 +401,7 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     pl_progress_free(&progress);
     pl_volumes_free(&result.volumes);
     pl_unfixable_free(&result.unfixable);
+    pl_reversed_free(&result.reversed);
     pl_worst_free(&result.worst_before);
     pl_worst_free(&result.worst_after);
     pl_picture_free(result.picture);

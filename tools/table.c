@@ -136,6 +136,14 @@ static void row_floor(FILE *stream, const planish_quality *before, const planish
              floor, &ratio);
 }
 
+/** Elements that are numbered the other way round than most, where there are any. */
+static void row_reversed(FILE *stream, const planish_quality *before,
+                         const planish_quality *after) {
+    if (after->reversed > 0 || (before && before->reversed > 0))
+        row_count(stream, "reversed in the file's order", before ? &before->reversed : NULL,
+                  after->reversed);
+}
+
 static void rows_quality(FILE *stream, int dim, const planish_quality *before,
                          const planish_quality *after) {
     row_real(stream, "worst radius ratio", before ? &before->max_radius_ratio : NULL,
@@ -159,6 +167,7 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
     row_real(stream, dim == 3 ? "smallest volume" : "smallest area",
              before ? &before->min_volume : NULL, after->min_volume, &volume);
     row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
+    row_reversed(stream, before, after);
 }
 
 /** Elements below their least volume, where there is one. */
@@ -324,7 +333,7 @@ static void note_open_end(FILE *stream, const pl_job *job) {
 void pl_table_oddities(FILE *stream, const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     const int64_t facets = info->n_nonmanifold_facets, copies = info->n_duplicate_elements;
-    const int64_t others = job->file_info.n_other_elements, reversed = info->n_reversed;
+    const int64_t others = job->file_info.n_other_elements;
     if (facets > 0)
         pl_note(stream, "%" PRId64 " %s to more than two elements; %s nodes are held", facets,
                 job->mesh.dim == 3 ? word_for(facets, "face belongs", "faces belong")
@@ -334,16 +343,20 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         pl_note(stream, "%" PRId64 " %s the nodes of another one; %s held", copies,
                 word_for(copies, "element has", "elements have"),
                 word_for(copies, "it is", "they are"));
-    if (reversed > 0 && reversed < job->mesh.n_elements)
-        pl_note(stream,
-                "%" PRId64 " %s numbered the other way round than the rest, and %s: that is no "
-                "inversion to planish, but may be one to others",
-                reversed, word_for(reversed, "element is", "elements are"),
-                word_for(reversed, "stays so", "stay so"));
     if (others > 0)
         pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
                 word_for(others, "element of another type passes", "elements of other types pass"),
                 word_for(others, "its", "their"));
     if (job->file_info.ends_open)
         note_open_end(stream, job);
+}
+
+void pl_table_reversed(FILE *stream, const planish_quality *quality) {
+    const int64_t n = quality->reversed;
+    if (n > 0 && n > quality->inverted)
+        pl_note(stream,
+                "%" PRId64
+                " %s numbered the other way round than most: planish finds the orientation "
+                "by itself and does not renumber them; a solver may take them for inverted",
+                n, word_for(n, "element is", "elements are"));
 }

@@ -16,4 +16,8 @@ void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *qu
 /** What is odd about the mesh, a line each: facets of more than two elements and the like. */
 void pl_table_oddities(FILE *stream, const pl_job *job);
 
+/** A note where elements are numbered the other way round than most, and not all of them because
+ * they are inverted. */
+void pl_table_reversed(FILE *stream, const planish_quality *quality);
+
 #endif

@@ -55,9 +55,8 @@ void pl_volumes_free(pl_volumes *volumes) {
     volumes->state = NULL;
 }
 
-/** "TEXT: elements 1, 2, 3, ...": the first of the n whose state is at least least. */
-static void print_elements(FILE *stream, const pl_job *job, const uint8_t *state, int least,
-                           int64_t n, const char *text) {
+void pl_elements_print(FILE *stream, const pl_job *job, const uint8_t *state, int least, int64_t n,
+                       const char *text) {
     int64_t named = 0;
     fprintf(stream, "%s: element%s", text, n == 1 ? "" : "s");
     for (int64_t i = 0; i < job->mesh.n_elements && named < n && named < MOST_NAMED; i++)
@@ -68,11 +67,11 @@ static void print_elements(FILE *stream, const pl_job *job, const uint8_t *state
 
 void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes) {
     if (volumes->state && volumes->n_below > 0)
-        print_elements(stream, job, volumes->state, PLANISH_VOLUME_BELOW, volumes->n_below,
-                       "below their least volume");
+        pl_elements_print(stream, job, volumes->state, PLANISH_VOLUME_BELOW, volumes->n_below,
+                          "below their least volume");
     if (volumes->n_infeasible > 0)
-        print_elements(stream, job, volumes->state, PLANISH_VOLUME_INFEASIBLE,
-                       volumes->n_infeasible, "cannot reach it wherever the free nodes are");
+        pl_elements_print(stream, job, volumes->state, PLANISH_VOLUME_INFEASIBLE,
+                          volumes->n_infeasible, "cannot reach it wherever the free nodes are");
 }
 
 int pl_unfixable_find(const pl_job *job, int64_t n_inverted, pl_unfixable *unfixable) {
@@ -95,6 +94,6 @@ void pl_unfixable_free(pl_unfixable *unfixable) {
 
 void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unfixable) {
     if (unfixable->n > 0)
-        print_elements(stream, job, unfixable->state, 1, unfixable->n,
-                       "cannot be made valid wherever the free nodes are");
+        pl_elements_print(stream, job, unfixable->state, 1, unfixable->n,
+                          "cannot be made valid wherever the free nodes are");
 }

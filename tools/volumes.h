@@ -7,6 +7,11 @@
 
 #include <stdio.h>
 
+/** Print "TEXT: elements 1, 2, 3, ...", the first few of the n elements whose state is at least
+ * least, on one line. state [mesh.n_elements]. */
+void pl_elements_print(FILE *stream, const pl_job *job, const uint8_t *state, int least, int64_t n,
+                       const char *text);
+
 /** What there is to say of the volumes of a mesh; all zero where no least volume is asked for. */
 typedef struct pl_volumes {
     double least;         /* the least volume of elements without one of their own; 0: none */

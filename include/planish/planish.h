@@ -439,12 +439,15 @@ PLANISH_API void planish_options_init(planish_options *options);
 typedef struct planish_plan planish_plan;
 
 typedef struct planish_plan_info {
-    int64_t n_free;            /* nodes that may move anywhere */
-    int64_t n_sliding;         /* nodes that may move on a plane, line or surface */
-    int64_t n_unused;          /* nodes of no element; with only_worse_than or around 0 */
-    int64_t n_fixed_elements;  /* elements all of whose nodes are fixed */
-    int64_t n_components;      /* of elements joined by facets; 0: was not needed */
-    int64_t n_reversed;        /* elements whose order in the input is the negative one */
+    int64_t n_free;           /* nodes that may move anywhere */
+    int64_t n_sliding;        /* nodes that may move on a plane, line or surface */
+    int64_t n_unused;         /* nodes of no element; with only_worse_than or around 0 */
+    int64_t n_fixed_elements; /* elements all of whose nodes are fixed */
+    int64_t n_components;     /* of elements joined by facets; 0: was not needed */
+    int64_t n_reversed; /* elements whose listed order is the negative one of the orientation that
+                           the plan has found: a fact of the connectivity, which does not change
+                           when nodes move. All of a mesh that is mirrored as a whole.
+                           planish_quality.reversed counts by signs of measures instead */
     int64_t n_boundary_facets; /* facets of one element; with only_worse_than or around, these and
                                   the next are 0 if they were not needed */
     int64_t n_nonmanifold_facets; /* facets of more than two elements; their nodes are fixed */
@@ -539,7 +542,9 @@ typedef struct planish_quality {
                                                        0, 5, .. 75; bins begin with their edge, and
                                                        what is below it by rounding counts there */
     int64_t angle_counts[PLANISH_ANGLE_BINS];
-    int64_t reserved[8];
+    int64_t reversed; /* elements whose measure in the listed order of their nodes has the other
+                         sign than most elements', decided exactly (planish_find_reversed) */
+    int64_t reserved[7];
 } planish_quality;
 
 /** Measure coordinates [n_nodes][dim] (or as the mesh's strides say) with the plan's elements.
@@ -553,6 +558,20 @@ PLANISH_API int planish_measure(const planish_plan *plan, const double *coordina
  *  Errors: _ARGUMENT, _MESH, _MEMORY; radius_ratio is then untouched. */
 PLANISH_API int planish_measure_elements(const planish_plan *plan, const double *coordinates,
                                          double *radius_ratio, planish_error *error);
+
+/** Find the elements that a solver may reject: those whose measure at coordinates [n_nodes][dim]
+ *  (or as the mesh's strides say) in the listed order of their nodes has the other sign than most
+ *  elements'. Signs are exact. An element of measure 0 has none. If both signs are equally
+ *  frequent, the positive one counts as that of most elements. A mesh that is mirrored as a whole
+ *  has no reversed elements.
+ *  The library never renumbers elements: smoothing can repair an inverted element whose nodes are
+ *  listed in the wrong order, and the element is reversed from then on.
+ *  reversed [n_elements] (may be NULL) is filled with 0 or 1. *n (may be NULL) counts the ones; for
+ *  a mesh in parts those of the whole mesh, and most elements are those of the whole mesh, too. A
+ *  plan with options.around counts its own elements only; the others are 0.
+ *  Errors: _ARGUMENT, _MESH, _MEMORY; reversed and *n are then untouched. */
+PLANISH_API int planish_find_reversed(const planish_plan *plan, const double *coordinates,
+                                      uint8_t *reversed, int64_t *n, planish_error *error);
 
 /** The same as planish_measure for mesh->coordinates, with a plan for the occasion, made with
  * options (NULL: defaults). Errors: _ARGUMENT, _MESH, _MEMORY. */

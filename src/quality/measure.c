@@ -11,6 +11,7 @@
 #include "geometry/angle.h"
 #include "quality/measure_block.h"
 #include "quality/measure_sums.h"
+#include "quality/reversed.h"
 
 #include <string.h>
 
@@ -347,6 +348,8 @@ static void add_full_parts(pl_full_sums *f) {
     double *const largest[] = {&f->largest_volume, &f->worst_ratio, &f->worst_fixed_ratio,
                                &f->movable_ratio, &f->movable_cosine};
     pl_parts_add(&f->n_unmovable, 1);
+    pl_parts_add(&f->n_positive, 1);
+    pl_parts_add(&f->n_negative, 1);
     pl_parts_add(f->at_least, PLANISH_HISTOGRAM_BINS);
     pl_parts_add(f->by_angle, PLANISH_ANGLE_BINS);
     add_sums_of_parts(&f->volume_sum, 1);
@@ -385,6 +388,7 @@ int pl_measure_by(int dim, int64_t n_elements, const int32_t *elements, const in
     fill_spreads(basic.n_movable + basic.n_fixed, &full, &q);
     fill_histogram(basic.n_movable + basic.n_fixed, &full, &q);
     fill_angles(&full, &q);
+    q.reversed = pl_count_reversed(full.n_positive, full.n_negative);
     if (n > 0) {
         q.min_volume = full.smallest_volume + 0.0; /* one zero, not one of two */
         q.max_volume = full.largest_volume + 0.0;

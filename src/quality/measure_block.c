@@ -255,6 +255,7 @@ static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *
     double m = b->sign[l] * pl_certified_determinant(dim, e.vertex, &exponent);
     b->volume[l] = ldexp(m / (dim == 3 ? 6 : 2), exponent);
     b->valid[l] = m > 0 ? b->present[l] : 0;
+    b->listed[l] = pl_sign_of(m) * b->sign[l] * b->present[l];
     if (!(m > 0))
         return;
     double edges[3][3] = {{0}}, sum;

@@ -55,15 +55,17 @@ typedef struct pl_mesh_state {
 /** PL_LANES elements, one per lane; lanes past the last element, and those of elements that another
  * process counts, are not present. */
 typedef struct pl_block {
-    double x[4][3][PL_LANES];                /* [dim + 1][dim] the vertices' coordinates */
-    double sign[PL_LANES];                   /* of the elements' orientation */
-    double is_free[PL_LANES];                /* 1: has a free node */
-    double present[PL_LANES];                /* 1, or 0 past the last element */
-    double certain[PL_LANES];                /* 1: what follows is right as it is */
-    double valid[PL_LANES];                  /* 1: positive measure */
-    double square[PL_LANES];                 /* RR^2; the rest is for pl_measure only */
-    double volume[PL_LANES];                 /* signed measure in the mesh's orientation */
-    double measure[PL_N_MEASURES][PL_LANES]; /* those of angles: their cosines */
+    double x[4][3][PL_LANES]; /* [dim + 1][dim] the vertices' coordinates */
+    double sign[PL_LANES];    /* of the elements' orientation */
+    double is_free[PL_LANES]; /* 1: has a free node */
+    double present[PL_LANES]; /* 1, or 0 past the last element */
+    double certain[PL_LANES]; /* 1: what follows is right as it is */
+    double valid[PL_LANES];   /* 1: positive measure */
+    double square[PL_LANES];  /* RR^2; the rest is for pl_measure only */
+    double listed[PL_LANES];  /* +1, 0, -1: sign of the measure in the listed order of the nodes; 0
+                                 if not present */
+    double volume[PL_LANES];  /* signed measure in the mesh's orientation */
+    double measure[PL_N_MEASURES][PL_LANES];             /* those of angles: their cosines */
     double angle[PL_N_MEASURES - PL_N_RATIOS][PL_LANES]; /* the angles in radians */
 } pl_block;
 
@@ -72,6 +74,11 @@ static inline double pl_larger(double a, double b) {
 }
 static inline double pl_smaller(double a, double b) {
     return a < b ? a : b;
+}
+
+/** +1, 0 or -1. */
+static inline double pl_sign_of(double value) {
+    return value > 0 ? 1 : value < 0 ? -1 : 0;
 }
 
 /** Gather elements first .. first + count - 1; the other lanes repeat the first. Not inlined: with
@@ -122,6 +129,7 @@ PL_INLINE void pl_block_evaluate(pl_block *b, const int dim, const int full) {
             pl_edge_squares squares = pl_edge_squares_of(dim, x);
             double determinant = fabs(shape.determinant), longest = sqrt(squares.longest);
             b->volume[l] = oriented / (dim == 3 ? 6 : 2);
+            b->listed[l] = pl_sign_of(shape.determinant) * b->present[l];
             pl_block_put_shape(b, l, &shape, dim);
             b->measure[PL_CIRCUMRADIUS_TO_EDGE][l] = pl_circumradius_to_edge(dim, &shape, longest);
             b->measure[PL_EDGE_TO_INRADIUS][l] = pl_edge_to_inradius(dim, &shape, longest);

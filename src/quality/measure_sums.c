@@ -42,6 +42,8 @@ void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums) {
 /** One lane as the sums of a chunk. */
 static pl_full_sums sums_of_lane(const pl_full_lanes *lanes, int l) {
     pl_full_sums lane = {.n_unmovable = (int64_t)lanes->n_unmovable[l],
+                         .n_positive = (int64_t)lanes->n_positive[l],
+                         .n_negative = (int64_t)lanes->n_negative[l],
                          .volume_sum = lanes->volume_sum[l],
                          .smallest_volume = lanes->smallest_volume[l],
                          .largest_volume = lanes->largest_volume[l],
@@ -71,6 +73,8 @@ static void take_worst(double ratio, int64_t element, pl_full_sums *sums) {
 
 static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
     sums->n_unmovable += part->n_unmovable;
+    sums->n_positive += part->n_positive;
+    sums->n_negative += part->n_negative;
     sums->volume_sum += part->volume_sum;
     sums->smallest_volume = pl_smaller(part->smallest_volume, sums->smallest_volume);
     sums->largest_volume = pl_larger(part->largest_volume, sums->largest_volume);

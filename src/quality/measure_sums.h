@@ -28,6 +28,7 @@ typedef struct pl_basic_lanes {
 /** What pl_measure accumulates besides. */
 typedef struct pl_full_lanes {
     double n_unmovable[PL_LANES]; /* elements without a free node, valid or not */
+    double n_positive[PL_LANES], n_negative[PL_LANES]; /* in the listed order of their nodes */
     double volume_sum[PL_LANES], smallest_volume[PL_LANES], largest_volume[PL_LANES];
     double sum[PL_N_MEASURES][PL_LANES]; /* of angles in radians */
     double min[PL_N_MEASURES][PL_LANES]; /* of cosines where the measure is an angle */
@@ -42,6 +43,7 @@ typedef struct pl_full_lanes {
 /** Sums of a chunk, or of the mesh, besides pl_ratio_sums. */
 typedef struct pl_full_sums {
     int64_t n_unmovable;
+    int64_t n_positive, n_negative; /* in the listed order of their nodes */
     double volume_sum, smallest_volume, largest_volume;
     double sum[PL_N_MEASURES], min[PL_N_MEASURES], max[PL_N_MEASURES]; /* as those of the lanes */
     double worst_ratio, worst_fixed_ratio, movable_ratio, movable_cosine;
@@ -74,6 +76,8 @@ PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
         double low = present != 0 ? b->volume[l] : INFINITY;
         double high = present != 0 ? b->volume[l] : -INFINITY;
         sums->n_unmovable[l] += b->is_free[l] != 0 ? 0 : present;
+        sums->n_positive[l] += b->listed[l] > 0 ? 1 : 0;
+        sums->n_negative[l] += b->listed[l] < 0 ? 1 : 0;
         sums->volume_sum[l] += present != 0 ? b->volume[l] : 0;
         sums->smallest_volume[l] = pl_smaller(low, sums->smallest_volume[l]);
         sums->largest_volume[l] = pl_larger(high, sums->largest_volume[l]);

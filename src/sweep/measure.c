@@ -7,6 +7,9 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "quality/measure.h"
+#include "quality/reversed.h"
+
+#include <string.h>
 
 /* ---- with a plan --------------------------------------------------------------------------- */
 
@@ -50,9 +53,58 @@ static int find_ratios(const planish_plan *plan, const double *coordinates, doub
     return PLANISH_OK;
 }
 
-/** quality or ratio is NULL. */
-static int check_and_measure(const planish_plan *plan, const double *coordinates,
-                             planish_quality *quality, double *ratio, planish_error *error) {
+/** What find_reversed has found; owned. */
+typedef struct found {
+    uint8_t *state; /* [n] of the elements that are measured */
+    int64_t n;
+} found;
+
+/** Of all elements that the plan knows. */
+static int find_reversed(const planish_plan *plan, const double *coordinates, found *f,
+                         planish_error *error) {
+    const int is_whole = plan->scope == PL_PART_OF_ALL;
+    const int64_t n = is_whole ? plan->whole.n_elements : plan->n_elements;
+    f->state = pl_alloc(n, sizeof *f->state);
+    const int is_short = pl_parts_any(!f->state);
+    if (is_short)
+        return pl_fail_memory(error, "the elements that are numbered the other way round");
+    f->n = pl_find_reversed(plan->dim, n, is_whole ? plan->whole.elements : plan->elements,
+                            pl_plan_counted(plan), coordinates, plan->threads, f->state);
+    return PLANISH_OK;
+}
+
+/** Hand out what was found, by the caller's numbers. */
+static void put_reversed(const planish_plan *plan, const found *f, uint8_t *reversed, int64_t *n) {
+    const int64_t n_all = plan->whole.n_elements;
+    if (n)
+        *n = f->n;
+    if (!reversed)
+        return;
+    if (plan->scope != PL_PART_ALONE) {
+        memcpy(reversed, f->state, (size_t)n_all);
+        return;
+    }
+    memset(reversed, 0, (size_t)n_all);
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        reversed[pl_plan_element(plan, i)] = f->state[i];
+}
+
+/** What is asked for: one of these is not NULL. */
+typedef struct wanted {
+    planish_quality *quality;
+    double *ratio;
+    found *reversed;
+} wanted;
+
+static int look(const planish_plan *plan, const double *x, const wanted *w, planish_error *error) {
+    if (w->quality)
+        return measure(plan, x, w->quality, error);
+    return w->ratio ? find_ratios(plan, x, w->ratio, error)
+                    : find_reversed(plan, x, w->reversed, error);
+}
+
+static int check_and_measure(const planish_plan *plan, const double *coordinates, const wanted *w,
+                             planish_error *error) {
     const pl_points points = pl_plan_all_points(plan, coordinates);
     const int is_dense = pl_points_are_dense(&points);
     int status = pl_points_check(&points, plan->threads, error);
@@ -62,7 +114,7 @@ static int check_and_measure(const planish_plan *plan, const double *coordinates
     if (!is_dense && !room)
         return pl_fail_memory(error, "the coordinates");
     const double *x = pl_plan_dense(plan, &points, room);
-    status = quality ? measure(plan, x, quality, error) : find_ratios(plan, x, ratio, error);
+    status = look(plan, x, w, error);
     pl_free(room);
     return status ? status : pl_parts_check(error);
 }
@@ -73,7 +125,8 @@ int planish_measure(const planish_plan *plan, const double *coordinates, planish
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and quality must not be NULL");
     const pl_outside outside = pl_call_enter(plan->context);
-    const int status = check_and_measure(plan, coordinates, quality, NULL, error);
+    const wanted w = {.quality = quality};
+    const int status = check_and_measure(plan, coordinates, &w, error);
     pl_call_leave(&outside);
     return status;
 }
@@ -84,7 +137,23 @@ int planish_measure_elements(const planish_plan *plan, const double *coordinates
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "plan, coordinates and radius_ratio must not be NULL");
     const pl_outside outside = pl_call_enter(plan->context);
-    const int status = check_and_measure(plan, coordinates, NULL, radius_ratio, error);
+    const wanted w = {.ratio = radius_ratio};
+    const int status = check_and_measure(plan, coordinates, &w, error);
+    pl_call_leave(&outside);
+    return status;
+}
+
+int planish_find_reversed(const planish_plan *plan, const double *coordinates, uint8_t *reversed,
+                          int64_t *n, planish_error *error) {
+    if (!plan || !coordinates)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and coordinates must not be NULL");
+    const pl_outside outside = pl_call_enter(plan->context);
+    found f = {0};
+    const wanted w = {.reversed = &f};
+    const int status = check_and_measure(plan, coordinates, &w, error);
+    if (!status)
+        put_reversed(plan, &f, reversed, n);
+    pl_free(f.state);
     pl_call_leave(&outside);
     return status;
 }

@@ -5,7 +5,8 @@ import sys
 
 NUMBER = (int, float)
 QUALITY = {
-    "inverted": int, "below_min_volume": int, "min_volume": NUMBER, "max_volume": NUMBER,
+    "inverted": int, "reversed_elements": int, "below_min_volume": int, "min_volume": NUMBER,
+    "max_volume": NUMBER,
     "total_volume": NUMBER, "rms_radius_ratio": NUMBER, "rms_radius_ratio_movable": NUMBER,
     "mean_radius_ratio": NUMBER, "max_radius_ratio": NUMBER, "min_dihedral_deg": NUMBER,
     "max_dihedral_deg": NUMBER, "histogram": {"edges": list, "counts": list},
@@ -16,7 +17,8 @@ MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "sli
         "free_layer_elements": (int, type(None)),
         "fixed_elements": int, "colours": int, "nodes_with_parameters": int,
         "reversed_elements": int}
-VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list}
+VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list,
+           "reversed": list}
 SMOOTH = {
     "planish": str, "input": str, "output": str, "format": str, "mesh": MESH, "method": str,
     "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},

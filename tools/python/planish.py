@@ -191,7 +191,8 @@ class Quality(_Printed):
         ("histogram_counts", c_int64 * 12),
         ("angle_edges_deg", c_double * 16),
         ("angle_counts", c_int64 * 15),
-        ("reserved", c_int64 * 8),
+        ("reversed", c_int64),
+        ("reserved", c_int64 * 7),
     ]
 
 

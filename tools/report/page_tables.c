@@ -23,6 +23,8 @@ typedef struct measure {
 
 static const measure measures[] = {
     {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
+    {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
+     LESS_IS_BETTER, "", 1},
     {"below_min_volume", "elements below their least volume", "elements below their least area", "",
      LESS_IS_BETTER, "", 1},
     {"max_radius_ratio", "worst radius ratio", "worst radius ratio", "", LESS_IS_BETTER, "main", 0},
@@ -96,14 +98,16 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
                   better ? "better" : "worse");
 }
 
-/** Least volumes have a row only where some were asked for. */
+/** Least volumes have a row only where some were asked for, reversed elements where there are any.
+ */
 static int is_asked(const pl_figures *figures, const measure *m) {
-    if (strcmp(m->key, "below_min_volume") != 0)
+    const int is_volume = strcmp(m->key, "below_min_volume") == 0;
+    if (!is_volume && strcmp(m->key, "reversed_elements") != 0)
         return 1;
     for (int s = 0; s < figures->n_states; s++)
         if (pl_figure(figures->state[s], m->key) > 0)
             return 1;
-    return isfinite(pl_figure(figures->result, "min_volume"));
+    return is_volume && isfinite(pl_figure(figures->result, "min_volume"));
 }
 
 static void put_heading(pl_markup *page, const pl_figures *figures) {
