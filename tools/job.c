@@ -125,18 +125,24 @@ static int find_min_volumes(pl_job *job) {
     return check_area_weight(job);
 }
 
+/** The bounds of a mesh of triangles are in the file's axes, in their order: x z of y = 0, which
+ * has z as its first coordinate. */
 static int find_box(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
     const int dim = job->mesh.dim;
+    planish_plane plane;
+    planish_file_plane(job->file, &plane);
     if (arguments->n_box == 0)
         return 0;
     if (arguments->n_box != 2 * dim)
         return pl_complain_usage(pl_command_name(arguments->command),
                                  "--box has %d numbers, and a mesh of %s needs %d",
                                  arguments->n_box, dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
+    const int is_turned = dim == 2 && plane.axis[0] > plane.axis[1];
     for (int d = 0; d < dim; d++) {
-        job->options.box_lower[d] = arguments->box[d];
-        job->options.box_upper[d] = arguments->box[dim + d];
+        const int of_axis = is_turned ? 1 - d : d;
+        job->options.box_lower[d] = arguments->box[of_axis];
+        job->options.box_upper[d] = arguments->box[dim + of_axis];
     }
     return 0;
 }

@@ -99,10 +99,31 @@ static void add_layers(document *json, cJSON *mesh, const pl_job *job) {
     }
 }
 
+static void add_vector(document *json, cJSON *to, const char *name, const double *vector) {
+    cJSON *array = new_array(json, to, name);
+    for (int d = 0; d < 3; d++)
+        add_real(json, array, NULL, vector[d]);
+}
+
+/** The plane of triangles; null: that of x and y, or tetrahedra. */
+static void add_plane(document *json, cJSON *mesh, const pl_job *job) {
+    planish_plane plane;
+    if (!job->file || !planish_file_plane(job->file, &plane)) {
+        add(json, mesh, "plane", cJSON_CreateNull());
+        return;
+    }
+    cJSON *of = new_object(json, mesh, "plane");
+    add_vector(json, of, "normal", plane.normal);
+    cJSON *directions = new_array(json, of, "directions");
+    for (int d = 0; d < 2; d++)
+        add_vector(json, directions, NULL, plane.direction[d]);
+}
+
 /** n_reversed: as measured of the input. */
 static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_reversed) {
     cJSON *mesh = new_object(json, root, "mesh");
     add_integer(json, mesh, "dimension", job->mesh.dim);
+    add_plane(json, mesh, job);
     add_integer(json, mesh, "nodes", job->mesh.n_nodes);
     add_integer(json, mesh, "elements", job->mesh.n_elements);
     add_integer(json, mesh, "free_nodes", job->plan_info.n_free);
@@ -160,7 +181,7 @@ static void add_worst_elements(document *json, cJSON *quality, const pl_job *job
         add_real(json, element, "min_angle_deg", bad->smallest_angle_deg);
         add_real(json, element, "max_angle_deg", bad->largest_angle_deg);
         cJSON *place = new_array(json, element, "place");
-        for (int d = 0; d < worst->dim; d++)
+        for (int d = 0; d < worst->columns; d++)
             add_real(json, place, NULL, bad->place[d]);
         cJSON *nodes = new_array(json, element, "nodes");
         for (int k = 0; k <= worst->dim; k++)

@@ -35,11 +35,11 @@ static const double F_ROUNDING = 1e-12;
 /* Degrees by which the arc cosine of a tiny angle can be off. */
 static const double ANGLE_ROUNDING = 2e-6;
 
-/** Whether the output is a file that only the engine can write. */
+/** Whether the output is a file that only the engine can write: of coordinates as they are. */
 static int engine_writes(const pl_job *job) {
     const char *output = job->arguments->output;
     return !planish_file_can_write(job->file, output) && job->engine->can_write &&
-           job->engine->can_write(output);
+           job->engine->can_write(output) && !planish_file_plane(job->file, NULL);
 }
 
 /** What can be known of writing before the work. Another extension than the input's asks for a

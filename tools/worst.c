@@ -64,6 +64,7 @@ int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst) {
     const int64_t n_elements = job->mesh.n_elements;
     worst->n = n < n_elements ? n : n_elements;
     worst->dim = job->mesh.dim;
+    worst->columns = job->file && planish_file_plane(job->file, NULL) ? 3 : job->mesh.dim;
     worst->bad = calloc((size_t)worst->n + 1, sizeof *worst->bad);
     double *ratio = malloc(((size_t)n_elements + 1) * sizeof *ratio);
     int status = 0;

@@ -15,7 +15,7 @@ typedef struct pl_bad_element {
     double radius_ratio;                          /* 0: inverted, or flat */
     int64_t number;                               /* the file's */
     double smallest_angle_deg, largest_angle_deg; /* dihedral in 3-D; NAN where it is too flat */
-    double place[3];                              /* [dim] its centroid */
+    double place[3];                              /* [columns] its centroid in the file */
     int64_t node[4];                              /* [dim + 1] the file's numbers */
     const char *region; /* a tag of the file, of pl_worst.tag, or NULL: it has none */
     int is_movable;     /* it has a node that may move */
@@ -27,7 +27,8 @@ typedef struct pl_worst {
     int64_t n;
     int64_t n_inverted; /* in the mesh, also where these are fewer */
     int dim;
-    char **tag; /* [n_tags] of the file's regions, owned; NULL: not looked for, or none */
+    int columns; /* of places: 2 in the plane of x and y, else 3 */
+    char **tag;  /* [n_tags] of the file's regions, owned; NULL: not looked for, or none */
     int64_t n_tags;
 } pl_worst;
 

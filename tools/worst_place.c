@@ -64,7 +64,18 @@ static int find_region(const pl_job *job, const int32_t *region, pl_worst *worst
     return *tag ? 0 : -1;
 }
 
-static void place(const pl_job *job, const uint8_t *is_free, pl_bad_element *bad) {
+/** Add a corner's part of the middle, in the file's columns. */
+static void add_place(const pl_job *job, int64_t node, int columns, pl_bad_element *bad) {
+    const int dim = job->mesh.dim;
+    const double *at = &job->mesh.coordinates[node * dim];
+    double xyz[3];
+    if (columns > dim && planish_file_place(job->file, node, 1, at, xyz, NULL) == PLANISH_OK)
+        at = xyz;
+    for (int d = 0; d < columns; d++)
+        bad->place[d] += at[d] / (dim + 1);
+}
+
+static void place(const pl_job *job, const uint8_t *is_free, int columns, pl_bad_element *bad) {
     const int dim = job->mesh.dim, corners = dim + 1;
     const int32_t *nodes = &job->mesh.elements[bad->element * corners];
     const double *vertex[4];
@@ -77,8 +88,7 @@ static void place(const pl_job *job, const uint8_t *is_free, pl_bad_element *bad
         bad->is_movable |=
             is_free[node] || (job->plan_info.n_sliding > 0 &&
                               (constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE));
-        for (int d = 0; d < dim; d++)
-            bad->place[d] += vertex[k][d] / corners;
+        add_place(job, node, columns, bad);
     }
     find_angles(dim, vertex, bad);
 }
@@ -90,7 +100,7 @@ int pl_worst_place(const pl_job *job, pl_worst *worst) {
     if (!status)
         status = pl_job_get_free(job, is_free);
     for (int64_t i = 0; i < worst->n && !status; i++) {
-        place(job, is_free, &worst->bad[i]);
+        place(job, is_free, worst->columns, &worst->bad[i]);
         status = find_region(job, region, worst, &worst->bad[i]);
     }
     free(is_free);

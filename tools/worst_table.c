@@ -10,12 +10,12 @@
 
 enum { NUMBER_WIDTH = 10, RATIO_WIDTH = 14, ANGLE_WIDTH = 10, PLACE_WIDTH = 12 };
 
-static void put_head(FILE *stream, int dim) {
+static void put_head(FILE *stream, int dim, int columns) {
     fprintf(stream, "%s%*s%*s%*s%*s", pl_style_begin(stream, PL_STYLE_HEADING), NUMBER_WIDTH,
             "element", RATIO_WIDTH, "radius ratio", 2 * ANGLE_WIDTH,
             dim == 3 ? "dihedral angles" : "angles", PLACE_WIDTH, "x");
     fprintf(stream, "%*s", PLACE_WIDTH, "y");
-    if (dim == 3)
+    if (columns == 3)
         fprintf(stream, "%*s", PLACE_WIDTH, "z");
     fprintf(stream, "%s\n", pl_style_end(stream, PL_STYLE_HEADING));
 }
@@ -27,7 +27,7 @@ static void put_angle(FILE *stream, double degrees) {
         fprintf(stream, "%*s", ANGLE_WIDTH, "-");
 }
 
-static void put_measures(FILE *stream, const pl_bad_element *bad, int dim) {
+static void put_measures(FILE *stream, const pl_bad_element *bad, int columns) {
     fprintf(stream, "%*" PRId64, NUMBER_WIDTH, bad->number);
     if (bad->radius_ratio > 0)
         fprintf(stream, "%*.5g", RATIO_WIDTH, bad->radius_ratio);
@@ -36,7 +36,7 @@ static void put_measures(FILE *stream, const pl_bad_element *bad, int dim) {
                 pl_style_end(stream, PL_STYLE_WORSE));
     put_angle(stream, bad->smallest_angle_deg);
     put_angle(stream, bad->largest_angle_deg);
-    for (int d = 0; d < dim; d++)
+    for (int d = 0; d < columns; d++)
         fprintf(stream, "%*.5g", PLACE_WIDTH, bad->place[d]);
     fputc('\n', stream);
 }
@@ -63,9 +63,9 @@ void pl_worst_print(FILE *stream, const pl_worst *worst, int64_t n) {
         n = worst->n;
     if (n == 0)
         return;
-    put_head(stream, worst->dim);
+    put_head(stream, worst->dim, worst->columns);
     for (int64_t i = 0; i < n; i++) {
-        put_measures(stream, &worst->bad[i], worst->dim);
+        put_measures(stream, &worst->bad[i], worst->columns);
         put_surroundings(stream, &worst->bad[i], worst->dim);
     }
 }

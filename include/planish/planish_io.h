@@ -71,12 +71,32 @@ PLANISH_API const char *planish_file_open_end(const planish_file *file);
  * 0. */
 PLANISH_API int64_t planish_file_parameters(const planish_file *file, uint8_t *has);
 
-/** The mesh: its arrays belong to the file; constraint is NULL, to be set to what
+/** The mesh: its arrays belong to the file; of triangles it has coordinates in their plane
+ * (planish_file_plane); constraint is NULL, to be set to what
  *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
 /** Those coordinates [n_nodes][dim], in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
+
+/** The plane in which a mesh of triangles (dim 2) has its coordinates. */
+typedef struct planish_plane {
+    int axis[3]; /* columns of the file, 0 .. 2 for x .. z: those that coordinates 0 and 1 go along,
+                    and the one across: 0 1 2 in the plane of x and y (z is constant), 1 2 0, 2 0 1.
+                    The column across stays as it is in the file */
+    double direction[2][3]; /* unit vectors of coordinates 0 and 1 */
+    double normal[3];       /* that of the plane, likewise */
+    const void *reserved[8];
+} planish_plane;
+
+/** Fill in *plane (may be NULL). Returns 1 where coordinates of the mesh are not the first columns
+ *  of the file, else (tetrahedra, and triangles in the plane of x and y) 0. */
+PLANISH_API int planish_file_plane(const planish_file *file, planish_plane *plane);
+
+/** Where nodes first .. first + n - 1 are in space: xyz [n][3] for their coordinates [n][dim] (not
+ *  those of the nodes before them), which need not be those of the file. Errors: _ARGUMENT. */
+PLANISH_API int planish_file_place(const planish_file *file, int64_t first, int64_t n,
+                                   const double *coordinates, double *xyz, planish_error *error);
 
 typedef struct planish_hold {
     const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N" (DMPlex: "LABEL:VALUE", "LABEL"):

@@ -2,9 +2,11 @@
 #include "io/bytes.h"
 #include "io/file.h"
 #include "io/output.h"
+#include "io/plane.h"
 #include "io/view.h"
 
 #include "base/context.h"
+#include "base/memory.h"
 #include "base/printf.h"
 #include "base/status.h"
 
@@ -75,6 +77,8 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
     const io_temporaries temporaries = {temporary, temporary_size};
     const char *of_writer = NULL;
     io_output output;
+    const double *places;
+    double *owned;
     if (!file || !path || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
@@ -83,8 +87,12 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s: meshes are converted to .vtu and .vtk only", path);
     const pl_outside outside = pl_call_enter(NULL);
-    const io_view view = io_view_of(&file->model, coordinates, constraint, radius_ratio);
-    int status = io_output_open(path, temporaries, &output, error);
+    output = (io_output){.fd = -1};
+    int status =
+        io_model_places(&file->model, coordinates, file->model.threads, &places, &owned, error);
+    const io_view view = io_view_of(&file->model, places, constraint, radius_ratio);
+    if (!status)
+        status = io_output_open(path, temporaries, &output, error);
     if (!status)
         status = target->write(&view, &output, &of_writer, error);
     if (!status)
@@ -94,6 +102,7 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
     if (!status)
         status = io_output_commit(&output, temporaries, error);
     io_output_release(&output, temporaries);
+    pl_free(owned);
     pl_call_leave(&outside);
     if (!status && lost && lost_size > 0) {
         losses l = {lost, lost_size, 0};

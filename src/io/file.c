@@ -5,6 +5,7 @@
 #include "io/child.h"
 #include "io/number.h"
 #include "io/output.h"
+#include "io/plane.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -176,7 +177,8 @@ static int try_file(void *data, planish_error *error) {
         status = read_model(file, error);
     io_output none = {.fd = -1}; /* nothing differs that would be written */
     if (!status && file->format->amend)
-        status = file->format->amend(&file->model, file->model.coordinates, &none, error);
+        status =
+            file->format->amend(&file->model, io_model_places_read(&file->model), &none, error);
     return status;
 }
 

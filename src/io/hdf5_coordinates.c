@@ -303,7 +303,7 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
 /** A copy that is open, or the input, and what its coordinates become. */
 typedef struct amendment {
     io_hdf5 file;
-    const double *coordinates; /* [n_nodes][dim] */
+    const double *coordinates; /* [n_nodes][written] */
     int is_writing;            /* else: only look */
     int is_changed;
 } amendment;
@@ -313,10 +313,10 @@ static int put_values(const amendment *a, const io_hdf5_place *place, int is_flo
                       double *values) {
     const io_model *model = a->file.model;
     int changed = 0;
-    for (int c = 0; c < place->n_components && place->component + c < model->dim; c++) {
+    for (int c = 0; c < place->n_components && place->component + c < model->written; c++) {
         for (int64_t i = 0; i < model->n_nodes; i++) {
             double *value = &values[c * place->component_step + i * place->node_step];
-            double wanted = a->coordinates[i * model->dim + place->component + c];
+            double wanted = a->coordinates[i * model->written + place->component + c];
             wanted = is_float ? pl_round_to_float(wanted) : wanted;
             if (!pl_is_same(*value, wanted)) {
                 *value = wanted;

@@ -1,12 +1,12 @@
 /* model: the arrays that readers fill in, and what follows from them. */
 #include "io/bytes.h"
 #include "io/model.h"
+#include "io/plane.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
@@ -261,33 +261,10 @@ static int finish_solid(io_model *model, planish_error *error) {
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: tetrahedra in two dimensions; a third coordinate is missing",
                        model->input.path);
-    model->dim = 3;
+    model->dim = model->written = 3;
     model->coordinates = model->xyz;
     model->n_lower += model->triangle.n;
     hold_cells(model, &model->triangle, 3, IO_HELD_BY_TRIANGLE);
-    return PLANISH_OK;
-}
-
-/** The nodes of the triangles must share one z, but for roundings of what has made them. */
-static int check_plane(const io_model *model, planish_error *error) {
-    const double noise = 1e-8; /* of the longest side */
-    const int32_t *nodes = model->triangle.nodes;
-    const double z = model->xyz[3 * (int64_t)nodes[0] + 2];
-    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-    for (int64_t i = 0; i < 3 * model->triangle.n; i++)
-        for (int d = 0; d < 2; d++) {
-            const double x = model->xyz[3 * (int64_t)nodes[i] + d];
-            low[d] = x < low[d] ? x : low[d];
-            high[d] = x > high[d] ? x : high[d];
-        }
-    const double most = fmax(noise * high[0] - noise * low[0], noise * high[1] - noise * low[1]);
-    for (int64_t i = 0; i < 3 * model->triangle.n; i++)
-        if (!(fabs(model->xyz[3 * (int64_t)nodes[i] + 2] - z) <= most))
-            return pl_fail_at(
-                error, PLANISH_ERROR_FORMAT, i / 3, nodes[i],
-                "%s: triangles in space (z is %.17g here and %.17g there): "
-                "only meshes in the plane of x and y can be smoothed, surfaces cannot",
-                model->input.path, z, model->xyz[3 * (int64_t)nodes[i] + 2]);
     return PLANISH_OK;
 }
 
@@ -306,18 +283,20 @@ static int keep_z(io_model *model, planish_error *error) {
     return PLANISH_OK;
 }
 
+/** The file's own places are kept where its columns are not those of the coordinates. */
 static int finish_plane(io_model *model, planish_error *error) {
-    int status = check_plane(model, error);
+    int status = io_plane_find(model, error);
     if (status)
         return status;
     model->dim = 2;
+    model->written = io_plane_is_xy(&model->plane) ? 2 : 3;
     model->coordinates = pl_alloc(model->n_nodes, 2 * sizeof *model->coordinates);
     if (!model->coordinates)
         return pl_fail_memory(error, "coordinates");
-    for (int64_t i = 0; i < model->n_nodes; i++) {
-        model->coordinates[2 * i] = model->xyz[3 * i];
-        model->coordinates[2 * i + 1] = model->xyz[3 * i + 1];
-    }
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        io_plane_project(&model->plane, model->xyz + 3 * i, model->coordinates + 2 * i);
+    if (model->written == 3)
+        return PLANISH_OK;
     status = keep_z(model, error);
     pl_free(model->xyz);
     model->xyz = NULL;

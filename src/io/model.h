@@ -128,6 +128,11 @@ enum {
     IO_HAS_PARAMETERS = 128 /* is not held by that: parameters of the geometry go with its place */
 };
 
+/** The plane of a mesh of triangles. */
+typedef struct io_plane {
+    int axis[3]; /* the columns that coordinates in it go along, and the one across */
+} io_plane;
+
 typedef struct io_model {
     io_bytes input;      /* holds the coordinates */
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
@@ -140,8 +145,9 @@ typedef struct io_model {
     int implied_exponent;        /* exponents are written without an e (Nastran) */
     int columns;                 /* coordinates of a node in the file: 2 or 3 */
     int64_t n_nodes;
-    double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2) */
-    double *z;            /* [n_nodes] of a mesh in a plane, or NULL: 0 */
+    double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2); NULL once it is known that the
+                             mesh is in the plane of x and y */
+    double *z;            /* [n_nodes] of such a mesh, or NULL: 0 */
     int64_t *node_number; /* [n_nodes] the file's numbers, or NULL: consecutive */
     int64_t first_number; /* of the nodes if node_number is NULL */
     io_span *span;        /* [n_spans] */
@@ -166,6 +172,8 @@ typedef struct io_model {
     /* Set by io_model_finish: */
     int dim;
     double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */
+    io_plane plane;      /* in 2-D */
+    int written;         /* columns that are written: 2 in the plane of x and y, else 3 */
 } io_model;
 
 /* ---- for the readers (all return 0 or a negative planish_status with *error filled in) ----- */
@@ -230,7 +238,7 @@ void io_cells_release(io_cells *cells);
 int io_model_find_plain(io_model *model, planish_error *error);
 
 /** Decide the dimension (tetrahedra if there are any, else triangles), let lines, and triangles of
- *  a 3-D mesh, hold their nodes, check that a 2-D mesh has one z, lay out
+ *  a 3-D mesh, hold their nodes, find the plane of a 2-D mesh (plane.h), lay out
  *  coordinates. Fails if there is nothing to smooth. */
 int io_model_finish(io_model *model, planish_error *error);
 void io_model_destroy(io_model *model);
@@ -259,8 +267,8 @@ typedef struct io_format {
      *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
      *  NULL: numbers apart by white space and comments. */
     int (*field)(const io_model *model, io_cursor *cursor, int d, io_field *field);
-    /** What the bytes at model->encoding become with coordinates [n_nodes][dim]; NULL if spans say
-     *  all. */
+    /** What the bytes at model->encoding become with coordinates [n_nodes][written]; NULL if spans
+     *  say all. */
     int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
                   planish_error *error);
     /** Change in the finished copy, output, what neither spans nor encode can say (compressed

@@ -14,6 +14,7 @@
 #include "io/companions.h"
 #include "io/number.h"
 #include "io/output.h"
+#include "io/plane.h"
 #include "io/text.h"
 
 #include "base/context.h"
@@ -47,7 +48,7 @@ typedef struct piece {
 typedef struct splice {
     const io_format *format;
     const io_model *model;
-    const double *coordinates; /* [n_nodes][dim] */
+    const double *coordinates; /* [n_nodes][written] */
     const io_span *span;
     int64_t first; /* node of the span where the wave of pieces begins */
     piece *pieces; /* [threads] */
@@ -168,8 +169,8 @@ static void splice_text_node(const splice *s, int64_t node, sink *to) {
     gap before;
     before.length = 0;
     const char *line_end = NULL; /* if the field before has not its full width */
-    for (int d = 0; d < model->dim && !to->is_full; d++) {
-        double wanted = s->coordinates[node * model->dim + d];
+    for (int d = 0; d < model->written && !to->is_full; d++) {
+        double wanted = s->coordinates[node * model->written + d];
         io_field field;
         if (next_field(s, &cursor, d, &field) || !is_sound(&field, to)) {
             to->is_full = 1;
@@ -203,8 +204,8 @@ static void swap_bytes(char *bytes, int size) {
 
 /** Coordinates of a node that stand side by side and are wanted. */
 static int components_of(const splice *s) {
-    const int dim = s->model->dim, of_span = s->span->n_components;
-    const int left = dim > s->span->component ? dim - s->span->component : 0;
+    const int written = s->model->written, of_span = s->span->n_components;
+    const int left = written > s->span->component ? written - s->span->component : 0;
     return of_span > 0 && of_span < left ? of_span : left;
 }
 
@@ -214,7 +215,7 @@ static void splice_binary_node(const splice *s, int64_t node, char *bytes) {
     const int size = is_float ? (int)sizeof(float) : (int)sizeof(double);
     const int last = s->span->component + components_of(s);
     for (int d = s->span->component; d < last; d++, bytes += size) {
-        double wanted = s->coordinates[node * s->model->dim + d], value = wanted;
+        double wanted = s->coordinates[node * s->model->written + d], value = wanted;
         float single = (float)wanted;
         char now[sizeof(double)];
         memcpy(now, bytes, (size_t)size);
@@ -251,7 +252,7 @@ static int find_stretch(const splice *s, int64_t first, int64_t last, piece *p) 
     p->begin = data + model->text_offset[first];
     if (last < s->span->first_node + s->span->n_nodes)
         end = data + model->text_offset[last];
-    for (int d = 0; d < model->dim; d++)
+    for (int d = 0; d < model->written; d++)
         if (next_field(s, &cursor, d, &field))
             return -1;
     p->end = field.end;
@@ -264,7 +265,7 @@ static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
         return;
     }
     const int64_t room =
-        p->end - p->begin + (last - first) * s->model->dim * (IO_REAL_SIZE + IO_LEAD_SIZE);
+        p->end - p->begin + (last - first) * s->model->written * (IO_REAL_SIZE + IO_LEAD_SIZE);
     p->text = pl_alloc(room, 1);
     if (!p->text) {
         p->state = PIECE_OUT_OF_MEMORY;
@@ -551,6 +552,8 @@ int planish_file_write(const planish_file *file, const char *path, const double 
                        "file, path and coordinates must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
     const int n_companions = io_companions_to_write(file, path);
+    const double *places = NULL;
+    double *owned = NULL;
     char *main_path =
         io_output_is_stream(path) ? pl_copy_text(path) : io_main_path(file->format, path);
     io_output *output = pl_alloc(n_companions + 1, sizeof *output);
@@ -559,14 +562,18 @@ int planish_file_write(const planish_file *file, const char *path, const double 
         status = check_name(file, path, error);
     if (!status)
         status = check_finite(file, coordinates, error);
+    if (!status)
+        status = io_model_places(&file->model, coordinates, pl_thread_count(threads), &places,
+                                 &owned, error);
     for (int i = 0; i <= n_companions && output; i++)
         output[i] = (io_output){.fd = -1};
     if (!status)
         status = io_check_strangers(file, path, error);
     if (!status)
         status =
-            write_all(file, path, main_path, coordinates, pl_thread_count(threads),
+            write_all(file, path, main_path, places, pl_thread_count(threads),
                       (io_temporaries){temporary, temporary_size}, output, n_companions, error);
+    pl_free(owned);
     pl_free(output);
     pl_free(main_path);
     pl_call_leave(&outside);

@@ -78,8 +78,8 @@ static double coordinate(const io_view *view, int64_t i) {
     const io_model *model = view->model;
     const int64_t node = i / 3;
     const int d = (int)(i % 3);
-    if (d < model->dim)
-        return view->coordinates[node * model->dim + d];
+    if (d < model->written)
+        return view->coordinates[node * model->written + d];
     return model->z ? model->z[node] : 0;
 }
 

@@ -9,7 +9,7 @@
 /** A mesh to be shown. */
 typedef struct io_view {
     const io_model *model;
-    const double *coordinates;  /* [n_nodes][dim] */
+    const double *coordinates;  /* [n_nodes][written] */
     const uint8_t *constraint;  /* [n_nodes] of planish_constraint, or NULL */
     const double *radius_ratio; /* [elements that are smoothed], or NULL */
     int64_t n_cells;

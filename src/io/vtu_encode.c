@@ -34,7 +34,7 @@ typedef struct rewrite {
     const vtu_document *document;
     vtu_array *array;
     const vtu_piece *piece;
-    const double *coordinates; /* [n_nodes][dim] of the model */
+    const double *coordinates; /* [n_nodes][written] of the model */
     char *bytes;               /* those of the file, decoded, then the new ones */
     int64_t size;
     int changed;
@@ -68,14 +68,15 @@ static void mark(rewrite *r, int64_t at, int size) {
 
 static void replace_chunk(void *context, int64_t begin, int64_t end, int thread) {
     rewrite *r = context;
-    const int dim = r->model->dim, size = r->array->type->size, swapped = r->document->swapped;
+    const int written = r->model->written, size = r->array->type->size,
+              swapped = r->document->swapped;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        for (int d = 0; d < dim; d++) {
+        for (int d = 0; d < written; d++) {
             const int64_t at = (3 * i + d) * size;
             const double now = size == 4 ? (double)io_load_f32(r->bytes + at, swapped)
                                          : io_load_f64(r->bytes + at, swapped);
-            double wanted = r->coordinates[(r->piece->first_point + i) * dim + d];
+            double wanted = r->coordinates[(r->piece->first_point + i) * written + d];
             wanted = size == 4 ? pl_round_to_float(wanted) : wanted;
             if (pl_is_same(now, wanted))
                 continue;

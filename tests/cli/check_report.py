@@ -12,7 +12,7 @@ QUALITY = {
     "max_dihedral_deg": NUMBER, "histogram": {"edges": list, "counts": list},
     "angle_histogram": {"edges": list, "counts": list},
 }
-MESH = {"dimension": int, "nodes": int, "elements": int, "free_nodes": int, "sliding_nodes": int,
+MESH = {"dimension": int, "plane": (dict, type(None)), "nodes": int, "elements": int, "free_nodes": int, "sliding_nodes": int,
         "could_slide": (int, type(None)), "layer_elements": (int, type(None)),
         "free_layer_elements": (int, type(None)),
         "fixed_elements": int, "colours": int, "nodes_with_parameters": int,

@@ -36,6 +36,8 @@ typedef struct state {
 
 struct pl_picture {
     int dim;
+    int has_plane; /* it is drawn in a plane other than that of x and y, */
+    planish_plane plane;
     int64_t n_nodes, n_elements; /* of the mesh */
     double low[3], high[3];      /* its box as it was at first */
     double size;                 /* the longest side of that */
@@ -73,6 +75,7 @@ int pl_picture_begin(const pl_job *job, pl_picture **result) {
     picture->dim = job->mesh.dim;
     picture->n_nodes = job->mesh.n_nodes;
     picture->n_elements = job->mesh.n_elements;
+    picture->has_plane = planish_file_plane(job->file, &picture->plane);
     find_box(picture, &job->mesh);
     if (pl_drawn_surface_find(&job->mesh, MOST_TRIANGLES, &picture->surface, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
@@ -259,6 +262,13 @@ static void put_state(pl_markup *page, const pl_picture *picture, int i) {
     pl_markup_put(page, "}");
 }
 
+/** What takes places of the file to those of the picture. */
+static void put_plane(pl_markup *page, const planish_plane *plane) {
+    const double *u = plane->direction[0], *v = plane->direction[1];
+    pl_markup_put(page, ",\"directions\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]]", u[0], u[1],
+                  u[2], v[0], v[1], v[2]);
+}
+
 void pl_picture_put(pl_markup *page, const pl_picture *picture) {
     const double *low = picture->low, *high = picture->high;
     const int solid = picture->dim == 3;
@@ -267,6 +277,8 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
                   solid ? high[2] : 0);
     pl_markup_put(page, ",\"elements\":%" PRId64 ",\"coarse\":%s", picture->n_elements,
                   picture->surface.n_triangles < picture->surface.n_all ? "true" : "false");
+    if (picture->has_plane)
+        put_plane(page, &picture->plane);
     put_triangles(page, &picture->surface);
     pl_markup_put(page, ",\n\"states\":[");
     for (int i = 0; i < picture->n_states; i++) {

@@ -480,9 +480,16 @@ function showWorse() {
     drawSoon();
 }
 
-/** Go near the bad element whose middle is at place (in the mesh's coordinates). */
+/** A place of the file in the coordinates that are drawn: those in the plane of a mesh that is not
+ *  in the plane of x and y. */
+function toDrawn(place) {
+    return picture.directions
+        ? picture.directions.map(along => along.reduce((sum, a, d) => sum + a * place[d], 0)) : place;
+}
+
+/** Go near the bad element whose middle is at place (in the file's coordinates). */
 function visit(place) {
-    const at = place.map((x, d) => (x - (picture.low[d] + picture.high[d]) / 2) / size);
+    const at = toDrawn(place).map((x, d) => (x - (picture.low[d] + picture.high[d]) / 2) / size);
     let best = Infinity, extentOfBest = 0.05;
     for (const state of states) {
         const middles = middlePlaces(state), stride = (dim + 1) * dim;
@@ -534,7 +541,7 @@ function connect() {
     section.querySelector('button').addEventListener('click', () => { lookAtAll(); drawSoon(); });
     for (const button of document.querySelectorAll('button[data-place]')) {
         const place = button.dataset.place.split(',').map(Number);
-        button.hidden = place.length !== dim || !place.every(Number.isFinite);
+        button.hidden = place.length !== (picture.directions ? 3 : dim) || !place.every(Number.isFinite);
         button.addEventListener('click', () => visit(place));
     }
     for (const part of section.querySelectorAll('.controls, .help, .colours'))

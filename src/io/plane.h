@@ -1,0 +1,29 @@
+/* plane: the plane that a mesh of triangles lies in, and the coordinates that it has there. */
+#ifndef PL_IO_PLANE_H
+#define PL_IO_PLANE_H
+
+#include "io/model.h"
+
+/** Find the plane of the triangles' nodes, model->plane. Fails where they lie in none. */
+int io_plane_find(io_model *model, planish_error *error);
+
+/** Whether coordinates in the plane are x and y, so that a writer takes them as they are. */
+static inline int io_plane_is_xy(const io_plane *plane) {
+    return plane->axis[2] == 2;
+}
+
+/** The coordinates in the plane of a node at xyz. */
+void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]);
+
+/** Where node is with coordinates at [dim], in the file's columns. */
+void io_model_place(const io_model *model, int64_t node, const double *at, double xyz[3]);
+
+/** What a writer takes for coordinates [n_nodes][dim]: *places [n_nodes][written], which are
+ *  coordinates themselves where *owned is NULL, else *owned, to be released by pl_free. */
+int io_model_places(const io_model *model, const double *coordinates, int threads,
+                    const double **places, double **owned, planish_error *error);
+
+/** The same for the coordinates that were read. */
+const double *io_model_places_read(const io_model *model);
+
+#endif
