@@ -4,6 +4,7 @@
 
 #include "layers.h"
 #include "message.h"
+#include "signals.h"
 #include "threads.h"
 
 #include "base/clock.h"
@@ -159,6 +160,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (strcmp(arguments->input, "-") == 0)
         return pl_complain(PL_EXIT_USAGE, "'-' is no file; standard input is /dev/stdin");
+    pl_signals_set_input(arguments->input);
     if (planish_file_open_isolated(arguments->input, arguments->format, job->options.threads,
                                    &job->file, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);

@@ -9,6 +9,7 @@
 #include "message.h"
 #include "output.h"
 #include "report/page.h"
+#include "signals.h"
 #include "text.h"
 
 #include "base/system.h"
@@ -249,6 +250,7 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     int status = 0;
     *why = "cannot be read any more";
     planish_options_init(&job.options);
+    pl_signals_set_input(path);
     const int code =
         planish_file_open_isolated(path, w->format, job.options.threads, &job.file, &error);
     if (code)
@@ -260,6 +262,7 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
         status = draw_job(d, &job, w);
     }
     pl_job_close(&job);
+    pl_signals_set_input(NULL);
     return status;
 }
 

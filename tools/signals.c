@@ -3,11 +3,13 @@
 #include "signals.h"
 
 #include "message.h"
+#include "text.h"
 
 #include "base/system.h"
 
 #include <stdatomic.h>
 #include <stddef.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -16,6 +18,8 @@
 static atomic_int stop_asked, line_is_shown, is_done;
 static atomic_int status_now = PL_EXIT_FAILED; /* if somebody else ends the program */
 static char temporary_paths[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
+static char input_name[PL_INPUT_NAME_SIZE]; /* as it can be shown */
+static atomic_int input_is_named;
 
 static void clear_line(void) {
     static const char text[] = "\r" PL_ERASE_TO_END;
@@ -32,11 +36,31 @@ void pl_signals_clean_up(void) {
             pl_file_remove(path);
 }
 
-void pl_signals_end(const char *text) {
-    pl_signals_clean_up();
+static void say(const char *text) {
     const ssize_t written = write(STDERR_FILENO, text, (unsigned)strlen(text));
     (void)written;
+}
+
+void pl_signals_end(const char *text) {
+    pl_signals_clean_up();
+    say(text);
     _exit(atomic_load(&status_now));
+}
+
+void pl_signals_set_input(const char *path) {
+    atomic_store(&input_is_named, 0);
+    if (!path)
+        return;
+    snprintf(input_name, sizeof input_name, "%s", path);
+    pl_text_clean(input_name);
+    atomic_store(&input_is_named, 1);
+}
+
+void pl_signals_end_shorter(void) {
+    pl_signals_clean_up();
+    say("planish: ");
+    say(atomic_load(&input_is_named) ? input_name : "the input");
+    pl_signals_end(": became shorter while it was in use; run again when it is complete\n");
 }
 
 /* libgomp ends the process with a line of its own and status 1 where it has no memory or no thread,

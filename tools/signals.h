@@ -2,8 +2,8 @@
  *
  * The first SIGINT, SIGTERM or SIGHUP asks the smoothing to stop after the colour it is at; the
  * second one ends the program at once, temporary files removed. An input that shrinks while it is
- * mapped (SIGBUS) ends it with one line. A reader that goes away makes writing fail (SIGPIPE is
- * ignored), so that it is reported like any other failure to write.
+ * mapped, as large ones are (SIGBUS), ends it with one line that names it. A reader that goes away
+ * makes writing fail (SIGPIPE is ignored), so that it is reported like any other failure to write.
  */
 #ifndef PL_TOOLS_SIGNALS_H
 #define PL_TOOLS_SIGNALS_H
@@ -18,6 +18,8 @@ typedef enum pl_temporary {
 
 /* Of 15 files at the most (TetGen's), with paths as long as the system takes. */
 enum { PL_TEMPORARY_SIZE = 16 * 4096 };
+/* A longer name is cut. */
+enum { PL_INPUT_NAME_SIZE = 1024 };
 
 /** What takes a line away on a terminal, from where its cursor is. */
 #define PL_ERASE_TO_END "\033[K"
@@ -38,6 +40,13 @@ void pl_signals_install_ends(void);
 void pl_signals_clean_up(void);
 void pl_signals_end(const char *text);
 int pl_signals_ask_stop(void);
+
+/** Name the input that is in use from now on, for the line about one that shrinks; NULL: none is.
+ */
+void pl_signals_set_input(const char *path);
+
+/** For the two files that meet signals: end because the input has become shorter. */
+void pl_signals_end_shorter(void);
 
 /** Whether a signal asked to stop. */
 int pl_signals_stop_asked(void);

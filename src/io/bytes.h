@@ -11,12 +11,12 @@
  * memory that smoothing takes; readers bound every second look by the first one. */
 #define IO_LARGEST_COPY ((int64_t)64 << 20)
 
-/** Read the regular file at path if it has at most largest_copy bytes, or map it; read anything else
- *  (a pipe) to its end. Errors (_FILE) say why; a folder and an empty file are errors. */
+/** Read the regular file at path if it has at most largest_copy bytes, or map it; read anything
+ * else (a pipe) to its end. Errors (_FILE) say why; a folder and an empty file are errors. */
 int io_bytes_open(const char *path, int64_t largest_copy, io_bytes *bytes, planish_error *error);
 
-/** Read a mapped file into private memory, for code that cannot bound its second look. A file larger
- *  than a quarter of the machine's memory stays mapped. */
+/** Read a mapped file into private memory, for code that cannot bound its second look. A file
+ * larger than a quarter of the machine's memory stays mapped. */
 int io_bytes_own(io_bytes *bytes, planish_error *error);
 
 /** Whether others can change the bytes: those of a mapped file. */

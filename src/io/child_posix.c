@@ -32,7 +32,9 @@ typedef struct answer {
  *  text. What ends the caller ends the child; a signal that both get (Ctrl-C) is for the caller to
  *  answer, who may want the result all the more. */
 static void become_quiet(void) {
-    static const int of_crashes[] = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGPIPE};
+    static const int of_crashes[] = {SIGSEGV, SIGBUS,    SIGABRT, SIGFPE,  SIGILL,
+                                     SIGSYS,  SIGTRAP,   SIGPIPE, SIGQUIT, SIGXCPU,
+                                     SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
     static const int of_people[] = {SIGINT, SIGTERM, SIGHUP};
     const struct rlimit none = {0, 0};
     for (size_t i = 0; i < sizeof of_crashes / sizeof *of_crashes; i++)

@@ -253,8 +253,8 @@ static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const struct 
     return 0;
 }
 
-/* Whether the element is one that was counted in the chunk: if not, a mapped file has changed since.
- * run: the run of elements of one owner that it is in. */
+/* Whether the element is one that was counted in the chunk: if not, a mapped file has changed
+ * since. run: the run of elements of one owner that it is in. */
 static int was_counted(const struct chunk *chunk, const struct element *element, int64_t run,
                        const int64_t next[4], int is_kept) {
     const int dim = element->type.dim;

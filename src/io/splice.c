@@ -5,10 +5,10 @@
  * the file's order, with the bytes between them copied from the input. A component that did not
  * change keeps its bytes, found by reading it again.
  *
- * The input may be mapped, and others may write to it at any moment. So it is compared with what was
- * read before it is read again and when all is written. Between the two nothing relies on it: every
- * field must be within the stretch that its piece has, behind the fields before it, and every byte
- * that is appended must have room.
+ * The input may be mapped, and others may write to it at any moment. So it is compared with what
+ * was read before it is read again and when all is written. Between the two nothing relies on it:
+ * every field must be within the stretch that its piece has, behind the fields before it, and every
+ * byte that is appended must have room.
  */
 #include "io/bytes.h"
 #include "io/companions.h"

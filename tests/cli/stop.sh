@@ -81,7 +81,7 @@ kill -TERM $run
 wait $run
 [ $? -eq 1 ] || fail "SIGTERM beside an ignored SIGINT"
 
-# The input becomes shorter while it is mapped.
+# The input becomes shorter: its name is told.
 cp in.mesh shrinking.mesh
 rm -f out.mesh err
 "$program" smooth shrinking.mesh -o out.mesh --tolerance 0 --max-sweeps 3 -v >out 2>err &
@@ -91,8 +91,29 @@ wait_for "  smoothing" err
 wait $run
 status=$?
 [ $status -eq 2 ] || fail "shrinking input: status $status instead of 2"
-[ "$(grep -c '^planish: ' err)" -eq 1 ] || fail "shrinking input: one line expected"
+[ "$(grep -c '^planish: shrinking.mesh: became shorter' err)" -eq 1 ] ||
+    fail "shrinking input: one line expected"
 [ "$(find . -name '*out.mesh*' | wc -l)" -eq 0 ] || fail "shrinking input: something was written"
+
+# The same of one so large that it is mapped (zeros behind the mesh make it so), while it is being
+# written: the pipe keeps planish there, as nobody reads, and then it looks at what is gone.
+python3 "$cli/make_mesh.py" 32 0.2 large.mesh
+truncate -s 80M large.mesh
+rm -f err pipe.mesh
+mkfifo pipe.mesh
+"$program" smooth large.mesh -o pipe.mesh -j 1 --max-sweeps 2 -v >out 2>err &
+run=$!
+{
+    dd bs=1000 count=1 of=head.txt 2>/dev/null
+    : >large.mesh
+    cat >/dev/null
+} <pipe.mesh
+wait $run
+status=$?
+[ $status -eq 2 ] || fail "shrinking mapped input: status $status instead of 2"
+[ "$(grep -c '^planish: large.mesh: became shorter' err)" -eq 1 ] ||
+    fail "shrinking mapped input: one line that names it expected: $(tail -n 2 err)"
+rm -f large.mesh pipe.mesh
 
 # Inverted elements that are left alone: status 1, how many there are, and the rest is smoothed.
 python3 "$cli/make_mesh.py" 8 0.9 tangled.mesh
