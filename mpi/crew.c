@@ -326,6 +326,7 @@ static int work_alone(pl_job *job, const planish_error *why, planish_error *erro
     tell(crew, DESTROY);
     pl_crew_destroy_plan(crew);
     crew->is_alone = 1;
+    crew->engine.get_held = pl_engine_here.get_held; /* in parts nobody has all reasons */
     job->traffic = (pl_traffic){.n_processes = crew->n_ranks};
     return pl_engine_here.plan_create(job, error);
 }

@@ -21,6 +21,10 @@ static int get_free(const pl_job *job, uint8_t *is_free, planish_error *error) {
     return PLANISH_OK;
 }
 
+static int get_held(const pl_job *job, uint8_t *reason, planish_error *error) {
+    return planish_plan_get_held(job->plan, job->mesh.coordinates, reason, error);
+}
+
 static int measure(const pl_job *job, planish_quality *quality, planish_error *error) {
     return planish_measure(job->plan, job->mesh.coordinates, quality, error);
 }
@@ -50,6 +54,7 @@ static int smooth(pl_job *job, planish_result *result, planish_error *error) {
 const pl_engine pl_engine_here = {.plan_create = plan_create,
                                   .plan_destroy = plan_destroy,
                                   .get_free = get_free,
+                                  .get_held = get_held,
                                   .measure = measure,
                                   .measure_elements = measure_elements,
                                   .check_volumes = check_volumes,

@@ -12,6 +12,8 @@ typedef struct pl_engine {
     int (*plan_create)(struct pl_job *job, planish_error *error); /* and job->plan_info */
     void (*plan_destroy)(struct pl_job *job);
     int (*get_free)(const struct pl_job *job, uint8_t *is_free, planish_error *error);
+    /* NULL: the reasons are not known. */
+    int (*get_held)(const struct pl_job *job, uint8_t *reason, planish_error *error);
     int (*measure)(const struct pl_job *job, planish_quality *quality, planish_error *error);
     int (*measure_elements)(const struct pl_job *job, double *ratio, planish_error *error);
     int (*check_volumes)(const struct pl_job *job, const planish_options *options, uint8_t *state,

@@ -65,6 +65,10 @@ static planish_hold hold_of(const pl_arguments *arguments, int slide, int ignore
                           .n_slide_tags = arguments->n_slide_tags};
 }
 
+planish_hold pl_job_hold(const pl_job *job) {
+    return hold_of(job->arguments, 0, 0);
+}
+
 static int complain_nodes(const pl_job *job) {
     return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
                        job->arguments->input, job->mesh.n_nodes);
@@ -296,7 +300,7 @@ int pl_job_count_slides(pl_job *job) {
     free(constraint);
     free(is_inside);
     free(direction);
-    job->shape_seconds = pl_seconds() - begin;
+    job->shape_seconds += pl_seconds() - begin;
     return status;
 }
 

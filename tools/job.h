@@ -17,6 +17,38 @@ typedef struct pl_layers {
     char fix[256];   /* options that hold them by their groups, or "" */
 } pl_layers;
 
+/** Why a node is held, in the order in which reasons count. A node may have several; as bits they
+ * are 1 << pl_held_by. */
+typedef enum pl_held_by {
+    PL_HELD_BY_BOUNDARY,
+    PL_HELD_BY_LINE, /* or point, of the file */
+    PL_HELD_BY_FACE, /* of the file, inside the mesh */
+    PL_HELD_BY_INTERFACE,
+    PL_HELD_BY_OTHER, /* element, of a type that is not smoothed */
+    PL_HELD_BY_PERIODIC,
+    PL_HELD_BY_FIX,
+    PL_HELD_BY_REQUIRED,
+    PL_HELD_BY_DOUBLED,
+    PL_HELD_BY_NONMANIFOLD,
+    PL_HELD_BY_LAYERS,
+    PL_HELD_BY_WRAPPED,
+    PL_HELD_BY_NOT_CHOSEN,
+    PL_N_HELD_BY
+} pl_held_by;
+
+/* Bits beside those: the node is of no element; its constraint fixes it. */
+enum { PL_HELD_NOT_USED = 1 << 14, PL_HELD_TOLD = 1 << 15 };
+
+/** Held nodes: each is counted once in n. n_held + n_unused and the nodes that move or slide are
+ * all nodes. */
+typedef struct pl_held {
+    int is_known; /* 0: nobody asked, or several processes have the mesh */
+    int64_t n[PL_N_HELD_BY];
+    int64_t n_held;    /* their sum */
+    int64_t n_unused;  /* nodes of no element */
+    int64_t n_doubled; /* held nodes at the place of another one, whatever they count as */
+} pl_held;
+
 /** What several processes that share the mesh have sent to one another, all of them together. */
 typedef struct pl_traffic {
     int n_processes;     /* 0: one process works by itself, and nothing else is set */
@@ -38,6 +70,7 @@ typedef struct pl_job {
     double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
     uint8_t *is_layer; /* [mesh.n_elements] thin in layers, owned, or NULL: without --fix-layers */
     pl_layers layers;
+    pl_held held;
     int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
     int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
     double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */
@@ -60,6 +93,9 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
 
 /** Find the nodes that slide, if any shall. */
 int pl_job_find_slides(pl_job *job);
+
+/** How the options hold nodes of the file, without slides. */
+planish_hold pl_job_hold(const pl_job *job);
 
 /** The file's number of an element; without a file its index. */
 int64_t pl_job_element_number(const pl_job *job, int64_t element);

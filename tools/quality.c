@@ -6,6 +6,7 @@
 #include "commands.h"
 
 #include "comparison.h"
+#include "held.h"
 #include "job.h"
 #include "layers.h"
 #include "message.h"
@@ -47,6 +48,7 @@ static int is_comparison(const run *r) {
 static void put_notes(FILE *stream, const pl_job *job, const planish_quality *quality) {
     pl_table_oddities(stream, job);
     pl_table_reversed(stream, quality);
+    pl_held_note(stream, job);
     pl_layers_print(stream, job);
 }
 
@@ -92,6 +94,7 @@ static void print_table(run *r, const pl_job *job, const pl_measured *measured) 
     pl_reversed_print(stderr, job, measured->reversed, measured->quality.reversed);
     pl_table_reversed(stderr, &measured->quality);
     pl_layers_print(stderr, job);
+    pl_held_note(stderr, job);
 }
 
 static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
@@ -102,6 +105,8 @@ static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
         return status;
     pl_progress_phase(&r->progress, PL_PHASE_MEASURING);
     if ((status = pl_job_count_parameters(job)))
+        return status;
+    if ((status = pl_held_count(job)))
         return status;
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
         return status;

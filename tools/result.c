@@ -5,6 +5,7 @@
  */
 #include "result.h"
 
+#include "held.h"
 #include "platform.h"
 #include "utf8.h"
 
@@ -119,6 +120,21 @@ static void add_plane(document *json, cJSON *mesh, const pl_job *job) {
         add_vector(json, directions, NULL, plane.direction[d]);
 }
 
+/** Why nodes are held. Null: not known. */
+static void add_held(document *json, cJSON *mesh, const pl_held *held) {
+    if (!held->is_known) {
+        add(json, mesh, "held", cJSON_CreateNull());
+        add(json, mesh, "unused_nodes", cJSON_CreateNull());
+        add(json, mesh, "doubled_nodes", cJSON_CreateNull());
+        return;
+    }
+    cJSON *object = new_object(json, mesh, "held");
+    for (int i = 0; i < PL_N_HELD_BY; i++)
+        add_integer(json, object, pl_held_name(i), held->n[i]);
+    add_integer(json, mesh, "unused_nodes", held->n_unused);
+    add_integer(json, mesh, "doubled_nodes", held->n_doubled);
+}
+
 /** n_reversed: as measured of the input. */
 static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_reversed) {
     cJSON *mesh = new_object(json, root, "mesh");
@@ -128,6 +144,7 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_r
     add_integer(json, mesh, "elements", job->mesh.n_elements);
     add_integer(json, mesh, "free_nodes", job->plan_info.n_free);
     add_slides(json, mesh, job);
+    add_held(json, mesh, &job->held);
     add_layers(json, mesh, job);
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);

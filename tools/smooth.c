@@ -8,6 +8,7 @@
 
 #include "commands.h"
 
+#include "held.h"
 #include "job.h"
 #include "layers.h"
 #include "message.h"
@@ -221,6 +222,14 @@ static void judge_volumes(pl_result *result) {
                    volumes->n_infeasible);
 }
 
+/** Nothing can move: why. */
+static void judge_held(const pl_job *job, pl_result *result) {
+    char text[sizeof result->reason];
+    pl_held_explain(job, text, sizeof text);
+    add_reason(result, "no node is free to move%s%s; the mesh is written back as it was",
+               text[0] ? ": " : "", text);
+}
+
 /** Whether all that was asked for was reached, and if not (or if there was nothing to do) why. */
 static int judge(const pl_job *job, pl_result *result) {
     judge_inverted(job, result);
@@ -234,7 +243,7 @@ static int judge(const pl_job *job, pl_result *result) {
     if (result->reason[0])
         return PL_EXIT_PARTLY;
     if (job->plan_info.n_free + job->plan_info.n_sliding == 0)
-        add_reason(result, "no node is free to move: the mesh is written back as it was");
+        judge_held(job, result);
     return PL_EXIT_DONE;
 }
 
@@ -303,6 +312,8 @@ void pl_smooth_tell_plan(const pl_job *job) {
             job->n_with_parameters);
     if (job->arguments->verbosity >= PL_VERBOSE)
         print_threads(info);
+    if (job->arguments->verbosity >= PL_VERBOSE)
+        pl_held_print(stderr, job);
 }
 
 /** What the reports want of the mesh before it is smoothed. */
@@ -340,6 +351,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     pl_progress_phase(progress, PL_PHASE_MEASURING);
     if ((status = pl_job_count_parameters(job)))
+        return status;
+    if ((status = pl_held_count(job)))
         return status;
     pl_smooth_tell_plan(job);
     if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))

@@ -496,6 +496,32 @@ PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_in
  *  others. */
 PLANISH_API void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free);
 
+/** Why a node does not move, as bits: a node may have several reasons. */
+typedef enum planish_hold_reason {
+    PLANISH_HELD_BOUNDARY = 1,     /* on a facet of one element */
+    PLANISH_HELD_FIXED = 2,        /* planish_mesh.constraint is PLANISH_FIXED */
+    PLANISH_HELD_PERIODIC = 4,     /* in a pair of planish_mesh.periodic */
+    PLANISH_HELD_DOUBLED = 8,      /* at exactly the place of another node that is not inside the
+                                      mesh; never the only reason */
+    PLANISH_HELD_NONMANIFOLD = 16, /* on a facet of more than two elements, on a duplicate element,
+                                      where neighbours cannot be oriented alike, or on too many
+                                      elements */
+    PLANISH_HELD_WRAPPED = 32,     /* on an element that wraps around a periodic domain */
+    PLANISH_HELD_NOT_CHOSEN = 64,  /* not among the nodes of options.only_worse_than or around */
+    PLANISH_HELD_UNUSED = 128      /* of no element; then the only reason */
+} planish_hold_reason;
+
+/** Find out why nodes do not move. Fill reason [n_nodes of the mesh] with 0 for nodes that may move
+ *  or slide, and with the bits of all planish_hold_reasons of every other node. coordinates
+ *  [n_nodes][dim] (or as the mesh's strides say) are needed for PLANISH_HELD_DOUBLED alone; NULL:
+ *  no node has that bit. The call costs about as much as the search for the boundary in
+ *  planish_plan_create. With options.around the reasons of nodes outside the plan are
+ *  PLANISH_HELD_NOT_CHOSEN. With a mesh in parts the reasons are those of the nodes that this
+ *  process moves; the call does not wait for other processes. The result is the same for any number
+ *  of threads. Errors: _ARGUMENT, _MEMORY; reason is then untouched. */
+PLANISH_API int planish_plan_get_held(const planish_plan *plan, const double *coordinates,
+                                      uint8_t *reason, planish_error *error);
+
 /* ---- Quality ------------------------------------------------------------------------------ */
 
 #define PLANISH_HISTOGRAM_BINS 12

@@ -116,6 +116,24 @@ typedef struct planish_hold {
 PLANISH_API int planish_file_constraints(const planish_file *file, const planish_hold *hold,
                                          uint8_t *constraint, planish_error *error);
 
+/** Why a file holds a node, as bits: a node may have several reasons. */
+typedef enum planish_file_reason {
+    PLANISH_FILE_LINE_OR_POINT = 1, /* on a line or point that the file lists */
+    PLANISH_FILE_FACE = 2,          /* on a triangle that the file lists beside tetrahedra */
+    PLANISH_FILE_INTERFACE = 4,     /* between regions */
+    PLANISH_FILE_OTHER_ELEMENT = 8, /* on an element of a type that is not smoothed */
+    PLANISH_FILE_PERIODIC = 16,     /* in a pair of periodic nodes */
+    PLANISH_FILE_FIX = 32,          /* in a group of planish_hold.tags */
+    PLANISH_FILE_REQUIRED = 64 /* named in the file: required, in a set, under a load, in `fixed` */
+} planish_file_reason;
+
+/** Find out why the file (and hold, may be NULL) holds nodes. Fill reason [n_nodes] with the bits
+ *  of all planish_file_reasons of each node, 0 where the file does not hold it. hold->slide is not
+ *  heeded: the reasons are those without it. planish_plan_get_held has the mesh's own reasons.
+ *  Errors: _ARGUMENT (as planish_file_constraints), _MEMORY; reason is then untouched. */
+PLANISH_API int planish_file_held(const planish_file *file, const planish_hold *hold,
+                                  uint8_t *reason, planish_error *error);
+
 /** The nodes that VTK's array `fixed` names: marked [n_nodes] (may be NULL) is filled with 0 or 1.
  *  Returns how many they are. Mesquite wants all nodes of the boundary named there, so that it may
  *  say no more than where the boundary is. */

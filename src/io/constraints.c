@@ -274,6 +274,61 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     return status;
 }
 
+/** The reason of planish_file_reason for bits of io_model.hold. */
+static uint8_t reason_of_bits(unsigned bits, int ignore_marks) {
+    const unsigned required = IO_HELD_REQUIRED | (ignore_marks ? 0 : IO_HELD_MARKED);
+    return (
+        uint8_t)((bits & (IO_HELD_BY_POINT | IO_HELD_BY_LINE) ? PLANISH_FILE_LINE_OR_POINT : 0) |
+                 (bits & IO_HELD_BY_TRIANGLE ? PLANISH_FILE_FACE : 0) |
+                 (bits & IO_HELD_BY_OTHER ? PLANISH_FILE_OTHER_ELEMENT : 0) |
+                 (bits & IO_HELD_PERIODIC ? PLANISH_FILE_PERIODIC : 0) |
+                 (bits & required ? PLANISH_FILE_REQUIRED : 0));
+}
+
+/** Add reason to the nodes that constraint [n_nodes] fixes, and free all of them again. */
+static void add_reason(const planish_file *file, uint8_t reason, uint8_t *constraint,
+                       uint8_t *reasons) {
+    for (int64_t i = 0; i < file->model.n_nodes; i++) {
+        reasons[i] |= constraint[i] == PLANISH_FIXED ? reason : 0;
+        constraint[i] = PLANISH_FREE;
+    }
+}
+
+/** reason [n_nodes] is filled, whether or not that fails; constraint [n_nodes] is scratch. */
+static int find_reasons(const planish_file *file, const planish_hold *hold, uint8_t *constraint,
+                        uint8_t *reason, planish_error *error) {
+    int status = PLANISH_OK;
+    memset(constraint, PLANISH_FREE, (size_t)file->model.n_nodes);
+    for (int64_t i = 0; i < file->model.n_nodes; i++)
+        reason[i] = reason_of_bits(file->model.hold[i], hold && hold->ignore_marks);
+    if (!(hold && hold->ignore_regions))
+        status = hold_interfaces(file, constraint, error);
+    add_reason(file, PLANISH_FILE_INTERFACE, constraint, reason);
+    if (!status && hold && hold->n_tags > 0)
+        status = hold_tags(&file->model, hold, constraint, error);
+    add_reason(file, PLANISH_FILE_FIX, constraint, reason);
+    return status;
+}
+
+int planish_file_held(const planish_file *file, const planish_hold *hold, uint8_t *reason,
+                      planish_error *error) {
+    if (!file || !reason)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and reason must not be NULL");
+    if (hold && !has_all(hold->tags, hold->n_tags))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "hold: there are fewer tags than n_tags says");
+    uint8_t *found = pl_alloc(file->model.n_nodes, 1);
+    uint8_t *constraint = pl_alloc(file->model.n_nodes, 1);
+    int status = found && constraint ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
+    if (!status)
+        status = find_reasons(file, hold, constraint, found, error);
+    if (!status)
+        memcpy(reason, found, (size_t)file->model.n_nodes);
+    pl_free(constraint);
+    pl_free(found);
+    return status;
+}
+
 /** How many nodes have a bit of io_model.hold; has [n_nodes], or NULL, says which. */
 static int64_t count_nodes(const planish_file *file, uint8_t bit, uint8_t *has) {
     int64_t n = 0;

@@ -72,6 +72,17 @@ typedef struct candidacy {
     pl_draft *d;
 } candidacy;
 
+/** What is_used says of a node. */
+static uint8_t use_of(const pl_draft *d, int64_t i, int used) {
+    const uint8_t *constraint = d->mesh->constraint;
+    if (!used)
+        return 0;
+    return (uint8_t)(PL_USED |
+                     (constraint && constraint[i] == PLANISH_FIXED ? PL_FIXED_BY_CALLER : 0) |
+                     (d->is_paired && d->is_paired[i] ? PL_IN_PAIR : 0) |
+                     (d->is_selected && !d->is_selected[i] ? PL_NOT_CHOSEN : 0));
+}
+
 /** Which nodes are used, and which of them may be free. */
 static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
     const candidacy *c = context;
@@ -80,7 +91,7 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
     (void)thread;
     for (int64_t node = begin; node < end; node++) {
         const int used = offset[node + 1] > offset[node];
-        c->plan->is_used[node] = (uint8_t)used;
+        c->plan->is_used[node] = use_of(c->d, node, used);
         c->plan->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
         unused += !used;
     }

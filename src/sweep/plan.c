@@ -34,7 +34,7 @@ static inline int64_t count_fixed(const planish_plan *plan, int dim, int64_t beg
     return n;
 }
 
-/** That, and the nodes of all elements are used. */
+/** Count the elements without a free node. Mark nodes that were not asked for as used. */
 static void look_at_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const look *l = context;
     planish_plan *plan = l->plan;
@@ -44,7 +44,9 @@ static void look_at_chunk(void *context, int64_t begin, int64_t end, int thread)
         plan->dim == 3 ? count_fixed(plan, 3, begin, end) : count_fixed(plan, 2, begin, end);
     __atomic_fetch_add(&plan->info.n_fixed_elements, n, __ATOMIC_RELAXED);
     for (int64_t i = begin * k; l->marks && i < end * k; i++)
-        pl_set_flag(&plan->is_used[plan->elements[i]], 1);
+        if (!__atomic_load_n(&plan->is_used[plan->elements[i]], __ATOMIC_RELAXED))
+            __atomic_store_n(&plan->is_used[plan->elements[i]], PL_USED | PL_NOT_CHOSEN,
+                             __ATOMIC_RELAXED);
 }
 
 static int64_t larger(int64_t a, int64_t b) {

@@ -25,6 +25,9 @@ typedef struct pl_visits {
 /** What is_free says of a node. */
 enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
 
+/** Bits of is_used: the node is used by an element, and what else than its elements holds it. */
+enum { PL_USED = 1, PL_FIXED_BY_CALLER = 2, PL_IN_PAIR = 4, PL_NOT_CHOSEN = 8 };
+
 /** What a plan works on, and what is measured. */
 typedef enum pl_scope {
     PL_ALL,         /* all of the mesh */
@@ -58,7 +61,7 @@ struct planish_plan {
     double *min_volume;      /* [m] mesh->min_volume, or NULL */
     int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
     uint8_t *is_free;        /* [n] PL_HELD, ... */
-    uint8_t *is_used;        /* [n] by an element */
+    uint8_t *is_used;        /* [n] 0: by no element; else PL_USED, ... */
     int32_t *inner;          /* [n] inner number of each node */
     int is_selective;        /* only nodes of bad elements are free, see pl_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */

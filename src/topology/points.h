@@ -31,4 +31,8 @@ void pl_points_gather(const pl_points *p, int threads, double *dense);
 /** Check that they are finite. The lowest offender is reported, by the caller's number. */
 int pl_points_check(const pl_points *p, int threads, planish_error *error);
 
+/** is_doubled [n] becomes 1 for the points that lie at exactly the place of another one, else 0. At
+ *  most INT32_MAX points. Errors: _MEMORY. */
+int pl_points_find_doubled(const pl_points *points, uint8_t *is_doubled, planish_error *error);
+
 #endif

@@ -12,11 +12,14 @@ QUALITY = {
     "max_dihedral_deg": NUMBER, "histogram": {"edges": list, "counts": list},
     "angle_histogram": {"edges": list, "counts": list},
 }
+HELD = ("boundary", "lines_and_points", "faces_inside", "interface", "other_elements", "periodic",
+        "fix", "required", "doubled_points", "nonmanifold", "layers", "wrapped", "not_chosen")
 MESH = {"dimension": int, "plane": (dict, type(None)), "nodes": int, "elements": int, "free_nodes": int, "sliding_nodes": int,
         "could_slide": (int, type(None)), "layer_elements": (int, type(None)),
         "free_layer_elements": (int, type(None)),
         "fixed_elements": int, "colours": int, "nodes_with_parameters": int,
-        "reversed_elements": int}
+        "reversed_elements": int, "held": dict.fromkeys(HELD, int), "unused_nodes": int,
+        "doubled_nodes": int}
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list,
            "reversed": list}
 SMOOTH = {
@@ -87,6 +90,8 @@ for state in (before, after, quality["quality"]):
     assert same(state["worst_elements"][0]["radius_ratio"], state["max_radius_ratio"])
 assert before["worst_elements"] != after["worst_elements"]
 assert mesh == quality["mesh"] and mesh["dimension"] == 3
+assert (mesh["free_nodes"] + mesh["sliding_nodes"] + mesh["unused_nodes"]
+        + sum(mesh["held"].values()) == mesh["nodes"])
 assert 0 < mesh["free_nodes"] < mesh["nodes"] and 0 < mesh["colours"] <= 14
 
 # The mesh that was written is the one that was reported.
