@@ -6,6 +6,7 @@
 #include "io/number.h"
 #include "io/output.h"
 #include "io/plane.h"
+#include "io/ucd.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -106,6 +107,11 @@ static int is_utf16(const io_bytes *input) {
 
 static int choose_format(planish_file *file, const char *name, planish_error *error) {
     const io_bytes *input = &file->model.input;
+    if (io_is_ucd(input->data, input->size))
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is an AVS UCD file, which is not read; convert it to another format, "
+                       "with ParaView or meshio (meshio convert IN.inp OUT.vtu)",
+                       input->path);
     file->format =
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
     if (file->format || is_gzip(input) || is_utf16(input))

@@ -88,11 +88,12 @@ int medit_fail(const medit_reader *r, const char *at, planish_error *error, cons
 /* ---- what the walks note ------------------------------------------------------------------ */
 
 int medit_set_version(medit_reader *r, const char *at, int64_t version) {
-    if (version < 1 || version > 4)
+    if (version < 0 || version > 4)
         return medit_fail(r, at, r->error,
-                          "MeshVersionFormatted %lld is unknown; 1 to 4 can be read",
+                          "MeshVersionFormatted %lld is unknown; 0 to 4 can be read",
                           (long long)version);
-    r->version = (int)version;
+    /* Only texts have version 0: of programs that do not heed versions, and write doubles. */
+    r->version = version == 0 ? 2 : (int)version;
     return PLANISH_OK;
 }
 

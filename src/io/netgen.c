@@ -144,6 +144,7 @@ static int read_dimension(netgen_reader *r, io_cursor *cursor) {
 
 static int read_keyword(netgen_reader *r, io_cursor *cursor, const char *word, int64_t length) {
     const netgen_keyword *k = find_keyword(word, length);
+    r->last = k;
     if (io_word_is(word, length, "dimension", 0))
         return read_dimension(r, cursor);
     if (!k) {
@@ -158,6 +159,14 @@ static int read_keyword(netgen_reader *r, io_cursor *cursor, const char *word, i
                                                               : add_section(r, cursor, k);
 }
 
+/** Whether the file may end here without endmesh: behind a section whose records are counted, at
+ * the end of a line. Netgen reads such a file as whole, too. */
+static int may_end(const netgen_reader *r) {
+    const io_bytes *input = &r->model->input;
+    const char last = input->size > 0 ? input->data[input->size - 1] : '\0';
+    return r->last && (last == '\n' || last == '\r');
+}
+
 static int walk_file(netgen_reader *r) {
     io_cursor cursor = io_begin_text(r->model->input.data, r->model->input.size);
     int status = PLANISH_OK;
@@ -168,11 +177,11 @@ static int walk_file(netgen_reader *r) {
         if (is_first && !io_word_is(word, length, "mesh3d", 0))
             return io_fail_text(r->model, word, r->error,
                                 "no mesh3d in the first line: this is no mesh of Netgen's");
+        if (io_word_is(word, length, "endmesh", 0) || (length == 0 && may_end(r)))
+            break;
         if (length == 0)
             return io_fail_text(r->model, word, r->error,
                                 "there is no endmesh (the file may be cut short)");
-        if (io_word_is(word, length, "endmesh", 0))
-            break;
         if (!is_first)
             status = read_keyword(r, &cursor, word, length);
     }

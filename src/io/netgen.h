@@ -51,6 +51,7 @@ typedef struct netgen_reader {
     int dim;
     netgen_section *sections; /* [n_sections] owned */
     int64_t n_sections, capacity;
+    const netgen_keyword *last; /* of the keyword that was read last; NULL: one that is unknown */
     const netgen_section *current;
     int corners;         /* of all elements of the current section; 0: they differ */
     int64_t first_cell;  /* of the current section in its io_cells */

@@ -78,6 +78,21 @@ static void nodes_are_held(void **state) {
     planish_file_close(file);
 }
 
+/** Programs that do not heed versions write 0, and doubles. */
+static void a_text_may_have_version_0(void **state) {
+    (void)state;
+    planish_file *file =
+        reading_text(&io_format_medit, "MeshVersionFormatted 0 Dimension 2 Vertices 3 0 0 0 "
+                                       "1 0 0 0.1 1 0 Triangles 1 1 2 3 1 End");
+    planish_file_info info;
+    planish_file_get_info(file, &info);
+    assert_int_equal(info.precision, PLANISH_DOUBLE);
+    assert_true(planish_file_mesh(file).coordinates[4] == 0.1);
+    planish_file_close(file);
+    reading_fails(&io_format_medit, "MeshVersionFormatted -1 Dimension 2 End", "-1 is unknown");
+    reading_fails(&io_format_medit, "MeshVersionFormatted 5 Dimension 2 End", "5 is unknown");
+}
+
 static void a_plane_is_read(void **state) {
     (void)state;
     planish_file *file =
@@ -598,6 +613,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_solid_is_read),
         cmocka_unit_test(nodes_are_held),
+        cmocka_unit_test(a_text_may_have_version_0),
         cmocka_unit_test(a_plane_is_read),
         cmocka_unit_test(digits_tell_how_rough_planes_may_be),
         cmocka_unit_test(required_elements_hold_their_nodes),

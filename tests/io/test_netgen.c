@@ -223,7 +223,11 @@ static void wrong_files_are_refused(void **state) {
         const char *text, *word;
     } cases[] = {
         {"mesh2d\n", "no mesh3d"},
-        {HEAD NODES TET, "no endmesh"},
+        {HEAD, "no endmesh"},
+        {HEAD NODES TET "face_colours\n1\n1 0.5 0.25 1.0\n", "no endmesh"}, /* whole or not? */
+        {HEAD NODES "volumeelements\n1\n1 4 1 2 3 4", "no endmesh"},        /* of node 42? */
+        {HEAD NODES "volumeelements\n2\n1 4 1 2 3 4\n", "cannot be in"},
+        {HEAD NODES TET "materials\n2\n1 a\n", "line 2 of 2"},
         {HEAD NODES TAIL, "nothing to smooth"},
         {HEAD TET TAIL, "no points"},
         {HEAD NODES NODES TET TAIL, "second time"},
@@ -263,19 +267,47 @@ static void wrong_files_are_refused(void **state) {
         reading_fails(&io_format_netgen, cases[i].text, cases[i].word);
 }
 
+/** Whether the first size bytes of solid end where the next line is a keyword or nothing. */
+static int ends_behind_section(int64_t size) {
+    const char *at = solid + size;
+    while (*at == '\n' || *at == ' ' || *at == '#')
+        at = *at == '#' ? strchr(at, '\n') : at + 1;
+    return *at >= 'a' && *at <= 'z';
+}
+
 static void files_are_cut_anywhere(void **state) {
     (void)state;
     file_builder solid_file = {.data = (char *)(uintptr_t)solid, .size = sizeof solid - 1};
     file_builder flat_file = {.data = (char *)(uintptr_t)flat, .size = sizeof flat - 1};
     builder_try_to_break(&solid_file, &io_format_netgen);
     builder_try_to_break(&flat_file, &io_format_netgen);
-    /* Without its end no file is taken for whole. */
+    /* Without endmesh a file is whole only where it ends behind a section. */
     const int64_t whole = strstr(solid, "endmesh\n\n") - solid + (int64_t)strlen("endmesh");
     for (int64_t size = 0; size < whole; size++) {
         planish_file *file = NULL;
         planish_error error;
-        assert_true(io_file_from_memory(&io_format_netgen, "test", solid, size, 1, &file, &error) <
-                    0);
+        const int status =
+            io_file_from_memory(&io_format_netgen, "test", solid, size, 1, &file, &error);
+        if (status == 0)
+            assert_true(solid[size - 1] == '\n' && ends_behind_section(size));
+        planish_file_close(status == 0 ? file : NULL);
+    }
+}
+
+static void files_may_lack_endmesh(void **state) {
+    (void)state;
+    static const char *const tails[] = {"",
+                                        "\n\n",
+                                        "# the end\n",
+                                        "edgesegments\n0\n",
+                                        "edgesegments\n1\n5 0 2 3\n",
+                                        "materials\n1\n1 a\n"};
+    for (size_t i = 0; i < sizeof tails / sizeof *tails; i++) {
+        char text[512];
+        snprintf(text, sizeof text, HEAD NODES TET "%s", tails[i]);
+        planish_file *file = reading_text(&io_format_netgen, text);
+        assert_int_equal(planish_file_mesh(file).n_elements, 1);
+        planish_file_close(file);
     }
 }
 
@@ -376,6 +408,7 @@ int main(void) {
         cmocka_unit_test(line_ends_of_every_kind),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(files_are_cut_anywhere),
+        cmocka_unit_test(files_may_lack_endmesh),
         cmocka_unit_test(nothing_but_coordinates_changes),
         cmocka_unit_test(threads_read_the_same),
         cmocka_unit_test(threads_part_words_alike),
