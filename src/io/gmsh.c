@@ -1,8 +1,9 @@
-/* gmsh: MSH files of Gmsh, versions 2 and 4.1, ASCII and binary.
+/* gmsh: MSH files of Gmsh, versions 1, 2 and 4, ASCII and binary.
  *
- * Recognises the format, reads the header and the names of groups and walks the sections; nodes,
- * elements, entities and periodic pairs are read by gmsh2.c and gmsh4.c. Sections that say nothing
- * about the mesh itself ($Comments, $NodeData, $GhostElements, unknown ones) are passed over.
+ * Recognises the format, reads the header and walks the sections; names of groups are read by
+ * gmsh_names.c, nodes, elements, entities and periodic pairs by gmsh2.c and gmsh4.c. Sections that
+ * say nothing about the mesh itself ($Comments, $NodeData, $GhostElements, unknown ones) are passed
+ * over.
  */
 #include "io/gmsh.h"
 
@@ -221,20 +222,29 @@ static int settle_numbers(gmsh_reader *reader, io_cells *cells) {
     return status;
 }
 
-static int take_periodic_node(gmsh_reader *reader, int binary, int32_t *node) {
+/* size: bytes of its number, 0: text. */
+static int take_periodic_node(gmsh_reader *reader, int size, int32_t *node) {
     int64_t number;
-    const int status = binary ? gmsh_take_size(reader, &number, "node of a periodic pair")
-                              : gmsh_take_text(reader, &number, "node of a periodic pair");
+    int32_t narrow = 0;
+    int status;
+    if (size == 0)
+        status = gmsh_take_text(reader, &number, "node of a periodic pair");
+    else if (size == 8)
+        status = gmsh_take_size(reader, &number, "node of a periodic pair");
+    else {
+        status = gmsh_take_int(reader, &narrow, "node of a periodic pair");
+        number = narrow;
+    }
     *node = status == 0 ? (int32_t)gmsh_node(reader, number) : -1;
     return status;
 }
 
-int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int binary) {
+int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int size) {
     for (int64_t i = 0; i < n; i++) {
         int32_t pair[2];
-        int status = take_periodic_node(reader, binary, &pair[0]);
+        int status = take_periodic_node(reader, size, &pair[0]);
         if (status == 0)
-            status = take_periodic_node(reader, binary, &pair[1]);
+            status = take_periodic_node(reader, size, &pair[1]);
         if (status != 0)
             return status;
         /* Gmsh lists pairs of the whole geometry, also where only some groups were saved: a node
@@ -250,7 +260,7 @@ int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int binary) {
     return 0;
 }
 
-/* ---- header and names --------------------------------------------------------------------- */
+/* ---- header ---------------------------------------------------------------------------- */
 
 /* The integer 1 behind the header's line tells the byte order. */
 static int read_byte_order(gmsh_reader *reader) {
@@ -266,8 +276,17 @@ static int read_byte_order(gmsh_reader *reader) {
                      "byte order mark is not the integer 1");
 }
 
-/* $MeshFormat: version, 0 ASCII or 1 binary, size of a number. *major is 2 or 4. */
-static int read_header(gmsh_reader *reader, int *major) {
+/* 10 to 22, 40 or 41; 0 for versions that are not read. */
+static int version_of(double value) {
+    static const int known[] = {10, 20, 21, 22, 40, 41};
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (fabs(10 * value - known[i]) < 0.5)
+            return known[i];
+    return 0;
+}
+
+/* $MeshFormat: version, 0 ASCII or 1 binary, size of a number. */
+static int read_header(gmsh_reader *reader) {
     io_cursor *cursor = &reader->cursor;
     double version;
     int64_t type, size;
@@ -275,14 +294,11 @@ static int read_header(gmsh_reader *reader, int *major) {
     if (io_real(cursor, &version) != 0 || io_integer(cursor, &type) != 0 ||
         io_integer(cursor, &size) != 0)
         return fail_expected(reader, "$MeshFormat: version, file type and data size");
-    if (version >= 2 && version < 2.25)
-        *major = 2;
-    else if (version > 4.05 && version < 4.15)
-        *major = 4;
-    else
+    reader->version = version_of(version);
+    if (reader->version == 0)
         return gmsh_fail(reader, at, reader->error,
-                         "MSH version %g: versions 2.2 and 4.1 are read; convert the file with "
-                         "gmsh IN.msh -0 -format msh41 -o OUT.msh",
+                         "MSH version %g: versions 1, 2.0 to 2.2, 4.0 and 4.1 are read; convert "
+                         "the file with gmsh IN.msh -0 -format msh41 -o OUT.msh",
                          version);
     if ((type != 0 && type != 1) || size != 8)
         return gmsh_fail(reader, at, reader->error,
@@ -292,55 +308,13 @@ static int read_header(gmsh_reader *reader, int *major) {
     return reader->binary ? read_byte_order(reader) : 0;
 }
 
-/* The name in quotes at the cursor, on one line. */
-static int take_name(gmsh_reader *reader, const char **name, int64_t *length) {
-    io_cursor *cursor = &reader->cursor;
-    io_skip_space(cursor);
-    if (cursor->at == cursor->end || *cursor->at != '"')
-        return fail_expected(reader, "name in quotes");
-    const char *begin = cursor->at + 1;
-    const char *at = begin;
-    while (at < cursor->end && *at != '"' && *at != '\n')
-        at++;
-    if (at == cursor->end || *at != '"')
-        return fail_expected(reader, "closing quote of a name");
-    cursor->at = at + 1;
-    *name = begin;
-    *length = at - begin;
-    return 0;
-}
-
-/* $PhysicalNames is text in binary files, too. */
-static int read_names(gmsh_reader *reader) {
-    int64_t n, dim, tag, length = 0;
-    const char *name = NULL;
-    if (gmsh_take_text(reader, &n, "number of names") != 0)
-        return PLANISH_ERROR_FORMAT;
-    for (int64_t i = 0; i < n; i++) {
-        if (gmsh_take_text(reader, &dim, "dimension of a group") != 0 ||
-            gmsh_take_text(reader, &tag, "tag of a group") != 0)
-            return PLANISH_ERROR_FORMAT;
-        if (dim < 0 || dim > 3 || tag < INT32_MIN || tag > INT32_MAX)
-            return gmsh_fail(reader, reader->cursor.at, reader->error,
-                             "group %lld of dimension %lld: out of range", (long long)tag,
-                             (long long)dim);
-        int status = take_name(reader, &name, &length);
-        if (status == 0)
-            status =
-                io_model_group(reader->model, (int)dim, (int32_t)tag, name, length, reader->error);
-        if (status != 0)
-            return status;
-    }
-    return 0;
-}
-
 /* ---- the sections ------------------------------------------------------------------------- */
 
 typedef int section_fn(gmsh_reader *reader);
 
 struct section {
     const char *name;
-    section_fn *read[2]; /* MSH 2, MSH 4; NULL: passed over */
+    section_fn *read[2]; /* MSH 1 and 2, MSH 4; NULL: passed over */
     int needs_nodes;
 };
 
@@ -350,15 +324,24 @@ static int refuse_parametric(gmsh_reader *reader) {
                      "-format msh41 -o OUT.msh");
 }
 
+/* The last ones are of MSH 1. */
 static const struct section sections[] = {
-    {"PhysicalNames", {read_names, read_names}, 0},
+    {"PhysicalNames", {gmsh_names, gmsh_names}, 0},
     {"Entities", {NULL, gmsh4_entities}, 0},
     {"PartitionedEntities", {NULL, gmsh4_partitioned_entities}, 0},
     {"Nodes", {gmsh2_nodes, gmsh4_nodes}, 0},
     {"ParametricNodes", {refuse_parametric, refuse_parametric}, 0},
     {"Elements", {gmsh2_elements, gmsh4_elements}, 1},
     {"Periodic", {gmsh2_periodic, gmsh4_periodic}, 1},
+    {"NOD", {gmsh2_nodes, NULL}, 0},
+    {"NOE", {gmsh2_nodes, NULL}, 0},
+    {"ELM", {gmsh2_elements, NULL}, 1},
 };
+
+static int is_old(const char *name, int64_t length) {
+    return io_word_is(name, length, "NOD", 0) || io_word_is(name, length, "NOE", 0) ||
+           io_word_is(name, length, "ELM", 0);
+}
 
 static const struct section *find_section(const char *name, int64_t length) {
     for (size_t i = 0; i < sizeof sections / sizeof sections[0]; i++)
@@ -367,12 +350,17 @@ static const struct section *find_section(const char *name, int64_t length) {
     return NULL;
 }
 
+/* "$EndNAME", in MSH 1 "$ENDNAME"; cut off if it is too long. Returns its length. */
+static int make_end_mark(const char *name, int64_t length, char *mark, size_t size) {
+    return snprintf(mark, size, "$%s%.*s", is_old(name, length) ? "END" : "End",
+                    (int)(length < 64 ? length : 64), name);
+}
+
 /* The cursor behind the line $EndNAME, wherever that is. */
 static int skip_section(gmsh_reader *reader, const char *name, int64_t length) {
     char end_mark[64];
     io_cursor *cursor = &reader->cursor;
-    int written =
-        snprintf(end_mark, sizeof end_mark, "$End%.*s", (int)(length < 64 ? length : 64), name);
+    int written = make_end_mark(name, length, end_mark, sizeof end_mark);
     if (written < 0 || written >= (int)sizeof end_mark)
         return gmsh_fail(reader, name, reader->error, "section name is too long");
     const char *begin = cursor->at;
@@ -392,7 +380,7 @@ static int skip_section(gmsh_reader *reader, const char *name, int64_t length) {
 static int expect_end(gmsh_reader *reader, const char *name) {
     char end_mark[64];
     int64_t length;
-    snprintf(end_mark, sizeof end_mark, "$End%s", name);
+    make_end_mark(name, (int64_t)strlen(name), end_mark, sizeof end_mark);
     const char *word = io_word(&reader->cursor, &length);
     if (io_word_is(word, length, end_mark, 0))
         return 0;
@@ -400,11 +388,30 @@ static int expect_end(gmsh_reader *reader, const char *name) {
                      "%s expected: the file is cut short or a count is wrong", end_mark);
 }
 
-static int read_section(gmsh_reader *reader, int major, const char *name, int64_t length) {
+/* Data in a binary file by their count, if the end of the section is found behind them. */
+static int skip_data_section(gmsh_reader *reader, const char *name, int64_t length) {
+    static const char *const data[] = {"NodeData", "ElementData", "ElementNodeData"};
+    const io_cursor before = reader->cursor;
+    for (size_t i = 0; reader->binary && i < sizeof data / sizeof data[0]; i++) {
+        if (!io_word_is(name, length, data[i], 0))
+            continue;
+        planish_error *error = reader->error, ignored;
+        reader->error = &ignored;
+        const int is_whole = gmsh_skip_data(reader, strcmp(data[i], "ElementNodeData") == 0) == 0 &&
+                             expect_end(reader, data[i]) == 0;
+        reader->error = error;
+        if (is_whole)
+            return 0;
+    }
+    reader->cursor = before;
+    return skip_section(reader, name, length);
+}
+
+static int read_section(gmsh_reader *reader, const char *name, int64_t length) {
     const struct section *section = find_section(name, length);
-    section_fn *read = section == NULL ? NULL : section->read[major == 4];
+    section_fn *read = section == NULL ? NULL : section->read[reader->version >= 40];
     if (read == NULL)
-        return skip_section(reader, name, length);
+        return skip_data_section(reader, name, length);
     if (section->needs_nodes && !reader->have_nodes)
         return gmsh_fail(reader, name, reader->error, "$%s stands before $Nodes", section->name);
     int status = read(reader);
@@ -428,32 +435,34 @@ static int fail_foreign(gmsh_reader *reader, const char *at) {
         "no $MeshFormat: this is no mesh of Gmsh's (others call their files .msh, too)");
 }
 
+/* The section of that name, the header or another one; there must be a header before, but in MSH 1.
+ */
+static int read_any_section(gmsh_reader *reader, const char *name, int64_t length) {
+    if (io_word_is(name, length, "MeshFormat", 0)) {
+        const int status = read_header(reader);
+        return status != 0 ? status : expect_end(reader, "MeshFormat");
+    }
+    if (reader->version == 0 && is_old(name, length))
+        reader->version = 10;
+    if (reader->version == 0 && find_section(name, length) != NULL)
+        return gmsh_fail(reader, name, reader->error, "no $MeshFormat before this section");
+    const int status = read_section(reader, name, length);
+    if (status == PLANISH_ERROR_FORMAT && reader->version == 0)
+        return fail_foreign(reader, name);
+    return status;
+}
+
 static int read_sections(gmsh_reader *reader) {
     int64_t length;
-    int major = 0;
     for (;;) {
         const char *name = next_section(&reader->cursor, &length);
-        int status;
         if (name >= reader->cursor.end || length == 0)
             break;
-        if (io_word_is(name, length, "NOD", 0))
-            return gmsh_fail(reader, name, reader->error,
-                             "MSH version 1: convert the file with gmsh IN.msh -0 -format msh41 "
-                             "-o OUT.msh");
-        if (io_word_is(name, length, "MeshFormat", 0)) {
-            status = read_header(reader, &major);
-            status = status != 0 ? status : expect_end(reader, "MeshFormat");
-        } else if (major == 0 && find_section(name, length) != NULL) {
-            return gmsh_fail(reader, name, reader->error, "no $MeshFormat before this section");
-        } else {
-            status = read_section(reader, major, name, length);
-            if (status == PLANISH_ERROR_FORMAT && major == 0)
-                return fail_foreign(reader, name);
-        }
+        const int status = read_any_section(reader, name, length);
         if (status != 0)
             return status;
     }
-    if (major == 0)
+    if (reader->version == 0)
         return fail_foreign(reader, reader->cursor.end);
     if (!reader->have_nodes || !reader->have_elements)
         return gmsh_fail(reader, reader->cursor.end, reader->error,
@@ -473,6 +482,8 @@ static int read_gmsh(io_model *model, planish_error *error) {
         status = settle_numbers(&reader, &model->triangle);
     if (status == 0)
         status = settle_numbers(&reader, &model->tetrahedron);
+    if (status == 0)
+        status = gmsh_settle_names(&reader);
     io_text_release(&reader.text);
     io_numbers_destroy(reader.numbers);
     pl_free(reader.place);

@@ -1,4 +1,4 @@
-/* gmsh: what the readers of MSH 2 and MSH 4 share; for gmsh.c, gmsh2.c and gmsh4.c only.
+/* gmsh: what the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
  *
  * A reader stands with its cursor behind the name of a section and leaves it before the section's
  * end mark, which gmsh.c checks. Functions return 0 or a negative planish_status, *reader->error
@@ -32,6 +32,7 @@ typedef struct gmsh_reader {
     io_cursor cursor;
     io_text text;
     int binary, swapped; /* swapped: not this machine's byte order */
+    int version;         /* 10 to 22, 40, 41; 0: no header has been read */
     int have_nodes, have_elements;
     io_numbers *numbers; /* of the nodes, or NULL: consecutive */
     gmsh_place *place;   /* [n_places], owned, by dim and tag once $Entities are read */
@@ -93,10 +94,22 @@ int gmsh_load_point(const gmsh_reader *reader, const char *at, int64_t node, pla
 /** Nodes are read, their numbers in model->node_number: make them findable. */
 int gmsh_index_nodes(gmsh_reader *reader);
 
-/** Hold both nodes of n periodic pairs; text or (MSH 4) binary. */
-int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int binary);
+/** Hold both nodes of n periodic pairs, numbers of so many bytes; 0: text. */
+int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int size);
 
-/** Sections of MSH 2 and MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
+/** Text: over the line with the transform of a periodic pair, where there is one. */
+void gmsh_skip_affine(gmsh_reader *reader);
+
+/** $PhysicalNames, and what becomes of names without a dimension when all is read. */
+int gmsh_names(gmsh_reader *reader);
+int gmsh_settle_names(gmsh_reader *reader);
+
+/** Binary: over the values of $NodeData and the like, by their count. with_nodes: each value is
+ *  of as many nodes as it says. 0, or -1: they are not what they should be; the cursor has not
+ * moved then. */
+int gmsh_skip_data(gmsh_reader *reader, int with_nodes);
+
+/** Sections of MSH 1 and 2, and of MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
 int gmsh2_nodes(gmsh_reader *reader);
 int gmsh2_elements(gmsh_reader *reader);
 int gmsh2_merge_copies(gmsh_reader *reader);

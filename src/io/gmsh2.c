@@ -1,8 +1,9 @@
-/* gmsh2: nodes, elements and periodic pairs of MSH 2 (2.0 to 2.2), ASCII and binary.
+/* gmsh2: nodes, elements and periodic pairs of MSH 2 (2.0 to 2.2), ASCII and binary, and of MSH 1.
  *
  * An element carries tags: its physical group, its elementary entity, and parts of a partition,
- * which do not make regions. The elements of a text file are of different lengths, so threads
- * take chunks of lines; each chunk is read twice, to count and to store.
+ * which do not make regions. In MSH 1 it has these two and the number of its nodes. The elements of
+ * a text file are of different lengths, so threads take chunks of lines; each chunk is read twice,
+ * to count and to store.
  */
 #include "io/gmsh.h"
 
@@ -109,20 +110,12 @@ static int fail_element(const gmsh_reader *reader, const char *at, planish_error
                      "or the number of elements is wrong)");
 }
 
-/* All of an element but its nodes. */
-static int read_element_text(const gmsh_reader *reader, io_cursor *cursor, struct element *element,
-                             planish_error *error) {
-    int64_t type, n_tags, tag;
-    io_skip_space(cursor);
-    element->at = cursor->at;
-    element->owner = (struct owner){0, 0, 0};
-    if (io_integer(cursor, &element->number) != 0 || io_integer(cursor, &type) != 0)
-        return fail_element(reader, cursor->at, error);
-    int status = gmsh_find_type(reader, type, element->at, &element->type, error);
-    if (status != 0)
-        return status;
-    element->owner.dim = element->type.dim;
-    if (io_integer(cursor, &n_tags) != 0 || n_tags < 0)
+/* The tags of an element: their number and as many, or in MSH 1 two and the number of its nodes. */
+static int read_tags(const gmsh_reader *reader, io_cursor *cursor, struct element *element,
+                     planish_error *error) {
+    const int is_old = reader->version == 10;
+    int64_t n_tags = 2, tag;
+    if (!is_old && (io_integer(cursor, &n_tags) != 0 || n_tags < 0))
         return fail_element(reader, cursor->at, error);
     for (int64_t i = 0; i < n_tags; i++) {
         if (io_integer(cursor, &tag) != 0 || tag < INT32_MIN || tag > INT32_MAX)
@@ -132,7 +125,25 @@ static int read_element_text(const gmsh_reader *reader, io_cursor *cursor, struc
         else if (i == 1)
             element->owner.elementary = (int32_t)tag;
     }
+    if (is_old && (io_integer(cursor, &tag) != 0 || tag != element->type.nodes))
+        return fail_element(reader, cursor->at, error);
     return 0;
+}
+
+/* All of an element but its nodes. */
+static int read_element_text(const gmsh_reader *reader, io_cursor *cursor, struct element *element,
+                             planish_error *error) {
+    int64_t type;
+    io_skip_space(cursor);
+    element->at = cursor->at;
+    element->owner = (struct owner){0, 0, 0};
+    if (io_integer(cursor, &element->number) != 0 || io_integer(cursor, &type) != 0)
+        return fail_element(reader, cursor->at, error);
+    int status = gmsh_find_type(reader, type, element->at, &element->type, error);
+    if (status != 0)
+        return status;
+    element->owner.dim = element->type.dim;
+    return read_tags(reader, cursor, element, error);
 }
 
 static int fail_node(const gmsh_reader *reader, const char *at, int64_t number, int64_t node,
@@ -525,7 +536,7 @@ static int read_elements(gmsh_reader *reader, int64_t n) {
         return read_binary_elements(reader, n);
     const char *begin = reader->cursor.at;
     if (reader->text.threads > 1 && io_left(&reader->cursor) > WORTH_THREADS) {
-        const char *end = io_find_line(begin, reader->cursor.end, "$EndElements");
+        const char *end = io_find_line(begin, reader->cursor.end, "$");
         if (end - begin > WORTH_THREADS && read_text_elements(reader, n, end, 1) == 0)
             return 0;
         reader->cursor.at = begin;
@@ -549,13 +560,13 @@ int gmsh2_elements(gmsh_reader *reader) {
 }
 
 /* The transform of a periodic pair stands between its tags and its nodes, where there is one. */
-static void skip_affine(io_cursor *cursor) {
-    io_cursor ahead = *cursor;
+void gmsh_skip_affine(gmsh_reader *reader) {
+    io_cursor ahead = reader->cursor;
     int64_t length;
     const char *word = io_word(&ahead, &length);
     if (io_word_is(word, length, "Affine", 0)) {
         io_skip_line(&ahead);
-        *cursor = ahead;
+        reader->cursor = ahead;
     }
 }
 
@@ -567,7 +578,7 @@ int gmsh2_periodic(gmsh_reader *reader) {
             status = gmsh_take_text(reader, &value, "dimension and tags of a periodic entity");
         if (status != 0)
             return status;
-        skip_affine(&reader->cursor);
+        gmsh_skip_affine(reader);
         status = gmsh_take_text(reader, &n, "number of periodic nodes");
         if (status == 0 && (n < 0 || n > io_left(&reader->cursor) / 4 + 1))
             status =

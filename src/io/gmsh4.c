@@ -1,4 +1,9 @@
-/* gmsh4: entities, nodes, elements and periodic pairs of MSH 4.1, ASCII and binary.
+/* gmsh4: entities, nodes, elements and periodic pairs of MSH 4.1 and 4.0, ASCII and binary.
+ *
+ * MSH 4.0 differs in this: points have a box; sections of nodes and elements do not say their
+ * smallest and largest tag; a block has the entity before its dimension; the tag of a node stands
+ * before its coordinates, not apart; tags of nodes and elements, and counts of parts, are of 32
+ * bits in binary files; transforms of periodic pairs are marked by a word, or by a count of -1.
  *
  * Nodes and elements stand in blocks, one or more for each entity of the geometry; the physical
  * groups are those of the entities. Parametric nodes have up to three more numbers behind their
@@ -18,12 +23,28 @@
 #include "io/binary.h"
 
 enum {
-    NODE_TEXT = 7,        /* bytes of the shortest node: its tag and three coordinates */
-    NODE_SIZE = 4 * 8,    /* bytes of a node in a binary file, at least */
+    NODE_TEXT = 7,     /* bytes of the shortest node: its tag and three coordinates */
+    NODE_SIZE = 4 * 8, /* bytes of a node in a binary file, at least; of MSH 4.0: */
+    NODE_SIZE_40 = 4 + 3 * 8,
     ELEMENT_TEXT = 3,     /* bytes of the shortest element: its tag and a node */
-    ELEMENT_SIZE = 2 * 8, /* bytes of an element in a binary file, at least */
-    N_KINDS = 4           /* points, curves, surfaces, volumes */
+    ELEMENT_SIZE = 2 * 8, /* bytes of an element in a binary file, at least; of MSH 4.0: */
+    ELEMENT_SIZE_40 = 2 * 4,
+    N_KINDS = 4 /* points, curves, surfaces, volumes */
 };
+
+static int is_40(const gmsh_reader *reader) {
+    return reader->version == 40;
+}
+
+/* A count or tag that is of 32 bits in binary files of MSH 4.0. */
+static int take_short(gmsh_reader *reader, int64_t *value, const char *what) {
+    int32_t narrow = 0;
+    if (!is_40(reader))
+        return gmsh_take_size(reader, value, what);
+    const int status = gmsh_take_int(reader, &narrow, what);
+    *value = narrow;
+    return status;
+}
 
 /* ---- entities ----------------------------------------------------------------------------- */
 
@@ -69,7 +90,7 @@ static int take_list(gmsh_reader *reader, int64_t n, int32_t **list) {
 static int take_description(gmsh_reader *reader, int dim, int32_t tag, int32_t *entity) {
     int64_t n_physical, n_boundary;
     int32_t *physical, ignored;
-    int status = gmsh_skip_reals(reader, dim == 0 ? 3 : 6, "box of an entity");
+    int status = gmsh_skip_reals(reader, dim == 0 && !is_40(reader) ? 3 : 6, "box of an entity");
     if (status == 0)
         status = gmsh_take_size(reader, &n_physical, "number of physical groups");
     if (status != 0)
@@ -137,7 +158,7 @@ static int read_partitioned(gmsh_reader *reader, int dim) {
     if (status == 0)
         status = gmsh_take_int(reader, &parent_tag, "tag of a parent entity");
     if (status == 0)
-        status = gmsh_take_size(reader, &n_parts, "number of parts");
+        status = take_short(reader, &n_parts, "number of parts");
     for (int64_t i = 0; status == 0 && i < n_parts; i++)
         status = gmsh_take_int(reader, &part, "part");
     if (status != 0)
@@ -153,9 +174,9 @@ int gmsh4_partitioned_entities(gmsh_reader *reader) {
     int32_t ignored;
     int status = reader->binary ? gmsh_end_line(reader) : 0;
     if (status == 0)
-        status = gmsh_take_size(reader, &n_parts, "number of parts");
+        status = take_short(reader, &n_parts, "number of parts");
     if (status == 0)
-        status = gmsh_take_size(reader, &n_ghosts, "number of ghost entities");
+        status = take_short(reader, &n_ghosts, "number of ghost entities");
     for (int64_t i = 0; status == 0 && i < n_ghosts; i++) {
         status = gmsh_take_int(reader, &ignored, "tag of a ghost entity");
         if (status == 0)
@@ -168,7 +189,7 @@ int gmsh4_partitioned_entities(gmsh_reader *reader) {
 
 /* The head of a section and of each of its blocks. kind: parametric, or the element type. */
 typedef struct section_head {
-    int64_t n_blocks, n, min_tag, max_tag;
+    int64_t n_blocks, n;
 } section_head;
 
 typedef struct block_head {
@@ -178,15 +199,16 @@ typedef struct block_head {
 } block_head;
 
 static int take_section_head(gmsh_reader *reader, section_head *head) {
+    int64_t ignored;
     int status = reader->binary ? gmsh_end_line(reader) : 0;
     if (status == 0)
         status = gmsh_take_size(reader, &head->n_blocks, "number of blocks");
     if (status == 0)
         status = gmsh_take_size(reader, &head->n, "number of nodes or elements");
-    if (status == 0)
-        status = gmsh_take_size(reader, &head->min_tag, "smallest tag");
-    if (status == 0)
-        status = gmsh_take_size(reader, &head->max_tag, "largest tag");
+    if (status == 0 && !is_40(reader))
+        status = gmsh_take_size(reader, &ignored, "smallest tag");
+    if (status == 0 && !is_40(reader))
+        status = gmsh_take_size(reader, &ignored, "largest tag");
     return status;
 }
 
@@ -197,9 +219,11 @@ static int take_block_head(gmsh_reader *reader, const section_head *section, int
     if (!reader->binary)
         io_skip_space(&reader->cursor);
     head->at = reader->cursor.at;
-    status = gmsh_take_int(reader, &head->dim, "dimension of a block");
+    status = gmsh_take_int(reader, is_40(reader) ? &head->tag : &head->dim,
+                           "dimension and entity of a block");
     if (status == 0)
-        status = gmsh_take_int(reader, &head->tag, "entity of a block");
+        status = gmsh_take_int(reader, is_40(reader) ? &head->dim : &head->tag,
+                               "dimension and entity of a block");
     if (status == 0)
         status = gmsh_take_int(reader, &head->kind, "kind of a block");
     if (status == 0)
@@ -245,6 +269,8 @@ static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int
     const node_block *block = context;
     double ignored;
     for (int64_t i = begin; i < end; i++) {
+        if (is_40(block->reader) && read_text_tags(context, cursor, i, i + 1, error) != 0)
+            return PLANISH_ERROR_FORMAT;
         int status = io_read_point(block->reader->model, cursor, block->first + i, error);
         if (status != 0)
             return status;
@@ -266,11 +292,24 @@ static int read_binary_tags(void *context, io_cursor *cursor, int64_t begin, int
     return 0;
 }
 
+/* Bytes before the coordinates of a node, and in all. */
+static int64_t tag_size(const gmsh_reader *reader) {
+    return is_40(reader) ? 4 : 0;
+}
+
+static int64_t point_size(const node_block *block) {
+    return tag_size(block->reader) + 8 * (3 + block->extra);
+}
+
 static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                               planish_error *error) {
     const node_block *block = context;
-    for (int64_t i = begin; i < end; i++, cursor->at += 8 * (3 + block->extra)) {
-        int status = gmsh_load_point(block->reader, cursor->at, block->first + i, error);
+    const gmsh_reader *reader = block->reader;
+    for (int64_t i = begin; i < end; i++, cursor->at += point_size(block)) {
+        if (is_40(reader))
+            reader->model->node_number[block->first + i] = io_load_i32(cursor->at, reader->swapped);
+        int status =
+            gmsh_load_point(reader, cursor->at + tag_size(reader), block->first + i, error);
         if (status != 0)
             return status;
     }
@@ -278,32 +317,37 @@ static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, i
 }
 
 static int read_text_block(gmsh_reader *reader, node_block *block, int64_t n) {
-    int status =
-        io_text_records(&reader->text, &reader->cursor, n, 1, read_text_tags, block, reader->error);
+    int status = 0;
+    if (!is_40(reader))
+        status = io_text_records(&reader->text, &reader->cursor, n, 1, read_text_tags, block,
+                                 reader->error);
     if (status == 0)
-        status = io_text_records(&reader->text, &reader->cursor, n, 3 + block->extra,
-                                 read_text_points, block, reader->error);
+        status =
+            io_text_records(&reader->text, &reader->cursor, n, is_40(reader) + 3 + block->extra,
+                            read_text_points, block, reader->error);
     return status;
 }
 
 static int read_binary_block(gmsh_reader *reader, node_block *block, int64_t n) {
     io_model *model = reader->model;
     io_cursor *cursor = &reader->cursor;
-    int64_t size = 8 * (3 + block->extra);
+    const int64_t size = point_size(block), apart = is_40(reader) ? 0 : 8;
     if (n == 0)
         return 0;
-    if (n > io_left(cursor) / (8 + size))
+    if (n > io_left(cursor) / (apart + size))
         return gmsh_fail(reader, cursor->at, reader->error,
                          "%lld nodes cannot be in the rest of the file", (long long)n);
-    int status =
-        io_binary_records(model->threads, cursor, n, 8, read_binary_tags, block, reader->error);
+    int status = 0;
+    if (apart > 0)
+        status = io_binary_records(model->threads, cursor, n, apart, read_binary_tags, block,
+                                   reader->error);
     if (status != 0)
         return status;
     io_span span = {.first_node = block->first,
                     .n_nodes = n,
                     .encoding = IO_FLOAT64,
                     .swapped = reader->swapped,
-                    .offset = cursor->at - model->input.data,
+                    .offset = cursor->at - model->input.data + tag_size(reader),
                     .stride = size};
     status = io_model_span(model, span, reader->error);
     if (status == 0)
@@ -318,7 +362,8 @@ int gmsh4_nodes(gmsh_reader *reader) {
     int64_t done = 0;
     int status = take_section_head(reader, &section);
     if (status == 0)
-        status = gmsh_make_nodes(reader, section.n, NODE_TEXT, NODE_SIZE);
+        status =
+            gmsh_make_nodes(reader, section.n, NODE_TEXT, is_40(reader) ? NODE_SIZE_40 : NODE_SIZE);
     for (int64_t i = 0; status == 0 && i < section.n_blocks; i++) {
         status = take_block_head(reader, &section, done, &head);
         if (status != 0)
@@ -384,15 +429,25 @@ static int read_text_elements(void *context, io_cursor *cursor, int64_t begin, i
     return 0;
 }
 
+/* Bytes of a tag among elements. */
+static int64_t number_size(const gmsh_reader *reader) {
+    return is_40(reader) ? 4 : 8;
+}
+
+static int64_t load_number(const gmsh_reader *reader, const char *at) {
+    return is_40(reader) ? io_load_i32(at, reader->swapped) : io_load_i64(at, reader->swapped);
+}
+
 static int read_binary_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                                 planish_error *error) {
     const element_block *block = context;
-    int swapped = block->reader->swapped;
+    const gmsh_reader *reader = block->reader;
+    const int64_t size = number_size(reader);
     for (int64_t index = block->first + begin; index < block->first + end; index++) {
-        put_number(block, index, io_load_i64(cursor->at, swapped));
-        cursor->at += 8;
-        for (int i = 0; i < block->type.nodes; i++, cursor->at += 8)
-            if (put_node(block, cursor->at, index, i, io_load_i64(cursor->at, swapped), error) != 0)
+        put_number(block, index, load_number(reader, cursor->at));
+        cursor->at += size;
+        for (int i = 0; i < block->type.nodes; i++, cursor->at += size)
+            if (put_node(block, cursor->at, index, i, load_number(reader, cursor->at), error) != 0)
                 return PLANISH_ERROR_FORMAT;
     }
     return 0;
@@ -405,8 +460,9 @@ static int open_block(gmsh_reader *reader, const block_head *head, element_block
     int interface = place != NULL && place->interface;
     int status = gmsh_find_type(reader, head->kind, head->at, &block->type, reader->error);
     if (status == 0)
-        status = gmsh_check_count(reader, head->n, 2 * (1 + block->type.nodes),
-                                  8 * (1 + block->type.nodes), "elements of a block");
+        status =
+            gmsh_check_count(reader, head->n, 2 * (1 + block->type.nodes),
+                             number_size(reader) * (1 + block->type.nodes), "elements of a block");
     if (status != 0)
         return status;
     block->reader = reader;
@@ -432,8 +488,9 @@ static int read_elements(gmsh_reader *reader, const block_head *head) {
     int status = open_block(reader, head, &block);
     int width = 1 + block.type.nodes;
     if (status == 0 && reader->binary)
-        status = io_binary_records(reader->model->threads, &reader->cursor, head->n, 8 * width,
-                                   read_binary_elements, &block, reader->error);
+        status = io_binary_records(reader->model->threads, &reader->cursor, head->n,
+                                   number_size(reader) * width, read_binary_elements, &block,
+                                   reader->error);
     else if (status == 0)
         status = io_text_records(&reader->text, &reader->cursor, head->n, width, read_text_elements,
                                  &block, reader->error);
@@ -450,7 +507,8 @@ int gmsh4_elements(gmsh_reader *reader) {
     if (status == 0 && reader->have_elements)
         status = gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Elements");
     if (status == 0)
-        status = gmsh_check_count(reader, section.n, ELEMENT_TEXT, ELEMENT_SIZE, "elements");
+        status = gmsh_check_count(reader, section.n, ELEMENT_TEXT,
+                                  is_40(reader) ? ELEMENT_SIZE_40 : ELEMENT_SIZE, "elements");
     reader->have_elements = 1;
     for (int64_t i = 0; status == 0 && i < section.n_blocks; i++) {
         status = take_block_head(reader, &section, done, &head);
@@ -463,29 +521,45 @@ int gmsh4_elements(gmsh_reader *reader) {
 
 /* ---- periodic pairs ----------------------------------------------------------------------- */
 
+/* Over the transform; *n: the number of pairs, which follows. */
+static int skip_transform(gmsh_reader *reader, int64_t *n) {
+    int status = gmsh_take_size(reader, n, "size of a periodic transform");
+    if (status == 0)
+        status = gmsh_skip_reals(reader, *n, "periodic transform");
+    return status != 0 ? status : gmsh_take_size(reader, n, "number of periodic nodes");
+}
+
+/* The same in MSH 4.0: a word or a count below 0, and 16 numbers, where there is a transform. */
+static int skip_transform_40(gmsh_reader *reader, int64_t *n) {
+    enum { TRANSFORM = 16 };
+    gmsh_skip_affine(reader);
+    int status = gmsh_take_size(reader, n, "number of periodic nodes");
+    if (status != 0 || *n >= 0 || !reader->binary)
+        return status;
+    status = gmsh_skip_reals(reader, TRANSFORM, "periodic transform");
+    return status != 0 ? status : gmsh_take_size(reader, n, "number of periodic nodes");
+}
+
 /* One pair of entities: dimension and tags, transform, pairs of nodes. */
 static int read_link(gmsh_reader *reader) {
+    const int number_bytes = !reader->binary ? 0 : is_40(reader) ? 4 : 8;
     int32_t ignored;
     int64_t n;
     int status = 0;
     for (int i = 0; status == 0 && i < 3; i++)
         status = gmsh_take_int(reader, &ignored, "dimension and tags of a periodic entity");
     if (status == 0)
-        status = gmsh_take_size(reader, &n, "size of a periodic transform");
+        status = is_40(reader) ? skip_transform_40(reader, &n) : skip_transform(reader, &n);
     if (status == 0)
-        status = gmsh_skip_reals(reader, n, "periodic transform");
-    if (status == 0)
-        status = gmsh_take_size(reader, &n, "number of periodic nodes");
-    if (status == 0)
-        status = gmsh_check_count(reader, n, 4, 2 * 8, "periodic nodes");
-    return status != 0 ? status : gmsh_hold_pairs(reader, n, reader->binary);
+        status = gmsh_check_count(reader, n, 4, 2 * number_size(reader), "periodic nodes");
+    return status != 0 ? status : gmsh_hold_pairs(reader, n, number_bytes);
 }
 
 int gmsh4_periodic(gmsh_reader *reader) {
     int64_t links;
     int status = reader->binary ? gmsh_end_line(reader) : 0;
     if (status == 0)
-        status = gmsh_take_size(reader, &links, "number of periodic entities");
+        status = take_short(reader, &links, "number of periodic entities");
     for (int64_t i = 0; status == 0 && i < links; i++)
         status = read_link(reader);
     return status;

@@ -23,6 +23,7 @@ struct variant {
     int sparse;     /* node tags 1000, 990, 980, ...; else 1, 2, 3, ... */
     int parametric; /* MSH 4: u (and v) behind the coordinates of nodes on lines and surfaces */
     int wrap;       /* as in file_builder */
+    int is_40;      /* MSH 4: 4.0, not 4.1 */
 };
 
 static int64_t node_tag(const struct variant *variant, int node) {
@@ -85,6 +86,40 @@ static file_builder make_msh2(const struct variant *variant, int64_t *place) {
     return file;
 }
 
+/* An element of MSH 1: number, type, groups, number of nodes, nodes. */
+static void put_element1(file_builder *file, const struct variant *variant, int type, int number,
+                         int physical, int elementary, int n, const int *nodes) {
+    const int head[] = {number, type, physical, elementary, n};
+    for (int i = 0; i < 5; i++)
+        builder_integer(file, head[i], 4);
+    for (int i = 0; i < n; i++)
+        builder_integer(file, node_tag(variant, nodes[i]), 4);
+    builder_line(file);
+}
+
+/* MSH 1 has neither a header nor names or pairs: the reader takes what else it finds. */
+static file_builder make_msh1(const struct variant *variant, int64_t *place) {
+    file_builder file = {.wrap = variant->wrap};
+    builder_text(&file, "$NOD\n%d\n", N_NODES);
+    for (int i = 0; i < N_NODES; i++) {
+        builder_integer(&file, node_tag(variant, i), 4);
+        place[i] = builder_place(&file);
+        for (int d = 0; d < 3; d++)
+            builder_real(&file, points[i][d], 8);
+        builder_line(&file);
+    }
+    builder_text(&file, "\n$ENDNOD\n$ELM\n7\n");
+    put_element1(&file, variant, 15, 1, 0, 1, 1, (int[]){0});
+    put_element1(&file, variant, 1, 2, 0, 2, 2, (int[]){0, 1});
+    put_element1(&file, variant, 2, 3, 8, 3, 3, (int[]){0, 1, 2});
+    for (int i = 0; i < 4; i++)
+        put_element1(&file, variant, 4, 10 + i * i, 7, i < 3 ? 4 : 5, 4, tets[i]);
+    builder_text(&file, "\n$ENDELM\n$Periodic\n1\n2 1 2\n1\n%d %d\n$EndPeriodic\n",
+                 (int)node_tag(variant, 3), (int)node_tag(variant, FAR));
+    builder_text(&file, "$PhysicalNames\n2\n3 7 \"the part\"\n2 8 \"skin\"\n$EndPhysicalNames\n");
+    return file;
+}
+
 /* $Entities: a curve, a surface of the skin, two volumes of the part. */
 static void put_entity(file_builder *file, int tag, int physical) {
     builder_integer(file, tag, 4);
@@ -106,9 +141,10 @@ static void put_sizes(file_builder *file, int64_t a, int64_t b, int64_t c, int64
     builder_line(file);
 }
 
-static void put_head(file_builder *file, int dim, int tag, int kind, int64_t n) {
-    builder_integer(file, dim, 4);
-    builder_integer(file, tag, 4);
+static void put_head(file_builder *file, const struct variant *variant, int dim, int tag, int kind,
+                     int64_t n) {
+    builder_integer(file, variant->is_40 ? tag : dim, 4);
+    builder_integer(file, variant->is_40 ? dim : tag, 4);
     builder_integer(file, kind, 4);
     builder_integer(file, n, 8);
     builder_line(file);
@@ -118,12 +154,14 @@ static void put_head(file_builder *file, int dim, int tag, int kind, int64_t n) 
 static void put_nodes4(file_builder *file, const struct variant *variant, int dim, int first, int n,
                        int64_t *place) {
     int extra = variant->parametric ? dim : 0;
-    put_head(file, dim, dim + 1, variant->parametric, n);
-    for (int i = first; i < first + n; i++) {
+    put_head(file, variant, dim, dim + 1, variant->parametric, n);
+    for (int i = first; i < first + n && !variant->is_40; i++) {
         builder_integer(file, node_tag(variant, i), 8);
         builder_line(file);
     }
     for (int i = first; i < first + n; i++) {
+        if (variant->is_40)
+            builder_integer(file, node_tag(variant, i), 4);
         place[i] = builder_place(file);
         for (int d = 0; d < 3; d++)
             builder_real(file, points[i][d], 8);
@@ -135,54 +173,89 @@ static void put_nodes4(file_builder *file, const struct variant *variant, int di
 
 static void put_element4(file_builder *file, const struct variant *variant, int number, int n,
                          const int *nodes) {
-    builder_integer(file, number, 8);
+    const int size = variant->is_40 ? 4 : 8;
+    builder_integer(file, number, size);
     for (int i = 0; i < n; i++)
-        builder_integer(file, node_tag(variant, nodes[i]), 8);
+        builder_integer(file, node_tag(variant, nodes[i]), size);
+    builder_line(file);
+}
+
+/* The numbers of blocks and of what is in them; MSH 4.1: and tags. */
+static void put_section(file_builder *file, const struct variant *variant, int blocks, int n) {
+    builder_integer(file, blocks, 8);
+    builder_integer(file, n, 8);
+    builder_line(file);
+    for (int i = 0; i < 2 && !variant->is_40; i++)
+        builder_integer(file, i == 0 ? 1 : 1000, 8);
     builder_line(file);
 }
 
 static void put_elements4(file_builder *file, const struct variant *variant) {
     builder_text(file, "\n$EndNodes\n$Elements\n");
-    put_sizes(file, 5, 7, 1, 19);
-    put_head(file, 0, 1, 15, 1);
+    put_section(file, variant, 5, 7);
+    put_head(file, variant, 0, 1, 15, 1);
     put_element4(file, variant, 1, 1, (int[]){0});
-    put_head(file, 1, 2, 1, 1);
+    put_head(file, variant, 1, 2, 1, 1);
     put_element4(file, variant, 2, 2, (int[]){0, 1});
-    put_head(file, 2, 3, 2, 1);
+    put_head(file, variant, 2, 3, 2, 1);
     put_element4(file, variant, 3, 3, (int[]){0, 1, 2});
-    put_head(file, 3, 4, 4, 3);
+    put_head(file, variant, 3, 4, 4, 3);
     for (int i = 0; i < 3; i++)
         put_element4(file, variant, 10 + i * i, 4, tets[i]);
-    put_head(file, 3, 5, 4, 1);
+    put_head(file, variant, 3, 5, 4, 1);
     put_element4(file, variant, 19, 4, tets[3]);
 }
 
+/* An entity that is a point: in MSH 4.0 it has a box, too. */
+static void put_point_entity(file_builder *file, const struct variant *variant) {
+    builder_integer(file, 1, 4);
+    for (int i = 0; i < (variant->is_40 ? 6 : 3); i++)
+        builder_real(file, i, 8);
+    builder_integer(file, 0, 8);
+    builder_line(file);
+}
+
+/* A pair of surfaces with a transform, and one pair of nodes. */
+static void put_periodic4(file_builder *file, const struct variant *variant) {
+    const int size = variant->is_40 ? 4 : 8;
+    builder_integer(file, 1, size);
+    for (int i = 0; i < 3; i++)
+        builder_integer(file, (const int[]){2, 1, 2}[i], 4);
+    if (!variant->is_40)
+        builder_integer(file, 16, 8);
+    else if (variant->binary)
+        builder_integer(file, -1, 8);
+    else
+        builder_text(file, "\nAffine ");
+    const int wrap = file->wrap; /* the word and its numbers are one line */
+    file->wrap = variant->is_40 ? 0 : wrap;
+    for (int i = 0; i < 16; i++)
+        builder_real(file, i % 5 == 0, 8);
+    builder_line(file);
+    file->wrap = wrap;
+    builder_integer(file, 1, 8);
+    builder_integer(file, node_tag(variant, 3), size);
+    builder_integer(file, node_tag(variant, FAR), size);
+}
+
 static file_builder make_msh4(const struct variant *variant, int64_t *place) {
-    file_builder file = begin_file(variant, "4.1");
+    file_builder file = begin_file(variant, variant->is_40 ? "4" : "4.1");
     builder_text(&file, "$Entities\n");
-    put_sizes(&file, 0, 1, 1, 2);
+    put_sizes(&file, 1, 1, 1, 2);
+    put_point_entity(&file, variant);
     put_entity(&file, 2, 0);
     put_entity(&file, 3, -8);
     put_entity(&file, 4, 7);
     put_entity(&file, 5, 7);
     builder_text(&file, "\n$EndEntities\n$Nodes\n");
-    put_sizes(&file, 4, N_NODES, 1, 1000);
+    put_section(&file, variant, 4, N_NODES);
     put_nodes4(&file, variant, 1, 0, 2, place);
     put_nodes4(&file, variant, 2, 2, 2, place);
     put_nodes4(&file, variant, 0, 4, 0, place);
     put_nodes4(&file, variant, 3, 4, 2, place);
     put_elements4(&file, variant);
     builder_text(&file, "\n$EndElements\n$Periodic\n");
-    builder_integer(&file, 1, 8);
-    builder_integer(&file, 2, 4);
-    builder_integer(&file, 1, 4);
-    builder_integer(&file, 2, 4);
-    builder_integer(&file, 16, 8);
-    for (int i = 0; i < 16; i++)
-        builder_real(&file, i % 5 == 0, 8);
-    builder_integer(&file, 1, 8);
-    builder_integer(&file, node_tag(variant, 3), 8);
-    builder_integer(&file, node_tag(variant, FAR), 8);
+    put_periodic4(&file, variant);
     builder_text(&file, "\n$EndPeriodic\n");
     return file;
 }
@@ -280,16 +353,40 @@ static void check_variants(make_fn *make, int n, const struct variant *variants)
 
 static void test_msh2(void **state) {
     (void)state;
-    const struct variant variants[] = {
-        {0, 0, 0, 0, 0}, {0, 0, 1, 0, 0}, {1, 0, 0, 0, 0}, {1, 1, 1, 0, 0}, {0, 0, 1, 0, 5}};
+    const struct variant variants[] = {{.binary = 0},
+                                       {.sparse = 1},
+                                       {.binary = 1},
+                                       {.binary = 1, .swapped = 1, .sparse = 1},
+                                       {.sparse = 1, .wrap = 5}};
     check_variants(make_msh2, 5, variants);
+}
+
+static void test_msh1(void **state) {
+    (void)state;
+    const struct variant variants[] = {{.sparse = 0}, {.sparse = 1}, {.sparse = 1, .wrap = 5}};
+    check_variants(make_msh1, 3, variants);
+}
+
+static void test_msh40(void **state) {
+    (void)state;
+    const struct variant variants[] = {{.is_40 = 1},
+                                       {.is_40 = 1, .sparse = 1, .wrap = 7},
+                                       {.is_40 = 1, .binary = 1},
+                                       {.is_40 = 1, .binary = 1, .swapped = 1, .sparse = 1},
+                                       {.is_40 = 1, .parametric = 1},
+                                       {.is_40 = 1, .parametric = 1, .binary = 1}};
+    check_variants(make_msh4, 6, variants);
 }
 
 static void test_msh4(void **state) {
     (void)state;
-    const struct variant variants[] = {{0, 0, 0, 0, 0}, {0, 0, 1, 0, 0}, {1, 0, 0, 0, 0},
-                                       {1, 1, 1, 0, 0}, {0, 0, 0, 1, 0}, {1, 0, 1, 1, 0},
-                                       {0, 0, 1, 1, 7}};
+    const struct variant variants[] = {{.binary = 0},
+                                       {.sparse = 1},
+                                       {.binary = 1},
+                                       {.binary = 1, .swapped = 1, .sparse = 1},
+                                       {.parametric = 1},
+                                       {.binary = 1, .sparse = 1, .parametric = 1},
+                                       {.sparse = 1, .parametric = 1, .wrap = 7}};
     check_variants(make_msh4, 7, variants);
 }
 
@@ -457,23 +554,25 @@ static void test_large_msh2(void **state) {
     }
 }
 
-static void test_large_msh4(void **state) {
-    (void)state;
+static void check_large_msh4(const struct variant *variant) {
     for (int wrap = 0; wrap <= 11; wrap += 11) {
         file_builder file = {.wrap = wrap};
         int n = 2 * (SIDE - 1) * (SIDE - 1);
-        builder_text(&file, "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n");
-        put_sizes(&file, 1, SIDE * SIDE, 1, 3 * SIDE * SIDE);
-        put_head(&file, 2, 1, 0, SIDE * SIDE);
-        for (int i = 0; i < SIDE * SIDE; i++) {
+        builder_text(&file, "$MeshFormat\n4.%d 0 8\n$EndMeshFormat\n$Nodes\n", !variant->is_40);
+        put_section(&file, variant, 1, SIDE * SIDE);
+        put_head(&file, variant, 2, 1, 0, SIDE * SIDE);
+        for (int i = 0; i < SIDE * SIDE && !variant->is_40; i++) {
             builder_integer(&file, 3 * (i + 1), 8);
             builder_line(&file);
         }
-        for (int i = 0; i < SIDE * SIDE; i++)
+        for (int i = 0; i < SIDE * SIDE; i++) {
+            if (variant->is_40)
+                builder_integer(&file, 3 * (i + 1), 8);
             put_grid_point(&file, i);
+        }
         builder_text(&file, "\n$EndNodes\n$Elements\n");
-        put_sizes(&file, 1, n, 0, 7 * n);
-        put_head(&file, 2, 1, 2, n);
+        put_section(&file, variant, 1, n);
+        put_head(&file, variant, 2, 1, 2, n);
         for (int i = 0; i < n; i++) {
             builder_integer(&file, 7 * i, 8);
             put_grid_triangle(&file, i);
@@ -494,21 +593,156 @@ static void test_large_msh4(void **state) {
     }
 }
 
+static void test_large_msh4(void **state) {
+    (void)state;
+    const struct variant variants[] = {{.is_40 = 0}, {.is_40 = 1}};
+    for (int i = 0; i < 2; i++)
+        check_large_msh4(&variants[i]);
+}
+
+/* ---- names and data ----------------------------------------------------------------------- */
+
+#define SQUARE                                                                                     \
+    "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n$EndNodes\n$Elements\n3\n1 1 2 7 1 1 2\n"      \
+    "2 2 2 7 1 1 2 3\n3 2 2 8 1 1 3 4\n$EndElements\n"
+
+static void expect_group(const io_model *model, int index, int dim, int tag, const char *name) {
+    assert_true(index < model->n_groups);
+    assert_int_equal(model->group[index].dim, dim);
+    assert_int_equal(model->group[index].tag, tag);
+    assert_string_equal(model->group[index].name, name);
+}
+
+/* MSH 2.0 names have no dimension: they are of all dimensions that have the number. */
+static void test_names_without_dimension(void **state) {
+    (void)state;
+    static const char *const texts[] = {
+        "$MeshFormat\n2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n7 \"a b\"\n 8 \"c\" of 2.0\n"
+        "9 \"no such\"\n$EndPhysicalNames\n" SQUARE,
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n-1 7 \"a b\" 5 6\n-1 8\"c\"\r\n"
+        "-1 9 \"no such\"\n$EndPhysicalNames\n" SQUARE};
+    for (int i = 0; i < 2; i++) {
+        planish_file *file;
+        read_text(texts[i], &file);
+        assert_int_equal(file->model.n_groups, 4);
+        expect_group(&file->model, 0, 1, 7, "a b");
+        expect_group(&file->model, 1, 2, 8, "c");
+        expect_group(&file->model, 2, 2, 9, "no such");
+        expect_group(&file->model, 3, 2, 7, "a b");
+        planish_file_close(file);
+        file_builder builder = {.data = (char *)(uintptr_t)texts[i],
+                                .size = (int64_t)strlen(texts[i])};
+        builder_try_to_break(&builder, &io_format_gmsh);
+    }
+}
+
+/* A line without quotes has no name, as for Gmsh. */
+static void test_lines_without_names(void **state) {
+    (void)state;
+    planish_file *file;
+    read_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 7\n\n2 8 word\n"
+              "2 9 \"$EndPhysicalNames\" \"more\"\n$EndPhysicalNames\n" SQUARE,
+              &file);
+    assert_int_equal(file->model.n_groups, 1);
+    expect_group(&file->model, 0, 2, 9, "$EndPhysicalNames");
+    planish_file_close(file);
+}
+
+/* Values whose bytes are the mark of the section's end; tail: what stands before the true one. */
+static void put_data(file_builder *file, const char *name, int with_nodes, const char *tail) {
+    static const char lie[] = "\n$EndElementData\n$Nodes\n\n";
+    builder_text(file, "$%s\n1\n\"some values\"\n1\n0.0\n4\n0\n3\n2\n0\n", name);
+    for (int i = 0; i < 2; i++) {
+        builder_integer(file, i + 1, 4);
+        if (with_nodes)
+            builder_integer(file, 1, 4);
+        builder_text(file, "%.24s", lie);
+    }
+    builder_text(file, "%s$End%s\n", tail, name);
+}
+
+static file_builder make_with_data(const struct variant *variant, const char *tail,
+                                   int64_t *place) {
+    file_builder file = make_msh2(variant, place);
+    put_data(&file, "ElementData", 0, tail);
+    put_data(&file, "NodeData", 0, tail);
+    put_data(&file, "ElementNodeData", 1, tail);
+    builder_text(&file, "$Periodic\n0\n$EndPeriodic\n");
+    return file;
+}
+
+/* Binary data are passed over by their count: others than Gmsh end no line behind them. */
+static void test_binary_data(void **state) {
+    (void)state;
+    for (int swapped = 0; swapped < 2; swapped++)
+        for (int i = 0; i < 2; i++) {
+            int64_t place[N_NODES];
+            planish_file *file;
+            planish_error error = {0};
+            const struct variant variant = {.binary = 1, .swapped = swapped};
+            file_builder builder = make_with_data(&variant, i == 0 ? "" : "\n", place);
+            if (builder_read(&builder, &io_format_gmsh, 1, &file, &error) != 0)
+                fail_msg("%s", error.text);
+            expect_mesh(file, &variant);
+            expect_places(&file->model, &variant, place);
+            planish_file_close(file);
+            builder_try_to_break(&builder, &io_format_gmsh);
+            builder_release(&builder);
+        }
+}
+
+/* Counts that lie: the end of the section is looked for instead. */
+static void test_binary_data_that_lie(void **state) {
+    (void)state;
+    static const char *const heads[] = {"1\n\"x\"\n1\n0\n3\n0\n1\n4611686018427387904\n",
+                                        "1\n\"x\"\n1\n0\n3\n0\n-1\n1\n",
+                                        "1\n\"x\"\n1\n0\n2\n0\n1\n",
+                                        "99999999\n",
+                                        "-3\n",
+                                        "1\n\"x\"\n1\n0\n3\n0\n2147483647\n1\n"};
+    for (size_t i = 0; i < sizeof heads / sizeof heads[0]; i++) {
+        int64_t place[N_NODES];
+        planish_file *file;
+        planish_error error = {0};
+        const struct variant variant = {.binary = 1};
+        file_builder builder = make_msh2(&variant, place);
+        builder_text(&builder, "$ElementNodeData\n%sabcdefgh", heads[i]);
+        builder_integer(&builder, -1, 4);
+        builder_text(&builder, "\n$EndElementNodeData\n");
+        if (builder_read(&builder, &io_format_gmsh, 1, &file, &error) != 0)
+            fail_msg("%s", error.text);
+        planish_file_close(file);
+        builder_try_to_break(&builder, &io_format_gmsh);
+        builder_release(&builder);
+    }
+}
+
 /* ---- bad files ---------------------------------------------------------------------------- */
 
-#define HEAD   "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
-#define HEAD4  "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
-#define NODES  "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
-#define NODES4 "$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n"
+#define HEAD      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"
+#define HEAD4     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n"
+#define OLD_NODES "$NOD\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$ENDNOD\n"
+#define NODES     "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n$EndNodes\n"
+#define NODES4    "$Nodes\n1 3 1 3\n2 1 0 3\n1\n2\n3\n0 0 0\n1 0 0\n0 1 0\n$EndNodes\n"
 
 static void test_errors(void **state) {
     (void)state;
     const struct {
         const char *text, *part;
     } cases[] = {
-        {"$NOD\n1\n", "MSH version 1"},
-        {"$MeshFormat\n4 0 8\n", "gmsh IN.msh -0 -format msh41"},
-        {"$MeshFormat\n3.0 0 8\n", "version 3"},
+        {"$NOD\n1\n", "1 nodes cannot be"},
+        {"$NOD\n1\n1 0 0 0\n$EndNodes\n", "$ENDNOD expected"},
+        {"$ELM\n1\n", "$ELM stands before $Nodes"},
+        {OLD_NODES "$ELM\n1\n1 4 7 1 3 1 2 3 4\n$ENDELM\n", "element"},
+        {OLD_NODES "$ELM\n1\n1 4 7 1 4 1 2 3\n$ENDELM\n", "element"},
+        {OLD_NODES "$ELM\n2\n1 4 7 1 4 1 2 3 4\n$ENDELM\n", "element"},
+        {OLD_NODES, "without $Elements"},
+        {"$MeshFormat\n3.0 0 8\n", "gmsh IN.msh -0 -format msh41"},
+        {"$MeshFormat\n4.2 0 8\n", "version 4.2"},
+        {HEAD "$PhysicalNames\n2\n2 1 \"a\"\n$EndPhysicalNames\n", "number of names is wrong"},
+        {HEAD "$PhysicalNames\n1\n2 1 \"a\n$EndPhysicalNames\n", "file:6: closing quote"},
+        {HEAD "$PhysicalNames\n1\n-2 1 \"a\"\n", "dimension -2"},
+        {HEAD "$PhysicalNames\n1\nsteel\n", "file:6: dimension, number and name"},
         {"$MeshFormat\n2.2 0 4\n", "data size 4"},
         {"$MeshFormat\n2.2 0 8\n", "file:3: $EndMeshFormat expected"},
         {HEAD, "without $Nodes"},
@@ -611,7 +845,13 @@ static void test_real_files(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_msh2),
+        cmocka_unit_test(test_msh1),
+        cmocka_unit_test(test_msh40),
         cmocka_unit_test(test_msh4),
+        cmocka_unit_test(test_names_without_dimension),
+        cmocka_unit_test(test_lines_without_names),
+        cmocka_unit_test(test_binary_data),
+        cmocka_unit_test(test_binary_data_that_lie),
         cmocka_unit_test(test_plane_mesh),
         cmocka_unit_test(test_noise_of_a_plane),
         cmocka_unit_test(test_other_elements_hold),
