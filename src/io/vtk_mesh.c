@@ -259,7 +259,8 @@ int vtk_cell_types(vtk_reader *reader) {
                             .n_connectivity = reader->n_connectivity,
                             .offset = reader->offset,
                             .type = reader->type,
-                            .n_points = reader->model->n_nodes};
+                            .n_points = reader->model->n_nodes,
+                            .has_streams = 1};
     if (status == 0)
         status = vtk_cells_store(reader->model, &cells, reader->error);
     reader->have_types = 1;

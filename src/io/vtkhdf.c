@@ -169,6 +169,45 @@ static int store_partition(reader *r, int64_t partition, vtk_grid *grid, int64_t
     return status;
 }
 
+/** Of polyhedra the nodes of all faces, which count from the first point of their partition. */
+static int hold_faces(reader *r, const io_hdf5_integers *counts, const io_hdf5_integers *nodes) {
+    static const char path[] = GRID "/FaceConnectivity";
+    int64_t first = 0, first_point = 0;
+    if (counts->n != r->points.n)
+        return io_hdf5_fail(r->file, GRID "/NumberOfFaceConnectivityIds",
+                            "%lld partitions, and %lld of points", (long long)counts->n,
+                            (long long)r->points.n);
+    int status = check_sum(r, path, counts, 0, nodes->n);
+    for (int64_t i = 0; i < counts->n && !status; i++) {
+        const int64_t n = io_hdf5_integer(counts, i), n_points = io_hdf5_integer(&r->points, i);
+        for (int64_t k = 0; k < n && !status; k++) {
+            const int64_t node = io_hdf5_integer(nodes, first + k);
+            if (node < 0 || node >= n_points)
+                status = io_hdf5_fail(r->file, path, "a node is not among the points: %lld",
+                                      (long long)node);
+            else
+                io_hold_node(r->model, first_point + node, IO_HELD_BY_OTHER);
+        }
+        first += n;
+        first_point += n_points;
+    }
+    return status;
+}
+
+static int read_faces(reader *r) {
+    io_hdf5_integers counts = {0}, nodes = {0};
+    if (io_hdf5_kind_of(r->file, GRID "/FaceConnectivity") != IO_HDF5_DATASET)
+        return PLANISH_OK;
+    int status = io_hdf5_integers_read(r->file, GRID "/NumberOfFaceConnectivityIds", &counts);
+    if (!status)
+        status = io_hdf5_integers_read(r->file, GRID "/FaceConnectivity", &nodes);
+    if (!status)
+        status = hold_faces(r, &counts, &nodes);
+    io_hdf5_integers_release(&nodes);
+    io_hdf5_integers_release(&counts);
+    return status;
+}
+
 static int read_cells(reader *r) {
     int64_t first_point = 0, first_cell = 0, first_id = 0;
     int status = read_cell_lists(r);
@@ -289,6 +328,8 @@ static int read_grid(reader *r) {
         status = read_points(r);
     if (!status)
         status = read_cells(r);
+    if (!status)
+        status = read_faces(r);
     if (!status)
         status = read_fixed(r);
     return status ? status : read_cell_data(r);

@@ -48,6 +48,89 @@ static int read_offsets(io_model *model, vtu_document *document, vtu_array *arra
     return status;
 }
 
+/** Hold the nodes of the faces of polyhedra: their streams stand one after another. */
+static int hold_streams(io_model *model, vtu_document *document, int64_t index,
+                        const vtk_grid *cells, planish_error *error) {
+    vtu_array *faces = find_array(document, index, VTU_FACES, 0);
+    vtu_array *offsets = find_array(document, index, VTU_FACE_OFFSETS, 0);
+    int64_t *ends = NULL, last = 0;
+    int32_t *stream = NULL;
+    if (!faces || !offsets)
+        return PLANISH_OK;
+    int status = vtu_read_integers(model, document, offsets, cells->n, &ends, NULL, error);
+    for (int64_t i = 0; i < cells->n && !status; i++) {
+        if (ends[i] >= 0 && ends[i] < last) /* -1: no polyhedron */
+            status = vtu_fail(model, offsets, error, "they do not rise");
+        last = ends[i] > last ? ends[i] : last;
+    }
+    if (!status)
+        status = vtu_read_integers(model, document, faces, last, NULL, &stream, error);
+    last = 0;
+    for (int64_t i = 0; i < cells->n && !status; i++) {
+        if (ends[i] > last && vtk_faces_hold(model, cells, stream + last, ends[i] - last))
+            status = vtu_fail(model, faces, error,
+                              "a polyhedron's are not: how many faces, and of each how many nodes, "
+                              "and which of the points");
+        last = ends[i] > last ? ends[i] : last;
+    }
+    pl_free(stream);
+    pl_free(ends);
+    return status;
+}
+
+/** How many numbers of the next list these n refer to: ends of stretches (the last), or indices. */
+static int read_extent(io_model *model, vtu_document *document, int64_t index, vtu_role role,
+                       int64_t *n, planish_error *error) {
+    vtu_array *array = find_array(document, index, role, 0);
+    int64_t *values = NULL, extent = 0;
+    int status = vtu_read_integers(model, document, array, *n, &values, NULL, error);
+    const int are_ends = role != VTU_POLYHEDRON_TO_FACES;
+    for (int64_t i = 0; i < *n && !status; i++) {
+        if (values[i] < 0 || (are_ends && values[i] < extent) || values[i] == INT64_MAX)
+            status = vtu_fail(model, array, error, "they do not rise, or one is none");
+        else if (are_ends || values[i] >= extent)
+            extent = values[i] + !are_ends;
+    }
+    *n = extent;
+    pl_free(values);
+    return status;
+}
+
+/** The same of version 2.3: faces have lists of nodes. */
+static int hold_face_nodes(io_model *model, vtu_document *document, int64_t index,
+                           const vtk_grid *cells, planish_error *error) {
+    static const vtu_role lists[] = {VTU_POLYHEDRON_OFFSETS, VTU_POLYHEDRON_TO_FACES,
+                                     VTU_FACE_ENDS};
+    vtu_array *nodes = find_array(document, index, VTU_FACE_NODES, 0);
+    int64_t n = cells->n;
+    int32_t *list = NULL;
+    int status = PLANISH_OK, all = nodes != NULL;
+    for (int i = 0; i < 3; i++)
+        all &= find_array(document, index, lists[i], 0) != NULL;
+    if (!all)
+        return PLANISH_OK;
+    for (int i = 0; i < 3 && !status; i++)
+        status = read_extent(model, document, index, lists[i], &n, error);
+    if (!status)
+        status = vtu_read_integers(model, document, nodes, n, NULL, &list, error);
+    if (!status && vtk_nodes_hold(model, cells, list, n))
+        status = vtu_fail(model, nodes, error, "a node is not among the points");
+    pl_free(list);
+    return status;
+}
+
+static int hold_faces(io_model *model, vtu_document *document, int64_t index, const vtk_grid *cells,
+                      planish_error *error) {
+    enum { POLYHEDRON = 42 };
+    for (int64_t i = 0; i < cells->n; i++) {
+        if (cells->type[i] != POLYHEDRON)
+            continue;
+        const int status = hold_streams(model, document, index, cells, error);
+        return status ? status : hold_face_nodes(model, document, index, cells, error);
+    }
+    return PLANISH_OK;
+}
+
 static int read_piece_cells(io_model *model, vtu_document *document, int64_t index,
                             planish_error *error) {
     const vtu_piece *piece = &document->piece[index];
@@ -75,6 +158,8 @@ static int read_piece_cells(io_model *model, vtu_document *document, int64_t ind
     cells.type = type;
     if (!status)
         status = vtk_cells_store(model, &cells, error);
+    if (!status)
+        status = hold_faces(model, document, index, &cells, error);
     pl_free(cells.connectivity);
     pl_free(cells.offset);
     pl_free(type);

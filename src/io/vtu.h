@@ -19,6 +19,12 @@ typedef enum vtu_role {
     VTU_CONNECTIVITY,
     VTU_OFFSETS,
     VTU_TYPES,
+    VTU_FACES, /* of polyhedra: streams of faces, and where each ends, */
+    VTU_FACE_OFFSETS,
+    VTU_POLYHEDRON_OFFSETS, /* or, since version 2.3, the faces of each, and the nodes of these */
+    VTU_POLYHEDRON_TO_FACES,
+    VTU_FACE_ENDS,
+    VTU_FACE_NODES,
     VTU_FIXED, /* point data called `fixed` */
     VTU_REGION /* cell data that tells regions */
 } vtu_role;
@@ -70,8 +76,9 @@ typedef struct vtu_document {
 /** The numbers of an array, decoded. */
 typedef struct vtu_values {
     const char *data;
-    char *owned; /* NULL: they are the file's own bytes */
-    int64_t n;   /* numbers */
+    char *owned;     /* NULL: they are the file's own bytes */
+    int64_t n;       /* numbers that were asked for, */
+    int64_t n_bytes; /* and bytes of all that the array has */
     const vtk_type *type;
     int swapped;
 } vtu_values;
@@ -82,6 +89,7 @@ enum { VTU_HEADER_NUMBERS = 3 };
 /** Where the packed blocks of an array are. */
 typedef struct vtu_blocks {
     int64_t n, size, last_size; /* bytes of all blocks but the last, and of that, unpacked */
+    int64_t bytes;     /* of all, unpacked */
     int64_t last_told; /* the latter as the header has it: 0 if the last is whole, or not */
     int64_t *packed;   /* [n + 1] owned: where each begins among the packed bytes */
     const char *data;  /* packed bytes of all blocks */
@@ -102,7 +110,7 @@ void vtu_document_release(vtu_document *document);
 
 /* ---- vtu_array.c --------------------------------------------------------------------------- */
 
-/** Decode the n numbers of a binary array; tells its data_end. */
+/** Decode a binary array of at least n numbers; tells its data_end. */
 int vtu_decode(const io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                vtu_values *values, planish_error *error);
 void vtu_values_release(vtu_values *values);
@@ -111,16 +119,16 @@ void vtu_values_release(vtu_values *values);
 double vtu_real(const vtu_values *values, int64_t i);
 int64_t vtu_integer(const vtu_values *values, int64_t i);
 
-/** All n integers of an array of any form, as int64_t or (those that do not fit are an error)
+/** The first n integers of an array of any form, as int64_t or (those that do not fit are an error)
  *  int32_t: *wide or *narrow is allocated, the other is NULL. */
 int vtu_read_integers(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                       int64_t **wide, int32_t **narrow, planish_error *error);
 
-/** An array of point or cell data: n numbers as doubles, allocated. */
+/** An array of point or cell data: its first n numbers as doubles, allocated. */
 int vtu_read_reals(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
                    double **values, planish_error *error);
 
-/** The blocks of a packed array of bytes bytes. */
+/** The blocks of a packed array of at least bytes bytes. */
 int vtu_find_blocks(const io_model *model, vtu_document *document, const vtu_array *array,
                     int64_t bytes, vtu_blocks *blocks, planish_error *error);
 void vtu_blocks_release(vtu_blocks *blocks);

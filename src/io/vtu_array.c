@@ -2,9 +2,9 @@
  *
  * Binary arrays begin with a header of whole numbers: their size in bytes, or for packed ones the
  * number of blocks, the bytes of a block, those of the last (0: it is whole), and how many bytes
- * each became. What an array must have is known from the numbers of points and cells, so that
- * headers are compared with that before anything is allocated; and all that is unpacked is bounded
- * by the file's size.
+ * each became. What an array must have at least is known from the numbers of points and cells, so
+ * that headers are compared with that before anything is allocated; what it has beyond that VTK
+ * does not read, and it stays as it is. All that is unpacked is bounded by the file's size.
  */
 #include "io/vtu.h"
 
@@ -26,8 +26,19 @@ enum {
 
 int vtu_fail(const io_model *model, const vtu_array *array, planish_error *error,
              const char *text) {
-    static const char *const names[] = {"a data array", "Points", "connectivity", "offsets",
-                                        "types",        "fixed",  "cell data"};
+    static const char *const names[] = {"a data array",
+                                        "Points",
+                                        "connectivity",
+                                        "offsets",
+                                        "types",
+                                        "faces",
+                                        "faceoffsets",
+                                        "polyhedron_offsets",
+                                        "polyhedron_to_faces",
+                                        "face_offsets",
+                                        "face_connectivity",
+                                        "fixed",
+                                        "cell data"};
     return io_fail_text(model, model->input.data + array->tag, error, "%s: %s", names[array->role],
                         text);
 }
@@ -84,6 +95,30 @@ static int64_t most_bytes(const source *s) {
     return s->form == VTU_BASE64 ? left / 4 * 3 : left;
 }
 
+/* ---- bounds --------------------------------------------------------------------------------- */
+
+int64_t vtu_most_unpacked(const io_model *model, const vtu_document *document) {
+    const int64_t size = model->input.size;
+    if (document->compression == IO_PLAIN)
+        return size;
+    return size < (INT64_MAX - SLACK_BYTES) / MOST_EXPANSION ? size * MOST_EXPANSION + SLACK_BYTES
+                                                             : INT64_MAX;
+}
+
+/** Arrays are not the same bytes, so that all that are not packed are no more than the file is. */
+static int check_expansion(const io_model *model, const vtu_document *document,
+                           const vtu_array *array, int64_t bytes, planish_error *error) {
+    if (bytes <= vtu_most_unpacked(model, document) - document->unpacked)
+        return PLANISH_OK;
+    if (document->compression == IO_PLAIN)
+        return vtu_fail(model, array, error,
+                        "the arrays would be larger than the file is (cut short, wrong counts, or "
+                        "several arrays in the same bytes)");
+    return vtu_fail(model, array, error,
+                    "unpacked the arrays would be more than 256 times as large as the file, which "
+                    "no mesh is: refused");
+}
+
 /* ---- packed arrays ------------------------------------------------------------------------- */
 
 void vtu_blocks_release(vtu_blocks *blocks) {
@@ -92,7 +127,7 @@ void vtu_blocks_release(vtu_blocks *blocks) {
     *blocks = (vtu_blocks){0};
 }
 
-/** The first three numbers of the header: blocks->n, size, last_size. */
+/** The first three numbers of the header: blocks->n, size, last_size; bytes at least in all. */
 static int take_shape(const io_model *model, vtu_document *document, const vtu_array *array,
                       source *s, int64_t bytes, vtu_blocks *blocks, planish_error *error) {
     uint64_t n, size, last;
@@ -107,12 +142,12 @@ static int take_shape(const io_model *model, vtu_document *document, const vtu_a
     blocks->size = (int64_t)size;
     blocks->last_size = (int64_t)(last > 0 ? last : size);
     blocks->last_told = (int64_t)last;
-    /* With this no product overflows: n - 1 blocks of size are bytes at most. */
-    const int fits = n == 0 ? bytes == 0
-                            : size > 0 && blocks->last_size <= bytes &&
-                                  blocks->n - 1 <= bytes / blocks->size &&
-                                  (blocks->n - 1) * blocks->size == bytes - blocks->last_size;
-    return fits ? PLANISH_OK : fail_size(model, array, error);
+    /* So many that their bytes could not be counted are more than any file unpacks to. */
+    blocks->bytes = n == 0 ? 0
+                    : size == 0 || blocks->n - 1 > (INT64_MAX - blocks->last_size) / blocks->size
+                        ? -1
+                        : (blocks->n - 1) * blocks->size + blocks->last_size;
+    return blocks->bytes < bytes ? fail_size(model, array, error) : PLANISH_OK;
 }
 
 static int take_block_sizes(const io_model *model, vtu_document *document, const vtu_array *array,
@@ -178,28 +213,7 @@ static void unpack_chunk(void *context, int64_t begin, int64_t end, int thread) 
             atomic_store_explicit(&u->failed, 1, memory_order_relaxed);
 }
 
-int64_t vtu_most_unpacked(const io_model *model, const vtu_document *document) {
-    const int64_t size = model->input.size;
-    if (document->compression == IO_PLAIN)
-        return size;
-    return size < (INT64_MAX - SLACK_BYTES) / MOST_EXPANSION ? size * MOST_EXPANSION + SLACK_BYTES
-                                                             : INT64_MAX;
-}
-
-/** Arrays are not the same bytes, so that all that are not packed are no more than the file is. */
-static int check_expansion(const io_model *model, const vtu_document *document,
-                           const vtu_array *array, int64_t bytes, planish_error *error) {
-    if (bytes <= vtu_most_unpacked(model, document) - document->unpacked)
-        return PLANISH_OK;
-    if (document->compression == IO_PLAIN)
-        return vtu_fail(model, array, error,
-                        "the arrays would be larger than the file is (cut short, wrong counts, or "
-                        "several arrays in the same bytes)");
-    return vtu_fail(model, array, error,
-                    "unpacked the arrays would be more than 256 times as large as the file, which "
-                    "no mesh is: refused");
-}
-
+/** bytes: at least; values->n_bytes: all of them. */
 static int decode_packed(const io_model *model, vtu_document *document, vtu_array *array,
                          int64_t bytes, vtu_values *values, planish_error *error) {
     vtu_blocks blocks;
@@ -207,7 +221,10 @@ static int decode_packed(const io_model *model, vtu_document *document, vtu_arra
     if (status)
         return status;
     status = vtu_find_blocks(model, document, array, bytes, &blocks, error);
-    if (!status && !(values->owned = pl_alloc(bytes, 1)))
+    values->n_bytes = blocks.bytes;
+    if (!status)
+        status = check_expansion(model, document, array, blocks.bytes, error);
+    if (!status && !(values->owned = pl_alloc(blocks.bytes, 1)))
         status = pl_fail_memory(error, "an array of the file");
     if (!status) {
         unpacking u = {document, &blocks, values->owned, 0};
@@ -229,11 +246,12 @@ static int decode_plain(const io_model *model, const vtu_document *document, vtu
     uint64_t size;
     if (take_header(document, &s, &size))
         return fail_cut(model, array, error);
-    if (size != (uint64_t)bytes)
+    if (size < (uint64_t)bytes)
         return fail_size(model, array, error);
     /* Pending bytes of the group in which the header ends are in the text already. */
-    if (bytes > most_bytes(&s) + 3)
+    if (size > (uint64_t)most_bytes(&s) + 3)
         return fail_cut(model, array, error);
+    values->n_bytes = bytes = (int64_t)size;
     const char *data = model->input.data;
     if (s.form == VTU_RAW) {
         values->data = s.text.cursor.at;
@@ -259,7 +277,7 @@ int vtu_decode(const io_model *model, vtu_document *document, vtu_array *array, 
                      ? decode_plain(model, document, array, bytes, values, error)
                      : decode_packed(model, document, array, bytes, values, error);
     if (!status)
-        document->unpacked += bytes;
+        document->unpacked += values->n_bytes;
     if (values->owned)
         values->data = values->owned;
     if (status)
@@ -353,8 +371,7 @@ static int read_ascii(target *t, int64_t n, planish_error *error) {
     text.end = cursor.end;
     int status = io_text_records(&text, &cursor, n, 1, read_text, t, error);
     io_text_release(&text);
-    io_skip_space(&cursor);
-    return status || cursor.at == cursor.end ? status : fail_size(t->model, t->array, error);
+    return status;
 }
 
 static int read_binary(target *t, vtu_document *document, int64_t n, planish_error *error) {

@@ -232,7 +232,7 @@ static int rewrite_array(rewrite *r, vtu_document *document, int threads, io_edi
     if (status)
         return status;
     r->bytes = values.owned;
-    r->size = values.n * values.type->size;
+    r->size = values.n_bytes; /* what is behind the points stays */
     if (is_packed)
         status = prepare_packed(r, document, error);
     if (!status) {

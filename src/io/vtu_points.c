@@ -52,9 +52,6 @@ static int read_ascii(io_model *model, const vtu_array *array, const vtu_piece *
     text_points p = {model, piece->first_point};
     int status = io_text_records(&text, &cursor, piece->n_points, 3, read_text_points, &p, error);
     io_text_release(&text);
-    io_skip_space(&cursor);
-    if (!status && cursor.at < cursor.end)
-        status = vtu_fail(model, array, error, "more numbers than three for each point");
     if (!status)
         status = io_model_span(model,
                                (io_span){.first_node = piece->first_point,

@@ -200,15 +200,24 @@ static void begin_piece(walk *w, const char **attributes) {
 }
 
 static vtu_role role_of(const walk *w, const char *name, int *rank) {
+    static const char *const of_cells[] = {"connectivity",
+                                           "offsets",
+                                           "types",
+                                           "faces",
+                                           "faceoffsets",
+                                           "polyhedron_offsets",
+                                           "polyhedron_to_faces",
+                                           "face_offsets",
+                                           "face_connectivity"};
     *rank = 0;
     switch (w->section) {
     case POINTS:
         return VTU_POINTS;
     case CELLS:
-        return same(name, "connectivity") ? VTU_CONNECTIVITY
-               : same(name, "offsets")    ? VTU_OFFSETS
-               : same(name, "types")      ? VTU_TYPES
-                                          : VTU_OTHER;
+        for (int i = 0; i < (int)(sizeof of_cells / sizeof *of_cells); i++)
+            if (same(name, of_cells[i]))
+                return (vtu_role)(VTU_CONNECTIVITY + i);
+        return VTU_OTHER;
     case POINT_DATA:
         return same(name, "fixed") ? VTU_FIXED : VTU_OTHER;
     case CELL_DATA:

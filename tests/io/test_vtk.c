@@ -350,8 +350,16 @@ static void test_errors(void **state) {
         {HEAD CELLS TYPES, "behind POINTS"},
         {HEAD POINTS CELLS "CELL_TYPES 2\n5 5\n", "as many types as cells"},
         {HEAD POINTS CELLS "CELL_TYPES 1\n10\n", "cell 0 (from 0): it has not as many nodes"},
-        {HEAD POINTS CELLS "CELL_TYPES 1\n22\n", "higher order"},
-        {HEAD POINTS CELLS "CELL_TYPES 1\n99\n", "of this type"},
+        {HEAD POINTS CELLS "CELL_TYPES 1\n22\n", "type 22 (quadratic triangle): triangles and"},
+        {HEAD POINTS CELLS "CELL_TYPES 1\n-1\n", "cell 0 (from 0): type -1 is none of VTK's"},
+        {HEAD POINTS CELLS "CELL_TYPES 1\n256\n", "type 256 is none of VTK's"},
+        {HEAD POINTS CELLS "CELL_TYPES 1\n99\n", "nothing to smooth"},
+        {HEAD POINTS CELLS "CELL_TYPES 1\n42\n", "its faces are not what"},
+        {HEAD POINTS "CELLS 1 6\n5 1 3 0 1 3\nCELL_TYPES 1\n42\n", "its faces are not what"},
+        {HEAD POINTS "CELLS 1 6\n5 1 2 0 1 2\nCELL_TYPES 1\n42\n", "its faces are not what"},
+        {HEAD POINTS "CELLS 1 1\n0\nCELL_TYPES 1\n42\n", "its faces are not what"},
+        {HEAD POINTS "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n71\n",
+         "type 71 (Lagrange tetrahedron): triangles and"},
         {HEAD POINTS CELLS "CELL_TYPES 1\n3\n", "nothing to smooth"},
         {HEAD POINTS "CELLS 1 4\n3 0 1 3\n" TYPES, "not among the points"},
         {HEAD POINTS "CELLS 1 4\n3 0 1 -1\n" TYPES, "not among the points"},
@@ -390,6 +398,56 @@ static void test_other_cells_hold(void **state) {
     assert_int_equal(file->model.n_other, 1);
     assert_memory_equal(file->model.hold, expected, 7);
     planish_file_close(file);
+}
+
+/** What is a line, triangle or tetrahedron by its nodes is one, whatever VTK calls it. */
+static void test_simplices_by_other_names(void **state) {
+    (void)state;
+    static const struct {
+        const char *cells, *types;
+        int lines, triangles, tetrahedra, lower, other;
+    } cases[] = {{"CELLS 3 12\n3 0 1 2\n3 1 2 3\n3 0 2 3\n", "7 6 69", 0, 3, 0, 0, 0},
+                 {"CELLS 3 13\n3 0 1 2\n4 0 1 2 3\n3 0 2 3\n", "7 7 76", 0, 2, 0, 0, 1},
+                 {"CELLS 3 15\n4 0 1 2 3\n4 1 2 3 4\n4 0 1 2 3\n", "10 71 6", 0, 0, 2, 0, 1},
+                 {"CELLS 3 10\n3 0 1 2\n2 0 1\n2 1 2\n", "5 3 4", 2, 1, 0, 2, 0},
+                 {"CELLS 3 12\n3 0 1 2\n3 0 1 2\n3 0 1 2\n", "5 4 0", 0, 1, 0, 1, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char text[512];
+        snprintf(text, sizeof text,
+                 HEAD "POINTS 5 double\n0 0 0 1 0 0 0 1 0 0 0 %d 2 2 0\n%sCELL_TYPES 3\n%s\n",
+                 cases[i].tetrahedra > 0, cases[i].cells, cases[i].types);
+        planish_file *file = reading_text(&io_format_vtk, text);
+        assert_int_equal(file->model.line.n, cases[i].lines);
+        assert_int_equal(file->model.triangle.n, cases[i].triangles);
+        assert_int_equal(file->model.tetrahedron.n, cases[i].tetrahedra);
+        assert_int_equal(file->model.n_lower, cases[i].lower);
+        assert_int_equal(file->model.n_other, cases[i].other);
+        planish_file_close(file);
+    }
+}
+
+/** A polyhedron is a stream of faces in both forms of CELLS: the counts in it are no nodes. */
+static void test_polyhedra_hold(void **state) {
+    (void)state;
+    static const char *const lists[] = {
+        "CELLS 2 19\n3 0 1 2\n14 3 3 3 4 5 3 3 4 6 4 3 4 5 6\n",
+        "CELLS 3 17\nOFFSETS vtktypeint64\n0 3 17\nCONNECTIVITY vtktypeint64\n"
+        "0 1 2 3 3 3 4 5 3 3 4 6 4 3 4 5 6\n"};
+    for (int i = 0; i < 2; i++) {
+        char text[512];
+        const uint8_t other = IO_HELD_BY_OTHER;
+        const uint8_t expected[7] = {0, 0, 0, other, other, other, other};
+        snprintf(text, sizeof text,
+                 HEAD "POINTS 7 double\n0 0 0 1 0 0 0 1 0 5 5 5 6 5 5 5 6 5 5 5 6\n"
+                      "%sCELL_TYPES 2\n5 42\n",
+                 lists[i]);
+        planish_file *file = reading_text(&io_format_vtk, text);
+        assert_int_equal(file->model.n_other, 1);
+        assert_memory_equal(file->model.hold, expected, sizeof expected);
+        planish_file_close(file);
+        file_builder builder = {.data = text, .size = (int64_t)strlen(text)};
+        builder_try_to_break(&builder, &io_format_vtk);
+    }
 }
 
 /* ---- files made by others ----------------------------------------------------------------- */
@@ -454,6 +512,8 @@ int main(void) {
         cmocka_unit_test(test_large),
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_other_cells_hold),
+        cmocka_unit_test(test_simplices_by_other_names),
+        cmocka_unit_test(test_polyhedra_hold),
         cmocka_unit_test(test_points_of_all_nodes),
         cmocka_unit_test(test_real_files),
     };

@@ -22,6 +22,7 @@ typedef struct grid {
     int is_float, is_big, is_packed, is_compact, chunk, columns_apart, partitions;
     hsize_t user_block;
     int points, cells, node, type, offset, steps; /* what is wrong, as a value; -1: nothing */
+    int has_faces; /* a polyhedron's faces: the last node is number 5 + has_faces */
     const char *kind;
     double x; /* of the second point */
 } grid;
@@ -82,6 +83,11 @@ static void put_cells(hdf5_builder *b, const grid *g) {
     hdf5_array(b, "/VTKHDF/Connectivity", H5T_STD_I64LE, H5T_NATIVE_INT, 16, 0, ids);
     hdf5_array(b, "/VTKHDF/Offsets", H5T_STD_I64LE, H5T_NATIVE_INT, n == 2 ? 6 : 5, 0,
                n == 2 ? split : offsets);
+    if (g->has_faces) {
+        const int nodes[] = {1, 2, 3, 1, 2, 5 + g->has_faces}, n_nodes[] = {6, 0};
+        hdf5_integers(b, "/VTKHDF/NumberOfFaceConnectivityIds", n, n_nodes);
+        hdf5_integers(b, "/VTKHDF/FaceConnectivity", 6, nodes);
+    }
     hdf5_array(b, "/VTKHDF/Types", H5T_STD_U8LE, H5T_NATIVE_INT, N_CELLS, 0, types);
 }
 
@@ -163,20 +169,42 @@ static void partitions_follow_each_other(void **state) {
     builder_release(&b);
 }
 
-/* ---- what is refused ----------------------------------------------------------------------- */
-
 static void refuse(const grid *g, const char *part) {
     file_builder b = make(g);
     builder_expect_error(&b, &io_format_vtkhdf, part);
     builder_release(&b);
 }
 
+/** Cells of any type hold their nodes; polyhedra those of their faces, too. */
+static void other_cells_hold_their_nodes(void **state) {
+    (void)state;
+    grid g = right;
+    g.type = 99;
+    file_builder b = make(&g);
+    planish_file *file = read_grid(&b);
+    assert_int_equal(file->model.n_other, 2);
+    assert_int_equal(file->model.hold[4], IO_HELD_BY_OTHER);
+    assert_int_equal(file->model.hold[6], IO_HELD_MARKED);
+    planish_file_close(file);
+    builder_release(&b);
+    g.type = 42;
+    g.has_faces = 1;
+    b = make(&g);
+    file = read_grid(&b);
+    assert_int_equal(file->model.hold[6], IO_HELD_MARKED | IO_HELD_BY_OTHER);
+    planish_file_close(file);
+    builder_release(&b);
+    g.has_faces = N_POINTS;
+    refuse(&g, "FaceConnectivity: a node");
+}
+
+/* ---- what is refused ----------------------------------------------------------------------- */
+
 static void wrong_files_are_refused(void **state) {
     (void)state;
     grid g = right;
     refuse(((void)(g = right, g.node = N_POINTS), &g), "not among the points");
     refuse(((void)(g = right, g.type = 24), &g), "higher order");
-    refuse(((void)(g = right, g.type = 99), &g), "not read");
     refuse(((void)(g = right, g.offset = 2), &g), "rise");
     refuse(((void)(g = right, g.offset = 17), &g), "rise");
     refuse(((void)(g = right, g.points = 8), &g), "NumberOfPoints");
@@ -357,6 +385,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_grid_is_read),
         cmocka_unit_test(partitions_follow_each_other),
+        cmocka_unit_test(other_cells_hold_their_nodes),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(values_without_bytes_are_refused),
         cmocka_unit_test(nothing_breaks_it),

@@ -36,6 +36,7 @@ typedef struct variant {
     int block;       /* bytes of a block, if packed */
     int keys;        /* information keys in the elements: 1 before the numbers, 2 behind them */
     int tells_whole; /* the size of a last block that is whole is told, in place of 0 */
+    int surplus;     /* numbers that each array has behind those that are promised */
 } variant;
 
 /** An array of the file. */
@@ -70,6 +71,9 @@ static void make_arrays(const variant *v, array a[N_ARRAYS]) {
         a[5].value[c] = c;
         a[6].value[c] = regions[c];
     }
+    for (int i = 0; i < N_ARRAYS; i++)
+        for (int k = 0; k < v->surplus; k++)
+            a[i].value[a[i].n++] = 77 + k;
 }
 
 static void put_values(file_builder *f, const array *a) {
@@ -255,7 +259,7 @@ static void each_variant(void (*visit)(const variant *v, void *context), void *c
                 for (int keys = 0; keys < (how < APPENDED_RAW ? 3 : 1); keys++) {
                     const variant v = {(form)how, bits & 1,   bits & 2 ? 8 : 4,
                                        bits >> 2, packers[p], bits & 1 ? 20 : 48,
-                                       keys,      0};
+                                       keys,      0,          0};
                     if (io_compression_is_built(v.compression))
                         visit(&v, context);
                 }
@@ -337,6 +341,33 @@ static void cut_short_or_without_memory(void **state) {
     each_variant(break_one, NULL);
 }
 
+static void read_surplus(const variant *v, void *context) {
+    variant with = *v;
+    with.surplus = 1 + v->is_big;
+    read_one(&with, context);
+}
+
+static void write_surplus(const variant *v, void *context) {
+    variant with = *v;
+    with.surplus = 1 + v->is_big;
+    write_one(&with, context);
+}
+
+static void break_surplus(const variant *v, void *context) {
+    variant with = *v;
+    with.surplus = 2;
+    if (v->compression <= IO_ZLIB)
+        break_one(&with, context);
+}
+
+/** Of arrays that are longer than they need be VTK reads the beginning; the rest stays. */
+static void surplus_stays(void **state) {
+    int n = 0;
+    each_variant(read_surplus, &n);
+    each_variant(write_surplus, *state);
+    each_variant(break_surplus, NULL);
+}
+
 /* ---- several pieces ------------------------------------------------------------------------ */
 
 #define GRID(attributes)     "<VTKFile type=\"UnstructuredGrid\"" attributes "><UnstructuredGrid>"
@@ -404,7 +435,7 @@ static void pieces_of_bytes_and_of_text(void **state) {
 /** Blocks of any size, less than a number's even, and what is not packed beside. */
 static void blocks_of_any_size(void **state) {
     for (int block = 1; block <= 30; block += block < 9 ? 1 : 7) {
-        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0, 0};
+        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0, 0, 0};
         if (io_compression_is_built(IO_ZLIB))
             write_one(&v, *state);
     }
@@ -414,7 +445,7 @@ static void blocks_of_any_size(void **state) {
 static void whole_blocks(void **state) {
     const int block = 3 * N_NODES * (int)sizeof(double) / 2;
     for (int tells = 0; tells < 2; tells++) {
-        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0, tells};
+        variant v = {APPENDED_RAW, 0, 4, 0, IO_ZLIB, block, 0, tells, 0};
         if (io_compression_is_built(IO_ZLIB))
             write_one(&v, *state);
     }
@@ -426,8 +457,8 @@ static void points_in_the_element(void **state) {
     double moved[3 * N_NODES];
     array a[N_ARRAYS];
     planish_file *file;
-    const variant v = {INLINE, 0, 8, 0, IO_ZLIB, 48, 0, 0},
-                  raw = {APPENDED_RAW, 0, 8, 0, IO_ZLIB, 48, 0, 0};
+    const variant v = {INLINE, 0, 8, 0, IO_ZLIB, 48, 0, 0, 0},
+                  raw = {APPENDED_RAW, 0, 8, 0, IO_ZLIB, 48, 0, 0, 0};
     file_builder f = {0}, data = {0};
     if (!io_compression_is_built(IO_ZLIB))
         skip();
@@ -561,6 +592,45 @@ static void arrays_of_the_same_bytes_are_refused(void **state) {
     builder_release(&f);
 }
 
+/* ---- polyhedra ----------------------------------------------------------------------------- */
+
+/* A triangle, a polyhedron, and a cell of a type that nobody knows. */
+#define SOME_CELLS                                                                                 \
+    GRID("")                                                                                       \
+    PIECE("8", "3")                                                                                \
+    POINTS("0 0 0 1 0 0 0 1 0 5 5 0 0 0 9 2 2 0 3 3 0 4 4 0")                                      \
+    "<Cells>" ARRAY("Int32", "connectivity", "3 5 6 0 1 6 7") ARRAY("Int64", "offsets", "3 5 7")   \
+        ARRAY("UInt8", "types", "7 42 200")
+#define POLYHEDRON(faces, ends)                                                                    \
+    SOME_CELLS ARRAY("Int64", "faces", faces) ARRAY("Int64", "faceoffsets", ends) "</Cells>"
+#define TABLES(polyhedra, faces, ends, nodes)                                                      \
+    SOME_CELLS ARRAY("Int64", "polyhedron_offsets", polyhedra)                                     \
+        ARRAY("Int64", "polyhedron_to_faces", faces) ARRAY("Int64", "face_offsets", ends)          \
+            ARRAY("Int64", "face_connectivity", nodes) "</Cells>"
+
+/** Polyhedra and whatever else hold their nodes; a polygon of three nodes is a triangle. */
+static void other_cells_hold_their_nodes(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *held;
+    } cases[] = {
+        {SOME_CELLS "</Cells>" END, "11000011"},
+        {POLYHEDRON("3 3 0 1 2 3 0 1 4 3 1 2 4", "-1 13 -1") END, "11101011"},
+        {POLYHEDRON("0", "-1 1 -1") END, "11000011"},
+        {TABLES("0 3 3", "0 1 2", "3 6 9", "0 1 2 0 1 4 1 2 4") END, "11101011"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        planish_file *file = reading_text(&io_format_vtu, cases[i].text);
+        static const int32_t triangle[] = {3, 5, 6};
+        assert_int_equal(file->model.triangle.n, 1);
+        assert_memory_equal(file->model.triangle.nodes, triangle, sizeof triangle);
+        assert_int_equal(file->model.n_other, 2);
+        for (int k = 0; k < 8; k++)
+            assert_int_equal(file->model.hold[k], cases[i].held[k] == '1' ? IO_HELD_BY_OTHER : 0);
+        planish_file_close(file);
+    }
+}
+
 /* ---- bad files ----------------------------------------------------------------------------- */
 
 static void what_is_wrong_is_said(void **state) {
@@ -584,7 +654,7 @@ static void what_is_wrong_is_said(void **state) {
         {GRID("") PIECE("2000000000", "1") TRIANGLE END, "2000000000 points cannot be"},
         {GRID("") PIECE("3", "x") TRIANGLE END, "NumberOfCells"},
         {GRID("") PIECE("4", "1") TRIANGLE END, "coordinate expected"},
-        {GRID("") PIECE("2", "1") TRIANGLE END, "more numbers than three"},
+        {GRID("") PIECE("2", "1") TRIANGLE END, "not among the points"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 nan 0") CELLS("0 1 2", "3", "5") END,
          "not finite"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 &#49; 0") CELLS("0 1 2", "3", "5") END,
@@ -596,16 +666,28 @@ static void what_is_wrong_is_said(void **state) {
         {GRID("") PIECE("3", "100") TRIANGLE END, "not as many values"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1", "3", "5") END,
          "not as many values"},
-        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2 1", "3", "5") END,
-         "not as many values"},
         {GRID("") PIECE("3", "2") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3 1", "5 5") END,
          "do not rise"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 3", "3", "5") END,
          "not among the points"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "22") END,
-         "higher order"},
-        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "42") END,
-         "of this type"},
+         "type 22 (quadratic triangle): triangles and tetrahedra of higher order"},
+        {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 2", "3", "300") END,
+         "type 300 is none of VTK's"},
+        {POLYHEDRON("", "-1 13") END, "cut short"},
+        {POLYHEDRON("3 3 0 1 2 3 0 1 4 3 1 2 4", "-1 13 12") END, "faceoffsets: they do not rise"},
+        {POLYHEDRON("3 3 0 1 2 3 0 1 4 3 1 2 4", "-1 14 -1") END, "faces: the array has not"},
+        {POLYHEDRON("3 3 0 1 2 3 0 1 4 3 1 2 4", "-1 12 -1") END, "faces: a polyhedron's are not"},
+        {POLYHEDRON("3 3 0 1 2 3 0 1 4 3 1 2 8", "-1 13 -1") END, "faces: a polyhedron's are not"},
+        {POLYHEDRON("3 3 0 1 2 3 0 1 4 9 1 2 4", "-1 13 -1") END, "faces: a polyhedron's are not"},
+        {POLYHEDRON("-1", "-1 1 -1") END, "faces: a polyhedron's are not"},
+        {TABLES("0 3 2", "0 1 2", "3 6 9", "0 1 2 0 1 4 1 2 4") END, "polyhedron_offsets: they"},
+        {TABLES("0 3 3", "0 1 -2", "3 6 9", "0 1 2 0 1 4 1 2 4") END, "polyhedron_to_faces: they"},
+        {TABLES("0 3 3", "0 1 3", "3 6 9", "0 1 2 0 1 4 1 2 4") END,
+         "face_offsets: the array has not"},
+        {TABLES("0 3 3", "0 1 2", "3 6 99", "0 1 2 0 1 4 1 2 4") END,
+         "face_connectivity: the array"},
+        {TABLES("0 3 3", "0 1 2", "3 6 9", "0 1 2 0 1 4 1 2 9") END, "face_connectivity: a node"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 99999999999", "3", "5")
              END,
          "in range"},
@@ -646,7 +728,8 @@ static void packed_lies_are_refused(void **state) {
         const char *word;
     } lies[] = {{6, 1, 144, 0, 9, "cannot be unpacked"},
                 {6, 1, 100, 0, 9, "not as many values"},
-                {6, 2, 144, 0, 9, "not as many values"},
+                {6, 2, 144, 0, 9, "cut short"},
+                {6, 2, INT64_MAX, 0, 9, "not as many values"},
                 {6, 1, 144, 145, 9, "not as many values"},
                 {6, 0, 0, 0, 0, "not as many values"},
                 {6, 2, 0, 0, 1, "not as many values"},
@@ -695,6 +778,8 @@ int main(void) {
         cmocka_unit_test_setup_teardown(every_encoding_is_written, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test(cut_short_or_without_memory),
+        cmocka_unit_test_setup_teardown(surplus_stays, test_folder_create, test_folder_remove),
+        cmocka_unit_test(other_cells_hold_their_nodes),
         cmocka_unit_test_setup_teardown(pieces_are_one_mesh, test_folder_create,
                                         test_folder_remove),
         cmocka_unit_test_setup_teardown(blocks_of_any_size, test_folder_create, test_folder_remove),
