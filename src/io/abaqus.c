@@ -167,11 +167,11 @@ typedef struct family {
 } family;
 
 static const family families[] = {
-    {"C3D", 3},   {"AC3D", 3}, {"DC3D", 3}, {"DCC3D", 3}, {"EMC3D", 3}, {"FC3D", 3}, {"Q3D", 3},
-    {"COH3D", 3}, {"SC", 3},   {"CPS", 2},  {"CPE", 2},   {"CPEG", 2},  {"CAX", 2},  {"CGAX", 2},
-    {"DCAX", 2},  {"ACAX", 2}, {"DC2D", 2}, {"AC2D", 2},  {"EMC2D", 2}, {"M3D", 2},  {"SFM3D", 2},
-    {"R3D", 2},   {"F3D", 2},  {"S", 2},    {"DS", 2},    {"STRI", 2},  {"T2D", 1},  {"T3D", 1},
-    {"R2D", 1},   {"DC1D", 1}, {"AC1D", 1}, {"RB2D", 1},  {"RB3D", 1},
+    {"C3D", 3},   {"AC3D", 3}, {"DC3D", 3},   {"DCC3D", 3}, {"EMC3D", 3}, {"FC3D", 3}, {"Q3D", 3},
+    {"COH3D", 3}, {"SC", 3},   {"CPS", 2},    {"CPE", 2},   {"CPEG", 2},  {"CAX", 2},  {"CGAX", 2},
+    {"DCAX", 2},  {"ACAX", 2}, {"DC2D", 2},   {"AC2D", 2},  {"EMC2D", 2}, {"M3D", 2},  {"SFM3D", 2},
+    {"R3D", 2},   {"US", 2},   {"WARP2D", 2}, {"S", 2},     {"DS", 2},    {"T2D", 1},  {"T3D", 1},
+    {"R2D", 1},   {"DC1D", 1}, {"AC1D", 1},   {"RB2D", 1},  {"RB3D", 1},
 };
 
 /** B31 and the like: lines of two nodes; B32 has three. */
@@ -187,22 +187,44 @@ static int is_digit(char c) {
     return c >= '0' && c <= '9';
 }
 
+/** Whether a digit follows the prefix. */
+static int begins_with_digit(const char *type, const char *prefix) {
+    const size_t length = strlen(prefix);
+    return strncmp(type, prefix, length) == 0 && is_digit(type[length]);
+}
+
 static shape shape_of_beam(const char *type) {
     for (size_t i = 0; i < sizeof beams / sizeof *beams; i++) {
         const size_t length = strlen(beams[i]);
-        if (strncmp(type, beams[i], length) == 0 && is_digit(type[length]))
+        if (begins_with_digit(type, beams[i]))
             return type[length] == '2' ? (shape){3, 0, 0} : (shape){2, 1, 0};
     }
     return (shape){0, 0, 0};
 }
 
-static shape shape_of(const char *type) {
-    if (strncmp(type, "STRI65", 6) == 0)
-        return (shape){6, 2, 1};
+/** STRI3 and STRI35 have three nodes, STRI65 has six: what follows is degrees of freedom. */
+static shape shape_of_facet(const char *type) {
+    return type[4] == '6' ? (shape){6, 2, 1} : (shape){3, 2, 0};
+}
+
+/** CalculiX' F3D4, F3D6 and F3D8 are a tetrahedron, a prism and a hexahedron of fluid. Abaqus' F3D3
+ *  and F3D4 are facets of a cavity. */
+static shape shape_of_fluid(const char *type, int has_cavities) {
+    const int nodes = type[3] - '0';
+    if (nodes == 3)
+        return (shape){3, 2, 0};
+    return (shape){nodes, nodes == 4 && !has_cavities ? 3 : 0, 0};
+}
+
+static shape shape_of(const char *type, int has_cavities) {
+    if (begins_with_digit(type, "STRI"))
+        return shape_of_facet(type);
+    if (begins_with_digit(type, "F3D"))
+        return shape_of_fluid(type, has_cavities);
     for (size_t i = 0; i < sizeof families / sizeof *families; i++) {
         const size_t length = strlen(families[i].prefix);
         const int dim = families[i].dim;
-        if (strncmp(type, families[i].prefix, length) != 0 || !is_digit(type[length]))
+        if (!begins_with_digit(type, families[i].prefix))
             continue;
         int nodes = type[length] - '0';
         if (is_digit(type[length + 1]))
@@ -322,7 +344,7 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     if (!abaqus_parameter(b, "TYPE", &type_item) || abaqus_length(type_item) == 0)
         return abaqus_fail(r, b, "*ELEMENT without TYPE=");
     abaqus_squeeze(abaqus_unquoted(type_item), type);
-    const shape kind = shape_of(type);
+    const shape kind = shape_of(type, r->has_cavities);
     const int is_here = b->scope == r->scope;
     if (kind.is_second_order)
         return io_fail_text(r->model, b->parameters.begin, r->error,

@@ -56,6 +56,7 @@ typedef struct abaqus_reader {
     int64_t n_ranges, range_capacity;
     int64_t n_counted;   /* nodes that there is room for */
     int32_t scope;       /* of the mesh */
+    int has_cavities;    /* *FLUID PROPERTY is there: what F3D4 is (abaqus.c) */
     io_numbers *numbers; /* of nodes; NULL: consecutive */
 } abaqus_reader;
 

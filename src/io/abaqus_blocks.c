@@ -245,6 +245,7 @@ int abaqus_find_blocks(abaqus_reader *r) {
         abaqus_item(&rest, &name_item);
         abaqus_squeeze(name_item, name);
         const abaqus_keyword keyword = find_keyword(name);
+        r->has_cavities |= strcmp(name, "FLUIDPROPERTY") == 0;
         scope = scope_behind(keyword, scope, &n_parts);
         if (keyword == ABAQUS_REFUSED)
             return refuse(r, line.begin, name);

@@ -198,9 +198,11 @@ static void members_are_counted_once(void **state) {
 
 static void types_are_known(void **state) {
     (void)state;
-    static const char *const tetrahedra[] = {"C3D4", "c3d4h", "DC3D4", "AC3D4", "C3D4T", "Q3D4"};
-    static const char *const triangles[] = {"CPS3", "CPE3",  "S3",   "S3R",   "STRI3", "M3D3",
-                                            "CAX3", "DC2D3", "R3D3", "CPE3H", "DS3",   "CPEG3"};
+    static const char *const tetrahedra[] = {"C3D4", "c3d4h", "DC3D4", "AC3D4", "C3D4T",
+                                             "Q3D4", "F3D4",  "C3D4E", "FC3D4", "EMC3D4"};
+    static const char *const triangles[] = {
+        "CPS3", "CPE3",  "S3",  "S3R", "STRI3", "M3D3",   "CAX3",    "DC2D3",  "R3D3",  "CPE3H",
+        "DS3",  "CPEG3", "US3", "us3", "F3D3",  "STRI35", "WARP2D3", "CGAX3H", "AC2D3", "SFM3D3"};
     static const char *const refused[] = {"C3D10",  "C3D10M", "C3D10HS", "DC3D10", "CPS6",
                                           "STRI65", "CAX6M",  "S6",      "M3D6"};
     char text[512];
@@ -224,6 +226,24 @@ static void types_are_known(void **state) {
         snprintf(text, sizeof text, "*NODE\n1,0,0\n*ELEMENT,TYPE=%s\n", refused[i]);
         reading_fails(format, text, "second order");
     }
+}
+
+/* CalculiX' fluid: what is no tetrahedron holds its nodes and is not of second order. */
+static void fluid_is_of_first_order(void **state) {
+    (void)state;
+    check_held(PAIR "*ELEMENT,TYPE=F3D6\n3,1,3,4,6,7,8\n", NULL, 0, "101101110");
+    check_held(PAIR "*ELEMENT,TYPE=F3D8\n3,1,2,3,4,6,7,8,\n9\n", NULL, 0, "111101111");
+    planish_file *file = reading_text(format, PAIR "*ELEMENT,TYPE=F3D4\n3,2,3,4,6\n");
+    assert_int_equal(planish_file_mesh(file).n_elements, 3);
+    planish_file_close(file);
+    /* Abaqus' quadrilaterals around a cavity. */
+    static const char cavity[] =
+        PAIR "*ELEMENT,TYPE=F3D4\n3,2,3,4,6\n*Fluid Property, TYPE=HYDRAULIC\n";
+    check_held(cavity, NULL, 0, "011101000");
+    file = reading_text(format, cavity);
+    assert_int_equal(planish_file_mesh(file).n_elements, 2);
+    planish_file_close(file);
+    reading_every_beginning(format, cavity, (int64_t)sizeof cavity - 1);
 }
 
 /** What can be given instead of a name that the file has not: names, and each of them once. */
@@ -561,6 +581,7 @@ int main(void) {
         cmocka_unit_test(members_are_counted_once),
         cmocka_unit_test(names_are_listed),
         cmocka_unit_test(types_are_known),
+        cmocka_unit_test(fluid_is_of_first_order),
         cmocka_unit_test(parts_are_understood),
         cmocka_unit_test(meshes_of_instances_are_understood),
         cmocka_unit_test(names_are_of_part_or_assembly),
