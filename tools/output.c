@@ -77,11 +77,16 @@ int pl_output_check(const char *path) {
     if (strcmp(path, "-") == 0)
         return 0;
     const int exists = pl_file_find(path, &status) == 0;
-    if (!exists && errno == ENAMETOOLONG)
-        return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
+    const int reason = exists ? 0 : errno;
+    const int is_link = pl_path_read_link(path, link, sizeof link) == 0;
+    if (reason == ENAMETOOLONG)
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(reason));
+    if (reason && reason != ENOENT && is_link)
+        return pl_complain(PL_EXIT_FAILED, "%s: this link cannot be followed: %s", path,
+                           strerror(reason));
     if (exists && status.kind == PL_FILE_FOLDER)
         return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
-    if (io_output_is_stream(path) || (!exists && pl_path_read_link(path, link, sizeof link) == 0))
+    if (io_output_is_stream(path) || (!exists && is_link))
         return 0; /* nothing is made beside it, or it is made where the link leads */
     if (path[0] && !*pl_path_name(path))
         return pl_complain(PL_EXIT_FAILED, "%s: is no name for a file", path);

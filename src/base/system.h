@@ -112,9 +112,6 @@ void pl_file_rest(const char *data, int64_t size);
 /** Wait until what was written is on the disk, where the file system knows of that: 0, or errno. */
 int pl_file_settle(int fd);
 
-/** Let an open file have the mode and owner of the one at path, as far as that is allowed. */
-void pl_file_take_mode(int fd, const char *path);
-
 /** Allow to read and write the file at path: what it was before, for pl_file_set_mode; -1: nothing
  * is to do, or can be done. */
 int pl_file_make_accessible(const char *path);

@@ -208,17 +208,6 @@ int pl_file_settle(int fd) {
     return status && errno != EINVAL;
 }
 
-void pl_file_take_mode(int fd, const char *path) {
-    struct stat about;
-    if (stat(path, &about))
-        return;
-    /* Only root may give a file away; for others the file becomes theirs, as with any new one. */
-    if (about.st_uid != geteuid() || about.st_gid != getegid())
-        if (fchown(fd, about.st_uid, about.st_gid))
-            errno = 0;
-    fchmod(fd, about.st_mode & 07777);
-}
-
 int pl_file_make_accessible(const char *path) {
     const mode_t wanted = S_IRUSR | S_IWUSR;
     struct stat about;

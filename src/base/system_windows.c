@@ -257,11 +257,6 @@ int pl_file_settle(int fd) {
     return _commit(fd);
 }
 
-void pl_file_take_mode(int fd, const char *path) {
-    (void)fd;
-    (void)path;
-}
-
 int pl_file_make_accessible(const char *path) {
     (void)path;
     return -1;

@@ -1,6 +1,7 @@
 /* output: write a file beside its place and rename it, or straight into a pipe or device. */
 #include "io/output.h"
 
+#include "base/access.h"
 #include "base/memory.h"
 #include "base/status.h"
 #include "base/system.h"
@@ -83,12 +84,34 @@ int io_output_is_stream(const char *path) {
             about.kind != PL_FILE_FOLDER);
 }
 
+/** Whether the system would follow the link at path: 0, or the error number. In a folder such as
+ *  /tmp it may refuse (Linux, fs.protected_symlinks), as another user may have put the link there;
+ *  one that is read here and followed by its text must be refused, too. What it leads to need not
+ * be there. */
+static int check_link(const char *path) {
+    pl_file_status about;
+    return pl_file_find(path, &about) && errno != ENOENT ? errno : 0;
+}
+
+/** Whether path still leads to the file at target, or both to none: 0, or the error number. */
+static int check_leads_to(const char *path, const char *target) {
+    pl_file_status there, found;
+    const int absent = pl_file_find(path, &there) != 0, missing = pl_file_find(target, &found) != 0;
+    if (absent != missing || (!absent && !pl_file_is_same(&there, &found)))
+        return EACCES;
+    return 0;
+}
+
 char *io_output_target(const char *path) {
     char *at = pl_alloc(PATH_MAX, 1), *link = pl_alloc(PATH_MAX, 1);
     int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
+    int followed = 0;
     if (!status)
         strcpy(at, path);
     for (int i = 0; !status && pl_path_read_link(at, link, PATH_MAX) == 0; i++) {
+        if ((status = check_link(at)))
+            break;
+        followed = 1;
         const size_t length = strlen(link);
         const size_t folder = pl_path_is_absolute(link) ? 0 : (size_t)(pl_path_name(at) - at);
         if (i == MAX_LINKS || folder + length >= PATH_MAX)
@@ -96,6 +119,8 @@ char *io_output_target(const char *path) {
         else
             memcpy(at + folder, link, length + 1);
     }
+    if (!status && followed)
+        status = check_leads_to(path, at);
     pl_free(link);
     if (status) {
         pl_free(at);
@@ -161,7 +186,7 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
         return pl_fail_errno(error, path, "cannot be written");
     }
     output->replaces = pl_file_exists(output->target);
-    pl_file_take_mode(output->fd, output->target);
+    pl_file_take_access(output->fd, output->target);
     return PLANISH_OK;
 }
 

@@ -25,10 +25,12 @@ typedef struct io_output {
 /** Not 0 if path is written as it is: a pipe, a device, a name of an open file (/dev/stdout). */
 int io_output_is_stream(const char *path);
 
-/** path with a link at its end followed, also one that leads nowhere yet. Owned; NULL: errno. */
+/** path with a link at its end followed, also one that leads nowhere yet, but none that the system
+ *  would not follow. Owned; NULL: errno. */
 char *io_output_target(const char *path);
 
-/** Begin to write path. A file that exists keeps its mode and owner. */
+/** Begin to write path. A file that exists keeps owner, mode, access list and attributes, or as
+ * much of them as is allowed (base/access.h). */
 int io_output_open(const char *path, io_temporaries temporaries, io_output *output,
                    planish_error *error);
 /** Write all of size bytes. */

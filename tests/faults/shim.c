@@ -6,6 +6,9 @@
  *                      and without FAULT, as the program ends, a line "CALL N -" for each CALL: how
  *                      many there were
  *
+ *   PROTECTED_LINKS=1  stat and access refuse links of others in folders such as /tmp, as Linux
+ *                      does with fs.protected_symlinks
+ *
  * What happens before main and in the system's libraries without their names being looked up is not
  * counted. Linux with glibc.
  */
@@ -73,6 +76,8 @@ static const char *const names[N_CALLS] = {
 
 enum { DONE, FAILS, SHORT }; /* what becomes of a call */
 
+static int links_are_protected;
+
 static struct {
     int is_on, wanted, is_short, error_number;
     long number;
@@ -136,6 +141,7 @@ static size_t half(int what, size_t bytes) {
 
 static void read_fault(void) {
     char text[64];
+    links_are_protected = getenv("PROTECTED_LINKS") != NULL;
     const char *asked = getenv("FAULT");
     fault.log = getenv("FAULT_LOG");
     snprintf(text, sizeof text, "%s", asked ? asked : "");
@@ -149,6 +155,48 @@ static void read_fault(void) {
     fault.number = strtol(number + 1, NULL, 10);
     fault.is_short = strcmp(what + 1, "short") == 0;
     fault.error_number = (int)strtol(what + 1, NULL, 10);
+}
+
+/* ---- links ---------------------------------------------------------------------------------- */
+
+/** Where path has its last component, as text: the folder ends there. */
+static size_t folder_length(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? (size_t)(slash + 1 - path) : 0;
+}
+
+/** Whether the link, whose state is about, is of somebody who might lay traps in its folder. */
+static int is_trap(const char *path, const struct stat *about) {
+    char folder[4096];
+    struct stat place;
+    const size_t length = folder_length(path);
+    snprintf(folder, sizeof folder, "%.*s.", (int)length, path);
+    return fstatat(AT_FDCWD, folder, &place, 0) == 0 && (place.st_mode & S_ISVTX) &&
+           (place.st_mode & S_IWOTH) && about->st_uid != geteuid() && about->st_uid != place.st_uid;
+}
+
+/** Whether one of the links that path leads through, at its end, is not to be followed: then errno
+ *  is set. */
+static int is_refused(const char *path) {
+    enum { MOST = 40 };
+    char at[4096], link[4096];
+    struct stat about;
+    snprintf(at, sizeof at, "%s", path);
+    for (int i = 0; links_are_protected && i < MOST; i++) {
+        if (fstatat(AT_FDCWD, at, &about, AT_SYMLINK_NOFOLLOW) || !S_ISLNK(about.st_mode))
+            return 0;
+        if (is_trap(at, &about)) {
+            errno = EACCES;
+            return 1;
+        }
+        const ssize_t length = readlinkat(AT_FDCWD, at, link, sizeof link - 1);
+        const size_t folder = link[0] == '/' ? 0 : folder_length(at);
+        if (length < 0 || folder + (size_t)length >= sizeof at)
+            return 0;
+        memcpy(at + folder, link, (size_t)length);
+        at[folder + (size_t)length] = '\0';
+    }
+    return 0;
 }
 
 /* ---- the beginning and the end --------------------------------------------------------------- */
@@ -327,7 +375,7 @@ int fstat(int fd, struct stat *about) {
 }
 
 int stat(const char *path, struct stat *about) {
-    return fails(STAT) ? -1 : fstatat(AT_FDCWD, path, about, 0);
+    return fails(STAT) || is_refused(path) ? -1 : fstatat(AT_FDCWD, path, about, 0);
 }
 
 int lstat(const char *path, struct stat *about) {
@@ -335,7 +383,7 @@ int lstat(const char *path, struct stat *about) {
 }
 
 int access(const char *path, int mode) {
-    return fails(ACCESS) ? -1 : faccessat(AT_FDCWD, path, mode, 0);
+    return fails(ACCESS) || is_refused(path) ? -1 : faccessat(AT_FDCWD, path, mode, 0);
 }
 
 ssize_t readlink(const char *path, char *text, size_t size) {
