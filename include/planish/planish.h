@@ -212,6 +212,67 @@ PLANISH_API int planish_find_slides(const planish_mesh *mesh, const planish_surf
                                     int threads, uint8_t *constraint, double *direction,
                                     planish_slide_info *info, planish_error *error);
 
+/* ---- Regions ------------------------------------------------------------------------------- */
+
+/** Type of the numbers of an array. */
+typedef enum planish_number {
+    PLANISH_NUMBER_INT32 = 0,
+    PLANISH_NUMBER_INT64 = 1,
+    PLANISH_NUMBER_INT8 = 2,
+    PLANISH_NUMBER_INT16 = 3,
+    PLANISH_NUMBER_UINT8 = 4,
+    PLANISH_NUMBER_UINT16 = 5,
+    PLANISH_NUMBER_UINT32 = 6,
+    PLANISH_NUMBER_UINT64 = 7,
+    PLANISH_NUMBER_FLOAT32 = 8,
+    PLANISH_NUMBER_FLOAT64 = 9
+} planish_number;
+
+/** Array of one number per element, as files have them. The caller owns all of it. */
+typedef struct planish_cell_array {
+    const char *name;        /* its name, or NULL */
+    const void *values;      /* [n_elements] numbers of type, one after the other */
+    planish_number type;     /* of the numbers */
+    int is_region;           /* 1: the array tells regions; 0: it does not */
+    const void *reserved[4]; /* NULL */
+} planish_cell_array;
+
+/** Return what the name of an array says about regions, letter case ignored. Above 0: arrays of
+ * that name tell regions ("gmsh:physical", "MaterialIDs", ...), the more telling name has the lower
+ *  number. -1: the array says how the mesh is shared out or where its elements come from
+ *  ("partition", "rank", "vtkGhostType", "vtkOriginalCellIds", ...), and is no region unless the
+ *  caller says so. 0: the name says nothing, or is NULL. */
+PLANISH_API int planish_region_name(const char *name);
+
+/** Find the arrays that tell regions (docs/algorithm.md, "Regions"): is_region of each of arrays
+ *  [n_arrays] becomes 1 or 0. An array tells regions if all of its values are whole numbers within
+ *  64 bits, if two of them differ at least, and if at most half of the facets between two elements
+ *  lie between different values. Its name may decide (planish_region_name): -1 is no region; of the
+ *  arrays above 0 the one with the lowest number is a region wherever its values differ. The mesh's
+ *  coordinates are not used. threads: as in planish_options. Errors, with arrays untouched:
+ *  _ARGUMENT, _MESH, _MEMORY, _PARTS (mesh->part: ask for the whole mesh). */
+PLANISH_API int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays,
+                                     int n_arrays, int threads, planish_error *error);
+
+/** Combine the arrays whose is_region is not 0 into one region per element: two elements have the
+ *  same region where they have the same value in each array. region [n_elements] is filled with
+ *  numbers from 0 in the order in which they first appear; all 0 if no array tells regions.
+ *  *n_regions (may be NULL) counts them. planish_surface.region and planish_find_interfaces take
+ * the result. Errors, with region untouched: _ARGUMENT (a value is no whole number within 64 bits),
+ *  _MEMORY. */
+PLANISH_API int planish_combine_regions(int64_t n_elements, const planish_cell_array *arrays,
+                                        int n_arrays, int32_t *region, int64_t *n_regions,
+                                        planish_error *error);
+
+/** Find the nodes between regions: is_between [n_nodes] is filled with 1 for nodes whose elements
+ *  have different numbers in region [n_elements], else with 0. *n_between (may be NULL) counts the
+ *  ones. Hold these nodes (PLANISH_FIXED) to keep interfaces where they are. A part of a mesh finds
+ *  the nodes between its own elements. threads: as in planish_options. Errors: _ARGUMENT, _MESH,
+ *  _MEMORY. */
+PLANISH_API int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region,
+                                        int threads, uint8_t *is_between, int64_t *n_between,
+                                        planish_error *error);
+
 /* ---- Elements thin in layers ---------------------------------------------------------------- */
 
 /** Find the elements that are thin in layers, as those of a boundary layer or of a stretched mesh

@@ -98,6 +98,25 @@ PLANISH_API int planish_file_plane(const planish_file *file, planish_plane *plan
 PLANISH_API int planish_file_place(const planish_file *file, int64_t first, int64_t n,
                                    const double *coordinates, double *xyz, planish_error *error);
 
+/** Names of the arrays of one whole number per element that the file has (VTK's formats), in the
+ *  file's order, NULL at the end; the file owns them. Values of other cells than the elements that
+ *  are smoothed do not matter. At most 256 arrays are looked at. */
+PLANISH_API const char *const *planish_file_cell_arrays(const planish_file *file);
+
+/** Names of those of these arrays that tell regions, NULL at the end; the file owns them. When the
+ *  file is opened they are those that planish_find_regions finds; nodes between different values of
+ *  any of them are held (planish_file_constraints). */
+PLANISH_API const char *const *planish_file_region_arrays(const planish_file *file);
+
+/** Choose the arrays that tell regions: those called names [n_names], each of
+ *  planish_file_cell_arrays, in place of those found. n_names 0 keeps what was found. Either way
+ * the values of the arrays are released, so that names can be chosen once. What was asked of the
+ * file's regions and groups before (planish_file_constraints, _surface, _min_volumes,
+ * _element_region) is to be asked again. Errors: _ARGUMENT (a name that the file does not have; the
+ * text lists those it has), _MEMORY. */
+PLANISH_API int planish_file_choose_regions(planish_file *file, const char *const *names,
+                                            int n_names, planish_error *error);
+
 typedef struct planish_hold {
     const char *const *tags; /* [n_tags] "NAME", "N" or "DIM:N" (DMPlex: "LABEL:VALUE", "LABEL"):
                                 hold all nodes of these groups */

@@ -1,6 +1,7 @@
 /* file: open a mesh file of any format, and what can be asked of it. */
 #include "io/file.h"
 
+#include "io/arrays.h"
 #include "io/bytes.h"
 #include "io/child.h"
 #include "io/number.h"
@@ -161,6 +162,8 @@ static int read_model(planish_file *file, planish_error *error) {
                        "%s: is text in UTF-16; convert it first: iconv -f UTF-16 -t UTF-8 %s > OUT",
                        input->path, input->path);
     int status = file->format->read(&file->model, error);
+    if (!status)
+        status = io_arrays_settle(&file->model, error);
     if (!status)
         status = io_model_finish(&file->model, error);
     return status ? status : count_regions(file, error);
@@ -363,6 +366,32 @@ int64_t planish_file_node_number(const planish_file *file, int64_t node) {
         return -1;
     const io_model *model = &file->model;
     return model->node_number ? model->node_number[node] : model->first_number + node;
+}
+
+const char *const *planish_file_cell_arrays(const planish_file *file) {
+    static const char *const none[] = {NULL};
+    return file && file->model.array_name ? file->model.array_name : none;
+}
+
+const char *const *planish_file_region_arrays(const planish_file *file) {
+    static const char *const none[] = {NULL};
+    return file && file->model.region_name ? file->model.region_name : none;
+}
+
+int planish_file_choose_regions(planish_file *file, const char *const *names, int n_names,
+                                planish_error *error) {
+    int is_whole = file && n_names >= 0 && (names || n_names == 0);
+    for (int i = 0; is_whole && i < n_names; i++)
+        is_whole = names[i] != NULL;
+    if (!is_whole)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "file and each of n_names names must not be NULL");
+    const pl_outside outside = pl_call_enter(NULL);
+    int status = io_arrays_choose(&file->model, names, n_names, error);
+    if (!status)
+        status = count_regions(file, error);
+    pl_call_leave(&outside);
+    return status;
 }
 
 int planish_file_can_write(const planish_file *file, const char *path) {

@@ -580,6 +580,17 @@ void io_hdf5_integers_release(io_hdf5_integers *a) {
     *a = (io_hdf5_integers){.size = sizeof(int64_t)};
 }
 
+io_hdf5_numbers io_hdf5_numbers_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape) {
+    hdf5_dataset d;
+    const int status = hdf5_dataset_open(file, path, &d);
+    const H5T_class_t class = status ? H5T_NO_CLASS : H5Tget_class(d.type);
+    *shape = d.shape;
+    hdf5_dataset_close(&d);
+    return class == H5T_INTEGER ? IO_HDF5_WHOLE
+           : class == H5T_FLOAT ? IO_HDF5_REAL
+                                : IO_HDF5_NEITHER;
+}
+
 /* ---- text and other values ---------------------------------------------------------------- */
 
 /** Characters, or numbers of one byte, or a fixed number of these. */

@@ -84,6 +84,11 @@ static inline int64_t io_hdf5_integer(const io_hdf5_integers *integers, int64_t 
                                : io_load_i64(integers->data + 8 * i, integers->swapped);
 }
 
+/** What the values of a dataset are; _NEITHER of one that cannot be read as numbers in one or two
+ *  dimensions. */
+typedef enum io_hdf5_numbers { IO_HDF5_NEITHER, IO_HDF5_WHOLE, IO_HDF5_REAL } io_hdf5_numbers;
+io_hdf5_numbers io_hdf5_numbers_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape);
+
 /** Strings of one length, one after another, as they stand there: n of them. *text is owned by the
  *  caller. Numbers of one byte are text, too. */
 int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *n, int64_t *length);

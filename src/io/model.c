@@ -1,4 +1,5 @@
 /* model: the arrays that readers fill in, and what follows from them. */
+#include "io/arrays.h"
 #include "io/bytes.h"
 #include "io/model.h"
 #include "io/plane.h"
@@ -195,6 +196,14 @@ int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
     return *slot = model->n_entities++;
 }
 
+void io_model_clear_entities(io_model *model) {
+    for (int32_t i = 0; i < model->n_entities; i++)
+        pl_free(model->entity[i].physical);
+    model->n_entities = 0;
+    for (int32_t i = 0; i < model->n_slots; i++)
+        model->entity_slot[i] = -1;
+}
+
 int io_model_has_entity(const io_model *model, int dim, int32_t tag) {
     return model->n_slots > 0 && *entity_find_slot(model, dim, tag, 0, NULL) >= 0;
 }
@@ -347,6 +356,7 @@ void io_model_destroy(io_model *model) {
     io_cells_release(&model->line);
     io_cells_release(&model->triangle);
     io_cells_release(&model->tetrahedron);
+    io_arrays_destroy(model);
     for (int32_t i = 0; i < model->n_entities; i++)
         pl_free(model->entity[i].physical);
     pl_free(model->entity);

@@ -114,6 +114,16 @@ typedef struct io_group {
     char *name; /* owned */
 } io_group;
 
+/** An array of one whole number per cell of the file (arrays.h). */
+typedef struct io_array {
+    char *name;      /* owned */
+    int64_t n;       /* cells of the file */
+    int32_t *narrow; /* [n] owned values by the number of the cell, from 0; 0 where a cell that is
+                        not smoothed has no whole number */
+    int64_t *wide;   /* [n] owned, in place of narrow where 32 bits do not do */
+    int is_region;   /* it tells regions */
+} io_array;
+
 /** Why the file holds a node, bits of io_model.hold. */
 enum {
     IO_HELD_BY_POINT = 1,     /* on an element that is a point */
@@ -167,6 +177,12 @@ typedef struct io_model {
     int32_t n_groups, group_capacity;
     int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
     int64_t n_other, n_lower;
+    io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
+    int n_arrays, array_capacity;
+    int arrays_are_gone;      /* their values have been released */
+    const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */
+    const char **region_name; /* [n_arrays + 1] names of those that tell regions, and NULL; owned,
+                                 or NULL */
     void *encoding; /* of the format that has read it, released by that: how coordinates stand in
                        the file where no span says so, or NULL */
     /* Set by io_model_finish: */
@@ -200,6 +216,9 @@ int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int w
 /** Index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
 int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
                         const int32_t *physical, planish_error *error);
+
+/** Forget all entities. */
+void io_model_clear_entities(io_model *model);
 
 /** Whether there is an entity of dim and tag without physical groups. */
 int io_model_has_entity(const io_model *model, int dim, int32_t tag);

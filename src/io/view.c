@@ -236,7 +236,8 @@ io_view io_view_of(const io_model *model, const double *coordinates, const uint8
                     .constraint = constraint,
                     .radius_ratio = radius_ratio,
                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n};
-    view.has_regions = model->n_entities > 0;
+    const io_cells *elements = model->dim == 3 ? &model->tetrahedron : &model->triangle;
+    view.has_regions = model->n_entities > 0 || elements->region;
     for (int32_t i = 0; i < model->n_entities; i++)
         view.has_groups |= model->entity[i].dim > 0 && model->entity[i].n_physical > 0;
     return view;

@@ -1,14 +1,12 @@
 /* vtk: legacy VTK files, ASCII and binary, versions 1 to 4.2 (CELLS with counts) and 5 (CELLS with
  * OFFSETS and CONNECTIVITY): unstructured grids of tetrahedra or triangles.
  *
- * A point-data array called "fixed" (Mesquite's convention) marks nodes that must not move; an
- * array of cell data of one of some names says which regions cells are of. All other attributes are
- * passed over; the walk ends, without error, at anything unknown behind the mesh. Binary data are
- * big-endian. Cells and points are numbered from 0, as VTK does.
+ * A point-data array called "fixed" (Mesquite's convention) marks nodes that must not move; arrays
+ * of one whole number per cell may tell regions (arrays.h). All other attributes are passed over;
+ * the walk ends, without error, at anything unknown behind the mesh. Binary data are big-endian.
+ * Cells and points are numbered from 0, as VTK does.
  */
 #include "io/vtk.h"
-
-#include "io/vtk_cells.h"
 
 #include <string.h>
 
@@ -176,10 +174,7 @@ static int read_vtk(io_model *model, planish_error *error) {
     model->columns = 3;
     model->first_number = 0;
     int status = read_keywords(&reader);
-    if (status == 0 && reader.region != NULL)
-        status = vtk_regions_store(model, reader.region, reader.n_cells, error);
     vtk_release_lists(&reader);
-    pl_free(reader.region);
     io_text_release(&reader.text);
     return status;
 }

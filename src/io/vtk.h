@@ -39,8 +39,6 @@ typedef struct vtk_reader {
     int32_t *type;    /* [n_cells], owned: VTK's cell types */
     int64_t n_tuples; /* of the attributes of POINT_DATA or CELL_DATA; -1: in neither */
     int on_points;    /* in POINT_DATA */
-    int32_t *region;  /* [n_cells], owned: which region each cell is of, or NULL */
-    int region_rank;  /* of the array that says so (vtk_region_rank) */
 } vtk_reader;
 
 /* ---- vtk.c: words and lines --------------------------------------------------------------- */

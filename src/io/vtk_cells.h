@@ -33,15 +33,4 @@ int vtk_nodes_hold(io_model *model, const vtk_grid *cells, const int32_t *nodes,
  *  has, and which. 0; -1: that is not what the stream is. */
 int vtk_faces_hold(io_model *model, const vtk_grid *cells, const int32_t *stream, int64_t n);
 
-/** Whether an array of cell data of that name says which region cells are of; the most telling of
- *  several has the lowest number, from 1; 0: it does not. */
-int vtk_region_rank(const char *name, int64_t length);
-
-/** The region that a value of such an array is; -1: it is none, being no whole number. */
-int vtk_region_of(double value, int32_t *region);
-
-/** Values of such an array: region [n_cells] for all cells of the file. */
-int vtk_regions_store(io_model *model, const int32_t *region, int64_t n_cells,
-                      planish_error *error);
-
 #endif

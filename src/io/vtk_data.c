@@ -1,5 +1,5 @@
-/* vtk_data: the attributes of legacy VTK files: "fixed" holds nodes, some tell the regions of
- * cells, all others are passed over.
+/* vtk_data: the attributes of legacy VTK files: "fixed" holds nodes, arrays of one number per cell
+ * may tell regions, all others are passed over.
  *
  * Their extent must be known all the same, to find the keyword behind them.
  */
@@ -7,8 +7,8 @@
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/arrays.h"
 #include "io/binary.h"
-#include "io/vtk_cells.h"
 
 /* One array of attributes. */
 struct array {
@@ -94,64 +94,101 @@ static int skip_strings(vtk_reader *reader, int64_t n) {
 }
 
 /* What an array is to planish. */
-enum { NOTHING, FIXES, TELLS_REGIONS };
+typedef enum purpose { NOTHING, FIXES, MAY_TELL_REGIONS } purpose;
 
-/* Number i of an array, which text has at the cursor; 0 or -1. */
-static int take_number(const struct array *array, int64_t i, double *value) {
-    vtk_reader *reader = array->reader;
-    if (!reader->binary)
-        return io_real(&reader->cursor, value);
-    *value = load_number(reader->cursor.at + i * array->type->size, array->type, reader->swapped);
-    return 0;
-}
-
-/* The regions of cells, unless they are no whole numbers. Binary: the cursor stays. */
-static int read_regions(const struct array *array, int rank) {
-    vtk_reader *reader = array->reader;
-    int32_t *region = pl_alloc(array->n, sizeof *region);
-    int whole = 1;
-    if (region == NULL)
-        return pl_fail_memory(reader->error, "the regions of cells");
-    for (int64_t i = 0; i < array->n; i++) {
-        double value;
-        if (take_number(array, i, &value) != 0) {
-            pl_free(region);
-            return vtk_fail_here(reader, "cell data: number expected (the file may be cut short)");
-        }
-        whole &= vtk_region_of(value, &region[i]) == 0;
-    }
-    pl_free(whole ? reader->region : region);
-    if (whole) {
-        reader->region = region;
-        reader->region_rank = rank;
-    }
-    return 0;
-}
-
-/* The numbers of an array at the cursor: the nodes it fixes, regions, or nothing. rank: of an array
- * that tells regions. */
-static int read_array(const struct array *array, int use, int rank) {
-    vtk_reader *reader = array->reader;
+/* Number i of a binary array as a whole number: 1, or 0 if it is none. */
+static int load_whole(const struct array *array, int64_t i, int64_t *value) {
     const vtk_type *type = array->type;
+    const int swapped = array->reader->swapped;
+    const char *at = array->reader->cursor.at;
+    if (type->kind == VTK_BIT) {
+        *value = ((unsigned char)at[i / 8] >> (7 - i % 8)) & 1;
+        return 1;
+    }
+    at += i * type->size;
+    if (type->kind == VTK_REAL)
+        return io_array_whole(load_number(at, type, swapped), value);
+    if (type->size < 8)
+        *value = (int64_t)load_number(at, type, swapped);
+    else
+        *value = io_load_i64(at, swapped); /* unsigned ones by their bits */
+    return 1;
+}
+
+/* The next number of text: 1 whole, 0 another one, -1 none. */
+static int take_whole(io_cursor *cursor, int64_t *value) {
+    double real;
+    if (io_integer(cursor, value) == 0)
+        return 1;
+    return io_real(cursor, &real) == 0 ? io_array_whole(real, value) : -1;
+}
+
+/* Number i of an array: as take_whole. */
+static int next_whole(const struct array *array, int64_t i, int64_t *value) {
+    vtk_reader *reader = array->reader;
+    return reader->binary ? load_whole(array, i, value) : take_whole(&reader->cursor, value);
+}
+
+/* What of text an array that is no candidate any more leaves. */
+static int skip_rest(const struct array *array, int64_t n_done) {
+    vtk_reader *reader = array->reader;
+    return reader->binary ? 0 : skip_numbers(reader, array->n - n_done);
+}
+
+/* One number for each cell, which may tell regions. name: as text. Binary: the cursor stays. */
+static int read_cells_array(const struct array *array, const char *name) {
+    vtk_reader *reader = array->reader;
+    const int is_known = planish_region_name(name) > 0;
+    io_array_filler filler;
+    int64_t i = 0;
+    int status = io_array_begin(reader->model, name, array->n, &filler, reader->error);
+    for (; i < array->n && !status && !filler.is_broken; i++) {
+        int64_t value = 0;
+        const int whole = next_whole(array, i, &value);
+        if (whole < 0 && is_known)
+            status =
+                vtk_fail_here(reader, "cell data: number expected (the file may be cut short)");
+        else if (whole < 0)
+            break; /* words, it seems: they are passed over */
+        else
+            status = io_array_put(&filler, i, whole, value, reader->error);
+    }
+    filler.is_broken |= i < array->n;
+    if (!status)
+        status = skip_rest(array, i);
+    if (!status)
+        return io_array_end(reader->model, &filler, reader->error);
+    io_array_drop(&filler);
+    return status;
+}
+
+/* The bytes of a binary array; more than are left on failure. */
+static int64_t bytes_of(const struct array *array) {
+    const int64_t values = array->n * array->width;
+    return array->type->kind == VTK_BIT ? (values + 7) / 8 : values * array->type->size;
+}
+
+/* The numbers of an array at the cursor: the nodes it fixes, regions, or nothing. name: of an array
+ * that may tell regions. */
+static int read_array(const struct array *array, purpose use, const char *name) {
+    vtk_reader *reader = array->reader;
+    int status = 0;
     if (array->n < 0 || array->width < 0 ||
         (array->width > 0 && array->n > INT64_MAX / 16 / array->width))
         return vtk_fail_here(reader, "attributes: number of values is out of range");
-    int64_t values = array->n * array->width;
-    if (type->kind == VTK_STRING)
-        return skip_strings(reader, values);
-    if (!reader->binary && use != TELLS_REGIONS)
-        return use == FIXES ? hold_text(array) : skip_numbers(reader, values);
+    if (array->type->kind == VTK_STRING)
+        return skip_strings(reader, array->n * array->width);
     if (!reader->binary)
-        return read_regions(array, rank);
-    int64_t bytes = type->kind == VTK_BIT ? (values + 7) / 8 : values * type->size;
-    if (bytes > io_left(&reader->cursor))
+        return use == FIXES     ? hold_text(array)
+               : use == NOTHING ? skip_numbers(reader, array->n * array->width)
+                                : read_cells_array(array, name);
+    if (bytes_of(array) > io_left(&reader->cursor))
         return vtk_fail_here(reader, "attributes are cut short");
-    int status = 0;
     if (use == FIXES)
         hold_binary(array);
-    if (use == TELLS_REGIONS)
-        status = read_regions(array, rank);
-    reader->cursor.at += bytes;
+    if (use == MAY_TELL_REGIONS)
+        status = read_cells_array(array, name);
+    reader->cursor.at += bytes_of(array);
     return status;
 }
 
@@ -161,17 +198,44 @@ static int is_fixed(const vtk_reader *reader, vtk_word name, int64_t n) {
            io_word_is(name.at, name.length, "fixed", 0);
 }
 
-/* The same for an array called name: whether it fixes nodes, or tells regions better than those
- * before it, is seen. */
+static int hexadecimal(char c) {
+    return c >= '0' && c <= '9'   ? c - '0'
+           : c >= 'A' && c <= 'F' ? c - 'A' + 10
+           : c >= 'a' && c <= 'f' ? c - 'a' + 10
+                                  : -1;
+}
+
+/* The text of a name: VTK writes blanks and the like as %20. To be released by pl_free. */
+static char *name_of(vtk_word name) {
+    char *text = pl_alloc(name.length + 1, 1);
+    int64_t n = 0;
+    for (int64_t i = 0; text && i < name.length; i++) {
+        const int is_coded = name.at[i] == '%' && i + 2 < name.length;
+        const int high = is_coded ? hexadecimal(name.at[i + 1]) : -1;
+        const int low = is_coded ? hexadecimal(name.at[i + 2]) : -1;
+        const int is_code = high >= 0 && low >= 0 && (high || low);
+        text[n++] = is_code ? (char)(16 * high + low) : name.at[i];
+        i += is_code ? 2 : 0;
+    }
+    if (text)
+        text[n] = '\0';
+    return text;
+}
+
+/* The same for an array called name: whether it fixes nodes, or may tell regions, is seen. */
 static int read_named_array(const struct array *array, vtk_word name) {
     const vtk_reader *reader = array->reader;
     const int of_cells = !reader->on_points && reader->n_tuples >= 0 &&
                          array->n == reader->n_cells && array->width == 1 &&
-                         array->type->kind != VTK_BIT;
-    const int rank = of_cells ? vtk_region_rank(name.at, name.length) : 0;
-    if (rank > 0 && (reader->region == NULL || rank < reader->region_rank))
-        return read_array(array, TELLS_REGIONS, rank);
-    return read_array(array, is_fixed(reader, name, array->n) ? FIXES : NOTHING, 0);
+                         array->type->kind != VTK_STRING;
+    if (!of_cells)
+        return read_array(array, is_fixed(reader, name, array->n) ? FIXES : NOTHING, NULL);
+    char *text = name_of(name);
+    if (text == NULL)
+        return pl_fail_memory(reader->error, "the name of an array");
+    const int status = read_array(array, MAY_TELL_REGIONS, text);
+    pl_free(text);
+    return status;
 }
 
 /* Unknown: what follows cannot be understood, but the mesh is there. */
@@ -239,7 +303,7 @@ int vtk_texture(vtk_reader *reader) {
 static int skip_colours(vtk_reader *reader, int64_t n, int64_t width) {
     static const vtk_type byte = {"unsigned_char", VTK_UNSIGNED, 1};
     struct array array = {reader, &byte, n, width};
-    return read_array(&array, NOTHING, 0);
+    return read_array(&array, NOTHING, NULL);
 }
 
 int vtk_colours(vtk_reader *reader) {

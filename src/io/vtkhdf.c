@@ -2,9 +2,10 @@
  *
  * All partitions' points stand one after another in one array, and so do their cells, whose nodes
  * count from the first point of their partition. A point-data array called "fixed" marks nodes, and
- * cell data tell regions, as in VTK's other files. All other data are not looked at.
+ * cell data may tell regions, as in VTK's other files. All other data are not looked at.
  */
 #ifdef PL_HDF5
+#include "io/arrays.h"
 #include "io/hdf5.h"
 #include "io/records.h"
 #include "io/vtk_cells.h"
@@ -259,49 +260,56 @@ static int read_fixed(reader *r) {
     return status;
 }
 
-/** Regions from one array; *is_whole: they are one whole number for each cell. */
-static int take_regions(reader *r, const char *path, int32_t *region, int *is_whole) {
-    double *values = NULL;
+/** The values of an array of cells, of either kind. */
+typedef struct values {
+    io_hdf5_integers whole;
+    double *real; /* owned, or NULL: whole */
+} values;
+
+static int read_values(reader *r, const char *path, io_hdf5_numbers numbers, values *v) {
     io_hdf5_shape shape;
-    int status = io_hdf5_shape_of(r->file, path, &shape);
-    *is_whole = !status && shape.n == r->n_cells;
-    if (*is_whole)
-        status = io_hdf5_reals_read(r->file, path, &values, &shape);
-    for (int64_t i = 0; i < r->n_cells && *is_whole && !status; i++)
-        *is_whole = vtk_region_of(values[i], &region[i]) == 0;
-    pl_free(values);
+    *v = (values){.real = NULL};
+    return numbers == IO_HDF5_WHOLE ? io_hdf5_integers_read(r->file, path, &v->whole)
+                                    : io_hdf5_reals_read(r->file, path, &v->real, &shape);
+}
+
+static void release_values(values *v, io_hdf5_numbers numbers) {
+    if (numbers == IO_HDF5_WHOLE)
+        io_hdf5_integers_release(&v->whole);
+    pl_free(v->real);
+}
+
+static int fill_array(reader *r, const char *name, const values *v) {
+    io_array_filler filler;
+    int status = io_array_begin(r->model, name, r->n_cells, &filler, r->error);
+    if (status)
+        return status;
+    for (int64_t i = 0; i < r->n_cells && !status && !filler.is_broken; i++) {
+        int64_t value = v->real ? 0 : io_hdf5_integer(&v->whole, i);
+        const int is_whole = v->real ? io_array_whole(v->real[i], &value) : 1;
+        status = io_array_put(&filler, i, is_whole, value, r->error);
+    }
+    if (!status)
+        return io_array_end(r->model, &filler, r->error);
+    io_array_drop(&filler);
     return status;
 }
 
-/** The most telling array after the one of rank *rank; NULL: there is none. */
-static const char *next_array(const io_hdf5_names *names, int *rank) {
-    const char *best = NULL;
-    const int after = *rank;
-    for (int64_t i = 0; i < names->n; i++) {
-        const int this = vtk_region_rank(names->name[i], (int64_t)strlen(names->name[i]));
-        if (this > after && (!best || this < *rank)) {
-            best = names->name[i];
-            *rank = this;
-        }
-    }
-    return best;
-}
-
-static int read_regions(reader *r, const io_hdf5_names *names) {
+/** Take an array that has one number for each cell; others are passed over. */
+static int take_array(reader *r, const char *name) {
     char path[IO_HDF5_PATH_SIZE];
-    int rank = 0, is_whole = 0, status = PLANISH_OK;
-    const char *name = next_array(names, &rank);
-    int32_t *region = name ? pl_alloc(r->n_cells, sizeof *region) : NULL;
-    if (name && !region)
-        return pl_fail_memory(r->error, "the regions of cells");
-    for (; name && !is_whole && !status; name = next_array(names, &rank)) {
-        status = io_hdf5_path(r->file, path, GRID "/CellData/%s", name);
-        if (!status)
-            status = take_regions(r, path, region, &is_whole);
-    }
-    if (is_whole && !status)
-        status = vtk_regions_store(r->model, region, r->n_cells, r->error);
-    pl_free(region);
+    io_hdf5_shape shape;
+    values v;
+    int status = io_hdf5_path(r->file, path, GRID "/CellData/%s", name);
+    if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
+        return status;
+    const io_hdf5_numbers numbers = io_hdf5_numbers_of(r->file, path, &shape);
+    if (numbers == IO_HDF5_NEITHER || shape.n != r->n_cells)
+        return PLANISH_OK;
+    status = read_values(r, path, numbers, &v);
+    if (!status)
+        status = fill_array(r, name, &v);
+    release_values(&v, numbers);
     return status;
 }
 
@@ -310,8 +318,8 @@ static int read_cell_data(reader *r) {
     if (io_hdf5_kind_of(r->file, GRID "/CellData") != IO_HDF5_GROUP)
         return PLANISH_OK;
     int status = io_hdf5_list(r->file, GRID "/CellData", &names);
-    if (!status)
-        status = read_regions(r, &names);
+    for (int64_t i = 0; i < names.n && i < IO_MOST_ARRAYS && !status; i++)
+        status = take_array(r, names.name[i]);
     io_hdf5_names_release(&names);
     return status;
 }

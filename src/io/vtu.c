@@ -1,24 +1,27 @@
 /* vtu: VTK's XML files of unstructured grids: arrays as text, base64 or raw appended bytes, packed
  * or not, of any byte order; several pieces.
  *
- * As in legacy files point data called `fixed` hold nodes, and cell data of some names tell
- * regions. Without Expat the format is known and refused.
+ * As in legacy files point data called `fixed` hold nodes, and cell data may tell regions. Without
+ * Expat the format is known and refused.
  */
 #include "io/vtu.h"
 
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/arrays.h"
 #include "io/vtk_cells.h"
 
 #include <string.h>
 
-/** The array of a piece with that role (and rank, if not 0), or NULL. */
-static vtu_array *find_array(const vtu_document *document, int64_t piece, vtu_role role, int rank) {
+/** The array of a piece with that role (and name, if not NULL), or NULL. */
+static vtu_array *find_array(const vtu_document *document, int64_t piece, vtu_role role,
+                             const char *name) {
     const int64_t end = piece + 1 < document->n_pieces ? document->piece[piece + 1].first_array
                                                        : document->n_arrays;
     for (int64_t i = document->piece[piece].first_array; i < end; i++) {
         vtu_array *array = &document->array[i];
-        if (array->piece == piece && array->role == role && (rank == 0 || array->rank == rank))
+        if (array->piece == piece && array->role == role &&
+            (name == NULL || strcmp(array->name, name) == 0))
             return array;
     }
     return NULL;
@@ -51,8 +54,8 @@ static int read_offsets(io_model *model, vtu_document *document, vtu_array *arra
 /** Hold the nodes of the faces of polyhedra: their streams stand one after another. */
 static int hold_streams(io_model *model, vtu_document *document, int64_t index,
                         const vtk_grid *cells, planish_error *error) {
-    vtu_array *faces = find_array(document, index, VTU_FACES, 0);
-    vtu_array *offsets = find_array(document, index, VTU_FACE_OFFSETS, 0);
+    vtu_array *faces = find_array(document, index, VTU_FACES, NULL);
+    vtu_array *offsets = find_array(document, index, VTU_FACE_OFFSETS, NULL);
     int64_t *ends = NULL, last = 0;
     int32_t *stream = NULL;
     if (!faces || !offsets)
@@ -81,7 +84,7 @@ static int hold_streams(io_model *model, vtu_document *document, int64_t index,
 /** How many numbers of the next list these n refer to: ends of stretches (the last), or indices. */
 static int read_extent(io_model *model, vtu_document *document, int64_t index, vtu_role role,
                        int64_t *n, planish_error *error) {
-    vtu_array *array = find_array(document, index, role, 0);
+    vtu_array *array = find_array(document, index, role, NULL);
     int64_t *values = NULL, extent = 0;
     int status = vtu_read_integers(model, document, array, *n, &values, NULL, error);
     const int are_ends = role != VTU_POLYHEDRON_TO_FACES;
@@ -101,12 +104,12 @@ static int hold_face_nodes(io_model *model, vtu_document *document, int64_t inde
                            const vtk_grid *cells, planish_error *error) {
     static const vtu_role lists[] = {VTU_POLYHEDRON_OFFSETS, VTU_POLYHEDRON_TO_FACES,
                                      VTU_FACE_ENDS};
-    vtu_array *nodes = find_array(document, index, VTU_FACE_NODES, 0);
+    vtu_array *nodes = find_array(document, index, VTU_FACE_NODES, NULL);
     int64_t n = cells->n;
     int32_t *list = NULL;
     int status = PLANISH_OK, all = nodes != NULL;
     for (int i = 0; i < 3; i++)
-        all &= find_array(document, index, lists[i], 0) != NULL;
+        all &= find_array(document, index, lists[i], NULL) != NULL;
     if (!all)
         return PLANISH_OK;
     for (int i = 0; i < 3 && !status; i++)
@@ -134,9 +137,9 @@ static int hold_faces(io_model *model, vtu_document *document, int64_t index, co
 static int read_piece_cells(io_model *model, vtu_document *document, int64_t index,
                             planish_error *error) {
     const vtu_piece *piece = &document->piece[index];
-    vtu_array *connectivity = find_array(document, index, VTU_CONNECTIVITY, 0);
-    vtu_array *offsets = find_array(document, index, VTU_OFFSETS, 0);
-    vtu_array *types = find_array(document, index, VTU_TYPES, 0);
+    vtu_array *connectivity = find_array(document, index, VTU_CONNECTIVITY, NULL);
+    vtu_array *offsets = find_array(document, index, VTU_OFFSETS, NULL);
+    vtu_array *types = find_array(document, index, VTU_TYPES, NULL);
     int32_t *type = NULL;
     vtk_grid cells = {.n = piece->n_cells,
                       .n_points = piece->n_points,
@@ -171,7 +174,7 @@ static int read_piece_cells(io_model *model, vtu_document *document, int64_t ind
 static int read_fixed(io_model *model, vtu_document *document, int64_t index,
                       planish_error *error) {
     const vtu_piece *piece = &document->piece[index];
-    vtu_array *array = find_array(document, index, VTU_FIXED, 0);
+    vtu_array *array = find_array(document, index, VTU_FIXED, NULL);
     double *values = NULL;
     if (!array || array->n_components < 1 || array->n_components > 9)
         return PLANISH_OK;
@@ -184,49 +187,81 @@ static int read_fixed(io_model *model, vtu_document *document, int64_t index,
     return status;
 }
 
-/** The regions of one piece's cells; *whole: they are whole numbers until now. */
-static int read_piece_regions(io_model *model, vtu_document *document, int64_t index, int rank,
-                              int32_t *region, int *whole, planish_error *error) {
+/** The numbers of one piece's array: one of the two is allocated. */
+typedef struct numbers {
+    int64_t *whole;
+    double *real;
+} numbers;
+
+static int read_numbers(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
+                        numbers *values, planish_error *error) {
+    *values = (numbers){.whole = NULL};
+    return array->type->kind == VTK_REAL
+               ? vtu_read_reals(model, document, array, n, &values->real, error)
+               : vtu_read_integers(model, document, array, n, &values->whole, NULL, error);
+}
+
+/** Put the values of one piece's cells. What is no array of one number for each cell can tell no
+ *  regions; of one with a name that tells regions it is an error. */
+static int put_piece(io_model *model, vtu_document *document, int64_t index, const char *name,
+                     io_array_filler *filler, planish_error *error) {
     const vtu_piece *piece = &document->piece[index];
-    vtu_array *array = find_array(document, index, VTU_REGION, rank);
-    double *values = NULL;
-    if (!array || array->n_components != 1) {
-        *whole &= piece->n_cells == 0;
+    vtu_array *array = find_array(document, index, VTU_CELL_DATA, name);
+    numbers values;
+    if (piece->n_cells == 0)
         return PLANISH_OK;
+    filler->is_broken |= !array || array->n_components != 1 || !array->type;
+    if (filler->is_broken)
+        return PLANISH_OK;
+    int status = read_numbers(model, document, array, piece->n_cells, &values, error);
+    if (status == PLANISH_ERROR_FORMAT && planish_region_name(name) <= 0) {
+        filler->is_broken = 1;
+        status = PLANISH_OK;
     }
-    int status = vtu_read_reals(model, document, array, piece->n_cells, &values, error);
-    for (int64_t i = 0; i < piece->n_cells && !status; i++)
-        *whole &= vtk_region_of(values[i], &region[piece->first_cell + i]) == 0;
-    pl_free(values);
+    for (int64_t i = 0; i < piece->n_cells && !status && !filler->is_broken; i++) {
+        int64_t value = values.real ? 0 : values.whole[i];
+        const int is_whole = values.real ? io_array_whole(values.real[i], &value) : 1;
+        status = io_array_put(filler, piece->first_cell + i, is_whole, value, error);
+    }
+    pl_free(values.whole);
+    pl_free(values.real);
     return status;
 }
 
-/** The rank of the most telling array after the one of rank after; 0: there is none. */
-static int next_rank(const vtu_document *document, int after) {
-    int best = 0;
-    for (int64_t i = 0; i < document->n_arrays; i++) {
-        const vtu_array *array = &document->array[i];
-        if (array->role == VTU_REGION && array->rank > after && (best == 0 || array->rank < best))
-            best = array->rank;
-    }
-    return best;
+/** Read the array of cell data called name. */
+static int read_cell_array(io_model *model, vtu_document *document, const char *name,
+                           planish_error *error) {
+    const vtu_piece *last = &document->piece[document->n_pieces - 1];
+    io_array_filler filler;
+    int status = io_array_begin(model, name, last->first_cell + last->n_cells, &filler, error);
+    if (status)
+        return status;
+    for (int64_t i = 0; i < document->n_pieces && !status && !filler.is_broken; i++)
+        status = put_piece(model, document, i, name, &filler, error);
+    if (!status)
+        return io_array_end(model, &filler, error);
+    io_array_drop(&filler);
+    return status;
 }
 
-static int read_regions(io_model *model, vtu_document *document, planish_error *error) {
-    const vtu_piece *last = &document->piece[document->n_pieces - 1];
-    const int64_t n_cells = last->first_cell + last->n_cells;
-    int rank = next_rank(document, 0), status = PLANISH_OK, whole = 0;
-    int32_t *region = rank ? pl_alloc_zero(n_cells, sizeof *region) : NULL;
-    if (rank && !region)
-        return pl_fail_memory(error, "the regions of cells");
-    for (; rank && !whole && !status; rank = next_rank(document, rank)) {
-        whole = 1;
-        for (int64_t i = 0; i < document->n_pieces && !status; i++)
-            status = read_piece_regions(model, document, i, rank, region, &whole, error);
+/** The first piece that has cells: it has all arrays that can be whole. */
+static int64_t first_with_cells(const vtu_document *document) {
+    int64_t piece = 0;
+    while (piece + 1 < document->n_pieces && document->piece[piece].n_cells == 0)
+        piece++;
+    return piece;
+}
+
+static int read_cell_data(io_model *model, vtu_document *document, planish_error *error) {
+    const int64_t piece = first_with_cells(document);
+    int status = PLANISH_OK, n = 0;
+    for (int64_t i = 0; i < document->n_arrays && n < IO_MOST_ARRAYS && !status; i++) {
+        const vtu_array *array = &document->array[i];
+        if (array->role != VTU_CELL_DATA || array->piece != piece)
+            continue;
+        status = read_cell_array(model, document, array->name, error);
+        n++;
     }
-    if (whole && !status)
-        status = vtk_regions_store(model, region, n_cells, error);
-    pl_free(region);
     return status;
 }
 
@@ -244,7 +279,7 @@ static int read_document(io_model *model, vtu_document *document, planish_error 
     for (int64_t i = 0; i < document->n_pieces && !status; i++)
         status = read_fixed(model, document, i, error);
     if (!status)
-        status = read_regions(model, document, error);
+        status = read_cell_data(model, document, error);
     return status ? status : vtu_check_overlaps(model, document, error);
 }
 

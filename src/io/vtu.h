@@ -26,7 +26,7 @@ typedef enum vtu_role {
     VTU_FACE_ENDS,
     VTU_FACE_NODES,
     VTU_FIXED, /* point data called `fixed` */
-    VTU_REGION /* cell data that tells regions */
+    VTU_CELL_DATA /* cell data with a name */
 } vtu_role;
 
 /** How the numbers of an array stand in the file. */
@@ -39,7 +39,7 @@ typedef enum vtu_form {
 /** A DataArray element. */
 typedef struct vtu_array {
     vtu_role role;
-    int rank;             /* of what tells regions: vtk_region_rank */
+    char *name;           /* of cell data, owned, or NULL */
     int piece;            /* number of the Piece it is in, or -1 */
     const vtk_type *type; /* NULL: of a type that is not read */
     int64_t n_components;

@@ -15,6 +15,8 @@
 #include <string.h>
 
 void vtu_document_release(vtu_document *document) {
+    for (int64_t i = 0; i < document->n_arrays; i++)
+        pl_free(document->array[i].name);
     pl_free(document->piece);
     pl_free(document->array);
     *document = (vtu_document){0};
@@ -199,7 +201,7 @@ static void begin_piece(walk *w, const char **attributes) {
     w->in_piece = 1;
 }
 
-static vtu_role role_of(const walk *w, const char *name, int *rank) {
+static vtu_role role_of(const walk *w, const char *name) {
     static const char *const of_cells[] = {"connectivity",
                                            "offsets",
                                            "types",
@@ -209,7 +211,6 @@ static vtu_role role_of(const walk *w, const char *name, int *rank) {
                                            "polyhedron_to_faces",
                                            "face_offsets",
                                            "face_connectivity"};
-    *rank = 0;
     switch (w->section) {
     case POINTS:
         return VTU_POINTS;
@@ -221,8 +222,7 @@ static vtu_role role_of(const walk *w, const char *name, int *rank) {
     case POINT_DATA:
         return same(name, "fixed") ? VTU_FIXED : VTU_OTHER;
     case CELL_DATA:
-        *rank = name ? vtk_region_rank(name, (int64_t)strlen(name)) : 0;
-        return *rank > 0 ? VTU_REGION : VTU_OTHER;
+        return name ? VTU_CELL_DATA : VTU_OTHER;
     default:
         return VTU_OTHER;
     }
@@ -271,18 +271,22 @@ static void begin_array(walk *w, const char **attributes) {
     vtu_document *document = w->document;
     const char *components = attribute(attributes, "NumberOfComponents");
     vtu_array array = {.piece = w->in_piece ? (int)document->n_pieces - 1 : -1};
-    array.role = role_of(w, attribute(attributes, "Name"), &array.rank);
+    array.role = role_of(w, attribute(attributes, "Name"));
     array.type = type_of(attribute(attributes, "type"));
     array.n_components = components ? number(components) : 1;
     if (place_array(w, &array, attributes))
         return;
+    if (array.role == VTU_CELL_DATA)
+        array.name = pl_copy_text(attribute(attributes, "Name"));
     vtu_array *grown = pl_grow(document->array, document->n_arrays, document->n_arrays + 1,
                                &document->array_capacity, sizeof *grown);
-    if (!grown) {
+    if (grown)
+        document->array = grown;
+    if (!grown || (array.role == VTU_CELL_DATA && !array.name)) {
+        pl_free(array.name);
         fail(w, pl_fail_memory(w->error, "the arrays of the file"));
         return;
     }
-    document->array = grown;
     document->array[document->n_arrays++] = array;
 }
 

@@ -1,0 +1,550 @@
+/* regions: which arrays of values per element tell regions, and the regions that they make.
+ *
+ * In go a mesh and arrays of numbers, one for each element, as files have them. An array looks like
+ * regions if its values are whole, if there are two of them at least, and if at most half of the
+ * facets inside the mesh lie between different ones: numbers of elements differ at all of them.
+ * Some names decide without a look at the facets. Everything is counted in whole numbers, so that
+ * threads do not matter.
+ */
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "topology/facets.h"
+#include "topology/topology.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+enum {
+    CHUNK = 1 << 16, /* values that a thread looks at at a time */
+    LINE = 8         /* counters that one thread has at least, so that threads share no line */
+};
+
+/* ---- names -------------------------------------------------------------------------------- */
+
+/** Letters and digits of name, in small letters; others are left out, and what does not fit. */
+static void plain_name(const char *name, char *plain, size_t size) {
+    size_t n = 0;
+    for (; *name && n + 1 < size; name++) {
+        if (*name >= 'A' && *name <= 'Z')
+            plain[n++] = (char)(*name - 'A' + 'a');
+        else if ((*name >= 'a' && *name <= 'z') || (*name >= '0' && *name <= '9'))
+            plain[n++] = *name;
+    }
+    plain[n] = '\0';
+}
+
+/** Whether the words are the same but for the case of letters. */
+static int is_same(const char *a, const char *b) {
+    for (; *a && *b; a++, b++) {
+        const char x = *a >= 'A' && *a <= 'Z' ? (char)(*a - 'A' + 'a') : *a;
+        const char y = *b >= 'A' && *b <= 'Z' ? (char)(*b - 'A' + 'a') : *b;
+        if (x != y)
+            return 0;
+    }
+    return *a == *b;
+}
+
+/** Whether plain is one of words [n]. */
+static int is_among(const char *plain, const char *const *words, size_t n) {
+    for (size_t i = 0; i < n; i++)
+        if (strcmp(plain, words[i]) == 0)
+            return 1;
+    return 0;
+}
+
+/** Whether an array of that name says how a mesh is shared out, or where its elements come from. */
+static int is_no_region(const char *name) {
+    static const char *const parts[] = {"partition", "ghost", "mpirank", "processor"};
+    static const char *const words[] = {"rank",
+                                        "ranks",
+                                        "rankid",
+                                        "owner",
+                                        "ownerrank",
+                                        "owners",
+                                        "proc",
+                                        "procs",
+                                        "procid",
+                                        "procids",
+                                        "procrank",
+                                        "procnumber",
+                                        "processid",
+                                        "processids",
+                                        "vtkprocessid",
+                                        "pieceid",
+                                        "metis",
+                                        "parmetis",
+                                        "scotch",
+                                        "npart",
+                                        "epart",
+                                        "elementid",
+                                        "elementids",
+                                        "elemid",
+                                        "elemids",
+                                        "cellid",
+                                        "cellids",
+                                        "elementnumber",
+                                        "cellnumber",
+                                        "elementnumbers",
+                                        "globalid",
+                                        "globalids",
+                                        "globalelementid",
+                                        "globalcellid",
+                                        "globalelementids",
+                                        "globalcellids",
+                                        "originalid",
+                                        "originalids",
+                                        "originalcellids",
+                                        "vtkoriginalcellids",
+                                        "originalelementids",
+                                        "vtkoriginalpointids",
+                                        "pedigreeid",
+                                        "pedigreeids",
+                                        "pedigreeelementid",
+                                        "objectidelement"};
+    char plain[64];
+    plain_name(name, plain, sizeof plain);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        if (strstr(plain, parts[i]))
+            return 1;
+    return is_among(plain, words, sizeof words / sizeof *words);
+}
+
+int planish_region_name(const char *name) {
+    /* Written by: this program; Gmsh's mesh and meshio's; Medit's by meshio; Gmsh's own VTK files;
+     * dolfinx; ParaView, OpenGeoSys and MOOSE. */
+    static const char *const names[] = {
+        "region",    "gmsh:geometrical", "gmsh:physical", "medit:ref", "CellEntityIds",
+        "cell_tags", "MaterialIDs",      "MaterialId",    "material",  "regionId",
+        "RegionIds", "subdomain_id",     "BlockId",       "attribute"};
+    if (!name)
+        return 0;
+    for (int i = 0; i < (int)(sizeof names / sizeof *names); i++)
+        if (is_same(name, names[i]))
+            return i + 1;
+    return is_no_region(name) ? -1 : 0;
+}
+
+/* ---- values ------------------------------------------------------------------------------- */
+
+/** A real number as a whole one; -1: it is none, or is out of range. */
+static int take_real(double value, int64_t *whole) {
+    const double limit = 9223372036854775808.0; /* 2^63 */
+    if (!(value >= -limit && value < limit))
+        return -1;
+    *whole = (int64_t)value;
+    return (double)*whole == value ? 0 : -1;
+}
+
+/** Value i as a whole number; -1: it is none. Unsigned ones of 64 bits are taken by their bits:
+ * only whether values are the same matters. */
+static int take_value(const planish_cell_array *array, int64_t i, int64_t *value) {
+    switch (array->type) {
+    case PLANISH_NUMBER_INT8:
+        *value = ((const int8_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_INT16:
+        *value = ((const int16_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_INT32:
+        *value = ((const int32_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_INT64:
+        *value = ((const int64_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_UINT8:
+        *value = ((const uint8_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_UINT16:
+        *value = ((const uint16_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_UINT32:
+        *value = ((const uint32_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_UINT64:
+        *value = (int64_t)((const uint64_t *)array->values)[i];
+        return 0;
+    case PLANISH_NUMBER_FLOAT32:
+        return take_real((double)((const float *)array->values)[i], value);
+    case PLANISH_NUMBER_FLOAT64:
+        return take_real(((const double *)array->values)[i], value);
+    }
+    return -1;
+}
+
+static int64_t value_at(const planish_cell_array *array, int64_t i) {
+    int64_t value = 0;
+    (void)take_value(array, i, &value);
+    return value;
+}
+
+static int check_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
+                        planish_error *error) {
+    if (n_arrays < 0 || (n_arrays > 0 && !arrays))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "n_arrays is %d, and arrays must have so many", n_arrays);
+    for (int i = 0; i < n_arrays; i++) {
+        if (!arrays[i].values && n_elements > 0)
+            return pl_fail(error, PLANISH_ERROR_ARGUMENT, "array %d has no values", i);
+        if ((int)arrays[i].type < PLANISH_NUMBER_INT32 ||
+            (int)arrays[i].type > PLANISH_NUMBER_FLOAT64)
+            return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                           "array %d: its type is %d, which is no planish_number", i,
+                           (int)arrays[i].type);
+    }
+    return PLANISH_OK;
+}
+
+/** A look at all values of an array. */
+typedef struct look {
+    const planish_cell_array *array;
+    int64_t first; /* value 0 */
+    uint8_t is_broken, differs;
+} look;
+
+static void look_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    look *l = context;
+    int broken = 0, differs = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        int64_t value = 0;
+        broken |= take_value(l->array, i, &value);
+        differs |= value != l->first;
+    }
+    if (broken)
+        pl_set_flag(&l->is_broken, 1);
+    if (differs)
+        pl_set_flag(&l->differs, 1);
+}
+
+/** Whether all values are whole, and there are two of them at least. */
+static int has_values(const planish_cell_array *array, int64_t n, int threads) {
+    look l = {.array = array};
+    if (n == 0 || take_value(array, 0, &l.first))
+        return 0;
+    pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK, look_chunk, &l);
+    return !l.is_broken && l.differs;
+}
+
+/* ---- the rule ----------------------------------------------------------------------------- */
+
+/** Facets inside the mesh, and those between different values of each array. */
+typedef struct tally {
+    const planish_cell_array *const *array; /* [n] */
+    int n;
+    int64_t row;    /* counters of a thread: [n] arrays, and all facets */
+    int64_t *count; /* [threads][row] */
+} tally;
+
+static void count_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
+                         int thread) {
+    const tally *t = context;
+    int64_t *count = t->count + thread * t->row;
+    (void)node;
+    for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
+        if (facet->count < 2)
+            continue;
+        count[t->n]++;
+        for (int i = 0; i < t->n; i++)
+            count[i] += value_at(t->array[i], facet->element[0]) !=
+                        value_at(t->array[i], facet->element[1]);
+    }
+}
+
+static int match_facets(const planish_mesh *mesh, tally *t, int threads, planish_error *error) {
+    pl_incidence incidence;
+    int status = pl_incidence_create(mesh, NULL, threads, &incidence, error);
+    if (status)
+        return status;
+    status = pl_facets_match(mesh, &incidence, NULL, threads, count_facets, t, error);
+    pl_incidence_destroy(&incidence);
+    return status;
+}
+
+/** Which of the arrays candidate [n] look like regions: looks [n] is filled with 0 or 1. */
+static int judge(const planish_mesh *mesh, const planish_cell_array *const *candidate, int n,
+                 int threads, uint8_t *looks, planish_error *error) {
+    tally t = {.array = candidate, .n = n, .row = pl_counts_row((int64_t)n + 1) + LINE};
+    t.count = pl_alloc_zero(threads * t.row, sizeof *t.count);
+    if (!t.count)
+        return pl_fail_memory(error, "the arrays of elements");
+    const int status = match_facets(mesh, &t, threads, error);
+    for (int thread = 1; thread < threads; thread++)
+        for (int i = 0; i <= n; i++)
+            t.count[i] += t.count[thread * t.row + i];
+    for (int i = 0; i < n; i++)
+        looks[i] = t.count[i] <= t.count[n] - t.count[i];
+    pl_free(t.count);
+    return status;
+}
+
+/** The array whose name is the most telling one, if its values are whole; -1: there is none. has
+ *  [n_arrays]: whether it has values of regions. */
+static int most_telling(const planish_cell_array *arrays, int n_arrays, const uint8_t *has) {
+    int best = -1, best_rank = 0;
+    for (int i = 0; i < n_arrays; i++) {
+        const int rank = planish_region_name(arrays[i].name);
+        if (has[i] && rank > 0 && (best < 0 || rank < best_rank)) {
+            best = i;
+            best_rank = rank;
+        }
+    }
+    return best;
+}
+
+/** Room for what is found out about the arrays. */
+typedef struct search {
+    uint8_t *has;                         /* [n_arrays] values of regions */
+    uint8_t *looks;                       /* [n_candidates] like regions */
+    const planish_cell_array **candidate; /* [n_candidates] */
+    int *place;                           /* [n_candidates] among the arrays */
+    int n_candidates, sure;               /* sure: index of the array that needs no look, or -1 */
+} search;
+
+static void choose_candidates(search *s, const planish_cell_array *arrays, int n_arrays,
+                              int64_t n_elements, int threads) {
+    for (int i = 0; i < n_arrays; i++)
+        s->has[i] =
+            planish_region_name(arrays[i].name) >= 0 && has_values(&arrays[i], n_elements, threads);
+    s->sure = most_telling(arrays, n_arrays, s->has);
+    for (int i = 0; i < n_arrays; i++)
+        if (s->has[i] && i != s->sure) {
+            s->place[s->n_candidates] = i;
+            s->candidate[s->n_candidates++] = &arrays[i];
+        }
+}
+
+static int find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays,
+                        int threads, planish_error *error) {
+    search s = {.has = pl_alloc_zero(n_arrays, 1),
+                .looks = pl_alloc_zero(n_arrays, 1),
+                .candidate = pl_alloc(n_arrays, sizeof *s.candidate),
+                .place = pl_alloc(n_arrays, sizeof *s.place)};
+    int status = PLANISH_OK;
+    if (!s.has || !s.looks || !s.candidate || !s.place)
+        status = pl_fail_memory(error, "the arrays of elements");
+    if (!status)
+        choose_candidates(&s, arrays, n_arrays, mesh->n_elements, threads);
+    if (!status && s.n_candidates > 0)
+        status = judge(mesh, s.candidate, s.n_candidates, threads, s.looks, error);
+    for (int i = 0; i < n_arrays && !status; i++)
+        arrays[i].is_region = i == s.sure;
+    for (int i = 0; i < s.n_candidates && !status; i++)
+        arrays[s.place[i]].is_region = s.looks[i];
+    pl_free(s.has);
+    pl_free(s.looks);
+    pl_free(s.candidate);
+    pl_free(s.place);
+    return status;
+}
+
+static int check_threads(int threads, planish_error *error) {
+    if (threads >= 0 && threads <= PL_MAX_THREADS)
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
+                   PL_MAX_THREADS);
+}
+
+int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays,
+                         int threads, planish_error *error) {
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    const pl_outside outside = pl_call_enter(NULL);
+    const int used = pl_thread_count(threads);
+    pl_dense dense;
+    status = pl_dense_create(mesh, used, &dense, error);
+    if (!status) {
+        if (mesh->part)
+            status = pl_fail(error, PLANISH_ERROR_PARTS,
+                             "regions are found in the whole mesh, not in a part of it");
+        if (!status)
+            status = check_arrays(arrays, n_arrays, mesh->n_elements, error);
+        if (!status)
+            status = find_regions(&dense.mesh, arrays, n_arrays, used, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
+    return status;
+}
+
+/* ---- combining ---------------------------------------------------------------------------- */
+
+/** A pair of a region and the value of one more array, and the region that it makes. */
+typedef struct slot {
+    int64_t value;
+    int32_t before, number; /* number < 0: the slot is free */
+} slot;
+
+/** Pairs by their values. */
+typedef struct table {
+    slot *slot;      /* [n_slots] */
+    int64_t n_slots; /* a power of two, at least twice as many as there are pairs */
+    int64_t n;
+} table;
+
+static uint64_t hash_of(int32_t before, int64_t value) {
+    uint64_t h = (uint64_t)value * 0x9e3779b97f4a7c15u + (uint32_t)before;
+    h = (h ^ h >> 32) * 0xd6e8feb86659fd93u;
+    return h ^ h >> 32;
+}
+
+/** The slot of a pair, or the free one where it belongs. */
+static slot *find_slot(const table *t, int32_t before, int64_t value) {
+    const uint64_t mask = (uint64_t)t->n_slots - 1;
+    uint64_t at = hash_of(before, value) & mask;
+    while (t->slot[at].number >= 0 && (t->slot[at].before != before || t->slot[at].value != value))
+        at = (at + 1) & mask;
+    return &t->slot[at];
+}
+
+static int grow_table(table *t, planish_error *error) {
+    enum { FIRST_SLOTS = 1 << 8 };
+    const table old = *t;
+    t->n_slots = old.n_slots ? 2 * old.n_slots : FIRST_SLOTS;
+    t->slot = pl_alloc(t->n_slots, sizeof *t->slot);
+    if (!t->slot) {
+        *t = old;
+        return pl_fail_memory(error, "the regions of elements");
+    }
+    for (int64_t i = 0; i < t->n_slots; i++)
+        t->slot[i].number = -1;
+    for (int64_t i = 0; i < old.n_slots; i++)
+        if (old.slot[i].number >= 0)
+            *find_slot(t, old.slot[i].before, old.slot[i].value) = old.slot[i];
+    pl_free(old.slot);
+    return PLANISH_OK;
+}
+
+/** The number of a pair, the next one if it is new; negative on failure. */
+static int32_t number_of(table *t, int32_t before, int64_t value, planish_error *error) {
+    if (2 * (t->n + 1) > t->n_slots) {
+        const int status = grow_table(t, error);
+        if (status)
+            return status;
+    }
+    slot *s = find_slot(t, before, value);
+    if (s->number < 0)
+        *s = (slot){value, before, (int32_t)t->n++};
+    return s->number;
+}
+
+/** Split the regions of elements by the values of one more array. */
+static int split_regions(const planish_cell_array *array, int64_t n_elements, int32_t *region,
+                         int64_t *n_regions, planish_error *error) {
+    table t = {.n = 0};
+    int32_t before = 0, number = -1;
+    int64_t last = 0;
+    for (int64_t i = 0; i < n_elements; i++) {
+        int64_t value;
+        if (take_value(array, i, &value)) {
+            number = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, i, -1,
+                                "array '%s': the value of element %" PRId64 " is no whole number",
+                                array->name ? array->name : "", i);
+            break;
+        }
+        if (number < 0 || before != region[i] || value != last) {
+            before = region[i];
+            last = value;
+            number = number_of(&t, before, value, error);
+            if (number < 0)
+                break;
+        }
+        region[i] = number;
+    }
+    pl_free(t.slot);
+    *n_regions = t.n;
+    return number < 0 && n_elements > 0 ? number : PLANISH_OK;
+}
+
+static int combine(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
+                   int32_t *found, int64_t *n_regions, planish_error *error) {
+    int status = PLANISH_OK;
+    *n_regions = n_elements > 0;
+    for (int i = 0; i < n_arrays && !status; i++)
+        if (arrays[i].is_region)
+            status = split_regions(&arrays[i], n_elements, found, n_regions, error);
+    return status;
+}
+
+int planish_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
+                            int32_t *region, int64_t *n_regions, planish_error *error) {
+    if (n_elements < 0 || n_elements > INT32_MAX || !region)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "n_elements is %" PRId64 ": it must be 0 to %d, and region not NULL",
+                       n_elements, INT32_MAX);
+    int64_t n = 0;
+    int status = check_arrays(arrays, n_arrays, n_elements, error);
+    if (status)
+        return status;
+    const pl_outside outside = pl_call_enter(NULL);
+    int32_t *found = pl_alloc_zero(n_elements, sizeof *found);
+    status = found ? combine(n_elements, arrays, n_arrays, found, &n, error)
+                   : pl_fail_memory(error, "the regions of elements");
+    if (!status)
+        memcpy(region, found, (size_t)n_elements * sizeof *found);
+    if (!status && n_regions)
+        *n_regions = n;
+    pl_free(found);
+    pl_call_leave(&outside);
+    return status;
+}
+
+/* ---- interfaces --------------------------------------------------------------------------- */
+
+enum { UNSEEN = 0, BETWEEN = 1, SEEN = 2 };
+
+/** is_between [n_nodes] becomes BETWEEN or something else. */
+static void mark_interfaces(const planish_mesh *mesh, const int32_t *region, int32_t *of_node,
+                            uint8_t *is_between) {
+    const int corners = mesh->dim + 1;
+    memset(is_between, UNSEEN, (size_t)mesh->n_nodes);
+    for (int64_t i = 0; i < mesh->n_elements; i++)
+        for (int j = 0; j < corners; j++) {
+            const int32_t node = mesh->elements[i * corners + j];
+            if (is_between[node] == UNSEEN) {
+                is_between[node] = SEEN;
+                of_node[node] = region[i];
+            } else if (of_node[node] != region[i]) {
+                is_between[node] = BETWEEN;
+            }
+        }
+}
+
+static int find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
+                           int64_t *n, planish_error *error) {
+    int32_t *of_node = pl_alloc(mesh->n_nodes, sizeof *of_node);
+    if (!of_node)
+        return pl_fail_memory(error, "the regions of nodes");
+    mark_interfaces(mesh, region, of_node, is_between);
+    *n = 0;
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        is_between[i] = is_between[i] == BETWEEN;
+        *n += is_between[i];
+    }
+    pl_free(of_node);
+    return PLANISH_OK;
+}
+
+int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int threads,
+                            uint8_t *is_between, int64_t *n_between, planish_error *error) {
+    int64_t n = 0;
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    if (!region || !is_between)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "region and is_between must not be NULL");
+    const pl_outside outside = pl_call_enter(NULL);
+    pl_dense dense;
+    status = pl_dense_create(mesh, pl_thread_count(threads), &dense, error);
+    if (!status) {
+        status = find_interfaces(&dense.mesh, region, is_between, &n, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
+    if (!status && n_between)
+        *n_between = n;
+    return status;
+}
