@@ -45,7 +45,7 @@ typedef struct work {
 /** What needs names of groups, or looks at all of the mesh. */
 static int asks_for_all(const pl_arguments *a) {
     return a->n_fix > 0 || a->fix_layers || a->n_slide_tags > 0 || a->n_min_volumes > 0 ||
-           a->report || (a->format && strcmp(a->format, "dmplex") != 0);
+           a->n_regions > 0 || a->report || (a->format && strcmp(a->format, "dmplex") != 0);
 }
 
 /** Whether the mesh is too large for the first process; or what PETSC_OPTIONS say. */

@@ -20,6 +20,10 @@ int pl_job_binds(const pl_arguments *arguments) {
            !getenv("GOMP_CPU_AFFINITY");
 }
 
+const char *const *pl_job_region_arrays(const pl_job *job) {
+    return planish_file_region_arrays(job->arguments->ignore_regions ? NULL : job->file);
+}
+
 int64_t pl_job_element_number(const pl_job *job, int64_t element) {
     return job->file ? planish_file_element_number(job->file, element) : element;
 }
@@ -168,6 +172,10 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     if (planish_file_open_isolated(arguments->input, arguments->format, job->options.threads,
                                    &job->file, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (planish_file_choose_regions(job->file, arguments->regions, arguments->n_regions, &error))
+        return error.code == PLANISH_ERROR_ARGUMENT
+                   ? pl_complain_usage(pl_command_name(arguments->command), "%s", error.text)
+                   : pl_job_complain(job, PL_EXIT_FAILED, &error);
     planish_file_get_info(job->file, &job->file_info);
     job->options.precision = job->file_info.precision;
     job->options.round = job->file_info.round;

@@ -97,6 +97,9 @@ int pl_job_find_slides(pl_job *job);
 /** How the options hold nodes of the file, without slides. */
 planish_hold pl_job_hold(const pl_job *job);
 
+/** Names of the arrays between whose values nodes are held, NULL at the end. */
+const char *const *pl_job_region_arrays(const pl_job *job);
+
 /** The file's number of an element; without a file its index. */
 int64_t pl_job_element_number(const pl_job *job, int64_t element);
 

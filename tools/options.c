@@ -286,7 +286,18 @@ static const char *set_slide_tolerance(pl_arguments *arguments, const char *valu
 static const char *set_ignore_regions(pl_arguments *arguments, const char *value) {
     (void)value;
     arguments->ignore_regions = 1;
+    arguments->n_regions = 0;
     return NULL;
+}
+
+static const char *set_regions(pl_arguments *arguments, const char *value) {
+    const int is_none = strcmp(value, "none") == 0;
+    arguments->ignore_regions = is_none;
+    if (is_none)
+        arguments->n_regions = 0;
+    else
+        arguments->regions[arguments->n_regions++] = value;
+    return value[0] ? NULL : "must be the name of an array of the file, or none";
 }
 
 static const char *set_threads(pl_arguments *arguments, const char *value) {
@@ -422,8 +433,13 @@ static const option_row option_table[] = {
      "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once", NULL},
     {0, "fix-layers", NULL, BOTH, set_fix_layers,
      "hold all nodes of elements that are thin in layers,\nas those of a boundary layer are", NULL},
+    {0, "regions", "NAME", BOTH, set_regions,
+     "hold nodes between the values of array NAME (default:\nof all arrays that look like "
+     "regions); "
+     "may be given\nmore than once; none: let nodes between regions move",
+     "none"},
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
-     "let nodes between regions (materials) move", NULL},
+     "let nodes between regions (materials) move, as\n--regions none does", NULL},
     {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,
      "let boundary nodes slide where the shape stays what\nit is: auto (on planes and straight "
      "edges), none\n(default), or on group TAG only (NAME, N or DIM:N;\nmay be given more than "
@@ -604,10 +620,11 @@ static int make_room(pl_arguments *arguments, int argc) {
     arguments->inputs = calloc(n, sizeof *arguments->inputs);
     arguments->fix = calloc(n, sizeof *arguments->fix);
     arguments->slide_tag = calloc(n, sizeof *arguments->slide_tag);
+    arguments->regions = calloc(n, sizeof *arguments->regions);
     arguments->min_volume_tag = calloc(n, sizeof *arguments->min_volume_tag);
     arguments->min_volume_value = calloc(n, sizeof *arguments->min_volume_value);
-    if (arguments->inputs && arguments->fix && arguments->slide_tag && arguments->min_volume_tag &&
-        arguments->min_volume_value)
+    if (arguments->inputs && arguments->fix && arguments->slide_tag && arguments->regions &&
+        arguments->min_volume_tag && arguments->min_volume_value)
         return 0;
     return pl_complain(PL_EXIT_FAILED, "out of memory for the command line");
 }
@@ -651,6 +668,7 @@ void pl_arguments_free(pl_arguments *arguments) {
         free(arguments->min_volume_tag[i]);
     free(arguments->min_volume_tag);
     free(arguments->min_volume_value);
+    free(arguments->regions);
     free(arguments->slide_tag);
     free(arguments->fix);
     free(arguments->inputs);

@@ -52,6 +52,8 @@ typedef struct pl_arguments {
     const char *of_worst;   /* an option that is for it alone, or NULL */
     planish_worst worst_measure;
     int ignore_regions;
+    const char **regions; /* [n_regions] arrays that tell regions; none: found by the rule; owned */
+    int n_regions;
     int leave_unbound;        /* threads stay where the system puts them */
     char **min_volume_tag;    /* [n_min_volumes] groups with a least volume of their own, owned */
     double *min_volume_value; /* [n_min_volumes] and that volume, owned */

@@ -135,6 +135,13 @@ static void add_held(document *json, cJSON *mesh, const pl_held *held) {
     add_integer(json, mesh, "doubled_nodes", held->n_doubled);
 }
 
+/** The arrays that tell regions. */
+static void add_region_arrays(document *json, cJSON *mesh, const pl_job *job) {
+    cJSON *list = new_array(json, mesh, "region_arrays");
+    for (const char *const *name = pl_job_region_arrays(job); *name; name++)
+        add_text(json, list, NULL, *name);
+}
+
 /** n_reversed: as measured of the input. */
 static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_reversed) {
     cJSON *mesh = new_object(json, root, "mesh");
@@ -150,6 +157,7 @@ static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_r
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
     add_integer(json, mesh, "nodes_with_parameters", job->n_with_parameters);
     add_integer(json, mesh, "reversed_elements", n_reversed);
+    add_region_arrays(json, mesh, job);
 }
 
 static void add_spread(document *json, cJSON *quality, const char *name, const planish_spread *s) {

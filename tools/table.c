@@ -330,6 +330,26 @@ static void note_open_end(FILE *stream, const pl_job *job) {
             is_named ? " of " : "", is_named ? open : "");
 }
 
+/** Arrays that were taken for regions by their values: the user is told which. */
+static void note_regions(FILE *stream, const pl_job *job) {
+    const char *const *name = pl_job_region_arrays(job);
+    char list[256] = "";
+    size_t used = 0;
+    int n = 0, is_expected = 1;
+    for (; name[n]; n++) {
+        is_expected &= planish_region_name(name[n]) > 0;
+        if (used < sizeof list)
+            used +=
+                (size_t)snprintf(list + used, sizeof list - used, "%s'%s'", n ? ", " : "", name[n]);
+    }
+    if (n == 0 || (n == 1 && is_expected) || job->arguments->n_regions > 0)
+        return;
+    pl_note(stream,
+            "the values of %s %s are taken for regions, and nodes between them stay on the "
+            "interfaces; --regions NAME chooses, --regions none lifts that",
+            n == 1 ? "array" : "arrays", list);
+}
+
 void pl_table_oddities(FILE *stream, const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
     const int64_t facets = info->n_nonmanifold_facets, copies = info->n_duplicate_elements;
@@ -347,6 +367,7 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
                 word_for(others, "element of another type passes", "elements of other types pass"),
                 word_for(others, "its", "their"));
+    note_regions(stream, job);
     if (job->file_info.ends_open)
         note_open_end(stream, job);
 }

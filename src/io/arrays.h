@@ -1,7 +1,7 @@
 /* arrays: arrays of one number per cell of a file, which may tell regions.
  *
  * A reader fills in those whose values are whole numbers at all elements that are smoothed. When
- * the model is finished, planish_find_regions says which of them tell regions, or the user does.
+ * all has been read, planish_find_regions says which of them tell regions, or the user does.
  */
 #ifndef PL_IO_ARRAYS_H
 #define PL_IO_ARRAYS_H

@@ -352,16 +352,15 @@ int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, i
     int status = check_threads(threads, error);
     if (status)
         return status;
+    if (mesh && mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "regions are found in the whole mesh, not in a part of it");
     const pl_outside outside = pl_call_enter(NULL);
     const int used = pl_thread_count(threads);
     pl_dense dense;
     status = pl_dense_create(mesh, used, &dense, error);
     if (!status) {
-        if (mesh->part)
-            status = pl_fail(error, PLANISH_ERROR_PARTS,
-                             "regions are found in the whole mesh, not in a part of it");
-        if (!status)
-            status = check_arrays(arrays, n_arrays, mesh->n_elements, error);
+        status = check_arrays(arrays, n_arrays, mesh->n_elements, error);
         if (!status)
             status = find_regions(&dense.mesh, arrays, n_arrays, used, error);
         pl_dense_destroy(&dense);

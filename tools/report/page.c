@@ -102,6 +102,22 @@ static void put_layers(pl_markup *page, const cJSON *mesh) {
                         "them.</p>\n");
 }
 
+/** Which arrays tell regions. */
+static void put_regions(pl_markup *page, const cJSON *mesh) {
+    const cJSON *names = cJSON_GetObjectItemCaseSensitive(mesh, "region_arrays"), *name;
+    const int n = cJSON_GetArraySize(names);
+    if (n == 0)
+        return;
+    int i = 0;
+    pl_markup_put(page, "<p class=\"quiet\">Regions are told by the array%s ", n == 1 ? "" : "s");
+    cJSON_ArrayForEach(name, names) {
+        pl_markup_put(page, i++ ? ", <code>" : "<code>");
+        pl_markup_put_text(page, cJSON_IsString(name) ? name->valuestring : "");
+        pl_markup_put(page, "</code>");
+    }
+    pl_markup_put(page, ": nodes between different values stay on the interfaces.</p>\n");
+}
+
 /** What an end that is not the plain one needs to be said of. */
 static void put_remarks(pl_markup *page, const pl_figures *figures) {
     const char *reason = pl_figure_text(figures->result, "reason");
@@ -146,6 +162,7 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, valid ? ", each of them positive, decided exactly." : ", some inverted.");
     pl_markup_put(page, "</p>\n");
     put_layers(page, mesh);
+    put_regions(page, mesh);
     put_remarks(page, figures);
     pl_markup_put(page, "</header>\n");
 }

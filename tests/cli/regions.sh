@@ -1,0 +1,150 @@
+#!/usr/bin/env bash
+# Regions: nodes between the values of any array of whole numbers that looks like regions stay; which
+# arrays these are is said, and can be chosen.
+. "$(dirname "$0")/common.sh"
+
+make() {
+    python3 "$cli/regions_mesh.py" "$@" || fail "regions_mesh.py $*"
+}
+
+# expect_free N FILE [OPTION...]: so many nodes of it are free.
+expect_free() {
+    local wanted=$1
+    shift
+    expect_status 0 "$program" quality "$@" --json report.json
+    expect_json "r['mesh']['free_nodes'] == $wanted"
+}
+
+expect_no_note() {
+    ! grep "taken for regions" err || fail "that needs no note"
+}
+
+# expect_arrays LIST: the last report names these.
+expect_arrays() {
+    expect_json "r['mesh']['region_arrays'] == $1"
+}
+
+# Free nodes: all inside; those that are not between two halves; nor between four quarters.
+all=(0 0 25 125)
+half=(0 0 20 100)
+quarter=(0 0 16 80)
+
+of_each_type=() names=
+for type in int8 int16 int32 int64 uint8 uint16 uint32 uint64 float32 float64; do
+    of_each_type+=("Material $type:$type:halves")
+    names+="'Material $type', "
+done
+names="[$names]"
+
+for dim in 2 3; do
+    # Names that planish has never heard of, of every type, in every form of the formats.
+    for how in ascii binary field binary-field; do
+        make "$dim" box.vtk "$how" "${of_each_type[@]}" "T:float64:fraction"
+        expect_free "${half[dim]}" box.vtk
+        expect_arrays "$names"
+        expect_text "the values of arrays 'Material int8', 'Material int16', "
+    done
+    for how in ascii base64 packed raw pieces; do
+        make "$dim" box.vtu "$how" "${of_each_type[@]}" "T:float64:fraction"
+        lacks box.vtu && continue
+        n=${half[dim]}
+        [ "$how" != pieces ] || n=$((2 * n))
+        expect_free "$n" box.vtu
+        expect_arrays "$names"
+    done
+    if /usr/bin/python3 -c "import h5py" 2>/dev/null; then
+        /usr/bin/python3 "$cli/regions_mesh.py" "$dim" box.vtkhdf - "${of_each_type[@]}" "T:float64:fraction"
+        if ! lacks box.vtkhdf; then
+            expect_free "${half[dim]}" box.vtkhdf
+            expect_json "sorted(r['mesh']['region_arrays']) == sorted($names)"
+        fi
+    fi
+    make "$dim" box.vtk ascii "GeometryIds:int32:halves"
+    expect_free "${half[dim]}" box.vtk
+    expect_arrays "['GeometryIds']"
+    expect_text "the values of array 'GeometryIds' are taken for regions"
+
+    # What is no region.
+    for rule in number same parity fraction one_nan; do
+        make "$dim" box.vtk ascii "x:float64:$rule"
+        expect_free "${all[dim]}" box.vtk
+        expect_arrays "[]"
+        expect_no_note
+    done
+    for name in partition Partition_Id rank "MPI Rank" proc vtkGhostType vtkOriginalCellIds; do
+        make "$dim" box.vtk ascii "$name:int32:halves"
+        expect_free "${all[dim]}" box.vtk
+        expect_arrays "[]"
+        expect_free "${half[dim]}" box.vtk --regions "$name"
+        expect_arrays "['$name']"
+    done
+
+    # Huge and negative numbers.
+    make "$dim" box.vtk ascii a:int64:huge b:int32:negative c:float64:number
+    expect_free "${half[dim]}" box.vtk
+    expect_arrays "['a', 'b']"
+    make "$dim" box.vtu ascii a:int64:huge
+    lacks box.vtu || expect_free "${half[dim]}" box.vtu
+
+    # Several arrays: nodes between the values of any of them.
+    make "$dim" box.vtk field "part id:int16:halves" zone:float32:quarters n:int64:number rank:int8:quarters
+    expect_free "${quarter[dim]}" box.vtk
+    expect_arrays "['part id', 'zone']"
+    expect_text "the values of arrays 'part id', 'zone' are taken for regions"
+    expect_free "${half[dim]}" box.vtk --regions "part id"
+    expect_arrays "['part id']"
+    expect_no_note
+    expect_free "${half[dim]}" box.vtk --regions zone
+    expect_free "${quarter[dim]}" box.vtk --regions zone --regions "part id"
+    expect_free "${half[dim]}" box.vtk --regions none --regions zone
+    for lifted in "--regions none" --ignore-regions "--regions zone --regions none"; do
+        # shellcheck disable=SC2086
+        expect_free "${all[dim]}" box.vtk $lifted
+        expect_arrays "[]"
+    done
+    expect_free 0 box.vtk --regions n
+    expect_status 64 "$program" smooth box.vtk -o out.vtk --regions nothing
+    expect_one_line
+    expect_text "there is no array 'nothing' of one whole number per element; the file has: part id, zone, n, rank"
+    expect_no_file out.vtk
+
+    # A name that is known counts as ever, others beside it.
+    make "$dim" box.vtk ascii region:int32:halves
+    expect_free "${half[dim]}" box.vtk
+    expect_arrays "['region']"
+    expect_no_note
+    expect_status 0 "$program" quality box.vtk --fix "$dim:4" --json report.json -q
+    expect_json "r['mesh']['free_nodes'] == ${half[dim]} / 2"
+    make "$dim" box.vtk ascii mat_id:int32:halves
+    expect_status 0 "$program" quality box.vtk --fix "$dim:4" --json report.json -q
+    expect_json "r['mesh']['free_nodes'] == ${half[dim]} / 2"
+    make "$dim" box.vtk ascii zone:int32:quarters region:int32:halves gmsh:physical:int64:quarters
+    expect_free "${quarter[dim]}" box.vtk
+    expect_arrays "['zone', 'region', 'gmsh:physical']"
+done
+
+# Smoothing leaves the interface where it was, whatever the threads; sliding keeps its plane.
+on_interface='import sys
+points = [[], []]
+for k in range(2):
+    words = open(sys.argv[1 + k]).read().split()
+    at = words.index("POINTS") + 3
+    x = list(map(float, words[at:at + 3 * 343]))
+    points[k] = [x[3 * i:3 * i + 3] for i in range(343)]
+middle = range(3 * 49, 4 * 49)
+moved = sum(a != b for a, b in zip(*points))
+held = sum(points[0][i] != points[1][i] for i in middle)
+off = max(abs(points[0][i][0] - points[1][i][0]) for i in middle)
+assert moved > 0 and eval(sys.argv[3]), (moved, held, off)'
+make 3 box.vtk ascii mat_id:int32:halves
+for threads in 1 2 5; do
+    expect_status 0 "$program" smooth box.vtk -o out$threads.vtk -j $threads -q --json report.json --report page.html
+    cmp -s out1.vtk out$threads.vtk || fail "$threads threads: other bits"
+done
+python3 -c "$on_interface" box.vtk out1.vtk "held == 0" || fail "the interface moves"
+grep -q "Regions are told by the array <code>mat_id</code>" page.html || fail "the page names no array"
+expect_status 0 "$program" smooth box.vtk -o free.vtk -q --regions none
+python3 -c "$on_interface" box.vtk free.vtk "held == 25" || fail "the interface stays"
+expect_status 0 "$program" smooth box.vtk -o out.vtu -q
+lacks out.vtu || { expect_free 100 out.vtu; expect_arrays "['region']"; }
+finish
