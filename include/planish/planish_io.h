@@ -201,15 +201,15 @@ PLANISH_API int planish_file_check_output(const planish_file *file, const char *
 
 /** Write the file to path with coordinates [n_nodes][dim]: a copy of the input in which only
  *  coordinates that differ from those read are replaced. A regular file is written beside its place
- *  and renamed; owner, mode, access list and attributes of the file that it replaces are kept as far
- *  as that is allowed, and hard links to it are broken; symbolic links are followed where the system
- *  would follow them; pipes and devices are written directly (a process that does not ignore SIGPIPE ends where nobody reads them).
- *  temporary (may be NULL): a buffer of temporary_size bytes, zeroed, that holds the paths of the
- *  temporary files while there are any (each ends with '\0', an empty one ends the list), for a
- *  signal handler that removes them; one whose path does not fit is not listed: give the length of
- *  path and 80 bytes for each file that is written. What TetGen has beside .node (.ele, .face,
- *  .edge, .neigh, ..: docs/formats.md) is written along with it.
- *  Errors: _FILE (also if the input is not what was read any more), _MEMORY, _ARGUMENT (a path that
+ *  and renamed; owner, mode, access list and attributes of the file that it replaces are kept as
+ * far as that is allowed, and hard links to it are broken; symbolic links are followed where the
+ * system would follow them; pipes and devices are written directly (a process that does not ignore
+ * SIGPIPE ends where nobody reads them). temporary (may be NULL): a buffer of temporary_size bytes,
+ * zeroed, that holds the paths of the temporary files while there are any (each ends with '\0', an
+ * empty one ends the list), for a signal handler that removes them; one whose path does not fit is
+ * not listed: give the length of path and 80 bytes for each file that is written. What TetGen has
+ * beside .node (.ele, .face, .edge, .neigh, ..: docs/formats.md) is written along with it. Errors:
+ * _FILE (also if the input is not what was read any more), _MEMORY, _ARGUMENT (a path that
  *  planish_file_can_write does not take, coordinates that are not finite); nothing is left behind
  *  then (but if one of TetGen's files cannot be renamed, those that had already been, .node the
  *  last, stay where they replaced others). */

@@ -215,7 +215,7 @@ static int prepare_packed(rewrite *r, vtu_document *document, planish_error *err
     if (status)
         return status;
     const int64_t n = r->blocks.n;
-    if (has_tiny_block(&r->blocks))
+    if (r->blocks.bytes != r->size || has_tiny_block(&r->blocks))
         return io_bytes_fail_changed(&r->model->input, error);
     r->dirty = pl_alloc_zero(n, 1);
     r->packed = pl_alloc_zero(n, sizeof *r->packed);
