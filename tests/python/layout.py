@@ -7,6 +7,7 @@ import planish
 STRUCTURES = {
     "planish_error": planish._Error,
     "planish_mesh": planish._Mesh,
+    "planish_cell_array": planish._CellArray,
     "planish_progress": planish.Progress,
     "planish_options": planish._Options,
     "planish_spread": planish.Spread,

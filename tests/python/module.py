@@ -568,5 +568,198 @@ class Meshes(unittest.TestCase):
             np.testing.assert_array_equal(other.points, meshio.read(path / "out.vtk").points)
 
 
+class Regions(unittest.TestCase):
+    """Nodes between regions stay, by the rule or as asked for."""
+
+    def setUp(self):
+        self.points, self.cells, self.inside = box(3)
+        self.halves = np.where(np.round(self.points[self.cells]).min(axis=1)[:, 0] >= 3, 5, -2)
+        self.quarters = np.where(np.round(self.points[self.cells]).min(axis=1)[:, 1] >= 3, 1.0, 0.0)
+        self.middle = np.round(self.points[:, 0]) == 3
+
+    def mesh(self, **arrays):
+        return Mesh(self.points.copy(), cells=[Block("tetra", self.cells)],
+                    cell_data={name: [values] for name, values in arrays.items()})
+
+    def moved(self, mesh, **options):
+        """Which nodes move."""
+        planish.smooth(mesh, **options)
+        return (mesh.points != self.points).any(axis=1)
+
+    def check(self, mesh, expected, **options):
+        with planish.Plan(mesh, **options) as plan:
+            self.assertEqual(plan.region_arrays, expected)
+            free = plan.free()
+        moved = self.moved(mesh, **options)
+        np.testing.assert_array_equal(moved, free)
+        return moved
+
+    def test_any_name_and_type(self):
+        for dtype in "i1 i2 i4 i8 f4 f8 >i4 >f8 f2".split():
+            moved = self.check(self.mesh(mat_id=self.halves.astype(dtype)), ["mat_id"])
+            np.testing.assert_array_equal(moved, self.inside & ~self.middle)
+        for values in (self.halves > 0, (self.halves > 0).astype("u8"), self.halves.reshape(-1, 1)):
+            np.testing.assert_array_equal(self.check(self.mesh(zone=values), ["zone"]),
+                                          self.inside & ~self.middle)
+
+    def test_what_is_no_region(self):
+        n = len(self.cells)
+        odd = self.halves.astype(float)
+        odd[5] = np.nan
+        for values in (np.arange(n), np.arange(n) % 2, np.ones(n), self.halves + 0.5, odd,
+                       np.column_stack([self.halves] * 2), np.array(["a"] * n)):
+            np.testing.assert_array_equal(self.check(self.mesh(x=values), []), self.inside)
+        for name in ("partition", "vtkGhostType", "Rank"):
+            np.testing.assert_array_equal(self.check(self.mesh(**{name: self.halves}), []), self.inside)
+
+    def test_several(self):
+        mesh = self.mesh(a=self.halves, number=np.arange(len(self.cells)), b=self.quarters)
+        moved = self.check(mesh, ["a", "b"])
+        self.assertTrue(moved.any())
+        self.assertFalse((moved & (self.middle | (np.round(self.points[:, 1]) == 3))).any())
+
+    def test_asked_for(self):
+        def mesh():
+            return self.mesh(a=self.halves, rank=self.quarters)
+        half = self.inside & ~self.middle
+        quarter = self.inside & (np.round(self.points[:, 1]) != 3)
+        np.testing.assert_array_equal(self.check(mesh(), [], regions=None), self.inside)
+        np.testing.assert_array_equal(self.check(mesh(), ["rank"], regions="rank"), quarter)
+        np.testing.assert_array_equal(self.check(mesh(), ["a", "rank"], regions=["a", "rank"]), half & quarter)
+        for values in (self.halves, self.halves.tolist()):
+            np.testing.assert_array_equal(self.moved(mesh(), regions=values), half)
+        points = self.points.copy()
+        planish.smooth(points, self.cells, regions=self.halves)
+        np.testing.assert_array_equal((points != self.points).any(axis=1), half)
+        for bad, text in (("x", "no array of cells 'x'; it has: a, rank"), (["a", "y"], "'y'"),
+                          (self.halves[:-1], "one number"), (self.halves + 0.5, "whole number")):
+            with self.assertRaisesRegex(ValueError, text):
+                planish.smooth(mesh(), regions=bad)
+        self.assertLess(planish.quality(mesh(), regions=None).n_fixed, planish.quality(mesh()).n_fixed)
+
+    def test_blocks_of_several_kinds(self):
+        half = len(self.cells) // 2
+        line = np.array([[0, 1]])
+        mesh = Mesh(self.points.copy(), cells=[Block("tetra", self.cells[:half]), Block("line", line),
+                                               Block("tetra", self.cells[half:])],
+                    cell_data={"m": [self.halves[:half], np.array([77]), self.halves[half:]]})
+        np.testing.assert_array_equal(self.check(mesh, ["m"]), self.inside & ~self.middle)
+
+    def test_grid_of_pyvista(self):
+        kinds = np.array([10, 5] * 2 + [10] * (len(self.cells) - 2), dtype=np.uint8)
+        values = np.zeros(len(kinds))
+        values[kinds == 10] = self.halves
+        values[kinds == 5] = np.nan
+        mesh = Mesh(self.points.copy(), cells=np.zeros(0, dtype=int), celltypes=kinds,
+                    cells_dict={10: self.cells, 5: np.array([[0, 1, 8], [1, 8, 2]])}, cell_data={"m": values})
+        np.testing.assert_array_equal(self.check(mesh, ["m"]), self.inside & ~self.middle)
+
+    def test_surface_of_pyvista(self):
+        points, cells, inside = box(2)
+        flat = np.column_stack([points, np.zeros(len(points))])
+        middle = np.round(points[:, 0]) == 3
+        values = np.where(np.round(points[cells]).min(axis=1)[:, 0] >= 3, 2, 1)
+        mesh = Mesh(flat.copy(), regular_faces=cells, verts=np.array([1, 0, 1, 1]), lines=np.array([3, 0, 1, 2]),
+                    cell_data={"m": np.concatenate([[9, 8, 7], values])})
+        planish.smooth(mesh)
+        np.testing.assert_array_equal((mesh.points != flat).any(axis=1), inside & ~middle)
+
+    def test_points_that_are_all_nodes_hold_none(self):
+        vertices = np.arange(len(self.points)).reshape(-1, 1)
+        mesh = Mesh(self.points.copy(), cells=[Block("vertex", vertices), Block("tetra", self.cells)])
+        np.testing.assert_array_equal(self.moved(mesh), self.inside)
+        mesh = Mesh(self.points.copy(), cells=[Block("vertex", vertices[:-1]), Block("tetra", self.cells)])
+        self.assertFalse(self.moved(mesh).any())
+
+    def test_negative_counts(self):
+        points, cells, _ = box(2)
+        flat = np.column_stack([points, np.zeros(len(points))])
+        for bad in ([-1], [2, 0, 1, -3, 1], [2, 0, 1, -1], [9, 1], [2, 0]):
+            for name in ("lines", "verts"):
+                with self.assertRaisesRegex(ValueError, f"{name} of the mesh has the count"):
+                    planish.smooth(Mesh(flat, regular_faces=cells, **{name: np.array(bad)}))
+
+    @unittest.skipIf(meshio is None or not PROGRAM, "without meshio, or the program")
+    def test_the_program_moves_the_same(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            lower = np.array([[0, 1, 8], [1, 8, 2]])
+            mesh = meshio.Mesh(self.points, [("tetra", self.cells), ("triangle", lower)],
+                               cell_data={"mat_id": [self.halves, [3, 4]], "T": [self.halves / 3, [1.0, 2.0]],
+                                          "zone": [self.quarters, [5.0, 5.0]]})
+            mesh.write(path / "in.vtk", file_format="vtk42", binary=True)
+            for options, kept in (([], {}), (["--regions", "zone"], {"regions": "zone"}),
+                                  (["--regions", "none"], {"regions": None})):
+                subprocess.run([PROGRAM, "smooth", path / "in.vtk", "-o", path / "out.vtk", "-q", *options],
+                               check=True)
+                other = meshio.read(path / "in.vtk")
+                other.points = other.points.astype(other.points.dtype.newbyteorder("="))
+                planish.smooth(other, **kept)
+                np.testing.assert_array_equal(other.points, meshio.read(path / "out.vtk").points)
+
+
+class Locks(unittest.TestCase):
+    def test_closing_while_others_use_it(self):
+        """Closed from another thread, a plan ends with an error, and never in freed memory."""
+        points, cells, _ = box(3, cells=8)
+        for _ in range(20):
+            plan = planish.Plan(points, cells, threads=1)
+            ends = []
+
+            def use(plan=plan, ends=ends):
+                try:
+                    while True:
+                        plan.radius_ratios()
+                        plan.quality()
+                        plan.free()
+                except ValueError as error:
+                    ends.append(str(error))
+
+            threads = [threading.Thread(target=use) for _ in range(3)]
+            for thread in threads:
+                thread.start()
+            time.sleep(0.01)
+            plan.close()
+            for thread in threads:
+                thread.join(60)
+            self.assertEqual(ends, ["the plan is closed"] * 3)
+            plan.close()
+
+    def test_smoothing_refuses_others(self):
+        points, cells, _ = box(3)
+        with planish.Plan(points, cells, threads=1) as plan:
+            refused = []
+
+            def intrude():
+                for call in (plan.close, plan.smooth, plan.quality, plan.free, plan.radius_ratios):
+                    try:
+                        call()
+                    except RuntimeError:
+                        refused.append(call)
+
+            def progress(_):
+                thread = threading.Thread(target=intrude)
+                thread.start()
+                thread.join(60)
+                return True
+
+            plan.smooth(progress=progress)
+            self.assertGreaterEqual(len(refused), 5)
+            self.assertEqual(plan.quality().inverted, 0)
+
+    def test_others_wait(self):
+        points, cells, _ = box(3, cells=8)
+        with planish.Plan(points, cells, threads=1) as plan:
+            expected, found = plan.radius_ratios(), []
+            threads = [threading.Thread(target=lambda: found.append(plan.radius_ratios())) for _ in range(8)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join(60)
+            self.assertEqual(len(found), 8)
+            for ratios in found:
+                np.testing.assert_array_equal(ratios, expected)
+
+
 if __name__ == "__main__":
     unittest.main()

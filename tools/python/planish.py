@@ -17,6 +17,7 @@ the installation that this file is part of, and where the system's linker looks.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
 import ctypes.util
 import operator
@@ -25,7 +26,7 @@ import pathlib
 import sys
 import threading
 from ctypes import POINTER, byref, c_char, c_double, c_int, c_int64, c_size_t, c_uint8, c_void_p
-from typing import Any, Callable, Optional, Sequence
+from typing import Any, Callable, Iterator, NamedTuple, Optional, Sequence
 
 import numpy as np
 
@@ -81,6 +82,16 @@ class Progress(ctypes.Structure):
         ("elapsed", c_double),
         ("colour_visits", c_int64),
         ("reserved", c_int64 * 3),
+    ]
+
+
+class _CellArray(ctypes.Structure):
+    _fields_ = [
+        ("name", ctypes.c_char_p),
+        ("values", c_void_p),
+        ("type", c_int),
+        ("is_region", c_int),
+        ("reserved", c_void_p * 4),
     ]
 
 
@@ -296,7 +307,8 @@ _library.planish_plan_destroy.argtypes = [c_void_p]
 _library.planish_plan_get_free.restype = None
 _library.planish_plan_get_free.argtypes = [c_void_p, c_void_p]
 for _name in ("planish_plan_create", "planish_smooth", "planish_measure", "planish_measure_elements",
-              "planish_measure_mesh", "planish_find_layers"):
+              "planish_measure_mesh", "planish_find_layers", "planish_find_regions", "planish_combine_regions",
+              "planish_find_interfaces"):
     getattr(_library, _name).restype = c_int
 
 
@@ -335,8 +347,10 @@ def version() -> str:
 
 _OBJECTIVES = {"radius-ratio": 0, "mean-ratio": 1, "edge-ratio": 2, "worst": 0}
 _WORST = {"radius-ratio": 1, "dihedral": 2}
-_TETRAHEDRON, _TRIANGLE = "tetra", "triangle"
-_VTK_NAMES = {10: _TETRAHEDRON, 5: _TRIANGLE}
+_TETRAHEDRON, _TRIANGLE, _POINT = "tetra", "triangle", "vertex"
+_VTK_NAMES = {10: _TETRAHEDRON, 5: _TRIANGLE, 1: _POINT, 2: _POINT}
+_NUMBERS = {"int32": 0, "int64": 1, "int8": 2, "int16": 3, "uint8": 4, "uint16": 5, "uint32": 6, "uint64": 7,
+            "float32": 8, "float64": 9}  # planish_number
 
 
 def _flat(nodes: Any) -> list[int]:
@@ -355,46 +369,101 @@ def _nodes_of(data: Any) -> np.ndarray:
     return nodes if nodes.dtype != object else np.array(_flat(data), dtype=np.int64)
 
 
-def _listed(cells: Any) -> np.ndarray:
-    """The nodes of VTK's lists: a count, so many nodes, a count, ..."""
+def _listed(cells: Any, what: str) -> tuple[np.ndarray, int]:
+    """The nodes of VTK's lists (a count, so many nodes, a count, ...), and how many cells they are."""
     flat = np.zeros(0, dtype=np.int64) if cells is None else np.asarray(cells).ravel()
     is_node = np.ones(len(flat), dtype=bool)
-    at = 0
+    at = n_cells = 0
     while at < len(flat):
+        count = int(flat[at])
+        if not 0 <= count < len(flat) - at:
+            raise ValueError(f"{what} of the mesh has the count {count} at {at}, which is negative or more than "
+                             "there are nodes behind it")
         is_node[at] = False
-        at += 1 + int(flat[at])
-    return flat[is_node]
+        at += 1 + count
+        n_cells += 1
+    return flat[is_node], n_cells
 
 
-def _blocks(mesh: Any) -> list[tuple[str, np.ndarray]]:
-    """Names of kinds of cells, and their nodes, of a mesh of meshio or of pyvista."""
+class _Block(NamedTuple):
+    """Cells of one kind, and the values that arrays of cells have there, by the arrays' names."""
+
+    kind: str
+    nodes: np.ndarray
+    data: dict[str, Any]
+
+
+def _cell_data(mesh: Any) -> dict[str, Any]:
+    """Arrays of cells by their names."""
+    data = getattr(mesh, "cell_data", None)
+    return {str(name): data[name] for name in data.keys()} if hasattr(data, "keys") else {}
+
+
+def _rows(data: dict[str, Any], rows: Any) -> dict[str, Any]:
+    return {name: np.asarray(values)[rows] for name, values in data.items()}
+
+
+def _blocks_of_grid(mesh: Any) -> list[_Block]:
+    """Those of an UnstructuredGrid of pyvista."""
+    kinds, data = getattr(mesh, "celltypes", None), _cell_data(mesh)
+    return [_Block(_VTK_NAMES.get(int(kind), "other"), np.asarray(cells),
+                   {} if kinds is None else _rows(data, np.asarray(kinds) == int(kind)))
+            for kind, cells in mesh.cells_dict.items()]
+
+
+def _blocks_of_surface(mesh: Any) -> list[_Block]:
+    """Those of a PolyData of pyvista: its arrays have points first, then lines, then faces."""
+    faces = np.asarray(mesh.regular_faces)
+    kind = _TRIANGLE if faces.ndim == 2 and faces.shape[1] == 3 else "polygon"
+    verts, n_verts = _listed(getattr(mesh, "verts", None), "verts")
+    lines, n_lines = _listed(getattr(mesh, "lines", None), "lines")
+    first = n_verts + n_lines
+    blocks = [_Block(kind, faces, _rows(_cell_data(mesh), slice(first, first + len(faces))))]
+    others = (_Block(_POINT, verts, {}), _Block("other", lines, {}))
+    return blocks + [block for block in others if len(block.nodes)]
+
+
+def _blocks(mesh: Any) -> list[_Block]:
+    """The cells of a mesh of meshio or of pyvista."""
     if hasattr(mesh, "cells_dict") and not isinstance(getattr(mesh, "cells", None), list):
-        return [(_VTK_NAMES.get(int(kind), "other"), np.asarray(cells))
-                for kind, cells in mesh.cells_dict.items()]
+        return _blocks_of_grid(mesh)
     if isinstance(getattr(mesh, "cells", None), list):
-        return [(block.type, _nodes_of(block.data)) for block in mesh.cells]
+        data = _cell_data(mesh)
+        return [_Block(block.type, _nodes_of(block.data), {name: values[i] for name, values in data.items()})
+                for i, block in enumerate(mesh.cells)]
     if hasattr(mesh, "regular_faces"):
-        faces = np.asarray(mesh.regular_faces)
-        kind = _TRIANGLE if faces.ndim == 2 and faces.shape[1] == 3 else "polygon"
-        others = [_listed(getattr(mesh, name, None)) for name in ("lines", "verts")]
-        return [(kind, faces)] + [("other", nodes) for nodes in others if len(nodes)]
+        return _blocks_of_surface(mesh)
     raise TypeError("give points and cells as arrays, or a mesh of meshio or pyvista")
 
 
-def _take_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points (the mesh's own array), cells, and which nodes other cells hold."""
+def _joined(parts: list[Any]) -> np.ndarray:
+    return np.asarray(parts[0]) if len(parts) == 1 else np.concatenate([np.asarray(part) for part in parts])
+
+
+def _hold(blocks: list[_Block], n_points: int) -> np.ndarray:
+    """Which nodes the cells of blocks hold. Points that are all nodes hold none, as in files."""
+    held = np.zeros(n_points, dtype=np.uint8)
+    for of_points in (True, False):
+        for block in blocks:
+            if (block.kind == _POINT) == of_points:
+                held[block.nodes.ravel()] = 1
+        if of_points and held.all():
+            held[:] = 0
+    return held
+
+
+def _take_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, np.ndarray]]:
+    """Points (the mesh's own array), cells, which nodes other cells hold, and arrays of the cells."""
     blocks = _blocks(mesh)
-    kinds = {kind for kind, _ in blocks}
+    kinds = {block.kind for block in blocks}
     kind = _TETRAHEDRON if _TETRAHEDRON in kinds else _TRIANGLE
     if kind not in kinds:
         raise ValueError("the mesh has neither tetrahedra nor triangles")
-    cells = [data for name, data in blocks if name == kind]
-    held = np.zeros(len(mesh.points), dtype=np.uint8)
-    for name, data in blocks:
-        if name != kind:
-            held[data.ravel()] = 1
-    points = mesh.points
-    return points, cells[0] if len(cells) == 1 else np.concatenate(cells), held
+    chosen = [block for block in blocks if block.kind == kind]
+    held = _hold([block for block in blocks if block.kind != kind], len(mesh.points))
+    data = {name: _joined([block.data[name] for block in chosen])
+            for name in chosen[0].data if all(name in block.data for block in chosen)}
+    return mesh.points, _joined([block.nodes for block in chosen]), held, data
 
 
 class _Points:
@@ -485,13 +554,100 @@ def _check(status: int, error: _Error) -> None:
         raise MemoryError(text) if error.code == -3 else Error(text, error.code, error.element, error.node)
 
 
+class _ByRule:
+    """That arrays of cells which look like regions are regions."""
+
+    def __repr__(self) -> str:
+        return "by the rule"
+
+
+_BY_RULE = _ByRule()
+
+
+def _numbers(values: Any, n: int) -> Optional[np.ndarray]:
+    """Values [n] as the library takes them; None if they are not one number for each cell."""
+    values = np.asarray(values)
+    if values.shape == (n, 1):
+        values = values[:, 0]
+    if values.shape != (n,) or values.dtype.kind not in "biuf":
+        return None
+    if values.dtype.kind == "b":
+        values = values.astype(np.uint8)
+    native = values.dtype.newbyteorder("=")
+    return np.require(values, native if native.name in _NUMBERS else np.float64, "CA")
+
+
+class _Regions:
+    """The arrays of a mesh's cells that tell regions, and what follows from them."""
+
+    def __init__(self, view: _View, data: dict[str, Any], regions: Any) -> None:
+        self.view = view
+        self.values: list[np.ndarray] = []
+        self.names: list[str] = []
+        n = len(view.cells)
+        wanted = self._wanted(data, regions)
+        for name, values in wanted.items():
+            numbers = _numbers(values, n)
+            if numbers is not None:
+                self.names.append(name)
+                self.values.append(numbers)
+            elif regions is not _BY_RULE:
+                raise ValueError(f"regions: array {name!r} has not one number for each of {n} cells")
+        self.arrays = (_CellArray * len(self.names))(*(
+            _CellArray(name=name.encode(), values=_address(values), type=_NUMBERS[values.dtype.name], is_region=1)
+            for name, values in zip(self.names, self.values)))
+
+    @staticmethod
+    def _wanted(data: dict[str, Any], regions: Any) -> dict[str, Any]:
+        """The arrays asked for."""
+        if regions is None:
+            return {}
+        if regions is _BY_RULE:
+            return data
+        names = [regions] if isinstance(regions, str) else regions
+        if not isinstance(names, np.ndarray) and all(isinstance(name, str) for name in names):
+            for name in names:
+                if name not in data:
+                    raise ValueError(f"the mesh has no array of cells {name!r}; it has: "
+                                     + (", ".join(data) or "none"))
+            return {name: data[name] for name in names}
+        return {"regions": regions}
+
+    def find(self) -> list[str]:
+        """Decide by the rule which arrays tell regions; names of those that do."""
+        error = _Error()
+        if self.names:
+            _check(_library.planish_find_regions(byref(self.view.mesh), self.arrays, c_int(len(self.names)),
+                                                 c_int(_threads(self.view.threads)), byref(error)), error)
+        return self.used()
+
+    def used(self) -> list[str]:
+        """Names of the arrays that tell regions."""
+        return [name for name, array in zip(self.names, self.arrays) if array.is_region]
+
+    def nodes_between(self) -> Optional[np.ndarray]:
+        """Mask [n] of the nodes between regions; None if there are no regions."""
+        view, error = self.view, _Error()
+        if not self.used():
+            return None
+        region = np.zeros(len(view.cells), dtype=np.int32)
+        between = np.zeros(view.n, dtype=np.uint8)
+        _check(_library.planish_combine_regions(c_int64(len(region)), self.arrays, c_int(len(self.names)),
+                                                c_void_p(_address(region)), None, byref(error)), error)
+        _check(_library.planish_find_interfaces(byref(view.mesh), c_void_p(_address(region)),
+                                                c_int(_threads(view.threads)), c_void_p(_address(between)), None,
+                                                byref(error)), error)
+        return between.astype(bool)
+
+
 class _View:
     """A planish_mesh, and the arrays that it points to."""
 
-    def __init__(self, points: Any, cells: Any, fixed: Any, min_volumes: Any) -> None:
-        held = None
+    def __init__(self, points: Any, cells: Any, fixed: Any, min_volumes: Any, regions: Any = None,
+                 threads: int = 0) -> None:
+        held, data = None, {}
         if cells is None:
-            points, cells, held = _take_mesh(points)
+            points, cells, held, data = _take_mesh(points)
         self.cells = _cells(cells)
         self.dim = self.cells.shape[1] - 1
         self.given = points
@@ -521,6 +677,21 @@ class _View:
             node_stride=self.points.strides[0],
             component_stride=self.points.strides[1],
         )
+        self.threads = threads
+        self.region_arrays: list[str] = []
+        self._hold_interfaces(data, regions)
+
+    def _hold_interfaces(self, data: dict[str, Any], regions: Any) -> None:
+        """Fix the nodes between regions."""
+        found = _Regions(self, data, regions)
+        self.region_arrays = found.find() if regions is _BY_RULE else found.used()
+        between = found.nodes_between()
+        if between is None or not between.any():
+            return
+        if self.constraint is None:
+            self.constraint = np.zeros(self.n, dtype=np.uint8)
+        self.constraint[between] = 1
+        self.mesh.constraint = _address(self.constraint)
 
     def own_cells(self) -> None:
         """Make the cells a copy that nobody changes; of 64 bits the library has its own."""
@@ -538,13 +709,18 @@ class Plan:
     points [n, 2 or 3] and cells [m, 3 or 4] are arrays of numpy, or points is a mesh of meshio or
     pyvista (cells is None then), whose nodes on cells of other kinds are held. fixed: numbers, or a
     mask, of nodes that stay besides those of the boundary. min_volumes [m]: least volume of each
-    cell, 0 for none. threads: 0 as many as there are and the mesh is large enough for; one in a child of
+    cell, 0 for none.
+    regions: nodes between regions (materials) are held. Left out: those of all arrays of the mesh's
+    cell data that look like regions, by the program's rule (docs/algorithm.md). An array [m] of whole
+    numbers, the name or names of arrays of the cell data, or None: let these nodes move. region_arrays
+    names the arrays used. threads: 0 as many as there are and the mesh is large enough for; one in a child of
     os.fork (multiprocessing), where those of the parent would be waited for.
     only_worse_than and layers: only nodes of cells whose radius ratio exceeds it move, and of so
     many layers around. around: only these nodes (numbers) move, and of so many layers around;
     qualities and results are then of the cells at these.
 
-    One plan serves one thread at a time. To be closed, or used in a with statement.
+    One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
+    smooths. To be closed, or used in a with statement.
     """
 
     def __init__(
@@ -558,10 +734,13 @@ class Plan:
         only_worse_than: float = 0,
         layers: int = 0,
         around: Optional[Sequence[int]] = None,
+        regions: Any = _BY_RULE,
     ) -> None:
         self._plan = c_void_p()
-        self._is_busy = False
-        self._view = _View(points, cells, fixed, min_volumes)
+        self._lock = threading.RLock()
+        self._depth = 0  # uses within one another, by the thread that has the lock
+        self._smoother = 0  # the thread that smooths
+        self._view = _View(points, cells, fixed, min_volumes, regions, threads)
         self._view.own_cells()  # the plan reads them as long as it lives
         self._options = _Options()
         _library.planish_options_init(byref(self._options))
@@ -581,17 +760,40 @@ class Plan:
             error,
         )
 
+    @contextlib.contextmanager
+    def _use(self, measures: bool = False) -> Iterator[None]:
+        """No other thread uses the plan meanwhile. measures: what it does may also be done by the
+        progress of the thread that smooths, and by handlers of signals."""
+        at_work = RuntimeError("the plan is at work, in another thread or in the smooth that calls progress: "
+                               "it smooths one mesh at a time")
+        if self._smoother not in (0, threading.get_ident()):
+            raise at_work
+        if not self._lock.acquire(blocking=self._process == os.getpid()):
+            raise RuntimeError("the plan was at work when this process was forked; make another one here")
+        try:
+            if self._depth > 0 and not measures:
+                raise at_work
+            self._depth += 1
+            try:
+                yield
+            finally:
+                self._depth -= 1
+        finally:
+            self._lock.release()
+
     def close(self) -> None:
         """Release what the plan holds. It cannot be used any more then."""
-        self._check_idle()
-        if self._plan:
-            _library.planish_plan_destroy(self._plan)
-            self._plan = c_void_p()
+        if not self._plan:
+            return
+        with self._use():
+            plan, self._plan = self._plan, c_void_p()
+            if plan:
+                _library.planish_plan_destroy(plan)
 
-    def _check_idle(self) -> None:
-        if self._is_busy:
-            raise RuntimeError("the plan is at work, in another thread or in the smooth that calls progress: "
-                               "it smooths one mesh at a time")
+    @property
+    def region_arrays(self) -> list[str]:
+        """Names of the arrays of cell data between whose values nodes are held."""
+        return list(self._view.region_arrays)
 
     def __reduce__(self) -> Any:
         raise TypeError("a plan can be neither copied nor pickled; make another one")
@@ -624,33 +826,37 @@ class Plan:
     def free(self) -> np.ndarray:
         """Mask [n] of the nodes that may move anywhere."""
         mask = np.zeros(self._view.n, dtype=np.uint8)
-        if not self._plan:
-            raise ValueError("the plan is closed")
-        _library.planish_plan_get_free(self._plan, _address(mask))
+        with self._use(measures=True):
+            if not self._plan:
+                raise ValueError("the plan is closed")
+            _library.planish_plan_get_free(self._plan, _address(mask))
         return mask.astype(bool)
 
     def quality(self, points: Any = None) -> Quality:
         """What points [n, 2 or 3] are worth (None: those given at first)."""
-        taken, error, found = self._coordinates(points), _Error(), Quality()
-        _check(
-            _library.planish_measure(
-                self._plan, c_void_p(_address(taken.array)), byref(found), byref(error)
-            ),
-            error,
-        )
+        error, found = _Error(), Quality()
+        with self._use(measures=True):
+            taken = self._coordinates(points)
+            _check(
+                _library.planish_measure(
+                    self._plan, c_void_p(_address(taken.array)), byref(found), byref(error)
+                ),
+                error,
+            )
         return found
 
     def radius_ratios(self, points: Any = None) -> np.ndarray:
         """Radius ratio [m] of each element at points: 1 is best, 0 inverted or flat; nan of those
         that a plan around some nodes does not know."""
-        taken, error = self._coordinates(points), _Error()
-        ratios = np.empty(self._view.mesh.n_elements)
-        _check(
-            _library.planish_measure_elements(
-                self._plan, c_void_p(_address(taken.array)), c_void_p(_address(ratios)), byref(error)
-            ),
-            error,
-        )
+        error, ratios = _Error(), np.empty(self._view.mesh.n_elements)
+        with self._use(measures=True):
+            taken = self._coordinates(points)
+            _check(
+                _library.planish_measure_elements(
+                    self._plan, c_void_p(_address(taken.array)), c_void_p(_address(ratios)), byref(error)
+                ),
+                error,
+            )
         return ratios
 
     def smooth(
@@ -683,61 +889,61 @@ class Plan:
             raise ValueError(f"objective must be one of {', '.join(_OBJECTIVES)}, not {objective!r}")
         if worst_measure not in _WORST:
             raise ValueError(f"worst_measure must be one of {', '.join(_WORST)}, not {worst_measure!r}")
-        self._check_idle()
-        taken = self._coordinates(points, writes=True)
-        options, error, result = self._options, _Error(), Result()
-        options.objective = _OBJECTIVES[objective]
-        options.worst = _WORST[worst_measure] if objective == "worst" else 0
-        options.worst_rise = worst_rise
-        options.min_volume = min_volume
-        options.min_volume_fraction = min_volume_fraction
-        options.area_weight = area_weight
-        options.max_displacement = max_displacement
-        options.untangle = bool(untangle)
-        options.max_sweeps = _whole(max_sweeps, "max_sweeps")
-        options.tolerance = tolerance
-        options.time_limit = time_limit
-        options.precision = taken.is_float
-        raised: list[BaseException] = []
+        with self._use():
+            taken = self._coordinates(points, writes=True)
+            options, error, result = self._options, _Error(), Result()
+            options.objective = _OBJECTIVES[objective]
+            options.worst = _WORST[worst_measure] if objective == "worst" else 0
+            options.worst_rise = worst_rise
+            options.min_volume = min_volume
+            options.min_volume_fraction = min_volume_fraction
+            options.area_weight = area_weight
+            options.max_displacement = max_displacement
+            options.untangle = bool(untangle)
+            options.max_sweeps = _whole(max_sweeps, "max_sweeps")
+            options.tolerance = tolerance
+            options.time_limit = time_limit
+            options.precision = taken.is_float
+            raised: list[BaseException] = []
 
-        def call(seen: Any, _user: Any) -> int:
-            if raised:
-                return 1
+            def call(seen: Any, _user: Any) -> int:
+                if raised:
+                    return 1
+                try:
+                    return bool(progress(Progress.from_buffer_copy(seen.contents)))  # type: ignore[misc]
+                except BaseException as exception:  # pylint: disable=broad-except
+                    raised.append(exception)
+                    return 1
+
+            def note(unraisable: Any) -> None:
+                """What a signal's handler raises before call's first line, as KeyboardInterrupt."""
+                if unraisable.object is call:
+                    raised.append(unraisable.exc_value)
+                else:
+                    hook(unraisable)
+
+            options.progress = _PROGRESS(call) if progress is not None else _PROGRESS()
+            hook = sys.unraisablehook
+            if threading.current_thread() is threading.main_thread():  # where handlers of signals run
+                sys.unraisablehook = note
+            self._smoother = threading.get_ident()
             try:
-                return bool(progress(Progress.from_buffer_copy(seen.contents)))  # type: ignore[misc]
-            except BaseException as exception:  # pylint: disable=broad-except
-                raised.append(exception)
-                return 1
-
-        def note(unraisable: Any) -> None:
-            """What a signal's handler raises before call's first line, as KeyboardInterrupt."""
-            if unraisable.object is call:
-                raised.append(unraisable.exc_value)
-            else:
-                hook(unraisable)
-
-        options.progress = _PROGRESS(call) if progress is not None else _PROGRESS()
-        hook = sys.unraisablehook
-        if threading.current_thread() is threading.main_thread():  # where handlers of signals run
-            sys.unraisablehook = note
-        self._is_busy = True
-        try:
-            status = _library.planish_smooth(
-                self._plan, c_void_p(_address(taken.array)), byref(options), byref(result), byref(error)
-            )
-        finally:
-            self._is_busy = False
-            if sys.unraisablehook is note:
-                sys.unraisablehook = hook
-            options.progress = _PROGRESS()
-        _check(status, error)
-        taken.write_back()
-        if raised:
-            raise raised[0]
-        return result
+                status = _library.planish_smooth(
+                    self._plan, c_void_p(_address(taken.array)), byref(options), byref(result), byref(error)
+                )
+            finally:
+                self._smoother = 0
+                if sys.unraisablehook is note:
+                    sys.unraisablehook = hook
+                options.progress = _PROGRESS()
+            _check(status, error)
+            taken.write_back()
+            if raised:
+                raise raised[0]
+            return result
 
 
-_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "layers", "around")
+_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "layers", "around", "regions")
 
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
@@ -750,9 +956,9 @@ def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
         return plan.smooth(**options)
 
 
-def quality(points: Any, cells: Any = None, *, fixed: Any = None) -> Quality:
-    """What a mesh is worth: points, cells and fixed as for Plan."""
-    view, error, found, options = _View(points, cells, fixed, None), _Error(), Quality(), _Options()
+def quality(points: Any, cells: Any = None, *, fixed: Any = None, regions: Any = _BY_RULE) -> Quality:
+    """What a mesh is worth: points, cells, fixed and regions as for Plan."""
+    view, error, found, options = _View(points, cells, fixed, None, regions), _Error(), Quality(), _Options()
     _library.planish_options_init(byref(options))
     options.threads = _threads(0)
     _check(_library.planish_measure_mesh(byref(view.mesh), byref(options), byref(found), byref(error)), error)
