@@ -103,6 +103,7 @@ const char *pl_plexrows_refusal(const char *path, pl_plexform *form) {
            : !o.has_simplices_alone ? "not all of its elements are simplices"
            : !o.has_regions_alone
                ? "it has labels besides 'Cell Sets', or elements in two of these, or a set -1"
+           : o.has_copies ? "it has its coordinates more than once, or vectors as long as they are"
            : !has_rows(path, &o) ? "its coordinates do not stand there as doubles, row by row"
                                  : NULL;
 }

@@ -110,6 +110,13 @@ typedef struct io_hdf5_place {
  *  nodes and components say. */
 int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place);
 
+/** The same for what may be a copy of coordinates that have been read: of that the place is kept,
+ *  too. *is_copy: it has the same values, of the same precision. */
+int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is_copy);
+
+/** Whether at path there is a dataset of n numbers of which the readers can make something. */
+int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n);
+
 /** After all coordinates: tell the model their places. */
 int io_hdf5_coordinates_end(io_hdf5 *file);
 

@@ -260,6 +260,69 @@ int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place) {
     return status;
 }
 
+/* ---- copies ------------------------------------------------------------------------------- */
+
+/** Open what may well be something else: nothing is said of that. */
+static int open_quietly(io_hdf5 *file, const char *path, hdf5_dataset *d) {
+    planish_error *const error = file->error;
+    file->error = NULL;
+    const int status = hdf5_dataset_open(file, path, d);
+    file->error = error;
+    return status;
+}
+
+int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n) {
+    hdf5_dataset d;
+    const int status = open_quietly(file, path, &d);
+    const int64_t there = status ? -1 : d.shape.n;
+    hdf5_dataset_close(&d);
+    return there == n;
+}
+
+/** Whether the values are those of the model. */
+static int compare_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
+                          int *is_copy) {
+    const io_model *model = file->model;
+    double *values = pl_alloc(d->shape.n, sizeof *values);
+    int status = values ? PLANISH_OK : pl_fail_memory(file->error, "coordinates");
+    if (!status && H5Dread(d->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+        status = hdf5_fail_library(file, place->path, "its values cannot be read");
+    *is_copy = !status;
+    for (int c = 0; c < place->n_components && *is_copy; c++)
+        for (int64_t i = 0; i < model->n_nodes && *is_copy; i++)
+            *is_copy = values[c * place->component_step + i * place->node_step] ==
+                       model->xyz[3 * i + place->component + c];
+    pl_free(values);
+    return status;
+}
+
+/** Whether its bytes are coordinates already, by another link to them. */
+static int is_known(const io_hdf5 *file, const hdf5_dataset *d) {
+    for (int64_t i = 0; i < file->n_spans && d->offset >= 0; i++)
+        if (file->span[i].offset == d->offset)
+            return 1;
+    return 0;
+}
+
+int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is_copy) {
+    const io_model *model = file->model;
+    hdf5_dataset d;
+    io_span like = {0};
+    *is_copy = 0;
+    int status = open_quietly(file, place->path, &d);
+    const int may_be = !status && H5Tget_class(d.type) == H5T_FLOAT && d.shape.n > 0 &&
+                       d.shape.n == model->n_nodes * place->n_components &&
+                       (d.size == sizeof(float)) == (model->precision == PLANISH_FLOAT);
+    status = may_be ? compare_values(file, place, &d, is_copy) : PLANISH_OK;
+    if (!status && *is_copy && !is_known(file, &d)) {
+        status = take_encoding(file, place->path, d.type, &like);
+        if (!status)
+            status = add_places(file, place, &d, like);
+    }
+    hdf5_dataset_close(&d);
+    return status;
+}
+
 /* ---- rows of a file that is no mesh of ours ------------------------------------------------- */
 
 /** The spans of rows, if they are doubles as in memory. */

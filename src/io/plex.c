@@ -18,6 +18,24 @@
 
 /* ---- which mesh, and where it is ------------------------------------------------------------ */
 
+/** Of names in the group of meshes those that have a topology: Firedrake keeps more there. */
+static int keep_meshes(plex_reader *r, io_hdf5_names *names) {
+    int64_t n = 0;
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < names->n; i++) {
+        char path[IO_HDF5_PATH_SIZE];
+        if (!status)
+            status = io_hdf5_path(r->file, path, MESHES "/%s/topology", names->name[i]);
+        if (!status && io_hdf5_kind_of(r->file, path) != IO_HDF5_GROUP) {
+            pl_free(names->name[i]);
+            continue;
+        }
+        names->name[n++] = names->name[i];
+    }
+    names->n = n;
+    return status;
+}
+
 /** The one mesh of versions 2 and 3. */
 static int find_root(plex_reader *r, char *name, size_t size) {
     io_hdf5_names names = {0};
@@ -26,6 +44,8 @@ static int find_root(plex_reader *r, char *name, size_t size) {
     if (r->version == 1)
         return PLANISH_OK;
     int status = io_hdf5_list(r->file, MESHES, &names);
+    if (!status)
+        status = keep_meshes(r, &names);
     if (!status && names.n == 0)
         status = io_hdf5_fail(r->file, MESHES, "there is no mesh");
     if (!status && names.n > 1)
@@ -86,8 +106,16 @@ static int find_coordinates(plex_reader *r, char *section) {
             io_hdf5_text_attribute(r->file, r->root, "coordinatesName", name, sizeof name, &found);
     if (!status)
         status = io_hdf5_path(r->file, section, "%s/dms/%s", r->root, group);
-    return status ? status
-                  : io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", section, name, name);
+    if (!status)
+        status = io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", section, name, name);
+    if (status || io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE)
+        return status;
+    char function[IO_HDF5_PATH_SIZE];
+    memcpy(function, r->coordinates, sizeof function);
+    status = plex_find_function(r, section, &found);
+    if (!found)
+        memcpy(r->coordinates, function, sizeof function);
+    return status;
 }
 
 /* ---- coordinates ---------------------------------------------------------------------------- */
@@ -161,6 +189,8 @@ static int read_coordinates(plex_reader *r) {
     const io_hdf5_place place = {r->coordinates, 0, model->columns, model->columns, 1};
     if (!status)
         status = io_hdf5_coordinates(r->file, &place);
+    if (!status)
+        status = plex_read_copies(r);
     return status ? status : io_hdf5_coordinates_end(r->file);
 }
 
@@ -217,6 +247,8 @@ static int outline_mesh(plex_reader *r, io_plex_outline *o) {
         status = plex_read_topology(r);
     if (!status)
         status = check_coordinates(r);
+    if (!status)
+        status = plex_count_copies(r, &o->has_copies);
     if (!status)
         status = plex_check_labels(r, &o->has_regions_alone);
     if (status)

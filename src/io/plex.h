@@ -1,5 +1,5 @@
-/* plex: what the parts of the reader of PETSc's DMPlex files share; for plex.c, plex_topology.c and
- * plex_labels.c.
+/* plex: what the parts of the reader of PETSc's DMPlex files share; for plex.c, plex_topology.c,
+ * plex_labels.c and plex_copies.c.
  *
  * In a DMPlex everything is a point with a number: elements first, then nodes, then faces and
  * edges, if the mesh has them. The cone of a point are the points that bound it: of an element its
@@ -77,6 +77,19 @@ int plex_read_labels(plex_reader *r);
  *  those that programs make for themselves. Fails if any says something of what is no point. */
 int plex_check_labels(plex_reader *r, int *has_regions_alone);
 
+/* ---- plex_copies.c ------------------------------------------------------------------------- */
+
+/** Where a mesh of Firedrake has its coordinates, if there are no others: r->coordinates, and
+ *  section [IO_HDF5_PATH_SIZE], the group that tells their layout; *found. */
+int plex_find_function(plex_reader *r, char *section, int *found);
+
+/** After the coordinates have been read: all copies of them are coordinates, too. Fails on others
+ *  that would stay behind. */
+int plex_read_copies(plex_reader *r);
+
+/** How many arrays there are that may be copies. */
+int plex_count_copies(plex_reader *r, int *n);
+
 /* ---- for those who load such files with PETSc ----------------------------------------------- */
 
 typedef struct io_plex_outline {
@@ -86,6 +99,7 @@ typedef struct io_plex_outline {
     int dim, columns;                    /* of the elements; coordinates of a node */
     int64_t n_nodes;
     int has_simplices_alone; /* as elements, and all points are bounded as they must be */
+    int has_copies;          /* of the coordinates, or other arrays that are as long */
     int has_regions_alone;   /* no labels but that of regions; an element is of one, never of -1 */
 } io_plex_outline;
 

@@ -74,9 +74,11 @@ static int add_set(labels *l, const char *path, char **label, char **value) {
     *s = (set){.label = *label, .value = *value};
     *label = *value = NULL;
     int status = io_hdf5_path(r->file, points, "%s/indices", path);
-    if (!status)
+    if (!status && io_hdf5_kind_of(r->file, points) != IO_HDF5_NONE) /* else it has no points */
         status = io_hdf5_integers_read(r->file, points, &s->points);
-    if (!status && s->points.n > MOST_LISTINGS * r->n_points - l->listed)
+    /* So many as stand in the file may be there in any case. */
+    const int64_t most = MOST_LISTINGS * r->n_points + r->model->input.size / 4;
+    if (!status && s->points.n > most - l->listed)
         status = io_hdf5_fail(r->file, points,
                               "labels up to this one list all points more than %d times over; the "
                               "file is damaged",

@@ -49,8 +49,16 @@ static const struct {
              {1, 32, N_EDGES, 2, 6}};
 
 /** A file with its labels; and what is wrong in it: the value there, -1: nothing. */
+/* Where coordinates stand once more: as a function of Firedrake's, a vector that nobody calls
+ * coordinates, for viewers; or as a function alone; or another link to the same. */
+enum { FUNCTION = 1, VECTOR = 2, VIEWED = 4, FUNCTION_ALONE = 8, LINK = 16 };
+
 typedef struct plex {
     int version;
+    int copies;         /* of those above */
+    int has_no_copy;    /* they have other values */
+    int is_extruded;    /* and there is a mesh made of this one */
+    int is_reversed;    /* the function has the last node first */
     int is_permuted;    /* points stand from the last to the first */
     int has_nodes_last; /* behind faces and edges */
     int is_flat;        /* elements are bounded by nodes, and the last one is a pyramid */
@@ -204,28 +212,96 @@ static void put_labels(hdf5_builder *b, const plex *p, const char *root) {
     put_set(b, root, "wall/1", 7, wall);
     put_set(b, root, "Edge Sets/-3", 1, line);
     put_set(b, root, "tip/1", 1, node);
+    if (p->meshes == 3) { /* labels of everything, many times over, and of nothing */
+        int everything[N_POINTS];
+        char name[64];
+        for (int i = 0; i < N_POINTS; i++)
+            everything[i] = i;
+        for (int i = 0; i < 90; i++) {
+            snprintf(name, sizeof name, "label %d/%d", i, 2 * i);
+            put_set(b, root, name, N_POINTS, everything);
+        }
+        snprintf(name, sizeof name, "%s/labels/empty/1", root);
+        hdf5_group(b, name);
+    }
+}
+
+/** The layout of a vector: values of each node. */
+static void put_section(hdf5_builder *b, const plex *p, const char *group) {
+    int order[N_NODES], size[N_NODES], begin[N_NODES];
+    for (int i = 0; i < N_NODES; i++) {
+        order[i] = N_ELEMENTS + (p->is_reversed ? N_NODES - 1 - i : i);
+        size[i] = 3, begin[i] = 3 * i;
+    }
+    if (p->row >= 0)
+        order[2] = p->row;
+    put(b, group, "order", N_NODES, order);
+    put(b, group, "section/atlasDof", N_NODES, size);
+    put(b, group, "section/atlasOff", N_NODES, begin);
+}
+
+static void put_array(hdf5_builder *b, const plex *p, const char *path, const double *xyz,
+                      int is_list) {
+    b->chunk[0] = (hsize_t)p->chunk * (is_list ? 3 : 1);
+    b->chunk[1] = 3;
+    b->is_packed = p->is_packed;
+    hdf5_array(b, path, p->is_float ? H5T_IEEE_F32LE : H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE,
+               (hsize_t)p->rows * (is_list ? 3 : 1), is_list ? 0 : 3, xyz);
+    b->chunk[0] = 0;
+}
+
+/** A function of Firedrake, or another vector. */
+static void put_vector(hdf5_builder *b, const plex *p, const char *dm, const char *name,
+                       const double *xyz) {
+    char path[128];
+    snprintf(path, sizeof path, "/topologies/mine/dms/%s/section", dm);
+    hdf5_group(b, path);
+    *strrchr(path, '/') = 0;
+    put_section(b, p, path);
+    snprintf(path, sizeof path, "/topologies/mine/dms/%s/vecs/%s", dm, name);
+    hdf5_group(b, path);
+    snprintf(path, sizeof path, "/topologies/mine/dms/%s/vecs/%s/%s", dm, name, name);
+    put_array(b, p, path, xyz, 1);
+}
+
+static void put_copies(hdf5_builder *b, const plex *p) {
+    double xyz[3 * (N_NODES + 1)] = {0};
+    for (int i = 0; i < 3 * N_NODES; i++)
+        xyz[i] = places[p->is_reversed ? 3 * (N_NODES - 1 - i / 3) + i % 3 : i];
+    xyz[7] += p->has_no_copy;
+    if (p->copies & (FUNCTION | FUNCTION_ALONE)) {
+        hdf5_group(b, "/topologies/mine/firedrake_meshes/m");
+        hdf5_text_attribute(b, "/topologies/mine/firedrake_meshes/m", "firedrake_coordinates",
+                            "its coordinates");
+        put_vector(b, p, "firedrake_dm", "its coordinates", xyz);
+    }
+    if (p->copies & VECTOR)
+        put_vector(b, p, "another", "position", xyz);
+    if (p->copies & VIEWED) {
+        hdf5_group(b, "/viz/geometry");
+        put_array(b, p, "/viz/geometry/vertices", xyz, 0);
+    }
+    if (p->copies & LINK) {
+        hdf5_group(b, "/topologies/mine/dms/linked/vecs/x");
+        assert_true(H5Lcreate_hard(b->file, "/topologies/mine/dms/where/vecs/x/x", b->file,
+                                   "/topologies/mine/dms/linked/vecs/x/x", H5P_DEFAULT,
+                                   H5P_DEFAULT) >= 0);
+    }
+    if (p->is_extruded) {
+        hdf5_group(b, "/topologies/tall/firedrake_meshes/e");
+        hdf5_text_attribute(b, "/topologies/tall/firedrake_meshes/e", "firedrake_coordinates", "c");
+    }
 }
 
 static void put_coordinates(hdf5_builder *b, const plex *p, const char *group, const char *path) {
     double xyz[3 * (N_NODES + 1)] = {0};
     memcpy(xyz, places, sizeof places);
     xyz[3] = p->x;
-    b->chunk[0] = (hsize_t)p->chunk;
-    b->chunk[1] = 3;
-    b->is_packed = p->is_packed;
-    hdf5_array(b, path, p->is_float ? H5T_IEEE_F32LE : H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE,
-               (hsize_t)p->rows, 3, xyz);
-    b->chunk[0] = 0;
-    if (p->version == 1)
-        return;
-    int order[N_NODES], size[N_NODES], begin[N_NODES];
-    for (int i = 0; i < N_NODES; i++)
-        order[i] = N_ELEMENTS + i, size[i] = 3, begin[i] = 3 * i;
-    if (p->row >= 0)
-        order[2] = p->row;
-    put(b, group, "order", N_NODES, order);
-    put(b, group, "section/atlasDof", N_NODES, size);
-    put(b, group, "section/atlasOff", N_NODES, begin);
+    put_array(b, p, path, xyz, 0);
+    plex straight = *p;
+    straight.is_reversed = 0;
+    if (p->version > 1)
+        put_section(b, &straight, group);
 }
 
 /** HDF5 looks for its mark at 512, too. */
@@ -257,18 +333,20 @@ static file_builder make(const plex *p) {
     if (p->version == 1) {
         hdf5_group(&b, "/geometry");
         put_coordinates(&b, p, "", "/geometry/vertices");
-    } else {
+    } else if (!(p->copies & FUNCTION_ALONE)) {
         hdf5_text_attribute(&b, root, "coordinateDMName", "where");
         hdf5_text_attribute(&b, root, "coordinatesName", "x");
         hdf5_group(&b, "/topologies/mine/dms/where/section");
         hdf5_group(&b, "/topologies/mine/dms/where/vecs/x");
         put_coordinates(&b, p, "/topologies/mine/dms/where", "/topologies/mine/dms/where/vecs/x/x");
     }
+    put_copies(&b, p);
     if (p->is_dangling)
         assert_true(H5Lcreate_soft("/nowhere", b.file, "/labels/gone", H5P_DEFAULT, H5P_DEFAULT) >=
                     0);
-    if (p->meshes == 2)
-        hdf5_group(&b, "/topologies/other");
+    if (p->meshes > 1)
+        hdf5_group(&b, p->meshes == 2 ? "/topologies/other/topology"
+                                      : "/topologies/firedrake_mixed_meshes/m");
     return p->has_user_block ? behind_block(hdf5_end(&b)) : hdf5_end(&b);
 }
 
@@ -315,6 +393,17 @@ static void all_forms_are_read(void **state) {
             check_mesh(file);
             planish_file_close(file);
         }
+}
+
+/** Firedrake's group of mixed meshes is no mesh; labels may be many, and of nothing. */
+static void other_groups_are_no_meshes(void **state) {
+    (void)state;
+    plex p = right;
+    p.version = 3;
+    p.meshes = 3;
+    planish_file *file = read_plex(&p);
+    check_mesh(file);
+    planish_file_close(file);
 }
 
 static int count_held(planish_file *file, const planish_hold *hold, uint8_t *constraint) {
@@ -466,6 +555,18 @@ static void wrong_files_are_refused(void **state) {
     refuse(((void)(p = right, p.order = N_POINTS), &p), "point 51");
     refuse(((void)(p = right, p.version = 2, p.row = 7), &p), "one place for each node");
     refuse(((void)(p = right, p.version = 2, p.meshes = 2), &p), "2 meshes (mine, other, ...)");
+    p = right;
+    p.version = 3;
+    p.has_no_copy = 1;
+    refuse(((void)(p.copies = FUNCTION), &p), "coordinates of 'm', too, but not the same values");
+    refuse(((void)(p.copies = VIEWED), &p), "/viz/geometry/vertices: these are coordinates");
+    p.has_no_copy = 0;
+    p.is_reversed = 1;
+    refuse(((void)(p.copies = FUNCTION), &p), "coordinates of 'm', too, but not the same values");
+    refuse(((void)(p.copies = FUNCTION_ALONE), &p), "one place for each node, in their order");
+    p = right;
+    p.version = 2;
+    refuse(((void)(p.is_extruded = 1), &p), "another mesh ('e') with coordinates of its own");
     reading_fails(&io_format_plex, "no HDF5", "no HDF5 file");
 }
 
@@ -481,12 +582,25 @@ static void nothing_breaks_it(void **state) {
     }
 }
 
+static void nothing_breaks_copies(void **state) {
+    (void)state;
+    plex p = right;
+    p.version = 3;
+    p.copies = FUNCTION | VECTOR | VIEWED;
+    file_builder b = make(&p);
+    builder_try_to_break(&b, &io_format_plex);
+    builder_release(&b);
+}
+
 /* ---- writing ------------------------------------------------------------------------------- */
 
 static void check_writing(const char *folder, const plex *p) {
     char in[TEST_PATH_SIZE], out[TEST_PATH_SIZE];
     planish_error error = {.text = ""};
     planish_file *file, *again;
+    size_t n_copies = 1;
+    for (int bit = FUNCTION; bit <= VIEWED && !p->has_no_copy; bit *= 2)
+        n_copies += p->copies & bit ? 1 : 0;
     file_builder b = make(p);
     test_write(folder, "in.h5", b.data, (size_t)b.size);
     assert_int_equal(planish_file_open(test_path(in, folder, "in.h5"), NULL, 1, &file, &error), 0);
@@ -502,7 +616,8 @@ static void check_writing(const char *folder, const plex *p) {
         assert_int_equal(size, b.size);
         for (size_t i = 0; i < size; i++)
             changed += content[i] != b.data[i];
-        assert_in_range(changed, 1, 8);
+        assert_in_range(changed, n_copies, 8 * n_copies);
+        assert_int_equal(changed % n_copies, 0);
         free(content);
     }
     planish_file_close(file);
@@ -524,6 +639,52 @@ static void coordinates_come_back(void **state) {
         }
 }
 
+/** The value at 8 bytes a number of a dataset. */
+static double value_of(const char *path, const char *dataset, int i) {
+    double values[3 * N_NODES];
+    hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+    hid_t data = H5Dopen2(file, dataset, H5P_DEFAULT);
+    assert_true(H5Dread(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    H5Dclose(data);
+    H5Fclose(file);
+    return values[i];
+}
+
+/** All that are the same move together; what is another field stays. */
+static void copies_move_together(void **state) {
+    static const int cases[] = {FUNCTION,       VECTOR, VIEWED, FUNCTION | VECTOR | VIEWED,
+                                FUNCTION_ALONE, LINK};
+    for (int version = 2; version <= 3; version++)
+        for (int how = 0; how < 4; how++)
+            for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+                plex p = right;
+                p.version = version;
+                p.chunk = how > 0 && cases[i] != LINK ? 4 : 0;
+                p.is_packed = how > 1 && cases[i] != LINK;
+                p.is_float = how == 3;
+                p.copies = cases[i];
+                check_writing(*state, &p);
+                char path[TEST_PATH_SIZE];
+                test_path(path, *state, "out.h5");
+                if (p.copies & (FUNCTION | FUNCTION_ALONE))
+                    assert_true(value_of(path,
+                                         "/topologies/mine/dms/firedrake_dm/vecs/its "
+                                         "coordinates/its coordinates",
+                                         20) == -1.5);
+                if (p.copies & VECTOR)
+                    assert_true(value_of(path,
+                                         "/topologies/mine/dms/another/vecs/position/position",
+                                         20) == -1.5);
+                if (p.copies & VIEWED)
+                    assert_true(value_of(path, "/viz/geometry/vertices", 20) == -1.5);
+            }
+    plex p = right;
+    p.version = 3;
+    p.copies = VECTOR;
+    p.has_no_copy = 1;
+    check_writing(*state, &p);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(all_forms_are_read),
@@ -533,6 +694,10 @@ int main(void) {
                                         test_folder_remove),
         cmocka_unit_test(wrong_files_are_refused),
         cmocka_unit_test(nothing_breaks_it),
+        cmocka_unit_test(nothing_breaks_copies),
+        cmocka_unit_test(other_groups_are_no_meshes),
+        cmocka_unit_test_setup_teardown(copies_move_together, test_folder_create,
+                                        test_folder_remove),
         cmocka_unit_test_setup_teardown(coordinates_come_back, test_folder_create,
                                         test_folder_remove),
     };
