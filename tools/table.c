@@ -363,6 +363,12 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
         pl_note(stream, "%" PRId64 " %s the nodes of another one; %s held", copies,
                 word_for(copies, "element has", "elements have"),
                 word_for(copies, "it is", "they are"));
+    if (info->n_wrapped > 0)
+        pl_note(stream,
+                "%" PRId64 " %s around a periodic domain, from one side to the other; %s "
+                "nodes are held",
+                info->n_wrapped, word_for(info->n_wrapped, "element wraps", "elements wrap"),
+                word_for(info->n_wrapped, "its", "their"));
     if (others > 0)
         pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
                 word_for(others, "element of another type passes", "elements of other types pass"),

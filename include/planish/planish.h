@@ -518,7 +518,8 @@ typedef struct planish_plan_info {
     const char *isa;     /* name of the kernel variant in use; static text */
     const char *binding; /* where the threads are; text of the plan */
     int64_t bytes;       /* memory the plan holds, with what it keeps for the next call */
-    int64_t reserved[8];
+    int64_t n_wrapped;   /* elements that wrap around a periodic domain; their nodes are fixed */
+    int64_t reserved[7];
 } planish_plan_info;
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
@@ -582,6 +583,15 @@ typedef enum planish_hold_reason {
  *  of threads. Errors: _ARGUMENT, _MEMORY; reason is then untouched. */
 PLANISH_API int planish_plan_get_held(const planish_plan *plan, const double *coordinates,
                                       uint8_t *reason, planish_error *error);
+
+/** Tell which elements wrap around a periodic domain whose nodes are there once each: as drawn they
+ *  reach from one side to the other. Their nodes are held, and they decide nothing about the
+ *  orientation of the others. They are found if the axes are the periodic directions, most other
+ *  elements have one sign and the domain has three elements or more across
+ *  (docs/untangling.md); in a mesh in parts, and with options.around, none are. wrapped
+ *  [n_elements of the mesh] (may be NULL) is filled with 0 or 1; *n (may be NULL) counts the ones.
+ *  Of no plan (NULL) there are none, and wrapped stays as it is. */
+PLANISH_API void planish_find_wrapped(const planish_plan *plan, uint8_t *wrapped, int64_t *n);
 
 /* ---- Quality ------------------------------------------------------------------------------ */
 

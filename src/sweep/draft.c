@@ -145,6 +145,20 @@ static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
     return status ? status : pl_parts_check(error);
 }
 
+/** List the elements that wrap around. */
+static int note_wrapped(planish_plan *plan, const pl_draft *d, planish_error *error) {
+    const pl_boundary *boundary = &d->boundary;
+    if (boundary->n_wrapped == 0)
+        return PLANISH_OK;
+    plan->wrapped = pl_alloc(boundary->n_wrapped, sizeof *plan->wrapped);
+    if (!plan->wrapped)
+        return pl_fail_memory(error, "the elements that wrap around");
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        if (boundary->flags[i] & PL_WRAPPED)
+            plan->wrapped[plan->n_wrapped++] = (int32_t)i;
+    return PLANISH_OK;
+}
+
 /** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then
  *  links tell which nodes are inside, and only the facets between others need to be looked at:
  * none, if only few nodes are asked for. */
@@ -165,7 +179,7 @@ static int find_free(planish_plan *plan, pl_draft *d, planish_error *error) {
     }
     plan->sign = d->boundary.sign;
     d->boundary.sign = NULL;
-    return status;
+    return status ? status : note_wrapped(plan, d, error);
 }
 
 /* ---- visiting order ----------------------------------------------------------------------- */
@@ -334,6 +348,9 @@ static int prepare_periodic(planish_plan *plan, pl_draft *d, uint8_t *slides, pl
     for (int64_t i = 0; i < plan->n_nodes; i++)
         slides[i] =
             may_slide(mesh, i) && plan->is_used[i] && (!d->is_selected || d->is_selected[i]);
+    for (int64_t i = 0; i < plan->n_wrapped; i++)
+        for (int j = 0; j <= plan->dim; j++)
+            slides[mesh->elements[(int64_t)plan->wrapped[i] * (plan->dim + 1) + j]] = 0;
     *around = *mesh;
     if (mesh->n_periodic == 0)
         return PLANISH_OK;

@@ -101,6 +101,7 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->n_boundary_facets = d->boundary.n_boundary_facets;
     info->n_nonmanifold_facets = d->boundary.n_nonmanifold_facets;
     info->n_duplicate_elements = d->boundary.n_duplicate_elements;
+    info->n_wrapped = plan->n_wrapped;
     info->n_colours = pl_plan_colours(plan);
     info->threads = plan->threads;
     info->isa = plan->kernel->name;
@@ -194,6 +195,7 @@ static void destroy(planish_plan *plan) {
     pl_free(plan->start);
     pl_free(plan->min_volume);
     pl_free(plan->sign);
+    pl_free(plan->wrapped);
     pl_free(plan->is_free);
     pl_free(plan->is_used);
     pl_free(plan->inner);
@@ -224,6 +226,11 @@ static void say_plan(const planish_plan *plan) {
         pl_log(PLANISH_LOG_NOTE,
                "%" PRId64 " elements have the nodes of an earlier one: these stay",
                info->n_duplicate_elements);
+    if (info->n_wrapped > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "%" PRId64 " elements wrap around a periodic domain, from one side to the other: "
+               "their nodes stay",
+               info->n_wrapped);
 }
 
 /** A plan of nothing yet, in context. */
@@ -325,6 +332,16 @@ void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {
         memset(is_free, 0, (size_t)plan->whole.n_nodes);
     for (int64_t i = 0; i < plan->n_nodes; i++)
         is_free[pl_plan_node(plan, i)] = plan->is_free[i] == PL_INTERIOR;
+}
+
+void planish_find_wrapped(const planish_plan *plan, uint8_t *wrapped, int64_t *n) {
+    if (n)
+        *n = plan ? plan->n_wrapped : 0;
+    if (!plan || !wrapped)
+        return;
+    memset(wrapped, 0, (size_t)plan->whole.n_elements);
+    for (int64_t i = 0; i < plan->n_wrapped; i++)
+        wrapped[pl_plan_element(plan, plan->wrapped[i])] = 1;
 }
 
 /* See pl_star_problem.still. Where only bad elements are mended, many of them stand at a boundary

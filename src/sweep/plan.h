@@ -60,6 +60,8 @@ struct planish_plan {
     int32_t *own_elements;   /* the plan's: a copy, or those of the part */
     double *min_volume;      /* [m] mesh->min_volume, or NULL */
     int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
+    int32_t *wrapped;        /* [n_wrapped] elements that wrap around: their nodes are held */
+    int64_t n_wrapped;
     uint8_t *is_free;        /* [n] PL_HELD, ... */
     uint8_t *is_used;        /* [n] 0: by no element; else PL_USED, ... */
     int32_t *inner;          /* [n] inner number of each node */

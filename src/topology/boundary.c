@@ -161,5 +161,6 @@ int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
 void pl_boundary_destroy(pl_boundary *boundary) {
     pl_free(boundary->on_boundary);
     pl_free(boundary->sign);
+    pl_free(boundary->flags);
     *boundary = (pl_boundary){0};
 }

@@ -7,9 +7,14 @@
  *
  * A component in which no choice satisfies all facets (a Moebius strip, or a file that is folded on
  * itself) keeps the file's order, and the nodes of the facets that contradict it are held.
+ *
+ * Of a mesh that is here as a whole, elements that wrap around a periodic domain (wrapped.c) are no
+ * part of the sum, and their nodes are held; with such, or without a boundary, the number of
+ * elements may overrule it.
  */
 #include "topology/orientation.h"
 
+#include "base/context.h"
 #include "base/fetch.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -19,7 +24,9 @@
 #include "topology/components.h"
 #include "topology/facets.h"
 #include "topology/frame.h"
+#include "topology/wrapped.h"
 
+#include <inttypes.h>
 #include <string.h>
 
 enum { CHUNK = 8192 }; /* elements that one thread takes at a time */
@@ -36,6 +43,7 @@ typedef struct work {
     double *measure;  /* [m] of the elements in their component's order; of a root, the sum */
     double anchor[3]; /* the place of a node on the boundary, */
     int has_anchor;   /* if there is one */
+    uint8_t *flags;   /* [m] of wrapped.h; NULL in a mesh in parts */
     pl_settlement settlement; /* in a mesh in parts */
     int any_reversed;
     int n_conflicts; /* facets at which the parities contradict one another: some, or 0 */
@@ -256,15 +264,24 @@ static int is_opposite(const work *w, int64_t element) {
            (w->settlement.reversed ? w->settlement.reversed[root] : 0);
 }
 
+/** The measure of an element for its component's sum. Elements that wrap around have none, and so
+ *  the sum of the others depends on where the interior nodes are. */
+static double summand_of(const work *w, int dim, int64_t element) {
+    const int64_t root = w->link[element] >> 1;
+    if (w->flags && w->flags[element] & PL_WRAPPED)
+        return 0;
+    if (w->boundary->sign[root] == CONFLICT || (w->flags && w->flags[root] & PL_HAS_WRAPPED))
+        return measure_of(dim, w->mesh, &w->frame, element);
+    return anchored_measure_of(dim, w, element);
+}
+
 /** Measure every element in the order of its component; its parity is from now on that to it. */
 static void measure_chunk(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     const int dim = w->mesh->dim;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int conflict = w->boundary->sign[w->link[i] >> 1] == CONFLICT;
-        const double measure =
-            conflict ? measure_of(dim, w->mesh, &w->frame, i) : anchored_measure_of(dim, w, i);
+        const double measure = summand_of(w, dim, i);
         const int opposite = is_opposite(w, i);
         w->measure[i] = opposite ? -measure : measure;
         w->link[i] = (w->link[i] & ~UINT32_C(1)) | (uint32_t)opposite;
@@ -296,6 +313,95 @@ static int turn_flat(work *w) {
     }
     pl_free(least);
     return least != NULL;
+}
+
+/* ---- elements that wrap around, and components without a boundary ---------------------------- */
+
+/** Mark the components that have a node on the boundary. */
+static void mark_bounded(void *context, int64_t begin, int64_t end, int thread) {
+    work *w = context;
+    const int k = w->mesh->dim + 1;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int32_t *node = w->mesh->elements + i * k;
+        int any = 0;
+        for (int j = 0; j < k; j++)
+            any |= w->boundary->on_boundary[node[j]];
+        uint8_t *flags = w->flags + (w->link[i] >> 1);
+        if (any && !(__atomic_load_n(flags, __ATOMIC_RELAXED) & PL_HAS_BOUNDARY))
+            __atomic_fetch_or(flags, PL_HAS_BOUNDARY, __ATOMIC_RELAXED);
+    }
+}
+
+/** Find the elements that wrap around, and hold their nodes. */
+static int find_wrapped(work *w, int threads, planish_error *error) {
+    const int64_t m = w->mesh->n_elements;
+    const int k = w->mesh->dim + 1;
+    int64_t n;
+    w->flags = pl_alloc_zero(m, sizeof *w->flags);
+    if (!w->flags)
+        return pl_fail_memory(error, "the components of the mesh");
+    pl_parallel_for(threads, m, CHUNK, mark_bounded, w);
+    const int status = pl_wrapped_find(w->mesh, w->link, w->boundary->sign, w->flags, &n, error);
+    w->boundary->n_wrapped = n;
+    if (status || n == 0)
+        return status;
+    for (int64_t i = 0; i < m; i++)
+        for (int j = 0; j < k && w->flags[i] & PL_WRAPPED; j++)
+            w->boundary->on_boundary[w->mesh->elements[i * k + j]] = 1;
+    return PLANISH_OK;
+}
+
+/** Whether the elements of a component may decide by their number. */
+static int may_count(const work *w, int64_t root) {
+    return w->boundary->sign[root] != CONFLICT &&
+           (w->flags[root] & PL_HAS_WRAPPED || !(w->flags[root] & PL_HAS_BOUNDARY));
+}
+
+/* Elements of such a component that overrule the sum, in parts of a hundred. */
+enum { OVERRULING = 80 };
+
+/** How many elements of each such component there are, and how many contradict its sum. */
+static void count_votes(const work *w, int32_t *voters, int32_t *against) {
+    for (int64_t i = 0; i < w->mesh->n_elements; i++) {
+        const int64_t root = w->link[i] >> 1;
+        if (!may_count(w, root) || w->flags[i] & PL_WRAPPED)
+            continue;
+        const double drawn = measure_of(w->mesh->dim, w->mesh, &w->frame, i);
+        const double measure = w->link[i] & 1 ? -drawn : drawn;
+        voters[root]++;
+        against[root] += w->measure[root] < 0 ? measure > 0 : measure < 0;
+    }
+}
+
+/** The sum of signed measures says little of components without a boundary, where it is nothing but
+ *  rounding, and where elements wrap around: the number of elements decides where it is telling. */
+static int let_elements_decide(work *w, planish_error *error) {
+    const int64_t m = w->mesh->n_elements;
+    int64_t n = 0, n_turned = 0;
+    for (int64_t i = 0; i < m; i++)
+        n += w->link[i] >> 1 == i && may_count(w, i);
+    if (n == 0)
+        return PLANISH_OK;
+    int32_t *voters = pl_alloc_zero(m, sizeof *voters);
+    int32_t *against = pl_alloc_zero(m, sizeof *against);
+    const int done = voters && against;
+    if (done)
+        count_votes(w, voters, against);
+    for (int64_t i = 0; done && i < m; i++) {
+        if (voters[i] == 0 || 100 * (int64_t)against[i] < OVERRULING * (int64_t)voters[i])
+            continue;
+        w->measure[i] = w->measure[i] < 0 ? 1 : -1;
+        n_turned++;
+    }
+    pl_free(voters);
+    pl_free(against);
+    if (n_turned > 0)
+        pl_log(PLANISH_LOG_NOTE,
+               "which elements are inverted was decided by their number, not by the sum of their "
+               "measures, in %" PRId64 " %s",
+               n_turned, n_turned == 1 ? "part of the mesh" : "parts of the mesh");
+    return done ? PLANISH_OK : pl_fail_memory(error, "the components of the mesh");
 }
 
 /* ---- all components -------------------------------------------------------------------------- */
@@ -351,6 +457,8 @@ static int orient_components(work *w, const pl_incidence *incidence, int threads
     if (!w->link || !w->measure)
         return pl_fail_memory(error, "the components of the mesh");
     int status = find_components(w, incidence, threads, error);
+    if (!status && !w->mesh->part)
+        status = find_wrapped(w, threads, error);
     if (status)
         return status;
     find_anchor(w);
@@ -366,6 +474,8 @@ static int orient_components(work *w, const pl_incidence *incidence, int threads
                                &w->boundary->n_components, error);
     if (!status && !turn_flat(w))
         status = pl_fail_memory(error, "the components of the mesh");
+    if (!status && !w->mesh->part)
+        status = let_elements_decide(w, error);
     if (!status)
         pl_parallel_for(threads, m, CHUNK, sign_chunk, w);
     return status;
@@ -411,6 +521,10 @@ int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidenc
     status = orient_components(&w, incidence, threads, error);
     pl_free(w.link);
     pl_free(w.measure);
+    if (!status && boundary->n_wrapped > 0)
+        boundary->flags = w.flags;
+    else
+        pl_free(w.flags);
     pl_settlement_destroy(&w.settlement);
     if (!status && !w.any_reversed) {
         pl_free(boundary->sign);

@@ -70,6 +70,8 @@ typedef struct pl_boundary {
     int64_t n_duplicate_elements; /* with the nodes of an earlier one, in any order */
     int64_t n_components;         /* of elements joined by facets, 0: was not needed */
     int64_t n_reversed;           /* elements of sign -1 */
+    int64_t n_wrapped;            /* elements that wrap around: on_boundary has their nodes; */
+    uint8_t *flags;               /* [m] PL_WRAPPED is set at these; NULL: there are none */
 } pl_boundary;
 
 /** Look at the measures: if all are positive (all_positive: that is known), or all negative, sign
@@ -77,14 +79,17 @@ typedef struct pl_boundary {
 int pl_boundary_create(const planish_mesh *mesh, int all_positive, int threads,
                        pl_boundary *boundary, planish_error *error);
 
+enum { PL_WRAPPED = 1 };
+
 /** Look at the facets. Orientation is combinatorial (docs/algorithm.md): inside a component of
  *  elements joined by facets of two elements (no duplicates), neighbours traverse their facet in
- *  opposite directions; the component's sign is that of its summed measure. A component that cannot
- *  be oriented, such as a Moebius strip, keeps the file's order up to that sign; where two of its
- *  neighbours traverse their facet in the same direction, the facet's nodes are held. A guess that
- *  no facet contradicts says the same, and remains.
- *  is_inside [n]: 1 for nodes that are known to be inside, as pl_rings_create says, by that guess;
- *  NULL: none are. */
+ *  opposite directions; the component's sign is that of its summed measure, elements that wrap
+ *  around left out (wrapped.c). Where there are such, or no boundary, it is that of 80 % of the
+ *  elements if they all contradict the sum. Neither is so in a mesh in parts. A component that
+ * cannot be oriented, such as a Moebius strip, keeps the file's order up to that sign; where two of
+ * its neighbours traverse their facet in the same direction, the facet's nodes are held. A guess
+ * that no facet contradicts says the same, and remains. is_inside [n]: 1 for nodes that are known
+ * to be inside, as pl_rings_create says, by that guess; NULL: none are. */
 int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
                      const uint8_t *is_inside, int threads, pl_boundary *boundary,
                      planish_error *error);

@@ -18,10 +18,10 @@ MESH = {"dimension": int, "plane": (dict, type(None)), "nodes": int, "elements":
         "could_slide": (int, type(None)), "layer_elements": (int, type(None)),
         "free_layer_elements": (int, type(None)),
         "fixed_elements": int, "colours": int, "nodes_with_parameters": int,
-        "reversed_elements": int, "held": dict.fromkeys(HELD, int), "unused_nodes": int,
-        "doubled_nodes": int}
+        "reversed_elements": int, "wrapped_elements": int, "held": dict.fromkeys(HELD, int),
+        "unused_nodes": int, "doubled_nodes": int}
 VOLUMES = {"min_volume": (int, float, type(None)), "unfixable": list, "below_min": list,
-           "reversed": list}
+           "reversed": list, "wrapped": list}
 SMOOTH = {
     "planish": str, "input": str, "output": str, "format": str, "mesh": MESH, "method": str,
     "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},

@@ -77,6 +77,26 @@ void test_mesh_box(test_mesh *mesh, int dim, int cells) {
     }
 }
 
+void test_mesh_wrap(test_mesh *box, int cells, unsigned directions, uint8_t *is_wrapped) {
+    const int dim = box->mesh.dim, k = dim + 1;
+    for (int64_t i = 0; i < box->mesh.n_elements; i++) {
+        int any = 0;
+        for (int j = 0; j < k; j++) {
+            int32_t *node = box->elements + i * k + j;
+            for (int d = 0, step = 1, rest = *node; d < dim; d++, step *= cells + 1) {
+                const int place = rest % (cells + 1);
+                rest /= cells + 1;
+                if (place < cells || !(directions >> d & 1))
+                    continue;
+                *node -= cells * step;
+                any = 1;
+            }
+        }
+        if (is_wrapped)
+            is_wrapped[i] = (uint8_t)any;
+    }
+}
+
 /* ---- other meshes ------------------------------------------------------------------------- */
 
 void test_mesh_garbage(test_mesh *mesh, int dim, int64_t n_nodes, int64_t n_elements,

@@ -20,6 +20,11 @@ void test_mesh_destroy(test_mesh *mesh);
  *  (2 triangles) along a diagonal; all positive, nodes and elements in lexicographic order. */
 void test_mesh_box(test_mesh *mesh, int dim, int cells);
 
+/** Make that box periodic in directions (bits): elements have the nodes of the low side for those
+ *  of the high side, and so lie across the box. is_wrapped [n_elements], may be NULL, is filled
+ * with 1 for these. Nodes of no element are left. */
+void test_mesh_wrap(test_mesh *box, int cells, unsigned directions, uint8_t *is_wrapped);
+
 /** n_elements elements of random distinct nodes: facets of any number of elements, duplicates. */
 void test_mesh_garbage(test_mesh *mesh, int dim, int64_t n_nodes, int64_t n_elements,
                        unsigned seed);

@@ -5,6 +5,7 @@
 #include "support/allocations.h"
 #include "support/meshes.h"
 #include "support/rings.h"
+#include "support/tangles.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -520,6 +521,129 @@ static void moebius_strip(void **state) {
     test_mesh_destroy(&box);
 }
 
+/* ---- elements that wrap around ------------------------------------------------------------ */
+
+/** Those that wrap around, and no others, are found, and all the rest has one sign. */
+static void expect_wrapped(const test_mesh *mesh, const uint8_t *is_wrapped) {
+    const int k = mesh->mesh.dim + 1;
+    for (int threads = 1; threads <= 3; threads++) {
+        pl_boundary b;
+        create(&mesh->mesh, threads, &b);
+        int64_t n = 0;
+        for (int64_t i = 0; i < mesh->mesh.n_elements; i++) {
+            n += is_wrapped[i];
+            assert_int_equal(b.flags && b.flags[i] & PL_WRAPPED, is_wrapped[i]);
+            if (!is_wrapped[i])
+                assert_true(sign_of(&b, i) * measure_of(&mesh->mesh, i) > 0);
+            for (int j = 0; j < k && is_wrapped[i]; j++)
+                assert_int_equal(b.on_boundary[mesh->elements[i * k + j]], 1);
+        }
+        assert_int_equal(b.n_wrapped, n);
+        pl_boundary_destroy(&b);
+    }
+}
+
+/** Periodic in one direction, in several, in all; whatever the order and the sides of the box. */
+static void periodic_boxes(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int cells = 3; cells <= (dim == 3 ? 6 : 20); cells += cells < 5 ? 1 : 5)
+            for (unsigned directions = 1; directions < 1u << dim; directions++)
+                for (int order = 0; order < 3; order++) {
+                    test_mesh box;
+                    test_mesh_box(&box, dim, cells);
+                    test_mesh_perturb(&box, 0.1, directions);
+                    uint8_t *is_wrapped = malloc((size_t)box.mesh.n_elements);
+                    test_mesh_wrap(&box, cells, directions, is_wrapped);
+                    for (int64_t i = 0; i < box.mesh.n_nodes; i++)
+                        box.coordinates[i * dim + dim - 1] *= 1e-3;
+                    if (order == 1)
+                        test_mesh_reverse_some(&box, 3, directions);
+                    for (int64_t i = 0; order == 2 && i < box.mesh.n_elements; i++)
+                        test_mesh_reverse(&box, i);
+                    expect_wrapped(&box, is_wrapped);
+                    free(is_wrapped);
+                    test_mesh_destroy(&box);
+                }
+}
+
+/** Nodes thrown across the domain, or changed with others, are no seam, with or without a hole in
+ *  the mesh; nor is a box that is mirrored inside. */
+static void tangles_do_not_wrap(void **state) {
+    (void)state;
+    static const test_tangling tanglings[] = {TEST_MOVED_FEW, TEST_MOVED_ALL,  TEST_GROUPS,
+                                              TEST_SWAPPED,   TEST_DUPLICATES, TEST_THROWN};
+    for (int dim = 2; dim <= 3; dim++)
+        for (int shape = 0; shape < TEST_SHAPES; shape++) {
+            test_tangle t;
+            test_tangle_create(&t, dim, (test_shape)shape, 1, (unsigned)shape);
+            for (size_t i = 0; i < sizeof tanglings / sizeof *tanglings; i++) {
+                pl_boundary b;
+                test_tangle_apply(&t, tanglings[i], (unsigned)i);
+                for (int64_t k = 0; k < t.mesh.mesh.n_nodes && i == 0; k++) /* from side to side */
+                    if (t.is_inner[k] && k % 3 == 0)
+                        t.mesh.coordinates[k * dim] *= -7;
+                create(&t.mesh.mesh, 2, &b);
+                assert_int_equal(b.n_wrapped, 0);
+                pl_boundary_destroy(&b);
+            }
+            test_tangle_destroy(&t);
+        }
+}
+
+/** The sum of measures decides against most elements, where the boundary is that of a valid mesh.
+ */
+static void a_mirrored_interior(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++) {
+        enum { CELLS = 8 };
+        test_mesh box;
+        pl_boundary b;
+        int64_t n_inverted = 0;
+        test_mesh_box(&box, dim, CELLS);
+        create(&box.mesh, 1, &b);
+        for (int64_t i = 0; i < box.mesh.n_nodes; i++)
+            if (!b.on_boundary[i])
+                box.coordinates[i * dim] = CELLS - box.coordinates[i * dim];
+        pl_boundary_destroy(&b);
+        create(&box.mesh, 2, &b);
+        for (int64_t i = 0; i < box.mesh.n_elements; i++) {
+            n_inverted += !(measure_of(&box.mesh, i) > 0);
+            assert_int_equal(sign_of(&b, i), 1);
+        }
+        assert_true(n_inverted > box.mesh.n_elements / 2);
+        assert_int_equal(b.n_wrapped, 0);
+        pl_boundary_destroy(&b);
+        test_mesh_destroy(&box);
+    }
+}
+
+/** A torus whose seam is not recognised, as one of its elements is divided about it: there is no
+ *  boundary that says anything, and nine elements of ten decide. */
+static void most_elements_decide(void **state) {
+    (void)state;
+    enum { CELLS = 40 };
+    for (int order = 0; order < 2; order++) {
+        test_mesh box;
+        pl_boundary b;
+        int64_t n_negative = 0;
+        test_mesh_box(&box, 2, CELLS);
+        uint8_t *is_wrapped = malloc((size_t)box.mesh.n_elements);
+        test_mesh_wrap(&box, CELLS, 3, is_wrapped);
+        box.coordinates[0] = box.coordinates[1] = 0.45 * CELLS;
+        for (int64_t i = 0; order && i < box.mesh.n_elements; i++)
+            test_mesh_reverse(&box, i);
+        create(&box.mesh, 2, &b);
+        assert_int_equal(b.n_wrapped, 0);
+        for (int64_t i = 0; i < box.mesh.n_elements; i++)
+            n_negative += sign_of(&b, i) * measure_of(&box.mesh, i) < 0;
+        assert_true(n_negative < box.mesh.n_elements / 5);
+        pl_boundary_destroy(&b);
+        free(is_wrapped);
+        test_mesh_destroy(&box);
+    }
+}
+
 static void garbage(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
@@ -611,6 +735,10 @@ int main(void) {
         cmocka_unit_test(duplicates),
         cmocka_unit_test(lonely_twins),
         cmocka_unit_test(moebius_strip),
+        cmocka_unit_test(periodic_boxes),
+        cmocka_unit_test(tangles_do_not_wrap),
+        cmocka_unit_test(a_mirrored_interior),
+        cmocka_unit_test(most_elements_decide),
         cmocka_unit_test(garbage),
         cmocka_unit_test(a_giant_star),
         cmocka_unit_test(flat_duplicates),
