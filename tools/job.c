@@ -312,6 +312,19 @@ int pl_job_count_slides(pl_job *job) {
     return status;
 }
 
+/** Keep which elements wrap around, as the plan will be gone when that is told. */
+static int keep_wrapped(pl_job *job) {
+    if (job->plan_info.n_wrapped == 0)
+        return 0;
+    job->wrapped = calloc((size_t)job->mesh.n_elements, 1);
+    if (!job->wrapped)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: out of memory for the states of %" PRId64 " elements",
+                           job->arguments->input, job->mesh.n_elements);
+    planish_find_wrapped(job->plan, job->wrapped, NULL);
+    return 0;
+}
+
 int pl_job_plan(pl_job *job) {
     planish_error error;
     const double begin = pl_seconds();
@@ -320,7 +333,7 @@ int pl_job_plan(pl_job *job) {
     job->setup_seconds = pl_seconds() - begin;
     snprintf(job->binding, sizeof job->binding, "%s", job->plan_info.binding);
     job->plan_info.binding = job->binding;
-    return 0;
+    return keep_wrapped(job);
 }
 
 int pl_job_get_free(const pl_job *job, uint8_t *is_free) {
@@ -370,6 +383,7 @@ void pl_job_close(pl_job *job) {
     if (job->engine)
         job->engine->plan_destroy(job);
     free(job->min_volume);
+    free(job->wrapped);
     free(job->is_layer);
     free(job->direction);
     free(job->constraint);

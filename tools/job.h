@@ -76,6 +76,7 @@ typedef struct pl_job {
     double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */
     planish_plan *plan;
     planish_plan_info plan_info;
+    uint8_t *wrapped;     /* [mesh.n_elements] 1: wraps around; owned, or NULL: none does */
     char binding[256];    /* its text, as the plan is gone when that is told */
     pl_traffic traffic;   /* of smoothing */
     double begin;         /* pl_seconds when the job began */

@@ -370,18 +370,6 @@ static void add_elements(document *json, cJSON *root, const char *name, const pl
             add_integer(json, list, NULL, pl_job_element_number(job, i));
 }
 
-/** The numbers of the elements that wrap around a periodic domain. */
-static void add_wrapped(document *json, cJSON *root, const pl_job *job) {
-    const int64_t n = job->plan_info.n_wrapped;
-    uint8_t *wrapped = n > 0 ? calloc((size_t)job->mesh.n_elements, 1) : NULL;
-    if (wrapped)
-        planish_find_wrapped(job->plan, wrapped, NULL);
-    else
-        json->failed |= n > 0;
-    add_elements(json, root, "wrapped", job, NULL, PLANISH_VOLUME_MET, wrapped);
-    free(wrapped);
-}
-
 /** unfixable [n_elements]: inverted elements that cannot be mended, or NULL. */
 static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl_volumes *volumes,
                         const uint8_t *unfixable) {
@@ -452,7 +440,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_fixed(&json, root, &result->after);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
     add_elements(&json, root, "reversed", job, NULL, PLANISH_VOLUME_MET, result->reversed.state);
-    add_wrapped(&json, root, job);
+    add_elements(&json, root, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);
     add_text(&json, root, "reason", result->reason);
     add_integer(&json, root, "peak_memory_bytes", pl_peak_memory_bytes());
     return finish(&json, root);
@@ -475,7 +463,7 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     add_checksum(&json, mesh, "checksum", planish_checksum(&job->mesh));
     add_volumes(&json, mesh, job, &measured->volumes, NULL);
     add_elements(&json, mesh, "reversed", job, NULL, PLANISH_VOLUME_MET, measured->reversed);
-    add_wrapped(&json, mesh, job);
+    add_elements(&json, mesh, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);
     report->failed = json.failed;
 }
 
