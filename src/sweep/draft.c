@@ -153,9 +153,13 @@ static int note_wrapped(planish_plan *plan, const pl_draft *d, planish_error *er
     plan->wrapped = pl_alloc(boundary->n_wrapped, sizeof *plan->wrapped);
     if (!plan->wrapped)
         return pl_fail_memory(error, "the elements that wrap around");
-    for (int64_t i = 0; i < plan->n_elements; i++)
-        if (boundary->flags[i] & PL_WRAPPED)
-            plan->wrapped[plan->n_wrapped++] = (int32_t)i;
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        if (!(boundary->flags[i] & PL_WRAPPED))
+            continue;
+        plan->wrapped[plan->n_wrapped++] = (int32_t)i;
+        for (int j = 0; j <= plan->dim; j++)
+            plan->is_used[d->mesh->elements[i * (plan->dim + 1) + j]] |= PL_OF_WRAPPED;
+    }
     return PLANISH_OK;
 }
 

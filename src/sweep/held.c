@@ -110,6 +110,7 @@ static uint8_t told(const planish_plan *plan, int64_t node) {
     const uint8_t use = plan->is_used[node];
     return (uint8_t)((use & PL_FIXED_BY_CALLER ? PLANISH_HELD_FIXED : 0) |
                      (use & PL_IN_PAIR ? PLANISH_HELD_PERIODIC : 0) |
+                     (use & PL_OF_WRAPPED ? PLANISH_HELD_WRAPPED : 0) |
                      (use & PL_NOT_CHOSEN ? PLANISH_HELD_NOT_CHOSEN : 0));
 }
 

@@ -26,7 +26,7 @@ typedef struct pl_visits {
 enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
 
 /** Bits of is_used: the node is used by an element, and what else than its elements holds it. */
-enum { PL_USED = 1, PL_FIXED_BY_CALLER = 2, PL_IN_PAIR = 4, PL_NOT_CHOSEN = 8 };
+enum { PL_USED = 1, PL_FIXED_BY_CALLER = 2, PL_IN_PAIR = 4, PL_NOT_CHOSEN = 8, PL_OF_WRAPPED = 16 };
 
 /** What a plan works on, and what is measured. */
 typedef enum pl_scope {
@@ -62,10 +62,10 @@ struct planish_plan {
     int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
     int32_t *wrapped;        /* [n_wrapped] elements that wrap around: their nodes are held */
     int64_t n_wrapped;
-    uint8_t *is_free;        /* [n] PL_HELD, ... */
-    uint8_t *is_used;        /* [n] 0: by no element; else PL_USED, ... */
-    int32_t *inner;          /* [n] inner number of each node */
-    int is_selective;        /* only nodes of bad elements are free, see pl_select */
+    uint8_t *is_free; /* [n] PL_HELD, ... */
+    uint8_t *is_used; /* [n] 0: by no element; else PL_USED, ... */
+    int32_t *inner;   /* [n] inner number of each node */
+    int is_selective; /* only nodes of bad elements are free, see pl_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
     int32_t *element_of; /* [m] likewise of each element */
     pl_scope scope;

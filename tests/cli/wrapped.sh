@@ -13,6 +13,7 @@ for case in "10 4 x" "4 10 y" "9 8 xy" "3 5 x"; do
     expect_json "r['before']['inverted'] == r['after']['inverted'] == len(r['unfixable'])"
     expect_json "r['after']['rms_radius_ratio'] <= r['before']['rms_radius_ratio']"
     [ "$case" = "3 5 x" ] || expect_json "r['moved_nodes'] > 0"
+    expect_json "r['mesh']['held']['wrapped'] > 0"
     expect_status 0 "$program" quality in.mesh --json report.json
     expect_json "r['wrapped'] == $(cat numbers)"
 done
