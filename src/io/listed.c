@@ -32,6 +32,7 @@ typedef struct table {
     uint64_t *around; /* [n] bit 0: elements have it; the others are 0 if these close around it */
     const io_cells *solids; /* the elements */
     int solid_corners;
+    uint8_t *place;        /* [n] where each cell is, then whether it is plain */
     atomic_int is_missing; /* elements have one that is not listed */
 } table;
 
@@ -106,6 +107,7 @@ static int make_table(table *t, int threads, planish_error *error) {
 static void release_table(table *t) {
     pl_free(t->slot);
     pl_free(t->around);
+    pl_free(t->place);
 }
 
 /* ---- what elements say of the list ---------------------------------------------------------- */
@@ -159,12 +161,15 @@ static int has_all(table *t, int threads) {
     return !atomic_load(&t->is_missing);
 }
 
-/** Where cell i is. */
-static place place_of(const table *t, int64_t i) {
+static void place_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const table *t = context;
     int32_t sorted[MOST_CORNERS];
-    sort_nodes(t->cells->nodes + i * t->corners, t->corners, sorted);
-    const uint64_t around = t->around[find_or_add(t, sorted, -1)];
-    return around == 0 ? NOWHERE : around == 1 ? INSIDE : BOUNDARY;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        sort_nodes(t->cells->nodes + i * t->corners, t->corners, sorted);
+        const uint64_t around = t->around[find_or_add(t, sorted, -1)];
+        t->place[i] = around == 0 ? NOWHERE : around == 1 ? INSIDE : BOUNDARY;
+    }
 }
 
 /* ---- which of them are plain ---------------------------------------------------------------- */
@@ -179,7 +184,7 @@ static int find_tags(const table *t, int64_t n_tags, int32_t tag[N_PLACES], plan
     if (!count)
         return pl_fail_memory(error, "the groups of facets");
     for (int64_t i = 0; i < t->cells->n; i++)
-        count[place_of(t, i) * n_tags + tag_of(t->cells, i)]++;
+        count[t->place[i] * n_tags + tag_of(t->cells, i)]++;
     for (int p = 0; p < N_PLACES; p++) {
         tag[p] = 0;
         for (int32_t k = 1; k < n_tags; k++)
@@ -234,22 +239,23 @@ static int move_behind(io_cells *cells, int corners, const uint8_t *is_plain,
     return PLANISH_OK;
 }
 
-static int take_plain(const table *t, io_cells *cells, int64_t n_tags, planish_error *error) {
+static int take_plain(table *t, io_cells *cells, int64_t n_tags, int threads,
+                      planish_error *error) {
     const int has_boundary = t->solid_corners - t->corners > 1; /* edges of tetrahedra */
     int32_t tag[N_PLACES];
+    t->place = pl_alloc(cells->n, 1);
+    if (!t->place)
+        return pl_fail_memory(error, "the facets of the file");
+    pl_parallel_for(threads, cells->n, CHUNK, place_chunk, t);
     int status = find_tags(t, n_tags, tag, error);
-    uint8_t *is_plain = status ? NULL : pl_alloc(cells->n, 1);
-    if (!status && !is_plain)
-        status = pl_fail_memory(error, "the facets of the file");
-    for (int64_t i = 0; i < cells->n && !status; i++) {
-        const place at = place_of(t, i);
-        is_plain[i] =
+    if (status)
+        return status;
+    for (int64_t i = 0; i < cells->n; i++) {
+        const int at = t->place[i];
+        t->place[i] =
             (at == INSIDE || (at == BOUNDARY && has_boundary)) && tag_of(cells, i) == tag[at];
     }
-    if (!status)
-        status = move_behind(cells, t->corners, is_plain, error);
-    pl_free(is_plain);
-    return status;
+    return move_behind(cells, t->corners, t->place, error);
 }
 
 /** The cells of dimension dim, if they are all that elements of solid_dim have. */
@@ -265,7 +271,7 @@ static int find_plain(io_model *model, int dim, int solid_dim, planish_error *er
         .cells = cells, .corners = dim + 1, .solids = solids, .solid_corners = solid_dim + 1};
     int status = make_table(&t, model->threads, error);
     if (!status && has_all(&t, model->threads))
-        status = take_plain(&t, cells, (int64_t)model->n_entities + 1, error);
+        status = take_plain(&t, cells, (int64_t)model->n_entities + 1, model->threads, error);
     release_table(&t);
     return status;
 }
