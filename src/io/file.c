@@ -111,7 +111,7 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
     if (io_is_ucd(input->data, input->size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is an AVS UCD file, which is not read; convert it to another format, "
-                       "with ParaView or meshio (meshio convert IN.inp OUT.vtu)",
+                       "with ParaView or meshio (meshio convert -i avsucd IN.inp OUT.vtu)",
                        input->path);
     file->format =
         name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);

@@ -350,6 +350,7 @@ void io_model_destroy(io_model *model) {
     pl_free(model->node_number);
     pl_free(model->span);
     pl_free(model->text_offset);
+    pl_free(model->place_node);
     pl_free(model->hold);
     pl_free(model->node_entity);
     pl_free(model->periodic);

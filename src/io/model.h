@@ -147,7 +147,7 @@ typedef struct io_model {
     io_bytes input;      /* holds the coordinates */
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
     int n_companions, n_read; /* the first of these are read, too */
-    int64_t largest_copy; /* files of more bytes are mapped (bytes.h) */
+    int64_t largest_copy;     /* files of more bytes are mapped (bytes.h) */
     int threads;
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
     planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */
@@ -164,7 +164,10 @@ typedef struct io_model {
     int64_t n_spans, span_capacity;
     int64_t *text_offset; /* [n_nodes] byte of the first coordinate of nodes of text spans; or NULL:
                              there are none */
-    uint8_t *hold;        /* [n_nodes] bits IO_HELD_... */
+    int32_t *place_node; /* [n_places] node of each place in the file; NULL: nodes are places. Spans
+                            and text_offset are of places */
+    int64_t n_places;    /* with place_node */
+    uint8_t *hold;       /* [n_nodes] bits IO_HELD_... */
     int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL */
     int32_t *periodic;    /* [n_periodic][2] pairs of periodic nodes, indices */
     int64_t n_periodic, periodic_capacity;
@@ -240,7 +243,9 @@ typedef struct io_numbers io_numbers;
 int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
                       io_numbers **table, planish_error *error);
 /** Keep the numbers that nodes and cells have been given only where they say more than the first:
- *  not if each is one more than that before. Of the nodes' a table is made where they are kept. */
+ *  not if each is one more than that before. Of the nodes' a table is made where they are kept. A
+ *  node that is given again with the same coordinates becomes one (copies.h); no array of nodes but
+ *  xyz, hold and node_number may be there yet. */
 int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error);
 void io_settle_cell_numbers(io_cells *cells);
 /** Index of number, or -1. */

@@ -1,4 +1,5 @@
 /* numbers: from the file's node numbers to indices, whatever their order and gaps. */
+#include "io/copies.h"
 #include "io/model.h"
 
 #include "base/memory.h"
@@ -93,14 +94,36 @@ static int are_consecutive(const int64_t *number, int64_t n) {
     return 1;
 }
 
-int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error) {
+static int create_node_numbers(const io_model *model, io_numbers **table, planish_error *error) {
+    return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes, table,
+                             error);
+}
+
+/** The first number if that tells all, or a table of them. */
+static int keep_first_number(io_model *model, io_numbers **table, planish_error *error) {
     if (!are_consecutive(model->node_number, model->n_nodes))
-        return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
-                                 table, error);
+        return create_node_numbers(model, table, error);
     model->first_number = model->node_number[0];
     pl_free(model->node_number);
     model->node_number = NULL;
     return PLANISH_OK;
+}
+
+/** Numbers are looked at for copies only where one occurs twice. */
+int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error) {
+    if (!are_consecutive(model->node_number, model->n_nodes)) {
+        planish_error twice = {.text = ""};
+        const int status = create_node_numbers(model, table, &twice);
+        if (status != PLANISH_ERROR_FORMAT) {
+            if (status && error)
+                *error = twice;
+            return status;
+        }
+        const int united = io_unite_copies(model, error);
+        if (united)
+            return united;
+    }
+    return keep_first_number(model, table, error);
 }
 
 void io_settle_cell_numbers(io_cells *cells) {

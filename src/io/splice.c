@@ -12,6 +12,7 @@
  */
 #include "io/bytes.h"
 #include "io/companions.h"
+#include "io/copies.h"
 #include "io/number.h"
 #include "io/output.h"
 #include "io/plane.h"
@@ -62,6 +63,12 @@ typedef struct splice {
 /** A component as the reader would read it. */
 static double as_read(const io_model *model, double value) {
     return model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
+}
+
+/** Whether a component keeps its bytes. Of a node with several places some may have -0 where others
+ *  have 0: all of these stay. */
+static int is_kept(const io_model *model, double before, double wanted) {
+    return pl_is_same(before, wanted) || (model->place_node && before == wanted);
 }
 
 static char *append(char *to, const char *from, const char *end) {
@@ -181,7 +188,7 @@ static void splice_text_node(const splice *s, int64_t node, sink *to) {
             before.length = 0;
         line_end = field.end;
         gap_add(&before, field.lead, field.n_lead, 0);
-        if (!pl_is_same(as_read(model, field.value), wanted)) {
+        if (!is_kept(model, as_read(model, field.value), wanted)) {
             copy_to(to, field.begin, field.end);
             put(to, before.text, before.length);
             before.length = 0;
@@ -224,13 +231,13 @@ static void splice_binary_node(const splice *s, int64_t node, char *bytes) {
         if (is_float) {
             float before;
             memcpy(&before, now, sizeof before);
-            if (pl_is_same(before, single))
+            if (is_kept(s->model, before, single))
                 continue;
             memcpy(now, &single, sizeof single);
         } else {
             double before;
             memcpy(&before, now, sizeof before);
-            if (pl_is_same(before, wanted))
+            if (is_kept(s->model, before, wanted))
                 continue;
             memcpy(now, &value, sizeof value);
         }
@@ -553,7 +560,7 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     const pl_outside outside = pl_call_enter(NULL);
     const int n_companions = io_companions_to_write(file, path);
     const double *places = NULL;
-    double *owned = NULL;
+    double *owned = NULL, *owned_places = NULL;
     char *main_path =
         io_output_is_stream(path) ? pl_copy_text(path) : io_main_path(file->format, path);
     io_output *output = pl_alloc(n_companions + 1, sizeof *output);
@@ -565,6 +572,9 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     if (!status)
         status = io_model_places(&file->model, coordinates, pl_thread_count(threads), &places,
                                  &owned, error);
+    if (!status)
+        status = io_copies_places(&file->model, places, pl_thread_count(threads), &places,
+                                  &owned_places, error);
     for (int i = 0; i <= n_companions && output; i++)
         output[i] = (io_output){.fd = -1};
     if (!status)
@@ -573,6 +583,7 @@ int planish_file_write(const planish_file *file, const char *path, const double 
         status =
             write_all(file, path, main_path, places, pl_thread_count(threads),
                       (io_temporaries){temporary, temporary_size}, output, n_companions, error);
+    pl_free(owned_places);
     pl_free(owned);
     pl_free(output);
     pl_free(main_path);
