@@ -16,8 +16,10 @@
 extern "C" {
 #endif
 
-/** A mesh file that has been read. The file must not change while it is open: planish_file_write
- *  refuses to write what it has become then. */
+/** A mesh file that has been read. The file should not change while it is open: planish_file_write
+ *  refuses to write what it has become then. Files of up to 64 MB, and files in HDF5, are read into
+ *  memory. Larger ones are mapped: whatever is written to such a file meanwhile, no call reads or
+ *  writes beyond its arrays, but where it becomes shorter the system sends the process SIGBUS. */
 typedef struct planish_file planish_file;
 
 /** Read the file at path. format: a name of planish_file_formats, or NULL to tell it by content,
