@@ -215,25 +215,25 @@ static int collect_states(const pl_crew *crew, int code, const uint8_t *state, u
     return collect(crew, code, &crew->share.all_elements, state, 1, whole, error);
 }
 
-static int check_volumes(const pl_crew *crew, const planish_options *options, uint8_t *whole,
-                         planish_error *error) {
+/** planish_check_volumes_until, or planish_find_unfixable_until. */
+typedef int look_until(const planish_plan *plan, const double *coordinates,
+                       const planish_options *options, uint8_t *state, int64_t *n,
+                       int64_t *n_undecided, planish_error *error);
+
+/** What look says of the elements; *n_undecided: those of all processes, some of them counted
+ *  twice. */
+static int find_states(const pl_crew *crew, look_until *look, const planish_options *options,
+                       uint8_t *whole, int64_t *n_undecided, planish_error *error) {
     const planish_options mine = pl_crew_options(crew, options);
     uint8_t *state = pl_new_array(crew->share.mesh.n_elements, 1);
     int64_t n;
-    int code =
-        state ? planish_check_volumes(crew->plan, crew->share.coordinates, &mine, state, &n, error)
-              : fail_memory(error);
+    *n_undecided = 0;
+    int code = state
+                   ? look(crew->plan, crew->share.coordinates, &mine, state, &n, n_undecided, error)
+                   : fail_memory(error);
     code = collect_states(crew, code, state, whole, error);
-    free(state);
-    return code;
-}
-
-static int find_unfixable(const pl_crew *crew, uint8_t *whole, planish_error *error) {
-    uint8_t *state = pl_new_array(crew->share.mesh.n_elements, 1);
-    int64_t n;
-    int code = state ? planish_find_unfixable(crew->plan, crew->share.coordinates, state, &n, error)
-                     : fail_memory(error);
-    code = collect_states(crew, code, state, whole, error);
+    if (!code)
+        MPI_Allreduce(MPI_IN_PLACE, n_undecided, 1, MPI_INT64_T, MPI_SUM, crew->comm);
     free(state);
     return code;
 }
@@ -417,16 +417,17 @@ static int count_states(const pl_job *job, const uint8_t *state, int64_t *n) {
 }
 
 static int lead_check_volumes(const pl_job *job, const planish_options *options, uint8_t *state,
-                              int64_t *n_below, planish_error *error) {
+                              int64_t *n_below, int64_t *n_undecided, planish_error *error) {
     pl_crew *crew = crew_of(job);
     if (crew->is_alone)
-        return pl_engine_here.check_volumes(job, options, state, n_below, error);
+        return pl_engine_here.check_volumes(job, options, state, n_below, n_undecided, error);
     uint8_t *all = state ? state : pl_new_array(job->mesh.n_elements, 1);
     if (!all)
         return fail_memory(error);
     memset(all, 0, (size_t)job->mesh.n_elements);
     tell(crew, CHECK_VOLUMES);
-    const int code = check_volumes(crew, options, all, error);
+    const int code =
+        find_states(crew, planish_check_volumes_until, options, all, n_undecided, error);
     if (!code)
         count_states(job, all, n_below);
     if (!state)
@@ -434,14 +435,15 @@ static int lead_check_volumes(const pl_job *job, const planish_options *options,
     return code;
 }
 
-static int lead_find_unfixable(const pl_job *job, uint8_t *state, int64_t *n,
-                               planish_error *error) {
+static int lead_find_unfixable(const pl_job *job, const planish_options *options, uint8_t *state,
+                               int64_t *n, int64_t *n_undecided, planish_error *error) {
     pl_crew *crew = crew_of(job);
     if (crew->is_alone)
-        return pl_engine_here.find_unfixable(job, state, n, error);
+        return pl_engine_here.find_unfixable(job, options, state, n, n_undecided, error);
     memset(state, 0, (size_t)job->mesh.n_elements);
     tell(crew, FIND_UNFIXABLE);
-    const int code = find_unfixable(crew, state, error);
+    const int code =
+        find_states(crew, planish_find_unfixable_until, options, state, n_undecided, error);
     return code ? code : count_states(job, state, n);
 }
 
@@ -522,6 +524,7 @@ int pl_crew_follow(pl_crew *crew) {
     planish_quality quality;
     planish_result result;
     pl_traffic traffic;
+    int64_t n_undecided;
     int status = PL_EXIT_FAILED;
     /* Errors are those of all processes by now, and the first one tells of them. */
     for (;;)
@@ -542,10 +545,10 @@ int pl_crew_follow(pl_crew *crew) {
             measure_elements(crew, NULL, &error);
             break;
         case CHECK_VOLUMES:
-            check_volumes(crew, NULL, NULL, &error);
+            find_states(crew, planish_check_volumes_until, NULL, NULL, &n_undecided, &error);
             break;
         case FIND_UNFIXABLE:
-            find_unfixable(crew, NULL, &error);
+            find_states(crew, planish_find_unfixable_until, NULL, NULL, &n_undecided, &error);
             break;
         case FIND_REVERSED:
             find_reversed(crew, NULL, &error);

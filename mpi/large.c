@@ -201,17 +201,19 @@ static uint8_t *make_states(work *w) {
     return pl_new_array(w->crew->share.mesh.n_elements, 1);
 }
 
-/** States of this process's elements, owned by the caller; NULL: no least volume was asked for. */
-static int check_volumes(work *w, const planish_options *o, uint8_t **state) {
+/** States of this process's elements, owned by the caller; NULL: no least volume was asked for.
+ *  *n_undecided: of this process. */
+static int check_volumes(work *w, const planish_options *o, uint8_t **state, int64_t *n_undecided) {
     const pl_share *share = &w->crew->share;
     int64_t n;
     *state = NULL;
+    *n_undecided = 0;
     if (!(o->min_volume > 0) && !(o->min_volume_fraction > 0))
         return PLANISH_OK;
     *state = make_states(w);
-    const int code =
-        *state ? planish_check_volumes(w->crew->plan, share->coordinates, o, *state, &n, &w->error)
-               : PLANISH_ERROR_MEMORY;
+    const int code = *state ? planish_check_volumes_until(w->crew->plan, share->coordinates, o,
+                                                          *state, &n, n_undecided, &w->error)
+                            : PLANISH_ERROR_MEMORY;
     return pl_crew_agree(w->crew, code, &w->error);
 }
 
@@ -219,7 +221,8 @@ static int check_volumes(work *w, const planish_options *o, uint8_t **state) {
 static int count_below(work *w, int64_t *n_below) {
     const pl_share *share = &w->crew->share;
     uint8_t *state;
-    const int code = check_volumes(w, &w->options, &state);
+    int64_t n_undecided;
+    const int code = check_volumes(w, &w->options, &state, &n_undecided);
     *n_below = 0;
     for (int64_t i = 0; !code && state && i < share->mesh.n_elements; i++)
         *n_below += share->is_counted[i] && state[i] != PLANISH_VOLUME_MET;
@@ -307,14 +310,15 @@ static int smooth(work *w) {
 /** Which elements are below their least volume in the end, as pl_volumes_find has it. */
 static int find_volumes(work *w) {
     pl_volumes *volumes = &w->result.volumes;
-    planish_options options = w->options;
+    planish_options options = pl_options_after(&w->options, &w->result.smooth);
     uint8_t *state;
     *volumes = (pl_volumes){.least = w->result.smooth.min_volume};
     if (!(options.min_volume > 0) && !(options.min_volume_fraction > 0))
         return PLANISH_OK;
     options.min_volume = volumes->least; /* the fraction was of the volume before */
     options.min_volume_fraction = 0;
-    int code = check_volumes(w, &options, &state);
+    int code = check_volumes(w, &options, &state, &volumes->n_undecided);
+    MPI_Allreduce(MPI_IN_PLACE, &volumes->n_undecided, 1, MPI_INT64_T, MPI_SUM, w->crew->comm);
     if (!code && state)
         code = gather_states(w, state, &volumes->state);
     for (int64_t i = 0; volumes->state && i < w->file.n_elements; i++) {
@@ -329,15 +333,17 @@ static int find_volumes(work *w) {
 static int find_unfixable(work *w) {
     pl_unfixable *unfixable = &w->result.unfixable;
     const pl_crew *crew = w->crew;
+    const planish_options options = pl_options_after(&w->options, &w->result.smooth);
     int64_t n;
     *unfixable = (pl_unfixable){0};
     if (w->result.after.inverted == 0)
         return PLANISH_OK;
     uint8_t *state = make_states(w);
-    int code =
-        state ? planish_find_unfixable(crew->plan, crew->share.coordinates, state, &n, &w->error)
-              : PLANISH_ERROR_MEMORY;
+    int code = state ? planish_find_unfixable_until(crew->plan, crew->share.coordinates, &options,
+                                                    state, &n, &unfixable->n_undecided, &w->error)
+                     : PLANISH_ERROR_MEMORY;
     code = pl_crew_agree(crew, code, &w->error);
+    MPI_Allreduce(MPI_IN_PLACE, &unfixable->n_undecided, 1, MPI_INT64_T, MPI_SUM, crew->comm);
     if (!code)
         code = gather_states(w, state, &unfixable->state);
     for (int64_t i = 0; unfixable->state && i < w->file.n_elements; i++)

@@ -34,12 +34,15 @@ static int measure_elements(const pl_job *job, double *ratio, planish_error *err
 }
 
 static int check_volumes(const pl_job *job, const planish_options *options, uint8_t *state,
-                         int64_t *n_below, planish_error *error) {
-    return planish_check_volumes(job->plan, job->mesh.coordinates, options, state, n_below, error);
+                         int64_t *n_below, int64_t *n_undecided, planish_error *error) {
+    return planish_check_volumes_until(job->plan, job->mesh.coordinates, options, state, n_below,
+                                       n_undecided, error);
 }
 
-static int find_unfixable(const pl_job *job, uint8_t *state, int64_t *n, planish_error *error) {
-    return planish_find_unfixable(job->plan, job->mesh.coordinates, state, n, error);
+static int find_unfixable(const pl_job *job, const planish_options *options, uint8_t *state,
+                          int64_t *n, int64_t *n_undecided, planish_error *error) {
+    return planish_find_unfixable_until(job->plan, job->mesh.coordinates, options, state, n,
+                                        n_undecided, error);
 }
 
 static int find_reversed(const pl_job *job, uint8_t *state, int64_t *n, planish_error *error) {

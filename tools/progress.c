@@ -96,7 +96,7 @@ static void show_colour(pl_progress *progress, const planish_progress *step) {
 
 static void show_lines(pl_progress *progress, const planish_progress *step) {
     show_head(progress);
-    if (!step->sweep_done && progress->show == PL_SHOW_COLOURS)
+    if (!step->sweep_done && step->colour > 0 && progress->show == PL_SHOW_COLOURS)
         show_colour(progress, step);
     if (!step->sweep_done)
         return;

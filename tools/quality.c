@@ -115,7 +115,7 @@ static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
     if (pl_job_is_told(job) && (status = pl_layers_count(job, &measured->quality)))
         return status;
     const double least = least_volume(&job->options, measured->quality.total_volume);
-    if ((status = pl_volumes_find(job, least, &measured->volumes)))
+    if ((status = pl_volumes_find(job, least, NULL, &measured->volumes)))
         return status;
     if (pl_job_is_told(job) &&
         (status = pl_reversed_find(job, measured->quality.reversed, &measured->reversed)))

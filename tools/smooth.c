@@ -192,6 +192,8 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     if (result->unfixable.n > 0)
         add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
                    result->unfixable.n);
+    if (result->unfixable.n_undecided > 0)
+        add_reason(result, "not all inverted elements were checked for that: there was no time");
     if (!job->options.untangle)
         add_reason(result, "untangling was switched off by --no-untangle");
 }
@@ -220,6 +222,8 @@ static void judge_volumes(pl_result *result) {
     if (volumes->n_infeasible > 0)
         add_reason(result, "%" PRId64 " of these cannot reach it wherever the free nodes are",
                    volumes->n_infeasible);
+    if (volumes->n_undecided > 0)
+        add_reason(result, "not all elements below it were checked for that: there was no time");
 }
 
 /** Nothing can move: why. */
@@ -375,9 +379,10 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
     pl_progress_phase(progress, PL_PHASE_CHECKING);
     if ((status = pl_job_measure(job, &result->after)))
         return status;
-    if ((status = pl_volumes_find(job, result->smooth.min_volume, &result->volumes)))
+    const planish_result *smooth = &result->smooth;
+    if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
         return status;
-    if ((status = pl_unfixable_find(job, result->after.inverted, &result->unfixable)))
+    if ((status = pl_unfixable_find(job, result->after.inverted, smooth, &result->unfixable)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;

@@ -17,14 +17,21 @@ typedef struct pl_volumes {
     double least;         /* the least volume of elements without one of their own; 0: none */
     int64_t n_below;      /* elements below 0.997 of theirs */
     int64_t n_infeasible; /* those of them that cannot reach it */
+    int64_t n_undecided;  /* others that were not decided, as there was no time */
     uint8_t *state;       /* [mesh.n_elements] of planish_volume_state, owned, or NULL: all met */
 } pl_volumes;
 
 /** Count the elements below in the mesh as it is now. */
 int pl_volumes_count(const pl_job *job, int64_t *n_below);
 
-/** Find them, and those that cannot be helped; least: as in pl_volumes. */
-int pl_volumes_find(const pl_job *job, double least, pl_volumes *volumes);
+/** Options with the time that searches after smooth may take: what is left of the time limit, and
+ *  next to none after a limit or signal. */
+planish_options pl_options_after(const planish_options *options, const planish_result *smooth);
+
+/** Find them, and those that cannot be helped; least: as in pl_volumes; smooth: what it has come to
+ *  before, or NULL. */
+int pl_volumes_find(const pl_job *job, double least, const planish_result *smooth,
+                    pl_volumes *volumes);
 
 void pl_volumes_free(pl_volumes *volumes);
 
@@ -34,11 +41,14 @@ void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes
 /** The inverted elements that cannot be made valid by moving the free nodes. */
 typedef struct pl_unfixable {
     int64_t n;
-    uint8_t *state; /* [mesh.n_elements] 1 for them, else 0; owned, or NULL: there are none */
+    int64_t n_undecided; /* others that were not decided, as there was no time */
+    uint8_t *state;      /* [mesh.n_elements] 1 for them, else 0; owned, or NULL: there are none */
 } pl_unfixable;
 
-/** Find them in the mesh as it is now, of whose elements n_inverted are inverted. */
-int pl_unfixable_find(const pl_job *job, int64_t n_inverted, pl_unfixable *unfixable);
+/** Find them in the mesh as it is now, of whose elements n_inverted are inverted; smooth: as above.
+ */
+int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_result *smooth,
+                      pl_unfixable *unfixable);
 
 void pl_unfixable_free(pl_unfixable *unfixable);
 

@@ -352,7 +352,7 @@ typedef enum planish_isa {
 typedef struct planish_progress {
     int sweep;      /* sweeps begun so far, from 1 */
     int colour;     /* colours done in this sweep, 1 .. n_colours; where untangling moves many nodes
-                       together it stays n_colours for many calls */
+                       together it stays n_colours for many calls; 0: between two sweeps */
     int n_colours;  /* colours of the plan */
     int sweep_done; /* not 0: the last call of this sweep, which may have been cut short */
     double rms;     /* RMS of AR (RR by default) over the valid elements after the last sweep:
@@ -374,7 +374,8 @@ typedef struct planish_progress {
     int64_t reserved[3];
 } planish_progress;
 
-/** Called on the calling thread after every colour and once more at the end of every sweep; a
+/** Called on the calling thread after every colour and once more at the end of every sweep. While
+ * planish_smooth looks long for proofs between two sweeps, it calls this too, 20 times a second. A
  * result other than 0 ends the smoothing there: the mesh that planish_smooth returns is then no
  * worse than before, and valid if it was. A sweep that is cut short (by this or the time limit)
  * still gets its last call, whose result does not matter. The caller's coordinates change only when
@@ -774,6 +775,24 @@ PLANISH_API int planish_check_volumes(const planish_plan *plan, const double *co
  * hard, or that a plan with options.around does not know. Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *coordinates,
                                        uint8_t *unfixable, int64_t *n, planish_error *error);
+
+/** Do the work of planish_check_volumes and of planish_find_unfixable until a limit ends the search
+ * for proofs, which takes long around nodes with thousands of elements. options (NULL: none of
+ * these) has the limits: time_limit in seconds of this call, and progress, which is called 20 times
+ * a second with a planish_progress that has nothing but elapsed; a result other than 0 ends the
+ * search. The search is never shorter than 0.05 seconds. *n_undecided is the number of elements
+ * below their least volume (inverted elements) about which the search would have said more: their
+ * state stays _BELOW (0), and all that is said of the others holds. Of a mesh in parts all
+ * processes end the search, if one does. Arguments and errors besides: those of
+ * planish_check_volumes and of planish_find_unfixable; n_undecided must not be NULL. */
+PLANISH_API int planish_check_volumes_until(const planish_plan *plan, const double *coordinates,
+                                            const planish_options *options, uint8_t *state,
+                                            int64_t *n_below, int64_t *n_undecided,
+                                            planish_error *error);
+PLANISH_API int planish_find_unfixable_until(const planish_plan *plan, const double *coordinates,
+                                             const planish_options *options, uint8_t *unfixable,
+                                             int64_t *n, int64_t *n_undecided,
+                                             planish_error *error);
 
 #ifdef __cplusplus
 }

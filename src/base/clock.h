@@ -2,7 +2,23 @@
 #ifndef PL_BASE_CLOCK_H
 #define PL_BASE_CLOCK_H
 
+#include <stddef.h>
+
 /** Seconds since some fixed moment, monotonic. */
 double pl_seconds(void);
+
+/** Ask of long work, now and then, whether it is to end. One thread uses it. */
+typedef struct pl_limit {
+    int (*ask)(void *context); /* not 0: end; it is not asked again */
+    void *context;
+    double next; /* clock: not asked before */
+    int answer;  /* the last one */
+} pl_limit;
+
+/** A limit that is asked when a while has passed: short work never asks. */
+pl_limit pl_limit_of(int (*ask)(void *context), void *context);
+
+/** Not 0, the answer, if the work is to end. limit may be NULL: it goes on. */
+int pl_limit_is_reached(pl_limit *limit);
 
 #endif

@@ -6,6 +6,10 @@
  * them (docs/algorithm.md). With free nodes in the link there is no such proof: they could move.
  * Of the elements of a proof one is given up, and the search goes on without it until the others
  * have a common place.
+ *
+ * A look at all elements for each one that is given up would take long around a node of thousands.
+ * Such a star is searched in shares of few elements first, then in shares of twice as many, and so
+ * on: what contradicts itself in a share does so in the star, and most is found in small ones.
  */
 #define PL_PACK 1
 #include "star/feasible.h"
@@ -15,6 +19,9 @@
 /* What an element without a least volume needs, by the mean measure of the star's elements; or,
  * with a small link facet or if all are flat, by that times the star's size. */
 #define PART_LEAST 1e-9
+
+/* Stars of more link facets are searched in shares of at most so many at first. */
+enum { MANY_FACETS = 1024, FACETS_OF_SHARE = 128 };
 
 /** What is known of a link facet while the search goes on. */
 enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
@@ -54,18 +61,18 @@ static int is_wanted(uint8_t state) {
     return state == CANDIDATE || state == MEMBER;
 }
 
-/** Rows of the facets that are still in question, in their order. */
-static active rows_in_question(const local *here, const double *x, const uint8_t *state, int dim) {
-    const star *s = &here->s;
-    active all = homogeneous(here, x, -VIOLATED_ABOVE, 0, dim); /* to be met, as it is counted */
-    active kept = {all.rows, 0, NULL};
-    for (int64_t i = 0, row = 0; i < s->n_facets; i++) {
-        int exists = *entry(s, FLOOR, i) > 0 && *entry(s, LENGTH, i) > 0;
-        if (exists && is_wanted(state[i]))
-            memmove(kept.rows[kept.m++], all.rows[row], sizeof all.rows[row]);
-        row += exists;
-    }
-    return kept;
+/** A share of the link facets: first, first + step, first + 2 step, ... */
+typedef struct share {
+    int64_t first, step;
+} share;
+
+/** Rows of the facets of the share that are still in question, in their order. */
+static active rows_in_question(const local *here, const uint8_t *state, share part, const int dim) {
+    active a = active_none(here);
+    for (int64_t i = part.first; i < here->s.n_facets; i += part.step)
+        if (is_wanted(state[i])) /* its least volume is to be met, as it is counted */
+            add_homogeneous_row(here, i, -VIOLATED_ABOVE, 0, &a, dim);
+    return a;
 }
 
 /** Whether the weights are a proof: their sum of the gradients must be as good as 0. */
@@ -91,9 +98,9 @@ static void middle_of_ring(const local *here, double *x, const int dim) {
 }
 
 /** Mark the members of the proof, and give up the one that is lowest at its place. */
-static void mark_members(const cone_point *point, const star *s, uint8_t *state) {
+static void mark_members(const cone_point *point, const star *s, share part, uint8_t *state) {
     int64_t lowest = -1;
-    for (int64_t i = 0, row = 0; i < s->n_facets; i++) {
+    for (int64_t i = part.first, row = 0; i < s->n_facets; i += part.step) {
         if (!is_wanted(state[i]))
             continue;
         for (int j = 0; j < point->n_active; j++)
@@ -117,14 +124,41 @@ static void find_heights(const local *here, const double *x, const int dim) {
     }
 }
 
-static int infeasible(const pl_star_problem *problem, int64_t star_index, const uint8_t *is_fixed,
-                      double *scratch, uint8_t *part, const int dim) {
+/** Give up elements of a share until the others have a common place; returns how many. */
+static int64_t search_share(const local *here, share of, uint8_t *state, pl_limit *limit,
+                            const int dim) {
+    double displacement[3];
+    cone_point point;
+    int64_t n_given_up = 0;
+    for (; !pl_limit_is_reached(limit); n_given_up++) {
+        active a = rows_in_question(here, state, of, dim);
+        if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim) ||
+            !proves(&a, &point, dim))
+            break;
+        mark_members(&point, &here->s, of, state);
+    }
+    return n_given_up;
+}
+
+/** The same of the star: of all at once, or from small shares to large ones. */
+static int64_t search_star(const local *here, uint8_t *state, pl_limit *limit, const int dim) {
+    const int64_t n = here->s.n_facets;
+    int64_t step = 1, n_given_up = 0;
+    while (n > MANY_FACETS && n > step * FACETS_OF_SHARE)
+        step *= 2;
+    for (; step > 0; step /= 2)
+        for (int64_t first = 0; first < step; first++)
+            n_given_up += search_share(here, (share){first, step}, state, limit, dim);
+    return n_given_up;
+}
+
+static int64_t infeasible(const pl_star_problem *problem, int64_t star_index,
+                          const uint8_t *is_fixed, double *scratch, uint8_t *part, pl_limit *limit,
+                          const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[star_index] * dim;
     int64_t evaluations = 0;
-    double at[3], x[3], displacement[3];
+    double at[3], x[3];
     derivatives derivative;
-    cone_point point;
-    int n_given_up = 0;
     local here = local_of(problem, star_index, place, NULL, scratch, &evaluations, 1, dim);
     to_star(&here, place, at, dim);
     middle_of_ring(&here, x, dim);
@@ -133,13 +167,7 @@ static int infeasible(const pl_star_problem *problem, int64_t star_index, const 
     guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
     find_heights(&here, at, dim);
     find_candidates(&here, is_fixed, part, dim);
-    for (;; n_given_up++) {
-        active a = rows_in_question(&here, x, part, dim);
-        if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim) ||
-            !proves(&a, &point, dim))
-            break;
-        mark_members(&point, &here.s, part);
-    }
+    const int64_t n_given_up = search_star(&here, part, limit, dim);
     for (int64_t i = 0; i < here.s.n_facets; i++)
         part[i] = part[i] == MEMBER     ? PL_PART_OF_PROOF
                   : part[i] == GIVEN_UP ? PL_PART_GIVEN_UP
@@ -147,8 +175,9 @@ static int infeasible(const pl_star_problem *problem, int64_t star_index, const 
     return n_given_up;
 }
 
-int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
-                       const uint8_t *is_fixed, double *scratch, uint8_t *part) {
-    return dim == 3 ? infeasible(problem, star_index, is_fixed, scratch, part, 3)
-                    : infeasible(problem, star_index, is_fixed, scratch, part, 2);
+int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
+                           const uint8_t *is_fixed, double *scratch, uint8_t *part,
+                           pl_limit *limit) {
+    return dim == 3 ? infeasible(problem, star_index, is_fixed, scratch, part, limit, 3)
+                    : infeasible(problem, star_index, is_fixed, scratch, part, limit, 2);
 }

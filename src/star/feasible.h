@@ -379,19 +379,25 @@ static inline int push_off(const local *here, const double *x, const objective *
     return 0;
 }
 
+/** Add the row of facet i to those of homogeneous, if it has one; 0 if not. */
+static inline int add_homogeneous_row(const local *here, int64_t i, double margin, double size,
+                                      active *a, const int dim) {
+    const star *s = &here->s;
+    double *row = *entry(s, FLOOR, i) > 0 ? add_facet_row(s, i, a, dim) : NULL;
+    if (row)
+        row[dim] =
+            (wanted_measure(here, i, margin, size) - present_measure(s, i)) / *entry(s, LENGTH, i);
+    return row != NULL;
+}
+
 /** Rows of {(d, t): n . d + (D - floor) t >= 0}, all of unit gradient: a feasible displacement d at
  *  t = 1, if there is any. Floors are taken margin higher, and of
  *  violated elements as high as is sound (size 0: no higher). */
 static inline active homogeneous(const local *here, const double *x, double margin, double size,
                                  const int dim) {
-    const star *s = &here->s;
     active a = active_none(here);
-    for (int64_t i = 0; i < s->n_facets; i++) {
-        double *row = *entry(s, FLOOR, i) > 0 ? add_facet_row(s, i, &a, dim) : NULL;
-        if (row)
-            row[dim] = (wanted_measure(here, i, margin, size) - present_measure(s, i)) /
-                       *entry(s, LENGTH, i);
-    }
+    for (int64_t i = 0; i < here->s.n_facets; i++)
+        add_homogeneous_row(here, i, margin, size, &a, dim);
     for (int d = 0; here->b.any && d < dim; d++) {
         double unit[3] = {0, 0, 0};
         unit[d] = -1;

@@ -11,6 +11,7 @@
 #ifndef PL_STAR_H
 #define PL_STAR_H
 
+#include "base/clock.h"
 #include "base/link.h"
 #include "base/round.h"
 #include "base/sum.h"
@@ -166,9 +167,11 @@ typedef enum pl_star_part {
 /** How many elements of the star's fixed link facets are given up, one of each contradiction found,
  * so that the others can have their least volume (or be positive, without one) for some place of
  * the node; 0 if there is no proof that any must be (feasibility.c). is_fixed [n_nodes] by inner
- * numbers; part [link facets of the star] is set to pl_star_part. scratch as for visits. */
-int pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
-                       const uint8_t *is_fixed, double *scratch, uint8_t *part);
+ * numbers; part [link facets of the star] is set to pl_star_part. scratch as for visits.
+ * limit (may be NULL): if it is reached, the search ends there; what it has found is proved. */
+int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, int dim,
+                           const uint8_t *is_fixed, double *scratch, uint8_t *part,
+                           pl_limit *limit);
 
 /** Raise the multipliers of the elements of stars begin .. end-1 to max(0, lambda + rho g), and
  * count the stars as changed where they change, or (if wake) where a least volume is in force

@@ -210,6 +210,14 @@ int pl_run_after_colour(void *run, int colours_done, int64_t visits) {
     return 0;
 }
 
+static int ask_between_sweeps(void *run) {
+    return pl_run_after_colour(run, 0, 0);
+}
+
+pl_limit pl_run_limit(pl_run *r) {
+    return pl_limit_of(ask_between_sweeps, r);
+}
+
 int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits) {
     double answer = pl_run_after_colour(r, colours_done, visits);
     pl_parts_largest(&answer, 1);

@@ -87,6 +87,9 @@ void pl_run_begin_sweep(pl_run *r);
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
 int pl_run_after_colour(void *run, int colours_done, int64_t visits);
 
+/** A limit that asks pl_run_after_colour (colour 0), for long work between sweeps. */
+pl_limit pl_run_limit(pl_run *r);
+
 /** pl_run_after_colour, and what the other processes were told: the largest answer. */
 int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits);
 

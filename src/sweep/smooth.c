@@ -124,16 +124,17 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
         r->stop = PLANISH_STOP_INFEASIBLE;
     if (r->stop != PLANISH_STOP_CONVERGED || pl_run_below(r) == 0)
         return PLANISH_OK;
-    int64_t n_infeasible = 0;
+    pl_infeasible found = {0, 0};
+    pl_limit limit = pl_run_limit(r);
     const pl_objective_problem problem = pl_run_objective_problem(r);
     uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
     int status = state ? PLANISH_OK : pl_fail_memory(error, "the states of the elements");
     if (state) {
         pl_find_below(&problem, state);
-        status = pl_mark_infeasible(plan, &r->problem, state, &n_infeasible, NULL, error);
+        status = pl_mark_infeasible(plan, &r->problem, state, &limit, &found, NULL, error);
     }
     pl_free(state);
-    if (pl_parts_any(n_infeasible > 0))
+    if (pl_parts_any(found.n > 0))
         r->stop = PLANISH_STOP_INFEASIBLE;
     return status;
 }

@@ -61,13 +61,20 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
 
 /* ---- volumes.c ---------------------------------------------------------------------------- */
 
+/** What a search for proofs has come to. */
+typedef struct pl_infeasible {
+    int64_t n;           /* elements _INFEASIBLE */
+    int64_t n_undecided; /* elements _BELOW of stars that the limit has kept from being searched */
+} pl_infeasible;
+
 /** Turn _BELOW into _INFEASIBLE in state [m] where the element cannot reach its least volume: it
  * has no free node, or it is part of a proof (pl_star_infeasible) at its only one. The coordinates,
  * and the guard, are the problem's. If part is not NULL only elements that have no free node or are
  * given up are marked, the latter whatever their state was, and *part becomes [link facets of all
- * stars] of pl_star_part, to be released by pl_free. Errors: _MEMORY. */
+ * stars] of pl_star_part, to be released by pl_free. limit (may be
+ * NULL) ends the search; its answer is then the largest of the processes. Errors: _MEMORY. */
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
-                       int64_t *n_infeasible, uint8_t **part, planish_error *error);
+                       pl_limit *limit, pl_infeasible *found, uint8_t **part, planish_error *error);
 
 /* ---- optimality.c ------------------------------------------------------------------------- */
 

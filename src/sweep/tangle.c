@@ -41,10 +41,12 @@ void pl_tangle_find(pl_tangle *t) {
  * and as many of those that contradict each other as must be. */
 static int find_hopeless(pl_tangle *t, planish_error *error) {
     const planish_plan *plan = t->run->plan;
-    int64_t n = 0;
+    pl_infeasible found = {0, 0};
+    pl_limit limit = pl_run_limit(t->run);
     uint8_t *part = NULL;
-    int status = pl_mark_infeasible(plan, &t->problem, t->state, &n, &part, error);
-    if (status || !pl_parts_any(n > 0)) {
+    int status = pl_mark_infeasible(plan, &t->problem, t->state, &limit, &found, &part, error);
+    t->stopped = limit.answer;
+    if (status || t->stopped || !pl_parts_any(found.n > 0)) {
         pl_free(part);
         return status;
     }
@@ -423,7 +425,7 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
         return pl_fail_memory(error, "the tangled elements");
     pl_tangle_find(t);
     int status = t->n_tangled > 0 ? find_hopeless(t, error) : PLANISH_OK;
-    if (status || t->n_tangled == 0)
+    if (status || t->n_tangled == 0 || t->stopped)
         return status;
     t->in_patch = pl_alloc_zero(plan->n_nodes, sizeof *t->in_patch);
     t->size = pl_alloc_zero(plan->n_nodes, sizeof *t->size);

@@ -35,6 +35,7 @@ typedef struct pl_tangle {
     double scale;              /* a power of two: times it the domain is about 1 wide */
     pl_star_energy *of_thread; /* [threads] of the stars that each has looked at */
     int64_t n_tangled;         /* elements whose state is PL_TANGLED */
+    int stopped;               /* a planish_stop: the run is to end before anything is done */
     int64_t n_patch;           /* nodes of the patch */
     pl_star_energy energy;     /* of the patch, as computed last */
 } pl_tangle;

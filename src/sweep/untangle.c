@@ -263,7 +263,9 @@ static int untangle(pl_run *r, int floors, const measures *ladder, int n, planis
     int status = pl_tangle_create(r, floors, &t, error);
     r->restoring = 1;
     r->stop = PLANISH_STOP_CONVERGED;
-    if (!status && t.n_tangled > 0)
+    if (t.stopped)
+        r->stop = (planish_stop)t.stopped;
+    else if (!status && t.n_tangled > 0)
         climb_all(&t, floors, ladder, n);
     r->restoring = 0;
     pl_tangle_destroy(&t);

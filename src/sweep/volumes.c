@@ -2,6 +2,7 @@
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
+#include "base/clock.h"
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parts.h"
@@ -99,12 +100,20 @@ static void look_at_elements(search *s) {
     }
 }
 
-static void look_for_proofs(search *s) {
+/** The stars one after another; a limit that one process has reached is reached in all. */
+static void look_for_proofs(search *s, pl_limit *limit) {
     const planish_plan *plan = s->plan;
-    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++)
-        if (s->is_wanted[i])
+    for (int64_t i = 0; i < plan->interior.stars.n_stars && !pl_limit_is_reached(limit); i++)
+        if (s->is_wanted[i]) {
             pl_star_infeasible(&s->problem, i, plan->dim, s->is_fixed, s->scratch,
-                               s->part + plan->interior.stars.link_offset[i]);
+                               s->part + plan->interior.stars.link_offset[i], limit);
+            s->is_wanted[i] = pl_limit_is_reached(limit) != 0; /* and else it is decided */
+        }
+    if (!limit)
+        return;
+    double answer = limit->answer;
+    pl_parts_largest(&answer, 1);
+    limit->answer = (int)answer;
 }
 
 /** Tell the elements: the facets of a star are in the order of its elements. If given_up only those
@@ -130,16 +139,29 @@ static int64_t mark_elements(search *s, int given_up) {
     return n_infeasible;
 }
 
+/** The elements of which the stars that were not searched to the end could tell more. */
+static int64_t count_undecided(const search *s) {
+    const planish_plan *plan = s->plan;
+    int64_t n = 0;
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        const int64_t node = s->state[i] == PLANISH_VOLUME_BELOW ? only_free_node(plan, i) : -1;
+        n += node >= 0 && star_of_node(s, node) >= 0 && s->is_wanted[star_of_node(s, node)];
+    }
+    return n;
+}
+
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
-                       int64_t *n_infeasible, uint8_t **part, planish_error *error) {
+                       pl_limit *limit, pl_infeasible *found, uint8_t **part,
+                       planish_error *error) {
     search s;
     int status = PLANISH_OK;
     if (search_create(plan, problem, state, &s)) {
         note_fixed(&s);
         pl_plan_number_stars(plan, s.star_of);
         look_at_elements(&s);
-        look_for_proofs(&s);
-        *n_infeasible = mark_elements(&s, part != NULL);
+        look_for_proofs(&s, limit);
+        found->n = mark_elements(&s, part != NULL);
+        found->n_undecided = limit && limit->answer ? count_undecided(&s) : 0;
         if (part) {
             *part = s.part;
             s.part = NULL;
@@ -195,26 +217,27 @@ static int room_create(const planish_plan *plan, const double *coordinates, room
 }
 
 /** Turn _BELOW into _INFEASIBLE where that is so: in the plan's part by pl_mark_infeasible, and
- *  outside of it, where no node is free. *n counts them. */
-static int mark_states(room *r, const pl_star_guard *guard, int64_t *n, planish_error *error) {
+ *  outside of it, where no node is free. */
+static int mark_states(room *r, const pl_star_guard *guard, pl_limit *limit, pl_infeasible *found,
+                       planish_error *error) {
     const planish_plan *plan = r->plan;
     pl_star_problem problem = pl_plan_problem(plan);
     problem.coordinates = r->ordered;
     problem.guard = guard;
     pl_plan_order(plan, pl_plan_dense(plan, &r->points, r->own), r->ordered);
     if (r->of_part == r->state)
-        return pl_mark_infeasible(plan, &problem, r->state, n, NULL, error);
+        return pl_mark_infeasible(plan, &problem, r->state, limit, found, NULL, error);
     for (int64_t i = 0; i < plan->n_elements; i++)
         r->of_part[i] = r->state[plan->element_of[i]];
-    const int status = pl_mark_infeasible(plan, &problem, r->of_part, n, NULL, error);
-    *n = 0;
+    const int status = pl_mark_infeasible(plan, &problem, r->of_part, limit, found, NULL, error);
+    found->n = 0;
     for (int64_t i = 0; i < r->n_of_all; i++)
         if (r->state[i] == PLANISH_VOLUME_BELOW)
             r->state[i] = PLANISH_VOLUME_INFEASIBLE;
     for (int64_t i = 0; i < plan->n_elements; i++)
         r->state[plan->element_of[i]] = r->of_part[i];
     for (int64_t i = 0; i < r->n_of_all; i++)
-        *n += r->state[i] == PLANISH_VOLUME_INFEASIBLE;
+        found->n += r->state[i] == PLANISH_VOLUME_INFEASIBLE;
     return status;
 }
 
@@ -229,58 +252,51 @@ static void hand_out(const room *r, int only_infeasible, uint8_t *out) {
             only_infeasible ? r->state[i] == PLANISH_VOLUME_INFEASIBLE : r->state[i];
 }
 
-static int check_volumes(room *r, const planish_options *options, int64_t *n_below,
+/** A call that the caller's options end. */
+typedef struct patience {
+    const planish_options *options;
+    double start; /* clock */
+} patience;
+
+/** What the caller says, or the time limit. */
+static int ask_caller(void *context) {
+    const patience *p = context;
+    const planish_progress progress = {.elapsed = pl_seconds() - p->start};
+    if (p->options->time_limit > 0 && progress.elapsed >= p->options->time_limit)
+        return PLANISH_STOP_TIME_LIMIT;
+    if (!p->options->progress)
+        return 0;
+    pl_context *before = pl_context_enter(NULL);
+    const int stops = p->options->progress(&progress, p->options->progress_user);
+    pl_context_enter(before);
+    return stops ? PLANISH_STOP_INTERRUPTED : 0;
+}
+
+/** What is asked for. */
+typedef struct wanted {
+    const planish_options *options; /* least volumes; NULL: elements are to be positive */
+    pl_limit *limit;                /* or NULL */
+    int is_asked;                   /* which elements: there are proofs to look for */
+} wanted;
+
+static int check_volumes(room *r, const wanted *w, int64_t *n_below, pl_infeasible *found,
                          planish_error *error) {
     const planish_plan *plan = r->plan;
     const double *all = pl_plan_dense(plan, &r->all_points, r->all);
-    const double delta = pl_least_volume(plan, options, all);
-    int64_t n_infeasible;
-    int status = pl_check_delta(options, delta, error);
+    const double delta = pl_least_volume(plan, w->options, all);
+    int status = pl_check_delta(w->options, delta, error);
     if (status)
         return status;
-    const pl_objective_problem volumes = pl_objective_problem_of(plan, options, all, delta);
+    const pl_objective_problem volumes = pl_objective_problem_of(plan, w->options, all, delta);
     *n_below = pl_find_below(&volumes, r->state);
-    if (*n_below == 0)
+    if ((*n_below == 0 || !w->is_asked) && !w->limit)
         return PLANISH_OK;
     const pl_star_guard guard = {
         .min_volume = delta, .ratio_weight = 1, .link_min_volume = plan->interior.stars.min_volume};
-    return mark_states(r, &guard, &n_infeasible, error);
+    return mark_states(r, &guard, w->limit, found, error);
 }
 
-int planish_check_volumes(const planish_plan *plan, const double *coordinates,
-                          const planish_options *options, uint8_t *state, int64_t *n_below,
-                          planish_error *error) {
-    planish_options defaults;
-    int64_t n = 0;
-    room r;
-    if (!plan || !coordinates || !n_below)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "plan, coordinates and n_below must not be NULL");
-    if (!options) {
-        planish_options_init(&defaults);
-        options = &defaults;
-    }
-    const pl_outside outside = pl_call_enter(plan->context);
-    int status = pl_call_check(plan, coordinates, options, error);
-    if (!status)
-        status = room_create(plan, coordinates, &r, error);
-    if (!status) {
-        status = check_volumes(&r, options, &n, error);
-        if (!status)
-            status = pl_parts_check(error);
-        if (!status)
-            hand_out(&r, 0, state);
-        room_destroy(&r);
-    }
-    pl_call_leave(&outside);
-    if (!status)
-        *n_below = n;
-    return status;
-}
-
-/* ---- elements that cannot be positive ------------------------------------------------------- */
-
-static int find_unfixable(room *r, int64_t *n, planish_error *error) {
+static int find_unfixable(room *r, const wanted *w, pl_infeasible *found, planish_error *error) {
     const planish_plan *plan = r->plan;
     planish_options defaults;
     planish_options_init(&defaults);
@@ -288,29 +304,102 @@ static int find_unfixable(room *r, int64_t *n, planish_error *error) {
         pl_objective_problem_of(plan, &defaults, pl_plan_dense(plan, &r->all_points, r->all), 0);
     const pl_star_guard guard = {.ratio_weight = 1};
     positive.own_min_volume = NULL;
-    return pl_find_inverted(&positive, r->state) == 0 ? PLANISH_OK
-                                                      : mark_states(r, &guard, n, error);
+    return pl_find_inverted(&positive, r->state) == 0 && !w->limit
+               ? PLANISH_OK
+               : mark_states(r, &guard, w->limit, found, error);
+}
+
+/** state and counts as the caller of either function wants them. */
+typedef struct answers {
+    uint8_t *state;
+    int64_t n, n_undecided;
+} answers;
+
+static int look(const planish_plan *plan, const double *coordinates, const wanted *w, answers *out,
+                planish_error *error) {
+    pl_infeasible found = {0, 0};
+    room r;
+    int status = room_create(plan, coordinates, &r, error);
+    if (status)
+        return status;
+    status = w->options ? check_volumes(&r, w, &out->n, &found, error)
+                        : find_unfixable(&r, w, &found, error);
+    if (!status)
+        status = pl_parts_check(error);
+    if (!status)
+        hand_out(&r, !w->options, out->state);
+    if (!w->options)
+        out->n = found.n;
+    out->n_undecided = found.n_undecided;
+    room_destroy(&r);
+    return status;
+}
+
+/** Least volumes with is_volumes, else positive elements; has_limit: until options say so. */
+static int find(const planish_plan *plan, const double *coordinates, const planish_options *options,
+                int is_volumes, int has_limit, answers *out, planish_error *error) {
+    planish_options defaults;
+    if (!plan || !coordinates)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and coordinates must not be NULL");
+    planish_options_init(&defaults);
+    patience p = {options ? options : &defaults, pl_seconds()};
+    pl_limit limit = pl_limit_of(ask_caller, &p);
+    const wanted w = {is_volumes ? p.options : NULL, has_limit ? &limit : NULL, out->state != NULL};
+    const pl_outside outside = pl_call_enter(plan->context);
+    int status = pl_call_check(plan, coordinates, p.options, error);
+    if (!status)
+        status = look(plan, coordinates, &w, out, error);
+    pl_call_leave(&outside);
+    return status;
+}
+
+int planish_check_volumes(const planish_plan *plan, const double *coordinates,
+                          const planish_options *options, uint8_t *state, int64_t *n_below,
+                          planish_error *error) {
+    answers out = {.state = state};
+    if (!n_below)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_below must not be NULL");
+    const int status = find(plan, coordinates, options, 1, 0, &out, error);
+    if (!status)
+        *n_below = out.n;
+    return status;
 }
 
 int planish_find_unfixable(const planish_plan *plan, const double *coordinates, uint8_t *unfixable,
                            int64_t *n, planish_error *error) {
-    int64_t found = 0;
-    room r;
-    if (!plan || !coordinates || !n)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan, coordinates and n must not be NULL");
-    const pl_outside outside = pl_call_enter(plan->context);
-    const pl_points points = pl_plan_all_points(plan, coordinates);
-    int status = pl_points_check(&points, plan->threads, error);
+    answers out = {.state = unfixable};
+    if (!n)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n must not be NULL");
+    const int status = find(plan, coordinates, NULL, 0, 0, &out, error);
     if (!status)
-        status = room_create(plan, coordinates, &r, error);
+        *n = out.n;
+    return status;
+}
+
+int planish_check_volumes_until(const planish_plan *plan, const double *coordinates,
+                                const planish_options *options, uint8_t *state, int64_t *n_below,
+                                int64_t *n_undecided, planish_error *error) {
+    answers out = {.state = state};
+    if (!n_below || !n_undecided)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n_below and n_undecided must not be NULL");
+    const int status = find(plan, coordinates, options, 1, 1, &out, error);
     if (!status) {
-        status = find_unfixable(&r, &found, error);
-        if (!status)
-            hand_out(&r, 1, unfixable);
-        room_destroy(&r);
+        *n_below = out.n;
+        *n_undecided = out.n_undecided;
     }
-    pl_call_leave(&outside);
-    if (!status)
-        *n = found;
+    return status;
+}
+
+int planish_find_unfixable_until(const planish_plan *plan, const double *coordinates,
+                                 const planish_options *options, uint8_t *unfixable, int64_t *n,
+                                 int64_t *n_undecided, planish_error *error) {
+    answers out = {.state = unfixable};
+    if (!n || !n_undecided)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "n and n_undecided must not be NULL");
+    const int status = find(plan, coordinates, options, 0, 1, &out, error);
+    if (!status) {
+        *n = out.n;
+        *n_undecided = out.n_undecided;
+    }
     return status;
 }

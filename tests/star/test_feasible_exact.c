@@ -367,7 +367,7 @@ static void what_is_given_up_is_proved(void **state) {
     for (int64_t i = 0; i < n; i++) {
         make_star(&k, dim, &random);
         const int n_given_up =
-            pl_star_infeasible(&k.s.problem, 0, dim, k.is_fixed, k.s.scratch, k.part);
+            (int)pl_star_infeasible(&k.s.problem, 0, dim, k.is_fixed, k.s.scratch, k.part, NULL);
         judge(&k, n_given_up, &s, &v);
         hand_star_destroy(&k.s);
     }

@@ -565,7 +565,8 @@ static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
     polytope(g, of_fixed, 0, 1 - PLANISH_VOLUME_TOLERANCE, 1, &h);
     int feasible = halfspaces_meet(&h, CLEAR, NULL);
     int infeasible = !halfspaces_meet(&h, -CLEAR, NULL);
-    int given_up = pl_star_infeasible(&g->s.problem, 0, dim, is_fixed, g->s.scratch, part);
+    int given_up =
+        (int)pl_star_infeasible(&g->s.problem, 0, dim, is_fixed, g->s.scratch, part, NULL);
     int proof = given_up > 0;
     assert_true(!(proof && feasible) && !(!proof && infeasible));
     int n = 0;
