@@ -143,6 +143,8 @@ for threads in 1 2 5; do
 done
 python3 -c "$on_interface" box.vtk out1.vtk "held == 0" || fail "the interface moves"
 grep -q "Regions are told by the array <code>mat_id</code>" page.html || fail "the page names no array"
+expect_status 0 "$program" smooth box.vtk -o slid.vtk -q --slide auto
+python3 -c "$on_interface" box.vtk slid.vtk "held >= 25 and off < 1e-9" || fail "the interface is not slid on"
 expect_status 0 "$program" smooth box.vtk -o free.vtk -q --regions none
 python3 -c "$on_interface" box.vtk free.vtk "held == 25" || fail "the interface stays"
 expect_status 0 "$program" smooth box.vtk -o out.vtu -q

@@ -52,6 +52,16 @@ static inline void fuzz_check_region(const planish_file *file, uint8_t *constrai
                      "the tag is one");
 }
 
+/** Each array that may tell regions can be chosen, in its turn the last of them. */
+static inline void fuzz_choose_regions(planish_file *file) {
+    const char *const *names = planish_file_cell_arrays(file);
+    int n = 0;
+    while (names[n])
+        n++;
+    fuzz_require(planish_file_choose_regions(file, names + (n > 0 ? n - 1 : 0), n > 0, NULL) == 0,
+                 "an array of the file can be chosen");
+}
+
 static inline void fuzz_check_questions(const planish_file *file) {
     static const char *const tags[] = {"1"};
     planish_mesh mesh = planish_file_mesh(file);
@@ -210,6 +220,8 @@ static inline int fuzz_reader(const io_format *format, const uint8_t *data, size
         return 0;
     }
     fuzz_check_mesh(file);
+    fuzz_check_questions(file);
+    fuzz_choose_regions(file);
     fuzz_check_questions(file);
     fuzz_check_converted(file);
     fuzz_path(path, format->extensions[0]);
