@@ -49,7 +49,7 @@ def make(dim):
     draw = random.Random(1)
     for p in points:
         if all(0 < c < SIDE for c in p):
-            for d in range(dim):
+            for d in range(p[0] == SIDE // 2, dim):  # between halves the interface is plane
                 p[d] += draw.uniform(-0.12, 0.12)
     return [p + [0] * (3 - dim) for p in points], cells, lows
 
