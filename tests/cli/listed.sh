@@ -103,20 +103,21 @@ free() {
 for form in msh vtk mesh; do
     for list in none edges facets; do
         free 2 "$form" "$list" 25
-        [ "$list" = edges ] || free 3 "$form" "$list" 125
     done
     free 3 "$form" edges 125
+    free 3 "$form" facets 125
     free 2 "$form" but-one 0
-    free 3 "$form" but-one 0
     # What a tag tells apart stays.
-    free 2 "$form" half 20
     free 2 "$form" wall 20
-    free 3 "$form" half 100
     free 3 "$form" wall 100
     # Of several tags that of most says nothing.
     free 2 "$form" three 5
-    free 3 "$form" three 25
 done
+free 3 mesh none 125
+free 3 mesh but-one 0
+free 2 mesh half 20
+free 3 mesh half 100
+free 3 mesh three 25
 
 # same_as DIM LIST LIKE [OPTION...]: what both lists ask for is the same.
 same_as() {
