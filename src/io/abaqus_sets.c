@@ -317,7 +317,8 @@ static int read_set(sets *s, const abaqus_block *b, set_kind things) {
  *  they are. */
 static int read_node_sets(sets *s) {
     const io_model *model = s->reader->model;
-    int64_t node = 0;
+    const int64_t n_places = model->place_node ? model->n_places : model->n_nodes;
+    int64_t place = 0;
     int status = PLANISH_OK;
     for (int64_t i = 0; i < s->reader->n_blocks && !status; i++) {
         const abaqus_block *b = &s->reader->block[i];
@@ -329,8 +330,10 @@ static int read_node_sets(sets *s) {
             abaqus_parameter(b, "NSET", &name) ? make_set(s, NODES, b->scope, name) : -1;
         if (set < -1)
             return set;
-        for (; node < model->n_nodes && model->text_offset[node] <= end && !status; node++)
-            status = set < 0 ? PLANISH_OK : add_member(s, set, (int32_t)node);
+        for (; place < n_places && model->text_offset[place] <= end && !status; place++) {
+            const int32_t node = model->place_node ? model->place_node[place] : (int32_t)place;
+            status = set < 0 ? PLANISH_OK : add_member(s, set, node);
+        }
     }
     return status;
 }

@@ -82,6 +82,10 @@ static void check_held(const char *text, const char *tag, int ignore_regions,
     "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n5,1,1,1\n6,6,0,0\n7,7,0,0\n8,8,0,0\n9,9,0,0\n"     \
     "*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n2,2,3,4,5\n"
 
+#define AGAIN                                                                                      \
+    "*NODE,NSET=A\n1,0,0,0\n2,1,0,0\n3,0,1,0\n1,0,0,0\n4,0,0,1\n"                                  \
+    "*NODE,NSET=B\n1,0,0,0\n5,1,1,1\n*ELEMENT,TYPE=C3D4\n1,1,2,3,4\n2,2,3,4,5\n"
+
 static void sets_are_groups(void **state) {
     (void)state;
     static const struct {
@@ -102,6 +106,8 @@ static void sets_are_groups(void **state) {
         {PAIR "*NSET,NSET=N\n1,9\n*NSET,NSET=M\n2\n*NSET,NSET=O\nN,M,3", "O", "111000001"},
         {PAIR "*ELSET,ELSET=A\n2\n*NSET,NSET=N,ELSET=A\n", "N", "011110000"},
         {PAIR "*ELEMENT,TYPE=S4,ELSET=Q\n3,6,7,8,9\n", "Q", "000001111"},
+        {AGAIN, "A", "11110"}, /* a node that is given again stands in several places */
+        {AGAIN, "B", "10001"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         check_held(cases[i].text, cases[i].tag, 0, cases[i].held);
