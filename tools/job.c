@@ -141,6 +141,12 @@ static int find_box(pl_job *job) {
     const int dim = job->mesh.dim;
     planish_plane plane;
     planish_file_plane(job->file, &plane);
+    if (arguments->n_box > 0 && plane.is_tilted)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: --box is along the axes of the file, and the triangles are in a "
+                           "tilted plane: hold nodes by --fix, or turn the mesh into the plane of "
+                           "two axes",
+                           arguments->input);
     if (arguments->n_box == 0)
         return 0;
     if (arguments->n_box != 2 * dim)
@@ -156,6 +162,19 @@ static int find_box(pl_job *job) {
     return 0;
 }
 
+/** The tolerance is for nodes that slide, and for those of a tilted plane. */
+static int check_tolerance(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_plane plane;
+    planish_file_plane(job->file, &plane);
+    if (arguments->command != PL_COMMAND_SMOOTH || !(arguments->slide_tolerance > 0) ||
+        arguments->slide || plane.is_tilted)
+        return 0;
+    return pl_complain_usage(pl_command_name(arguments->command),
+                             "--slide-tolerance has no effect without --slide, but on triangles in "
+                             "a tilted plane");
+}
+
 int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine) {
     planish_error error;
     memset(job, 0, sizeof *job);
@@ -169,8 +188,11 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     if (strcmp(arguments->input, "-") == 0)
         return pl_complain(PL_EXIT_USAGE, "'-' is no file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
-    if (planish_file_open_isolated(arguments->input, arguments->format, job->options.threads,
-                                   &job->file, &error))
+    const planish_open_options how = {.format = arguments->format,
+                                      .threads = job->options.threads,
+                                      .isolated = 1,
+                                      .plane_tolerance = arguments->slide_tolerance};
+    if (planish_file_open_with(arguments->input, &how, &job->file, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (planish_file_choose_regions(job->file, arguments->regions, arguments->n_regions, &error))
         return error.code == PLANISH_ERROR_ARGUMENT
@@ -181,7 +203,9 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     job->options.round = job->file_info.round;
     job->options.round_user = job->file_info.round_user;
     job->mesh = planish_file_mesh(job->file);
-    int status = find_constraints(job);
+    int status = check_tolerance(job);
+    if (!status)
+        status = find_constraints(job);
     if (!status)
         status = find_min_volumes(job);
     if (!status)
@@ -334,6 +358,21 @@ int pl_job_plan(pl_job *job) {
     snprintf(job->binding, sizeof job->binding, "%s", job->plan_info.binding);
     job->plan_info.binding = job->binding;
     return keep_wrapped(job);
+}
+
+uint64_t pl_job_checksum(const pl_job *job) {
+    planish_plane plane;
+    planish_mesh mesh = job->mesh;
+    if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
+        return planish_checksum(&mesh);
+    double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
+    const int is_placed = places && !planish_file_place(job->file, 0, mesh.n_nodes,
+                                                        mesh.coordinates, places, NULL);
+    mesh.dim = 3;
+    mesh.coordinates = places;
+    const uint64_t checksum = is_placed ? planish_checksum(&mesh) : 0;
+    free(places);
+    return checksum;
 }
 
 int pl_job_get_free(const pl_job *job, uint8_t *is_free) {

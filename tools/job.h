@@ -119,6 +119,9 @@ int pl_job_count_slides(pl_job *job);
 /** is_free [mesh.n_nodes] as planish_plan_get_free. */
 int pl_job_get_free(const pl_job *job, uint8_t *is_free);
 
+/** planish_checksum of the mesh as it is now; in a tilted plane, of its places in space. */
+uint64_t pl_job_checksum(const pl_job *job);
+
 /** Measure the mesh as it is now. */
 int pl_job_measure(const pl_job *job, planish_quality *quality);
 

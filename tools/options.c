@@ -445,9 +445,9 @@ static const option_row option_table[] = {
      "edges), none\n(default), or on group TAG only (NAME, N or DIM:N;\nmay be given more than "
      "once)",
      "auto none"},
-    {0, "slide-tolerance", "T", SMOOTH, set_slide_tolerance,
+    {0, "slide-tolerance", "T", BOTH, set_slide_tolerance,
      "how far off a plane or line its nodes may be, times\nthe diagonal of the bounding box "
-     "(default 1e-8, more\nfor files of few digits)",
+     "(default 1e-8, more\nfor files of few digits); also of triangles in a\ntilted plane",
      NULL},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
      "move only nodes of elements whose radius ratio\nexceeds RR", NULL},
@@ -600,8 +600,6 @@ static int check_combinations(const pl_arguments *arguments) {
     if (arguments->of_worst && !arguments->worst)
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);
-    if (arguments->slide_tolerance > 0 && !arguments->slide)
-        return pl_complain_usage(command, "--slide-tolerance has no effect without --slide");
     if (arguments->report && arguments->n_inputs > 1)
         return pl_complain_usage(command, "--report makes a page of one mesh, and %d are named",
                                  arguments->n_inputs);

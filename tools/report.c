@@ -216,9 +216,9 @@ static int find_place(const drawing *d, const char *file, int i, char *path, siz
 }
 
 /** Whether the mesh has the coordinates that the result says. */
-static int is_same(const planish_mesh *mesh, const char *checksum) {
+static int is_same(const pl_job *job, const char *checksum) {
     char text[17];
-    snprintf(text, sizeof text, "%016" PRIx64, planish_checksum(mesh));
+    snprintf(text, sizeof text, "%016" PRIx64, pl_job_checksum(job));
     return strcmp(text, checksum) == 0;
 }
 
@@ -251,13 +251,16 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
     *why = "cannot be read any more";
     planish_options_init(&job.options);
     pl_signals_set_input(path);
-    const int code =
-        planish_file_open_isolated(path, w->format, job.options.threads, &job.file, &error);
+    const planish_open_options how = {.format = w->format,
+                                      .threads = job.options.threads,
+                                      .isolated = 1,
+                                      .plane_tolerance = 1e-3}; /* whatever it was taken with */
+    const int code = planish_file_open_with(path, &how, &job.file, &error);
     if (code)
         return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
     *why = "has other coordinates now";
     job.mesh = planish_file_mesh(job.file);
-    if (is_same(&job.mesh, w->checksum)) {
+    if (is_same(&job, w->checksum)) {
         *why = NULL;
         status = draw_job(d, &job, w);
     }

@@ -115,9 +115,12 @@ static void add_plane(document *json, cJSON *mesh, const pl_job *job) {
     }
     cJSON *of = new_object(json, mesh, "plane");
     add_vector(json, of, "normal", plane.normal);
+    add_vector(json, of, "origin", plane.origin);
     cJSON *directions = new_array(json, of, "directions");
     for (int d = 0; d < 2; d++)
         add_vector(json, directions, NULL, plane.direction[d]);
+    add(json, of, "tilted", cJSON_CreateBool(plane.is_tilted));
+    add_real(json, of, "off", plane.off);
 }
 
 /** Why nodes are held. Null: not known. */
@@ -427,6 +430,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_real(&json, root, "max_displacement", result->smooth.max_displacement);
     add_integer(&json, root, "put_back", result->smooth.put_back);
     add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
+    add_integer(&json, root, "returned_nodes", result->returned_nodes);
     add_integer(&json, root, "node_visits", result->smooth.visits);
     add_integer(&json, root, "evaluations", result->smooth.evaluations);
     add_integer(&json, root, "held_outside", result->smooth.held_outside);
@@ -460,7 +464,7 @@ void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
     add_mesh(&json, mesh, job, measured->quality.reversed);
     add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
                 &measured->worst);
-    add_checksum(&json, mesh, "checksum", planish_checksum(&job->mesh));
+    add_checksum(&json, mesh, "checksum", pl_job_checksum(job));
     add_volumes(&json, mesh, job, &measured->volumes, NULL);
     add_elements(&json, mesh, "reversed", job, NULL, PLANISH_VOLUME_MET, measured->reversed);
     add_elements(&json, mesh, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);

@@ -16,6 +16,7 @@
 #include "progress.h"
 #include "report.h"
 #include "result.h"
+#include "settle.h"
 #include "signals.h"
 #include "table.h"
 #include "text.h"
@@ -325,14 +326,14 @@ static int take_before(const pl_job *job, pl_result *result) {
     const pl_arguments *arguments = job->arguments;
     int status = pl_worst_find_asked(job, &result->worst_before);
     if (arguments->json || arguments->report)
-        result->input_checksum = planish_checksum(&job->mesh);
+        result->input_checksum = pl_job_checksum(job);
     return status ? status : pl_report_draw(job, "before", &result->picture);
 }
 
 /** And of the result. */
 static int take_after(const pl_job *job, pl_result *result) {
     if (job->arguments->json || job->arguments->report)
-        result->checksum = planish_checksum(&job->mesh);
+        result->checksum = pl_job_checksum(job);
     const int status = pl_worst_find_asked(job, &result->worst_after);
     return status ? status : pl_report_draw(job, "after", &result->picture);
 }
@@ -377,6 +378,8 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     pl_smooth_tell_end(job, &result->smooth);
     pl_progress_phase(progress, PL_PHASE_CHECKING);
+    if ((status = pl_settle(job, result)))
+        return status;
     if ((status = pl_job_measure(job, &result->after)))
         return status;
     const planish_result *smooth = &result->smooth;

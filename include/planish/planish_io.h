@@ -40,6 +40,21 @@ PLANISH_API int planish_file_open(const char *path, const char *format, int thre
 PLANISH_API int planish_file_open_isolated(const char *path, const char *format, int threads,
                                            planish_file **file, planish_error *error);
 
+/** How a file is opened. */
+typedef struct planish_open_options {
+    const char *format;     /* as for planish_file_open */
+    int threads;            /* likewise */
+    int isolated;           /* not 0: as planish_file_open_isolated does */
+    double plane_tolerance; /* of triangles alone: how far off their plane nodes may be, as a
+                               fraction of the diagonal of their bounding box, 0 .. 1e-3; 0: what
+                               planish_file_surface says of the file */
+    const void *reserved[6];
+} planish_open_options;
+
+/** The same with options (NULL: all 0). Errors besides: _ARGUMENT (plane_tolerance). */
+PLANISH_API int planish_file_open_with(const char *path, const planish_open_options *options,
+                                       planish_file **file, planish_error *error);
+
 /** Free the file and all that belongs to it: the arrays of planish_file_mesh and _surface, names,
  *  round_user. file may be NULL. */
 PLANISH_API void planish_file_close(planish_file *file);
@@ -81,13 +96,20 @@ PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 /** Those coordinates [n_nodes][dim], in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
 
-/** The plane in which a mesh of triangles (dim 2) has its coordinates. */
+/** The plane in which a mesh of triangles (dim 2) has its coordinates. Across an axis of the file
+ *  these are two of its columns, and the third stays as it is. In a tilted plane they are those of
+ *  a frame whose unit vectors are direction, so that areas and angles are the triangles' own, and
+ *  each triangle has the sign that it has seen along axis[2], which is exact (but for triangles so
+ *  flat that no doubles in the frame say it): nodes that are a little off the plane are off it
+ *  along that axis. Nodes that have moved are written on the plane; the others keep their bytes. */
 typedef struct planish_plane {
     int axis[3]; /* columns of the file, 0 .. 2 for x .. z: those that coordinates 0 and 1 go along,
-                    and the one across: 0 1 2 in the plane of x and y (z is constant), 1 2 0, 2 0 1.
-                    The column across stays as it is in the file */
+                    and the one across: 0 1 2, 1 2 0 or 2 0 1 */
+    int is_tilted;          /* 0: across an axis */
+    double origin[3];       /* where both coordinates are 0 */
     double direction[2][3]; /* unit vectors of coordinates 0 and 1 */
     double normal[3];       /* that of the plane, likewise */
+    double off;             /* how far off a tilted plane nodes of the file are, at most */
     const void *reserved[8];
 } planish_plane;
 
@@ -189,6 +211,17 @@ PLANISH_API int64_t planish_file_node_number(const planish_file *file, int64_t n
  * number of the file's regions: elements of one region (planish_file_surface) have the same tag. */
 PLANISH_API int planish_file_element_region(const planish_file *file, int64_t element, char *text,
                                             size_t size);
+
+/** Find what of coordinates [n_nodes][dim] can be written: in a tilted plane (planish_file_plane)
+ *  places are rounded when they are written, in space, which no planish_options.round can tell
+ *  planish_smooth. So call this after that, and before the result is measured. A node goes back to
+ *  where it was in the file if a triangle has another sign as written, seen along plane.axis[2]
+ *  (exactly), than it has in coordinates; and so do those with back [n_nodes] not 0 (may be NULL).
+ *  Where a file holds less than doubles, coordinates become those of the places written. *n_back
+ *  (may be NULL) counts the nodes that went back, and back is set to 1 for these. Nothing happens
+ *  to meshes that have another plane, or none. Errors: _ARGUMENT, _MEMORY. */
+PLANISH_API int planish_file_settle(const planish_file *file, double *coordinates, uint8_t *back,
+                                    int64_t *n_back, planish_error *error);
 
 /** 1 if planish_file_write takes path: one with the extension of the input, or another one of its
  *  format, or a pipe or device; else 0. planish_file_check_output knows more. */

@@ -360,10 +360,11 @@ static int significant_digits(const char *text, const char *end) {
 }
 
 /** Those of coordinate d of a node, at which the cursor stands, as in io_format.field. */
-static int digits_of_coordinate(const planish_file *file, io_cursor *cursor, int d) {
+static int digits_of_coordinate(const io_model *model, const io_format *format, io_cursor *cursor,
+                                int d) {
     io_field field;
-    if (file->format->field) {
-        if (file->format->field(&file->model, cursor, d, &field))
+    if (format->field) {
+        if (format->field(model, cursor, d, &field))
             return 0;
         while (field.begin < field.end && *field.begin == ' ')
             field.begin++;
@@ -377,13 +378,12 @@ static int digits_of_coordinate(const planish_file *file, io_cursor *cursor, int
 }
 
 /** The digits of the longest coordinate of a node that stands as text. */
-static int digits_of_node(const planish_file *file, int64_t node) {
-    const io_model *model = &file->model;
+static int digits_of_node(const io_model *model, const io_format *format, int64_t node) {
     io_cursor cursor = {model->input.data + model->text_offset[node],
                         model->input.data + model->input.size};
     int most = 0;
     for (int d = 0; d < model->columns; d++) {
-        const int digits = digits_of_coordinate(file, &cursor, d);
+        const int digits = digits_of_coordinate(model, format, &cursor, d);
         most = digits > most ? digits : most;
     }
     return most;
@@ -391,9 +391,8 @@ static int digits_of_node(const planish_file *file, int64_t node) {
 
 /** How many digits the writer of the file gave numbers. Most tells, but where some nodes have few,
  *  others all that a double has: the latter have been moved since, by a smoother, say. */
-static int digits_of_file(const planish_file *file) {
+static int digits_of_file(const io_model *model, const io_format *format) {
     enum { LOOKED_AT_NODES = 4096, SOME = 100, SHORT = 4, LONG = 12 };
-    const io_model *model = &file->model;
     int most = 0, most_of_few = 0;
     int64_t n = 0, n_few = 0;
     for (int64_t i = 0; i < model->n_spans; i++) {
@@ -401,7 +400,7 @@ static int digits_of_file(const planish_file *file) {
         if (span->encoding != IO_TEXT)
             continue;
         for (int64_t k = 0; k < span->n_nodes && n < LOOKED_AT_NODES; k++, n++) {
-            const int digits = digits_of_node(file, span->first_node + k);
+            const int digits = digits_of_node(model, format, span->first_node + k);
             most = digits > most ? digits : most;
             if (digits > SHORT && digits <= LONG) {
                 most_of_few = digits > most_of_few ? digits : most_of_few;
@@ -412,12 +411,11 @@ static int digits_of_file(const planish_file *file) {
     return n_few * SOME >= n ? most_of_few : most;
 }
 
-/** How far nodes of a plane may be off it by the digits that the file gives them. Whole numbers and
- *  the like may be exact with few, so that there is a limit. */
-static double tolerance_of_digits(const planish_file *file) {
-    if (file->model.precision == PLANISH_FLOAT)
+/* Whole numbers and the like may be exact with few digits, so that there is a limit. */
+double io_tolerance_of_digits(const io_model *model, const io_format *format) {
+    if (model->precision == PLANISH_FLOAT)
         return FLOAT_TOLERANCE;
-    const int most = digits_of_file(file);
+    const int most = digits_of_file(model, format);
     if (most == 0)
         return 0; /* the library's own */
     double tolerance = 10;
@@ -440,7 +438,7 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
         .facets = facets->nodes,
         .facet_tag = io_cells_regions(facets),
         .tagged_only = hold && hold->n_slide_tags > 0,
-        .tolerance = tolerance_of_digits(file)};
+        .tolerance = io_tolerance_of_digits(model, file->format)};
     if (model->dim == 3) {
         surface.n_edges = io_cells_telling(&model->line);
         surface.edges = model->line.nodes;

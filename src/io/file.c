@@ -165,7 +165,7 @@ static int read_model(planish_file *file, planish_error *error) {
     if (!status)
         status = io_arrays_settle(&file->model, error);
     if (!status)
-        status = io_model_finish(&file->model, error);
+        status = io_model_finish(&file->model, file->format, error);
     return status ? status : count_regions(file, error);
 }
 
@@ -214,20 +214,21 @@ static int own_hdf5(planish_file *file, planish_error *error) {
     return io_is_hdf5(input->data, input->size) ? io_bytes_own(input, error) : PLANISH_OK;
 }
 
-static int open_file(const char *path, const char *format, int threads, int isolated,
-                     int64_t largest_copy, planish_file **out, planish_error *error) {
+static int open_file(const char *path, const planish_open_options *options, int64_t largest_copy,
+                     planish_file **out, planish_error *error) {
     planish_file *file = pl_alloc_zero(1, sizeof *file);
     if (!file)
         return pl_fail_memory(error, path);
-    file->model.threads = pl_thread_count(threads);
+    file->model.threads = pl_thread_count(options->threads);
+    file->model.flatness = options->plane_tolerance;
     file->model.largest_copy = largest_copy;
     int status = io_bytes_open(path, largest_copy, &file->model.input, error);
     if (!status)
         status = own_hdf5(file, error);
-    if (!status && isolated)
-        status = try_isolated(file, format, error);
+    if (!status && options->isolated)
+        status = try_isolated(file, options->format, error);
     if (!status)
-        status = choose_format(file, format, error);
+        status = choose_format(file, options->format, error);
     if (!status)
         status = read_model(file, error);
     rest(&file->model);
@@ -238,29 +239,43 @@ static int open_file(const char *path, const char *format, int threads, int isol
     return status;
 }
 
-static int open_as_usual(const char *path, const char *format, int threads, int isolated,
+static int open_as_usual(const char *path, const planish_open_options *options,
                          int64_t largest_copy, planish_file **out, planish_error *error) {
+    const double largest = 1e-3;
     if (!path || !out)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "path and file must not be NULL");
+    if (!(options->plane_tolerance >= 0 && options->plane_tolerance <= largest))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "plane_tolerance is %g; give 0 to %g of the diagonal of the bounding box",
+                       options->plane_tolerance, largest);
     const pl_outside outside = pl_call_enter(NULL);
-    const int status = open_file(path, format, threads, isolated, largest_copy, out, error);
+    const int status = open_file(path, options, largest_copy, out, error);
     pl_call_leave(&outside);
     return status;
 }
 
+int planish_file_open_with(const char *path, const planish_open_options *options,
+                           planish_file **file, planish_error *error) {
+    static const planish_open_options usual = {.format = NULL};
+    return open_as_usual(path, options ? options : &usual, IO_LARGEST_COPY, file, error);
+}
+
 int planish_file_open(const char *path, const char *format, int threads, planish_file **file,
                       planish_error *error) {
-    return open_as_usual(path, format, threads, 0, IO_LARGEST_COPY, file, error);
+    const planish_open_options options = {.format = format, .threads = threads};
+    return open_as_usual(path, &options, IO_LARGEST_COPY, file, error);
 }
 
 int planish_file_open_isolated(const char *path, const char *format, int threads,
                                planish_file **file, planish_error *error) {
-    return open_as_usual(path, format, threads, 1, IO_LARGEST_COPY, file, error);
+    const planish_open_options options = {.format = format, .threads = threads, .isolated = 1};
+    return open_as_usual(path, &options, IO_LARGEST_COPY, file, error);
 }
 
 int io_file_open(const char *path, int threads, int64_t largest_copy, planish_file **file,
                  planish_error *error) {
-    return open_as_usual(path, NULL, threads, 0, largest_copy, file, error);
+    const planish_open_options options = {.threads = threads};
+    return open_as_usual(path, &options, largest_copy, file, error);
 }
 
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
@@ -301,6 +316,11 @@ static double round_to_field(double value, void *user) {
     return io_round_to_field(value, model->field_width, model->implied_exponent);
 }
 
+/** Coordinates in a tilted plane are none of those in the file. */
+static planish_precision precision_of(const io_model *model) {
+    return model->dim == 2 && model->plane.is_tilted ? PLANISH_DOUBLE : model->precision;
+}
+
 /** Whether the last line of a text has no end. */
 static int ends_open(const io_bytes *bytes) {
     const char last = bytes->data[bytes->size - 1];
@@ -326,7 +346,7 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
     if (!file)
         return;
     *info = (planish_file_info){.format = file->format->name,
-                                .precision = file->model.precision,
+                                .precision = precision_of(&file->model),
                                 .round = round_to_field,
                                 .round_user = (void *)(uintptr_t)&file->model,
                                 .n_other_elements = file->model.n_other,

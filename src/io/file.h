@@ -33,6 +33,10 @@ int io_file_open(const char *path, int threads, int64_t largest_copy, planish_fi
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
                         int threads, planish_file **file, planish_error *error);
 
+/** How far nodes of a plane may be off it by the digits that the file gives them, as a part of the
+ *  diagonal of the bounding box; 0: what the library takes by itself. */
+double io_tolerance_of_digits(const io_model *model, const io_format *format);
+
 /** The simplices that are smoothed. */
 const io_cells *io_file_elements(const planish_file *file);
 

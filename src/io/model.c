@@ -293,8 +293,8 @@ static int keep_z(io_model *model, planish_error *error) {
 }
 
 /** The file's own places are kept where its columns are not those of the coordinates. */
-static int finish_plane(io_model *model, planish_error *error) {
-    int status = io_plane_find(model, error);
+static int finish_plane(io_model *model, const io_format *format, planish_error *error) {
+    int status = io_plane_find(model, format, error);
     if (status)
         return status;
     model->dim = 2;
@@ -304,6 +304,8 @@ static int finish_plane(io_model *model, planish_error *error) {
         return pl_fail_memory(error, "coordinates");
     for (int64_t i = 0; i < model->n_nodes; i++)
         io_plane_project(&model->plane, model->xyz + 3 * i, model->coordinates + 2 * i);
+    if (model->plane.is_tilted)
+        return io_plane_keep(model, error);
     if (model->written == 3)
         return PLANISH_OK;
     status = keep_z(model, error);
@@ -322,7 +324,7 @@ static void drop_plain_points(io_model *model) {
         model->hold[i] &= (uint8_t)~IO_HELD_BY_POINT;
 }
 
-int io_model_finish(io_model *model, planish_error *error) {
+int io_model_finish(io_model *model, const io_format *format, planish_error *error) {
     const int status = io_model_find_plain(model, error);
     if (status)
         return status;
@@ -332,7 +334,7 @@ int io_model_finish(io_model *model, planish_error *error) {
     if (model->tetrahedron.n > 0)
         return finish_solid(model, error);
     if (model->triangle.n > 0)
-        return finish_plane(model, error);
+        return finish_plane(model, format, error);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: no tetrahedron and no triangle in it: there is nothing to smooth",
                    model->input.path);
@@ -346,6 +348,7 @@ void io_model_destroy(io_model *model) {
     if (model->coordinates != model->xyz)
         pl_free(model->coordinates);
     pl_free(model->xyz);
+    pl_free(model->uv_read);
     pl_free(model->z);
     pl_free(model->node_number);
     pl_free(model->span);

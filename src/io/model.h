@@ -138,9 +138,17 @@ enum {
     IO_HAS_PARAMETERS = 128 /* is not held by that: parameters of the geometry go with its place */
 };
 
-/** The plane of a mesh of triangles. */
+/** The plane of a mesh of triangles. Seen along the column across, a node is at (x, y) from the
+ *  origin, with coordinates u = xu x + yu y, v = yv y of an orthonormal frame, if it is tilted;
+ * else these are x and y. */
 typedef struct io_plane {
     int axis[3]; /* the columns that coordinates in it go along, and the one across */
+    int is_tilted;
+    double origin[3]; /* in the order of axis, */
+    double slope[2];  /* that of the column across with x and y: at most 1, but for roundings */
+    double xu, yu, yv;
+    double size; /* the diagonal of the box of its nodes, */
+    double off;  /* and how far off it they are at most */
 } io_plane;
 
 typedef struct io_model {
@@ -149,6 +157,7 @@ typedef struct io_model {
     int n_companions, n_read; /* the first of these are read, too */
     int64_t largest_copy;     /* files of more bytes are mapped (bytes.h) */
     int threads;
+    double flatness; /* how far off their plane nodes may be, of the diagonal; 0: by the digits */
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
     planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */
     int field_width;             /* narrowest field of a coordinate, with PLANISH_ROUNDED */
@@ -192,6 +201,7 @@ typedef struct io_model {
     int dim;
     double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */
     io_plane plane;      /* in 2-D */
+    double *uv_read;     /* [n_nodes][2] coordinates as read, in a tilted plane, else NULL */
     int written;         /* columns that are written: 2 in the plane of x and y, else 3 */
 } io_model;
 
@@ -264,7 +274,9 @@ int io_model_find_plain(io_model *model, planish_error *error);
 /** Decide the dimension (tetrahedra if there are any, else triangles), let lines, and triangles of
  *  a 3-D mesh, hold their nodes, find the plane of a 2-D mesh (plane.h), lay out
  *  coordinates. Fails if there is nothing to smooth. */
-int io_model_finish(io_model *model, planish_error *error);
+struct io_format;
+/* format: that it was read as; NULL: text has as many digits as it needs. */
+int io_model_finish(io_model *model, const struct io_format *format, planish_error *error);
 void io_model_destroy(io_model *model);
 
 /** Whether the bytes are a file of HDF5: its mark is at the start, or behind a block of the user's.

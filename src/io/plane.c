@@ -2,15 +2,21 @@
  *
  * Of planes across an axis the other two columns of the file are the coordinates, in the order in
  * which they turn as x and y do: y z, z x. The column across stays as it is in the file.
+ *
+ * In a tilted plane a node is where it is seen along the column across that is nearest to the
+ * normal, so that triangles have the signs that they have there; whatever it is off the plane it is
+ * off along that column. A node that moves lands on the plane; one that does not keeps its bytes.
  */
 #include "io/plane.h"
 
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
+#include "base/round.h"
 #include "base/status.h"
 
 #include "io/file.h"
+#include "io/number.h"
 
 #include <math.h>
 
@@ -47,25 +53,84 @@ static int is_across(const io_model *model, const box *b, int axis) {
     return fabs(b->low[axis] - first) <= most && fabs(b->high[axis] - first) <= most;
 }
 
-int io_plane_find(io_model *model, planish_error *error) {
+static int refuse_surface(const io_model *model, const io_plane *plane, int is_thin,
+                          double tolerance, planish_error *error) {
+    if (is_thin && plane->off <= tolerance * plane->size)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: triangles in space whose nodes lie along a line, as far as can be told "
+                       "(they are up to %.3g off it): no plane can be found for them",
+                       model->input.path, plane->off);
+    return pl_fail(error, PLANISH_ERROR_FORMAT,
+                   "%s: triangles in space (nodes are up to %.3g off the plane that fits them "
+                   "best, and %.3g is allowed, %.3g of the size): only meshes in one plane can be "
+                   "smoothed, surfaces cannot",
+                   model->input.path, plane->off, tolerance * plane->size, tolerance);
+}
+
+static int find_tilted(io_model *model, const io_format *format, const box *b,
+                       planish_error *error) {
+    const double usual = 1e-8; /* as planish_find_slides has it */
+    double tolerance = model->flatness;
+    int is_thin = 0;
+    if (!(tolerance > 0))
+        tolerance = format ? io_tolerance_of_digits(model, format) : 0;
+    if (!(tolerance > 0))
+        tolerance = usual;
+    const int status = io_plane_fit(model, b->low, b->high, &model->plane, &is_thin, error);
+    if (status || (!is_thin && model->plane.off <= tolerance * model->plane.size))
+        return status;
+    return refuse_surface(model, &model->plane, is_thin, tolerance, error);
+}
+
+int io_plane_find(io_model *model, const io_format *format, planish_error *error) {
     static const int order[] = {2, 0, 1}; /* x and y first: all meshes had to be so once */
     const box b = find_box(model);
     for (int i = 0; i < 3; i++)
         if (is_across(model, &b, order[i])) {
-            model->plane = (io_plane){.axis = {(order[i] + 1) % 3, (order[i] + 2) % 3, order[i]}};
+            const double across = model->xyz[3 * (int64_t)model->triangle.nodes[0] + order[i]];
+            model->plane = (io_plane){.axis = {(order[i] + 1) % 3, (order[i] + 2) % 3, order[i]},
+                                      .origin = {0, 0, across}};
             return PLANISH_OK;
         }
-    return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: triangles in space: "
-                   "only meshes in a plane can be smoothed, surfaces cannot",
-                   model->input.path);
+    return find_tilted(model, format, &b, error);
 }
 
 /* ---- between plane and file ------------------------------------------------------------------ */
 
 void io_plane_project(const io_plane *plane, const double xyz[3], double uv[2]) {
-    uv[0] = xyz[plane->axis[0]];
-    uv[1] = xyz[plane->axis[1]];
+    const double x = xyz[plane->axis[0]], y = xyz[plane->axis[1]];
+    uv[0] = x;
+    uv[1] = y;
+    if (plane->is_tilted) {
+        const double dx = x - plane->origin[0], dy = y - plane->origin[1];
+        uv[0] = plane->xu * dx + plane->yu * dy;
+        uv[1] = plane->yv * dy;
+    }
+}
+
+/** What the file holds of a value. */
+static double store(const io_model *model, double value) {
+    return model->precision == PLANISH_FLOAT ? pl_round_to_float(value)
+           : model->precision == PLANISH_ROUNDED
+               ? io_round_to_field(value, model->field_width, model->implied_exponent)
+               : value;
+}
+
+/** On the plane, but for the roundings of the file. */
+static void place_on_plane(const io_model *model, const double uv[2], double xyz[3]) {
+    const io_plane *plane = &model->plane;
+    const double dy = uv[1] / plane->yv, dx = (uv[0] - plane->yu * dy) / plane->xu;
+    const double x = store(model, plane->origin[0] + dx), y = store(model, plane->origin[1] + dy);
+    const double up =
+        plane->slope[0] * (x - plane->origin[0]) + plane->slope[1] * (y - plane->origin[1]);
+    xyz[plane->axis[0]] = x;
+    xyz[plane->axis[1]] = y;
+    xyz[plane->axis[2]] = store(model, plane->origin[2] + up);
+}
+
+int io_plane_has_moved(const io_model *model, int64_t node, const double *uv) {
+    const double *before = model->uv_read + 2 * node;
+    return !pl_is_same(uv[0], before[0]) || !pl_is_same(uv[1], before[1]);
 }
 
 static double column_across(const io_model *model, int64_t node) {
@@ -77,6 +142,15 @@ void io_model_place(const io_model *model, int64_t node, const double *at, doubl
     if (model->dim == 3) {
         for (int d = 0; d < 3; d++)
             xyz[d] = at[d];
+        return;
+    }
+    if (plane->is_tilted && io_plane_has_moved(model, node, at)) {
+        place_on_plane(model, at, xyz);
+        return;
+    }
+    if (plane->is_tilted) {
+        for (int d = 0; d < 3; d++)
+            xyz[d] = model->xyz[3 * node + d];
         return;
     }
     xyz[plane->axis[0]] = at[0];
@@ -135,18 +209,32 @@ int planish_file_place(const planish_file *file, int64_t first, int64_t n,
     return PLANISH_OK;
 }
 
+/** The frame in space: u goes along the slope of x, v turns left of it. */
+static void describe(const io_plane *p, planish_plane *plane) {
+    const double *slope = p->slope;
+    const double xu = p->is_tilted ? p->xu : 1, yv = p->is_tilted ? p->yv : 1;
+    const double length = sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
+    const double u[3] = {1 / xu, 0, slope[0] / xu};
+    const double v[3] = {-p->yu * u[0] / yv, 1 / yv, (slope[1] - p->yu * u[2]) / yv};
+    const double normal[3] = {-slope[0] / length, -slope[1] / length, 1 / length};
+    plane->is_tilted = p->is_tilted;
+    plane->off = p->off;
+    for (int d = 0; d < 3; d++) {
+        const int axis = plane->axis[d] = p->axis[d];
+        plane->origin[axis] = p->origin[d];
+        plane->direction[0][axis] = u[d];
+        plane->direction[1][axis] = v[d];
+        plane->normal[axis] = normal[d];
+    }
+}
+
 int planish_file_plane(const planish_file *file, planish_plane *plane) {
     if (plane)
         *plane = (planish_plane){.axis = {0, 1, 2}};
     if (!file || file->model.dim == 3)
         return 0;
     const io_plane *p = &file->model.plane;
-    if (plane) {
-        for (int d = 0; d < 3; d++)
-            plane->axis[d] = p->axis[d];
-        for (int d = 0; d < 2; d++)
-            plane->direction[d][p->axis[d]] = 1;
-        plane->normal[p->axis[2]] = 1;
-    }
+    if (plane)
+        describe(p, plane);
     return !io_plane_is_xy(p);
 }

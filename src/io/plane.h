@@ -4,12 +4,25 @@
 
 #include "io/model.h"
 
-/** Find the plane of the triangles' nodes, model->plane. Fails where they lie in none. */
-int io_plane_find(io_model *model, planish_error *error);
+/** Find the plane of the triangles' nodes, model->plane. Fails where they lie in none. format: as
+ *  for io_model_finish. */
+int io_plane_find(io_model *model, const io_format *format, planish_error *error);
+
+/** The tilted plane that fits the nodes of the triangles, within the box from low to high, best;
+ *  not 0 at is_thin: they are along a line. */
+int io_plane_fit(const io_model *model, const double low[3], const double high[3], io_plane *plane,
+                 int *is_thin, planish_error *error);
+
+/** Let triangles have the signs that they have in the file, and keep the coordinates read, of a
+ *  tilted plane. */
+int io_plane_keep(io_model *model, planish_error *error);
+
+/** Whether a node of a tilted plane with coordinates uv is not where it was. */
+int io_plane_has_moved(const io_model *model, int64_t node, const double *uv);
 
 /** Whether coordinates in the plane are x and y, so that a writer takes them as they are. */
 static inline int io_plane_is_xy(const io_plane *plane) {
-    return plane->axis[2] == 2;
+    return plane->axis[2] == 2 && !plane->is_tilted;
 }
 
 /** The coordinates in the plane of a node at xyz. */

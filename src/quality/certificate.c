@@ -2,7 +2,7 @@
  * exceeds the bound of its rounding error, integers as long as needed elsewhere. */
 #include "quality/certificate.h"
 #include "geometry/simplex.h"
-#include "quality/exact.h"
+#include "base/exact.h"
 
 #include <float.h>
 #include <limits.h>

@@ -27,7 +27,7 @@ SMOOTH = {
     "objective": {"name": str, "area_weight": NUMBER, "before": NUMBER, "after": NUMBER},
     "before": QUALITY, "after": QUALITY, "sweeps": list, "untangling_sweeps": int, "stop": str,
     "certified": bool, "input_checksum": str, "checksum": str, "max_displacement": NUMBER,
-    "moved_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,
+    "moved_nodes": int, "returned_nodes": int, "node_visits": int, "evaluations": int, "held_outside": int,
     "kkt": type(None), "threads": int, "binding": str, "isa": str,
     "seconds": dict.fromkeys(("read", "shape", "setup", "smooth", "write", "total"), NUMBER),
     "fixed": {"count": int, "rms_radius_ratio": NUMBER, "max_radius_ratio": NUMBER},

@@ -113,12 +113,12 @@ static void dimension_is_that_of_the_cells(void **state) {
     static const double flat[] = {2, 2, 2, 5};
     io_model model;
     make_model(&model, 3, 3, flat);
-    assert_int_equal(io_model_finish(&model, NULL), PLANISH_OK);
+    assert_int_equal(io_model_finish(&model, NULL, NULL), PLANISH_OK);
     assert_int_equal(model.dim, 3);
     assert_ptr_equal(model.coordinates, model.xyz);
     io_model_destroy(&model);
     make_model(&model, 3, 2, flat); /* the node that is off the plane is none of the triangle's */
-    assert_int_equal(io_model_finish(&model, NULL), PLANISH_OK);
+    assert_int_equal(io_model_finish(&model, NULL, NULL), PLANISH_OK);
     assert_int_equal(model.dim, 2);
     for (int i = 0; i < 4; i++)
         assert_true(model.coordinates[2 * i] == i && model.coordinates[2 * i + 1] == i * i);
@@ -137,7 +137,7 @@ static void lines_and_triangles_hold(void **state) {
     assert_int_equal(io_cells_reserve(&model.line, 1, 1, 0, 0, NULL), PLANISH_OK);
     memcpy(model.line.nodes, (int32_t[]){3, 1}, 2 * sizeof(int32_t));
     model.line.n = 1;
-    assert_int_equal(io_model_finish(&model, NULL), PLANISH_OK);
+    assert_int_equal(io_model_finish(&model, NULL, NULL), PLANISH_OK);
     assert_int_equal(model.n_lower, 2);
     assert_int_equal(model.hold[0], 0);
     assert_int_equal(model.hold[1], IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE);
@@ -152,14 +152,14 @@ static void what_cannot_be_smoothed_is_refused(void **state) {
     io_model model;
     planish_error error;
     make_model(&model, 3, 2, bent);
-    assert_int_equal(io_model_finish(&model, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_model_finish(&model, NULL, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
     make_model(&model, 2, 3, flat); /* tetrahedra without a third coordinate */
-    assert_int_equal(io_model_finish(&model, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_model_finish(&model, NULL, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
     make_model(&model, 3, 2, flat);
     model.triangle.n = 0;
-    assert_int_equal(io_model_finish(&model, &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_model_finish(&model, NULL, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
 }
 

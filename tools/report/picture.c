@@ -264,7 +264,8 @@ static void put_state(pl_markup *page, const pl_picture *picture, int i) {
 
 /** What takes places of the file to those of the picture. */
 static void put_plane(pl_markup *page, const planish_plane *plane) {
-    const double *u = plane->direction[0], *v = plane->direction[1];
+    const double *u = plane->direction[0], *v = plane->direction[1], *o = plane->origin;
+    pl_markup_put(page, ",\"origin\":[%.17g,%.17g,%.17g]", o[0], o[1], o[2]);
     pl_markup_put(page, ",\"directions\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]]", u[0], u[1],
                   u[2], v[0], v[1], v[2]);
 }

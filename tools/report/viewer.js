@@ -484,7 +484,8 @@ function showWorse() {
  *  in the plane of x and y. */
 function toDrawn(place) {
     return picture.directions
-        ? picture.directions.map(along => along.reduce((sum, a, d) => sum + a * place[d], 0)) : place;
+        ? picture.directions.map(along => along.reduce((sum, a, d) =>
+            sum + a * (place[d] - picture.origin[d]), 0)) : place;
 }
 
 /** Go near the bad element whose middle is at place (in the file's coordinates). */

@@ -1,7 +1,9 @@
 /* exact: integers as long as the determinant of any four points needs. Schoolbook methods, sign and
  * magnitude. */
-#include "quality/exact.h"
+#include "base/exact.h"
 
+#include <float.h>
+#include <limits.h>
 #include <math.h>
 
 enum { LIMB_BITS = 32, MANTISSA_BITS = 53, LOWEST_UNIT = -1074 };
@@ -115,4 +117,38 @@ double pl_exact_round(const pl_exact *a, int *exponent) {
         m = m * 0x1p32 + a->limb[i];
     *exponent = lowest * LIMB_BITS;
     return a->sign * m;
+}
+
+static int sign_of(const pl_exact *a) {
+    return a->n == 0 ? 0 : a->sign;
+}
+
+static int turn_by_integers(const double a[2], const double b[2], const double c[2]) {
+    const double all[] = {a[0], a[1], b[0], b[1], c[0], c[1]};
+    int unit = INT_MAX;
+    for (int i = 0; i < 6; i++) {
+        const int own = all[i] == 0 ? INT_MAX : pl_exact_unit(all[i]);
+        unit = own < unit ? own : unit;
+    }
+    if (unit == INT_MAX)
+        return 0;
+    pl_exact edge[4], left, right, turn;
+    pl_exact_difference(b[0], a[0], unit, &edge[0]);
+    pl_exact_difference(c[1], a[1], unit, &edge[1]);
+    pl_exact_difference(b[1], a[1], unit, &edge[2]);
+    pl_exact_difference(c[0], a[0], unit, &edge[3]);
+    pl_exact_multiply(&edge[0], &edge[1], &left);
+    pl_exact_multiply(&edge[2], &edge[3], &right);
+    pl_exact_add(&left, &right, -1, &turn);
+    return sign_of(&turn);
+}
+
+int pl_exact_turn(const double a[2], const double b[2], const double c[2]) {
+    /* Shewchuk, Adaptive precision floating-point arithmetic, 1997: 3 eps + 16 eps^2, and more. */
+    const double rounding = 4e-16, smallest = 1e-280;
+    const double left = (b[0] - a[0]) * (c[1] - a[1]), right = (b[1] - a[1]) * (c[0] - a[0]);
+    const double turn = left - right, sum = fabs(left) + fabs(right);
+    if (sum > smallest && fabs(turn) > rounding * sum && sum <= DBL_MAX)
+        return turn > 0 ? 1 : -1;
+    return turn_by_integers(a, b, c);
 }

@@ -4,8 +4,8 @@
  * give the sign of a determinant exactly, whatever the exponents. Used where the rounding error
  * bound cannot decide; numbers keep only the limbs they need, so common cases stay short.
  */
-#ifndef PL_QUALITY_EXACT_H
-#define PL_QUALITY_EXACT_H
+#ifndef PL_BASE_EXACT_H
+#define PL_BASE_EXACT_H
 
 #include <stdint.h>
 
@@ -36,5 +36,8 @@ void pl_exact_multiply(const pl_exact *a, const pl_exact *b, pl_exact *product);
 /** m with a = m 2^exponent up to the last bits of m, 1 <= |m| < 2^97 with the sign of a; 0 for 0.
  */
 double pl_exact_round(const pl_exact *a, int *exponent);
+
+/** The sign of the turn at b on the way from a to b to c, exactly: +1 to the left, 0 straight. */
+int pl_exact_turn(const double a[2], const double b[2], const double c[2]);
 
 #endif
