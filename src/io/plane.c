@@ -63,19 +63,25 @@ static int refuse_surface(const io_model *model, const io_plane *plane, int is_t
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: triangles in space (nodes are up to %.3g off the plane that fits them "
                    "best, and %.3g is allowed, %.3g of the size): only meshes in one plane can be "
-                   "smoothed, surfaces cannot",
+                   "smoothed, surfaces cannot (a larger tolerance is given by "
+                   "--slide-tolerance)",
                    model->input.path, plane->off, tolerance * plane->size, tolerance);
 }
 
 static int find_tilted(io_model *model, const io_format *format, const box *b,
                        planish_error *error) {
-    const double usual = 1e-8; /* as planish_find_slides has it */
+    const double usual = 1e-8;           /* as planish_find_slides has it */
+    const double of_narrow_field = 1e-5; /* where some numbers have fewer digits than others */
+    const int narrow_field = 8;
     double tolerance = model->flatness;
     int is_thin = 0;
     if (!(tolerance > 0))
         tolerance = format ? io_tolerance_of_digits(model, format) : 0;
     if (!(tolerance > 0))
         tolerance = usual;
+    if (!(model->flatness > 0) && model->precision == PLANISH_ROUNDED &&
+        model->field_width <= narrow_field)
+        tolerance = fmax(tolerance, of_narrow_field);
     const int status = io_plane_fit(model, b->low, b->high, &model->plane, &is_thin, error);
     if (status || (!is_thin && model->plane.off <= tolerance * model->plane.size))
         return status;

@@ -80,10 +80,14 @@ static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
         io_model_place(s->model, i, uv, place);
         if (s->model->precision == PLANISH_DOUBLE || !io_plane_has_moved(s->model, i, uv))
             continue;
+        const double before[2] = {uv[0], uv[1]};
+        int same = 1;
         io_plane_project(&s->model->plane, place, uv);
         io_model_place(s->model, i, uv, again);
         for (int d = 0; d < 3; d++)
-            s->back[i] |= !pl_is_same(place[d], again[d]);
+            same &= pl_is_same(place[d], again[d]);
+        if (!same) /* what is held has nearly the digits of doubles */
+            memcpy(uv, before, sizeof before);
     }
 }
 
@@ -182,8 +186,133 @@ int planish_file_settle(const planish_file *file, double *coordinates, uint8_t *
 
 /* ---- after reading --------------------------------------------------------------------------- */
 
+/* Few triangles are so flat that rounding in the frame gives them another sign: nodes are moved by
+ * a few units of the last place until all triangles around have their own. */
+enum { FARTHEST = 6, MOST_NUDGED = 1000 };
+
+typedef struct reading {
+    io_model *model;
+    view along;
+    int usual;      /* the sign that most triangles have */
+    uint8_t *wrong; /* [n_elements] owned */
+    int64_t n_positive, n_negative, n_wrong;
+    int64_t *first;  /* [n_nodes + 1] where the elements of a node begin in, owned, */
+    int32_t *around; /* [3 n_elements] owned */
+} reading;
+
+/** Flat triangles are as good with the sign that is not usual: they count as inverted. */
+static int is_wrong(const reading *r, int64_t element) {
+    const int32_t *nodes = r->model->triangle.nodes + 3 * element;
+    const int wanted = sign_in_space(r->model->xyz, nodes, r->along);
+    const int sign = sign_in_plane(r->model->coordinates, nodes);
+    return wanted == 0 ? sign == r->usual : sign != wanted;
+}
+
+static void count_usual(void *context, int64_t begin, int64_t end, int thread) {
+    reading *r = context;
+    int64_t n[3] = {0, 0, 0};
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        n[1 + sign_in_plane(r->model->coordinates, r->model->triangle.nodes + 3 * i)]++;
+    __atomic_fetch_add(&r->n_negative, n[0], __ATOMIC_RELAXED);
+    __atomic_fetch_add(&r->n_positive, n[2], __ATOMIC_RELAXED);
+}
+
+static void find_wrong(void *context, int64_t begin, int64_t end, int thread) {
+    reading *r = context;
+    int64_t n = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        n += r->wrong[i] = (uint8_t)is_wrong(r, i);
+    __atomic_fetch_add(&r->n_wrong, n, __ATOMIC_RELAXED);
+}
+
+/** Which elements each node has. 0, or -1 without memory. */
+static int find_around(reading *r) {
+    const int64_t n_nodes = r->model->n_nodes, n = 3 * r->model->triangle.n;
+    const int32_t *nodes = r->model->triangle.nodes;
+    r->first = pl_alloc_zero(n_nodes + 2, sizeof *r->first);
+    r->around = pl_alloc(n, sizeof *r->around);
+    if (!r->first || !r->around)
+        return -1;
+    for (int64_t i = 0; i < n; i++)
+        r->first[nodes[i] + 2]++;
+    for (int64_t i = 0; i < n_nodes; i++)
+        r->first[i + 2] += r->first[i + 1];
+    for (int64_t i = 0; i < n; i++)
+        r->around[r->first[nodes[i] + 1]++] = (int32_t)(i / 3);
+    return 0;
+}
+
+static int count_wrong_around(const reading *r, int32_t node) {
+    int n = 0;
+    for (int64_t i = r->first[node]; i < r->first[node + 1]; i++)
+        n += is_wrong(r, r->around[i]);
+    return n;
+}
+
+/** Try the places at a distance of so many units; not 0: one is better. */
+static int try_ring(reading *r, int64_t element, int32_t node, int distance, int before) {
+    const double unit = DBL_EPSILON / 2 * r->model->plane.size;
+    double *uv = r->model->coordinates + 2 * (int64_t)node;
+    const double u = uv[0], v = uv[1];
+    for (int i = -distance; i <= distance; i++)
+        for (int k = -distance; k <= distance; k++) {
+            if (i != -distance && i != distance && k != -distance && k != distance)
+                continue;
+            uv[0] = u + i * unit;
+            uv[1] = v + k * unit;
+            if (!is_wrong(r, element) && count_wrong_around(r, node) < before)
+                return 1;
+        }
+    uv[0] = u;
+    uv[1] = v;
+    return 0;
+}
+
+static void nudge(reading *r, int64_t element) {
+    const int32_t *nodes = r->model->triangle.nodes + 3 * element;
+    int before[3];
+    if (!is_wrong(r, element)) /* any more */
+        return;
+    for (int k = 0; k < 3; k++)
+        before[k] = count_wrong_around(r, nodes[k]);
+    for (int distance = 1; distance <= FARTHEST; distance++)
+        for (int k = 0; k < 3; k++)
+            if (try_ring(r, element, nodes[k], distance, before[k]))
+                return;
+}
+
+static int give_signs(reading *r) {
+    const int64_t n = r->model->triangle.n;
+    int64_t n_nudged = 0;
+    r->wrong = pl_alloc(n, 1);
+    if (!r->wrong)
+        return -1;
+    pl_parallel_for(r->model->threads, n, CHUNK, count_usual, r);
+    r->usual = r->n_negative > r->n_positive ? -1 : 1;
+    pl_parallel_for(r->model->threads, n, CHUNK, find_wrong, r);
+    if (r->n_wrong == 0)
+        return 0;
+    if (find_around(r))
+        return -1;
+    for (int64_t i = 0; i < n && n_nudged < MOST_NUDGED; i++)
+        if (r->wrong[i]) {
+            nudge(r, i);
+            n_nudged++;
+        }
+    return 0;
+}
+
 int io_plane_keep(io_model *model, planish_error *error) {
-    model->uv_read = pl_alloc(model->n_nodes, 2 * sizeof *model->uv_read);
+    view views[MOST_VIEWS];
+    find_views(&model->plane, views);
+    reading r = {.model = model, .along = views[0]};
+    const int failed = give_signs(&r);
+    pl_free(r.wrong);
+    pl_free(r.first);
+    pl_free(r.around);
+    model->uv_read = failed ? NULL : pl_alloc(model->n_nodes, 2 * sizeof *model->uv_read);
     if (!model->uv_read)
         return pl_fail_memory(error, "coordinates");
     memcpy(model->uv_read, model->coordinates, (size_t)model->n_nodes * 2 * sizeof(double));

@@ -98,7 +98,7 @@ short() {
 touch a_file
 [ "$(completions planish quality a_f)" = a_file ] || fail "completion of a file"
 [ "$(completions planish smooth --json a_f)" = a_file ] || fail "completion of a file of an option"
-! completions planish quality --s | grep -q . || fail "options of another command are offered"
+! completions planish quality --o | grep -q . || fail "options of another command are offered"
 if command -v zsh >/dev/null; then
     zsh -n zsh || fail "zsh does not understand its completion"
 fi

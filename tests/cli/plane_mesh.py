@@ -2,7 +2,9 @@
 it shares no code with planish: signs of triangles are found with fractions.
 
 plane_mesh.py make N PLANE OUT [OFFSET]    a square of N x N squares in halves, inner nodes jittered.
-    PLANE: xy, yz, zx (x and y become these); 345 (two rotations by 3-4-5); tilt, steep (others)
+    PLANE: xy, yz, zx (x and y become these); 345 (two rotations by 3-4-5); tilt, steep (others);
+    half (halfway between two axes); regular (nothing is jittered); flat, flat345 (some triangles are)
+plane_mesh.py count IN                     prints how many triangles are inverted or flat
 plane_mesh.py same PLANE XY OUT            OUT in PLANE has the bits of XY, the other column those it had
 plane_mesh.py judge IN OUT TOLERANCE       OUT is IN with other places in its plane, none inverted
 """
@@ -34,11 +36,22 @@ def square(n):
     return points, triangles
 
 
+def change(points, plane, n):
+    if plane == "regular":
+        return [(round(x), round(y)) for x, y in points]
+    if plane.startswith("flat"):  # inner nodes on the lines of others
+        return [(round(x) + (1 if 0 < round(x) < n and round(y) % 3 == 1 else 0), round(y))
+                for x, y in points]
+    return points
+
+
 def rotation(plane):
     """The images of the unit vectors."""
-    if plane == "345":
+    if plane == "half":
+        return [(1, 0, 1), (0, math.sqrt(2), 0), (0, 0, 0)]
+    if plane in ("345", "flat345"):
         return [(15, 12, 16), (-20, 9, 12), (0, -20, 15)]  # 25 times those of a rotation
-    a, b, c = {"tilt": (0.3, 1.1, 0.7), "steep": (2.1, 0.05, -1.3)}[plane]
+    a, b, c = {"tilt": (0.3, 1.1, 0.7), "steep": (2.1, 0.05, -1.3)}.get(plane, (0.3, 0.6, 1.9))
     m = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
     for angle, p, q in ((a, 0, 1), (b, 1, 2), (c, 0, 2)):
         s, t = math.sin(angle), math.cos(angle)
@@ -328,8 +341,13 @@ if __name__ == "__main__":
     what, *rest = sys.argv[1:]
     if what == "make":
         points, triangles = square(int(rest[0]))
+        points = change(points, rest[1], int(rest[0]))
         offset = float(rest[3]) if len(rest) > 3 else 0.0
         write(rest[2], place(points, rest[1], offset), triangles)
+    elif what == "count":
+        points, triangles = read(rest[0])
+        normal = normal_of(points, triangles)
+        print(inverted(points, triangles, normal, max(range(3), key=lambda k: abs(normal[k]))))
     elif what == "same":
         same(*rest)
     else:

@@ -418,8 +418,9 @@ static void test_plane_mesh(void **state) {
 /** What geometry kernels leave of roundings in z is no surface. */
 static void test_noise_of_a_plane(void **state) {
     (void)state;
-    static const char head[] = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n",
-                      tail[] = "$EndNodes\n$Elements\n1\n1 2 0 1 2 3\n$EndElements\n";
+    static const char head[] = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n",
+                      tail[] = "4 0 1 2\n$EndNodes\n$Elements\n2\n1 2 0 1 2 3\n2 2 0 1 3 4\n"
+                               "$EndElements\n";
     char huge[512];
     snprintf(huge, sizeof huge, "%s1 -1e308 0 -1e308\n2 1e308 0 1e308\n3 0 1e308 0\n%s", head,
              tail);
@@ -427,7 +428,7 @@ static void test_noise_of_a_plane(void **state) {
     static const struct {
         const char *z;
         int is_plane;
-    } cases[] = {{"2", 1}, {"2.00000001e0", 1}, {"1.99999999", 1}, {"2.0000001", 0}, {"1.9", 0}};
+    } cases[] = {{"2", 1}, {"2.00000001e0", 1}, {"1.99999999", 1}, {"2.01", 0}, {"1.9", 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char text[512];
         snprintf(text, sizeof text, "%s1 0 0 2\n2 3 0 2\n3 3 1 %s\n%s", head, cases[i].z, tail);

@@ -152,6 +152,9 @@ static void what_cannot_be_smoothed_is_refused(void **state) {
     io_model model;
     planish_error error;
     make_model(&model, 3, 2, bent);
+    assert_int_equal(io_cells_reserve(&model.triangle, 2, 1, 0, 0, NULL), PLANISH_OK);
+    memcpy(model.triangle.nodes + 3, (int32_t[]){1, 2, 3}, 3 * sizeof(int32_t));
+    model.triangle.n = 2;
     assert_int_equal(io_model_finish(&model, NULL, &error), PLANISH_ERROR_FORMAT);
     io_model_destroy(&model);
     make_model(&model, 2, 3, flat); /* tetrahedra without a third coordinate */

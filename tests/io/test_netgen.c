@@ -261,7 +261,7 @@ static void wrong_files_are_refused(void **state) {
         {HEAD NODES TET "materials\n2\n1 a\n" TAIL, "line 2 of 2"},
         {HEAD NODES TET "bcnames\n1\n99999999999 a\n" TAIL, "out of range"},
         {HEAD NODES TET "identificationnames\n2\na\n", "line 2 of 2"},
-        {HEAD NODES "surfaceelements\n1\n1 1 0 0 3 2 3 4\n" TAIL, "triangles in space"},
+        {HEAD NODES "surfaceelements\n2\n1 1 0 0 3 2 3 4\n1 1 0 0 3 1 2 4\n" TAIL, "triangles in space"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         reading_fails(&io_format_netgen, cases[i].text, cases[i].word);

@@ -1,0 +1,196 @@
+/* Planes of triangles: what embedders see of them, and exact turns. */
+#include "base/exact.h"
+#include "io/file.h"
+#include "io/plane.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { N = 5, NODES = N * N };
+
+/** OFF of a grid whose node at (x, y) is x u + y v from origin, and of what else is given. */
+static planish_file *read_grid(const double u[3], const double v[3], double origin,
+                               const char *more_nodes, int n_more) {
+    static char text[1 << 14];
+    int used = sprintf(text, "OFF\n%d %d 0\n", NODES + n_more, 2 * (N - 1) * (N - 1));
+    for (int i = 0; i < NODES; i++) {
+        for (int d = 0; d < 3; d++) /* the middle is moved */
+            used += sprintf(text + used, "%.17g ",
+                            origin + ((i % N) + (i == NODES / 2) * 0.25) * u[d] + i / N * v[d]);
+        used += sprintf(text + used, "\n");
+    }
+    used += sprintf(text + used, "%s", more_nodes);
+    for (int y = 0; y + 1 < N; y++)
+        for (int x = 0; x + 1 < N; x++) {
+            const int a = y * N + x;
+            used += sprintf(text + used, "3 %d %d %d\n3 %d %d %d\n", a, a + 1, a + N + 1, a,
+                            a + N + 1, a + N);
+        }
+    planish_file *file;
+    planish_error error;
+    if (io_file_from_memory(&io_format_off, "test", text, used, 2, &file, &error))
+        fail_msg("%s", error.text);
+    return file;
+}
+
+static void turns_are_exact(void **state) {
+    (void)state;
+    const double a[2] = {0.1, 0.1}, b[2] = {0.7, 0.7}, c[2] = {0.3, 0.3};
+    const double up[2] = {0.3, nextafter(0.3, 1)}, down[2] = {0.3, nextafter(0.3, 0)};
+    assert_int_equal(pl_exact_turn(a, b, c), 0);
+    assert_int_equal(pl_exact_turn(a, b, up), 1);
+    assert_int_equal(pl_exact_turn(a, b, down), -1);
+    const double tiny[3][2] = {{0, 0}, {5e-324, 0}, {0, 5e-324}},
+                 huge[3][2] = {{-1.7e308, 0}, {1.7e308, 0}, {0, 1.7e308}};
+    assert_int_equal(pl_exact_turn(tiny[0], tiny[1], tiny[2]), 1);
+    assert_int_equal(pl_exact_turn(tiny[0], tiny[2], tiny[1]), -1);
+    assert_int_equal(pl_exact_turn(huge[0], huge[1], huge[2]), 1);
+    assert_int_equal(pl_exact_turn(tiny[0], tiny[0], tiny[0]), 0);
+}
+
+/** Coordinates are of an orthonormal frame, and lead back to the file; those that changed lead to
+ *  the plane. */
+static void check_frame(const double u[3], const double v[3], double origin, double length) {
+    planish_file *file = read_grid(u, v, origin, "", 0);
+    planish_plane plane;
+    assert_int_equal(planish_file_plane(file, &plane), 1);
+    assert_true(plane.is_tilted);
+    const planish_mesh mesh = planish_file_mesh(file);
+    double xyz[3 * NODES];
+    assert_int_equal(mesh.dim, 2);
+    assert_int_equal(planish_file_place(file, 0, NODES, mesh.coordinates, xyz, NULL), PLANISH_OK);
+    assert_memory_equal(xyz, file->model.xyz, sizeof xyz);
+    const double *first = mesh.coordinates, *right = first + 2, *up = first + 2 * N;
+    assert_true(fabs(hypot(right[0] - first[0], right[1] - first[1]) - length) < 1e-9 * length);
+    assert_true(fabs(hypot(up[0] - first[0], up[1] - first[1]) - length) < 1e-9 * length);
+    const double moved[2] = {first[0] + 0.25 * length, first[1] - 0.125 * length};
+    assert_int_equal(planish_file_place(file, 3, 1, moved, xyz, NULL), PLANISH_OK);
+    double off = 0;
+    for (int d = 0; d < 3; d++) {
+        const double wanted =
+            plane.origin[d] + moved[0] * plane.direction[0][d] + moved[1] * plane.direction[1][d];
+        assert_true(fabs(xyz[d] - wanted) < 1e-9 * length);
+        off += (xyz[d] - file->model.xyz[d]) * plane.normal[d];
+    }
+    assert_true(fabs(off) < 1e-9 * length);
+    planish_file_close(file);
+}
+
+static void frames_are_orthonormal(void **state) {
+    (void)state;
+    check_frame((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, 25);
+    check_frame((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 1e6, 25);
+    check_frame((const double[]){3, 0, -4}, (const double[]){0, 5, 0}, -7, 5);
+    check_frame((const double[]){15e-200, 12e-200, 16e-200},
+                (const double[]){-20e-200, 9e-200, 12e-200}, 0, 25e-200);
+}
+
+static void nodes_of_no_triangle_are_elsewhere(void **state) {
+    (void)state;
+    planish_file *file =
+        read_grid((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, "1e3 0 0\n", 1);
+    double xyz[3];
+    const planish_mesh mesh = planish_file_mesh(file);
+    assert_int_equal(
+        planish_file_place(file, NODES, 1, mesh.coordinates + 2 * (int64_t)NODES, xyz, NULL), 0);
+    assert_true(xyz[0] == 1e3 && xyz[1] == 0 && xyz[2] == 0);
+    planish_file_close(file);
+}
+
+static void axes_are_told(void **state) {
+    (void)state;
+    static const double e[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int axis = 0; axis < 3; axis++) {
+        planish_file *file = read_grid(e[(axis + 1) % 3], e[(axis + 2) % 3], 0.5, "", 0);
+        planish_plane plane;
+        assert_int_equal(planish_file_plane(file, &plane), axis != 2);
+        assert_int_equal(plane.is_tilted, 0);
+        assert_int_equal(plane.axis[2], axis);
+        assert_true(plane.normal[axis] == 1 && plane.direction[0][(axis + 1) % 3] == 1);
+        assert_true(plane.origin[axis] == (axis == 2 ? 0.5 : 0.5));
+        planish_file_close(file);
+    }
+}
+
+/** A node that inverts triangles as it is placed goes back, and so does one that is told to. */
+static void settling_takes_nodes_back(void **state) {
+    (void)state;
+    planish_file *file =
+        read_grid((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, "", 0);
+    double *uv = planish_file_coordinates(file), before[2 * NODES];
+    uint8_t back[NODES] = {0};
+    int64_t n = -1;
+    memcpy(before, uv, sizeof before);
+    uv[2 * (NODES / 2)] -= 1;
+    assert_int_equal(planish_file_settle(file, uv, NULL, &n, NULL), PLANISH_OK);
+    assert_int_equal(n, 0);
+    assert_true(uv[2 * (NODES / 2)] != before[2 * (NODES / 2)]);
+    back[NODES / 2] = 1;
+    assert_int_equal(planish_file_settle(file, uv, back, &n, NULL), PLANISH_OK);
+    assert_int_equal(n, 1);
+    assert_memory_equal(uv, before, sizeof before);
+    /* Triangles so thin that many have another sign in floats. */
+    file->model.precision = PLANISH_FLOAT;
+    const double *a = uv + 2 * (NODES / 2 - N - 1), *b = uv + 2 * (NODES / 2 - N);
+    double *moved = uv + 2 * (NODES / 2), place[3];
+    int64_t n_back = 0;
+    const int sign = pl_exact_turn(a, b, moved);
+    const int32_t p = file->model.plane.axis[0], q = file->model.plane.axis[1];
+    for (int i = 1; i < 20; i++) {
+        const double t = i / 20.0;
+        moved[0] = (1 - t) * a[0] + t * b[0] - sign * 1e-12 * (b[1] - a[1]);
+        moved[1] = (1 - t) * a[1] + t * b[1] + sign * 1e-12 * (b[0] - a[0]);
+        assert_int_equal(pl_exact_turn(a, b, moved), sign);
+        assert_int_equal(planish_file_settle(file, uv, NULL, &n, NULL), PLANISH_OK);
+        n_back += n;
+        planish_file_place(file, NODES / 2, 1, moved, place, NULL);
+        const double *of_a = file->model.xyz + 3 * (NODES / 2 - N - 1), *of_b = of_a + 3;
+        assert_int_equal(pl_exact_turn((double[]){of_a[p], of_a[q]}, (double[]){of_b[p], of_b[q]},
+                                       (double[]){place[p], place[q]}),
+                         sign);
+        if (n > 0)
+            assert_memory_equal(uv, before, sizeof before);
+    }
+    assert_true(n_back > 0);
+    planish_file_close(file);
+}
+
+static void wrong_arguments(void **state) {
+    (void)state;
+    planish_file *file =
+        read_grid((const double[]){15, 12, 16}, (const double[]){-20, 9, 12}, 0, "", 0);
+    planish_error error;
+    double xyz[3], uv[2] = {0, 0};
+    assert_int_equal(planish_file_place(file, NODES, 1, uv, xyz, &error), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_place(file, -1, 1, uv, xyz, &error), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_place(file, 0, INT64_MAX, uv, xyz, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_place(NULL, 0, 1, uv, xyz, &error), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_settle(file, NULL, NULL, NULL, &error), PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_plane(NULL, NULL), 0);
+    planish_file_close(file);
+    const planish_open_options options = {.plane_tolerance = 2e-3};
+    assert_int_equal(planish_file_open_with("nowhere", &options, &file, &error),
+                     PLANISH_ERROR_ARGUMENT);
+    assert_int_equal(planish_file_open_with("nowhere", NULL, &file, &error), PLANISH_ERROR_FILE);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(turns_are_exact),
+        cmocka_unit_test(frames_are_orthonormal),
+        cmocka_unit_test(nodes_of_no_triangle_are_elsewhere),
+        cmocka_unit_test(axes_are_told),
+        cmocka_unit_test(settling_takes_nodes_back),
+        cmocka_unit_test(wrong_arguments),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
