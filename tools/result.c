@@ -7,6 +7,7 @@
 
 #include "held.h"
 #include "platform.h"
+#include "text.h"
 #include "utf8.h"
 
 #include <cjson/cJSON.h>
@@ -382,19 +383,35 @@ static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl
     add_elements(json, root, "below_min", job, state, PLANISH_VOLUME_BELOW, NULL);
 }
 
+/** A copy of JSON text with a line end, in which characters that a terminal may not get are written
+ *  by their numbers: cJSON does so with those below ' ' alone. NULL without memory. */
+static char *escape_controls(const char *text) {
+    enum { LENGTH = 6 }; /* of an escape */
+    uint32_t code;
+    size_t size = strlen(text) + 2;
+    for (const char *from = text; *from; from++)
+        size += pl_text_control(from, &code) ? LENGTH : 0;
+    char *line = malloc(size), *to = line;
+    for (const char *from = text; line && *from;) {
+        const int length = (unsigned char)*from > '~' ? pl_text_control(from, &code) : 0;
+        if (length > 0)
+            to += snprintf(to, LENGTH + 1, "\\u%04x", (unsigned)code);
+        else
+            *to++ = *from;
+        from += length > 0 ? length : 1;
+    }
+    if (line)
+        memcpy(to, "\n", 2);
+    return line;
+}
+
 /** The text of root with a line end, or NULL; root is released. */
 static char *finish(document *json, cJSON *root) {
     char *text = json->failed ? NULL : cJSON_Print(root);
     cJSON_Delete(root);
     if (!text)
         return NULL;
-    const size_t length = strlen(text);
-    char *line = malloc(length + 2);
-    if (line) {
-        memcpy(line, text, length);
-        line[length] = '\n';
-        line[length + 1] = '\0';
-    }
+    char *line = escape_controls(text);
     cJSON_free(text);
     return line;
 }

@@ -30,6 +30,12 @@ static const range wide[] = {
     {0x20000, 0x3FFFD},
 };
 
+/* Characters that a terminal obeys, or that change the direction of what follows: names may not. */
+static const range controls[] = {
+    {0x00, 0x1F},     {0x7F, 0x9F},     {0x061C, 0x061C},
+    {0x200E, 0x200F}, {0x2028, 0x202E}, {0x2066, 0x2069},
+};
+
 static int is_among(const range *ranges, size_t n, uint32_t code) {
     for (size_t i = 0; i < n; i++)
         if (code >= ranges[i].first && code <= ranges[i].last)
@@ -67,9 +73,16 @@ static uint32_t decode(const char *text, int *length) {
 static character character_at(const char *text) {
     character c;
     const uint32_t code = decode(text, &c.length);
-    c.is_control = code < ' ' || (code >= 0x7F && code < 0xA0);
+    c.is_control = is_among(controls, sizeof controls / sizeof *controls, code);
     c.columns = c.is_control || c.length == 1 ? 1 : columns_of(code);
     return c;
+}
+
+int pl_text_control(const char *text, uint32_t *code) {
+    const character c = character_at(text);
+    int length;
+    *code = decode(text, &length);
+    return c.is_control ? length : 0;
 }
 
 int pl_text_columns(const char *text) {

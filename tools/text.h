@@ -3,6 +3,7 @@
 #define PL_TOOLS_TEXT_H
 
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 enum { PL_TEXT_WIDTH = 80 }; /* of all that is printed for people */
@@ -24,5 +25,9 @@ const char *pl_text_fit(const char *name, int columns, char *text, size_t size);
 
 /** Print sentence and a line end, in lines of PL_TEXT_WIDTH at most, broken at blanks. */
 void pl_text_wrap(FILE *stream, const char *sentence);
+
+/** Bytes of the character that text begins with if a terminal may not get it: a control, or one
+ *  that changes the direction of what follows; *code: its number. Else 0. */
+int pl_text_control(const char *text, uint32_t *code);
 
 #endif

@@ -211,12 +211,20 @@ static int check_nodes(const planish_mesh *mesh, const int32_t *nodes, int64_t n
     return PLANISH_OK;
 }
 
+/** Facets and edges that are listed: more than any mesh of INT32_MAX nodes has. */
+static const int64_t MOST_LISTED = (int64_t)8 * INT32_MAX;
+
 static int check_tags(const planish_mesh *mesh, const planish_surface *tags, planish_error *error) {
     if (!tags)
         return PLANISH_OK;
     if (tags->n_facets < 0 || tags->n_edges < 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "surface.n_facets and n_edges must not be negative");
+    if (tags->n_facets > MOST_LISTED || tags->n_edges > MOST_LISTED)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.%s is %" PRId64 "; it must be at most %" PRId64,
+                       tags->n_facets > MOST_LISTED ? "n_facets" : "n_edges",
+                       tags->n_facets > MOST_LISTED ? tags->n_facets : tags->n_edges, MOST_LISTED);
     if (!(tags->tolerance >= 0 && tags->tolerance <= LARGEST_TOLERANCE))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "surface.tolerance is %g; give 0 to %g of the diagonal of the bounding box",

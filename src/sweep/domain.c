@@ -86,6 +86,10 @@ static int check_around(const planish_mesh *mesh, const planish_options *options
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.n_around is %" PRId64 "; give at least one node",
                        options->n_around);
+    if (options->n_around > INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.n_around is %" PRId64 "; it must be at most %" PRId32,
+                       options->n_around, INT32_MAX);
     if (options->only_worse_than > 0 || options->min_volume_fraction > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.%s is about all of the mesh; do without options.around, or without "

@@ -163,13 +163,13 @@ int pl_options_check(const planish_options *options, planish_error *error) {
 /** About how many elements a plan will be for. */
 static int64_t elements_for(const planish_mesh *mesh, const planish_options *options) {
     enum { OF_A_NODE = 24 };
-    const int64_t wide = options->layers + 1;
+    const double wide = options->layers + 1.0; /* its cube may be beyond 64 bits */
     const int walks = options->around_elements && (mesh->neighbours || mesh->neighbours64);
     if (!options->around || !walks || options->n_around < 1 ||
         options->n_around > mesh->n_elements / OF_A_NODE)
         return mesh->n_elements;
-    const int64_t n = options->n_around * OF_A_NODE * wide * wide * wide;
-    return n < mesh->n_elements ? n : mesh->n_elements;
+    const double n = (double)options->n_around * OF_A_NODE * wide * wide * wide;
+    return n < (double)mesh->n_elements ? (int64_t)n : mesh->n_elements;
 }
 
 int pl_threads_for(const planish_mesh *mesh, const planish_options *options) {

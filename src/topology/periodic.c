@@ -126,11 +126,18 @@ static uint8_t find_shift(work *w, int32_t node) {
     return (uint8_t)w->n_shifts++;
 }
 
+/* Pairs that are listed: more than any mesh of INT32_MAX nodes needs. */
+static const int64_t MOST_PAIRS = (int64_t)64 * INT32_MAX;
+
 int pl_check_periodic(const planish_mesh *mesh, planish_error *error) {
     if (mesh->n_periodic < 0 || (mesh->n_periodic > 0 && !mesh->periodic))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.n_periodic is %" PRId64 "%s; give pairs, or 0 for none",
                        mesh->n_periodic, mesh->periodic ? "" : " and mesh.periodic is NULL");
+    if (mesh->n_periodic > MOST_PAIRS)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.n_periodic is %" PRId64 "; it must be at most %" PRId64,
+                       mesh->n_periodic, MOST_PAIRS);
     for (int64_t i = 0; i < 2 * mesh->n_periodic; i++)
         if (mesh->periodic[i] < 0 || mesh->periodic[i] >= mesh->n_nodes)
             return pl_fail_at(error, PLANISH_ERROR_MESH, -1, mesh->periodic[i],

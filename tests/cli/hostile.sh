@@ -148,12 +148,14 @@ long=$(printf '%0251d' 0)
 deep=$(printf 'd%.0s' {1..200})
 # shellcheck disable=SC2016 # the dollar is a part of the name
 for name in "a b.msh" "it's.msh" 'quo"te.msh' $'new\nline.msh' '$(touch x).msh' '*.msh' '%s%n.msh' 'back\slash.msh' \
-    $'\xff\xfe.msh' $'\xc3\x28.msh' "äöü.msh" $'\e[31m.msh' './-lead.msh' "$long.msh" '<b>&.msh' '.msh.msh'; do
+    $'\xff\xfe.msh' $'\xc3\x28.msh' "äöü.msh" $'\e[31m.msh' $'a\xe2\x80\xaeb.msh' $'a\xe2\x81\xa6b.msh' $'a\xc2\x9bb.msh' './-lead.msh' "$long.msh" '<b>&.msh' '.msh.msh'; do
     cp ../in.msh "$name"
     tame 0 1 "$program" smooth "$name" -o "$name"
     cmp "$name" ../plain.msh || fail "smoothed as '$name'"
     expect_status 0 "$program" smooth "$name" -o ../result.msh --json ../report.json --report ../page.html
     ! grep -q $'\e\|\r' err out || fail "control characters of '$name' reach the terminal"
+    ! LC_ALL=C grep -qP '\xe2\x80\xae|\xe2\x81\xa6|\xc2\x9b' err out ../report.json ../page.html ||
+        fail "characters of '$name' that turn text, or control a terminal"
     expect_status 0 "$program" quality "$name" --json ../quality.json
     python3 -c 'import json, sys
 for name in sys.argv[1:]: json.load(open(name, encoding="utf-8"))' ../report.json ../quality.json ||
@@ -178,14 +180,16 @@ python3 - <<'END'
 from tiny_meshes import meshes
 data = meshes()["gmsh22.msh"]
 for i, name in enumerate([b"\xff\xfe", b"\xc3(", b"<&>", b"]]>", b"a\x01b", b"\xed\xa0\x80", b"y" * 100000, b"\x1b[31m",
-                          b"%s%n", b"\xef\xbf\xbf"]):
+                          b"%s%n", b"\xef\xbf\xbf", b"a\xe2\x80\xaeb", b"a\xe2\x81\xa6b", b"a\xc2\x9bb"]):
     open("%d.msh" % i, "wb").write(data.replace(b"body", name))
 END
-for file in ?.msh; do
+for file in ?.msh ??.msh; do
     expect_status 0 "$program" smooth "$file" -o same.msh --json report.json --report page.html
     cmp "$file" same.msh || fail "$file is not what it was"
     expect_status 64 "$program" smooth "$file" -o same.msh --fix nobody
     ! grep -q $'\e\|\x01' err || fail "control characters in the message of $file: $(cat err)"
+    ! LC_ALL=C grep -qP '\xe2\x80\xae|\xe2\x81\xa6|\xc2\x9b' err report.json page.html ||
+        fail "characters that turn text, or control a terminal, of $file"
     expect_status 0 "$program" smooth "$file" -o view.vtu
     python3 -c 'import sys, xml.parsers.expat
 head = open("view.vtu", "rb").read().split(b"<AppendedData")[0]

@@ -498,6 +498,11 @@ static void wrong_arguments_are_refused(void **state) {
     expect_refusal(&box.mesh, &surface, "surface.facets has the node 27");
     surface = (planish_surface){.n_edges = 1, .edges = edge};
     expect_refusal(&box.mesh, &surface, "surface.edges has the node -1");
+    /* Three times the first and twice the second are beyond 64 bits. */
+    surface = (planish_surface){.n_facets = INT64_MAX / 3 + 1, .facets = facet};
+    expect_refusal(&box.mesh, &surface, "surface.n_facets is ");
+    surface = (planish_surface){.n_edges = (int64_t)1 << 62, .edges = edge};
+    expect_refusal(&box.mesh, &surface, "surface.n_edges is ");
     surface = (planish_surface){.n_edges = 1};
     expect_refusal(&box.mesh, &surface, "surface.edges must not be NULL");
     surface = (planish_surface){.n_facets = -1};
