@@ -405,6 +405,14 @@ static char *escape_controls(const char *text) {
     return line;
 }
 
+/** How many inverted elements stay so because an option holds them. */
+static void add_inverted_held(document *json, cJSON *root, const pl_unfixable *unfixable) {
+    cJSON *held = new_object(json, root, "inverted_held");
+    add_integer(json, held, "fix_layers", unfixable->n_held[PL_HOLDER_LAYERS]);
+    add_integer(json, held, "fix", unfixable->n_held[PL_HOLDER_FIX]);
+    add_integer(json, held, "regions", unfixable->n_held[PL_HOLDER_REGIONS]);
+}
+
 /** The text of root with a line end, or NULL; root is released. */
 static char *finish(document *json, cJSON *root) {
     char *text = json->failed ? NULL : cJSON_Print(root);
@@ -462,6 +470,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
     add_elements(&json, root, "reversed", job, NULL, PLANISH_VOLUME_MET, result->reversed.state);
     add_elements(&json, root, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);
+    add_inverted_held(&json, root, &result->unfixable);
     add_text(&json, root, "reason", result->reason);
     add_integer(&json, root, "peak_memory_bytes", pl_peak_memory_bytes());
     return finish(&json, root);

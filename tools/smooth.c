@@ -178,6 +178,23 @@ static const char *is_or_are(int64_t n) {
     return n == 1 ? " is" : "s are";
 }
 
+/** Inverted elements that cannot be repaired: which options hold them. */
+static void judge_unfixable(const pl_unfixable *unfixable, pl_result *result) {
+    static const char *const advice[PL_N_HOLDERS] = {"run without it to repair them",
+                                                     "hold fewer groups to repair them",
+                                                     "--ignore-regions lets them move"};
+    const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
+    for (int i = 0; i < PL_N_HOLDERS; i++)
+        if (unfixable->n_held[i] > 0)
+            add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
+                       unfixable->n_held[i], unfixable->n_held[i] == 1 ? "s" : "",
+                       pl_holder_option(i), i == PL_HOLDER_REGIONS ? "hold their" : "holds their",
+                       advice[i]);
+    if (n_others > 0)
+        add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
+                   n_others);
+}
+
 static void judge_inverted(const pl_job *job, pl_result *result) {
     const int64_t inverted = result->after.inverted;
     const planish_method method = job->options.method;
@@ -190,9 +207,7 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                    inverted, is_or_are(inverted), result->before.inverted, pl_method_name(method));
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
-    if (result->unfixable.n > 0)
-        add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
-                   result->unfixable.n);
+    judge_unfixable(&result->unfixable, result);
     if (result->unfixable.n_undecided > 0)
         add_reason(result, "not all inverted elements were checked for that: there was no time");
     if (!job->options.untangle)

@@ -2,6 +2,7 @@
  * inverted for good. */
 #include "volumes.h"
 
+#include "held.h"
 #include "message.h"
 #include "signals.h"
 
@@ -100,6 +101,45 @@ void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes
                           volumes->n_infeasible, "cannot reach it wherever the free nodes are");
 }
 
+const char *pl_holder_option(pl_holder holder) {
+    static const char *const options[PL_N_HOLDERS] = {"--fix-layers", "--fix", "regions"};
+    return options[holder];
+}
+
+/** The first option that alone holds a node of an element; -1: none does. bits [n_nodes] as
+ *  pl_held_find. */
+static int holder_of(const pl_job *job, const uint16_t *bits, int64_t element) {
+    static const unsigned of[PL_N_HOLDERS] = {1 << PL_HELD_BY_LAYERS, 1 << PL_HELD_BY_FIX,
+                                              1 << PL_HELD_BY_INTERFACE};
+    const int corners = job->mesh.dim + 1;
+    unsigned all = 0, found = 0;
+    for (int i = 0; i < PL_N_HOLDERS; i++)
+        all |= of[i];
+    for (int j = 0; j < corners; j++) {
+        const unsigned here = bits[job->mesh.elements[element * corners + j]];
+        found |= here & ~all ? 0 : here;
+    }
+    for (int i = 0; i < PL_N_HOLDERS; i++)
+        if (found & of[i])
+            return i;
+    return -1;
+}
+
+/** Tell the elements that options hold from the others. */
+static int find_holders(const pl_job *job, pl_unfixable *unfixable) {
+    uint16_t *bits = NULL;
+    const int status = unfixable->n > 0 ? pl_held_find(job, &bits) : 0;
+    for (int64_t i = 0; bits && i < job->mesh.n_elements; i++) {
+        const int holder = unfixable->state[i] ? holder_of(job, bits, i) : -1;
+        if (holder >= 0) {
+            unfixable->n_held[holder]++;
+            unfixable->state[i] = PL_UNFIXABLE_HELD;
+        }
+    }
+    free(bits);
+    return status;
+}
+
 int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_result *smooth,
                       pl_unfixable *unfixable) {
     const planish_options options = pl_options_after(&job->options, smooth);
@@ -113,7 +153,7 @@ int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_resul
     if (job->engine->find_unfixable(job, &options, unfixable->state, &unfixable->n,
                                     &unfixable->n_undecided, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    return 0;
+    return find_holders(job, unfixable);
 }
 
 void pl_unfixable_free(pl_unfixable *unfixable) {
@@ -121,8 +161,23 @@ void pl_unfixable_free(pl_unfixable *unfixable) {
     unfixable->state = NULL;
 }
 
+int64_t pl_unfixable_held(const pl_unfixable *unfixable) {
+    int64_t n = 0;
+    for (int i = 0; i < PL_N_HOLDERS; i++)
+        n += unfixable->n_held[i];
+    return n;
+}
+
 void pl_unfixable_print(FILE *stream, const pl_job *job, const pl_unfixable *unfixable) {
-    if (unfixable->n > 0)
-        pl_elements_print(stream, job, unfixable->state, 1, unfixable->n,
+    const int64_t n_held = pl_unfixable_held(unfixable), m = job->mesh.n_elements;
+    uint8_t *others = n_held < unfixable->n ? malloc((size_t)m + 1) : NULL;
+    for (int64_t i = 0; others && i < m; i++)
+        others[i] = unfixable->state[i] == PL_UNFIXABLE;
+    if (others)
+        pl_elements_print(stream, job, others, 1, unfixable->n - n_held,
                           "cannot be made valid wherever the free nodes are");
+    if (n_held > 0)
+        pl_elements_print(stream, job, unfixable->state, PL_UNFIXABLE_HELD, n_held,
+                          "inverted, and held by an option");
+    free(others);
 }

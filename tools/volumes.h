@@ -38,17 +38,36 @@ void pl_volumes_free(pl_volumes *volumes);
 /** Name the first of them, a line for those below and one for those that cannot be helped. */
 void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes);
 
+/** Options that hold nodes which could move without them. */
+typedef enum pl_holder {
+    PL_HOLDER_LAYERS,
+    PL_HOLDER_FIX,
+    PL_HOLDER_REGIONS,
+    PL_N_HOLDERS
+} pl_holder;
+
+/** What pl_unfixable.state says of an element. */
+enum { PL_NOT_UNFIXABLE, PL_UNFIXABLE, PL_UNFIXABLE_HELD };
+
 /** The inverted elements that cannot be made valid by moving the free nodes. */
 typedef struct pl_unfixable {
     int64_t n;
-    int64_t n_undecided; /* others that were not decided, as there was no time */
-    uint8_t *state;      /* [mesh.n_elements] 1 for them, else 0; owned, or NULL: there are none */
+    int64_t n_undecided;          /* others that were not decided, as there was no time */
+    int64_t n_held[PL_N_HOLDERS]; /* those of them with a node that an option alone holds: each
+                                     counts once, for the first such option */
+    uint8_t *state; /* [mesh.n_elements] PL_UNFIXABLE, ...; owned, or NULL: there are none */
 } pl_unfixable;
+
+/** The option that a holder is, "--fix-layers". */
+const char *pl_holder_option(pl_holder holder);
 
 /** Find them in the mesh as it is now, of whose elements n_inverted are inverted; smooth: as above.
  */
 int pl_unfixable_find(const pl_job *job, int64_t n_inverted, const planish_result *smooth,
                       pl_unfixable *unfixable);
+
+/** How many of them options hold. */
+int64_t pl_unfixable_held(const pl_unfixable *unfixable);
 
 void pl_unfixable_free(pl_unfixable *unfixable);
 

@@ -4,7 +4,8 @@
  * across its layer; in a layer those of the elements around it are parallel to it and about as
  * long, on each other and side by side, elsewhere they are not. From the elements found so their
  * rows are followed to those that are hardly thin any more: most layers grow until they are not.
- * Nothing is asked of the boundary, so that layers may be anywhere, and in one or many.
+ * Nothing is asked of the boundary, so that layers may be anywhere, and in one or many. A mesh that
+ * is stretched throughout need not have edges across: its elements are known by its one direction.
  */
 #include "base/context.h"
 #include "base/memory.h"
@@ -27,9 +28,16 @@ static const double PARALLEL = 0.906;
 /* The part of the elements around an edge whose shortest edge has to go along with it. Around the
  * edges of a single layer two fifths do, with as many elements on the other side. */
 static const double COMPANY = 0.25;
+/* For so many of these one has a shortest edge beside it, not before or behind it, within a cosine
+ * of 60 degrees, as walls turn that much between coarse elements. A chain of short edges, as along
+ * a curve with many nodes, is no layer. */
+static const double BESIDE = 0.1, TURNED = 0.5;
 /* Rows go on while the shortest edge of an element is shorter than all others of it by this factor:
  * they are by how much a row is wider than high. */
 static const double WIDE = 1.2;
+
+/* A mesh is stretched throughout if its elements together are so many times as long as high. */
+static const double STRETCHED = 4;
 
 enum {
     CHUNK = 8192,   /* elements or nodes that one thread looks at at a time, */
@@ -66,6 +74,8 @@ typedef struct search {
     int32_t *row;            /* [n_elements] the first n_layer: those marked IN_LAYER, by row */
     int64_t n_followed;      /* of those, in rows before the one that is being followed */
     int64_t n_thin, n_layer; /* so far; shared */
+    double *moments;         /* [chunks][6] sums of the elements' moments */
+    double across[3];        /* unit: the direction in which all of the mesh is thin */
     uint8_t *is_layer;       /* [n_elements] the caller's */
 } search;
 
@@ -167,7 +177,8 @@ static int ask(search *s, uint8_t asks, int threads, planish_error *error) {
 
 /** The elements around an edge, but for those whose shortest it is. */
 typedef struct company {
-    int64_t n, n_along; /* those that were looked at, whose shortest edge goes along */
+    int64_t n, n_along; /* those that were looked at, whose shortest edge goes along, */
+    int64_t n_beside;   /* or is beside */
 } company;
 
 static inline double product(const edge *a, const edge *b, const int dim) {
@@ -177,10 +188,28 @@ static inline double product(const edge *a, const edge *b, const int dim) {
     return sum;
 }
 
-static inline int go_along(const edge *a, const edge *b, const int dim) {
+/** Whether two edges are of about the same length, and the cosine between them is at least cosine.
+ */
+static inline int are_alike(const edge *a, const edge *b, double cosine, const int dim) {
     const double p = product(a, b, dim);
     return a->square <= ALIKE * ALIKE * b->square && b->square <= ALIKE * ALIKE * a->square &&
-           p * p >= PARALLEL * PARALLEL * a->square * b->square;
+           p * p >= cosine * cosine * a->square * b->square;
+}
+
+static inline int go_along(const edge *a, const edge *b, const int dim) {
+    return are_alike(a, b, PARALLEL, dim);
+}
+
+/** Whether the middle of edge b is as far from the line of edge a as that is long. */
+static inline int is_beside(const search *s, const edge *a, const edge *b, const int dim) {
+    edge from = edge_between(s, (ends){{a->at.node[0], b->at.node[0]}}, dim);
+    from.square = 0;
+    for (int d = 0; d < dim; d++) {
+        from.way[d] += (b->way[d] - a->way[d]) / 2;
+        from.square += from.way[d] * from.way[d];
+    }
+    const double along = product(&from, a, dim);
+    return (from.square - a->square) * a->square >= along * along;
 }
 
 static inline void look_around(const search *s, int32_t node, const edge *e, company *c,
@@ -199,14 +228,16 @@ static inline void look_around(const search *s, int32_t node, const edge *e, com
         const edge other = edge_between(s, at, dim);
         c->n++;
         c->n_along += go_along(e, &other, dim);
+        c->n_beside += are_alike(e, &other, TURNED, dim) && is_beside(s, e, &other, dim);
     }
 }
 
 static inline int has_company(const search *s, const edge *e, const int dim) {
-    company c = {0, 0};
+    company c = {0, 0, 0};
     for (int j = 0; j < 2; j++)
         look_around(s, e->at.node[j], e, &c, dim);
-    return c.n_along > 0 && (double)c.n_along >= COMPANY * (double)c.n;
+    return c.n_along > 0 && (double)c.n_along >= COMPANY * (double)c.n &&
+           (double)c.n_beside >= BESIDE * (double)c.n_along;
 }
 
 /** Decide about the elements whose shortest edge begins at node. Elements of one edge are often
@@ -320,6 +351,126 @@ static void go_on_chunk(void *context, int64_t begin, int64_t end, int thread) {
             go_on(s, s->row[s->n_followed + i], 2);
 }
 
+/* ---- meshes stretched throughout ------------------------------------------------------------- */
+
+/** Places of the moments of dim coordinates in a row of 6. */
+static const uint8_t place_of[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+
+/** Add the sum of e e^T over the edges e of an element, divided by its trace. */
+static inline void add_moments(const search *s, int64_t element, double *sum, const int dim) {
+    double of[6] = {0}, trace = 0;
+    for (int k = 0; k < dim * (dim + 1) / 2; k++) {
+        const edge e = edge_between(s, ends_of(s, element, k, dim), dim);
+        for (int i = 0; i < dim; i++)
+            for (int j = i; j < dim; j++)
+                of[place_of[i][j]] += e.way[i] * e.way[j];
+        trace += e.square;
+    }
+    for (int i = 0; trace > 0 && i < 6; i++)
+        sum[i] += of[i] / trace;
+}
+
+static void add_moments_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const search *s = context;
+    double *sum = s->moments + begin / CHUNK * 6;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        if (s->mesh->dim == 3)
+            add_moments(s, i, sum, 3);
+        else
+            add_moments(s, i, sum, 2);
+}
+
+/** Turn rows and columns p and q of the symmetric matrix a so that a[p][q] becomes 0; v turns along
+ *  (Jacobi 1846). */
+static void turn(double a[3][3], double v[3][3], int p, int q) {
+    if (a[p][q] == 0)
+        return;
+    const double theta = (a[q][q] - a[p][p]) / (2 * a[p][q]);
+    const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + sqrt(theta * theta + 1));
+    const double c = 1 / sqrt(t * t + 1), sine = t * c;
+    for (int k = 0; k < 3; k++) {
+        const double x = a[k][p], y = a[k][q];
+        a[k][p] = c * x - sine * y;
+        a[k][q] = sine * x + c * y;
+    }
+    for (int k = 0; k < 3; k++) {
+        const double x = a[p][k], y = a[q][k];
+        a[p][k] = c * x - sine * y;
+        a[q][k] = sine * x + c * y;
+    }
+    for (int k = 0; k < 3; k++) {
+        const double x = v[k][p], y = v[k][q];
+        v[k][p] = c * x - sine * y;
+        v[k][q] = sine * x + c * y;
+    }
+}
+
+/** The direction of the smallest moment of the matrix of sum into across; whether it is so small
+ *  that all of the mesh is stretched. */
+static int find_across(const double *sum, int dim, double *across) {
+    enum { ROUNDS = 12 };
+    double a[3][3] = {{0}}, v[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, most = 0;
+    int least = 0;
+    for (int i = 0; i < dim; i++)
+        for (int j = 0; j < dim; j++)
+            a[i][j] = sum[place_of[i][j]];
+    for (int round = 0; round < ROUNDS; round++)
+        for (int p = 0; p < dim; p++)
+            for (int q = p + 1; q < dim; q++)
+                turn(a, v, p, q);
+    for (int i = 0; i < dim; i++) {
+        least = a[i][i] < a[least][least] ? i : least;
+        most = fmax(most, a[i][i]);
+    }
+    for (int d = 0; d < 3; d++)
+        across[d] = v[d][least];
+    return a[least][least] * STRETCHED * STRETCHED <= most;
+}
+
+/** Whether an element is thin across. */
+static inline int is_flat(const search *s, int64_t element, const int dim) {
+    double extent = 0, most = 0;
+    for (int k = 0; k < dim * (dim + 1) / 2; k++) {
+        const edge e = edge_between(s, ends_of(s, element, k, dim), dim);
+        double height = 0;
+        for (int d = 0; d < dim; d++)
+            height += e.way[d] * s->across[d];
+        extent = fmax(extent, fabs(height));
+        most = fmax(most, e.square);
+    }
+    return extent > 0 && most >= THIN * THIN * extent * extent;
+}
+
+static void mark_flat_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    search *s = context;
+    int64_t n = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        if (!(s->mark[i] & IN_LAYER) && is_flat(s, i, s->mesh->dim)) {
+            s->mark[i] |= IN_LAYER;
+            n++;
+        }
+    __atomic_fetch_add(&s->n_layer, n, __ATOMIC_RELAXED);
+}
+
+/** If all of the mesh is stretched, the elements that are thin in that direction are of layers. The
+ *  moments of chunks are added in their order. */
+static int add_stretched(search *s, int threads, planish_error *error) {
+    const int64_t n = s->mesh->n_elements, n_chunks = (n + CHUNK - 1) / CHUNK;
+    double sum[6] = {0};
+    s->moments = pl_alloc_zero(n_chunks, 6 * sizeof *s->moments);
+    if (!s->moments)
+        return pl_fail_memory(error, "thin elements");
+    pl_parallel_for(threads, n, CHUNK, add_moments_chunk, s);
+    for (int64_t i = 0; i < 6 * n_chunks; i++)
+        sum[i % 6] += s->moments[i];
+    pl_free(s->moments);
+    if (find_across(sum, s->mesh->dim, s->across))
+        pl_parallel_for(threads, n, CHUNK, mark_flat_chunk, s);
+    return PLANISH_OK;
+}
+
 /* ---- all of it ------------------------------------------------------------------------------ */
 
 static int find_seeds(search *s, int threads, planish_error *error) {
@@ -344,18 +495,25 @@ static int follow_rows(search *s, int threads, planish_error *error) {
     return PLANISH_OK;
 }
 
-static int find_marks(search *s, int threads, planish_error *error) {
-    const int64_t n = s->mesh->n_elements;
-    s->mark = pl_alloc_zero(n, 1);
+/** Layers with edges across, and their rows. */
+static int find_rows(search *s, int threads, planish_error *error) {
     s->unasked = pl_alloc(s->mesh->n_nodes, 1);
-    if (!s->mark || !s->unasked)
+    if (!s->unasked)
         return pl_fail_memory(error, "thin elements");
     memset(s->unasked, 1, (size_t)s->mesh->n_nodes);
-    int status = find_seeds(s, threads, error);
+    const int status = find_seeds(s, threads, error);
     if (status || s->n_layer == 0)
         return status;
-    s->row = pl_alloc(n, sizeof *s->row);
+    s->row = pl_alloc(s->mesh->n_elements, sizeof *s->row);
     return s->row ? follow_rows(s, threads, error) : pl_fail_memory(error, "thin elements");
+}
+
+static int find_marks(search *s, int threads, planish_error *error) {
+    s->mark = pl_alloc_zero(s->mesh->n_elements, 1);
+    int status = s->mark ? PLANISH_OK : pl_fail_memory(error, "thin elements");
+    if (!status && s->n_thin > 0)
+        status = find_rows(s, threads, error);
+    return status ? status : add_stretched(s, threads, error);
 }
 
 /** The caller's array is written to when nothing can fail any more. */
@@ -367,7 +525,7 @@ static int find_layers(search *s, int threads, planish_error *error) {
         status = pl_fail_memory(error, "thin elements");
     if (!status) {
         pl_parallel_for(threads, n, CHUNK, find_thin_chunk, s);
-        status = s->n_thin > 0 ? find_marks(s, threads, error) : PLANISH_OK;
+        status = find_marks(s, threads, error);
     }
     for (int64_t i = 0; !status && i < n; i++)
         s->is_layer[i] = s->n_layer > 0 && s->mark[i] & IN_LAYER;

@@ -128,7 +128,62 @@ expect_json "r['quality']['inverted'] == r['mesh']['layer_elements'] == 1800"
 expect_status 0 "$program" smooth grown.mesh -o out.mesh --fix-layers --json report.json
 expect_json "r['mesh']['layer_elements'] == 2400"
 
+# ---- a layer whose wall was moved: inverted because it is held
+
+# wall.mesh: the lowest plane of nodes but its rim was moved up through the layers.
+python3 - <<'END'
+import mesh_file
+mesh = mesh_file.read("layered.mesh")
+inner = lambda p: 0 < p[0] < 1 and 0 < p[1] < 1
+points = [(x, y, 0.015 if z == 0 and inner((x, y)) else z) for x, y, z in mesh.points]
+with open("wall.mesh", "w") as file:
+    file.write("MeshVersionFormatted 2\nDimension 3\nVertices\n%d\n" % len(points))
+    file.writelines("%r %r %r 0\n" % p for p in points)
+    file.write("Tetrahedra\n%d\n" % len(mesh.elements))
+    file.writelines("%d %d %d %d 1\n" % tuple(n + 1 for n in e) for e in mesh.elements)
+    file.write("End\n")
+END
+expect_status 1 "$program" smooth wall.mesh -o out.mesh --fix-layers --json report.json
+expect_text "of these stay inverted because --fix-layers holds their nodes: run without it to repair them"
+expect_json "r['after']['inverted'] > 100 and r['inverted_held'] == {'fix_layers': r['after']['inverted'], 'fix': 0, 'regions': 0}"
+! grep -q "wherever the free nodes are" err || fail "the option holds them, and nothing else"
+expect_status 0 "$program" smooth wall.mesh -o out.mesh --json report.json
+expect_json "r['before']['inverted'] > 100 and r['inverted_held'] == {'fix_layers': 0, 'fix': 0, 'regions': 0}"
+
+# The same by a group.
+expect_status 1 "$program" smooth folded.mesh -o out.mesh --fix 2 --fix 1 --json report.json
+expect_text "of these stay inverted because --fix holds their nodes"
+expect_json "r['inverted_held']['fix'] > 1000"
+
+# ---- meshes that are stretched throughout, and without edges across
+
+python3 - <<'END'
+import math
+import mesh_file
+cube = mesh_file.read("cube.mesh")
+cut = [(x, 0.6 * y + 0.8 * z, 1e-3 * (0.6 * z - 0.8 * y)) for x, y, z in cube.points]
+n = 400
+fan = [(0, 0, 0), (0, 0, 1), (0, 0, -1)]
+fan += [(math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n), 0) for i in range(n)]
+slices = [e for i in range(n) for a, b in [(3 + i, 3 + (i + 1) % n)]
+          for e in ((0, a, b, 1), (0, b, a, 2))]
+for name, points, elements in (("stretched", cut, cube.elements), ("fan", fan, slices)):
+    with open(name + ".mesh", "w") as file:
+        file.write("MeshVersionFormatted 2\nDimension 3\nVertices\n%d\n" % len(points))
+        file.writelines("%r %r %r 0\n" % p for p in points)
+        file.write("Tetrahedra\n%d\n" % len(elements))
+        file.writelines("%d %d %d %d 1\n" % tuple(n + 1 for n in e) for e in elements)
+        file.write("End\n")
+END
+expect_status 0 "$program" quality stretched.mesh --json report.json
+expect_text "are thin in layers (a boundary layer?): --fix-layers keeps them"
+expect_json "r['mesh']['layer_elements'] == r['mesh']['elements']"
+
 # ---- meshes without layers
+
+expect_status 0 "$program" quality fan.mesh --json report.json # slices around an axis
+! grep -q "thin in layers" err || fail "slices are no layers"
+expect_json "r['mesh']['free_nodes'] == 1 and r['mesh']['layer_elements'] == 0"
 
 for file in "$sample" cube.mesh; do
     for command in "smooth $file -o out.${file##*.}" "quality $file"; do

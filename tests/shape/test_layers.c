@@ -210,8 +210,6 @@ static void walls_may_be_curved(void **state) {
             }
 }
 
-/* ---- other meshes --------------------------------------------------------------------------- */
-
 /** Whether the mesh has elements whose edges differ by the factor. */
 static int has_edge_ratio(const planish_mesh *mesh, double ratio) {
     planish_quality quality;
@@ -221,6 +219,49 @@ static int has_edge_ratio(const planish_mesh *mesh, double ratio) {
     assert_int_equal(planish_measure_mesh(mesh, &options, &quality, NULL), 0);
     return quality.edge_ratio.max >= ratio;
 }
+
+/** A mesh without edges across that is stretched as a whole, in any direction: all of its elements
+ *  are thin. The same mesh before is not. */
+static void stretched_meshes_are_layers_throughout(void **state) {
+    (void)state;
+    static const double factors[] = {1, 0.05, 1e-3, 1e-6}, turns[] = {0, 0.7, 1.5};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t i = 0; i < 4; i++)
+            for (size_t k = 0; k < 3; k++) {
+                test_mesh box;
+                test_mesh_box(&box, dim, CELLS);
+                test_mesh_perturb(&box, 0.14, 7);
+                for (int64_t j = 0; j < box.mesh.n_nodes; j++) {
+                    double *x = box.coordinates + j * dim;
+                    /* a general linear map of the box: none of its edges goes across */
+                    const double a = x[0], b = x[dim - 1];
+                    const double z = factors[i] * (0.62 * a + 0.78 * b), y = 0.78 * a - 0.62 * b;
+                    x[0] = cos(turns[k]) * y - sin(turns[k]) * z;
+                    x[dim - 1] = sin(turns[k]) * y + cos(turns[k]) * z;
+                }
+                const int64_t n = count(&box.mesh);
+                if (i == 0)
+                    assert_int_equal(n, 0);
+                else
+                    assert_true((double)n >= 0.9 * (double)box.mesh.n_elements);
+                test_mesh_destroy(&box);
+            }
+}
+
+/** Slices around an axis: their short edges are one chain around it. */
+static void chains_of_short_edges_are_no_layers(void **state) {
+    (void)state;
+    static const int32_t numbers[] = {30, 100, 1000};
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) {
+        test_mesh pyramid;
+        test_mesh_double_pyramid(&pyramid, numbers[i]);
+        assert_true(has_edge_ratio(&pyramid.mesh, 4));
+        assert_int_equal(count(&pyramid.mesh), 0);
+        test_mesh_destroy(&pyramid);
+    }
+}
+
+/* ---- other meshes --------------------------------------------------------------------------- */
 
 /** Nodes that have come near to one of their neighbours, here and there: short edges that have no
  *  company. */
@@ -404,7 +445,7 @@ static void nodes_may_have_many_elements(void **state) {
     int64_t n, other_n;
     uint8_t *is_layer = find(&pyramid.mesh, 1, &n);
     uint8_t *other = find(&pyramid.mesh, 3, &other_n);
-    assert_int_equal(n, pyramid.mesh.n_elements); /* slices, side by side */
+    assert_int_equal(n, 0); /* slices, whose short edges are one chain */
     assert_memory_equal(is_layer, other, (size_t)n);
     free(other);
     free(is_layer);
@@ -481,6 +522,8 @@ int main(void) {
         cmocka_unit_test(rows_go_on_to_both_sides),
         cmocka_unit_test(corners_have_layers),
         cmocka_unit_test(walls_may_be_curved),
+        cmocka_unit_test(stretched_meshes_are_layers_throughout),
+        cmocka_unit_test(chains_of_short_edges_are_no_layers),
         cmocka_unit_test(short_edges_alone_are_no_layers),
         cmocka_unit_test(chance_makes_no_layers),
         cmocka_unit_test(slivers_are_no_layers),
