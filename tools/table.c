@@ -18,17 +18,24 @@ enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, UNIT_WIDTH = 4, CHANGE_WIDTH = 11, SP
 /* Changes below this fraction of a value are not seen in the digits of it that are shown. */
 static const double INVISIBLE = 5e-6;
 
+/* Relative changes from this on are told by the two values, not as a percentage. */
+static const double MOST_TOLD = 0.5;
+
 /** What a row's number is: which way is better, and how a change of it is told. */
 typedef struct measure {
     const char *unit;
     enum { LESS_IS_BETTER, MORE_IS_BETTER } sense;
-    enum { RELATIVE, ABSOLUTE, COUNTED } change;
+    enum { RELATIVE, ABSOLUTE, COUNTED, NOT_COMPARED } change;
 } measure;
 
 static const measure ratio = {"", LESS_IS_BETTER, RELATIVE};
 static const measure small_angle = {" deg", MORE_IS_BETTER, ABSOLUTE};
 static const measure large_angle = {" deg", LESS_IS_BETTER, ABSOLUTE};
 static const measure volume = {"", MORE_IS_BETTER, RELATIVE};
+/* Of other elements before than after. */
+static const measure other_ratio = {"", LESS_IS_BETTER, NOT_COMPARED};
+static const measure other_small_angle = {" deg", MORE_IS_BETTER, NOT_COMPARED};
+static const measure other_large_angle = {" deg", LESS_IS_BETTER, NOT_COMPARED};
 static const measure fault = {"", LESS_IS_BETTER, COUNTED};
 
 static void put_label(FILE *stream, const char *label) {
@@ -46,7 +53,7 @@ static void put_real(FILE *stream, int width, double value) {
 static pl_style style_of_change(const measure *m, double before, double after) {
     const double change = m->sense == LESS_IS_BETTER ? before - after : after - before;
     const double size = fmax(fabs(before), fabs(after));
-    if (!isfinite(change) || fabs(change) <= INVISIBLE * size)
+    if (m->change == NOT_COMPARED || !isfinite(change) || fabs(change) <= INVISIBLE * size)
         return PL_STYLE_PLAIN;
     return change > 0 ? PL_STYLE_BETTER : PL_STYLE_WORSE;
 }
@@ -61,7 +68,7 @@ static void put_change(FILE *stream, const measure *m, double before, double aft
         snprintf(change, sizeof change, "%+.4g", after - before);
     else if (m->change == COUNTED)
         snprintf(change, sizeof change, "%+.0f", after - before);
-    else if (before > 0 && after >= 10 * before)
+    else if (before > 0 && after >= 2 * before) /* no percentages above 100 */
         snprintf(change, sizeof change, "x %.3g", after / before);
     else if (before > 0 && after > 0)
         snprintf(change, sizeof change, "%+.3g %%", 100 * (after / before - 1));
@@ -144,26 +151,36 @@ static void row_reversed(FILE *stream, const planish_quality *before,
                   after->reversed);
 }
 
+/** Whether ratios and angles are of the same elements before (NULL: no matter) and after: they are
+ *  those of the valid ones. */
+static int are_of_same(const planish_quality *before, const planish_quality *after) {
+    return !before || before->inverted == after->inverted;
+}
+
 static void rows_quality(FILE *stream, int dim, const planish_quality *before,
                          const planish_quality *after) {
+    const int same = are_of_same(before, after);
+    const measure *of_ratio = same ? &ratio : &other_ratio;
+    const measure *of_small_angle = same ? &small_angle : &other_small_angle;
+    const measure *of_large_angle = same ? &large_angle : &other_large_angle;
     row_real(stream, "worst radius ratio", before ? &before->max_radius_ratio : NULL,
-             after->max_radius_ratio, &ratio);
+             after->max_radius_ratio, of_ratio);
     row_floor(stream, before, after);
     row_real(stream, dim == 3 ? "smallest dihedral angle" : "smallest angle",
-             before ? &before->min_angle_deg : NULL, after->min_angle_deg, &small_angle);
+             before ? &before->min_angle_deg : NULL, after->min_angle_deg, of_small_angle);
     if (after->n_fixed > 0)
         row_real(stream, "  of elements with free nodes",
                  before ? &before->min_angle_deg_movable : NULL, after->min_angle_deg_movable,
-                 &small_angle);
+                 of_small_angle);
     row_real(stream, dim == 3 ? "largest dihedral angle" : "largest angle",
-             before ? &before->max_angle_deg : NULL, after->max_angle_deg, &large_angle);
+             before ? &before->max_angle_deg : NULL, after->max_angle_deg, of_large_angle);
     row_real(stream, "RMS radius ratio", before ? &before->rms_radius_ratio : NULL,
-             after->rms_radius_ratio, &ratio);
+             after->rms_radius_ratio, of_ratio);
     row_real(stream, "  of elements with free nodes",
              before ? &before->rms_radius_ratio_movable : NULL, after->rms_radius_ratio_movable,
-             &ratio);
+             of_ratio);
     row_real(stream, "mean radius ratio", before ? &before->mean_radius_ratio : NULL,
-             after->mean_radius_ratio, &ratio);
+             after->mean_radius_ratio, of_ratio);
     row_real(stream, dim == 3 ? "smallest volume" : "smallest area",
              before ? &before->min_volume : NULL, after->min_volume, &volume);
     row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
@@ -177,7 +194,9 @@ static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, 
 }
 
 /** What was minimised, where it is not one of the measures. */
-static void row_objective(FILE *stream, const pl_job *job, const planish_result *smooth) {
+static void row_objective(FILE *stream, const pl_job *job, const pl_result *result) {
+    const planish_result *smooth = &result->smooth;
+    const int same = are_of_same(&result->before, &result->after);
     char label[LABEL_WIDTH + 1];
     const char *name = pl_objective_name(job->options.objective);
     if (!pl_arguments_change_objective(job->arguments))
@@ -186,7 +205,8 @@ static void row_objective(FILE *stream, const pl_job *job, const planish_result 
         snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
     else
         snprintf(label, sizeof label, "F (%s)", name);
-    row_real(stream, label, &smooth->objective_before, smooth->objective, &ratio);
+    row_real(stream, label, &smooth->objective_before, smooth->objective,
+             same ? &ratio : &other_ratio);
 }
 
 static void put_held_outside(FILE *stream, int64_t n) {
@@ -231,13 +251,17 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
     if (smooth->worst_sweeps == 0)
         return;
     const double rise = smooth->objective / smooth->objective_of_worst - 1;
-    snprintf(text, sizeof text,
-             "and %d for the worst element with a free node: %s %.4g -> %.4g%s, while %s %s by "
-             "%.2g %%",
-             smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
-             smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "",
-             job->options.area_weight > 0 ? "F" : "the RMS", rise < 0 ? "fell" : "rose",
-             fabs(100 * rise));
+    const char *name = job->options.area_weight > 0 ? "F" : "the RMS";
+    const int n = snprintf(text, sizeof text,
+                           "and %d for the worst element with a free node: %s %.4g -> %.4g%s, ",
+                           smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
+                           smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "");
+    if (fabs(rise) < MOST_TOLD)
+        snprintf(text + n, sizeof text - (size_t)n, "while %s %s by %.2g %%", name,
+                 rise < 0 ? "fell" : "rose", fabs(100 * rise));
+    else
+        snprintf(text + n, sizeof text - (size_t)n, "while %s went from %.4g to %.4g", name,
+                 smooth->objective_of_worst, smooth->objective);
     pl_text_wrap(stream, text);
 }
 
@@ -256,6 +280,19 @@ static void put_seconds(FILE *stream, const pl_job *job, const pl_result *result
     pl_text_wrap(stream, text);
 }
 
+/** Why ratios and angles are not compared. */
+static void put_validity(FILE *stream, const pl_result *result) {
+    char text[256];
+    if (are_of_same(&result->before, &result->after))
+        return;
+    snprintf(text, sizeof text,
+             "Ratios and angles are those of the valid elements, %" PRId64 " before and %" PRId64
+             " after, so they are not compared.",
+             result->before.n_elements - result->before.inverted,
+             result->after.n_elements - result->after.inverted);
+    pl_text_wrap(stream, text);
+}
+
 static void put_smooth_head(FILE *stream) {
     fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
             "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
@@ -267,7 +304,8 @@ void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
     put_smooth_head(stream);
     rows_quality(stream, job->mesh.dim, &result->before, &result->after);
     row_volumes(stream, job, &result->below_before, result->volumes.n_below);
-    row_objective(stream, job, &result->smooth);
+    row_objective(stream, job, result);
+    put_validity(stream, result);
     pl_histogram_print(stream, &result->before, &result->after);
     put_held_outside(stream, result->smooth.held_outside);
     put_back_note(stream, result->smooth.put_back);

@@ -107,13 +107,23 @@ static void put_claim(pl_markup *page, const pl_figures *figures, const char *cl
     const double before = pl_figure(figures->state[0], key);
     const double after = pl_figure(figures->state[1], key);
     const double slack = ROUNDING * fabs(before);
+    /* Of other valid elements than before nothing is claimed. */
+    const int same =
+        strcmp(key, "inverted") == 0 || pl_figure_count(figures->state[0], "inverted") ==
+                                            pl_figure_count(figures->state[1], "inverted");
     const int holds = less_is_better ? after <= before + slack : after >= before - slack;
     if (!isfinite(before) || !isfinite(after))
         return;
     pl_markup_put(page,
                   "<tr><th scope=\"row\">%s</th><td>%.8g</td><td>%.8g</td><td class=\"word "
                   "%s\">%s</td></tr>\n",
-                  claim, before, after, holds ? "good" : "bad", holds ? "holds" : "does not hold");
+                  claim, before, after,
+                  !same   ? ""
+                  : holds ? "good"
+                          : "bad",
+                  !same   ? "other elements"
+                  : holds ? "holds"
+                          : "does not hold");
 }
 
 /** Lists of elements that fall short: the first of them. */

@@ -70,12 +70,20 @@ static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
 /** From before to after as a percentage, or where that says little as a factor. */
 static void put_factor(pl_markup *page, double before, double after) {
     const double factor = after / before, large = 10;
-    if (factor >= large && isfinite(factor))
+    if (factor >= 2 && isfinite(factor)) /* no percentages above 100 */
         pl_markup_put(page, "\xC3\x97&#8239;%.4g", factor);
     else if (factor > 0 && 1 / factor >= large && isfinite(1 / factor))
         pl_markup_put(page, "\xC3\xB7&#8239;%.4g", 1 / factor);
     else if (factor > 0 && isfinite(factor))
         pl_markup_put(page, "%+.3g&#8239;%%", 100 * (factor - 1));
+}
+
+/** Whether the measure is of the same elements before and after: ratios and angles are those of the
+ *  valid ones. */
+static int is_of_same(const measure *m, const pl_figures *figures) {
+    const int is_of_all = m->is_count || strstr(m->key, "volume");
+    return is_of_all || pl_figure_count(figures->state[0], "inverted") ==
+                            pl_figure_count(figures->state[1], "inverted");
 }
 
 /** By how much it changed, and in words whether for the better. */
@@ -84,7 +92,7 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
     const double after = pl_figure(figures->state[1], m->key);
     const double change = after - before, relative = change / fabs(before);
     const int differs = m->is_count ? change != 0 : fabs(relative) >= NOTABLE;
-    if (!isfinite(change) || !differs || m->sense == NEITHER) {
+    if (!isfinite(change) || !differs || m->sense == NEITHER || !is_of_same(m, figures)) {
         pl_markup_put(page, "<td class=\"change\"></td><td class=\"word\"></td>");
         return;
     }
