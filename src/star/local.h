@@ -3,6 +3,7 @@
 #define PL_STAR_LOCAL_H
 
 #include "base/round.h"
+#include "geometry/simplex.h"
 #include "star/aspect.h"
 #include "star/direction.h"
 #include "star/gather.h"
@@ -143,11 +144,16 @@ static inline void give_value(const local *here, const objective *f, const deriv
 
 /* ---- bounds -------------------------------------------------------------------------------- */
 
+/* Squares outside of these have lost digits, or all of them, to under- or overflow. */
+#define SQUARE_LEAST 0x1p-900
+#define SQUARE_MOST  0x1p1000
+
 static inline double distance_from_start(const bounds *b, const double *x, const int dim) {
     double square = 0;
     for (int d = 0; d < dim; d++)
         square += (x[d] - b->start[d]) * (x[d] - b->start[d]);
-    return sqrt(square);
+    return square > SQUARE_LEAST && square < SQUARE_MOST ? sqrt(square)
+                                                         : pl_distance(dim, b->start, x);
 }
 
 static inline int within_bounds(const bounds *b, const double *x, const int dim) {

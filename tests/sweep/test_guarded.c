@@ -1023,6 +1023,43 @@ static void weights_need_volumes(void **state) {
     test_mesh_destroy(&mesh);
 }
 
+/** A largest displacement holds where its square is no number of doubles, also while a mesh is
+ *  untangled, and the result tells the displacement there is. */
+static void a_largest_displacement_holds_at_every_size(void **state) {
+    static const int exponents[] = {-700, -530, 0, 530, 700};
+    const int dim = *(int *)*state;
+    int64_t moved[5];
+    for (int k = 0; k < 5; k++) {
+        test_mesh mesh;
+        planish_result result;
+        planish_options options = defaults();
+        test_mesh_box(&mesh, dim, 3);
+        test_mesh_perturb(&mesh, 1.2, 7);
+        test_mesh_transform(&mesh, ldexp(1, exponents[k]), 0);
+        options.max_displacement = ldexp(0.25, exponents[k]);
+        double *x = malloc(bytes_of(&mesh.mesh)), farthest = 0;
+        memcpy(x, mesh.coordinates, bytes_of(&mesh.mesh));
+        planish_plan *plan;
+        assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, NULL), 0);
+        assert_int_equal(planish_smooth(plan, x, &options, &result, NULL), 0);
+        for (int64_t i = 0; i < mesh.mesh.n_nodes; i++) {
+            double square = 0;
+            for (int d = 0; d < dim; d++) {
+                const double way = x[i * dim + d] - mesh.coordinates[i * dim + d];
+                square += ldexp(way, -exponents[k]) * ldexp(way, -exponents[k]);
+            }
+            farthest = fmax(farthest, sqrt(square));
+        }
+        assert_true(farthest > 0 && farthest <= 0.25);
+        assert_true(fabs(ldexp(result.max_displacement, -exponents[k]) - farthest) < 1e-14);
+        moved[k] = result.moved_nodes;
+        assert_int_equal(moved[k], moved[0]);
+        planish_plan_destroy(plan);
+        free(x);
+        test_mesh_destroy(&mesh);
+    }
+}
+
 /** Bounds of every kind and infeasible elements: all memory that a call can want. */
 static void without_memory_nothing_changes(void **state) {
     int dim = *(int *)*state, failures = 0, status = PLANISH_ERROR_MEMORY;
@@ -1142,6 +1179,7 @@ int main(void) {
         BOTH(wrong_options_are_refused),
         BOTH(bounds_that_are_no_numbers_are_refused),
         BOTH(weights_need_volumes),
+        BOTH(a_largest_displacement_holds_at_every_size),
         BOTH(without_memory_nothing_changes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
