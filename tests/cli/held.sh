@@ -91,6 +91,11 @@ expect_text "no node is free to move: 98 nodes are on the boundary, 27 not chose
 expect_status 0 "$program" smooth all.mesh -o out.mesh -q
 [ ! -s err ] || fail "-q should be quiet"
 
+# The page has the same.
+expect_status 0 "$program" quality all.mesh --report page.html -q
+grep -qF '<th scope="row">between regions</th><td>8</td>' page.html || fail "the page should say why"
+! grep -qF "in groups of --fix" page.html || fail "reasons that no node has are left out"
+
 # Nothing can move: why, and what to do.
 expect_status 0 "$program" smooth own.mesh -o out.mesh --json report.json
 held boundary=1536

@@ -146,6 +146,47 @@ static void put_floor(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, ".</p>\n");
 }
 
+/** Why nodes are held: the reasons that any has. */
+static void put_held(pl_markup *page, const pl_figures *figures) {
+    static const char *const reasons[][2] = {
+        {"boundary", "on the boundary"},
+        {"lines_and_points", "on lines or points of the file"},
+        {"faces_inside", "on faces that the file lists inside the mesh"},
+        {"interface", "between regions"},
+        {"other_elements", "on elements of other types"},
+        {"periodic", "on periodic sides"},
+        {"fix", "in groups of --fix"},
+        {"required", "required by the file"},
+        {"doubled_points", "at the place of other nodes"},
+        {"nonmanifold", "where the mesh is no manifold"},
+        {"layers", "on thin layers"},
+        {"wrapped", "on elements that wrap around the domain"},
+        {"not_chosen", "not chosen by --only-worse-than"}};
+    const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(figures->result, "mesh");
+    const cJSON *held = cJSON_GetObjectItemCaseSensitive(mesh, "held");
+    const int64_t n_doubled = pl_figure_count(mesh, "doubled_nodes");
+    if (!cJSON_IsObject(held))
+        return;
+    pl_markup_put(page, "<details id=\"held\"><summary>Nodes that are held</summary><div "
+                        "class=\"scroll\"><table><tbody>\n");
+    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++) {
+        const int64_t n = pl_figure_count(held, reasons[i][0]);
+        if (n <= 0)
+            continue;
+        pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td>", reasons[i][1]);
+        pl_markup_put_count(page, n);
+        pl_markup_put(page, "</td></tr>\n");
+    }
+    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">Each node counts once, by its "
+                        "first reason in this order.");
+    if (n_doubled > 0) {
+        pl_markup_put(page, " ");
+        pl_markup_put_number_of(page, n_doubled, "of them is at the place of another node.",
+                                "of them are at the place of other nodes.");
+    }
+    pl_markup_put(page, "</p></details>\n");
+}
+
 /** The further measures of docs/measures.md: smallest, mean and largest over the elements. */
 static void put_spreads(pl_markup *page, const pl_figures *figures) {
     static const char *const spreads[][2] = {
@@ -199,6 +240,7 @@ void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
     }
     pl_markup_put(page, "</tbody></table></div>\n");
     put_floor(page, figures);
+    put_held(page, figures);
     put_spreads(page, figures);
     pl_markup_put(page, "</section>\n");
 }
