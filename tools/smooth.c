@@ -210,6 +210,11 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     judge_unfixable(&result->unfixable, result);
     if (result->unfixable.n_undecided > 0)
         add_reason(result, "not all inverted elements were checked for that: there was no time");
+    if (result->smooth.not_enclosed > 0)
+        add_reason(result,
+                   "%" PRId64 " were in parts of the mesh whose boundary encloses no positive "
+                   "%s",
+                   result->smooth.not_enclosed, job->mesh.dim == 3 ? "volume" : "area");
     if (!job->options.untangle)
         add_reason(result, "untangling was switched off by --no-untangle");
 }

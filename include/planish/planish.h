@@ -725,7 +725,9 @@ typedef struct planish_result {
     double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
     int64_t n_active;      /* constraints with a multiplier, counted at each node */
     double seconds;        /* wall time of the call */
-    int64_t reserved[8];
+    int64_t not_enclosed; /* elements that untangling has given up at once, in parts of the mesh
+                             whose boundary encloses no positive volume */
+    int64_t reserved[7];
 } planish_result;
 
 /** Smooth coordinates [n_nodes][dim] (or as the mesh's strides say) in place, after untangling them

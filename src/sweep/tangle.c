@@ -37,6 +37,20 @@ void pl_tangle_find(pl_tangle *t) {
     count_tangled(t);
 }
 
+/** Elements in parts of the mesh whose boundary encloses nothing are given up, with their nodes. */
+static int find_lost(pl_tangle *t, planish_error *error) {
+    const planish_plan *plan = t->run->plan;
+    int64_t n = 0;
+    if (t->guard.min_volume > 0 || t->guard.link_min_volume || pl_part_here())
+        return PLANISH_OK;
+    t->is_lost = pl_alloc_zero(plan->n_nodes, sizeof *t->is_lost);
+    if (!t->is_lost)
+        return pl_fail_memory(error, "the elements that cannot be helped");
+    const int status = pl_mark_enclosed(plan, plan->coordinates, t->state, t->is_lost, &n, error);
+    t->run->result->not_enclosed = n;
+    return status;
+}
+
 /** Elements that cannot be helped are given up (INFEASIBLE is HOPELESS): those without a free node,
  * and as many of those that contradict each other as must be. */
 static int find_hopeless(pl_tangle *t, planish_error *error) {
@@ -44,7 +58,9 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
     pl_infeasible found = {0, 0};
     pl_limit limit = pl_run_limit(t->run);
     uint8_t *part = NULL;
-    int status = pl_mark_infeasible(plan, &t->problem, t->state, &limit, &found, &part, error);
+    int status = find_lost(t, error);
+    if (!status)
+        status = pl_mark_infeasible(plan, &t->problem, t->state, &limit, &found, &part, error);
     t->stopped = limit.answer;
     if (status || t->stopped || !pl_parts_any(found.n > 0)) {
         pl_free(part);
@@ -332,7 +348,8 @@ void pl_tangle_mark(pl_tangle *t, int layers) {
     for (int64_t i = 0; i < plan->n_nodes; i++) {
         const int32_t node = plan->inner[i];
         t->in_patch[node] = t->in_patch[node] && plan->is_free[i] == PL_INTERIOR &&
-                            !pl_star_is_held(&t->guard, node, plan->dim);
+                            !pl_star_is_held(&t->guard, node, plan->dim) &&
+                            !(t->is_lost && t->is_lost[node]);
         t->n_patch += t->in_patch[node] && !(t->is_ghost && t->is_ghost[node]);
     }
     pl_parts_add(&t->n_patch, 1);
@@ -445,6 +462,7 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
 void pl_tangle_destroy(pl_tangle *t) {
     pl_free(t->state);
     pl_free(t->is_hopeless);
+    pl_free(t->is_lost);
     pl_free(t->link_skip);
     pl_free(t->in_patch);
     pl_free(t->size);

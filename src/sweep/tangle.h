@@ -23,6 +23,7 @@ typedef struct pl_tangle {
     double *size;             /* [n_nodes] */
     uint8_t *link_skip;       /* [link facets of all stars], or NULL: none is skipped */
     uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
+    uint8_t *is_lost;         /* [n_nodes] of pl_mark_enclosed, or NULL: none */
     uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
     double *best;             /* [n_nodes][dim] the best coordinates so far */
     uint8_t *is_ghost;        /* [n_nodes] of a mesh in parts; NULL: there are none */
@@ -78,6 +79,13 @@ double pl_tangle_energy(const pl_tangle *t);
  *  _MEMORY. */
 int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
                       planish_error *error);
+
+/* ---- return.c ------------------------------------------------------------------------------ */
+
+/** Where untangling was in vain, put the nodes back to where they were when the call began, so that
+ *  no more elements are tangled, or inverted, than are. Without memory it does nothing, nor for a
+ *  mesh in parts. */
+void pl_tangle_return(pl_tangle *t);
 
 /* ---- descent.c: all nodes of the patch at once ------------------------------------------------
  */

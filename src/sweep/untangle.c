@@ -267,6 +267,8 @@ static int untangle(pl_run *r, int floors, const measures *ladder, int n, planis
         r->stop = (planish_stop)t.stopped;
     else if (!status && t.n_tangled > 0)
         climb_all(&t, floors, ladder, n);
+    if (!status && !t.stopped && !floors && t.n_tangled > 0 && pl_run_inverted(r) > 0)
+        pl_tangle_return(&t);
     r->restoring = 0;
     pl_tangle_destroy(&t);
     return status;

@@ -224,12 +224,17 @@ static int mark_states(room *r, const pl_star_guard *guard, pl_limit *limit, pl_
     pl_star_problem problem = pl_plan_problem(plan);
     problem.coordinates = r->ordered;
     problem.guard = guard;
+    const int is_all = r->of_part == r->state;
+    int status = PLANISH_OK;
     pl_plan_order(plan, pl_plan_dense(plan, &r->points, r->own), r->ordered);
-    if (r->of_part == r->state)
-        return pl_mark_infeasible(plan, &problem, r->state, limit, found, NULL, error);
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    for (int64_t i = 0; i < plan->n_elements && !is_all; i++)
         r->of_part[i] = r->state[plan->element_of[i]];
-    const int status = pl_mark_infeasible(plan, &problem, r->of_part, limit, found, NULL, error);
+    if (!(guard->min_volume > 0) && !guard->link_min_volume)
+        status = pl_mark_enclosed(plan, r->ordered, r->of_part, NULL, &found->n, error);
+    if (status || is_all)
+        return status ? status
+                      : pl_mark_infeasible(plan, &problem, r->state, limit, found, NULL, error);
+    status = pl_mark_infeasible(plan, &problem, r->of_part, limit, found, NULL, error);
     found->n = 0;
     for (int64_t i = 0; i < r->n_of_all; i++)
         if (r->state[i] == PLANISH_VOLUME_BELOW)
