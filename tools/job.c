@@ -366,8 +366,8 @@ uint64_t pl_job_checksum(const pl_job *job) {
     if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
         return planish_checksum(&mesh);
     double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
-    const int is_placed = places && !planish_file_place(job->file, 0, mesh.n_nodes,
-                                                        mesh.coordinates, places, NULL);
+    const int is_placed =
+        places && !planish_file_place(job->file, 0, mesh.n_nodes, mesh.coordinates, places, NULL);
     mesh.dim = 3;
     mesh.coordinates = places;
     const uint64_t checksum = is_placed ? planish_checksum(&mesh) : 0;
@@ -408,6 +408,11 @@ void pl_job_forget(planish_quality *quality) {
     forget_if_none(&quality->fixed_max_radius_ratio);
     forget_if_none(&quality->max_radius_ratio_movable);
     forget_if_none(&quality->min_angle_deg_movable);
+}
+
+int pl_angle_is_smaller(double after, double before) {
+    static const double RELATIVE = 1e-9, ABSOLUTE = 1e-12; /* of degrees */
+    return after < before * (1 - RELATIVE) - ABSOLUTE;
 }
 
 int pl_job_measure(const pl_job *job, planish_quality *quality) {

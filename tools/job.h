@@ -122,6 +122,10 @@ int pl_job_get_free(const pl_job *job, uint8_t *is_free);
 /** planish_checksum of the mesh as it is now; in a tilted plane, of its places in space. */
 uint64_t pl_job_checksum(const pl_job *job);
 
+/** Whether an angle in degrees is smaller than it was, by more than rounding explains: that of a
+ *  sliver's is that of its volume. */
+int pl_angle_is_smaller(double after, double before);
+
 /** Measure the mesh as it is now. */
 int pl_job_measure(const pl_job *job, planish_quality *quality);
 

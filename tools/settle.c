@@ -14,7 +14,6 @@
 
 /* As in smooth.c. */
 static const double F_ROUNDING = 1e-12;
-static const double ANGLE_ROUNDING = 2e-6;
 
 /** Whether the mesh was valid, so that its worst element counts. */
 static int was_valid(const pl_result *result) {
@@ -30,7 +29,7 @@ static int is_worse(const pl_job *job, const pl_result *result, const planish_qu
     if (after->max_radius_ratio_movable > before->max_radius_ratio_movable)
         return 1;
     return !pl_arguments_change_objective(job->arguments) &&
-           (after->min_angle_deg_movable < before->min_angle_deg_movable - ANGLE_ROUNDING ||
+           (pl_angle_is_smaller(after->min_angle_deg_movable, before->min_angle_deg_movable) ||
             after->rms_radius_ratio > before->rms_radius_ratio * (1 + F_ROUNDING));
 }
 

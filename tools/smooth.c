@@ -34,8 +34,6 @@
 /* F before and after is summed over the same elements, most of which are unchanged: a rise
  * within the rounding of such a sum says nothing. Relative. */
 static const double F_ROUNDING = 1e-12;
-/* Degrees by which the arc cosine of a tiny angle can be off. */
-static const double ANGLE_ROUNDING = 2e-6;
 
 /** Whether the output is a file that only the engine can write: of coordinates as they are. */
 static int engine_writes(const pl_job *job) {
@@ -102,7 +100,8 @@ int pl_smooth_check(const pl_job *job, const pl_result *result) {
         return complain_promise(job, "the worst radius ratio of elements with a free node",
                                 before->max_radius_ratio_movable, after->max_radius_ratio_movable);
     const int is_default = !pl_arguments_change_objective(job->arguments);
-    if (is_default && after->min_angle_deg_movable < before->min_angle_deg_movable - ANGLE_ROUNDING)
+    if (is_default &&
+        pl_angle_is_smaller(after->min_angle_deg_movable, before->min_angle_deg_movable))
         return complain_promise(job, "the smallest angle of elements with a free node",
                                 before->min_angle_deg_movable, after->min_angle_deg_movable);
     const int has_worst = smooth->objective_of_worst > 0;

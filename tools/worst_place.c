@@ -1,16 +1,12 @@
 /* worst_place: what there is to know of the worst elements besides their radius ratios. */
 #include "worst_place.h"
 
-#include "geometry/simplex.h"
+#include "geometry/angle.h"
 
 #include <math.h>
 #include <stdlib.h>
 
 static const double DEGREES = 57.295779513082320877; /* of a radian */
-
-static double degrees_of(double cosine) {
-    return DEGREES * acos(fmax(-1, fmin(1, cosine)));
-}
 
 /** The angles, which do not depend on the sign of the measure. Edges are scaled to about 1, so that
  *  nothing overflows. */
@@ -24,10 +20,9 @@ static void find_angles(int dim, const double *const vertex[], pl_bad_element *b
         for (int d = 0; d < dim; d++)
             edges[i][d] /= largest;
     const pl_shape shape = pl_shape_of_edges(dim, edges);
-    const double smallest_cosine = shape.smallest_cosine, largest_cosine = shape.largest_cosine;
-    const int is_known = shape.determinant != 0 && smallest_cosine <= largest_cosine;
-    bad->smallest_angle_deg = is_known ? degrees_of(largest_cosine) : NAN;
-    bad->largest_angle_deg = is_known ? degrees_of(smallest_cosine) : NAN;
+    const int is_known = shape.determinant != 0 && shape.smallest_cosine <= shape.largest_cosine;
+    bad->smallest_angle_deg = is_known ? pl_smallest_angle(&shape) * DEGREES : NAN;
+    bad->largest_angle_deg = is_known ? pl_largest_angle(&shape) * DEGREES : NAN;
 }
 
 /** The tag of element's region, of any length; NULL without memory. */

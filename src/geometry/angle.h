@@ -1,4 +1,8 @@
-/* angle: the smallest angle of an element, dihedral in space, compared without its arc cosine.
+/* angle: the extreme angles of an element, dihedral in space; and the smallest one compared without
+ * its arc cosine.
+ *
+ * The cosine of an angle near 0 or 180 degrees tells little of it: 1e-16 in it is 1e-8 radians. So
+ * there the sine decides.
  *
  * Of an acute angle theta the acuteness is 1 / sin^2 theta: the smaller the angle, the larger it
  * is. Facets i and j enclose theta with sin theta = l D / (|n_i| |n_j|), n their normals and l the
@@ -7,7 +11,31 @@
 #ifndef PL_GEOMETRY_ANGLE_H
 #define PL_GEOMETRY_ANGLE_H
 
+#include "geometry/arc_cosine.h"
 #include "geometry/simplex.h"
+
+/** Cosine of 30 degrees: from there on the sine tells more of an angle. */
+#define PL_STEEP_COSINE 0.86602540378443864676
+
+/** The arc sine where the cosine is steep; rounding may have put the sine above 1/2. */
+PL_INLINE double pl_steep_angle(double sine) {
+    return pl_arc_sine_of_half(sine < 0.5 ? sine : 0.5);
+}
+
+/** The smallest angle in radians. The error is a few 2^-53 of it and that of D. */
+PL_INLINE double pl_smallest_angle(const pl_shape *shape) {
+    const double by_cosine = pl_arc_cosine(shape->largest_cosine);
+    const double by_sine = pl_steep_angle(shape->acute_sine);
+    return shape->largest_cosine > PL_STEEP_COSINE ? by_sine : by_cosine;
+}
+
+/** The largest angle in radians; its difference from 180 degrees is as precise. */
+PL_INLINE double pl_largest_angle(const pl_shape *shape) {
+    static const double PI = 3.1415926535897932385;
+    const double by_cosine = pl_arc_cosine(shape->smallest_cosine);
+    const double by_sine = PI - pl_steep_angle(shape->obtuse_sine);
+    return shape->smallest_cosine < -PL_STEEP_COSINE ? by_sine : by_cosine;
+}
 
 /** Acuteness of the smallest angle of an element of a size of about 1. determinant: its D, which
  *  may be better known than by edges. */

@@ -125,32 +125,52 @@ typedef struct pl_shape {
     double surface;         /* S: sum of the facets' areas, or perimeter; r = D / (2 S), D / S */
     double smallest_cosine; /* of the angles between facets: that of the largest angle */
     double largest_cosine;
+    double acute_sine;  /* least sine of the acute ones of these angles; 1 without any */
+    double obtuse_sine; /* and of the obtuse ones */
 } pl_shape;
 
-/** Take the cosine of the angle between two facets, from their unit normals, into the extremes. */
-PL_INLINE void pl_take_cosine(int dim, const double unit_i[], const double unit_j[],
-                              double *smallest, double *largest) {
-    double cosine = -pl_dot(dim, unit_i, unit_j);
-    *smallest = cosine < *smallest ? cosine : *smallest;
-    *largest = cosine > *largest ? cosine : *largest;
+/** The common edge of facets i and j of a tetrahedron: length of the edge between the other two
+ *  vertices. */
+PL_INLINE double pl_common_edge(const double edges[3][3], int i, int j) {
+    double edge[3];
+    const int k = i == 0 ? (j == 1 ? 2 : 1) : j == 0 ? (i == 1 ? 2 : 1) : 0, l = 6 - i - j - k;
+    for (int d = 0; d < 3; d++)
+        edge[d] = edges[l - 1][d] - (k > 0 ? edges[k - 1][d] : 0);
+    return sqrt(pl_dot(3, edge, edge));
 }
 
-/** Extreme cosines of the angles between facets (dihedral in space, at the vertices in the plane)
- *  from the normals and their lengths. */
-PL_INLINE void pl_extreme_cosines(int dim, const double normals[4][3], const double lengths[4],
-                                  double *smallest, double *largest) {
-    double unit[4][3] = {{0}};
+/** Take the angle between facets i and j into the extremes, from their unit normals and the lengths
+ *  of all normals: sin = |D| l / (|n_i| |n_j|), l the length of their common edge (1 in the plane).
+ */
+PL_INLINE void pl_take_angle(int dim, const double edges[3][3], const double unit[4][3],
+                             const double inverse[4], int i, int j, pl_shape *shape) {
+    const double cosine = -pl_dot(dim, unit[i], unit[j]);
+    const double common = dim == 3 ? pl_common_edge(edges, i, j) : 1;
+    const double sine = fabs(shape->determinant) * inverse[i] * common * inverse[j];
+    const double acute = cosine > 0 ? sine : 1, obtuse = cosine < 0 ? sine : 1;
+    shape->smallest_cosine = cosine < shape->smallest_cosine ? cosine : shape->smallest_cosine;
+    shape->largest_cosine = cosine > shape->largest_cosine ? cosine : shape->largest_cosine;
+    shape->acute_sine = acute < shape->acute_sine ? acute : shape->acute_sine;
+    shape->obtuse_sine = obtuse < shape->obtuse_sine ? obtuse : shape->obtuse_sine;
+}
+
+/** Extremes of the angles between facets (dihedral in space, at the vertices in the plane) from the
+ *  normals and their lengths. */
+PL_INLINE void pl_extreme_angles(int dim, const double edges[3][3], const double normals[4][3],
+                                 const double lengths[4], pl_shape *shape) {
+    double unit[4][3] = {{0}}, inverse[4];
     for (int j = 0; j <= dim; j++) {
-        double inverse = 1 / lengths[j];
+        inverse[j] = 1 / lengths[j];
         for (int d = 0; d < dim; d++)
-            unit[j][d] = normals[j][d] * inverse;
+            unit[j][d] = normals[j][d] * inverse[j];
     }
-    *smallest = 1;
-    *largest = -1;
+    shape->smallest_cosine = 1;
+    shape->largest_cosine = -1;
+    shape->acute_sine = shape->obtuse_sine = 1;
     for (int j = 0; j < 3; j++) {
-        pl_take_cosine(dim, unit[j], unit[(j + 1) % 3], smallest, largest);
+        pl_take_angle(dim, edges, unit, inverse, j, (j + 1) % 3, shape);
         if (dim == 3)
-            pl_take_cosine(dim, unit[j], unit[3], smallest, largest);
+            pl_take_angle(dim, edges, unit, inverse, j, 3, shape);
     }
 }
 
@@ -169,7 +189,8 @@ PL_INLINE double pl_circumradius_square(int dim, const double edges[3][3],
     return pl_dot(3, alpha, alpha);
 }
 
-PL_INLINE pl_shape pl_shape_of_edges(int dim, const double edges[3][3]) {
+/** determinant: the element's D, which may be better known than by edges. */
+PL_INLINE pl_shape pl_shape_of(int dim, const double edges[3][3], double determinant) {
     double normals[4][3] = {{0}}, squares[4], lengths[4];
     pl_cofactor_normals(dim, edges, normals);
     pl_base_normal(dim, edges, normals[0]);
@@ -180,11 +201,15 @@ PL_INLINE pl_shape pl_shape_of_edges(int dim, const double edges[3][3]) {
         sum += lengths[j];
     }
     pl_shape shape;
-    shape.determinant = pl_determinant_of_edges(dim, edges);
+    shape.determinant = determinant;
     shape.circumradius_square = pl_circumradius_square(dim, edges, normals, squares);
     shape.surface = dim == 3 ? sum / 2 : sum;
-    pl_extreme_cosines(dim, normals, lengths, &shape.smallest_cosine, &shape.largest_cosine);
+    pl_extreme_angles(dim, edges, normals, lengths, &shape);
     return shape;
+}
+
+PL_INLINE pl_shape pl_shape_of_edges(int dim, const double edges[3][3]) {
+    return pl_shape_of(dim, edges, pl_determinant_of_edges(dim, edges));
 }
 
 /** RR^2 = N S^2 / (9 D^4) or N S^2 / (16 D^4); in range for sizes from 1e-20 to 1e20. */
@@ -324,7 +349,8 @@ static inline pl_derivatives pl_radius_ratio_derivatives(int dim, const double x
     pl_opposite_facet f = pl_facet_of(dim, facet);
     pl_derivatives n = pl_circumradius_derivatives(dim, &f, a);
     pl_derivatives s = pl_surface_derivatives(dim, f.n, x, facet);
-    pl_shape shape = {pl_dot(dim, a, f.n), n.value, s.value, 0, 0};
+    pl_shape shape = {
+        .determinant = pl_dot(dim, a, f.n), .circumradius_square = n.value, .surface = s.value};
     double d = shape.determinant;
     pl_derivatives rr = {.value = pl_radius_ratio_square_of_shape(dim, &shape)};
     for (int i = 0; i < dim; i++) {

@@ -259,10 +259,6 @@ static double root_mean(double sum, int64_t n) {
 
 static const double DEGREES = 57.295779513082320877; /* of a radian */
 
-static double degrees_of_cosine(double cosine) {
-    return acos(pl_larger(-1, pl_smaller(1, cosine))) * DEGREES;
-}
-
 static void fill_ratios(const pl_ratio_sums *basic, const pl_full_sums *full, planish_quality *q) {
     int64_t n_valid = basic->n_movable + basic->n_fixed;
     q->inverted = basic->inverted;
@@ -277,11 +273,11 @@ static void fill_ratios(const pl_ratio_sums *basic, const pl_full_sums *full, pl
     q->max_radius_ratio = full->worst_ratio;
     q->worst_element = full->worst_element;
     q->fixed_max_radius_ratio = full->worst_fixed_ratio;
-    q->min_angle_deg = degrees_of_cosine(full->max[PL_SMALLEST_ANGLE]);
-    q->max_angle_deg = degrees_of_cosine(full->min[PL_LARGEST_ANGLE]);
+    q->min_angle_deg = full->min[PL_SMALLEST_ANGLE] * DEGREES;
+    q->max_angle_deg = full->max[PL_LARGEST_ANGLE] * DEGREES;
     q->max_radius_ratio_movable = full->movable_ratio;
     if (basic->n_movable > 0)
-        q->min_angle_deg_movable = degrees_of_cosine(full->movable_cosine);
+        q->min_angle_deg_movable = full->movable_angle * DEGREES;
 }
 
 static planish_spread ratio_spread(int measure, int64_t n_valid, const pl_full_sums *full) {
@@ -289,11 +285,10 @@ static planish_spread ratio_spread(int measure, int64_t n_valid, const pl_full_s
     return (planish_spread){full->min[measure], mean, full->max[measure]};
 }
 
-/** Of an angle, whose smallest value has the largest cosine. */
+/** The same of angles, in degrees. */
 static planish_spread angle_spread(int measure, int64_t n_valid, const pl_full_sums *full) {
-    const double mean = full->sum[measure] / (double)n_valid * DEGREES;
-    return (planish_spread){degrees_of_cosine(full->max[measure]), mean,
-                            degrees_of_cosine(full->min[measure])};
+    const planish_spread radians = ratio_spread(measure, n_valid, full);
+    return (planish_spread){radians.min * DEGREES, radians.mean * DEGREES, radians.max * DEGREES};
 }
 
 static void fill_spreads(int64_t n_valid, const pl_full_sums *full, planish_quality *q) {
@@ -346,7 +341,7 @@ static void add_sums_of_parts(double *sums, int n) {
 static void add_full_parts(pl_full_sums *f) {
     const double worst_here = f->worst_ratio;
     double *const largest[] = {&f->largest_volume, &f->worst_ratio, &f->worst_fixed_ratio,
-                               &f->movable_ratio, &f->movable_cosine};
+                               &f->movable_ratio};
     pl_parts_add(&f->n_unmovable, 1);
     pl_parts_add(&f->n_positive, 1);
     pl_parts_add(&f->n_negative, 1);
@@ -355,6 +350,7 @@ static void add_full_parts(pl_full_sums *f) {
     add_sums_of_parts(&f->volume_sum, 1);
     add_sums_of_parts(f->sum, PL_N_MEASURES);
     pl_parts_smallest(&f->smallest_volume, 1);
+    pl_parts_smallest(&f->movable_angle, 1);
     pl_parts_smallest(f->min, PL_N_MEASURES);
     pl_parts_largest(f->max, PL_N_MEASURES);
     for (size_t i = 0; i < sizeof largest / sizeof *largest; i++)

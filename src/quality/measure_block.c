@@ -7,7 +7,6 @@
  */
 #include "quality/measure_block.h"
 #include "base/fetch.h"
-#include "geometry/angle.h"
 #include "quality/certificate.h"
 #include "quality/measure.h"
 
@@ -232,8 +231,7 @@ static double not_lost(double ratio) {
  *  no direction left: angles are then 0 and 180 degrees. */
 static pl_shape certified_shape(int dim, const element *e, const double edges[3][3],
                                 scaled determinant) {
-    pl_shape shape = pl_shape_of_edges(dim, edges);
-    shape.determinant = value_of(determinant);
+    pl_shape shape = pl_shape_of(dim, edges, value_of(determinant));
     /* R is at least half the longest edge, whatever cancelled in N. */
     double d2 = shape.determinant * shape.determinant;
     shape.circumradius_square =
@@ -241,6 +239,7 @@ static pl_shape certified_shape(int dim, const element *e, const double edges[3]
     if (shape.smallest_cosine > shape.largest_cosine) { /* none of them was a number */
         shape.smallest_cosine = -1;
         shape.largest_cosine = 1;
+        shape.acute_sine = shape.obtuse_sine = 0;
     }
     return shape;
 }

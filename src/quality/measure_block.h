@@ -8,7 +8,7 @@
 #ifndef PL_QUALITY_MEASURE_BLOCK_H
 #define PL_QUALITY_MEASURE_BLOCK_H
 
-#include "geometry/arc_cosine.h"
+#include "geometry/angle.h"
 #include "geometry/simplex.h"
 
 #include <stdint.h>
@@ -65,8 +65,7 @@ typedef struct pl_block {
     double listed[PL_LANES];  /* +1, 0, -1: sign of the measure in the listed order of the nodes; 0
                                  if not present */
     double volume[PL_LANES];  /* signed measure in the mesh's orientation */
-    double measure[PL_N_MEASURES][PL_LANES];             /* those of angles: their cosines */
-    double angle[PL_N_MEASURES - PL_N_RATIOS][PL_LANES]; /* the angles in radians */
+    double measure[PL_N_MEASURES][PL_LANES]; /* angles in radians */
 } pl_block;
 
 static inline double pl_larger(double a, double b) {
@@ -102,10 +101,10 @@ PL_INLINE double pl_permanent_bound(const int dim, const double edges[3][3]) {
 /** Radius ratio and angles of lane l. */
 PL_INLINE void pl_block_put_shape(pl_block *b, int l, const pl_shape *shape, const int dim) {
     b->measure[PL_RADIUS_RATIO][l] = pl_radius_ratio_of_shape(dim, shape);
-    b->measure[PL_SMALLEST_ANGLE][l] = shape->largest_cosine;
-    b->measure[PL_LARGEST_ANGLE][l] = shape->smallest_cosine;
-    b->angle[0][l] = pl_arc_cosine(shape->largest_cosine);
-    b->angle[1][l] = pl_arc_cosine(shape->smallest_cosine);
+    b->measure[PL_SMALLEST_ANGLE][l] = pl_smallest_angle(shape);
+    /* Faces without a direction leave angles out, and then the extremes may be of one angle. */
+    b->measure[PL_LARGEST_ANGLE][l] =
+        pl_larger(pl_largest_angle(shape), b->measure[PL_SMALLEST_ANGLE][l]);
 }
 
 /** Evaluate all lanes; full: what pl_measure wants as well. */

@@ -7,7 +7,7 @@ static pl_full_sums no_sums(void) {
     pl_full_sums none = {.smallest_volume = INFINITY,
                          .largest_volume = -INFINITY,
                          .worst_element = -1,
-                         .movable_cosine = -INFINITY};
+                         .movable_angle = INFINITY};
     for (int m = 0; m < PL_N_MEASURES; m++) {
         none.min[m] = INFINITY;
         none.max[m] = -INFINITY;
@@ -21,7 +21,7 @@ void pl_clear_full(pl_full_lanes *lanes) {
     for (int l = 0; l < PL_LANES; l++) {
         lanes->smallest_volume[l] = none.smallest_volume;
         lanes->largest_volume[l] = none.largest_volume;
-        lanes->movable_cosine[l] = none.movable_cosine;
+        lanes->movable_angle[l] = none.movable_angle;
         for (int m = 0; m < PL_N_MEASURES; m++) {
             lanes->min[m][l] = none.min[m];
             lanes->max[m][l] = none.max[m];
@@ -50,7 +50,7 @@ static pl_full_sums sums_of_lane(const pl_full_lanes *lanes, int l) {
                          .worst_ratio = lanes->worst_ratio[l],
                          .worst_fixed_ratio = lanes->worst_fixed_ratio[l],
                          .movable_ratio = lanes->movable_ratio[l],
-                         .movable_cosine = lanes->movable_cosine[l],
+                         .movable_angle = lanes->movable_angle[l],
                          .worst_element = (int64_t)lanes->worst_element[l]};
     for (int m = 0; m < PL_N_MEASURES; m++) {
         lane.sum[m] = lanes->sum[m][l];
@@ -86,7 +86,7 @@ static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
     take_worst(part->worst_ratio, part->worst_element, sums);
     sums->worst_fixed_ratio = pl_larger(part->worst_fixed_ratio, sums->worst_fixed_ratio);
     sums->movable_ratio = pl_larger(part->movable_ratio, sums->movable_ratio);
-    sums->movable_cosine = pl_larger(part->movable_cosine, sums->movable_cosine);
+    sums->movable_angle = pl_smaller(part->movable_angle, sums->movable_angle);
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         sums->at_least[i] += part->at_least[i];
     for (int i = 0; i < PLANISH_ANGLE_BINS; i++)

@@ -30,11 +30,12 @@ typedef struct pl_full_lanes {
     double n_unmovable[PL_LANES]; /* elements without a free node, valid or not */
     double n_positive[PL_LANES], n_negative[PL_LANES]; /* in the listed order of their nodes */
     double volume_sum[PL_LANES], smallest_volume[PL_LANES], largest_volume[PL_LANES];
-    double sum[PL_N_MEASURES][PL_LANES]; /* of angles in radians */
-    double min[PL_N_MEASURES][PL_LANES]; /* of cosines where the measure is an angle */
+    double sum[PL_N_MEASURES][PL_LANES]; /* of angles in radians, here and below */
+    double min[PL_N_MEASURES][PL_LANES];
     double max[PL_N_MEASURES][PL_LANES];
     double worst_ratio[PL_LANES], worst_fixed_ratio[PL_LANES];
-    double movable_ratio[PL_LANES], movable_cosine[PL_LANES]; /* largest with a free node */
+    double movable_ratio[PL_LANES];                    /* largest with a free node, */
+    double movable_angle[PL_LANES];                    /* and smallest */
     double worst_element[PL_LANES];                    /* exact: element numbers are below 2^53 */
     double at_least[PLANISH_HISTOGRAM_BINS][PL_LANES]; /* elements of RR >= each edge */
     double by_angle[PLANISH_ANGLE_BINS][PL_LANES];     /* elements by their smallest angle */
@@ -46,7 +47,7 @@ typedef struct pl_full_sums {
     int64_t n_positive, n_negative; /* in the listed order of their nodes */
     double volume_sum, smallest_volume, largest_volume;
     double sum[PL_N_MEASURES], min[PL_N_MEASURES], max[PL_N_MEASURES]; /* as those of the lanes */
-    double worst_ratio, worst_fixed_ratio, movable_ratio, movable_cosine;
+    double worst_ratio, worst_fixed_ratio, movable_ratio, movable_angle;
     int64_t worst_element; /* -1: none */
     int64_t at_least[PLANISH_HISTOGRAM_BINS];
     int64_t by_angle[PLANISH_ANGLE_BINS];
@@ -86,11 +87,10 @@ PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
 
 PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
     for (int m = 0; m < PL_N_MEASURES; m++) {
-        const double *summand = m < PL_N_RATIOS ? b->measure[m] : b->angle[m - PL_N_RATIOS];
         for (int l = 0; l < PL_LANES; l++) {
             double low = b->valid[l] != 0 ? b->measure[m][l] : INFINITY;
             double high = b->valid[l] != 0 ? b->measure[m][l] : -INFINITY;
-            sums->sum[m][l] += b->valid[l] != 0 ? summand[l] : 0;
+            sums->sum[m][l] += b->valid[l] != 0 ? b->measure[m][l] : 0;
             sums->min[m][l] = pl_smaller(low, sums->min[m][l]);
             sums->max[m][l] = pl_larger(high, sums->max[m][l]);
         }
@@ -110,8 +110,8 @@ PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *su
         sums->worst_fixed_ratio[l] = pl_larger(fixed_ratio, sums->worst_fixed_ratio[l]);
         const int counts = b->valid[l] != 0 && b->is_free[l] != 0;
         sums->movable_ratio[l] = pl_larger(counts ? ratio : 0, sums->movable_ratio[l]);
-        sums->movable_cosine[l] = pl_larger(counts ? b->measure[PL_SMALLEST_ANGLE][l] : -INFINITY,
-                                            sums->movable_cosine[l]);
+        sums->movable_angle[l] = pl_smaller(counts ? b->measure[PL_SMALLEST_ANGLE][l] : INFINITY,
+                                            sums->movable_angle[l]);
     }
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         for (int l = 0; l < PL_LANES; l++)
@@ -123,7 +123,7 @@ PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *su
 PL_INLINE void pl_add_angles(const pl_block *b, pl_full_lanes *sums) {
     static const double BINS_PER_RADIAN = 11.4591559026164641754; /* 36 / pi */
     static const double LAST = PLANISH_ANGLE_BINS - 1;
-    const double *angle = b->angle[PL_SMALLEST_ANGLE - PL_N_RATIOS];
+    const double *angle = b->measure[PL_SMALLEST_ANGLE];
     int bin[PL_LANES];
     for (int l = 0; l < PL_LANES; l++) {
         const double place = angle[l] * BINS_PER_RADIAN + PL_ANGLE_BIN_ROUNDING;

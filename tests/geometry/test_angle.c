@@ -127,6 +127,28 @@ static void blunt_elements_have_no_smaller_angle(void **state) {
     }
 }
 
+/** Two facets at an edge along z enclose the angle whose cosine and sine are c and s: a
+ * tetrahedron, or in the plane a triangle with that angle. */
+static pl_shape with_angle(int dim, double c, double s) {
+    const double solid[3][3] = {{0, 0, 1}, {1, 0, 0.5}, {c, s, 0.5}};
+    const double flat[3][3] = {{1, 0, 0}, {c, s, 0}, {0}};
+    return pl_shape_of_edges(dim, dim == 3 ? solid : flat);
+}
+
+static void tiny_and_flat_angles_have_all_their_digits(void **state) {
+    (void)state;
+    for (int dim = 2; dim <= 3; dim++)
+        for (double degrees = 40; degrees > 1e-9; degrees *= 0.37) {
+            const double radians = degrees / 57.295779513082320877;
+            const double c = cos(radians), s = sin(radians);
+            const long double angle = atan2l((long double)s, (long double)c);
+            const pl_shape tiny = with_angle(dim, c, s), wide = with_angle(dim, -c, s);
+            assert_true(fabsl(pl_smallest_angle(&tiny) / angle - 1) < 1e-15L);
+            const long double rest = 3.14159265358979323846264338327950288L - angle;
+            assert_true(fabsl(pl_largest_angle(&wide) - rest) < 1e-15L);
+        }
+}
+
 static void blunt_has_its_ends(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
@@ -147,6 +169,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(acuteness_is_that_of_the_smallest_angle),
         cmocka_unit_test(blunt_elements_have_no_smaller_angle),
+        cmocka_unit_test(tiny_and_flat_angles_have_all_their_digits),
         cmocka_unit_test(blunt_has_its_ends),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
