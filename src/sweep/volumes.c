@@ -347,10 +347,10 @@ static int find(const planish_plan *plan, const double *coordinates, const plani
     if (!plan || !coordinates)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and coordinates must not be NULL");
     planish_options_init(&defaults);
+    const pl_outside outside = pl_call_enter(plan->context);
     patience p = {options ? options : &defaults, pl_seconds()};
     pl_limit limit = pl_limit_of(ask_caller, &p);
     const wanted w = {is_volumes ? p.options : NULL, has_limit ? &limit : NULL, out->state != NULL};
-    const pl_outside outside = pl_call_enter(plan->context);
     int status = pl_call_check(plan, coordinates, p.options, error);
     if (!status)
         status = look(plan, coordinates, &w, out, error);

@@ -137,7 +137,7 @@ completions() { # WORD... : what bash offers for the last one
 [ "$(completions planish q)" = quality ] || fail "completion of commands"
 [ "$(completions planish smooth --objective mea)" = mean-ratio ] || fail "completion of values"
 completions planish smooth --s | grep -qx -- --slide || fail "completion of options"
-completions planish quality --s | grep -q . && fail "options of another command are offered"
+completions planish quality --ob | grep -q . && fail "options of another command are offered"
 if command -v man >/dev/null; then
     for page in 1 3; do
         warnings=$(LC_ALL=C MANWIDTH=80 man --warnings -l "$prefix/share/man/man$page/planish.$page" \

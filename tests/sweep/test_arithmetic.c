@@ -214,7 +214,7 @@ static void calls_without_a_plan(void **state) {
     findings usual, other;
     test_problem_create(&p, dim, dim == 3 ? 6 : 20, WISH_PLAIN, 5);
     for (int64_t i = 0; i < p.mesh.n_nodes; i++) /* thin below: layers */
-        p.coordinates[i * dim] *= p.coordinates[i * dim] < 2 ? 0.01 : 1;
+        p.coordinates[i * dim] *= p.coordinates[i * dim] < 4 ? 0.01 : 1;
     find(&p, 1, &usual);
     assert_int_equal(usual.refused, PLANISH_ERROR_ARGUMENT);
     assert_true(usual.n_layer > 0 && usual.slides.n_on_plane + usual.slides.n_on_line > 0);

@@ -236,7 +236,8 @@ class Result(_Printed):
         ("max_multiplier", c_double),
         ("n_active", c_int64),
         ("seconds", c_double),
-        ("reserved", c_int64 * 8),
+        ("not_enclosed", c_int64),
+        ("reserved", c_int64 * 7),
     ]
 
     @property
