@@ -207,6 +207,11 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
     judge_unfixable(&result->unfixable, result);
+    if (job->plan_info.n_wrapped > 0)
+        add_reason(result,
+                   "elements that wrap around a periodic domain (%" PRId64
+                   ") are inverted as they are drawn",
+                   job->plan_info.n_wrapped);
     if (result->unfixable.n_undecided > 0)
         add_reason(result, "not all inverted elements were checked for that: there was no time");
     if (result->smooth.not_enclosed > 0)
