@@ -17,24 +17,27 @@
 /** Cosine of 30 degrees: from there on the sine tells more of an angle. */
 #define PL_STEEP_COSINE 0.86602540378443864676
 
-/** The arc sine where the cosine is steep; rounding may have put the sine above 1/2. */
-PL_INLINE double pl_steep_angle(double sine) {
-    return pl_arc_sine_of_half(sine < 0.5 ? sine : 0.5);
+/** The angle in radians of a cosine that is an extreme of the shape's. */
+PL_INLINE double pl_angle_of(const pl_shape *shape, double cosine) {
+    static const double PI = 3.1415926535897932385;
+    double c = fabs(cosine), square = cosine < 0 ? shape->obtuse_square : shape->acute_square;
+    c = c < 1 ? c : 1;
+    square = square < 0.25 ? square : 0.25;                   /* rounding may have put it above */
+    const int by_sine = c > PL_STEEP_COSINE, steep = c > 0.5; /* acos(c) = 2 asin(..) */
+    const double root = sqrt(by_sine ? square : (1 - c) / 2);
+    const double arc = pl_arc_sine_of_half(steep ? root : c);
+    const double angle = by_sine ? arc : steep ? 2 * arc : PI / 2 - arc;
+    return cosine < 0 ? PI - angle : angle;
 }
 
 /** The smallest angle in radians. The error is a few 2^-53 of it and that of D. */
 PL_INLINE double pl_smallest_angle(const pl_shape *shape) {
-    const double by_cosine = pl_arc_cosine(shape->largest_cosine);
-    const double by_sine = pl_steep_angle(shape->acute_sine);
-    return shape->largest_cosine > PL_STEEP_COSINE ? by_sine : by_cosine;
+    return pl_angle_of(shape, shape->largest_cosine);
 }
 
 /** The largest angle in radians; its difference from 180 degrees is as precise. */
 PL_INLINE double pl_largest_angle(const pl_shape *shape) {
-    static const double PI = 3.1415926535897932385;
-    const double by_cosine = pl_arc_cosine(shape->smallest_cosine);
-    const double by_sine = PI - pl_steep_angle(shape->obtuse_sine);
-    return shape->smallest_cosine < -PL_STEEP_COSINE ? by_sine : by_cosine;
+    return pl_angle_of(shape, shape->smallest_cosine);
 }
 
 /** Acuteness of the smallest angle of an element of a size of about 1. determinant: its D, which

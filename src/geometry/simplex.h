@@ -125,18 +125,18 @@ typedef struct pl_shape {
     double surface;         /* S: sum of the facets' areas, or perimeter; r = D / (2 S), D / S */
     double smallest_cosine; /* of the angles between facets: that of the largest angle */
     double largest_cosine;
-    double acute_sine;  /* least sine of the acute ones of these angles; 1 without any */
-    double obtuse_sine; /* and of the obtuse ones */
+    double acute_square;  /* least sine of the acute ones of these angles, squared; 1 without any */
+    double obtuse_square; /* and of the obtuse ones */
 } pl_shape;
 
-/** The common edge of facets i and j of a tetrahedron: length of the edge between the other two
+/** Square of the common edge of facets i and j of a tetrahedron, which is between the other two
  *  vertices. */
-PL_INLINE double pl_common_edge(const double edges[3][3], int i, int j) {
+PL_INLINE double pl_common_edge_square(const double edges[3][3], int i, int j) {
     double edge[3];
     const int k = i == 0 ? (j == 1 ? 2 : 1) : j == 0 ? (i == 1 ? 2 : 1) : 0, l = 6 - i - j - k;
     for (int d = 0; d < 3; d++)
         edge[d] = edges[l - 1][d] - (k > 0 ? edges[k - 1][d] : 0);
-    return sqrt(pl_dot(3, edge, edge));
+    return pl_dot(3, edge, edge);
 }
 
 /** Take the angle between facets i and j into the extremes, from their unit normals and the lengths
@@ -145,13 +145,14 @@ PL_INLINE double pl_common_edge(const double edges[3][3], int i, int j) {
 PL_INLINE void pl_take_angle(int dim, const double edges[3][3], const double unit[4][3],
                              const double inverse[4], int i, int j, pl_shape *shape) {
     const double cosine = -pl_dot(dim, unit[i], unit[j]);
-    const double common = dim == 3 ? pl_common_edge(edges, i, j) : 1;
-    const double sine = fabs(shape->determinant) * inverse[i] * common * inverse[j];
-    const double acute = cosine > 0 ? sine : 1, obtuse = cosine < 0 ? sine : 1;
+    const double common = dim == 3 ? pl_common_edge_square(edges, i, j) : 1;
+    const double by_length = shape->determinant * inverse[i] * inverse[j];
+    const double square = by_length * by_length * common;
+    const double acute = cosine > 0 ? square : 1, obtuse = cosine < 0 ? square : 1;
     shape->smallest_cosine = cosine < shape->smallest_cosine ? cosine : shape->smallest_cosine;
     shape->largest_cosine = cosine > shape->largest_cosine ? cosine : shape->largest_cosine;
-    shape->acute_sine = acute < shape->acute_sine ? acute : shape->acute_sine;
-    shape->obtuse_sine = obtuse < shape->obtuse_sine ? obtuse : shape->obtuse_sine;
+    shape->acute_square = acute < shape->acute_square ? acute : shape->acute_square;
+    shape->obtuse_square = obtuse < shape->obtuse_square ? obtuse : shape->obtuse_square;
 }
 
 /** Extremes of the angles between facets (dihedral in space, at the vertices in the plane) from the
@@ -166,12 +167,16 @@ PL_INLINE void pl_extreme_angles(int dim, const double edges[3][3], const double
     }
     shape->smallest_cosine = 1;
     shape->largest_cosine = -1;
-    shape->acute_sine = shape->obtuse_sine = 1;
-    for (int j = 0; j < 3; j++) {
-        pl_take_angle(dim, edges, unit, inverse, j, (j + 1) % 3, shape);
-        if (dim == 3)
-            pl_take_angle(dim, edges, unit, inverse, j, 3, shape);
-    }
+    shape->acute_square = shape->obtuse_square = 1;
+    /* One by one, so that compilers make vectors of a loop around. */
+    pl_take_angle(dim, edges, unit, inverse, 0, 1, shape);
+    pl_take_angle(dim, edges, unit, inverse, 1, 2, shape);
+    pl_take_angle(dim, edges, unit, inverse, 2, 0, shape);
+    if (dim == 2)
+        return;
+    pl_take_angle(dim, edges, unit, inverse, 0, 3, shape);
+    pl_take_angle(dim, edges, unit, inverse, 1, 3, shape);
+    pl_take_angle(dim, edges, unit, inverse, 2, 3, shape);
 }
 
 /** (2 R D)^2: the circumcentre is v_0 + sum |e_j|^2 n_{j+1} / (2 D). In the plane it is the square

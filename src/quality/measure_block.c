@@ -239,7 +239,7 @@ static pl_shape certified_shape(int dim, const element *e, const double edges[3]
     if (shape.smallest_cosine > shape.largest_cosine) { /* none of them was a number */
         shape.smallest_cosine = -1;
         shape.largest_cosine = 1;
-        shape.acute_sine = shape.obtuse_sine = 0;
+        shape.acute_square = shape.obtuse_square = 0;
     }
     return shape;
 }

@@ -102,9 +102,7 @@ PL_INLINE double pl_permanent_bound(const int dim, const double edges[3][3]) {
 PL_INLINE void pl_block_put_shape(pl_block *b, int l, const pl_shape *shape, const int dim) {
     b->measure[PL_RADIUS_RATIO][l] = pl_radius_ratio_of_shape(dim, shape);
     b->measure[PL_SMALLEST_ANGLE][l] = pl_smallest_angle(shape);
-    /* Faces without a direction leave angles out, and then the extremes may be of one angle. */
-    b->measure[PL_LARGEST_ANGLE][l] =
-        pl_larger(pl_largest_angle(shape), b->measure[PL_SMALLEST_ANGLE][l]);
+    b->measure[PL_LARGEST_ANGLE][l] = pl_largest_angle(shape);
 }
 
 /** Evaluate all lanes; full: what pl_measure wants as well. */
