@@ -61,3 +61,27 @@ done
 cmp out1.mesh out2.mesh || fail "two threads give another mesh than one"
 
 finish
+
+# Two squares apart: nodes inside one of them are thrown about, and of the other one a node of the boundary
+# is moved through the mesh and out of it. The first is repaired; in the second untangling is in vain, so its
+# nodes are where they were, although the mesh as a whole has won.
+python3 - <<'END' || fail "two squares"
+n, width = 8, 9
+square = [(i / n, j / n) for j in range(width) for i in range(width)]
+one, other = list(square), [(x + 3, y) for x, y in square]
+for node, dx, dy in ((20, 0.4, 0.3), (33, -0.35, 0.2), (50, 0.3, -0.4), (60, -0.3, -0.3)):
+    one[node] = (square[node][0] + dx, square[node][1] + dy)
+other[n // 2] = (3.5, 1.2)
+corners = [j * width + i for j in range(n) for i in range(n)]
+triangles = [t for a in corners for t in ((a, a + 1, a + 10), (a, a + 10, a + 9))]
+with open("apart.mesh", "w") as file:
+    file.write("MeshVersionFormatted 2\nDimension 2\nVertices %d\n" % (2 * len(square)))
+    file.writelines("%r %r 0\n" % p for p in one + other)
+    file.write("Triangles %d\n" % (2 * len(triangles)))
+    file.writelines("%d %d %d 0\n" % tuple(v + 1 + base for v in t)
+                    for base in (0, len(square)) for t in triangles)
+    file.write("End\n")
+END
+expect_status 1 "$program" smooth apart.mesh -o out.mesh --json report.json -q
+expect_json "r['before']['inverted'] > r['after']['inverted'] == 2 and r['moved_nodes'] > 0"
+cmp <(sed -n '85,165p' apart.mesh) <(sed -n '85,165p' out.mesh) || fail "nodes did not return"
