@@ -187,8 +187,8 @@ static void judge_unfixable(const pl_unfixable *unfixable, pl_result *result) {
         if (unfixable->n_held[i] > 0)
             add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
                        unfixable->n_held[i], unfixable->n_held[i] == 1 ? "s" : "",
-                       pl_holder_option(i), i == PL_HOLDER_REGIONS ? "hold their" : "holds their",
-                       advice[i]);
+                       pl_holder_option((pl_holder)i),
+                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their", advice[i]);
     if (n_others > 0)
         add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
                    n_others);
