@@ -671,6 +671,37 @@ class Regions(unittest.TestCase):
         mesh = Mesh(self.points.copy(), cells=[Block("vertex", vertices[:-1]), Block("tetra", self.cells)])
         self.assertFalse(self.moved(mesh).any())
 
+    def test_all_edges_or_facets_hold_none(self):
+        """Lists of all of them say nothing; those with a tag of their own do."""
+        for corners, kind in ((2, "line"), (3, "triangle")):
+            sets = list(itertools.combinations(range(4), corners))
+            all_of = np.unique(np.sort(self.cells[:, sets].reshape(-1, corners), axis=1), axis=0)[:, ::-1]
+
+            def mesh(listed, tags=None, kind=kind):
+                return Mesh(self.points.copy(), cells=[Block(kind, listed), Block("tetra", self.cells)],
+                            cell_data={} if tags is None else {"tag": [tags, np.zeros(len(self.cells), dtype=int)]})
+            half = len(all_of) // 2
+            np.testing.assert_array_equal(self.moved(mesh(all_of)), self.inside)
+            two = mesh(all_of[:half])
+            two.cells.append(Block(kind, all_of[half:]))
+            np.testing.assert_array_equal(self.moved(two), self.inside)
+            self.assertFalse(self.moved(mesh(all_of[1:])).any())
+            at_middle = self.middle[all_of].all(axis=1)
+            np.testing.assert_array_equal(self.moved(mesh(all_of, at_middle * 3)), self.inside & ~self.middle)
+            grid = Mesh(self.points.copy(), cells=np.zeros(0, dtype=int), celltypes=None,
+                        cells_dict={10: self.cells, 3 if corners == 2 else 5: all_of})
+            np.testing.assert_array_equal(self.moved(grid), self.inside)
+
+    def test_all_edges_of_triangles_hold_none(self):
+        points, cells, inside = box(2)
+        flat = np.column_stack([points, np.zeros(len(points))])
+        edges = np.unique(np.sort(cells[:, [(0, 1), (0, 2), (1, 2)]].reshape(-1, 2), axis=1), axis=0)
+        for listed, expected in ((edges, inside), (edges[:-1], inside & False)):
+            lines = np.column_stack([np.full(len(listed), 2), listed]).ravel()
+            mesh = Mesh(flat.copy(), regular_faces=cells, lines=lines, cell_data={})
+            planish.smooth(mesh)
+            np.testing.assert_array_equal((mesh.points != flat).any(axis=1), expected)
+
     def test_negative_counts(self):
         points, cells, _ = box(2)
         flat = np.column_stack([points, np.zeros(len(points))])
@@ -696,6 +727,22 @@ class Regions(unittest.TestCase):
                 other.points = other.points.astype(other.points.dtype.newbyteorder("="))
                 planish.smooth(other, **kept)
                 np.testing.assert_array_equal(other.points, meshio.read(path / "out.vtk").points)
+
+    @unittest.skipIf(meshio is None or not PROGRAM, "without meshio, or the program")
+    def test_the_program_takes_lists_of_all_edges_alike(self):
+        sets = list(itertools.combinations(range(4), 2))
+        edges = np.unique(np.sort(self.cells[:, sets].reshape(-1, 2), axis=1), axis=0)
+        tags = self.middle[edges].all(axis=1) * 2 + 1
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder)
+            mesh = meshio.Mesh(self.points, [("tetra", self.cells), ("line", edges)],
+                               cell_data={"mat": [self.halves, tags]})
+            mesh.write(path / "in.vtk", file_format="vtk42", binary=True)
+            subprocess.run([PROGRAM, "smooth", path / "in.vtk", "-o", path / "out.vtk", "-q"], check=True)
+            other = meshio.read(path / "in.vtk")
+            other.points = other.points.astype(other.points.dtype.newbyteorder("="))
+            planish.smooth(other)
+            np.testing.assert_array_equal(other.points, meshio.read(path / "out.vtk").points)
 
 
 class Locks(unittest.TestCase):

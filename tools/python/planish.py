@@ -20,6 +20,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import ctypes.util
+import itertools
 import operator
 import os
 import pathlib
@@ -348,8 +349,8 @@ def version() -> str:
 
 _OBJECTIVES = {"radius-ratio": 0, "mean-ratio": 1, "edge-ratio": 2, "worst": 0}
 _WORST = {"radius-ratio": 1, "dihedral": 2}
-_TETRAHEDRON, _TRIANGLE, _POINT = "tetra", "triangle", "vertex"
-_VTK_NAMES = {10: _TETRAHEDRON, 5: _TRIANGLE, 1: _POINT, 2: _POINT}
+_TETRAHEDRON, _TRIANGLE, _LINE, _POINT = "tetra", "triangle", "line", "vertex"
+_VTK_NAMES = {10: _TETRAHEDRON, 5: _TRIANGLE, 3: _LINE, 1: _POINT, 2: _POINT}
 _NUMBERS = {"int32": 0, "int64": 1, "int8": 2, "int16": 3, "uint8": 4, "uint16": 5, "uint32": 6, "uint64": 7,
             "float32": 8, "float64": 9}  # planish_number
 
@@ -420,7 +421,9 @@ def _blocks_of_surface(mesh: Any) -> list[_Block]:
     lines, n_lines = _listed(getattr(mesh, "lines", None), "lines")
     first = n_verts + n_lines
     blocks = [_Block(kind, faces, _rows(_cell_data(mesh), slice(first, first + len(faces))))]
-    others = (_Block(_POINT, verts, {}), _Block("other", lines, {}))
+    if 0 < len(lines) == 2 * n_lines and (np.asarray(mesh.lines)[::3] == 2).all():
+        lines = lines.reshape(-1, 2)
+    others = (_Block(_POINT, verts, {}), _Block(_LINE if lines.ndim == 2 else "other", lines, {}))
     return blocks + [block for block in others if len(block.nodes)]
 
 
@@ -439,6 +442,71 @@ def _blocks(mesh: Any) -> list[_Block]:
 
 def _joined(parts: list[Any]) -> np.ndarray:
     return np.asarray(parts[0]) if len(parts) == 1 else np.concatenate([np.asarray(part) for part in parts])
+
+
+def _tags(block: _Block) -> np.ndarray:
+    """One number for each cell of a block; cells with the same whole numbers in its arrays have the same."""
+    tags = np.zeros(len(block.nodes), dtype=np.int64)
+    for values in map(np.asarray, block.data.values()):
+        if values.shape == tags.shape and values.dtype.kind in "biuf" and np.all(values == np.floor(values)):
+            codes = np.unique(values, return_inverse=True)[1]
+            tags = np.unique(tags * (codes.max(initial=0) + 1) + codes, return_inverse=True)[1]
+    return tags
+
+
+def _codes(rows: np.ndarray) -> np.ndarray:
+    """One number for each row of nodes; rows with the same nodes, in any order, have the same."""
+    rows = np.sort(rows.astype(np.int64), axis=1)
+    codes, n = rows[:, 0], rows.max(initial=0) + 1
+    for i in range(1, rows.shape[1]):
+        codes = np.unique(codes * n + rows[:, i], return_inverse=True)[1].ravel()
+    return codes
+
+
+def _choices(elements: np.ndarray, corners: int) -> np.ndarray:
+    """All facets (or edges) of elements, as often as they have them."""
+    sets = list(itertools.combinations(range(elements.shape[1]), corners))
+    return elements[:, sets].reshape(-1, corners)
+
+
+def _holders(listed: np.ndarray, tags: np.ndarray, elements: np.ndarray) -> np.ndarray:
+    """Mask of listed edges or facets that hold their nodes. Where all of the elements' are listed, those
+    inside with the tag of most inside hold none, and neither do such edges on the boundary, as in files."""
+    holds = np.ones(len(listed), dtype=bool)
+    corners, of_element = listed.shape[1], elements.shape[1]
+    is_facet = of_element - corners == 1
+    least = of_element * len(elements) // 2 if is_facet else len(elements)
+    if len(listed) < least:
+        return holds
+    parts = [listed, _choices(elements, corners)]
+    if not is_facet:
+        facets = _choices(elements, of_element - 1)
+        _, first, count = np.unique(_codes(facets), return_index=True, return_counts=True)
+        parts.append(_choices(facets[first[count == 1]], corners))
+    codes = np.split(_codes(np.concatenate(parts)), np.cumsum([len(part) for part in parts])[:-1])
+    count = np.bincount(codes[1], minlength=max(code.max(initial=0) for code in codes) + 1)
+    if not np.isin(codes[1], codes[0]).all():
+        return holds
+    is_boundary = count[codes[0]] == 1 if is_facet else np.isin(codes[0], codes[2])
+    is_inside = (count[codes[0]] > 0) & ~is_boundary
+    for there in (is_inside,) if is_facet else (is_inside, is_boundary):
+        if there.any():
+            holds[there & (tags == np.argmax(np.bincount(tags[there])))] = False
+    return holds
+
+
+def _without_complete(blocks: list[_Block], elements: np.ndarray) -> list[_Block]:
+    """Blocks without the edges and facets that are listed only because all are."""
+    kept = [block for block in blocks if block.kind not in (_LINE, _TRIANGLE)]
+    for kind in (_LINE, _TRIANGLE):
+        of_kind = [block for block in blocks if block.kind == kind and len(block.nodes)]
+        if of_kind:
+            names = set.intersection(*(set(block.data) for block in of_kind))
+            joined = _Block(kind, _joined([block.nodes for block in of_kind]),
+                            {name: _joined([block.data[name] for block in of_kind]) for name in names})
+            holds = _holders(joined.nodes, _tags(joined), elements)
+            kept.append(_Block(kind, joined.nodes[holds], {}))
+    return kept
 
 
 def _hold(blocks: list[_Block], n_points: int) -> np.ndarray:
@@ -461,10 +529,12 @@ def _take_mesh(mesh: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str,
     if kind not in kinds:
         raise ValueError("the mesh has neither tetrahedra nor triangles")
     chosen = [block for block in blocks if block.kind == kind]
-    held = _hold([block for block in blocks if block.kind != kind], len(mesh.points))
+    elements = _joined([block.nodes for block in chosen])
+    others = _without_complete([block for block in blocks if block.kind != kind], elements)
+    held = _hold(others, len(mesh.points))
     data = {name: _joined([block.data[name] for block in chosen])
             for name in chosen[0].data if all(name in block.data for block in chosen)}
-    return mesh.points, _joined([block.nodes for block in chosen]), held, data
+    return mesh.points, elements, held, data
 
 
 class _Points:
