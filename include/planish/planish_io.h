@@ -122,14 +122,15 @@ PLANISH_API int planish_file_plane(const planish_file *file, planish_plane *plan
 PLANISH_API int planish_file_place(const planish_file *file, int64_t first, int64_t n,
                                    const double *coordinates, double *xyz, planish_error *error);
 
-/** Names of the arrays of one whole number per element that the file has (VTK's formats), in the
- *  file's order, NULL at the end; the file owns them. Values of other cells than the elements that
- *  are smoothed do not matter. At most 256 arrays are looked at. */
+/** Names of the arrays of one whole number per element that the file has (VTK's formats,
+ *  Gmsh), in the file's order, NULL at the end; the file owns them. Values of other cells than the
+ * elements that are smoothed do not matter. At most 256 arrays are looked at. */
 PLANISH_API const char *const *planish_file_cell_arrays(const planish_file *file);
 
 /** Names of those of these arrays that tell regions, NULL at the end; the file owns them. When the
  *  file is opened they are those that planish_find_regions finds; nodes between different values of
- *  any of them are held (planish_file_constraints). */
+ *  any of them are held (planish_file_constraints). Entities of a Gmsh file tell regions besides.
+ */
 PLANISH_API const char *const *planish_file_region_arrays(const planish_file *file);
 
 /** Choose the arrays that tell regions: those called names [n_names], each of

@@ -23,6 +23,10 @@ static int64_t place_of(const io_cells *cells, int64_t i) {
     return cells->number ? cells->number[i] : cells->first_number + i;
 }
 
+static int fail_arrays(planish_error *error) {
+    return pl_fail_memory(error, "the arrays of cells");
+}
+
 int io_array_begin(const io_model *model, const char *name, int64_t n_cells,
                    io_array_filler *filler, planish_error *error) {
     *filler = (io_array_filler){.elements = elements_of(model)};
@@ -32,14 +36,30 @@ int io_array_begin(const io_model *model, const char *name, int64_t n_cells,
     if (filler->array.name && filler->array.narrow)
         return PLANISH_OK;
     io_array_drop(filler);
-    return pl_fail_memory(error, "the arrays of cells");
+    return fail_arrays(error);
+}
+
+int io_array_begin_elements(const io_model *model, const char *name, io_array_filler *filler,
+                            planish_error *error) {
+    const int64_t n = elements_of(model)->n;
+    const int status = io_array_begin(model, name, n, filler, error);
+    if (status)
+        return status;
+    filler->array.by_element = 1;
+    filler->has = pl_alloc_zero(n, sizeof *filler->has);
+    if (filler->has)
+        return PLANISH_OK;
+    io_array_drop(filler);
+    return fail_arrays(error);
 }
 
 void io_array_drop(io_array_filler *filler) {
     pl_free(filler->array.name);
     pl_free(filler->array.narrow);
     pl_free(filler->array.wide);
+    pl_free(filler->has);
     filler->array = (io_array){.name = NULL};
+    filler->has = NULL;
 }
 
 int io_array_whole(double real, int64_t *value) {
@@ -54,7 +74,7 @@ int io_array_whole(double real, int64_t *value) {
 static int widen(io_array *array, int64_t n_done, planish_error *error) {
     array->wide = pl_alloc_zero(array->n, sizeof *array->wide);
     if (!array->wide)
-        return pl_fail_memory(error, "the arrays of cells");
+        return fail_arrays(error);
     for (int64_t i = 0; i < n_done; i++)
         array->wide[i] = array->narrow[i];
     pl_free(array->narrow);
@@ -89,9 +109,33 @@ int io_array_put(io_array_filler *filler, int64_t cell, int is_whole, int64_t va
     return status;
 }
 
+int io_array_put_element(io_array_filler *filler, int64_t element, int is_whole, int64_t value,
+                         planish_error *error) {
+    io_array *array = &filler->array;
+    filler->is_broken |= !is_whole;
+    if (!is_whole)
+        return PLANISH_OK;
+    if (array->narrow && (value < INT32_MIN || value > INT32_MAX)) {
+        const int status = widen(array, array->n, error);
+        if (status)
+            return status;
+    }
+    if (array->wide)
+        array->wide[element] = value;
+    else
+        array->narrow[element] = (int32_t)value;
+    filler->n_has += !filler->has[element];
+    filler->has[element] = 1;
+    return PLANISH_OK;
+}
+
+int io_array_is_full(const io_array_filler *filler) {
+    return !filler->has || filler->n_has == filler->array.n;
+}
+
 int io_array_end(io_model *model, io_array_filler *filler, planish_error *error) {
     int64_t capacity = model->array_capacity;
-    if (filler->is_broken || model->n_arrays == IO_MOST_ARRAYS) {
+    if (filler->is_broken || !io_array_is_full(filler) || model->n_arrays == IO_MOST_ARRAYS) {
         io_array_drop(filler);
         return PLANISH_OK;
     }
@@ -99,18 +143,25 @@ int io_array_end(io_model *model, io_array_filler *filler, planish_error *error)
                               &capacity, sizeof *grown);
     if (!grown) {
         io_array_drop(filler);
-        return pl_fail_memory(error, "the arrays of cells");
+        return fail_arrays(error);
     }
     model->array = grown;
     model->array_capacity = (int)capacity;
     model->array[model->n_arrays++] = filler->array;
+    filler->array = (io_array){.name = NULL};
+    io_array_drop(filler);
     return PLANISH_OK;
 }
 
 /* ---- regions of cells --------------------------------------------------------------------- */
 
-static int64_t value_of(const io_array *array, int64_t cell) {
-    return cell >= array->n ? 0 : array->wide ? array->wide[cell] : array->narrow[cell];
+/** Value of cell i of cells; elements: those that are smoothed. */
+static int64_t value_of(const io_array *array, const io_cells *elements, const io_cells *cells,
+                        int64_t i) {
+    const int64_t at = array->by_element ? i : place_of(cells, i);
+    if (at >= array->n || (array->by_element && cells != elements))
+        return 0;
+    return array->wide ? array->wide[at] : array->narrow[at];
 }
 
 /** Give the cells the entities of their values. */
@@ -121,7 +172,7 @@ static int store_entities(io_model *model, io_cells *cells, int dim, const io_ar
     if (!cells->entity)
         return pl_fail_memory(error, "the regions of cells");
     for (int64_t i = 0; i < cells->n; i++) {
-        const int32_t value = (int32_t)value_of(array, place_of(cells, i));
+        const int32_t value = (int32_t)value_of(array, elements_of(model), cells, i);
         if (entity < 0 || value != last) {
             last = value;
             entity = io_model_entity(model, dim, last, 0, NULL, error);
@@ -133,9 +184,15 @@ static int store_entities(io_model *model, io_cells *cells, int dim, const io_ar
     return PLANISH_OK;
 }
 
-/** Forget the regions that arrays have made. */
+/** Forget the regions that arrays have made; the file's own entities stay. */
 static void clear_regions(io_model *model) {
     io_cells *const cells[] = {&model->line, &model->triangle, &model->tetrahedron};
+    if (model->has_entities) {
+        io_cells *elements = io_model_cells(model, dim_of(model));
+        pl_free(elements->region);
+        elements->region = NULL;
+        return;
+    }
     for (int i = 0; i < 3; i++) {
         pl_free(cells[i]->entity);
         pl_free(cells[i]->region);
@@ -148,22 +205,24 @@ static void clear_regions(io_model *model) {
 static const void *element_values(const io_model *model, const io_array *array, void **owned) {
     const io_cells *cells = elements_of(model);
     const size_t size = array->wide ? sizeof *array->wide : sizeof *array->narrow;
+    const int64_t first = array->by_element ? 0 : cells->first_number;
     *owned = NULL;
-    if (!cells->number && cells->first_number + cells->n <= array->n)
-        return array->wide ? (const void *)(array->wide + cells->first_number)
-                           : (const void *)(array->narrow + cells->first_number);
+    if (array->by_element || (!cells->number && first + cells->n <= array->n))
+        return array->wide ? (const void *)(array->wide + first)
+                           : (const void *)(array->narrow + first);
     char *copy = *owned = pl_alloc(cells->n, size);
     for (int64_t i = 0; copy && i < cells->n; i++)
         if (array->wide)
-            ((int64_t *)*owned)[i] = value_of(array, place_of(cells, i));
+            ((int64_t *)*owned)[i] = value_of(array, cells, cells, i);
         else
-            ((int32_t *)*owned)[i] = (int32_t)value_of(array, place_of(cells, i));
+            ((int32_t *)*owned)[i] = (int32_t)value_of(array, cells, cells, i);
     return copy;
 }
 
-/** The model's arrays as the library takes them. */
+/** The model's arrays as the library takes them; behind them the file's own entities, if it has
+ *  such, which tell regions in any case. */
 typedef struct view {
-    planish_cell_array *of; /* [n_arrays] */
+    planish_cell_array *of; /* [n_arrays + has_entities] */
     void **owned;           /* [n_arrays] */
 } view;
 
@@ -176,7 +235,7 @@ static void release_view(const io_model *model, view *v) {
 
 static int make_view(const io_model *model, view *v, planish_error *error) {
     const int n = model->n_arrays;
-    v->of = pl_alloc_zero(n, sizeof *v->of);
+    v->of = pl_alloc_zero((int64_t)n + 1, sizeof *v->of);
     v->owned = pl_alloc_zero(n, sizeof *v->owned);
     for (int i = 0; v->of && v->owned && i < n; i++) {
         const io_array *array = &model->array[i];
@@ -185,9 +244,12 @@ static int make_view(const io_model *model, view *v, planish_error *error) {
         v->of[i].is_region = array->is_region;
         v->of[i].values = element_values(model, array, &v->owned[i]);
         if (!v->of[i].values)
-            return pl_fail_memory(error, "the arrays of cells");
+            return fail_arrays(error);
     }
-    return v->of && v->owned ? PLANISH_OK : pl_fail_memory(error, "the arrays of cells");
+    if (v->of && model->has_entities)
+        v->of[n] = (planish_cell_array){
+            .values = elements_of(model)->entity, .type = PLANISH_NUMBER_INT32, .is_region = 1};
+    return v->of && v->owned ? PLANISH_OK : fail_arrays(error);
 }
 
 /** The array by whose values groups are named: first, that asked for; else the one of the most
@@ -207,10 +269,12 @@ static int find_primary(const io_model *model, int first) {
     return first < 0 ? best : first;
 }
 
-/** Whether the primary array says all that there is to say. */
+/** Whether entities, which are the file's own or those of the primary array, say all that there is
+ *  to say. */
 static int is_alone(const io_model *model, int primary) {
     for (int i = 0; i < model->n_arrays; i++)
-        if (model->array[i].is_region && (i != primary || model->array[i].wide))
+        if (model->array[i].is_region &&
+            (model->has_entities || i != primary || model->array[i].wide))
             return 0;
     return 1;
 }
@@ -220,15 +284,18 @@ static int combine(io_model *model, const view *v, planish_error *error) {
     cells->region = pl_alloc(cells->n, sizeof *cells->region);
     if (!cells->region)
         return pl_fail_memory(error, "the regions of cells");
-    return planish_combine_regions(cells->n, v->of, model->n_arrays, cells->region, NULL, error);
+    return planish_combine_regions(cells->n, v->of, model->n_arrays + model->has_entities,
+                                   cells->region, NULL, error);
 }
 
-/** Make the regions of cells from the arrays whose is_region is set. */
+/** Make the regions of cells from the arrays whose is_region is set. The file's own entities stay,
+ *  and regions are parts of theirs. */
 static int make_regions(io_model *model, const view *v, int first, planish_error *error) {
     const int primary = find_primary(model, first);
+    const int has_tags = !model->has_entities && primary >= 0 && !model->array[primary].wide;
     int status = PLANISH_OK;
     clear_regions(model);
-    for (int dim = 1; dim <= 3 && primary >= 0 && !model->array[primary].wide && !status; dim++)
+    for (int dim = 1; dim <= 3 && has_tags && !status; dim++)
         status =
             store_entities(model, io_model_cells(model, dim), dim, &model->array[primary], error);
     if (!status && !is_alone(model, primary))
@@ -280,6 +347,7 @@ int io_arrays_settle(io_model *model, planish_error *error) {
     view v = {.of = NULL};
     if (model->n_arrays == 0 || elements_of(model)->n == 0)
         return PLANISH_OK;
+    model->has_entities = elements_of(model)->entity != NULL;
     int status = make_view(model, &v, error);
     if (!status)
         status = ask(model, &v, error);

@@ -1,9 +1,9 @@
 /* gmsh: MSH files of Gmsh, versions 1, 2 and 4, ASCII and binary.
  *
  * Recognises the format, reads the header and walks the sections; names of groups are read by
- * gmsh_names.c, nodes, elements, entities and periodic pairs by gmsh2.c and gmsh4.c. Sections that
- * say nothing about the mesh itself ($Comments, $NodeData, $GhostElements, unknown ones) are passed
- * over.
+ * gmsh_names.c, nodes, elements, entities and periodic pairs by gmsh2.c and gmsh4.c, and values of
+ * elements that may tell regions by gmsh_data.c. Sections that say nothing about the mesh itself
+ * ($Comments, $NodeData, $GhostElements, unknown ones) are passed over.
  */
 #include "io/gmsh.h"
 
@@ -407,11 +407,21 @@ static int skip_data_section(gmsh_reader *reader, const char *name, int64_t leng
     return skip_section(reader, name, length);
 }
 
+/* A section that is not read; values of elements are kept in mind. */
+static int pass_over(gmsh_reader *reader, const char *name, int64_t length) {
+    static const char data[] = "ElementData", mark[] = "$EndElementData";
+    const char *head = reader->cursor.at;
+    const int status = skip_data_section(reader, name, length);
+    if (status != 0 || !io_word_is(name, length, data, 0))
+        return status;
+    return gmsh_note_data(reader, head, reader->cursor.at - (sizeof mark - 1));
+}
+
 static int read_section(gmsh_reader *reader, const char *name, int64_t length) {
     const struct section *section = find_section(name, length);
     section_fn *read = section == NULL ? NULL : section->read[reader->version >= 40];
     if (read == NULL)
-        return skip_data_section(reader, name, length);
+        return pass_over(reader, name, length);
     if (section->needs_nodes && !reader->have_nodes)
         return gmsh_fail(reader, name, reader->error, "$%s stands before $Nodes", section->name);
     int status = read(reader);
@@ -484,9 +494,12 @@ static int read_gmsh(io_model *model, planish_error *error) {
         status = settle_numbers(&reader, &model->tetrahedron);
     if (status == 0)
         status = gmsh_settle_names(&reader);
+    if (status == 0)
+        status = gmsh_read_data(&reader);
     io_text_release(&reader.text);
     io_numbers_destroy(reader.numbers);
     pl_free(reader.place);
+    pl_free(reader.data);
     return status;
 }
 

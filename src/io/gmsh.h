@@ -26,6 +26,14 @@ typedef struct gmsh_place {
     int interface;  /* between parts of a partition: nothing of the geometry */
 } gmsh_place;
 
+/** A section $ElementData of one number per element. */
+typedef struct gmsh_data {
+    const char *name; /* [length] in the file, without quotes */
+    int64_t length;
+    int64_t step, n;          /* of time; values */
+    const char *values, *end; /* where they begin, and the section's end mark */
+} gmsh_data;
+
 typedef struct gmsh_reader {
     io_model *model;
     planish_error *error;
@@ -37,6 +45,8 @@ typedef struct gmsh_reader {
     io_numbers *numbers; /* of the nodes, or NULL: consecutive */
     gmsh_place *place;   /* [n_places], owned, by dim and tag once $Entities are read */
     int64_t n_places, place_capacity;
+    gmsh_data *data; /* [n_data], owned: what may tell regions, in the file's order */
+    int64_t n_data, data_capacity;
 } gmsh_reader;
 
 /** The element type of that number; fails (at a place in the file) for unknown ones and for
@@ -108,6 +118,14 @@ int gmsh_settle_names(gmsh_reader *reader);
  *  of as many nodes as it says. 0, or -1: they are not what they should be; the cursor has not
  * moved then. */
 int gmsh_skip_data(gmsh_reader *reader, int with_nodes);
+
+/** Keep in mind the section $ElementData behind whose name head is, and whose end mark is at end,
+ * if it may tell regions. Only a lack of memory is an error. */
+int gmsh_note_data(gmsh_reader *reader, const char *head, const char *end);
+
+/** When all has been read and the elements' numbers are settled: make arrays (arrays.h) of the
+ *  sections that gmsh_note_data has kept. What is malformed is passed over. */
+int gmsh_read_data(gmsh_reader *reader);
 
 /** Sections of MSH 1 and 2, and of MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
 int gmsh2_nodes(gmsh_reader *reader);

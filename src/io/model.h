@@ -121,6 +121,7 @@ typedef struct io_array {
     int32_t *narrow; /* [n] owned values by the number of the cell, from 0; 0 where a cell that is
                         not smoothed has no whole number */
     int64_t *wide;   /* [n] owned, in place of narrow where 32 bits do not do */
+    int by_element;  /* values are [n] of the elements that are smoothed, in their order, instead */
     int is_region;   /* it tells regions */
 } io_array;
 
@@ -191,6 +192,7 @@ typedef struct io_model {
     int64_t n_other, n_lower;
     io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
     int n_arrays, array_capacity;
+    int has_entities;         /* of the elements: the file's own, which arrays add to */
     int arrays_are_gone;      /* their values have been released */
     const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */
     const char **region_name; /* [n_arrays + 1] names of those that tell regions, and NULL; owned,

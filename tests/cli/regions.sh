@@ -64,6 +64,23 @@ for dim in 2 3; do
     expect_arrays "['GeometryIds']"
     expect_text "the values of array 'GeometryIds' are taken for regions"
 
+    # Gmsh's values of elements add to its entities, which hold whatever arrays are chosen.
+    for how in ascii binary; do
+        make "$dim" box.msh "$how" "T:float64:fraction" "number:float64:number"
+        expect_free "${half[dim]}" box.msh
+        expect_arrays "[]"
+        expect_no_note
+        make "$dim" box.msh "$how" "color:float64:halves" "T:float64:fraction" "rank:float64:quarters"
+        expect_free "${quarter[dim]}" box.msh
+        expect_arrays "['color']"
+        expect_text "the values of array 'color' are taken for regions"
+        expect_free "${half[dim]}" box.msh --regions rank
+        expect_arrays "['rank']"
+        expect_free "${all[dim]}" box.msh --regions none
+        expect_arrays "[]"
+        expect_free "${all[dim]}" box.msh --ignore-regions
+    done
+
     # What is no region.
     for rule in number same parity fraction one_nan; do
         make "$dim" box.vtk ascii "x:float64:$rule"

@@ -4,8 +4,9 @@ places, with arrays of cells.
 usage: regions_mesh.py DIM FILE HOW NAME:TYPE:RULE ...
 
 HOW: of FILE.vtk ascii, binary, field or binary-field; of FILE.vtu ascii, base64, packed, raw or
-pieces; of FILE.vtkhdf anything. TYPE: int8 .. uint64, float32, float64. RULE: the values (below). A
-line or triangle beside the elements has a value of its own in each array.
+pieces; of FILE.vtkhdf anything; of FILE.msh (2.2, two entities) ascii or binary. TYPE: int8 ..
+uint64, float32, float64. RULE: the values (below). A line or triangle beside the elements has a
+value of its own in each array.
 """
 import base64
 import itertools
@@ -172,6 +173,41 @@ def write_vtkhdf(path, points, cells, types, arrays):
             data[name] = numpy.array(values, dtype=kind)
 
 
+def write_msh(path, how, points, cells, entities, arrays):
+    binary = how == "binary"
+    with open(path, "wb") as f:
+        def put(text):
+            f.write(text.encode())
+
+        def row(code, *values):
+            if binary:
+                f.write(struct.pack("<" + code, *values))
+            else:
+                put(" ".join(map(repr, values)) + "\n")
+
+        put("$MeshFormat\n2.2 %d 8\n" % binary)
+        if binary:
+            f.write(struct.pack("<i", 1) + b"\n")
+        put("$EndMeshFormat\n$Nodes\n%d\n" % len(points))
+        for i, p in enumerate(points):
+            row("iddd", i + 1, *map(float, p))
+        put("\n$EndNodes\n$Elements\n%d\n" % len(cells))
+        for i, c in enumerate(cells):
+            kind = {2: 1, 3: 2, 4: 4}[len(c)]
+            nodes = [v + 1 for v in c]
+            if binary:
+                row("iii", kind, 1, 2)
+                row("%di" % (3 + len(c)), i + 1, 0, entities[i], *nodes)
+            else:
+                row("", i + 1, kind, 2, 0, entities[i], *nodes)
+        put("\n$EndElements\n")
+        for name, kind, values in arrays:
+            put('$ElementData\n1\n"%s"\n1\n0.0\n3\n0\n1\n%d\n' % (name, len(values)))
+            for i, v in enumerate(values):
+                row("id", i + 1, float(v))
+            put("\n$EndElementData\n")
+
+
 def main():
     dim, path, how = int(sys.argv[1]), sys.argv[2], sys.argv[3]
     points, cells, lows = make(dim)
@@ -181,6 +217,9 @@ def main():
     cells = lower + cells
     if path.endswith(".vtk"):
         write_vtk(path, how, points, cells, types, arrays)
+    elif path.endswith(".msh"):
+        entities = [1] * len(lower) + [1 + RULES["quarters"](0, low) for low in lows]
+        write_msh(path, how, points, cells, entities, arrays)
     elif path.endswith(".vtu"):
         write_vtu(path, how, points, cells, types, arrays)
     else:

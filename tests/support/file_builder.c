@@ -159,6 +159,9 @@ static void expect_same_cells(const io_cells *a, const io_cells *b, int dim) {
     assert_int_equal(a->entity == NULL, b->entity == NULL);
     if (a->entity != NULL)
         assert_memory_equal(a->entity, b->entity, n * sizeof *a->entity);
+    assert_int_equal(a->region == NULL, b->region == NULL);
+    if (a->region != NULL)
+        assert_memory_equal(a->region, b->region, n * sizeof *a->region);
     assert_int_equal(a->number == NULL, b->number == NULL);
     if (a->number != NULL)
         assert_memory_equal(a->number, b->number, n * sizeof *a->number);
