@@ -11,7 +11,7 @@
  * which stars share, come on top.
  */
 #include "base/sum.h"
-#include "sweep/plan.h"
+#include "plan/plan.h"
 
 #include <planish/planish_io.h>
 

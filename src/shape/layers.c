@@ -7,6 +7,8 @@
  * Nothing is asked of the boundary, so that layers may be anywhere, and in one or many. A mesh that
  * is stretched throughout need not have edges across: its elements are known by its one direction.
  */
+#include "shape/layers.h"
+
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -537,26 +539,10 @@ static int find_layers(search *s, int threads, planish_error *error) {
     return status;
 }
 
-int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
-                        planish_error *error) {
-    if (threads < 0 || threads > PL_MAX_THREADS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                       PL_MAX_THREADS);
-    if (!is_layer)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "is_layer must not be NULL");
-    const int used = pl_thread_count(threads);
-    const pl_outside outside = pl_call_enter(NULL);
-    search s = {.is_layer = is_layer};
-    pl_dense dense;
-    int status = pl_dense_create(mesh, used, &dense, error);
-    if (!status) {
-        s.mesh = &dense.mesh;
-        status = find_layers(&s, used, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
-    if (!status && n_layer)
-        *n_layer = s.n_layer;
+int pl_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
+                   planish_error *error) {
+    search s = {.mesh = mesh, .is_layer = is_layer};
+    const int status = find_layers(&s, threads, error);
+    *n_layer = s.n_layer;
     return status;
 }

@@ -6,6 +6,8 @@
  * Some names decide without a look at the facets. Everything is counted in whole numbers, so that
  * threads do not matter.
  */
+#include "shape/regions.h"
+
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -111,7 +113,7 @@ static int is_no_region(const char *name) {
     return is_among(plain, words, sizeof words / sizeof *words);
 }
 
-int planish_region_name(const char *name) {
+int pl_region_name(const char *name) {
     /* Written by: this program; Gmsh's mesh and meshio's; Medit's by meshio; Gmsh's own VTK files;
      * dolfinx; ParaView, OpenGeoSys and MOOSE. */
     static const char *const names[] = {
@@ -179,8 +181,8 @@ static int64_t value_at(const planish_cell_array *array, int64_t i) {
     return value;
 }
 
-static int check_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
-                        planish_error *error) {
+int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
+                         planish_error *error) {
     if (n_arrays < 0 || (n_arrays > 0 && !arrays))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "n_arrays is %d, and arrays must have so many", n_arrays);
@@ -284,7 +286,7 @@ static int judge(const planish_mesh *mesh, const planish_cell_array *const *cand
 static int most_telling(const planish_cell_array *arrays, int n_arrays, const uint8_t *has) {
     int best = -1, best_rank = 0;
     for (int i = 0; i < n_arrays; i++) {
-        const int rank = planish_region_name(arrays[i].name);
+        const int rank = pl_region_name(arrays[i].name);
         if (has[i] && rank > 0 && (best < 0 || rank < best_rank)) {
             best = i;
             best_rank = rank;
@@ -306,7 +308,7 @@ static void choose_candidates(search *s, const planish_cell_array *arrays, int n
                               int64_t n_elements, int threads) {
     for (int i = 0; i < n_arrays; i++)
         s->has[i] =
-            planish_region_name(arrays[i].name) >= 0 && has_values(&arrays[i], n_elements, threads);
+            pl_region_name(arrays[i].name) >= 0 && has_values(&arrays[i], n_elements, threads);
     s->sure = most_telling(arrays, n_arrays, s->has);
     for (int i = 0; i < n_arrays; i++)
         if (s->has[i] && i != s->sure) {
@@ -315,8 +317,8 @@ static void choose_candidates(search *s, const planish_cell_array *arrays, int n
         }
 }
 
-static int find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays,
-                        int threads, planish_error *error) {
+int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays, int threads,
+                    planish_error *error) {
     search s = {.has = pl_alloc_zero(n_arrays, 1),
                 .looks = pl_alloc_zero(n_arrays, 1),
                 .candidate = pl_alloc(n_arrays, sizeof *s.candidate),
@@ -336,36 +338,6 @@ static int find_regions(const planish_mesh *mesh, planish_cell_array *arrays, in
     pl_free(s.looks);
     pl_free(s.candidate);
     pl_free(s.place);
-    return status;
-}
-
-static int check_threads(int threads, planish_error *error) {
-    if (threads >= 0 && threads <= PL_MAX_THREADS)
-        return PLANISH_OK;
-    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                   "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                   PL_MAX_THREADS);
-}
-
-int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays,
-                         int threads, planish_error *error) {
-    int status = check_threads(threads, error);
-    if (status)
-        return status;
-    if (mesh && mesh->part)
-        return pl_fail(error, PLANISH_ERROR_PARTS,
-                       "regions are found in the whole mesh, not in a part of it");
-    const pl_outside outside = pl_call_enter(NULL);
-    const int used = pl_thread_count(threads);
-    pl_dense dense;
-    status = pl_dense_create(mesh, used, &dense, error);
-    if (!status) {
-        status = check_arrays(arrays, n_arrays, mesh->n_elements, error);
-        if (!status)
-            status = find_regions(&dense.mesh, arrays, n_arrays, used, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
     return status;
 }
 
@@ -458,36 +430,13 @@ static int split_regions(const planish_cell_array *array, int64_t n_elements, in
     return number < 0 && n_elements > 0 ? number : PLANISH_OK;
 }
 
-static int combine(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
-                   int32_t *found, int64_t *n_regions, planish_error *error) {
+int pl_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
+                       int32_t *found, int64_t *n_regions, planish_error *error) {
     int status = PLANISH_OK;
     *n_regions = n_elements > 0;
     for (int i = 0; i < n_arrays && !status; i++)
         if (arrays[i].is_region)
             status = split_regions(&arrays[i], n_elements, found, n_regions, error);
-    return status;
-}
-
-int planish_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
-                            int32_t *region, int64_t *n_regions, planish_error *error) {
-    if (n_elements < 0 || n_elements > INT32_MAX || !region)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "n_elements is %" PRId64 ": it must be 0 to %d, and region not NULL",
-                       n_elements, INT32_MAX);
-    int64_t n = 0;
-    int status = check_arrays(arrays, n_arrays, n_elements, error);
-    if (status)
-        return status;
-    const pl_outside outside = pl_call_enter(NULL);
-    int32_t *found = pl_alloc_zero(n_elements, sizeof *found);
-    status = found ? combine(n_elements, arrays, n_arrays, found, &n, error)
-                   : pl_fail_memory(error, "the regions of elements");
-    if (!status)
-        memcpy(region, found, (size_t)n_elements * sizeof *found);
-    if (!status && n_regions)
-        *n_regions = n;
-    pl_free(found);
-    pl_call_leave(&outside);
     return status;
 }
 
@@ -512,8 +461,8 @@ static void mark_interfaces(const planish_mesh *mesh, const int32_t *region, int
         }
 }
 
-static int find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
-                           int64_t *n, planish_error *error) {
+int pl_find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
+                       int64_t *n, planish_error *error) {
     int32_t *of_node = pl_alloc(mesh->n_nodes, sizeof *of_node);
     if (!of_node)
         return pl_fail_memory(error, "the regions of nodes");
@@ -525,25 +474,4 @@ static int find_interfaces(const planish_mesh *mesh, const int32_t *region, uint
     }
     pl_free(of_node);
     return PLANISH_OK;
-}
-
-int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int threads,
-                            uint8_t *is_between, int64_t *n_between, planish_error *error) {
-    int64_t n = 0;
-    int status = check_threads(threads, error);
-    if (status)
-        return status;
-    if (!region || !is_between)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "region and is_between must not be NULL");
-    const pl_outside outside = pl_call_enter(NULL);
-    pl_dense dense;
-    status = pl_dense_create(mesh, pl_thread_count(threads), &dense, error);
-    if (!status) {
-        status = find_interfaces(&dense.mesh, region, is_between, &n, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
-    if (!status && n_between)
-        *n_between = n;
-    return status;
 }

@@ -1,4 +1,6 @@
 /* slides: planish_find_slides, which nodes of a mesh can slide on what. */
+#include "shape/slides.h"
+
 #include "shape/shape.h"
 
 #include "base/context.h"
@@ -13,8 +15,6 @@
 
 /* Without a tolerance of the caller's: this fraction of the diagonal, for doubles of 8 digits. */
 #define TOLERANCE 1e-8
-/* The largest there may be: beyond it much of any surface would be plane. */
-#define LARGEST_TOLERANCE 1e-3
 
 /** The decision about each node of the surface. */
 typedef struct decision {
@@ -167,9 +167,9 @@ static int find_shape(decision *d, const planish_surface *tags, const pl_surface
     return status;
 }
 
-static int find_slides(const planish_mesh *mesh, const planish_surface *tags, int threads,
-                       uint8_t *constraint, double *direction, planish_slide_info *info,
-                       planish_error *error) {
+int pl_find_slides(const planish_mesh *mesh, const planish_surface *tags, int threads,
+                   uint8_t *constraint, double *direction, planish_slide_info *info,
+                   planish_error *error) {
     pl_surface surface;
     uint8_t *is_fixed = pl_alloc_zero(mesh->n_nodes, 1);
     if (!is_fixed)
@@ -192,82 +192,5 @@ static int find_slides(const planish_mesh *mesh, const planish_surface *tags, in
         if (is_fixed[i] && constraint[i] == PLANISH_FREE)
             constraint[i] = PLANISH_FIXED;
     pl_free(is_fixed);
-    return status;
-}
-
-/* ---- arguments ------------------------------------------------------------------------------ */
-
-/** Whether nodes [n] are those of the mesh. */
-static int check_nodes(const planish_mesh *mesh, const int32_t *nodes, int64_t n, const char *what,
-                       planish_error *error) {
-    if (n > 0 && !nodes)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "surface.%s must not be NULL", what);
-    for (int64_t i = 0; i < n; i++)
-        if (nodes[i] < 0 || nodes[i] >= mesh->n_nodes)
-            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, nodes[i],
-                              "surface.%s has the node %" PRId32 " at %" PRId64
-                              ", but the mesh has the nodes 0 to %" PRId64,
-                              what, nodes[i], i, mesh->n_nodes - 1);
-    return PLANISH_OK;
-}
-
-/** Facets and edges that are listed: more than any mesh of INT32_MAX nodes has. */
-static const int64_t MOST_LISTED = (int64_t)8 * INT32_MAX;
-
-static int check_tags(const planish_mesh *mesh, const planish_surface *tags, planish_error *error) {
-    if (!tags)
-        return PLANISH_OK;
-    if (tags->n_facets < 0 || tags->n_edges < 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "surface.n_facets and n_edges must not be negative");
-    if (tags->n_facets > MOST_LISTED || tags->n_edges > MOST_LISTED)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "surface.%s is %" PRId64 "; it must be at most %" PRId64,
-                       tags->n_facets > MOST_LISTED ? "n_facets" : "n_edges",
-                       tags->n_facets > MOST_LISTED ? tags->n_facets : tags->n_edges, MOST_LISTED);
-    if (!(tags->tolerance >= 0 && tags->tolerance <= LARGEST_TOLERANCE))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "surface.tolerance is %g; give 0 to %g of the diagonal of the bounding box",
-                       tags->tolerance, LARGEST_TOLERANCE);
-    int status = check_nodes(mesh, tags->facets, tags->n_facets * mesh->dim, "facets", error);
-    return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
-}
-
-/** Check that the constraints are such. */
-static int check_constraints(const planish_mesh *mesh, planish_error *error) {
-    for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++)
-        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
-            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
-                              "mesh.constraint of node %" PRId64
-                              " is %d; give a planish_constraint, 0 to %d",
-                              i, mesh->constraint[i], PLANISH_ON_SURFACE);
-    return PLANISH_OK;
-}
-
-int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface, int threads,
-                        uint8_t *constraint, double *direction, planish_slide_info *info,
-                        planish_error *error) {
-    planish_slide_info found = {0};
-    if (threads < 0 || threads > PL_MAX_THREADS)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
-                       PL_MAX_THREADS);
-    if (!constraint || !direction)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
-    const int used = pl_thread_count(threads);
-    const pl_outside outside = pl_call_enter(NULL);
-    pl_dense dense;
-    int status = pl_dense_create(mesh, used, &dense, error);
-    if (!status) {
-        status = check_tags(mesh, surface, error);
-        if (!status)
-            status = check_constraints(mesh, error);
-        if (!status)
-            status = find_slides(&dense.mesh, surface, used, constraint, direction, &found, error);
-        pl_dense_destroy(&dense);
-    }
-    pl_call_leave(&outside);
-    if (!status && info)
-        *info = found;
     return status;
 }

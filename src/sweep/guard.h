@@ -3,7 +3,7 @@
 #define PL_SWEEP_GUARD_H
 
 #include "quality/objective.h"
-#include "sweep/plan.h"
+#include "plan/plan.h"
 
 #include <math.h>
 

@@ -357,7 +357,7 @@ static int help_if_slow(pl_run *r, course *c, int converged) {
     if (!slow && !polish)
         return 0;
     const double fall = c->trend.fall[PL_CALM_SWEEPS - 1];
-    int stopped = pl_run_help(r, c->help, polish ? r->options->tolerance : fall);
+    int stopped = r->help(r, c->help, polish ? r->options->tolerance : fall);
     c->polished |= polish;
     c->patience *= c->help == PL_DESCENT ? 2 : 1;
     c->help = PL_DESCENT;

@@ -13,6 +13,14 @@ typedef struct pl_rest {
     int64_t inverted, below; /* elements outside of the part */
 } pl_rest;
 
+struct pl_run;
+
+/** What helps a mesh that sweeps would be slow with; all nodes move at once. */
+typedef enum pl_help { PL_CENTRING, PL_DESCENT } pl_help;
+
+/** Help by all nodes at once; see pl_run_help. */
+typedef int pl_help_fn(struct pl_run *r, pl_help help, double fall);
+
 /** One call of planish_smooth. */
 typedef struct pl_run {
     planish_plan *plan;
@@ -40,7 +48,9 @@ typedef struct pl_run {
     double start; /* clock */
     double sweep_start;
     int sweep;
-    int in_vain; /* sweeps that max_sweeps does not count: those before nodes were put back */
+    int in_vain;      /* sweeps that max_sweeps does not count: those before nodes were put back */
+    pl_help_fn *help; /* what sweeps call where they are slow */
+    pl_objective_sums totals_at_start; /* of the mesh as it came */
     planish_stop stop;
     planish_result *result;
 } pl_run;
@@ -98,48 +108,5 @@ int pl_run_sweeps_left(const pl_run *r);
 
 /** Sweeps until they converge or must end: r->stop says why. */
 void pl_run_sweeps(pl_run *r);
-
-/* ---- slow.c -----------------------------------------------------------------------------------
- */
-
-/** What helps a mesh that sweeps would be slow with; all nodes move at once. */
-typedef enum pl_help { PL_CENTRING, PL_DESCENT } pl_help;
-
-/** Try it; it counts as one sweep or several. fall: what the last sweep has brought, relative. F
- * does not rise. Not 0 if it was cut short; without memory it does nothing. For the plain problem
- * only.
- */
-int pl_run_help(pl_run *r, pl_help help, double fall);
-
-/* ---- untangle.c ---------------------------------------------------------------------------- */
-
-/** Untangle the mesh as measured last: what is inverted or flat; or bring up what is below its
- * least volume. If anything was done r->stop is _CONVERGED then, unless it was cut short. Errors:
- * _MEMORY.
- */
-int pl_run_untangle(pl_run *r, planish_error *error);
-int pl_run_raise_volumes(pl_run *r, planish_error *error);
-
-/* ---- angles.c -------------------------------------------------------------------------------- */
-
-/** Whether nodes move with others, whose stars alone have been looked at: rounding may do to their
- * own elements what it has not done to those. */
-int pl_run_has_followers(const pl_run *r);
-
-/** If the mesh as measured last has a smaller angle than at the start, or with followers anything
- *  else that is worse, put the nodes around back to where they were; how many is the result's.
- *  Errors: _MEMORY. */
-int pl_run_put_back_angles(pl_run *r, planish_error *error);
-
-/* ---- worst.c --------------------------------------------------------------------------------- */
-
-/** Improve the worst elements of a mesh that has been smoothed, and measured. Errors: _MEMORY. */
-int pl_run_worst(pl_run *r, planish_error *error);
-
-/* ---- augmented.c ---------------------------------------------------------------------------- */
-
-/** After the sweeps have converged with least volumes in force: look for a better mesh by augmented
- *  Lagrangian, and take it if it is one. */
-void pl_run_augmented(pl_run *r);
 
 #endif

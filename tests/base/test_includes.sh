@@ -39,12 +39,12 @@ refuse "$(ls tools/*.[ch] | grep -v -e tools/output.c -e tools/worst_place.c)" "
 refuse "$(ls tools/report/*.[ch] | grep -v -e surface.c -e markup.c)" "$(includes "$(others base)")" \
     "a report knows public headers and base, its surface topology's facets, its markup io's base64"
 refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/base/parallel.c)" "omp\.h|# *pragma *omp" "OpenMP belongs in src/base/parallel.c"
-refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/sweep/placement.c)" "hwloc\.h" "hwloc belongs in src/sweep/placement.c"
+refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] | grep -v src/plan/placement.c)" "hwloc\.h" "hwloc belongs in src/plan/placement.c"
 refuse "$(ls src/*/* tools/*.[ch] tools/report/*.[ch] include/planish/*.h)" '^ *# *include *[<"](mpi|petsc)' \
     "MPI and PETSc belong in mpi/"
 refuse "$(ls mpi/* | grep -v -e plexrows.c -e plexfile.h)" "$(includes "$(others base topology)")" \
     "planish-mpi knows public headers, base, and topology's facets, its plexfile io's output and HDF5"
-refuse "mpi/plexrows.c mpi/plexfile.h" "$(includes "$(others base io)")" "plexfile knows io's output and HDF5"
+refuse "tools/mpi/plexrows.c tools/mpi/plexfile.h" "$(includes "$(others base io)")" "plexfile knows io's output and HDF5"
 
 [ $bad = 0 ] && echo "includes point one way"
 exit $bad

@@ -1,0 +1,47 @@
+/* planish_options: the version, features, and default options. */
+#include <planish/planish.h>
+
+#include <math.h>
+#include <string.h>
+
+#define DEFAULT_TOLERANCE  1e-5 /* relative fall of the RMS per sweep that is not worth a sweep */
+#define DEFAULT_WORST_RISE 0.01
+enum { DEFAULT_MAX_SWEEPS = 200 };
+
+const char *planish_version(void) {
+    return PLANISH_VERSION;
+}
+
+int planish_has(planish_feature feature) {
+    switch (feature) {
+#ifdef _OPENMP
+    case PLANISH_FEATURE_OPENMP:
+        return 1;
+#endif
+#ifdef PL_HWLOC
+    case PLANISH_FEATURE_HWLOC:
+        return 1;
+#endif
+#ifdef PL_X86_KERNELS
+    case PLANISH_FEATURE_X86_KERNELS:
+        return 1;
+#endif
+    default:
+        return 0;
+    }
+}
+
+void planish_options_init(planish_options *options) {
+    if (!options)
+        return;
+    memset(options, 0, sizeof *options);
+    options->struct_size = sizeof *options;
+    options->max_sweeps = DEFAULT_MAX_SWEEPS;
+    options->tolerance = DEFAULT_TOLERANCE;
+    options->untangle = 1;
+    options->worst_rise = DEFAULT_WORST_RISE;
+    for (int d = 0; d < 3; d++) {
+        options->box_lower[d] = -INFINITY;
+        options->box_upper[d] = INFINITY;
+    }
+}

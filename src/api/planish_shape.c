@@ -1,0 +1,198 @@
+/* planish_shape: layers, regions, interfaces, and the surface that nodes may slide on. */
+#include "shape/layers.h"
+#include "shape/regions.h"
+#include "shape/slides.h"
+
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+#include "topology/points.h"
+#include "topology/topology.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+/* The largest tolerance of planish_find_slides: beyond it much of any surface would be plane. */
+#define LARGEST_TOLERANCE 1e-3
+
+static int check_threads(int threads, planish_error *error) {
+    if (threads >= 0 && threads <= PL_MAX_THREADS)
+        return PLANISH_OK;
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                   "threads is %d; give 1 to %d, or 0 for as many as OpenMP would use", threads,
+                   PL_MAX_THREADS);
+}
+
+/* ---- layers ------------------------------------------------------------------------------- */
+
+int planish_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
+                        planish_error *error) {
+    int64_t n = 0;
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    if (!is_layer)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "is_layer must not be NULL");
+    const int used = pl_thread_count(threads);
+    const pl_outside outside = pl_call_enter(NULL);
+    pl_dense dense;
+    status = pl_dense_create(mesh, used, &dense, error);
+    if (!status) {
+        status = pl_find_layers(&dense.mesh, used, is_layer, &n, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
+    if (!status && n_layer)
+        *n_layer = n;
+    return status;
+}
+
+/* ---- regions ------------------------------------------------------------------------------ */
+
+int planish_region_name(const char *name) {
+    return pl_region_name(name);
+}
+
+int planish_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays,
+                         int threads, planish_error *error) {
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    if (mesh && mesh->part)
+        return pl_fail(error, PLANISH_ERROR_PARTS,
+                       "regions are found in the whole mesh, not in a part of it");
+    const pl_outside outside = pl_call_enter(NULL);
+    const int used = pl_thread_count(threads);
+    pl_dense dense;
+    status = pl_dense_create(mesh, used, &dense, error);
+    if (!status) {
+        status = pl_check_cell_arrays(arrays, n_arrays, mesh->n_elements, error);
+        if (!status)
+            status = pl_find_regions(&dense.mesh, arrays, n_arrays, used, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
+    return status;
+}
+
+int planish_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
+                            int32_t *region, int64_t *n_regions, planish_error *error) {
+    if (n_elements < 0 || n_elements > INT32_MAX || !region)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "n_elements is %" PRId64 ": it must be 0 to %d, and region not NULL",
+                       n_elements, INT32_MAX);
+    int64_t n = 0;
+    int status = pl_check_cell_arrays(arrays, n_arrays, n_elements, error);
+    if (status)
+        return status;
+    const pl_outside outside = pl_call_enter(NULL);
+    int32_t *found = pl_alloc_zero(n_elements, sizeof *found);
+    status = found ? pl_combine_regions(n_elements, arrays, n_arrays, found, &n, error)
+                   : pl_fail_memory(error, "the regions of elements");
+    if (!status)
+        memcpy(region, found, (size_t)n_elements * sizeof *found);
+    if (!status && n_regions)
+        *n_regions = n;
+    pl_free(found);
+    pl_call_leave(&outside);
+    return status;
+}
+
+int planish_find_interfaces(const planish_mesh *mesh, const int32_t *region, int threads,
+                            uint8_t *is_between, int64_t *n_between, planish_error *error) {
+    int64_t n = 0;
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    if (!region || !is_between)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "region and is_between must not be NULL");
+    const pl_outside outside = pl_call_enter(NULL);
+    pl_dense dense;
+    status = pl_dense_create(mesh, pl_thread_count(threads), &dense, error);
+    if (!status) {
+        status = pl_find_interfaces(&dense.mesh, region, is_between, &n, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
+    if (!status && n_between)
+        *n_between = n;
+    return status;
+}
+
+/* ---- slides ------------------------------------------------------------------------------- */
+
+/** Whether nodes [n] are those of the mesh. */
+static int check_nodes(const planish_mesh *mesh, const int32_t *nodes, int64_t n, const char *what,
+                       planish_error *error) {
+    if (n > 0 && !nodes)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "surface.%s must not be NULL", what);
+    for (int64_t i = 0; i < n; i++)
+        if (nodes[i] < 0 || nodes[i] >= mesh->n_nodes)
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, nodes[i],
+                              "surface.%s has the node %" PRId32 " at %" PRId64
+                              ", but the mesh has the nodes 0 to %" PRId64,
+                              what, nodes[i], i, mesh->n_nodes - 1);
+    return PLANISH_OK;
+}
+
+/** Facets and edges that are listed: more than any mesh of INT32_MAX nodes has. */
+static const int64_t MOST_LISTED = (int64_t)8 * INT32_MAX;
+
+static int check_tags(const planish_mesh *mesh, const planish_surface *tags, planish_error *error) {
+    if (!tags)
+        return PLANISH_OK;
+    if (tags->n_facets < 0 || tags->n_edges < 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.n_facets and n_edges must not be negative");
+    if (tags->n_facets > MOST_LISTED || tags->n_edges > MOST_LISTED)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.%s is %" PRId64 "; it must be at most %" PRId64,
+                       tags->n_facets > MOST_LISTED ? "n_facets" : "n_edges",
+                       tags->n_facets > MOST_LISTED ? tags->n_facets : tags->n_edges, MOST_LISTED);
+    if (!(tags->tolerance >= 0 && tags->tolerance <= LARGEST_TOLERANCE))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "surface.tolerance is %g; give 0 to %g of the diagonal of the bounding box",
+                       tags->tolerance, LARGEST_TOLERANCE);
+    int status = check_nodes(mesh, tags->facets, tags->n_facets * mesh->dim, "facets", error);
+    return status ? status : check_nodes(mesh, tags->edges, tags->n_edges * 2, "edges", error);
+}
+
+/** Check that the constraints are such. */
+static int check_constraints(const planish_mesh *mesh, planish_error *error) {
+    for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++)
+        if (mesh->constraint[i] > PLANISH_ON_SURFACE)
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i,
+                              "mesh.constraint of node %" PRId64
+                              " is %d; give a planish_constraint, 0 to %d",
+                              i, mesh->constraint[i], PLANISH_ON_SURFACE);
+    return PLANISH_OK;
+}
+
+int planish_find_slides(const planish_mesh *mesh, const planish_surface *surface, int threads,
+                        uint8_t *constraint, double *direction, planish_slide_info *info,
+                        planish_error *error) {
+    planish_slide_info found = {0};
+    int status = check_threads(threads, error);
+    if (status)
+        return status;
+    if (!constraint || !direction)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "constraint and direction must not be NULL");
+    const int used = pl_thread_count(threads);
+    const pl_outside outside = pl_call_enter(NULL);
+    pl_dense dense;
+    status = pl_dense_create(mesh, used, &dense, error);
+    if (!status) {
+        status = check_tags(mesh, surface, error);
+        if (!status)
+            status = check_constraints(mesh, error);
+        if (!status)
+            status =
+                pl_find_slides(&dense.mesh, surface, used, constraint, direction, &found, error);
+        pl_dense_destroy(&dense);
+    }
+    pl_call_leave(&outside);
+    if (!status && info)
+        *info = found;
+    return status;
+}

@@ -1,0 +1,114 @@
+/* angles: no angle smaller than the smallest one the mesh had.
+ *
+ * Sweeps look at radius ratios, which seldom leaves a smaller angle than there was. Where it did,
+ * the nodes around go back, and are swept again with the angle as a limit. In all sweeps that limit
+ * would be in the way: an element that is both flat and sharp could not become better in one
+ * respect first.
+ */
+#include "improve/improve.h"
+
+#include "base/memory.h"
+#include "base/parts.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rounds in which nodes go back; then all of them do. */
+enum { ROUNDS = 50 };
+
+/** Put the nodes of element, which is worse than it may be, to where they were; how many had moved.
+ */
+static int64_t put_back_nodes(const pl_run *r, int64_t element) {
+    const planish_plan *plan = r->plan;
+    const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
+    int64_t n = 0;
+    for (int j = 0; j <= plan->dim; j++) {
+        const int64_t node = plan->elements[element * (plan->dim + 1) + j];
+        double *now = plan->coordinates + (int64_t)plan->inner[node] * plan->dim;
+        const double *start = r->outside + node * plan->dim;
+        n += pl_is_own(pl_part_here(), node) && memcmp(now, start, size) != 0;
+        memcpy(now, start, size);
+    }
+    return n;
+}
+
+/** Nodes that move together go back together. */
+static void put_back_followers(const pl_run *r) {
+    const planish_plan *plan = r->plan;
+    const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
+    for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
+        const pl_follower *f = &plan->sliding.follower[k];
+        if (f->node < plan->n_nodes &&
+            memcmp(plan->coordinates + (int64_t)f->node * plan->dim, f->start, size) == 0)
+            memcpy(plan->coordinates + (int64_t)f->of * plan->dim, f->origin, size);
+    }
+    pl_follow(plan, &r->problem);
+}
+
+/** Put back the nodes of elements that are worse than the worst at the start; 0 if there are none.
+ */
+static int64_t put_back_bad(pl_run *r, uint8_t *state) {
+    const planish_plan *plan = r->plan;
+    int64_t n = 0;
+    pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
+                  plan->measured, sqrt(r->at_start.rr2), r->at_start.acuteness, plan->threads,
+                  state);
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        if (state[i] != PL_FINE)
+            n += put_back_nodes(r, i);
+    put_back_followers(r);
+    pl_ghosts_update(plan, plan->coordinates, plan->dim * (int64_t)sizeof *plan->coordinates);
+    pl_run_measure(r);
+    pl_parts_add(&n, 1);
+    return n;
+}
+
+/** Put back all nodes; how many had moved. */
+static int64_t put_all_back(const pl_run *r) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < r->plan->n_elements; i++)
+        n += put_back_nodes(r, i);
+    pl_parts_add(&n, 1);
+    return n;
+}
+
+int pl_run_has_followers(const pl_run *r) {
+    return r->options->method == PLANISH_METHOD_PLANISH && r->plan->sliding.n_followers > 0;
+}
+
+/** Whether F has risen, where it must not. */
+static int has_risen(const pl_run *r) {
+    return r->inverted_at_start == 0 && r->below_at_start == 0 && r->result->worst_sweeps == 0 &&
+           pl_run_objective(r) > r->result->objective_before;
+}
+
+/** Whether the mesh is worse than at the start. Sweeps see to it that only angles are, and to
+ *  rounding others: nodes that move together have one star for all, next to one of them. */
+static int is_worse(const pl_run *r) {
+    const pl_star_limits now = pl_run_limits(r, 1);
+    return now.acuteness > r->at_start.acuteness || now.rr2 > r->at_start.rr2 ||
+           pl_run_inverted(r) > r->inverted_at_start ||
+           (pl_run_has_followers(r) && (pl_run_below(r) > r->below_at_start || has_risen(r)));
+}
+
+int pl_run_put_back_angles(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    if (!is_worse(r))
+        return PLANISH_OK;
+    uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
+    if (!state)
+        return pl_fail_memory(error, "the states of the elements");
+    for (int i = 0; i < ROUNDS; i++) {
+        const int64_t more = put_back_bad(r, state);
+        r->result->put_back += more;
+        if (more == 0)
+            break;
+    }
+    pl_free(state);
+    if (is_worse(r) || pl_run_below(r) > r->below_at_start || has_risen(r)) {
+        r->result->put_back += put_all_back(r);
+        pl_run_measure(r);
+    }
+    return PLANISH_OK;
+}

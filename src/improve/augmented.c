@@ -1,0 +1,150 @@
+/* augmented: past the places where least volumes block every node by itself.
+ *
+ * An element on its least volume belongs to several nodes. Each may be at its own constrained
+ * optimum while all of them moving together could lower F: sweeps of feasible directions end there.
+ * The augmented Lagrangian (Hestenes, Powell 1969; docs/algorithm.md) has no such places: volumes
+ * may be below their least meanwhile, for a price that its multipliers raise from sweep to sweep.
+ * So this is a trial: on the plan's coordinates, with the mesh as it stands put by. It ends with
+ * ordinary sweeps, and the result is taken only if it is better in every respect that was promised.
+ */
+#include "improve/improve.h"
+
+#include "base/memory.h"
+#include "base/parts.h"
+#include "base/parallel.h"
+
+#include <string.h>
+
+enum { MOST_SWEEPS = 40 };
+/* rho, in units of AR^2 by g^2. */
+#define PENALTY 100.0
+/* Multipliers have settled where no lambda / rho changes by more. */
+#define SETTLED 1e-3
+/* RR^2 of an element depends a little on the node that it is seen from. */
+#define LIMIT_NOISE 1e-9
+/* By how much the elements that are left below may be lower than before, relative. */
+#define LOWER 1e-3
+
+/** One update of the multipliers. */
+typedef struct update {
+    const pl_run *run;
+    int wake;
+    double largest; /* change; shared */
+} update;
+
+static void update_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    update *u = context;
+    const planish_plan *plan = u->run->plan;
+    pl_raise_double(&u->largest,
+                    pl_star_update_shifts(&u->run->problem, plan->dim, u->wake, begin, end,
+                                          plan->scratch + plan->scratch_stride * thread));
+}
+
+/** Update the multipliers of all elements; returns the largest change. */
+static double update_shifts(const pl_run *r, int wake) {
+    const int64_t n = r->plan->interior.stars.n_stars;
+    update u = {r, wake, 0};
+    pl_parallel_for(r->plan->threads, n, PL_CHUNK_STARS, update_chunk, &u);
+    pl_parts_largest(&u.largest, 1);
+    return u.largest;
+}
+
+/** Sweeps of the augmented Lagrangian around where a least volume is in force; 0 if cut short. */
+static int augmented_sweeps(pl_run *r) {
+    const int first = r->sweep;
+    int whole = 1;
+    int64_t visits = 1;
+    double change = 1;
+    memset(r->plan->changed, 0, (size_t)r->plan->n_nodes);
+    r->guard.star.penalty = PENALTY;
+    update_shifts(r, 1);
+    while (whole && visits > 0 && change > SETTLED && r->sweep - first < MOST_SWEEPS &&
+           pl_run_sweeps_left(r) > 0) {
+        whole = !pl_run_sweep(r, &visits);
+        change = update_shifts(r, 0);
+    }
+    r->guard.star.penalty = 0;
+    return whole;
+}
+
+/** Wake the stars of nodes that the trial has moved, and those around them. */
+static void wake_moved(const planish_plan *plan, const double *before) {
+    const int dim = plan->dim;
+    for (int64_t s = 0; s < plan->interior.stars.n_stars; s++) {
+        const int64_t at = (int64_t)plan->interior.centre[s] * dim;
+        if (memcmp(plan->coordinates + at, before + at, (size_t)dim * sizeof *before) == 0)
+            continue;
+        plan->changed[plan->interior.centre[s]] = 1;
+        for (int64_t i = plan->interior.stars.ring_offset[s];
+             i < plan->interior.stars.ring_offset[s + 1]; i++)
+            plan->changed[plan->interior.stars.ring[i]] = 1;
+    }
+    pl_ghosts_wake(plan, before);
+}
+
+/** Better in every respect that is promised; what is left below cannot be helped, but must not be
+ * lower either. A trial that was cut off does not count, whatever it has reached: more sweeps must
+ * not give less.
+ */
+static int is_better(const pl_run *r, const pl_objective_sums *standing,
+                     const pl_star_limits *limits) {
+    return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
+           r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
+           (r->totals.below == 0 || r->totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
+           r->totals.radius_max <= limits->rr2 * (1 + LIMIT_NOISE) &&
+           pl_run_objective(r) < pl_objective_of_all(r->options, standing);
+}
+
+/** The trial; returns whether its mesh was taken. before: room for the coordinates. */
+static int try_augmented(pl_run *r, double *before) {
+    const planish_plan *plan = r->plan;
+    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *before;
+    pl_run_measure(r); /* what was tracked will not do to compare with */
+    const pl_objective_sums standing = r->totals;
+    const pl_star_limits limits = r->problem.limits;
+    memcpy(before, plan->coordinates, size);
+    r->shown = &standing;
+    r->stop = PLANISH_STOP_MAX_SWEEPS;
+    if (augmented_sweeps(r)) {
+        wake_moved(plan, before);
+        pl_run_measure(r);
+        r->guard.star.strict = 1; /* or F would fall at the cost of the volumes' tolerance */
+        pl_run_sweeps(r);
+        r->guard.star.strict = 0;
+    }
+    pl_run_measure(r);
+    r->shown = NULL;
+    r->problem.limits = limits;
+    r->restoring = 0;
+    if (is_better(r, &standing, &limits))
+        return 1;
+    memcpy(plan->coordinates, before, size);
+    pl_run_measure(r);
+    if (r->stop == PLANISH_STOP_MAX_SWEEPS)
+        r->stop = PLANISH_STOP_CONVERGED;
+    return 0;
+}
+
+/** Whether a least volume holds F up somewhere. */
+static int is_wanted(const pl_run *r) {
+    pl_star_optimality optimality = {0};
+    return r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH &&
+           r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
+           pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, NULL) ==
+               PLANISH_OK &&
+           optimality.multiplier > 0;
+}
+
+void pl_run_augmented(pl_run *r) {
+    const planish_plan *plan = r->plan;
+    if (!is_wanted(r))
+        return;
+    const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
+    double *before = pl_alloc(plan->n_nodes * plan->dim, sizeof *before);
+    r->guard.star.link_shift = pl_alloc_zero(n_links, sizeof *r->guard.star.link_shift);
+    if (before && r->guard.star.link_shift && try_augmented(r, before))
+        pl_run_sweeps(r); /* to show what was won */
+    pl_free(before);
+    pl_free(r->guard.star.link_shift);
+    r->guard.star.link_shift = NULL;
+}

@@ -1,0 +1,54 @@
+/* improve: the phases of a call beside plain sweeps. */
+#ifndef PL_IMPROVE_IMPROVE_H
+#define PL_IMPROVE_IMPROVE_H
+
+#include "sweep/run.h"
+
+/* ---- phases.c -------------------------------------------------------------------------------- */
+
+/** Set up the problem of the plain sweeps for the mesh as measured last; all stars have changed. */
+void pl_run_prepare(pl_run *r);
+
+/** All phases of a call on a run that is measured and prepared. Errors: _MEMORY, _PARTS. */
+int pl_run_phases(pl_run *r, planish_error *error);
+
+/* ---- slow.c ---------------------------------------------------------------------------------- */
+
+/** Try it; it counts as one sweep or several. fall: what the last sweep has brought, relative. F
+ * does not rise. Not 0 if it was cut short; without memory it does nothing. For the plain problem
+ * only.
+ */
+int pl_run_help(pl_run *r, pl_help help, double fall);
+
+/* ---- untangle/untangle.c --------------------------------------------------------------------- */
+
+/** Untangle the mesh as measured last: what is inverted or flat; or bring up what is below its
+ * least volume. If anything was done r->stop is _CONVERGED then, unless it was cut short. Errors:
+ * _MEMORY.
+ */
+int pl_run_untangle(pl_run *r, planish_error *error);
+int pl_run_raise_volumes(pl_run *r, planish_error *error);
+
+/* ---- angles.c -------------------------------------------------------------------------------- */
+
+/** Whether nodes move with others, whose stars alone have been looked at: rounding may do to their
+ * own elements what it has not done to those. */
+int pl_run_has_followers(const pl_run *r);
+
+/** If the mesh as measured last has a smaller angle than at the start, or with followers anything
+ *  else that is worse, put the nodes around back to where they were; how many is the result's.
+ *  Errors: _MEMORY. */
+int pl_run_put_back_angles(pl_run *r, planish_error *error);
+
+/* ---- worst.c --------------------------------------------------------------------------------- */
+
+/** Improve the worst elements of a mesh that has been smoothed, and measured. Errors: _MEMORY. */
+int pl_run_worst(pl_run *r, planish_error *error);
+
+/* ---- augmented.c ----------------------------------------------------------------------------- */
+
+/** After the sweeps have converged with least volumes in force: look for a better mesh by augmented
+ *  Lagrangian, and take it if it is one. */
+void pl_run_augmented(pl_run *r);
+
+#endif

@@ -1,0 +1,76 @@
+/* patch: some nodes as one vector.
+ *
+ * Sweeps move one node at a time and even out what is wrong within a few elements; where much is
+ * tangled, or a boundary has moved far, all nodes have to give way together. Vectors are over the
+ * patch's nodes in visiting order, [n][dim]; their products are sums over the nodes, rounded once.
+ */
+#ifndef PL_IMPROVE_PATCH_H
+#define PL_IMPROVE_PATCH_H
+
+#include "base/parallel.h"
+#include "sweep/run.h"
+
+/** A patch; arrays are owned. */
+typedef struct pl_patch {
+    pl_run *run;
+    const pl_star_problem *problem; /* says where nodes can be */
+    int dim;
+    int64_t n, n_all; /* nodes; and of all processes */
+    int32_t *star;    /* [n] */
+    double *vectors;  /* those that pl_patch_create was asked for, zero at first */
+    double *field;    /* [n_nodes][dim] by inner numbers, 0 outside of the patch */
+} pl_patch;
+
+enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */
+
+/** Of the nodes that in_patch [n_nodes] marks by inner numbers; NULL: of all free nodes. 0 without
+ *  memory; to be destroyed in any case. */
+int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
+                    int n_vectors, pl_patch *p);
+void pl_patch_destroy(pl_patch *p);
+
+static inline double *pl_patch_vector(const pl_patch *p, int i) {
+    return p->vectors + p->n * p->dim * i;
+}
+
+/** Inner number of the patch's node i. */
+static inline int64_t pl_patch_node(const pl_patch *p, int64_t i) {
+    return p->run->plan->interior.centre[p->star[i]];
+}
+
+/** Call body for chunks of the patch's nodes. */
+void pl_patch_for(const pl_patch *p, pl_chunk_fn *body, void *context);
+
+/** b . c */
+double pl_patch_product(const pl_patch *p, const double *b, const double *c);
+
+/** a = b + factor c */
+void pl_patch_combine(const pl_patch *p, double *a, const double *b, double factor,
+                      const double *c);
+
+/** a = factor b, whose zeros have no sign */
+void pl_patch_scale(const pl_patch *p, double *a, double factor, const double *b);
+
+/** a from an array [n_nodes][dim], and back. */
+void pl_patch_take(const pl_patch *p, double *a, const double *field);
+void pl_patch_put(const pl_patch *p, double *field, const double *a);
+
+/** Put the nodes to x, or as near as their bounds let them, or where that is not to be stored to
+ *  start. x becomes where they are. */
+void pl_patch_admit(const pl_patch *p, double *x, const double *start);
+
+/** Where the nodes of elements are that are not free. */
+typedef struct pl_box {
+    double lower[3], upper[3];
+    double scale; /* a power of two: times it the box is about 1 wide */
+} pl_box;
+
+pl_box pl_box_of_fixed(const planish_plan *plan);
+
+/** Move the nodes to where each is at the mean of its neighbours, by conjugate gradients
+ * (centre.c); the patch has PL_CENTRE_VECTORS at least. Cut short where tally says so then. */
+void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally);
+
+enum { PL_CENTRE_VECTORS = 6 };
+
+#endif

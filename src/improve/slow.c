@@ -1,0 +1,235 @@
+/* slow: meshes that are far from their optimum on a large scale.
+ *
+ * Sweeps even out what is wrong within a few elements, and bring on by one element each what is
+ * wrong across the mesh. Two things that move all nodes at once help: to put every node at the mean
+ * of its neighbours, part of the way, and L-BFGS for the sum of RR^2.
+ */
+#include "improve/improve.h"
+#include "improve/lbfgs.h"
+
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/parts.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { CHUNK = 256 }; /* stars that one thread takes at a time */
+/* Parts of the way to the centred mesh that are tried: 1, 1/2, ...; and the sweeps after which it
+ * must be better. */
+enum { PARTS = 8, SWEEPS_OF_TRIAL = 4 };
+/* Evaluations after which L-BFGS must have brought more than as many sweeps. */
+enum { EVALUATIONS_OF_TRIAL = 30 };
+
+/** The sum of RR^2 as a function of all free nodes but those whose stars are not valid. */
+typedef struct objective_of_all {
+    pl_run *run;
+    uint8_t *in_patch;    /* [n_nodes] owned; 1: of stars that were valid beyond doubt at first */
+    double rr2_limit;     /* no element may become worse, as its stars see it */
+    double rr2_measured;  /* or as the mesh is measured, */
+    double acuteness;     /* and so for the angles */
+    pl_star_slope *slope; /* of the stars under way */
+    int refused;          /* by one of the stars */
+} objective_of_all;
+
+static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    objective_of_all *f = context;
+    const planish_plan *plan = f->run->plan;
+    double *scratch = plan->scratch + plan->scratch_stride * thread;
+    for (int64_t i = begin; i < end; i++) {
+        pl_star_value value;
+        if (!f->in_patch[plan->interior.centre[i]])
+            continue;
+        plan->kernel->evaluate[plan->dim - 2](&f->run->problem, i, scratch, 1, &value);
+        memcpy(f->slope[i].gradient, value.gradient, sizeof value.gradient);
+        memcpy(f->slope[i].hessian, value.hessian, sizeof value.hessian);
+        if (!value.certain || !(value.max * (1 + value.error) <= f->rr2_limit))
+            __atomic_store_n(&f->refused, 1, __ATOMIC_RELAXED);
+    }
+}
+
+/** As measured where the nodes are, if every element is positive beyond doubt and good enough. What
+ *  the run says of the mesh changes with it only then. */
+static double evaluate(void *context, double enough, pl_star_slope *slope) {
+    objective_of_all *f = context;
+    pl_run *r = f->run;
+    const pl_ratio_sums before = r->sums;
+    const double measured = r->measured;
+    pl_run_measure(r);
+    const int worse = r->sums.inverted > before.inverted || r->sums.max > f->rr2_measured ||
+                      r->sums.acuteness > f->acuteness;
+    double value = worse ? INFINITY : r->sums.movable;
+    if (value <= enough) {
+        f->slope = slope;
+        f->refused = 0;
+        pl_parallel_for(r->plan->threads, r->plan->interior.stars.n_stars, CHUNK, slope_chunk, f);
+        value = pl_parts_any(f->refused) ? INFINITY : value;
+    }
+    if (!(value <= enough)) {
+        r->sums = before;
+        r->measured = measured;
+    }
+    return value;
+}
+
+/** Put the nodes part of the way from start to centred. */
+static void go(const pl_lbfgs *m, double part, const double *start, const double *centred) {
+    double *way = m->direction, *x = m->position, *from = m->start;
+    pl_patch_take(&m->p, from, start);
+    pl_patch_take(&m->p, way, centred);
+    pl_patch_combine(&m->p, way, way, -1, from);
+    pl_patch_combine(&m->p, x, from, part, way);
+    pl_patch_admit(&m->p, x, from);
+    pl_run_measure(m->p.run);
+}
+
+/** Centre the mesh, as far as it stays valid, and sweep it some times. */
+static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
+    pl_run *r = m->p.run;
+    const size_t size =
+        (size_t)r->plan->n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
+    pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
+    int stopped;
+    pl_run_begin_sweep(r);
+    memcpy(start, r->plan->coordinates, size);
+    pl_patch_centre(&m->p, &tally);
+    memcpy(centred, r->plan->coordinates, size);
+    for (int i = 0; i < PARTS && !tally.stopped; i++) {
+        go(m, ldexp(1, -i), start, centred);
+        if (r->sums.inverted <= r->shown_sums->inverted)
+            break;
+    }
+    tally.visits = 0; /* no local problem was solved */
+    stopped = pl_run_end_sweep(r, &tally);
+    for (int i = 0; i < SWEEPS_OF_TRIAL && !stopped; i++) {
+        int64_t visits;
+        stopped = pl_run_sweep(r, &visits);
+    }
+    return stopped;
+}
+
+/** A trial: the mesh that stands stays the one that is seen, and comes back if it is better. */
+static int try_centring(pl_lbfgs *m) {
+    pl_run *r = m->p.run;
+    const int64_t n = r->plan->n_nodes * r->plan->dim;
+    const pl_ratio_sums before = r->sums;
+    const pl_star_limits limits = r->problem.limits;
+    double *start = pl_alloc(2 * n, sizeof *start);
+    if (!start)
+        return 0;
+    r->shown_sums = &before;
+    r->problem.limits = pl_star_no_limits();
+    pl_run_begin_anew(r);
+    const int stopped = centre_and_sweep(m, start, start + n);
+    pl_run_measure(r);
+    if (stopped || r->sums.inverted > before.inverted || r->sums.max > before.max ||
+        r->sums.acuteness > fmax(before.acuteness, limits.acuteness) ||
+        !(r->sums.movable < before.movable)) {
+        memcpy(r->plan->coordinates, start, (size_t)n * sizeof *start);
+        pl_run_measure(r);
+    }
+    r->shown_sums = NULL;
+    r->problem.limits = limits;
+    pl_free(start);
+    return stopped;
+}
+
+/** So many evaluations as sweeps; not 0 if it was cut short. *moved: it can go on. */
+static int descend(pl_lbfgs *m, int most, int *moved) {
+    pl_run *r = m->p.run;
+    const int64_t end = m->evaluations + most;
+    int stopped = 0;
+    *moved = 1;
+    while (*moved && m->evaluations < end && !stopped && pl_run_sweeps_left(r) > 0) {
+        pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
+        pl_run_begin_sweep(r);
+        *moved = pl_lbfgs_iterate(m, &tally);
+        tally.evaluations = tally.visits;
+        stopped = pl_run_end_sweep(r, &tally);
+    }
+    return stopped;
+}
+
+/** L-BFGS for as long as it brings more than sweeps, which bring the RMS down by that part of
+ * itself each. */
+static int try_descent(pl_lbfgs *m, double fall) {
+    int stopped = 0, moved = 1;
+    while (moved && !stopped && pl_run_sweeps_left(m->p.run) > 0) {
+        const double before = m->value;
+        const int64_t evaluations = m->evaluations;
+        stopped = descend(m, EVALUATIONS_OF_TRIAL, &moved);
+        const double n = (double)(m->evaluations - evaluations);
+        if (!(1 - sqrt(m->value / before) > n * fall))
+            break;
+    }
+    return stopped;
+}
+
+/** Which nodes move, and how bad an element may be: as bad as the worst of the input, or as the
+ *  worst there is. */
+static void look(objective_of_all *f) {
+    pl_run *r = f->run;
+    const planish_plan *plan = r->plan;
+    f->rr2_limit = r->problem.limits.rr2;
+    f->rr2_measured = fmax(r->problem.limits.rr2, r->sums.max);
+    f->acuteness = fmax(r->problem.limits.acuteness, r->sums.acuteness);
+    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
+        pl_star_value value;
+        plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);
+        f->in_patch[plan->interior.centre[i]] = value.certain != 0;
+        if (value.certain)
+            f->rr2_limit = fmax(f->rr2_limit, value.max * (1 + value.error));
+    }
+    pl_parts_largest(&f->rr2_limit, 1);
+}
+
+/** Multiply all coordinates, and see to it that they are measured as before. */
+static void rescale(pl_run *r, double factor) {
+    for (int64_t i = 0; i < r->plan->n_nodes * r->plan->dim; i++)
+        r->plan->coordinates[i] *= factor;
+    r->unit /= factor;
+}
+
+static int try_help(pl_run *r, pl_help help, double fall) {
+    objective_of_all f = {.run = r, .in_patch = pl_alloc_zero(r->plan->n_nodes, 1)};
+    pl_lbfgs m;
+    int stopped = 0;
+    if (!f.in_patch)
+        return 0;
+    look(&f);
+    if (pl_lbfgs_create(r, &r->problem, f.in_patch, evaluate, &f, &m)) {
+        pl_lbfgs_begin(&m);
+        if (m.value < INFINITY)
+            stopped = help == PL_CENTRING ? try_centring(&m) : try_descent(&m, fall);
+        pl_run_begin_anew(r);
+    }
+    pl_lbfgs_destroy(&m);
+    pl_free(f.in_patch);
+    return stopped;
+}
+
+/* L-BFGS keeps 31 vectors over the free nodes: 2 GB for so many in space. */
+enum { LARGEST = 1 << 21 };
+/* Squares and cubes of lengths in units beyond this, or its inverse, could overflow: then the mesh
+ * is brought to a size of 1 for the time of the help, if nothing of it is lost on the way back.
+ * There is no help where that would not do: nodes that slide are where they slide in the size that
+ * it has, and so is what coordinates are rounded to. */
+#define EXTREME 0x1p200
+#define TINY    0x1p900
+
+int pl_run_help(pl_run *r, pl_help help, double fall) {
+    const double unit = r->unit;
+    const int is_extreme = unit > EXTREME || unit < 1 / EXTREME;
+    const int has_size = r->plan->sliding.n_all > 0 || r->options->precision != PLANISH_DOUBLE;
+    if (r->plan->interior.n_all > LARGEST || unit > TINY || (is_extreme && has_size) ||
+        (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
+        return 0;
+    pl_log(PLANISH_LOG_DETAIL, "sweeps are slow: %s",
+           help == PL_CENTRING ? "nodes to the mean of their neighbours" : "L-BFGS");
+    if (!is_extreme)
+        return try_help(r, help, fall);
+    rescale(r, unit);
+    const int stopped = try_help(r, help, fall);
+    rescale(r, 1 / unit);
+    return stopped;
+}

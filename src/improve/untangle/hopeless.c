@@ -1,0 +1,171 @@
+/* hopeless: of a mesh in parts, the elements that other processes have given up.
+ *
+ * What a star proves, the process of its node finds. It tells the others, of each such node, one
+ * element after another: by the numbers of the element's other nodes, as elements have no numbers
+ * of their own.
+ */
+#include "improve/untangle/tangle.h"
+
+#include "base/memory.h"
+#include "base/parts.h"
+#include "base/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/** An element, by its nodes here, ascending. */
+typedef struct key {
+    int32_t node[4];
+} key;
+
+/** An element that is given up, and how many of its node's were so before. */
+typedef struct given_up {
+    int32_t node, round;
+    int64_t element;
+} given_up;
+
+/** The work. Arrays are owned. */
+typedef struct work {
+    const planish_plan *plan;
+    const planish_part *part;
+    given_up *mine; /* [n_mine] at SHARED nodes */
+    int64_t n_mine;
+    int32_t *node;  /* [n_mine] of a message, */
+    int64_t *value; /* [n_mine][dim] and the other nodes' numbers */
+    key *theirs;    /* [n_theirs] as told */
+    int64_t n_theirs, capacity;
+    int failed;
+} work;
+
+/** The elements given up by stars of SHARED nodes: the facets of a star are in the order of its
+ *  elements. Returns how many at most a node has. */
+static int32_t list_mine(work *w, const uint8_t *of_facet, const int32_t *star_of, int32_t *seen,
+                         int32_t *rounds) {
+    const planish_plan *plan = w->plan;
+    int32_t most = 0;
+    w->n_mine = 0;
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        for (int j = 0; j <= plan->dim; j++) {
+            const int32_t node = plan->elements[i * (plan->dim + 1) + j];
+            const int32_t star =
+                plan->is_free[node] == PL_INTERIOR ? star_of[plan->inner[node]] : -1;
+            if (star < 0)
+                continue;
+            const int64_t facet = plan->interior.stars.link_offset[star] + seen[star]++;
+            if (of_facet[facet] != PL_PART_GIVEN_UP || w->part->node_role[node] != PLANISH_SHARED)
+                continue;
+            w->mine[w->n_mine++] = (given_up){node, rounds[star]++, i};
+            most = rounds[star] > most ? rounds[star] : most;
+        }
+    return most;
+}
+
+static int compare_nodes(const void *a, const void *b) {
+    const int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
+    return (p > q) - (p < q);
+}
+
+static int compare_keys(const void *a, const void *b) {
+    return memcmp(a, b, sizeof(key));
+}
+
+static int compare_numbers(const void *a, const void *b) {
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    return (p > q) - (p < q);
+}
+
+/** Note an element of a ghost that has been given up, if it is here. */
+static void take(int32_t ghost, const void *value, void *taker) {
+    work *w = taker;
+    const planish_plan *plan = w->plan;
+    key k = {.node = {ghost}};
+    for (int j = 1; j <= plan->dim; j++) {
+        int64_t number;
+        memcpy(&number, (const char *)value + (size_t)(j - 1) * sizeof number, sizeof number);
+        const int64_t *found = bsearch(&number, w->part->node_number, (size_t)plan->n_nodes,
+                                       sizeof number, compare_numbers);
+        if (!found)
+            return; /* nobody here has that element */
+        k.node[j] = (int32_t)(found - w->part->node_number);
+    }
+    qsort(k.node, (size_t)plan->dim + 1, sizeof *k.node, compare_nodes);
+    key *theirs = pl_grow(w->theirs, w->n_theirs, w->n_theirs + 1, &w->capacity, sizeof *theirs);
+    if (!theirs) {
+        w->failed = 1;
+        return;
+    }
+    w->theirs = theirs;
+    w->theirs[w->n_theirs++] = k;
+}
+
+/** Tell the others of the elements of one round, and hear of theirs. */
+static void tell(work *w, int32_t round) {
+    const int dim = w->plan->dim;
+    int64_t n = 0;
+    for (int64_t i = 0; i < w->n_mine; i++) {
+        if (w->mine[i].round != round)
+            continue;
+        const int32_t *corner = w->plan->elements + w->mine[i].element * (dim + 1);
+        w->node[n] = w->mine[i].node;
+        for (int j = 0, k = 0; j <= dim; j++)
+            if (corner[j] != w->mine[i].node)
+                w->value[n * dim + k++] = w->part->node_number[corner[j]];
+        n++;
+    }
+    pl_parts_send(w->node, n, w->value, dim * (int64_t)sizeof *w->value);
+    pl_parts_receive(take, w);
+}
+
+/** Give up here what others have given up. */
+static void heed(work *w, uint8_t *state) {
+    const planish_plan *plan = w->plan;
+    if (w->n_theirs == 0)
+        return;
+    qsort(w->theirs, (size_t)w->n_theirs, sizeof *w->theirs, compare_keys);
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        key k = {.node = {0}};
+        if (state[i] != PL_TANGLED)
+            continue;
+        memcpy(k.node, plan->elements + i * (plan->dim + 1),
+               (size_t)(plan->dim + 1) * sizeof *k.node);
+        qsort(k.node, (size_t)plan->dim + 1, sizeof *k.node, compare_nodes);
+        if (bsearch(&k, w->theirs, (size_t)w->n_theirs, sizeof k, compare_keys))
+            state[i] = PL_HOPELESS;
+    }
+}
+
+int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+                      planish_error *error) {
+    work w = {.plan = plan, .part = pl_part_here()};
+    const int64_t n_stars = plan->interior.stars.n_stars;
+    int64_t most = 0;
+    if (!w.part)
+        return PLANISH_OK;
+    for (int64_t i = 0; i < plan->interior.stars.link_offset[n_stars]; i++)
+        most += of_facet[i] == PL_PART_GIVEN_UP;
+    int32_t *star_of = pl_alloc(plan->n_nodes, sizeof *star_of);
+    int32_t *seen = pl_alloc_zero(n_stars, sizeof *seen);
+    int32_t *rounds = pl_alloc_zero(n_stars, sizeof *rounds);
+    w.mine = pl_alloc(most, sizeof *w.mine);
+    w.node = pl_alloc(most, sizeof *w.node);
+    w.value = pl_alloc(most * plan->dim, sizeof *w.value);
+    w.failed = !star_of || !seen || !rounds || !w.mine || !w.node || !w.value;
+    double n_rounds = 0;
+    if (!w.failed) {
+        pl_plan_number_stars(plan, star_of);
+        n_rounds = list_mine(&w, of_facet, star_of, seen, rounds);
+    }
+    pl_parts_largest(&n_rounds, 1);
+    for (int32_t round = 0; round < n_rounds && !w.failed; round++)
+        tell(&w, round);
+    if (!w.failed)
+        heed(&w, state);
+    pl_free(star_of);
+    pl_free(seen);
+    pl_free(rounds);
+    pl_free(w.mine);
+    pl_free(w.node);
+    pl_free(w.value);
+    pl_free(w.theirs);
+    return w.failed ? pl_fail_memory(error, "the elements that cannot be helped") : PLANISH_OK;
+}

@@ -1,0 +1,112 @@
+/* tangle: the elements that have to be untangled, and the patch of nodes that is moved for it. */
+#ifndef PL_IMPROVE_UNTANGLE_TANGLE_H
+#define PL_IMPROVE_UNTANGLE_TANGLE_H
+
+#include "base/parallel.h"
+#include "sweep/run.h"
+
+enum { PL_TANGLE_CHUNK = 256 }; /* stars that one thread takes at a time */
+
+/** What is known of an element that is not PLANISH_VOLUME_MET. */
+typedef enum pl_tangle_state {
+    PL_TANGLED = PLANISH_VOLUME_BELOW,
+    PL_HOPELESS = 2 /* tangled, and given up */
+} pl_tangle_state;
+
+/** What untangling works on. Arrays are owned, and by inner numbers but for state. */
+typedef struct pl_tangle {
+    pl_run *run;
+    pl_star_problem problem;  /* of visits that untangle */
+    pl_star_guard guard;      /* bounds, and floors if elements are to be brought above them */
+    pl_star_untangling asked; /* in_patch, size and link_skip point to what follows */
+    uint8_t *in_patch;        /* [n_nodes] */
+    double *size;             /* [n_nodes] */
+    uint8_t *link_skip;       /* [link facets of all stars], or NULL: none is skipped */
+    uint8_t *is_hopeless;     /* [n_elements] to be given up, or NULL: none */
+    uint8_t *is_lost;         /* [n_nodes] of pl_mark_enclosed, or NULL: none */
+    uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
+    double *best;             /* [n_nodes][dim] the best coordinates so far */
+    uint8_t *is_ghost;        /* [n_nodes] of a mesh in parts; NULL: there are none */
+    int32_t *ghost;           /* [n_ghosts] ghosts whose nodes may move, by inner numbers, */
+    int32_t *ghost_node;      /* [n_ghosts] by their own, */
+    uint8_t *was_in_patch;    /* [n_ghosts] and whether they were in the patch a layer ago */
+    int64_t n_ghosts;
+    int32_t *star_of;          /* [n_nodes] the star of each free node; else -1 */
+    int32_t *queue;            /* [n_stars] */
+    double scale;              /* a power of two: times it the domain is about 1 wide */
+    pl_star_energy *of_thread; /* [threads] of the stars that each has looked at */
+    int64_t n_tangled;         /* elements whose state is PL_TANGLED */
+    int stopped;               /* a planish_stop: the run is to end before anything is done */
+    int64_t n_patch;           /* nodes of the patch */
+    pl_star_energy energy;     /* of the patch, as computed last */
+} pl_tangle;
+
+/* ---- tangle.c ------------------------------------------------------------------------------ */
+
+/** Look at the mesh as the run has measured it: what is tangled, and what of that cannot be helped?
+ *  floors: elements are to be above their least volumes, else just positive. n_tangled 0: there is
+ *  nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
+int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error);
+void pl_tangle_destroy(pl_tangle *t);
+
+/** Find the tangled elements of the mesh as measured last. */
+void pl_tangle_find(pl_tangle *t);
+
+enum { PL_ALL_LAYERS = INT32_MAX };
+
+/** Make the patch: the free nodes of tangled elements, and of so many layers of elements around. */
+void pl_tangle_mark(pl_tangle *t, int layers);
+
+/** Find how large the elements should be around each node: as they are now on average, inverted
+ * ones counting negative. Without memory they are what they were. */
+void pl_tangle_find_sizes(pl_tangle *t);
+
+/** The patch's energy with the present epsilon. */
+void pl_tangle_measure(pl_tangle *t);
+
+/** The same by add_chunk, which is called with context for chunks of PL_TANGLE_CHUNK stars and is
+ * to hand what it finds to pl_tangle_add. */
+void pl_tangle_total(pl_tangle *t, pl_chunk_fn *add_chunk, void *context);
+void pl_tangle_add(pl_tangle *t, int thread, pl_star_energy *found);
+
+/** The sum of energies of the total. */
+double pl_tangle_energy(const pl_tangle *t);
+
+/* ---- hopeless.c ---------------------------------------------------------------------------- */
+
+/** Of a mesh in parts: make state [n_elements] PL_HOPELESS where it is PL_TANGLED and the star of a
+ *  ghost has given the element up in its process; of_facet: pl_star_part of the stars here. Errors:
+ *  _MEMORY. */
+int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+                      planish_error *error);
+
+/* ---- return.c ------------------------------------------------------------------------------ */
+
+/** Where untangling was in vain, put the nodes back to where they were when the call began, so that
+ *  no more elements are tangled, or inverted, than are. Without memory it does nothing, nor for a
+ *  mesh in parts. */
+void pl_tangle_return(pl_tangle *t);
+
+/* ---- descent.c: all nodes of the patch at once ------------------------------------------------
+ */
+
+typedef enum pl_patience { PL_NOT_AT_ALL = 0, PL_QUICK, PL_PATIENT } pl_patience;
+
+/** Lower the energy of the patch by L-BFGS for falling epsilons until nothing is tangled. Like the
+ *  next, not 0 if it was cut short; without memory it does nothing. */
+int pl_tangle_solve(pl_tangle *t, pl_patience patience);
+
+/** Lower the energy of the patch further, but let nothing become tangled again: the sweeps that
+ *  follow are slow to even out what the barriers of a solve have left over many elements. */
+int pl_tangle_mend(pl_tangle *t);
+
+/* ---- untangle.c ---------------------------------------------------------------------------- */
+
+/** The epsilon to begin with, and the next one, from what the last one has reached. */
+double pl_first_epsilon(double least);
+double pl_next_epsilon(double epsilon, double before, double after, double least);
+
+/** Begin a sweep that untangles. */
+void pl_begin_untangling_sweep(pl_run *r);
+
+#endif

@@ -1,0 +1,174 @@
+/* worst: a last phase for the worst elements, which an average does not care for.
+ *
+ * The measure's limit falls in stages. In each only stars that hold something above it are visited,
+ * to minimise a high power of the measure, which is next to its maximum; the worklist begins with
+ * the nodes of the elements above and follows what moves. A stage that leaves no fewer elements
+ * above, or makes F rise by more than is allowed, is undone.
+ */
+#include "improve/improve.h"
+
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/parts.h"
+#include "base/status.h"
+
+#include <math.h>
+#include <string.h>
+
+/* What the limit of a measure (RR, or 1 / sin of an angle) has above 1 falls by this factor from
+ * stage to stage, */
+#define STAGE_FACTOR 0.9
+/* from the worst there is, but no more than this, to this. */
+#define STAGE_MOST  1e4
+#define STAGE_LEAST 1.05
+enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
+/* A stage ends when no more than one star in so many improves. */
+enum { FEW = 50 };
+
+/** The phase under way. */
+typedef struct phase {
+    pl_run *run;
+    uint8_t *state; /* [n_elements] */
+    double *before; /* [n_nodes][dim] where a stage started */
+    double most;    /* F */
+} phase;
+
+/** Find the elements above limit, a square; how many of them have a free node. */
+static int64_t find_bad(const phase *p, double limit) {
+    const planish_plan *plan = p->run->plan;
+    const uint8_t *is_counted = pl_plan_counted(plan);
+    const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
+    int64_t n = 0;
+    pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
+                  plan->measured, of_angle ? INFINITY : sqrt(limit), of_angle ? limit : INFINITY,
+                  plan->threads, p->state);
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        int is_free = 0;
+        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
+            is_free |= plan->is_free[plan->elements[i * corners + j]];
+        n += is_free && (!is_counted || is_counted[i]);
+    }
+    pl_parts_add(&n, 1);
+    return n;
+}
+
+/** Mark the nodes of the elements found. */
+static void wake_bad(const phase *p) {
+    const planish_plan *plan = p->run->plan;
+    const int corners = plan->dim + 1;
+    memset(plan->changed, 0, (size_t)plan->n_nodes);
+    for (int64_t i = 0; i < plan->n_elements; i++)
+        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
+            plan->changed[plan->inner[plan->elements[i * corners + j]]] = 1;
+}
+
+/** Sweeps of stars with something above limit, a square; not 0 if they were cut short. */
+static int sweep_stage(const phase *p, double limit) {
+    pl_run *r = p->run;
+    int64_t most = 0;
+    int stopped = 0;
+    r->guard.star.worst_limit = limit;
+    for (int i = 0; i < STAGE_SWEEPS && !stopped; i++) {
+        pl_sweep_tally tally = {0};
+        pl_run_begin_sweep(r);
+        pl_run_sweep_colours(r, &tally);
+        stopped = pl_run_end_sweep(r, &tally);
+        r->result->worst_sweeps++;
+        most = tally.visits > most ? tally.visits : most;
+        if (tally.improved * FEW <= most)
+            break;
+    }
+    pl_run_measure(r);
+    return stopped;
+}
+
+/** A stage, which is a trial; *failed: F rose too much in it. It stands if not, and if fewer
+ *  elements are above the limit. Not 0 if it was cut short. */
+static int try_stage(phase *p, double limit, int *failed) {
+    pl_run *r = p->run;
+    const planish_plan *plan = r->plan;
+    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *p->before;
+    const pl_objective_sums totals = r->totals;
+    const pl_ratio_sums sums = r->sums;
+    const int64_t n_bad = find_bad(p, limit);
+    *failed = 0;
+    if (n_bad == 0)
+        return 0;
+    wake_bad(p);
+    memcpy(p->before, plan->coordinates, size);
+    r->shown = &totals;
+    r->shown_sums = &sums;
+    const int stopped = sweep_stage(p, limit);
+    r->shown = NULL;
+    r->shown_sums = NULL;
+    *failed = !(pl_run_objective(r) <= p->most);
+    if (*failed || find_bad(p, limit) >= n_bad) {
+        memcpy(plan->coordinates, p->before, size);
+        pl_run_measure(r);
+    }
+    return stopped;
+}
+
+static void run_stages(phase *p) {
+    const pl_star_limits worst = pl_run_limits(p->run, 1);
+    const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE;
+    double reached = sqrt(of_angle ? worst.acuteness : worst.rr2), refused = 1;
+    reached = fmin(reached, STAGE_MOST);
+    for (int failures = 0; failures <= HALVINGS && reached > STAGE_LEAST;) {
+        const double next =
+            failures == 0 ? 1 + (reached - 1) * STAGE_FACTOR : (reached + refused) / 2;
+        int failed;
+        if (try_stage(p, next * next, &failed))
+            return;
+        if (failed)
+            refused = next;
+        else
+            reached = next;
+        failures += failures > 0 || failed;
+    }
+}
+
+/** The worst of the mesh as the caller wants to know it: RR, or degrees. */
+static double worst_of(const pl_run *r) {
+    const double degrees = 57.295779513082320877; /* of a radian */
+    const pl_star_limits now = pl_run_limits(r, 1);
+    if (r->options->worst == PLANISH_WORST_RADIUS_RATIO || !(now.acuteness > 0))
+        return sqrt(now.rr2);
+    return asin(1 / sqrt(now.acuteness)) * degrees;
+}
+
+int pl_run_worst(pl_run *r, planish_error *error) {
+    planish_plan *plan = r->plan;
+    const pl_star_guard guard = r->guard.star;
+    const pl_star_problem problem = r->problem;
+    phase p = {.run = r,
+               .state = pl_alloc(plan->n_elements, sizeof *p.state),
+               .before = pl_alloc(plan->n_nodes * plan->dim, sizeof *p.before)};
+    int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
+    p.most = pl_run_objective(r) * (1 + r->options->worst_rise);
+    r->guard.star.measure =
+        r->options->worst == PLANISH_WORST_ANGLE ? PL_WORST_ANGLE : PL_WORST_RATIO;
+    r->guard.star.ratio_weight = 1;
+    r->guard.star.volume_weight = 0;
+    r->guard.star.keep_below = 1;
+    r->problem.guard = &r->guard.star;
+    r->problem.calm = r->problem.rr2_skip = 0;
+    r->problem.limits = pl_run_limits(r, PL_LIMIT_MARGIN);
+    r->restoring = 0;
+    r->is_for_worst = 1;
+    const double objective = pl_run_objective(r), before = worst_of(r);
+    pl_log(PLANISH_LOG_DETAIL, "improving the worst elements");
+    if (!status)
+        run_stages(&p);
+    if (r->result->worst_sweeps > 0) {
+        r->result->objective_of_worst = objective;
+        r->result->worst_before = before;
+        r->result->worst_after = worst_of(r);
+    }
+    r->is_for_worst = 0;
+    r->guard.star = guard;
+    r->problem = problem;
+    pl_free(p.state);
+    pl_free(p.before);
+    return status;
+}

@@ -1,0 +1,492 @@
+/* draft: find the free nodes of a plan, order and colour them, gather their stars. */
+#include "plan/draft.h"
+
+#include "base/fetch.h"
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/parts.h"
+#include "base/status.h"
+#include "geometry/simplex.h"
+
+#include <inttypes.h>
+
+enum {
+    CHUNK_NODES = 1024,
+    CHUNK_RINGS = 2048,
+    AHEAD = 16 /* nodes that are asked for before they are written */
+};
+
+static void candidates_destroy(pl_candidates *c) {
+    pl_rings_destroy(&c->rings);
+    pl_free(c->node);
+    pl_free(c->colour);
+    pl_free(c->star_of);
+}
+
+void pl_draft_destroy(pl_draft *d) {
+    pl_dense_destroy(&d->dense);
+    pl_part_destroy(&d->part);
+    pl_part_mesh_destroy(&d->part_mesh);
+    pl_incidence_destroy(&d->incidence);
+    pl_boundary_destroy(&d->boundary);
+    candidates_destroy(&d->interior);
+    candidates_destroy(&d->sliding);
+    pl_periodic_destroy(&d->periodic);
+    pl_incidence_destroy(&d->around);
+    pl_free(d->number_of);
+    pl_free(d->is_selected);
+    pl_free(d->is_paired);
+    pl_free(d->order);
+    pl_free(d->count);
+}
+
+/* ---- free nodes --------------------------------------------------------------------------- */
+
+/** A node can be free if it has elements, is selected, is not known to be on the boundary, and its
+ *  constraint says so. */
+static int can_be_free(const pl_draft *d, int64_t i, int used) {
+    const uint8_t *constraint = d->mesh->constraint;
+    return used && pl_is_own(d->mesh->part, i) && (!d->is_selected || d->is_selected[i]) &&
+           (!constraint || constraint[i] == PLANISH_FREE) && !(d->is_paired && d->is_paired[i]) &&
+           !d->boundary.on_boundary[i];
+}
+
+/** The elements of every node; of selected ones alone if facets will not be looked at. */
+static int make_incidence(const planish_plan *plan, pl_draft *d, planish_error *error) {
+    d->is_partial = d->is_selected && d->boundary.is_guess && d->mesh->n_periodic == 0;
+    if (!d->is_partial)
+        return pl_incidence_create(d->mesh, NULL, plan->threads, &d->incidence, error);
+    uint8_t *unasked = pl_alloc(plan->n_nodes, sizeof *unasked);
+    if (!unasked)
+        return pl_fail_memory(error, "nodes");
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        unasked[i] = !d->is_selected[i];
+    const int status = pl_incidence_create(d->mesh, unasked, plan->threads, &d->incidence, error);
+    pl_free(unasked);
+    return status;
+}
+
+/** The work of find_candidates. */
+typedef struct candidacy {
+    planish_plan *plan;
+    pl_draft *d;
+} candidacy;
+
+/** What is_used says of a node. */
+static uint8_t use_of(const pl_draft *d, int64_t i, int used) {
+    const uint8_t *constraint = d->mesh->constraint;
+    if (!used)
+        return 0;
+    return (uint8_t)(PL_USED |
+                     (constraint && constraint[i] == PLANISH_FIXED ? PL_FIXED_BY_CALLER : 0) |
+                     (d->is_paired && d->is_paired[i] ? PL_IN_PAIR : 0) |
+                     (d->is_selected && !d->is_selected[i] ? PL_NOT_CHOSEN : 0));
+}
+
+/** Which nodes are used, and which of them may be free. */
+static void mark_candidates(void *context, int64_t begin, int64_t end, int thread) {
+    const candidacy *c = context;
+    const int64_t *offset = c->d->incidence.offset;
+    int64_t unused = 0;
+    (void)thread;
+    for (int64_t node = begin; node < end; node++) {
+        const int used = offset[node + 1] > offset[node];
+        c->plan->is_used[node] = use_of(c->d, node, used);
+        c->plan->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
+        unused += !used;
+    }
+    __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
+}
+
+/** Number the nodes inside, along the curve, and count the candidates among them. The numbers are
+ *  written all over memory. */
+static void number_nodes(void *context, int64_t begin, int64_t end, int thread) {
+    const candidacy *c = context;
+    const int32_t *order = c->d->order;
+    int64_t found = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        if (i + AHEAD < end)
+            pl_fetch_to_write(&c->plan->inner[order[i + AHEAD]]);
+        c->plan->inner[order[i]] = (int32_t)i;
+        found += c->plan->is_free[order[i]];
+    }
+    c->d->count[begin / CHUNK_NODES] = found;
+}
+
+static void list_candidates(void *context, int64_t begin, int64_t end, int thread) {
+    const candidacy *c = context;
+    int64_t n = c->d->count[begin / CHUNK_NODES];
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        if (c->plan->is_free[c->d->order[i]])
+            c->d->interior.node[n++] = c->d->order[i];
+}
+
+/** inner, is_used of nodes whose elements are listed, and is_free of the interior's candidates; and
+ *  these. */
+static void find_candidates(planish_plan *plan, pl_draft *d) {
+    candidacy c = {plan, d};
+    plan->info.n_unused = 0;
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
+    pl_parallel_for(pl_paying_threads(plan->threads, plan->n_nodes), plan->n_nodes, CHUNK_NODES,
+                    number_nodes, &c);
+    d->interior.n =
+        pl_prefix_sum(plan->threads, (plan->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
+    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
+}
+
+static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
+    find_candidates(plan, d);
+    const int status =
+        pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free, d->interior.node,
+                        d->interior.n, 0, plan->threads, &d->interior.rings, error);
+    pl_parts_update(NULL, plan->is_free, sizeof *plan->is_free);
+    return status ? status : pl_parts_check(error);
+}
+
+/** List the elements that wrap around. */
+static int note_wrapped(planish_plan *plan, const pl_draft *d, planish_error *error) {
+    const pl_boundary *boundary = &d->boundary;
+    if (boundary->n_wrapped == 0)
+        return PLANISH_OK;
+    plan->wrapped = pl_alloc(boundary->n_wrapped, sizeof *plan->wrapped);
+    if (!plan->wrapped)
+        return pl_fail_memory(error, "the elements that wrap around");
+    for (int64_t i = 0; i < plan->n_elements; i++) {
+        if (!(boundary->flags[i] & PL_WRAPPED))
+            continue;
+        plan->wrapped[plan->n_wrapped++] = (int32_t)i;
+        for (int j = 0; j <= plan->dim; j++)
+            plan->is_used[d->mesh->elements[i * (plan->dim + 1) + j]] |= PL_OF_WRAPPED;
+    }
+    return PLANISH_OK;
+}
+
+/** The boundary, the free nodes and their rings. Usually the measures tell the orientation; then
+ *  links tell which nodes are inside, and only the facets between others need to be looked at:
+ * none, if only few nodes are asked for. */
+static int find_free(planish_plan *plan, pl_draft *d, planish_error *error) {
+    int status = PLANISH_OK, all_positive;
+    const int guessed = d->boundary.is_guess;
+    if (guessed)
+        status = make_rings(plan, d, error);
+    if (!status && !(guessed && d->is_selected)) /* of a part not all facets are known */
+        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->is_free : NULL,
+                                  plan->threads, &d->boundary, error);
+    if (!status && !d->boundary.is_guess) {
+        pl_rings_destroy(&d->interior.rings);
+        if (plan->is_selective)
+            status = pl_draft_select(plan, d, &all_positive, error);
+        if (!status)
+            status = make_rings(plan, d, error);
+    }
+    plan->sign = d->boundary.sign;
+    d->boundary.sign = NULL;
+    return status ? status : note_wrapped(plan, d, error);
+}
+
+/* ---- visiting order ----------------------------------------------------------------------- */
+
+/** The work of order_visits. */
+typedef struct arrangement {
+    const planish_plan *plan;
+    const planish_part *part;
+    const pl_candidates *c;
+    pl_visits *visits;
+    int n_groups; /* 2 n_colours */
+    int64_t row;
+    int64_t *next; /* [chunks][row] next visit of each group in each chunk; counts at first */
+} arrangement;
+
+/** Of the nodes of a colour those that other processes wait for come first. */
+static int group_of(const arrangement *a, int64_t r) {
+    const planish_part *part = a->part;
+    const int waits = !part || part->node_role[a->c->node[r]] != PLANISH_SHARED;
+    return 2 * a->c->colour[r] + waits;
+}
+
+static void count_colours(void *context, int64_t begin, int64_t end, int thread) {
+    const arrangement *a = context;
+    int64_t *count = a->next + begin / CHUNK_RINGS * a->row;
+    (void)thread;
+    for (int g = 0; g < a->n_groups; g++)
+        count[g] = 0;
+    for (int64_t r = begin; r < end; r++)
+        if (a->c->colour[r] >= 0)
+            count[group_of(a, r)]++;
+}
+
+static void list_visits(void *context, int64_t begin, int64_t end, int thread) {
+    const arrangement *a = context;
+    int64_t *next = a->next + begin / CHUNK_RINGS * a->row;
+    (void)thread;
+    for (int64_t r = begin; r < end; r++) {
+        a->c->star_of[r] = -1;
+        if (a->c->colour[r] < 0)
+            continue;
+        const int64_t place = next[group_of(a, r)]++;
+        a->c->star_of[r] = (int32_t)place;
+        a->visits->centre[place] = a->plan->inner[a->c->node[r]];
+    }
+}
+
+/** List the visits group by group, along the curve within each. */
+static int arrange(arrangement *a, planish_error *error) {
+    const int threads = a->plan->threads;
+    const int64_t n = a->c->n, n_chunks = (n + CHUNK_RINGS - 1) / CHUNK_RINGS;
+    pl_visits *visits = a->visits;
+    a->n_groups = 2 * visits->n_colours;
+    a->row = pl_counts_row(a->n_groups);
+    a->next = pl_alloc(n_chunks * a->row, sizeof *a->next);
+    int64_t *begin = pl_alloc(a->n_groups + 1, sizeof *begin);
+    visits->colour_begin = pl_alloc(visits->n_colours + 1, sizeof *visits->colour_begin);
+    visits->inside_begin = pl_alloc(visits->n_colours, sizeof *visits->inside_begin);
+    const int done = a->next && begin && visits->colour_begin && visits->inside_begin;
+    if (done) {
+        pl_parallel_for(threads, n, CHUNK_RINGS, count_colours, a);
+        pl_counts_to_places(threads, a->n_groups, n_chunks, a->next, begin);
+        for (int i = 0; i <= visits->n_colours; i++)
+            visits->colour_begin[i] = begin[2 * i];
+        for (int i = 0; i < visits->n_colours; i++)
+            visits->inside_begin[i] = begin[2 * i + 1];
+        pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK_RINGS, list_visits, a);
+    }
+    pl_free(a->next);
+    pl_free(begin);
+    return done ? PLANISH_OK : pl_fail_memory(error, "the colours of nodes");
+}
+
+/** Colour the rings and put them in order of colour, along the curve within each. */
+static int order_visits(const planish_plan *plan, const pl_periodic *periodic, pl_candidates *c,
+                        pl_visits *visits, planish_error *error) {
+    arrangement a = {.plan = plan, .part = pl_part_here(), .c = c, .visits = visits};
+    c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->n_nodes), sizeof *c->colour);
+    c->star_of = pl_alloc(c->n, sizeof *c->star_of);
+    visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
+    if (!c->colour || !c->star_of || !visits->centre)
+        return pl_fail_memory(error, "the colours of nodes");
+    const int status = pl_colouring_create(&c->rings, c->node, plan->node_of,
+                                           periodic ? periodic->n_nodes : plan->n_nodes,
+                                           periodic ? periodic->moves_with : NULL, plan->threads,
+                                           c->colour, &visits->n_colours, error);
+    if (status)
+        return status;
+    visits->n_all = c->rings.n_free;
+    pl_parts_add(&visits->n_all, 1);
+    return arrange(&a, error);
+}
+
+/** The stars of the visits; of the candidates' rings nothing is left. */
+static int make_stars(const planish_plan *plan, pl_draft *d, pl_candidates *c, pl_visits *visits,
+                      planish_error *error) {
+    return pl_stars_create(d->mesh, &d->incidence, &c->rings, c->node, c->star_of, plan->inner,
+                           plan->threads, &visits->stars, error);
+}
+
+/* ---- nodes that slide --------------------------------------------------------------------- */
+
+static int may_slide(const planish_mesh *mesh, int64_t node) {
+    return mesh->constraint && mesh->constraint[node] >= PLANISH_ON_PLANE;
+}
+
+/** Check how the nodes may move; count those that slide. */
+static int check_constraints(const planish_plan *plan, const planish_mesh *mesh, int64_t *n_sliding,
+                             planish_error *error) {
+    double unit[3];
+    for (int64_t i = 0; mesh->constraint && i < mesh->n_nodes; i++) {
+        const int constraint = mesh->constraint[i];
+        if (constraint > PLANISH_ON_SURFACE)
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, pl_plan_node(plan, i),
+                              "mesh.constraint of node %" PRId64
+                              " is %d; give a planish_constraint, 0 to %d",
+                              pl_plan_node(plan, i), constraint, PLANISH_ON_SURFACE);
+        *n_sliding += may_slide(mesh, i);
+        if ((constraint == PLANISH_ON_PLANE || constraint == PLANISH_ON_LINE) &&
+            !(mesh->direction && pl_unit(mesh->dim, mesh->direction + i * mesh->dim, unit)))
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, pl_plan_node(plan, i),
+                              "node %" PRId64
+                              " slides, but mesh.direction has none for it; give the normal of its "
+                              "plane, or the direction of its line",
+                              pl_plan_node(plan, i));
+    }
+    return PLANISH_OK;
+}
+
+static void note_slides(planish_plan *plan, const pl_draft *d) {
+    const planish_mesh *mesh = d->mesh;
+    for (int64_t r = 0; r < d->sliding.n; r++) {
+        const int32_t node = d->sliding.node[r], s = d->sliding.star_of[r];
+        if (s < 0)
+            continue;
+        pl_star_slide *slide = &plan->slide[s];
+        *slide = (pl_star_slide){.kind = (planish_constraint)mesh->constraint[node],
+                                 .node = (int32_t)pl_plan_node(plan, node)};
+        if (slide->kind != PLANISH_ON_SURFACE)
+            pl_unit(mesh->dim, mesh->direction + (int64_t)node * mesh->dim, slide->direction);
+    }
+}
+
+/** A node of a group is chosen if one of its group is: handed on from pair to pair. */
+static void select_groups(const pl_draft *d) {
+    const planish_mesh *mesh = d->mesh;
+    for (int changed = d->is_selected != NULL; changed;) {
+        changed = 0;
+        for (int64_t i = 0; i < mesh->n_periodic; i++) {
+            uint8_t *a = &d->is_selected[mesh->periodic[2 * i]];
+            uint8_t *b = &d->is_selected[mesh->periodic[2 * i + 1]];
+            changed |= *a != *b;
+            *a = *b = *a | *b;
+        }
+    }
+}
+
+/** The mesh that the nodes that slide are in: with copies where some of them move together. slides
+ *  [n] becomes 1 for those that may slide. */
+static int prepare_periodic(planish_plan *plan, pl_draft *d, uint8_t *slides, planish_mesh *around,
+                            planish_error *error) {
+    const planish_mesh *mesh = d->mesh;
+    pl_periodic *periodic = &d->periodic;
+    int status = PLANISH_OK;
+    select_groups(d);
+    for (int64_t i = 0; i < plan->n_nodes; i++)
+        slides[i] =
+            may_slide(mesh, i) && plan->is_used[i] && (!d->is_selected || d->is_selected[i]);
+    for (int64_t i = 0; i < plan->n_wrapped; i++)
+        for (int j = 0; j <= plan->dim; j++)
+            slides[mesh->elements[(int64_t)plan->wrapped[i] * (plan->dim + 1) + j]] = 0;
+    *around = *mesh;
+    if (mesh->n_periodic == 0)
+        return PLANISH_OK;
+    status = pl_periodic_create(mesh, &d->incidence, plan->sign, slides, periodic, error);
+    if (status)
+        return status;
+    plan->n_images = periodic->n_nodes - plan->n_nodes;
+    around->n_nodes = periodic->n_nodes;
+    around->n_elements = periodic->n_elements;
+    around->elements = periodic->elements;
+    around->min_volume = periodic->min_volume;
+    d->number_of = pl_alloc(periodic->n_nodes, sizeof *d->number_of);
+    if (!d->number_of)
+        return pl_fail_memory(error, "periodic nodes");
+    for (int64_t i = 0; i < periodic->n_nodes; i++)
+        d->number_of[i] = i < plan->n_nodes ? plan->inner[i] : (int32_t)i;
+    return pl_incidence_create(around, NULL, plan->threads, &d->around, error);
+}
+
+/** Nodes that lead others slide with them, or none does; the plan keeps who follows whom. */
+static void settle_followers(planish_plan *plan, pl_draft *d) {
+    pl_periodic *periodic = &d->periodic;
+    for (int64_t k = 0; k < periodic->n_followers; k++) {
+        pl_follower *f = &periodic->follower[k];
+        if (f->node < plan->n_nodes)
+            plan->is_free[f->node] = plan->is_free[f->of];
+        f->node = d->number_of[f->node];
+        f->of = d->number_of[f->of];
+        f->from = d->number_of[f->from];
+        f->to = d->number_of[f->to];
+    }
+    plan->sliding.n_followers = periodic->n_followers;
+    plan->sliding.follower = periodic->follower;
+    periodic->follower = NULL;
+}
+
+/** The stars of the nodes that slide, whose links may be open. */
+static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slides,
+                                 planish_error *error) {
+    pl_candidates *c = &d->sliding;
+    planish_mesh around;
+    int status = prepare_periodic(plan, d, slides, &around, error);
+    if (status)
+        return status;
+    const pl_periodic *periodic = d->periodic.moves_with ? &d->periodic : NULL;
+    const pl_incidence *incidence = periodic ? &d->around : &d->incidence;
+    for (int64_t i = 0; i < plan->n_nodes; i++) {
+        const int32_t node = d->order[i];
+        if (!slides[node] || !pl_is_own(d->mesh->part, node) ||
+            (periodic && periodic->moves_with[node] != node))
+            continue;
+        plan->is_free[node] = PL_SLIDES;
+        c->node[c->n++] = node;
+    }
+    status = pl_rings_create(&around, incidence, periodic ? periodic->sign : plan->sign,
+                             plan->is_free, c->node, c->n, 1, plan->threads, &c->rings, error);
+    pl_parts_update(NULL, plan->is_free, sizeof *plan->is_free);
+    if (!status)
+        status = order_visits(plan, periodic, c, &plan->sliding, error);
+    if (!status)
+        status = pl_stars_create(&around, incidence, &c->rings, c->node, c->star_of,
+                                 periodic ? d->number_of : plan->inner, plan->threads,
+                                 &plan->sliding.stars, error);
+    if (!status && periodic)
+        settle_followers(plan, d);
+    if (!status)
+        note_slides(plan, d);
+    return status;
+}
+
+static int prepare_sliding(planish_plan *plan, pl_draft *d, planish_error *error) {
+    int64_t n = 0;
+    int status = check_constraints(plan, d->mesh, &n, error);
+    if (status || !(plan->context->part ? pl_parts_any(n > 0) : n > 0))
+        return status;
+    uint8_t *slides = pl_alloc(plan->n_nodes, 1);
+    d->sliding.node = pl_alloc(n, sizeof *d->sliding.node);
+    plan->slide = pl_alloc(n, sizeof *plan->slide);
+    if (slides && d->sliding.node && plan->slide)
+        status = prepare_sliding_stars(plan, d, slides, error);
+    else
+        status = pl_fail_memory(error, "nodes that slide");
+    pl_free(slides);
+    return status;
+}
+
+/* ---- all of it ---------------------------------------------------------------------------- */
+
+static int find_paired(const planish_plan *plan, pl_draft *d, planish_error *error) {
+    const planish_mesh *mesh = d->mesh;
+    const int status = pl_check_periodic(mesh, error);
+    if (status || mesh->n_periodic == 0)
+        return status;
+    d->is_paired = pl_alloc_zero(plan->n_nodes, 1);
+    if (!d->is_paired)
+        return pl_fail_memory(error, "periodic nodes");
+    for (int64_t i = 0; i < 2 * mesh->n_periodic; i++)
+        d->is_paired[mesh->periodic[i]] = 1;
+    return PLANISH_OK;
+}
+
+static int prepare_nodes(planish_plan *plan, pl_draft *d, planish_error *error) {
+    const int64_t n = plan->n_nodes;
+    plan->is_free = pl_alloc(n, sizeof *plan->is_free);
+    plan->is_used = pl_alloc(n, sizeof *plan->is_used);
+    plan->inner = pl_alloc(n, sizeof *plan->inner);
+    d->order = pl_alloc(n, sizeof *d->order);
+    d->interior.node = pl_alloc(n, sizeof *d->interior.node);
+    d->count = pl_alloc(n / CHUNK_NODES + 2, sizeof *d->count);
+    if (!plan->is_free || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
+        !d->count)
+        return pl_fail_memory(error, "nodes");
+    return PLANISH_OK;
+}
+
+int pl_draft_finish(planish_plan *plan, pl_draft *d, planish_error *error) {
+    int status = find_paired(plan, d, error);
+    if (!status)
+        status = pl_draft_look_at_measures(plan, d, error);
+    if (!status)
+        status = prepare_nodes(plan, d, error);
+    if (!status)
+        status = make_incidence(plan, d, error);
+    if (!status)
+        status = pl_curve_order(d->mesh, plan->threads, d->order, error);
+    if (!status)
+        status = find_free(plan, d, error);
+    if (!status)
+        status = prepare_sliding(plan, d, error);
+    if (!d->mesh->min_volume)
+        pl_incidence_destroy(&d->incidence);
+    if (!status)
+        status = order_visits(plan, NULL, &d->interior, &plan->interior, error);
+    return status ? status : make_stars(plan, d, &d->interior, &plan->interior, error);
+}

@@ -1,0 +1,59 @@
+/* draft: what making a plan needs only while it is made. */
+#ifndef PL_PLAN_DRAFT_H
+#define PL_PLAN_DRAFT_H
+
+#include "plan/plan.h"
+#include "topology/part.h"
+
+/** Nodes that shall be visited, if their links allow it. */
+typedef struct pl_candidates {
+    int64_t n;
+    int32_t *node;    /* [n] of the draft's mesh, along the curve; -1: not free after all */
+    pl_rings rings;   /* of node */
+    int32_t *colour;  /* [n] of node */
+    int32_t *star_of; /* [n] its place among the visits, colour by colour; -1: none */
+} pl_candidates;
+
+/** What plan creation needs only while it runs. */
+typedef struct pl_draft {
+    pl_dense dense;           /* the caller's mesh, */
+    pl_part part;             /* what of it is worked on, if not all, */
+    pl_part_mesh part_mesh;   /* as a mesh, */
+    const planish_mesh *mesh; /* and the one of them that the plan is for */
+    const planish_options *options;
+    uint8_t *is_selected; /* [n] not 0: may be free; NULL: all may */
+    uint8_t *is_paired;   /* [n] 1: periodic, to slide or to stay; NULL: none is */
+    pl_incidence incidence;
+    int is_partial; /* incidence has no elements of nodes that are not selected */
+    pl_boundary boundary;
+    int32_t *order; /* [n] the nodes of mesh along the curve */
+    pl_candidates interior,
+        sliding;          /* nodes that are free if they are inside, and those that slide */
+    int64_t *count;       /* [chunks of nodes + 1] */
+    pl_periodic periodic; /* for nodes that slide, */
+    pl_incidence around;  /* its incidence, */
+    int32_t *number_of;   /* [its nodes] and their inner numbers */
+} pl_draft;
+
+void pl_draft_destroy(pl_draft *d);
+
+/* ---- domain.c: the mesh, or the part of it, that the plan works on ------------------------- */
+
+/** Validate mesh, and begin with all of it, or with what is around options->around. */
+int pl_draft_begin(planish_plan *plan, const planish_mesh *mesh, pl_draft *d, planish_error *error);
+
+/** What the measures say of the orientation, and of which elements are bad, if that is asked for:
+ *  most often all are positive as they stand, and one look is enough. Then what is not near a bad
+ *  element need not be looked at again: the draft is for the part around these, if they are few. */
+int pl_draft_look_at_measures(planish_plan *plan, pl_draft *d, planish_error *error);
+
+/** Select the nodes that only_worse_than is about, with the boundary's sign. *all_positive: no
+ *  element was found that is not. */
+int pl_draft_select(planish_plan *plan, pl_draft *d, int *all_positive, planish_error *error);
+
+/* ---- draft.c: free nodes, their order and their stars -------------------------------------- */
+
+/** All that the plan knows of the domain's topology. */
+int pl_draft_finish(planish_plan *plan, pl_draft *d, planish_error *error);
+
+#endif

@@ -1,0 +1,169 @@
+/* ghosts: nodes that other processes move. */
+#include "plan/ghosts.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/parts.h"
+#include "base/status.h"
+#include "quality/measure.h"
+#include "plan/plan.h"
+
+#include <string.h>
+
+/* ---- their neighbours ----------------------------------------------------------------------- */
+
+/** Call the pairs of a ghost and a node of ours that an element joins; often more than once. */
+static void for_pairs(const planish_plan *plan, const planish_mesh *mesh,
+                      void (*body)(pl_ghosts *, int32_t ghost, int32_t inner), pl_ghosts *g) {
+    const int corners = mesh->dim + 1;
+    const uint8_t *role = mesh->part->node_role;
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        const int32_t *node = mesh->elements + i * corners;
+        for (int j = 0; j < corners; j++)
+            for (int k = 0; role[node[j]] == PLANISH_GHOST && k < corners; k++)
+                if (role[node[k]] != PLANISH_GHOST)
+                    body(g, node[j], plan->inner[node[k]]);
+    }
+}
+
+static void count_pair(pl_ghosts *g, int32_t ghost, int32_t inner) {
+    (void)inner;
+    g->offset[ghost]++;
+}
+
+static void list_pair(pl_ghosts *g, int32_t ghost, int32_t inner) {
+    g->neighbour[g->offset[ghost]++] = inner;
+}
+
+static int find_neighbours(const planish_plan *plan, const planish_mesh *mesh, pl_ghosts *g,
+                           planish_error *error) {
+    g->offset = pl_alloc_zero(mesh->n_nodes + 1, sizeof *g->offset);
+    if (!g->offset)
+        return pl_fail_memory(error, "the neighbours of ghosts");
+    for_pairs(plan, mesh, count_pair, g);
+    const int64_t n = pl_prefix_sum(1, mesh->n_nodes, g->offset);
+    g->neighbour = pl_alloc(n, sizeof *g->neighbour);
+    if (!g->neighbour)
+        return pl_fail_memory(error, "the neighbours of ghosts");
+    for_pairs(plan, mesh, list_pair, g); /* each offset is now the next ghost's */
+    memmove(g->offset + 1, g->offset, (size_t)mesh->n_nodes * sizeof *g->offset);
+    g->offset[0] = 0;
+    return PLANISH_OK;
+}
+
+/* ---- the plan's part ------------------------------------------------------------------------ */
+
+static int64_t most_shared(const pl_visits *visits, int64_t most) {
+    for (int c = 0; c < visits->n_colours; c++) {
+        const int64_t n = visits->inside_begin[c] - visits->colour_begin[c];
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
+static void find_movable(const planish_plan *plan, const planish_mesh *mesh, uint8_t *is_movable) {
+    const int corners = mesh->dim + 1;
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        int movable = 0;
+        for (int j = 0; j < corners; j++)
+            movable |= plan->is_free[mesh->elements[i * corners + j]];
+        is_movable[i] = (uint8_t)(mesh->part->is_counted[i] ? movable != 0 : PL_ELSEWHERE);
+    }
+}
+
+static int64_t message_size(const planish_plan *plan) {
+    return plan->dim * (int64_t)sizeof(double) + 1;
+}
+
+int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t *order,
+                     planish_error *error) {
+    pl_ghosts *g = &plan->ghosts;
+    if (!mesh->part)
+        return PLANISH_OK;
+    const int64_t most = most_shared(&plan->sliding, most_shared(&plan->interior, 0));
+    g->node = pl_alloc(mesh->n_nodes, sizeof *g->node);
+    g->is_movable = pl_alloc(mesh->n_elements, sizeof *g->is_movable);
+    g->before = pl_alloc(most * mesh->dim, sizeof *g->before);
+    g->moved = pl_alloc(most, sizeof *g->moved);
+    g->message = pl_alloc(most, (size_t)message_size(plan));
+    if (!g->node || !g->is_movable || !g->before || !g->moved || !g->message)
+        return pl_fail_memory(error, "the ghosts");
+    memcpy(g->node, order, (size_t)mesh->n_nodes * sizeof *g->node);
+    find_movable(plan, mesh, g->is_movable);
+    return find_neighbours(plan, mesh, g, error);
+}
+
+void pl_ghosts_destroy(pl_ghosts *g) {
+    pl_free(g->node);
+    pl_free(g->offset);
+    pl_free(g->neighbour);
+    pl_free(g->is_movable);
+    pl_free(g->before);
+    pl_free(g->moved);
+    pl_free(g->message);
+    *g = (pl_ghosts){0};
+}
+
+/* ---- news ------------------------------------------------------------------------------------ */
+
+static double *place_of(const planish_plan *plan, int64_t inner) {
+    return plan->coordinates + inner * plan->dim;
+}
+
+void pl_ghosts_note(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end) {
+    const size_t size = (size_t)plan->dim * sizeof(double);
+    for (int64_t s = begin; s < end; s++)
+        memcpy(plan->ghosts.before + (s - begin) * plan->dim, place_of(plan, visits->centre[s]),
+               size);
+}
+
+void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t begin, int64_t end) {
+    const size_t size = (size_t)plan->dim * sizeof(double);
+    const pl_ghosts *g = &plan->ghosts;
+    int64_t n = 0;
+    for (int64_t s = begin; s < end; s++) {
+        const int32_t inner = visits->centre[s];
+        const double *place = place_of(plan, inner);
+        if (memcmp(place, g->before + (s - begin) * plan->dim, size) == 0)
+            continue;
+        char *message = g->message + n * message_size(plan);
+        memcpy(message, place, size);
+        message[size] = (char)plan->changed[inner];
+        g->moved[n++] = g->node[inner];
+    }
+    pl_parts_send(g->moved, n, g->message, message_size(plan));
+}
+
+/** Of a ghost; others have no list of them. is_bad: as its star is (tell_neighbours). */
+static void wake_neighbours(const planish_plan *plan, int32_t ghost, int is_bad) {
+    const pl_ghosts *g = &plan->ghosts;
+    for (int64_t k = g->offset[ghost]; k < g->offset[ghost + 1]; k++)
+        if (is_bad || plan->changed[g->neighbour[k]] & PL_BAD)
+            plan->changed[g->neighbour[k]] = PL_CHANGED;
+}
+
+static void take(int32_t ghost, const void *value, void *taker) {
+    const planish_plan *plan = taker;
+    const size_t size = (size_t)plan->dim * sizeof(double);
+    memcpy(place_of(plan, plan->inner[ghost]), value, size);
+    const int flags = ((const char *)value)[size];
+    if (flags & PL_TOLD)
+        wake_neighbours(plan, ghost, flags & PL_BAD);
+}
+
+void pl_ghosts_wake(const planish_plan *plan, const double *before) {
+    const size_t size = (size_t)plan->dim * sizeof(double);
+    for (int64_t i = 0; plan->context->part && i < plan->n_nodes; i++) {
+        const int64_t inner = plan->inner[i];
+        if (memcmp(place_of(plan, inner), before + inner * plan->dim, size) != 0)
+            wake_neighbours(plan, (int32_t)i, 1);
+    }
+}
+
+void pl_ghosts_receive(const planish_plan *plan) {
+    pl_parts_receive(take, (void *)plan);
+}
+
+void pl_ghosts_update(const planish_plan *plan, void *values, int64_t size) {
+    pl_parts_update(plan->inner, values, size);
+}

@@ -1,0 +1,18 @@
+/* options: what every call checks before it works. */
+#ifndef PL_PLAN_OPTIONS_H
+#define PL_PLAN_OPTIONS_H
+
+#include "plan/plan.h"
+
+/** Check struct_size and the ranges of all fields. */
+int pl_options_check(const planish_options *options, planish_error *error);
+
+/** The same, and that coordinates [n][dim] are finite: what every call on coordinates begins with.
+ */
+int pl_call_check(const planish_plan *plan, const double *coordinates,
+                  const planish_options *options, planish_error *error);
+
+/** options->threads; instead of 0 fewer than OpenMP would use, if mesh is too small for these. */
+int pl_threads_for(const planish_mesh *mesh, const planish_options *options);
+
+#endif

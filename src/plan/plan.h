@@ -1,0 +1,140 @@
+/* plan: all that smoothing needs to know of one connectivity, made once. */
+#ifndef PL_PLAN_PLAN_H
+#define PL_PLAN_PLAN_H
+
+#include "base/context.h"
+#include "plan/ghosts.h"
+#include "plan/placement.h"
+#include "star/star.h"
+#include "topology/points.h"
+#include "topology/topology.h"
+
+/** Stars in the order of their visits: colour by colour. Everything is owned. */
+typedef struct pl_visits {
+    pl_stars stars;        /* rings in inner numbers */
+    int32_t *centre;       /* [n_stars] inner number of each star's node */
+    int64_t *colour_begin; /* [n_colours + 1] first star of each colour */
+    int64_t *inside_begin; /* [n_colours] first of them that is not SHARED with other processes */
+    int n_colours;
+    int64_t n_all; /* stars of all processes */
+    int64_t n_followers;
+    pl_follower
+        *follower; /* nodes that move with those of the stars, and images: by inner numbers */
+} pl_visits;
+
+/** What is_free says of a node. */
+enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
+
+/** Bits of is_used: the node is used by an element, and what else than its elements holds it. */
+enum { PL_USED = 1, PL_FIXED_BY_CALLER = 2, PL_IN_PAIR = 4, PL_NOT_CHOSEN = 8, PL_OF_WRAPPED = 16 };
+
+/** What a plan works on, and what is measured. */
+typedef enum pl_scope {
+    PL_ALL,         /* all of the mesh */
+    PL_PART_OF_ALL, /* a part, and all is measured */
+    PL_PART_ALONE   /* a part, of which alone is known */
+} pl_scope;
+
+/** The caller's mesh; but for the counts for PL_PART_OF_ALL. Everything is owned but elements. */
+typedef struct pl_whole {
+    int64_t n_nodes, n_elements;
+    const int32_t *elements; /* [n_elements][dim + 1] */
+    int32_t *own_elements;   /* a copy that these are, or NULL */
+    int8_t *sign;            /* [n_elements] or NULL, */
+    double *min_volume;      /* likewise */
+    uint8_t *is_free;        /* [n_nodes] */
+    uint8_t *is_movable;     /* [n_elements] 1: has a free node in the call that is served */
+} pl_whole;
+
+/** What a thread's visits of a sweep did; no line of the cache is shared with another's. */
+typedef struct pl_thread_tally {
+    _Alignas(64) pl_star_tally of;
+} pl_thread_tally;
+
+/** n nodes, m elements: those of the mesh, or of the part of it that is worked on; "inner" numbers
+ *  run along the space-filling curve. Everything is owned but elements. */
+struct planish_plan {
+    int dim;
+    int64_t n_nodes, n_elements;
+    const int32_t *elements; /* [m][dim + 1] the caller's, or */
+    int32_t *own_elements;   /* the plan's: a copy, or those of the part */
+    double *min_volume;      /* [m] mesh->min_volume, or NULL */
+    int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
+    int32_t *wrapped;        /* [n_wrapped] elements that wrap around: their nodes are held */
+    int64_t n_wrapped;
+    uint8_t *is_free; /* [n] PL_HELD, ... */
+    uint8_t *is_used; /* [n] 0: by no element; else PL_USED, ... */
+    int32_t *inner;   /* [n] inner number of each node */
+    int is_selective; /* only nodes of bad elements are free, see pl_select */
+    int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
+    int32_t *element_of; /* [m] likewise of each element */
+    pl_scope scope;
+    pl_whole whole;
+    int64_t node_stride, component_stride; /* of the caller's coordinates */
+    pl_visits interior;                    /* of the nodes that may go anywhere, */
+    pl_visits sliding;                     /* and of those that stay on a plane, line or surface: */
+    int64_t n_images;                      /* nodes after the mesh's own, see pl_periodic */
+    pl_star_slide *slide; /* [sliding.stars.n_stars] which; point is where a call starts */
+    pl_ghosts ghosts;     /* if other processes have parts of the mesh */
+    pl_context *context;  /* entered by every call */
+    pl_placement *placement;
+    int threads;
+    const pl_star_kernel *kernel;
+    planish_plan_info info;
+    /* Scratch of planish_smooth: */
+    double *start;       /* [n][dim] the coordinates it starts with, unless the caller's are such */
+    double *coordinates; /* [n + n_images][dim] by inner numbers */
+    double *measured;    /* [n][dim] in the mesh's order, in units of its size: for measuring */
+    uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
+    pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
+    double *scratch;     /* [threads][scratch_stride] of the kernels */
+    int64_t scratch_stride;
+    pl_thread_tally *tally; /* [threads] of the sweep under way */
+};
+
+/** Make a plan in context, which the caller has entered. options are checked. NULL: *status and
+ * error say why. The caller destroys the plan. */
+planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *options,
+                           pl_context *context, int *status, planish_error *error);
+
+/** Free the plan, but not its context. */
+void pl_plan_destroy(planish_plan *plan);
+
+/** The local problem of the plan's interior (or sliding) stars in its arrays, with the first
+ *  direction and no limits. */
+pl_star_problem pl_plan_problem(const planish_plan *plan);
+pl_star_problem pl_plan_sliding_problem(const planish_plan *plan);
+
+/** Colours of both. */
+int pl_plan_colours(const planish_plan *plan);
+
+/** Copy coordinates [n][dim] to inside [n][dim], by inner numbers. */
+void pl_plan_order(const planish_plan *plan, const double *coordinates, double *inside);
+
+/** star_of [n] by inner numbers becomes the star of each node of the interior, -1: none. */
+void pl_plan_number_stars(const planish_plan *plan, int32_t *star_of);
+
+/** The nodes of the plan, or of all of the mesh, in the caller's coordinates. */
+pl_points pl_plan_points(const planish_plan *plan, const double *coordinates);
+pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates);
+
+/** points as [n][dim]: where they are, or in room, which is needed if not pl_points_are_dense. */
+const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, double *room);
+
+/** The caller's number of an element; and of a node. */
+static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element) {
+    return plan->element_of ? plan->element_of[element] : element;
+}
+
+static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
+    return plan->node_of ? plan->node_of[node] : node;
+}
+
+/** [n_elements] 1: this process counts the element; NULL: all of them. */
+static inline const uint8_t *pl_plan_counted(const planish_plan *plan) {
+    return plan->context->part ? plan->context->part->is_counted : NULL;
+}
+
+enum { PL_CHUNK_STARS = 16 }; /* stars that one thread takes at a time, at most */
+
+#endif

@@ -1,0 +1,31 @@
+/* regions: arrays of cells that tell regions, and the nodes between regions. */
+#ifndef PL_SHAPE_REGIONS_H
+#define PL_SHAPE_REGIONS_H
+
+#include <planish/planish.h>
+
+/** Return the rank of an array's name among those that tell regions, from 1 for the most telling
+ *  one; 0: unknown; -1: the array tells no regions. */
+int pl_region_name(const char *name);
+
+/** Check names, types and values of arrays [n_arrays] for n_elements elements. Errors: _ARGUMENT.
+ */
+int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
+                         planish_error *error);
+
+/** Decide which of the checked arrays tell regions, and set their is_region. mesh is dense. See
+ *  planish_find_regions. Errors: _MESH, _MEMORY. */
+int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays, int threads,
+                    planish_error *error);
+
+/** Number the combinations of values of the arrays whose is_region is set: found [n_elements],
+ * which is 0 before, and their number. Errors: _ARGUMENT (a value is not whole), _MEMORY. */
+int pl_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
+                       int32_t *found, int64_t *n_regions, planish_error *error);
+
+/** Find the nodes with elements of several regions: is_between [n_nodes] becomes 1 for them, 0 for
+ *  the others, and *n their number. region [n_elements]. Errors: _MEMORY. */
+int pl_find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
+                       int64_t *n, planish_error *error);
+
+#endif

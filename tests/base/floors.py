@@ -1,0 +1,171 @@
+"""Floors of the house (docs/architecture.md): no file knows or calls one that is above it.
+
+    floors.py BUILD     BUILD has object files of the libraries and the program
+
+A room is NAME.c with NAME.h. A room knows another one if it includes its header, or if its object file
+needs a function or array that the other's defines. No room knows one of a higher floor, or one that its
+floor may not know; rooms that know one another are of one folder and at most MOST.
+"""
+import collections
+import os
+import re
+import subprocess
+import sys
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+MOST = 4  # rooms of a circle
+
+# What each folder may know beside itself and what its neighbours below know.
+KNOWS = {
+    "src/base": [],
+    "src/geometry": ["src/base"],
+    "src/star": ["src/geometry"],
+    "src/topology": ["src/geometry"],
+    "src/shape": ["src/topology"],
+    "src/quality": ["src/geometry"],
+    "src/plan": ["src/topology", "src/star", "src/quality"],
+    "src/sweep": ["src/plan"],
+    "src/improve": ["src/sweep"],
+    "src/api": ["src/improve", "src/shape"],
+    "src/io": ["src/base"],
+    "tools": ["src/base"],
+    "tools/report": ["tools", "src/base"],
+    "tools/mpi": ["tools", "src/base"],
+}
+
+# Single arrows that are allowed beside these: from and to are beginnings of rooms.
+ALLOWED = [
+    ("tools/output", "src/io/", "the program writes its reports as io writes meshes"),
+    ("tools/output", "tools/", "the program writes its reports as io writes meshes"),
+    ("tools/worst_place", "src/geometry/", "angles"),
+    ("tools/report/surface", "src/topology/", "facets"),
+    ("tools/report/markup", "src/io/", "base64"),
+    ("tools/mpi/surface", "src/topology/", "facets"),
+    ("tools/mpi/plexrows", "src/io/", "writing HDF5"),
+    ("tools/mpi/plexfile", "src/io/", "writing HDF5"),
+    ("tools/", "tools/report/", "a command makes the report"),
+    ("tools/", "tools/report", "a command makes the report"),
+]
+
+
+def floor_of(room):
+    """The folder of KNOWS that a room is in."""
+    return max((f for f in KNOWS if room.startswith(f + "/")), key=len, default=None)
+
+
+def all_below(folder, found=None):
+    found = set() if found is None else found
+    for other in KNOWS[folder]:
+        if other not in found:
+            found.add(other)
+            all_below(other, found)
+    return found
+
+
+def room_of(path):
+    return os.path.splitext(path)[0]
+
+
+def sources():
+    for top in ("src", "tools"):
+        for folder, _, names in os.walk(os.path.join(ROOT, top)):
+            for name in names:
+                if name.endswith((".c", ".h", ".cpp", ".inc")):
+                    yield os.path.relpath(os.path.join(folder, name), ROOT)
+
+
+def arrows_of_includes(files):
+    for path in files:
+        with open(os.path.join(ROOT, path), encoding="utf-8") as text:
+            for name in re.findall(r'^ *# *include *"([^"]+)"', text.read(), re.M):
+                for top in ("src", "tools"):
+                    if os.path.exists(os.path.join(ROOT, top, name)):
+                        yield room_of(path), room_of(os.path.join(top, name)), name
+                        break
+
+
+def objects(build):
+    for folder, _, names in os.walk(build):
+        match = re.search(r"/CMakeFiles/(planish_objects|planish_io_objects|planish_tools|planish_mpi|planish_program)"
+                          r"\.dir/?(.*)$", folder)
+        for name in names if match else ():
+            path = os.path.join(match[2], name)
+            if re.match(r"(src|tools)/.*\.(c|cpp)\.o(bj)?$", path):
+                yield os.path.join(folder, name), room_of(re.sub(r"\.o(bj)?$", "", path))
+
+
+def arrows_of_calls(build):
+    defined, needed = {}, collections.defaultdict(set)
+    for path, room in objects(build):
+        for line in subprocess.run(["nm", "-P", path], capture_output=True, text=True, check=True).stdout.splitlines():
+            name, kind = line.split()[:2]
+            if kind in "TRDB":
+                defined[name] = room
+            elif kind == "U":
+                needed[room].add(name)
+    if not defined:
+        sys.exit(f"no object files in {build}")
+    for room, names in needed.items():
+        for name in names:
+            if name in defined and defined[name] != room:
+                yield room, defined[name], name
+
+
+def is_allowed(a, b, names):
+    folder, other = floor_of(a), floor_of(b)
+    if not folder.startswith("src") or folder == "src/io":
+        names = {name for name in names if not name.startswith("planish_")}  # public functions
+        if not names:
+            return True
+    return other == folder or other in all_below(folder) or any(
+        a.startswith(begin) and b.startswith(end) for begin, end, _ in ALLOWED)
+
+
+def circles(graph):
+    """Strongly connected rooms (Tarjan)."""
+    index, low, stack, found = {}, {}, [], []
+
+    def visit(v):
+        index[v] = low[v] = len(index)
+        stack.append(v)
+        for w in graph[v]:
+            if w not in index:
+                visit(w)
+                low[v] = min(low[v], low[w])
+            elif w in stack:
+                low[v] = min(low[v], index[w])
+        if low[v] == index[v]:
+            at = stack.index(v)
+            found.append(sorted(stack[at:]))
+            del stack[at:]
+
+    for v in list(graph):
+        if v not in index:
+            visit(v)
+    return [circle for circle in found if len(circle) > 1]
+
+
+def main():
+    sys.setrecursionlimit(10000)
+    arrows = collections.defaultdict(set)
+    for a, b, name in [*arrows_of_includes(list(sources())), *arrows_of_calls(sys.argv[1])]:
+        if a != b and floor_of(a) and floor_of(b):
+            arrows[a, b].add(name)
+    bad = [(a, b) for a, b in sorted(arrows) if not is_allowed(a, b, arrows[a, b])]
+    for a, b in bad:
+        print(f"{a} must not know {b}: {', '.join(sorted(arrows[a, b]))}")
+    graph = collections.defaultdict(set)
+    for a, b in arrows:
+        graph[a].add(b)
+        graph[b]  # pylint: disable=pointless-statement
+    for circle in circles(graph):
+        across = len({os.path.dirname(room) for room in circle}) > 1
+        if across or len(circle) > MOST:
+            bad.append(circle)
+            print(f"a circle{' across folders' if across else ''} of {len(circle)}: {', '.join(circle)}")
+    print(f"{len(arrows)} arrows, {len(bad)} that must not be")
+    return bool(bad)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,56 @@
+/* exchange: what processes that share a mesh tell one another while planish works, by MPI: the four
+ * functions of planish_part.
+ */
+#ifndef PL_TOOLS_MPI_EXCHANGE_H
+#define PL_TOOLS_MPI_EXCHANGE_H
+
+#include "job.h"
+
+#include <mpi.h>
+
+/** A ghost: this process's node, and where its value comes from. */
+typedef struct pl_ghost {
+    int32_t node;
+    int owner;       /* rank */
+    int32_t of_node; /* the owner's number of it */
+} pl_ghost;
+
+/** Where the value of a node of ours goes. */
+typedef struct pl_goal {
+    int32_t neighbour; /* index in to */
+    int32_t position;  /* in the list of ghosts that it has from here */
+} pl_goal;
+
+/** Ready to exchange. Everything is owned but comm. */
+typedef struct pl_exchange {
+    MPI_Comm comm;
+    int n_to, n_from;     /* neighbours */
+    int *to, *from;       /* ranks, ascending */
+    int64_t *to_begin;    /* [n_to + 1] of the most that goes to each */
+    int64_t *from_begin;  /* [n_from + 1] of the ghosts of each */
+    int32_t *ghost;       /* [from_begin[n_from]] by neighbour and position */
+    int64_t *goal_begin;  /* [n_nodes + 1] */
+    pl_goal *goal;        /* of each node of ours */
+    MPI_Request *request; /* [n_from + n_to] receives, then sends */
+    char *in, *out;       /* messages, of entries: a position and a value */
+    int64_t *n_out;       /* [n_to] entries */
+    int64_t capacity;     /* bytes of an entry at most */
+    int64_t entry;        /* bytes, of the messages under way */
+    pl_traffic traffic;   /* of this process */
+} pl_exchange;
+
+/** Find out who wants what: ghosts [n] of this process, of n_nodes nodes. Collective. Returns 0, or
+ * a negative planish_status with *error filled in; to be destroyed in any case. */
+int pl_exchange_create(pl_exchange *exchange, MPI_Comm comm, const pl_ghost *ghosts, int64_t n,
+                       int64_t n_nodes, planish_error *error);
+void pl_exchange_destroy(pl_exchange *exchange);
+
+/** Whether another process has a node of ours as a ghost. */
+static inline int pl_exchange_shares(const pl_exchange *exchange, int64_t node) {
+    return exchange->goal_begin[node + 1] > exchange->goal_begin[node];
+}
+
+/** The functions of part, whose user becomes exchange. */
+void pl_exchange_serve(pl_exchange *exchange, planish_part *part);
+
+#endif

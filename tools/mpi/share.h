@@ -1,0 +1,58 @@
+/* share: what a process has of a mesh that the first process has read, and others work on, too.
+ *
+ * PETSc's DMPlex cuts the mesh into pieces (PT-Scotch) with one layer of overlap, and hands them
+ * out.
+ */
+#ifndef PL_TOOLS_MPI_SHARE_H
+#define PL_TOOLS_MPI_SHARE_H
+
+#include "exchange.h"
+#include "piece.h"
+
+/** Numbers of what each process has, in the first one: to collect values there. */
+typedef struct pl_collection {
+    MPI_Comm comm;
+    int n;           /* of this process */
+    int *count, *at; /* [ranks], in the first process; owned */
+    int32_t *number; /* [at[last] + count[last]] likewise, in the whole mesh */
+} pl_collection;
+
+/** The part of this process. Everything is owned. */
+typedef struct pl_share {
+    planish_mesh mesh; /* its arrays are those that follow */
+    planish_part part;
+    double *coordinates, *direction, *min_volume;
+    int32_t *elements, *region; /* region: of a piece that has them, or NULL */
+    uint8_t *constraint, *role, *is_counted;
+    int64_t *node_number, *element_number; /* in the whole mesh */
+    pl_exchange exchange;
+    pl_collection own_nodes, counted_elements, all_elements;
+} pl_share;
+
+/** Share whole, which the first process has (the others: NULL). Collective. Returns 0, or a
+ * negative planish_status with *error filled in, not in all processes the same; to be destroyed in
+ * any case.
+ */
+int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
+                    planish_error *error);
+/** The same of a piece that each process has by itself; nothing can be collected then. */
+int pl_share_take(pl_share *share, MPI_Comm comm, pl_piece *piece, planish_error *error);
+void pl_share_destroy(pl_share *share);
+
+/** Let the error of a call on the part, if code says that there is one, tell the numbers of the
+ * whole mesh, too. Returns code. */
+int pl_share_explain(const pl_share *share, int code, planish_error *error);
+
+/** A planish_status, with *error filled in, for what PETSc says. */
+int pl_fail_petsc(planish_error *error, PetscErrorCode code);
+
+/** How many values are collected here: of all processes in the first one, 0 in the others. */
+int64_t pl_collected(const pl_collection *collection);
+
+/** Collect values [n][size] of all processes: the first one puts them to whole [.][size], in the
+ * order of the whole mesh; where several have the same number the larger one is taken, of values of
+ * one byte. room: for pl_collected of them. */
+void pl_collect(const pl_collection *collection, const void *values, int size, void *room,
+                void *whole);
+
+#endif
