@@ -5,8 +5,8 @@
 
 #include "base/memory.h"
 #include "base/system.h"
-#include "io/companions.h"
-#include "io/output.h"
+#include "io/file/companions.h"
+#include "io/core/output.h"
 
 #include <errno.h>
 #include <limits.h>

@@ -1,5 +1,6 @@
 /* planish_plan: make a plan, destroy it, and what it tells. */
 #include "plan/options.h"
+#include "plan/plan.h"
 
 #include "base/status.h"
 

@@ -1,7 +1,6 @@
 /* planish_smooth: coordinates in, the phases, coordinates out. */
 #include "improve/improve.h"
 #include "improve/patch.h"
-#include "plan/options.h"
 
 #include "base/clock.h"
 #include "base/context.h"
@@ -241,7 +240,7 @@ int planish_smooth(planish_plan *plan, double *coordinates, const planish_option
     }
     const pl_outside outside = pl_call_enter(plan->context);
     pl_context_begin(plan->context);
-    int status = pl_call_check(plan, coordinates, options, error);
+    int status = pl_plan_check_call(plan, coordinates, options, error);
     if (!status)
         status = smooth_in_context(plan, coordinates, options, &found, error);
     pl_context_end(plan->context);

@@ -1,6 +1,5 @@
 /* planish_volumes: elements below their minimum volumes, and those that nothing can repair. */
 #include "improve/untangle/proofs.h"
-#include "plan/options.h"
 #include "sweep/guard.h"
 
 #include "base/clock.h"
@@ -185,7 +184,7 @@ static int find(const planish_plan *plan, const double *coordinates, const plani
     patience p = {options ? options : &defaults, pl_seconds()};
     pl_limit limit = pl_limit_of(ask_caller, &p);
     const wanted w = {is_volumes ? p.options : NULL, has_limit ? &limit : NULL, out->state != NULL};
-    int status = pl_call_check(plan, coordinates, p.options, error);
+    int status = pl_plan_check_call(plan, coordinates, p.options, error);
     if (!status)
         status = look(plan, coordinates, &w, out, error);
     pl_call_leave(&outside);

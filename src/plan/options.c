@@ -136,16 +136,3 @@ int pl_threads_for(const planish_mesh *mesh, const planish_options *options) {
     const int64_t enough = elements_for(mesh, options) / ELEMENTS_PER_THREAD + 1;
     return enough < pl_thread_count(0) ? (int)enough : 0;
 }
-
-int pl_call_check(const planish_plan *plan, const double *coordinates,
-                  const planish_options *options, planish_error *error) {
-    int status = pl_options_check(options, error);
-    if (status)
-        return status;
-    if (options->min_volume_fraction > 0 && plan->scope == PL_PART_ALONE)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.min_volume_fraction is of the domain's volume, which a plan made "
-                       "with options.around does not know; give min_volume");
-    const pl_points points = pl_plan_all_points(plan, coordinates);
-    return pl_points_check(&points, plan->threads, error);
-}

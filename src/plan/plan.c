@@ -318,3 +318,16 @@ const double *pl_plan_dense(const planish_plan *plan, const pl_points *points, d
     pl_points_gather(points, plan->threads, room);
     return room;
 }
+
+int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
+                       const planish_options *options, planish_error *error) {
+    int status = pl_options_check(options, error);
+    if (status)
+        return status;
+    if (options->min_volume_fraction > 0 && plan->scope == PL_PART_ALONE)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "options.min_volume_fraction is of the domain's volume, which a plan made "
+                       "with options.around does not know; give min_volume");
+    const pl_points points = pl_plan_all_points(plan, coordinates);
+    return pl_points_check(&points, plan->threads, error);
+}

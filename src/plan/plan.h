@@ -135,6 +135,11 @@ static inline const uint8_t *pl_plan_counted(const planish_plan *plan) {
     return plan->context->part ? plan->context->part->is_counted : NULL;
 }
 
+/** Check options, and that coordinates [n][dim] of the caller are finite: every call on coordinates
+ *  begins with it. */
+int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
+                       const planish_options *options, planish_error *error);
+
 enum { PL_CHUNK_STARS = 16 }; /* stars that one thread takes at a time, at most */
 
 #endif

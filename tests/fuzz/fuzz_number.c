@@ -3,7 +3,7 @@
  */
 #include "fuzz_require.h"
 
-#include "io/number.h"
+#include "io/core/number.h"
 
 #include <errno.h>
 #include <inttypes.h>

@@ -1,4 +1,5 @@
 /* Any bytes as a DMPlex file. */
+#include "io/core/format.h"
 #include "fuzz_hdf5.h"
 
 FUZZ_HDF5(io_format_plex)

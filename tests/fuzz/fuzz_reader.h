@@ -12,7 +12,7 @@
 
 #include "fuzz_require.h"
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  */
 #include "fuzz_bytes.h"
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 enum { MOST_TAGS = 8, N_FORMATS = 3 };
 

@@ -2,7 +2,7 @@
  * chooses, what element regions, groups and slides make of them; damaged files and short memory. */
 #include "support/file_builder.h"
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

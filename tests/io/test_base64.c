@@ -8,8 +8,8 @@
 
 #include <cmocka.h>
 
-#include "io/base64.h"
-#include "io/compression.h"
+#include "io/vtk/base64.h"
+#include "io/vtk/compression.h"
 
 static io_base64 stream_of(const char *text) {
     return (io_base64){.cursor = {text, text + strlen(text)}};

@@ -12,8 +12,8 @@
 
 #include <planish/planish_io.h>
 
-#include "io/bytes.h"
-#include "io/file.h"
+#include "io/core/bytes.h"
+#include "io/file/file.h"
 
 #include <fcntl.h>
 #include <pthread.h>

@@ -1,6 +1,6 @@
 /* Child processes: what comes back from one, whatever becomes of it; and mesh files that only such
  * a process should open. */
-#include "io/child.h"
+#include "io/core/child.h"
 #include "support/files.h"
 #include "support/hdf5_builder.h"
 

@@ -1,7 +1,7 @@
 /* Numbers in fields of few characters: nothing that fits is nearer, and rounding is what is
  * written.
  */
-#include "io/number.h"
+#include "io/core/number.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,5 +1,6 @@
 /* What readers build on: numbers of nodes, entities, the mesh that comes of it. */
-#include "io/model.h"
+#include "io/core/model.h"
+#include "io/file/finish.h"
 
 #include "base/memory.h"
 

@@ -1,5 +1,5 @@
 /* Numbers from text and back, against the C library in the C locale. */
-#include "io/number.h"
+#include "io/core/number.h"
 
 #include <locale.h>
 #include <math.h>

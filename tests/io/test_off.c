@@ -1,5 +1,5 @@
 /* OFF: what is read, what is held, what is refused, what is written. */
-#include "io/binary.h"
+#include "io/core/binary.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"

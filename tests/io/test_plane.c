@@ -1,7 +1,7 @@
 /* Planes of triangles: what embedders see of them, and exact turns. */
 #include "base/exact.h"
-#include "io/file.h"
-#include "io/plane.h"
+#include "io/file/file.h"
+#include "io/file/plane.h"
 
 #include <math.h>
 #include <setjmp.h>

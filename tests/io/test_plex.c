@@ -3,8 +3,8 @@
 #include "support/hdf5_builder.h"
 #include "support/reading.h"
 
-#include "io/bytes.h"
-#include "io/plex.h"
+#include "io/core/bytes.h"
+#include "io/plex/plex.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

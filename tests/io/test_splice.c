@@ -3,7 +3,7 @@
 #include "support/files.h"
 #include "support/reading.h"
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 #include <fcntl.h>
 #include <math.h>

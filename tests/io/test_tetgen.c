@@ -2,7 +2,7 @@
 #include "support/file_builder.h"
 #include "support/files.h"
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,5 +1,5 @@
 /* Walking the bytes of a text file. */
-#include "io/text.h"
+#include "io/core/text.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "io/ucd.h"
+#include "io/abaqus/ucd.h"
 
 /** The text in memory of its own size, so that a sanitizer sees any look behind its end. */
 static int is_ucd(const char *text) {

@@ -9,7 +9,7 @@
 
 #include <cmocka.h>
 
-#include "io/binary.h"
+#include "io/core/binary.h"
 #include "support/file_builder.h"
 #include "support/reading.h"
 

@@ -3,7 +3,7 @@
 #include "support/hdf5_builder.h"
 #include "support/reading.h"
 
-#include "io/bytes.h"
+#include "io/core/bytes.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -10,9 +10,9 @@
 
 #include <cmocka.h>
 
-#include "io/base64.h"
-#include "io/binary.h"
-#include "io/compression.h"
+#include "io/vtk/base64.h"
+#include "io/core/binary.h"
+#include "io/vtk/compression.h"
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"

@@ -7,7 +7,7 @@
 
 #include <planish/planish_io.h>
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 typedef struct file_builder {
     char *data; /* [size], owned */

@@ -2,7 +2,7 @@
 #ifndef TEST_SUPPORT_READING_H
 #define TEST_SUPPORT_READING_H
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 /** Read text as a file of format; it must succeed. Close with planish_file_close. */
 planish_file *reading_text(const io_format *format, const char *text);

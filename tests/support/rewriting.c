@@ -1,7 +1,8 @@
 /* rewriting: what is written of a mesh file, for tests of readers. */
+#include "io/core/format.h"
 #include "support/rewriting.h"
 
-#include "io/text.h"
+#include "io/core/text.h"
 #include "support/files.h"
 
 #include <setjmp.h>

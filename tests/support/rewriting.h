@@ -2,7 +2,7 @@
 #ifndef TEST_SUPPORT_REWRITING_H
 #define TEST_SUPPORT_REWRITING_H
 
-#include "io/file.h"
+#include "io/file/file.h"
 
 /** Read size bytes at data, and write them: unchanged they are the same bytes; with some
  *  coordinates changed all read as written, and nothing but coordinates of the nodes differs.

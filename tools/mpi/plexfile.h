@@ -6,7 +6,7 @@
 
 #include "share.h"
 
-#include "io/output.h"
+#include "io/core/output.h"
 
 /** What has to be known of a file before PETSc can read it. */
 typedef struct pl_plexform {

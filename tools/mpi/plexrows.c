@@ -8,7 +8,7 @@
 
 #include "base/checksum.h"
 #include "base/memory.h"
-#include "io/plex.h"
+#include "io/plex/plex.h"
 
 #include <petscsf.h>
 

@@ -3,7 +3,7 @@
 
 #include "utf8.h"
 
-#include "io/base64.h"
+#include "io/vtk/base64.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -1,0 +1,55 @@
+/* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c and
+ * cgns_groups.c.
+ *
+ * A node of CGNS is a group of HDF5 with a label that tells what it is; its data are the array
+ * " data" in it. All functions return 0 or a negative planish_status, *reader->error filled in.
+ */
+#ifndef PL_IO_CGNS_CGNS_H
+#define PL_IO_CGNS_CGNS_H
+
+#include "io/hdf5/hdf5.h"
+#include "io/core/records.h"
+
+/** Elements of consecutive numbers. */
+typedef struct cgns_section {
+    char *name;         /* in the zone, owned */
+    int64_t start, end; /* numbers of the first and the last element */
+    int type;           /* of all elements, or MIXED */
+    int64_t first[4];   /* by dimension: cells of this section in their io_cells, */
+    int64_t behind[4];  /* up to this one */
+} cgns_section;
+
+typedef struct cgns_reader {
+    io_model *model;
+    io_hdf5 *file;
+    planish_error *error;
+    char base[IO_HDF5_PATH_SIZE], zone[IO_HDF5_PATH_SIZE];
+    cgns_section *section; /* [n_sections] owned, in the order of their elements' numbers */
+    int64_t n_sections, capacity;
+    int64_t n_elements;
+} cgns_reader;
+
+/* ---- cgns.c -------------------------------------------------------------------------------- */
+
+/** Names of the nodes in a node that have the label. Release in any case. */
+int cgns_children(cgns_reader *r, const char *path, const char *label, io_hdf5_names *names);
+
+/** Whole numbers of a node. Release in any case. */
+int cgns_integers(cgns_reader *r, const char *path, io_hdf5_integers *integers);
+
+/** Text of a node, without blanks at its end; "" if there is no such node. */
+int cgns_text(cgns_reader *r, const char *path, char *text, size_t size);
+
+/* ---- cgns_elements.c ----------------------------------------------------------------------- */
+
+/** All sections of the zone: cells with their numbers, and as entity the index of their section. */
+int cgns_read_elements(cgns_reader *r);
+void cgns_release_sections(cgns_reader *r);
+
+/* ---- cgns_groups.c ------------------------------------------------------------------------- */
+
+/** Sections and boundary conditions become entities and groups; what connects the zone with itself
+ *  holds its nodes. */
+int cgns_read_groups(cgns_reader *r);
+
+#endif

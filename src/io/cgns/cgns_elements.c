@@ -1,0 +1,323 @@
+/* cgns_elements: the sections of elements of CGNS files, of one type or MIXED, with numbers of
+ * nodes from 1. Lines, triangles and tetrahedra are kept, all others hold their nodes.
+ */
+#ifdef PL_HDF5
+#include "io/cgns/cgns.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- types of elements -------------------------------------------------------------------- */
+
+typedef enum kind { UNKNOWN, KEPT, LOWER, OTHER, REFUSED, FACES } kind;
+
+typedef struct element_type {
+    kind kind;
+    int dim, nodes;
+} element_type;
+
+enum { CGNS_MIXED = 20 };
+
+/* By CGNS's numbers. */
+static const element_type types[] = {
+    [2] = {LOWER, 0, 1},     [3] = {KEPT, 1, 2},      [4] = {LOWER, 1, 3},
+    [5] = {KEPT, 2, 3},      [6] = {REFUSED, 2, 6},   [7] = {OTHER, 2, 4},
+    [8] = {OTHER, 2, 8},     [9] = {OTHER, 2, 9},     [10] = {KEPT, 3, 4},
+    [11] = {REFUSED, 3, 10}, [12] = {OTHER, 3, 5},    [13] = {OTHER, 3, 14},
+    [14] = {OTHER, 3, 6},    [15] = {OTHER, 3, 15},   [16] = {OTHER, 3, 18},
+    [17] = {OTHER, 3, 8},    [18] = {OTHER, 3, 20},   [19] = {OTHER, 3, 27},
+    [21] = {OTHER, 3, 13},   [22] = {FACES, 2, 0},    [23] = {FACES, 3, 0},
+    [24] = {LOWER, 1, 4},    [25] = {REFUSED, 2, 9},  [26] = {REFUSED, 2, 10},
+    [27] = {OTHER, 2, 12},   [28] = {OTHER, 2, 16},   [29] = {REFUSED, 3, 16},
+    [30] = {REFUSED, 3, 20}, [31] = {OTHER, 3, 21},   [32] = {OTHER, 3, 29},
+    [33] = {OTHER, 3, 30},   [34] = {OTHER, 3, 24},   [35] = {OTHER, 3, 38},
+    [36] = {OTHER, 3, 40},   [37] = {OTHER, 3, 32},   [38] = {OTHER, 3, 56},
+    [39] = {OTHER, 3, 64},   [40] = {LOWER, 1, 5},    [41] = {REFUSED, 2, 12},
+    [42] = {REFUSED, 2, 15}, [43] = {OTHER, 2, 16},   [44] = {OTHER, 2, 25},
+    [45] = {REFUSED, 3, 22}, [46] = {REFUSED, 3, 34}, [47] = {REFUSED, 3, 35},
+    [48] = {OTHER, 3, 29},   [49] = {OTHER, 3, 50},   [50] = {OTHER, 3, 55},
+    [51] = {OTHER, 3, 33},   [52] = {OTHER, 3, 66},   [53] = {OTHER, 3, 75},
+    [54] = {OTHER, 3, 44},   [55] = {OTHER, 3, 98},   [56] = {OTHER, 3, 125},
+};
+enum { N_TYPES = sizeof types / sizeof *types };
+
+/** The type of that number, which must be one of elements that can be read. */
+static int take_type(cgns_reader *r, const char *path, int64_t number, element_type *type) {
+    *type = number > 0 && number < N_TYPES ? types[number] : (element_type){UNKNOWN, 0, 0};
+    switch (type->kind) {
+    case UNKNOWN:
+        return io_hdf5_fail(r->file, path, "elements of type %lld are unknown", (long long)number);
+    case REFUSED:
+        return io_hdf5_fail(r->file, path,
+                            "triangles or tetrahedra of higher order (type %lld) cannot be "
+                            "smoothed; export the mesh with straight elements of first order",
+                            (long long)number);
+    case FACES:
+        return io_hdf5_fail(r->file, path,
+                            "polygons and polyhedra (NGON_n, NFACE_n) are not read; export the "
+                            "mesh with elements of fixed types, as TETRA_4");
+    default:
+        return PLANISH_OK;
+    }
+}
+
+/* ---- a walk over the elements of a section ------------------------------------------------- */
+
+typedef struct walk {
+    cgns_reader *r;
+    cgns_section *section;
+    char path[IO_HDF5_PATH_SIZE]; /* of the list of nodes */
+    io_hdf5_integers nodes, offsets;
+    int64_t n, index; /* elements; the one that the walk came to, */
+    int64_t at;       /* its nodes in the list, */
+    element_type type;
+} walk;
+
+/** Before the first element. */
+static int begin_walk(walk *w) {
+    w->index = -1;
+    w->at = 0;
+    w->type = (element_type){0};
+    if (w->section->type != CGNS_MIXED)
+        return take_type(w->r, w->path, w->section->type, &w->type);
+    return PLANISH_OK;
+}
+
+/** Of a mixed section, the type leads the nodes. */
+static int take_mixed(walk *w) {
+    io_hdf5 *file = w->r->file;
+    if (w->offsets.n > 0 && io_hdf5_integer(&w->offsets, w->index) != w->at)
+        return io_hdf5_fail(file, w->path,
+                            "element %lld begins at %lld, and ElementStartOffset says %lld",
+                            (long long)(w->section->start + w->index), (long long)w->at,
+                            (long long)io_hdf5_integer(&w->offsets, w->index));
+    if (w->at >= w->nodes.n)
+        return io_hdf5_fail(file, w->path,
+                            "the list ends before element %lld of %lld (the file may be cut short)",
+                            (long long)w->index + 1, (long long)w->n);
+    int status = take_type(w->r, w->path, io_hdf5_integer(&w->nodes, w->at), &w->type);
+    w->at++;
+    if (!status && w->type.nodes > w->nodes.n - w->at)
+        status = io_hdf5_fail(file, w->path, "the list ends within element %lld of %lld",
+                              (long long)w->index + 1, (long long)w->n);
+    return status;
+}
+
+/** To the next element; not behind the last. */
+static int next_element(walk *w) {
+    w->at += w->index >= 0 ? w->type.nodes : 0;
+    w->index++;
+    return w->section->type == CGNS_MIXED ? take_mixed(w) : PLANISH_OK;
+}
+
+/* ---- storing ------------------------------------------------------------------------------ */
+
+/** How many elements of each dimension are kept. */
+static int count_kept(walk *w, int64_t kept[4]) {
+    int status = begin_walk(w);
+    memset(kept, 0, 4 * sizeof *kept);
+    if (!status && w->section->type != CGNS_MIXED) {
+        kept[w->type.dim] = w->type.kind == KEPT ? w->n : 0;
+        return PLANISH_OK;
+    }
+    for (int64_t i = 0; i < w->n && !status; i++) {
+        status = next_element(w);
+        kept[w->type.dim] += !status && w->type.kind == KEPT;
+    }
+    const int64_t end = w->at + (w->n > 0 ? w->type.nodes : 0);
+    if (!status && end != w->nodes.n)
+        status = io_hdf5_fail(w->r->file, w->path,
+                              "%lld numbers are left behind the last of %lld elements",
+                              (long long)(w->nodes.n - end), (long long)w->n);
+    return status;
+}
+
+static int take_node(walk *w, int64_t at, int32_t *node) {
+    const int64_t number = io_hdf5_integer(&w->nodes, at);
+    if (number < 1 || number > w->r->model->n_nodes)
+        return io_hdf5_fail(w->r->file, w->path, "element %lld: node %lld is not in 1 .. %lld",
+                            (long long)(w->section->start + w->index), (long long)number,
+                            (long long)w->r->model->n_nodes);
+    *node = (int32_t)(number - 1);
+    return PLANISH_OK;
+}
+
+/** The element that the walk came to. */
+static int store_element(walk *w, int32_t section) {
+    io_model *model = w->r->model;
+    const element_type t = w->type;
+    io_cells *cells = t.kind == KEPT ? io_model_cells(w->r->model, t.dim) : NULL;
+    int32_t held;
+    int status = PLANISH_OK;
+    for (int j = 0; j < t.nodes && !status; j++) {
+        status = take_node(w, w->at + j, cells ? &cells->nodes[cells->n * t.nodes + j] : &held);
+        if (!status && !cells)
+            io_hold_node(model, held,
+                         t.kind == LOWER && t.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
+    }
+    if (cells) {
+        cells->entity[cells->n] = section;
+        cells->number[cells->n] = w->section->start + w->index;
+        cells->n += !status;
+    } else {
+        *(t.kind == LOWER ? &model->n_lower : &model->n_other) += 1;
+    }
+    return status;
+}
+
+static int store_elements(walk *w, int32_t section) {
+    int64_t kept[4];
+    int status = count_kept(w, kept);
+    for (int dim = 1; dim <= 3 && !status; dim++) {
+        io_cells *cells = io_model_cells(w->r->model, dim);
+        w->section->first[dim] = w->section->behind[dim] = cells->n;
+        if (kept[dim] > 0)
+            status = io_cells_reserve(cells, dim, kept[dim], 1, 1, w->r->error);
+    }
+    if (!status)
+        status = begin_walk(w);
+    for (int64_t i = 0; i < w->n && !status; i++) {
+        status = next_element(w);
+        if (!status)
+            status = store_element(w, section);
+    }
+    for (int dim = 1; dim <= 3; dim++)
+        w->section->behind[dim] = io_model_cells(w->r->model, dim)->n;
+    return status;
+}
+
+/* ---- sections ----------------------------------------------------------------------------- */
+
+/** The list of nodes must be as long as the section's range says. */
+static int check_length(walk *w) {
+    w->n = w->section->end - w->section->start + 1;
+    if (w->section->type == CGNS_MIXED)
+        return w->offsets.n == 0 || w->offsets.n == w->n + 1
+                   ? PLANISH_OK
+                   : io_hdf5_fail(w->r->file, w->path, "%lld offsets for %lld elements",
+                                  (long long)w->offsets.n, (long long)w->n);
+    element_type type;
+    int status = take_type(w->r, w->path, w->section->type, &type);
+    if (!status && (w->nodes.n % type.nodes || w->nodes.n / type.nodes != w->n))
+        status = io_hdf5_fail(w->r->file, w->path, "%lld numbers for %lld elements of %d nodes",
+                              (long long)w->nodes.n, (long long)w->n, type.nodes);
+    return status;
+}
+
+static int read_lists(walk *w) {
+    cgns_reader *r = w->r;
+    char path[IO_HDF5_PATH_SIZE];
+    int status = io_hdf5_path(r->file, path, "%s/%s/ElementStartOffset", r->zone, w->section->name);
+    if (!status && w->section->type == CGNS_MIXED &&
+        io_hdf5_kind_of(r->file, path) == IO_HDF5_GROUP)
+        status = cgns_integers(r, path, &w->offsets);
+    if (!status)
+        status =
+            io_hdf5_path(r->file, path, "%s/%s/ElementConnectivity", r->zone, w->section->name);
+    if (!status)
+        status = io_hdf5_path(r->file, w->path, "%s", path);
+    if (!status)
+        status = cgns_integers(r, path, &w->nodes);
+    return status ? status : check_length(w);
+}
+
+static int read_section(cgns_reader *r, int64_t index) {
+    walk w = {.r = r, .section = &r->section[index]};
+    int status = PLANISH_OK;
+    if (w.section->type != CGNS_MIXED) { /* refused before its lists are looked for */
+        char path[IO_HDF5_PATH_SIZE];
+        status = io_hdf5_path(r->file, path, "%s/%s", r->zone, w.section->name);
+        if (!status)
+            status = take_type(r, path, w.section->type, &w.type);
+    }
+    if (!status)
+        status = read_lists(&w);
+    if (!status)
+        status = store_elements(&w, (int32_t)index);
+    io_hdf5_integers_release(&w.nodes);
+    io_hdf5_integers_release(&w.offsets);
+    return status;
+}
+
+/** Type and range of a section. */
+static int read_head(cgns_reader *r, const char *path, cgns_section *s) {
+    char range_path[IO_HDF5_PATH_SIZE];
+    io_hdf5_integers data = {0}, range = {0};
+    int status = cgns_integers(r, path, &data);
+    if (!status)
+        status = io_hdf5_path(r->file, range_path, "%s/ElementRange", path);
+    if (!status)
+        status = cgns_integers(r, range_path, &range);
+    if (!status && (data.n < 1 || range.n != 2))
+        status = io_hdf5_fail(r->file, path, "type and range of its elements were expected");
+    if (!status) {
+        const int64_t type = io_hdf5_integer(&data, 0);
+        s->type = type > 0 && type < N_TYPES ? (int)type : 0;
+        s->start = io_hdf5_integer(&range, 0);
+        s->end = io_hdf5_integer(&range, 1);
+        if (s->start < 1 || s->end < s->start - 1 || s->end == INT64_MAX)
+            status = io_hdf5_fail(r->file, range_path, "elements %lld to %lld are no range",
+                                  (long long)s->start, (long long)s->end);
+    }
+    io_hdf5_integers_release(&data);
+    io_hdf5_integers_release(&range);
+    return status;
+}
+
+/** Takes over name, which is NULL then. */
+static int add_section(cgns_reader *r, char **name) {
+    char path[IO_HDF5_PATH_SIZE];
+    cgns_section *grown =
+        pl_grow(r->section, r->n_sections, r->n_sections + 1, &r->capacity, sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(r->error, "the sections of elements");
+    r->section = grown;
+    cgns_section *s = &r->section[r->n_sections++];
+    *s = (cgns_section){.name = *name};
+    *name = NULL;
+    int status = io_hdf5_path(r->file, path, "%s/%s", r->zone, s->name);
+    return status ? status : read_head(r, path, s);
+}
+
+static int compare_sections(const void *a, const void *b) {
+    const cgns_section *x = a, *y = b;
+    return x->start != y->start ? (x->start < y->start ? -1 : 1)
+                                : (x->end > y->end) - (x->end < y->end);
+}
+
+static int order_sections(cgns_reader *r) {
+    if (r->n_sections > 0)
+        qsort(r->section, (size_t)r->n_sections, sizeof *r->section, compare_sections);
+    for (int64_t i = 1; i < r->n_sections; i++)
+        if (r->section[i].start <= r->section[i - 1].end)
+            return io_hdf5_fail(
+                r->file, r->zone, "element %lld is in two sections, %.60s and %.60s",
+                (long long)r->section[i].start, r->section[i - 1].name, r->section[i].name);
+    return PLANISH_OK;
+}
+
+int cgns_read_elements(cgns_reader *r) {
+    io_hdf5_names names;
+    int status = cgns_children(r, r->zone, "Elements_t", &names);
+    for (int64_t i = 0; i < names.n && !status; i++)
+        status = add_section(r, &names.name[i]);
+    io_hdf5_names_release(&names);
+    if (!status)
+        status = order_sections(r);
+    for (int64_t i = 0; i < r->n_sections && !status; i++)
+        status = read_section(r, i);
+    return status;
+}
+
+void cgns_release_sections(cgns_reader *r) {
+    for (int64_t i = 0; i < r->n_sections; i++)
+        pl_free(r->section[i].name);
+    pl_free(r->section);
+    r->section = NULL;
+    r->n_sections = 0;
+}
+
+#endif

@@ -1,0 +1,19 @@
+/* child: a function run in a process of its own, so that it may crash. */
+#ifndef PL_IO_CORE_CHILD_H
+#define PL_IO_CORE_CHILD_H
+
+#include "io/core/model.h"
+
+#include <planish/planish.h>
+
+/** Returns 0, or a negative planish_status with *error filled in. */
+typedef int io_child_fn(void *data, planish_error *error);
+
+/** Fork, and call function(data, error), which reads input, in the child: its result, with its
+ *  error. Of what it does nothing but that and files come back; it has one thread, and prints
+ *  nothing. On Linux it gets no more memory than any mesh in so many bytes can need. Errors
+ * besides: _FORMAT: it crashed, at the file that the input is of; _MEMORY: no process could be
+ * started. */
+int io_child_run(io_child_fn *function, void *data, const io_bytes *input, planish_error *error);
+
+#endif

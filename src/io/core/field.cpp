@@ -1,0 +1,269 @@
+// field: real numbers in fields of few characters, as Nastran and Abaqus have them: the text that
+// is nearest to a number, and what that text reads as.
+//
+// How many digits fit depends on the decade of the number alone. So to round to a field is to round
+// to that many digits, which for the common numbers a multiplication and a division do exactly.
+#include "io/core/number.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+
+namespace {
+
+constexpr int most_digits = 17;  // that any double needs
+constexpr int exact_digits = 15; // so many restore a decimal number from its double
+constexpr int widest = IO_REAL_SIZE - 1;
+constexpr int last_exact_power = 22; // of ten in a double
+
+// A decimal number: 0.DIGITS * 10^(decade + 1), without zeros at either end.
+struct decimal {
+    char digits[widest + 1];
+    int n;
+    int decade;
+};
+
+// ---- how many digits fit ------------------------------------------------------------------------
+
+constexpr int size_of(int exponent) {
+    return exponent < 0 ? -exponent : exponent;
+}
+
+// Characters of an exponent: -5, +12, or e-5, e12.
+constexpr int exponent_length(int exponent, bool implied) {
+    return 2 + (size_of(exponent) > 9) + (size_of(exponent) > 99) + (!implied && exponent < 0);
+}
+
+// Digits that fit into room characters (a sign not among them) without an exponent; 0: none.
+constexpr int fixed_digits(int room, int decade) {
+    if (decade >= 0)
+        return decade + 1 <= room - 1 ? room - 1 : 0;
+    return room + decade > 0 ? room + decade : 0;
+}
+
+// The same with an exponent and point digits before the point.
+constexpr int scientific_digits(int room, int decade, int point, bool implied) {
+    const int digits = room - 1 - exponent_length(decade + 1 - point, implied);
+    return digits >= point && digits > 0 ? digits : 0;
+}
+
+constexpr int digits_that_fit(int room, int decade, bool implied) {
+    int most = fixed_digits(room, decade);
+    for (int point = 0; point < room; point++) {
+        const int digits = scientific_digits(room, decade, point, implied);
+        most = digits > most ? digits : most;
+    }
+    return most;
+}
+
+// ---- decimal numbers ----------------------------------------------------------------------------
+
+// Of text d.ddde-xx.
+decimal decimal_of(const char *text, const char *end) {
+    decimal d{};
+    const char *mark = std::find(text, end, 'e');
+    for (const char *c = text; c < mark; c++)
+        if (*c != '.')
+            d.digits[d.n++] = *c;
+    const char *exponent = mark + 1 + (mark[1] == '+');
+    std::from_chars(exponent, end, d.decade);
+    return d;
+}
+
+void strip_zeros(decimal &d) {
+    while (d.n > 1 && d.digits[d.n - 1] == '0')
+        d.n--;
+}
+
+double value_of(const decimal &d) {
+    char text[widest + 16];
+    std::memcpy(text, d.digits, static_cast<size_t>(d.n));
+    text[d.n] = 'e';
+    auto result = std::to_chars(text + d.n + 1, text + sizeof text, d.decade + 1 - d.n);
+    double value = 0;
+    auto read = std::from_chars(text, result.ptr, value);
+    // Out of range: too large only, as digits come from a number.
+    return read.ec == std::errc() ? value : HUGE_VAL;
+}
+
+// The number before d of as many digits.
+void step_down(decimal &d) {
+    int i = d.n - 1;
+    for (; i > 0 && d.digits[i] == '0'; i--)
+        d.digits[i] = '9';
+    d.digits[i]--;
+}
+
+// The decimal number in reach of a field that is nearest to size > 0; the shortest that restores it
+// if that fits.
+decimal nearest(double size, int room, bool implied) {
+    char text[widest + 16];
+    char *end = text + sizeof text;
+    auto shortest = std::to_chars(text, end, size, std::chars_format::scientific);
+    decimal d = decimal_of(text, shortest.ptr);
+    const int digits = digits_that_fit(room, d.decade, implied);
+    if (d.n <= digits)
+        return d;
+    auto rounded = std::to_chars(text, end, size, std::chars_format::scientific, digits - 1);
+    d = decimal_of(text, rounded.ptr);
+    if (std::isinf(value_of(d)))
+        step_down(d);
+    strip_zeros(d);
+    return d;
+}
+
+// ---- text ---------------------------------------------------------------------------------------
+
+char *put_zeros(char *to, int n) {
+    for (int i = 0; i < n; i++)
+        *to++ = '0';
+    return to;
+}
+
+// The digits with point of them before the point (0 or less: zeros behind it).
+char *put_mantissa(char *to, const decimal &d, int point) {
+    const int before = std::clamp(point, 0, d.n);
+    to = std::copy(d.digits, d.digits + before, to);
+    to = put_zeros(to, point - before);
+    *to++ = '.';
+    to = put_zeros(to, -point);
+    return std::copy(d.digits + before, d.digits + d.n, to);
+}
+
+int fixed_length(const decimal &d) {
+    return d.decade >= 0 ? std::max(d.n, d.decade + 1) + 1 : d.n - d.decade;
+}
+
+int scientific_length(const decimal &d, int point, bool implied) {
+    return std::max(d.n, point) + 1 + exponent_length(d.decade + 1 - point, implied);
+}
+
+// Without an exponent if that fits, else with one digit before the point, else as it fits.
+char *put(char *to, const decimal &d, int room, bool implied) {
+    if (fixed_length(d) <= room)
+        return put_mantissa(to, d, d.decade + 1);
+    int point = 1;
+    if (scientific_length(d, point, implied) > room)
+        for (point = 0; point < room && scientific_length(d, point, implied) > room; point++)
+            ;
+    const int exponent = d.decade + 1 - point;
+    to = put_mantissa(to, d, point);
+    if (!implied)
+        *to++ = 'e';
+    else if (exponent > 0)
+        *to++ = '+';
+    return std::to_chars(to, to + 5, exponent).ptr;
+}
+
+// ---- fast rounding ------------------------------------------------------------------------------
+
+constexpr int first_decade = -9, last_decade = 15;
+
+constexpr double powers[] = {1e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1e0,  1e1,
+                             1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11, 1e12,
+                             1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+constexpr double power_of_ten(int exponent) {
+    return powers[exponent - first_decade];
+}
+
+using digit_table =
+    std::array<std::array<std::array<signed char, last_decade - first_decade + 1>, widest + 1>, 2>;
+
+constexpr digit_table make_digit_table() {
+    digit_table table{};
+    for (int implied = 0; implied < 2; implied++)
+        for (int room = 1; room <= widest; room++)
+            for (int decade = first_decade; decade <= last_decade; decade++)
+                table[static_cast<size_t>(implied)][static_cast<size_t>(room)]
+                     [static_cast<size_t>(decade - first_decade)] =
+                         static_cast<signed char>(digits_that_fit(room, decade, implied != 0));
+    return table;
+}
+
+constexpr digit_table table = make_digit_table();
+
+// The decade of a number that the table has.
+int decade_of(double size) {
+    uint64_t bits;
+    std::memcpy(&bits, &size, sizeof bits);
+    const int exponent = static_cast<int>(bits >> 52) - 1023;
+    const int low = exponent * 1233 >> 12; // 1233 / 4096 is log10(2), nearly
+    return low + (size >= power_of_ten(low + 1));
+}
+
+// value to so many decimals, both of which are exact: the product has 53 bits at most. Only where
+// it seems to be halfway between two whole numbers can what was rounded off it matter.
+double round_to_decimals(double value, int decimals) {
+    const double power = power_of_ten(decimals);
+    const double product = value * power;
+    double whole = std::nearbyint(product);
+    if (std::fabs(product - whole) == 0.5) {
+        const double rest = std::fma(value, power, -product);
+        if (rest != 0)
+            whole = rest > 0 ? std::ceil(product) : std::floor(product);
+    }
+    return whole / power;
+}
+
+} // namespace
+
+extern "C" int io_format_field(char *text, double value, int width, int implied_exponent) {
+    if (!std::isfinite(value))
+        return 0;
+    char *to = text;
+    if (value == 0) {
+        *to++ = '0';
+        *to++ = '.';
+        return 2;
+    }
+    const int room = width - (value < 0);
+    if (value < 0)
+        *to++ = '-';
+    const decimal d = nearest(std::fabs(value), room, implied_exponent != 0);
+    return static_cast<int>(put(to, d, room, implied_exponent != 0) - text);
+}
+
+extern "C" double io_round_to_field(double value, int width, int implied_exponent) {
+    const double size = std::fabs(value);
+    const int room = width - (value < 0);
+    const bool implied = implied_exponent != 0;
+    if (size >= power_of_ten(first_decade) && size < power_of_ten(last_decade + 1)) {
+        const int decade = decade_of(size);
+        const int digits =
+            table[implied][static_cast<size_t>(room)][static_cast<size_t>(decade - first_decade)];
+        const int decimals = digits - 1 - decade;
+        if (digits >= most_digits)
+            return value;
+        if (digits <= exact_digits && decimals >= 0 && decimals <= last_exact_power)
+            return round_to_decimals(value, decimals);
+    }
+    if (size == 0)
+        return 0;
+    if (!std::isfinite(value))
+        return value;
+    const double rounded = value_of(nearest(size, room, implied));
+    return value < 0 ? -rounded : rounded;
+}
+
+extern "C" int io_parse_packed_real(const char *begin, const char *end, double *value) {
+    constexpr int longest = 64;
+    const char *at = begin;
+    if (io_parse_real(&at, end, value) == 0 && at == end)
+        return 0;
+    char copy[longest + 1];
+    if (end - begin > longest)
+        return -1;
+    int n = 0, marks = 0;
+    for (const char *c = begin; c < end; c++) {
+        const bool is_sign = *c == '+' || *c == '-';
+        if (is_sign && c > begin && std::strchr("0123456789.", c[-1]) && marks++ == 0)
+            copy[n++] = 'e';
+        copy[n++] = *c;
+    }
+    at = copy;
+    return marks == 1 && io_parse_real(&at, copy + n, value) == 0 && at == copy + n ? 0 : -1;
+}

@@ -1,0 +1,71 @@
+/* format: what is told of a format, and names of files. */
+#ifndef PL_IO_CORE_FORMAT_H
+#define PL_IO_CORE_FORMAT_H
+
+#include "io/core/model.h"
+
+typedef struct io_format {
+    const char *name;                                   /* as in --format and in messages */
+    const char *const *extensions;                      /* with the dot, NULL-terminated */
+    int (*recognise)(const char *data, int64_t size);   /* by content: 1 sure, 0 no */
+    int (*read)(io_model *model, planish_error *error); /* model->input is there */
+    int has_no_end;                                     /* text that nothing tells the end of */
+    const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
+                                      NULL: there are none */
+    /** Whether the content of a file with such an extension is of a mesh as a companion is; NULL:
+     *  always. */
+    int (*is_companion)(const io_model *model, const io_bytes *file);
+    /** Whether what is written may have that name, whose extension is one of the format's; NULL: it
+     *  may. */
+    int (*may_be_called)(const io_model *model, const char *path);
+    /** Text: the field of coordinate d of a node, from a cursor that stands at its place
+     *  (io_model.text_offset) or behind coordinate d - 1; it ends behind coordinate d. 0 or -1.
+     *  NULL: numbers apart by white space and comments. */
+    int (*field)(const io_model *model, io_cursor *cursor, int d, io_field *field);
+    /** What the bytes at model->encoding become with coordinates [n_nodes][written]; NULL if spans
+     *  say all. */
+    int (*encode)(const io_model *model, const double *coordinates, int threads, io_edits *edits,
+                  planish_error *error);
+    /** Change in the finished copy, output, what neither spans nor encode can say (compressed
+     *  coordinates). If that goes to a pipe or device: before anything is written, fail if there is
+     *  any such change. NULL: there is nothing of the kind. */
+    int (*amend)(const io_model *model, const double *coordinates, io_output *output,
+                 planish_error *error);
+    void (*release)(io_model *model); /* of model->encoding; NULL: there is none */
+} io_format;
+
+extern const io_format io_format_gmsh, io_format_medit, io_format_vtk, io_format_vtu,
+    io_format_vtkhdf, io_format_tetgen, io_format_netgen, io_format_abaqus, io_format_nastran,
+    io_format_cgns, io_format_med, io_format_plex, io_format_off;
+
+/** A file that has been read. */
+struct planish_file {
+    io_model model;
+    const io_format *format;
+    int64_t n_regions; /* distinct ones among the elements smoothed */
+};
+
+/** Return the simplices that are smoothed. */
+static inline const io_cells *io_file_elements(const planish_file *file) {
+    return file->model.dim == 3 ? &file->model.tetrahedron : &file->model.triangle;
+}
+
+/** Whether path ends in one of the format's extensions, letter case ignored. */
+int io_format_has_extension(const io_format *format, const char *path);
+
+/** Where the extension of path begins (its dot), or its end. */
+const char *io_extension(const char *path);
+
+/** The path of the file with that extension, in any case, of the mesh at path: it takes the
+ *  place of an extension of the format, and has capitals if that has no small letter; behind any
+ *  other name it is added. Owned; NULL without memory. */
+char *io_companion_path(const io_format *format, const char *path, const char *extension);
+
+/** The same path with the extension in small letters. */
+char *io_plain_companion_path(const io_format *format, const char *path, const char *extension);
+
+/** Whether the bytes are a file of HDF5: its mark is at the start, or behind a block of the user's.
+ */
+int io_is_hdf5(const char *data, int64_t size);
+
+#endif

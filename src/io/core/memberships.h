@@ -1,0 +1,40 @@
+/* memberships: which sets each of many things is in, and the entities of the model that come of it.
+ *
+ * Every set says twice what is in it: the first time that is counted, the second time listed.
+ */
+#ifndef PL_IO_CORE_MEMBERSHIPS_H
+#define PL_IO_CORE_MEMBERSHIPS_H
+
+#include "io/core/model.h"
+
+/** Of thing i the sets list[start[i]] .. list[start[i + 1] - 1], in order, by their tags. */
+typedef struct io_memberships {
+    int64_t n;
+    int64_t *start; /* [n + 1] */
+    int32_t *list;
+    int32_t *last; /* [n] the set that had the thing last, or 0 */
+    int is_counted;
+} io_memberships;
+
+/** Of n things. To be destroyed in any case. */
+int io_memberships_begin(io_memberships *memberships, int64_t n, planish_error *error);
+
+/** A thing is in the set of that tag, 1 or more; once more does no harm. Sets come one after
+ *  another, both times in the same order. */
+void io_memberships_add(io_memberships *memberships, int64_t thing, int32_t tag);
+
+/** All have been counted: next they are to be listed. */
+int io_memberships_counted(io_memberships *memberships, planish_error *error);
+
+/** The entity of dim and tag whose physical tags are the thing's sets; last: the one of another
+ *  thing, which most often is the same, or -1. Negative on failure. */
+int32_t io_memberships_entity(const io_memberships *memberships, io_model *model, int64_t thing,
+                              int dim, int32_t tag, int32_t last, planish_error *error);
+
+/** The same for all nodes, which the things are: model->node_entity. */
+int io_memberships_of_nodes(const io_memberships *memberships, io_model *model,
+                            planish_error *error);
+
+void io_memberships_destroy(io_memberships *memberships);
+
+#endif

@@ -1,0 +1,303 @@
+/* model: the arrays that readers fill in, and what follows from them. */
+#include "io/core/arrays.h"
+#include "io/core/bytes.h"
+#include "io/core/model.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { CHUNK_NODES = 1 << 16 };
+
+/* ---- nodes -------------------------------------------------------------------------------- */
+
+int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error) {
+    if (n_nodes > INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: %lld nodes are more than the %lld that planish can handle",
+                       model->input.path, (long long)n_nodes, (long long)INT32_MAX);
+    model->n_nodes = n_nodes;
+    model->xyz = pl_alloc(n_nodes, 3 * sizeof *model->xyz);
+    model->hold = pl_alloc_zero(n_nodes, sizeof *model->hold);
+    if (text)
+        model->text_offset = pl_alloc(n_nodes, sizeof *model->text_offset);
+    if (!model->xyz || !model->hold || (text && !model->text_offset))
+        return pl_fail_memory(error, "the nodes of the file");
+    return PLANISH_OK;
+}
+
+int io_model_span(io_model *model, io_span span, planish_error *error) {
+    io_span *grown = pl_grow(model->span, model->n_spans, model->n_spans + 1, &model->span_capacity,
+                             sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(error, "the places of the nodes");
+    model->span = grown;
+    model->span[model->n_spans++] = span;
+    return PLANISH_OK;
+}
+
+int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error) {
+    int32_t *grown = pl_grow(model->periodic, model->n_periodic, model->n_periodic + 1,
+                             &model->periodic_capacity, sizeof pair[0] * 2);
+    if (!grown)
+        return pl_fail_memory(error, "the periodic nodes");
+    model->periodic = grown;
+    memcpy(model->periodic + 2 * model->n_periodic++, pair, sizeof pair[0] * 2);
+    return PLANISH_OK;
+}
+
+/* ---- edits ----------------------------------------------------------------------------------- */
+
+int io_edits_add(io_edits *edits, io_edit edit, planish_error *error) {
+    io_edit *grown = pl_grow(edits->edit, edits->n, edits->n + 1, &edits->capacity, sizeof *grown);
+    if (!grown) {
+        pl_free(edit.text);
+        return pl_fail_memory(error, "the coordinates to be written");
+    }
+    edits->edit = grown;
+    edits->edit[edits->n++] = edit;
+    return PLANISH_OK;
+}
+
+void io_edits_destroy(io_edits *edits) {
+    for (int64_t i = 0; i < edits->n; i++)
+        pl_free(edits->edit[i].text);
+    pl_free(edits->edit);
+    *edits = (io_edits){0};
+}
+
+/* ---- cells -------------------------------------------------------------------------------- */
+
+int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
+                     planish_error *error) {
+    if (n > INT32_MAX || cells->n + n > INT32_MAX)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%lld elements are more than the %lld that planish can handle", (long long)n,
+                       (long long)INT32_MAX);
+    int64_t needed = cells->n + n, capacity = cells->capacity;
+    if (needed <= capacity && cells->nodes)
+        return PLANISH_OK;
+    int64_t nodes_capacity = capacity, entity_capacity = capacity, number_capacity = capacity;
+    size_t size = (size_t)(dim + 1) * sizeof *cells->nodes;
+    int32_t *nodes = pl_grow(cells->nodes, cells->n, needed, &nodes_capacity, size);
+    if (nodes)
+        cells->nodes = nodes;
+    int32_t *entity = NULL;
+    int64_t *number = NULL;
+    if (with_entity &&
+        (entity = pl_grow(cells->entity, cells->n, needed, &entity_capacity, sizeof *entity)))
+        cells->entity = entity;
+    if (with_number &&
+        (number = pl_grow(cells->number, cells->n, needed, &number_capacity, sizeof *number)))
+        cells->number = number;
+    if (!nodes || (with_entity && !entity) || (with_number && !number))
+        return pl_fail_memory(error, "the elements of the file");
+    cells->capacity = nodes_capacity;
+    return PLANISH_OK;
+}
+
+void io_cells_release(io_cells *cells) {
+    pl_free(cells->nodes);
+    pl_free(cells->entity);
+    pl_free(cells->number);
+    pl_free(cells->region);
+    cells->nodes = cells->entity = cells->region = NULL;
+    cells->number = NULL;
+}
+
+/* ---- entities and groups ------------------------------------------------------------------ */
+
+static int entity_is(const io_entity *entity, int dim, int32_t tag, int n_physical,
+                     const int32_t *physical) {
+    return entity->dim == dim && entity->tag == tag && entity->n_physical == n_physical &&
+           (n_physical == 0 ||
+            memcmp(entity->physical, physical, (size_t)n_physical * sizeof *physical) == 0);
+}
+
+/** FNV-1a over the numbers. */
+static uint32_t entity_hash(int dim, int32_t tag, int n_physical, const int32_t *physical) {
+    uint32_t hash = (2166136261u ^ (uint32_t)dim) * 16777619u;
+    hash = (hash ^ (uint32_t)tag) * 16777619u;
+    for (int i = 0; i < n_physical; i++)
+        hash = (hash ^ (uint32_t)physical[i]) * 16777619u;
+    return hash ^ hash >> 15;
+}
+
+/** The slot of the entity, or the free one where it belongs. */
+static int32_t *entity_find_slot(const io_model *model, int dim, int32_t tag, int n_physical,
+                                 const int32_t *physical) {
+    uint32_t mask = (uint32_t)model->n_slots - 1;
+    uint32_t at = entity_hash(dim, tag, n_physical, physical) & mask;
+    while (model->entity_slot[at] >= 0 &&
+           !entity_is(&model->entity[model->entity_slot[at]], dim, tag, n_physical, physical))
+        at = (at + 1) & mask;
+    return &model->entity_slot[at];
+}
+
+/** Keep the hash table at most half full. */
+static int entity_grow_slots(io_model *model, planish_error *error) {
+    enum { FIRST_SLOTS = 64 };
+    if (2 * (int64_t)model->n_entities < model->n_slots)
+        return PLANISH_OK;
+    if (model->n_slots > INT32_MAX / 2)
+        return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: too many different regions",
+                       model->input.path);
+    int32_t n_slots = model->n_slots ? 2 * model->n_slots : FIRST_SLOTS;
+    int32_t *slot = pl_alloc(n_slots, sizeof *slot);
+    if (!slot)
+        return pl_fail_memory(error, "the regions of the file");
+    memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    pl_free(model->entity_slot);
+    model->entity_slot = slot;
+    model->n_slots = n_slots;
+    for (int32_t i = 0; i < model->n_entities; i++) {
+        const io_entity *e = &model->entity[i];
+        *entity_find_slot(model, e->dim, e->tag, e->n_physical, e->physical) = i;
+    }
+    return PLANISH_OK;
+}
+
+static int entity_append(io_model *model, int dim, int32_t tag, int n_physical,
+                         const int32_t *physical, planish_error *error) {
+    int64_t capacity = model->entity_capacity;
+    io_entity *grown =
+        pl_grow(model->entity, model->n_entities, model->n_entities + 1, &capacity, sizeof *grown);
+    if (grown) {
+        model->entity = grown;
+        model->entity_capacity = (int32_t)capacity;
+    }
+    int32_t *copy = pl_alloc(n_physical, sizeof *copy);
+    if (!grown || !copy) {
+        pl_free(copy);
+        return pl_fail_memory(error, "the regions of the file");
+    }
+    if (n_physical > 0)
+        memcpy(copy, physical, (size_t)n_physical * sizeof *copy);
+    model->entity[model->n_entities] = (io_entity){dim, tag, n_physical, copy};
+    return PLANISH_OK;
+}
+
+int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
+                        const int32_t *physical, planish_error *error) {
+    int status = entity_grow_slots(model, error);
+    if (status)
+        return status;
+    int32_t *slot = entity_find_slot(model, dim, tag, n_physical, physical);
+    if (*slot >= 0)
+        return *slot;
+    status = entity_append(model, dim, tag, n_physical, physical, error);
+    if (status)
+        return status;
+    return *slot = model->n_entities++;
+}
+
+void io_model_clear_entities(io_model *model) {
+    for (int32_t i = 0; i < model->n_entities; i++)
+        pl_free(model->entity[i].physical);
+    model->n_entities = 0;
+    for (int32_t i = 0; i < model->n_slots; i++)
+        model->entity_slot[i] = -1;
+}
+
+int io_model_has_entity(const io_model *model, int dim, int32_t tag) {
+    return model->n_slots > 0 && *entity_find_slot(model, dim, tag, 0, NULL) >= 0;
+}
+
+/** Most often tags are one number for long stretches. */
+int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error) {
+    int32_t tag = 0, entity = -1;
+    for (int64_t i = 0; i < n; i++) {
+        if (entity < 0 || tags[i] != tag) {
+            tag = tags[i];
+            entity = io_model_entity(model, dim, tag, 0, NULL, error);
+            if (entity < 0)
+                return entity;
+        }
+        tags[i] = entity;
+    }
+    return PLANISH_OK;
+}
+
+int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
+                   planish_error *error) {
+    int64_t capacity = model->group_capacity;
+    io_group *grown =
+        pl_grow(model->group, model->n_groups, model->n_groups + 1, &capacity, sizeof *grown);
+    if (grown) {
+        model->group = grown;
+        model->group_capacity = (int32_t)capacity;
+    }
+    char *copy = pl_alloc(length + 1, 1);
+    if (!grown || !copy) {
+        pl_free(copy);
+        return pl_fail_memory(error, "the groups of the file");
+    }
+    memcpy(copy, name, (size_t)length);
+    copy[length] = '\0';
+    model->group[model->n_groups++] = (io_group){dim, tag, copy};
+    return PLANISH_OK;
+}
+
+/* ---- the end --------------------------------------------------------------------------------- */
+
+void io_model_destroy(io_model *model) {
+    io_bytes_close(&model->input);
+    for (int i = 0; i < model->n_companions; i++)
+        io_bytes_close(&model->companion[i]);
+    pl_free(model->companion);
+    if (model->coordinates != model->xyz)
+        pl_free(model->coordinates);
+    pl_free(model->xyz);
+    pl_free(model->uv_read);
+    pl_free(model->z);
+    pl_free(model->node_number);
+    pl_free(model->span);
+    pl_free(model->text_offset);
+    pl_free(model->place_node);
+    pl_free(model->hold);
+    pl_free(model->node_entity);
+    pl_free(model->periodic);
+    io_cells_release(&model->line);
+    io_cells_release(&model->triangle);
+    io_cells_release(&model->tetrahedron);
+    io_arrays_destroy(model);
+    for (int32_t i = 0; i < model->n_entities; i++)
+        pl_free(model->entity[i].physical);
+    pl_free(model->entity);
+    pl_free(model->entity_slot);
+    for (int32_t i = 0; i < model->n_groups; i++)
+        pl_free(model->group[i].name);
+    pl_free(model->group);
+    memset(model, 0, sizeof *model);
+}
+
+/* ---- errors ------------------------------------------------------------------------------- */
+
+int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) {
+    char text[384];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    int64_t line = 1;
+    for (const char *c = model->input.data; error && c < at; c++)
+        line += *c == '\n' || (*c == '\r' && (c + 1 == at || c[1] != '\n'));
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s:%lld: %s", model->input.path, (long long)line,
+                   text);
+}
+
+int io_fail_byte(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) {
+    char text[384];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: byte %lld: %s", model->input.path,
+                   (long long)(at - model->input.data), text);
+}

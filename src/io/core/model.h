@@ -1,0 +1,282 @@
+/* model: what every reader fills in and the one writer uses.
+ *
+ * A reader walks the bytes of its format once and tells the model: the nodes (value and place of
+ * their coordinates in the file), the triangles and tetrahedra, which nodes other things in the
+ * file hold, and the names of groups. Nothing else of the file is kept, because the writer copies
+ * the file's own bytes around the coordinates it replaces.
+ */
+#ifndef PL_IO_CORE_MODEL_H
+#define PL_IO_CORE_MODEL_H
+
+#include "base/printf.h"
+
+#include <planish/planish_io.h>
+
+#include "io/core/output.h"
+
+/** A position in the file; every function stops at end and never reads behind it. */
+typedef struct io_cursor {
+    const char *at, *end;
+} io_cursor;
+
+/** The bytes of a file: read, or mapped where it is large (bytes.h). */
+typedef struct io_bytes {
+    char *path;
+    const char *data; /* [size] */
+    int64_t size;
+    int mapped;
+    int fd;           /* of a regular file, else -1 */
+    int64_t modified; /* when it was last, in ns */
+} io_bytes;
+
+typedef enum io_encoding {
+    IO_TEXT,    /* columns tokens apart by white space */
+    IO_FLOAT32, /* binary, in the byte order of swapped */
+    IO_FLOAT64
+} io_encoding;
+
+/** A run of nodes whose coordinates stand in the file at a constant distance (binary), or
+ *  each at its own place (text: io_model.text_offset). Spans are in the file's order. */
+typedef struct io_span {
+    int64_t first_node, n_nodes;
+    io_encoding encoding;
+    int swapped;      /* binary: not this machine's byte order */
+    int64_t offset;   /* binary: byte of the first node's first coordinate */
+    int64_t stride;   /* binary: bytes from node to node */
+    int component;    /* binary: the first coordinate there, most often 0, */
+    int n_components; /* and how many stand side by side; 0: all */
+} io_span;
+
+/** Where a coordinate stands in text, and what may take its place. */
+typedef struct io_field {
+    const char *begin, *end; /* its characters; blanks around it are some of these where fields
+                                have a fixed width */
+    double value;            /* 0 where the field is empty */
+    int width;               /* characters that a number may have there; 0: any number */
+    int is_fixed;            /* blanks fill up what a number leaves of end - begin */
+    const char *lead;        /* [n_lead] what must stand before a number where the file has no field
+                                for it, behind the fields before it in full width; or NULL */
+    int n_lead;              /* IO_LEAD_SIZE at most */
+    char made[12];           /* may be the lead, where it differs from field to field */
+} io_field;
+
+enum { IO_LEAD_SIZE = 64 };
+
+/** Bytes of the input that others take the place of. */
+typedef struct io_edit {
+    int64_t begin, end; /* in the input */
+    char *text;         /* [length] owned; NULL with length 0 */
+    int64_t length;
+} io_edit;
+
+/** Edits in the file's order, none within another. */
+typedef struct io_edits {
+    io_edit *edit; /* [n] */
+    int64_t n, capacity;
+} io_edits;
+
+/** Simplices of one dimension in the file's order. */
+typedef struct io_cells {
+    int64_t n, capacity;
+    int32_t *nodes;  /* [n][dim + 1], indices of nodes (not the file's numbers) */
+    int32_t *entity; /* [n] index into io_model.entity, or NULL: the file has none */
+    int64_t *number; /* [n] the file's element numbers, or NULL: 1, 2, 3 ... from first_number */
+    int64_t first_number;
+    int32_t *region; /* [n] which region each is of, where entities say more than that; or NULL: the
+                        entity. A reader that wants it allocates it */
+    int64_t n_plain; /* the last of them say nothing of their nodes (io_model_find_plain) */
+} io_cells;
+
+/** Those that say something of their nodes: the first ones. */
+static inline int64_t io_cells_telling(const io_cells *cells) {
+    return cells->n - cells->n_plain;
+}
+
+/** What tells the regions of cells apart: [n], or NULL: there is one. */
+static inline const int32_t *io_cells_regions(const io_cells *cells) {
+    return cells->region ? cells->region : cells->entity;
+}
+
+/** A region or surface, line, point that cells belong to: cells of different tags are of different
+ *  entities. tag: Gmsh's elementary entity, Medit's reference, TetGen's attribute. */
+typedef struct io_entity {
+    int dim;
+    int32_t tag;
+    int n_physical;
+    int32_t *physical; /* [n_physical] Gmsh's physical groups, owned */
+} io_entity;
+
+/** A named group: all entities of dim with that tag among their physical tags (or their tag, where
+ *  the format has no physical groups). */
+typedef struct io_group {
+    int dim;
+    int32_t tag;
+    char *name; /* owned */
+} io_group;
+
+/** An array of one whole number per cell of the file (arrays.h). */
+typedef struct io_array {
+    char *name;      /* owned */
+    int64_t n;       /* cells of the file */
+    int32_t *narrow; /* [n] owned values by the number of the cell, from 0; 0 where a cell that is
+                        not smoothed has no whole number */
+    int64_t *wide;   /* [n] owned, in place of narrow where 32 bits do not do */
+    int by_element;  /* values are [n] of the elements that are smoothed, in their order, instead */
+    int is_region;   /* it tells regions */
+} io_array;
+
+/** Why the file holds a node, bits of io_model.hold. */
+enum {
+    IO_HELD_BY_POINT = 1,     /* on an element that is a point */
+    IO_HELD_BY_OTHER = 2,     /* on an element of a type that is not smoothed, or a line of more
+                                 than two nodes */
+    IO_HELD_REQUIRED = 4,     /* marked in the file */
+    IO_HELD_PERIODIC = 8,     /* one of a periodic pair */
+    IO_HELD_BY_LINE = 16,     /* on a line, */
+    IO_HELD_BY_TRIANGLE = 32, /* on a triangle of a mesh of tetrahedra */
+    IO_HELD_MARKED = 64,      /* marked in a file that may mean no more than that it is on the
+                                 boundary (VTK) */
+    IO_HAS_PARAMETERS = 128 /* is not held by that: parameters of the geometry go with its place */
+};
+
+/** The plane of a mesh of triangles. Seen along the column across, a node is at (x, y) from the
+ *  origin, with coordinates u = xu x + yu y, v = yv y of an orthonormal frame, if it is tilted;
+ * else these are x and y. */
+typedef struct io_plane {
+    int axis[3]; /* the columns that coordinates in it go along, and the one across */
+    int is_tilted;
+    double origin[3]; /* in the order of axis, */
+    double slope[2];  /* that of the column across with x and y: at most 1, but for roundings */
+    double xu, yu, yv;
+    double size; /* the diagonal of the box of its nodes, */
+    double off;  /* and how far off it they are at most */
+} io_plane;
+
+typedef struct io_model {
+    io_bytes input;      /* holds the coordinates */
+    io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
+    int n_companions, n_read; /* the first of these are read, too */
+    int64_t largest_copy;     /* files of more bytes are mapped (bytes.h) */
+    int threads;
+    double flatness; /* how far off their plane nodes may be, of the diagonal; 0: by the digits */
+    int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
+    planish_precision precision; /* PLANISH_FLOAT: values are rounded to float; _ROUNDED: see */
+    int field_width;             /* narrowest field of a coordinate, with PLANISH_ROUNDED */
+    int implied_exponent;        /* exponents are written without an e (Nastran) */
+    int columns;                 /* coordinates of a node in the file: 2 or 3 */
+    int64_t n_nodes;
+    double *xyz;          /* [n_nodes][3] (z = 0 where columns is 2); NULL once it is known that the
+                             mesh is in the plane of x and y */
+    double *z;            /* [n_nodes] of such a mesh, or NULL: 0 */
+    int64_t *node_number; /* [n_nodes] the file's numbers, or NULL: consecutive */
+    int64_t first_number; /* of the nodes if node_number is NULL */
+    io_span *span;        /* [n_spans] */
+    int64_t n_spans, span_capacity;
+    int64_t *text_offset; /* [n_nodes] byte of the first coordinate of nodes of text spans; or NULL:
+                             there are none */
+    int32_t *place_node; /* [n_places] node of each place in the file; NULL: nodes are places. Spans
+                            and text_offset are of places */
+    int64_t n_places;    /* with place_node */
+    uint8_t *hold;       /* [n_nodes] bits IO_HELD_... */
+    int32_t *node_entity; /* [n_nodes] entity of the node (Medit: reference), or NULL */
+    int32_t *periodic;    /* [n_periodic][2] pairs of periodic nodes, indices */
+    int64_t n_periodic, periodic_capacity;
+    io_cells line, triangle, tetrahedron; /* lines of two nodes; in no order that means anything */
+    io_entity *entity;                    /* [n_entities] */
+    int32_t n_entities, entity_capacity;
+    int32_t *entity_slot; /* [n_slots] hash table of the entities: index or -1 */
+    int32_t n_slots;      /* a power of two, or 0 */
+    io_group *group;      /* [n_groups] */
+    int32_t n_groups, group_capacity;
+    int groups_by_name; /* numbers of entities and groups are none of the file's (Abaqus) */
+    int64_t n_other, n_lower;
+    io_array *array; /* [n_arrays] arrays that may tell regions, in the file's order */
+    int n_arrays, array_capacity;
+    int has_entities;         /* of the elements: the file's own, which arrays add to */
+    int arrays_are_gone;      /* their values have been released */
+    const char **array_name;  /* [n_arrays + 1] their names, and NULL; owned, or NULL */
+    const char **region_name; /* [n_arrays + 1] names of those that tell regions, and NULL; owned,
+                                 or NULL */
+    void *encoding; /* of the format that has read it, released by that: how coordinates stand in
+                       the file where no span says so, or NULL */
+    /* Set by io_model_finish: */
+    int dim;
+    double *coordinates; /* [n_nodes][dim] as read; in 3-D this is xyz itself */
+    io_plane plane;      /* in 2-D */
+    double *uv_read;     /* [n_nodes][2] coordinates as read, in a tilted plane, else NULL */
+    int written;         /* columns that are written: 2 in the plane of x and y, else 3 */
+} io_model;
+
+/* ---- for the readers (all return 0 or a negative planish_status with *error filled in) ----- */
+
+/** Allocate the arrays of n_nodes nodes: xyz, hold (zeroed), text_offset if text. The reader has
+ *  already checked that the file is large enough for that many. */
+int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *error);
+
+int io_model_span(io_model *model, io_span span, planish_error *error);
+
+/** A pair of periodic nodes. */
+int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error);
+
+/** The cells of that dimension, 1 .. 3. */
+static inline io_cells *io_model_cells(io_model *model, int dim) {
+    return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
+}
+
+/** Room for n more cells; the reader then writes nodes, entity, number at index cells->n ...; and
+ *  raises cells->n. with_entity/with_number must be the same in every call for the same cells. */
+int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,
+                     planish_error *error);
+
+/** Index of the entity (dim, tag, physical[n]), made if new; negative on failure. */
+int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
+                        const int32_t *physical, planish_error *error);
+
+/** Forget all entities. */
+void io_model_clear_entities(io_model *model);
+
+/** Whether there is an entity of dim and tag without physical groups. */
+int io_model_has_entity(const io_model *model, int dim, int32_t tag);
+
+/** Replace tags [n] by the entities of dim that have them. */
+int io_model_index_tags(io_model *model, int dim, int32_t *tags, int64_t n, planish_error *error);
+
+int io_model_group(io_model *model, int dim, int32_t tag, const char *name, int64_t length,
+                   planish_error *error);
+
+/** An edit behind all others: takes over text, which is released on failure, too. */
+int io_edits_add(io_edits *edits, io_edit edit, planish_error *error);
+void io_edits_destroy(io_edits *edits);
+
+/** Table from the file's node numbers to indices, for files whose numbers are not 1 .. n. */
+typedef struct io_numbers io_numbers;
+/** numbers [n] of nodes, or what they are of, in the file at path; fails on a number that occurs
+ *  twice (error names it). Any order, any gaps. */
+int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
+                      io_numbers **table, planish_error *error);
+/** Keep the numbers that nodes and cells have been given only where they say more than the first:
+ *  not if each is one more than that before. Of the nodes' a table is made where they are kept. A
+ *  node that is given again with the same coordinates becomes one (copies.h); no array of nodes but
+ *  xyz, hold and node_number may be there yet. */
+int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error);
+void io_settle_cell_numbers(io_cells *cells);
+/** Index of number, or -1. */
+int64_t io_numbers_find(const io_numbers *table, int64_t number);
+void io_numbers_destroy(io_numbers *table);
+
+/** Release the arrays of cells; NULL then. */
+void io_cells_release(io_cells *cells);
+
+/** Release all that the model owns. */
+void io_model_destroy(io_model *model);
+
+/* ---- errors --------------------------------------------------------------------------------- */
+
+/** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
+int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) PL_PRINTF(4, 5);
+/** "FILE: byte N: text" for binary parts. */
+int io_fail_byte(const io_model *model, const char *at, planish_error *error, const char *format,
+                 ...) PL_PRINTF(4, 5);
+
+#endif

@@ -1,0 +1,277 @@
+/* output: write a file beside its place and rename it, or straight into a pipe or device. */
+#include "io/core/output.h"
+
+#include "base/access.h"
+#include "base/memory.h"
+#include "base/status.h"
+#include "base/system.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { MAX_LINKS = 40, MAX_NAMES = 1000, LONGEST_KEPT = 200 };
+/* Largest single write(): Linux takes no more than just below 2^31 bytes. */
+enum { WRITE_AT_ONCE = 1 << 30 };
+
+/* ---- the list of temporary files ---------------------------------------------------------- */
+
+/* Both are written so that the list is whole at any moment a signal may read it: what stands behind
+ * a path begins to count with its first byte. */
+
+static void set_first(char *path, char byte) {
+    __atomic_store_n(path, byte, __ATOMIC_SEQ_CST);
+}
+
+static void temporaries_add(io_temporaries list, const char *path) {
+    size_t at = 0, length = strlen(path);
+    if (!list.paths)
+        return;
+    while (at < list.size && list.paths[at])
+        at += strlen(list.paths + at) + 1;
+    if (at + length + 2 > list.size)
+        return;
+    list.paths[at + length + 1] = '\0';
+    memcpy(list.paths + at + 1, path + 1, length);
+    set_first(&list.paths[at], path[0]);
+}
+
+static void temporaries_remove(io_temporaries list, const char *path) {
+    size_t at = 0;
+    if (!list.paths)
+        return;
+    while (at < list.size && list.paths[at] && strcmp(list.paths + at, path) != 0)
+        at += strlen(list.paths + at) + 1;
+    if (at >= list.size || !list.paths[at])
+        return;
+    const size_t next = at + strlen(list.paths + at) + 1;
+    const char first = list.paths[next];
+    set_first(&list.paths[at], '\0');
+    memmove(list.paths + at + 1, list.paths + next + 1, list.size - next - 1);
+    set_first(&list.paths[at], first);
+}
+
+/* ---- where it goes ------------------------------------------------------------------------ */
+
+/** The open descriptor that path is a name of, or -1. What it leads to may be a regular file, which
+ *  others write, too (>> log): it must not be replaced. */
+static int named_descriptor(const char *path) {
+    static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+    if (strcmp(path, "/dev/stdin") == 0)
+        return STDIN_FILENO;
+    if (strcmp(path, "/dev/stdout") == 0)
+        return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0)
+        return STDERR_FILENO;
+    for (int i = 0; i < 2; i++) {
+        size_t length = strlen(folders[i]);
+        if (strncmp(path, folders[i], length) != 0)
+            continue;
+        size_t digits = strspn(path + length, "0123456789");
+        if (digits > 0 && digits < 9 && path[length + digits] == '\0')
+            return (int)strtol(path + length, NULL, 10);
+    }
+    return -1;
+}
+
+int io_output_is_stream(const char *path) {
+    pl_file_status about;
+    return named_descriptor(path) >= 0 ||
+           (pl_file_find(path, &about) == 0 && about.kind != PL_FILE_REGULAR &&
+            about.kind != PL_FILE_FOLDER);
+}
+
+/** Whether the system would follow the link at path: 0, or the error number. In a folder such as
+ *  /tmp it may refuse (Linux, fs.protected_symlinks), as another user may have put the link there;
+ *  one that is read here and followed by its text must be refused, too. What it leads to need not
+ * be there. */
+static int check_link(const char *path) {
+    pl_file_status about;
+    return pl_file_find(path, &about) && errno != ENOENT ? errno : 0;
+}
+
+/** Whether path still leads to the file at target, or both to none: 0, or the error number. */
+static int check_leads_to(const char *path, const char *target) {
+    pl_file_status there, found;
+    const int absent = pl_file_find(path, &there) != 0, missing = pl_file_find(target, &found) != 0;
+    if (absent != missing || (!absent && !pl_file_is_same(&there, &found)))
+        return EACCES;
+    return 0;
+}
+
+char *io_output_target(const char *path) {
+    char *at = pl_alloc(PATH_MAX, 1), *link = pl_alloc(PATH_MAX, 1);
+    int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
+    int followed = 0;
+    if (!status)
+        strcpy(at, path);
+    for (int i = 0; !status && pl_path_read_link(at, link, PATH_MAX) == 0; i++) {
+        if ((status = check_link(at)))
+            break;
+        followed = 1;
+        const size_t length = strlen(link);
+        const size_t folder = pl_path_is_absolute(link) ? 0 : (size_t)(pl_path_name(at) - at);
+        if (i == MAX_LINKS || folder + length >= PATH_MAX)
+            status = ELOOP;
+        else
+            memcpy(at + folder, link, length + 1);
+    }
+    if (!status && followed)
+        status = check_leads_to(path, at);
+    pl_free(link);
+    if (status) {
+        pl_free(at);
+        errno = status;
+        return NULL;
+    }
+    return at;
+}
+
+/** Create the temporary file, which is listed before it is there. */
+static int create(const char *path, pl_file_use use, io_temporaries temporaries) {
+    if (pl_file_exists(path)) {
+        errno = EEXIST; /* another one's, which a signal must not remove */
+        return -1;
+    }
+    temporaries_add(temporaries, path);
+    const int fd = pl_file_open(path, use);
+    const int reason = errno;
+    if (fd < 0)
+        temporaries_remove(temporaries, path);
+    errno = reason;
+    return fd;
+}
+
+/** Create TARGET.planish-PROCESS-N beside target: as open for others as any new file if there is no
+ * target whose mode it will get. */
+static int create_temporary(io_temporaries temporaries, io_output *output) {
+    const pl_file_use use =
+        pl_file_exists(output->target) ? PL_FILE_CREATE_PRIVATE : PL_FILE_CREATE;
+    size_t folder = (size_t)(pl_path_name(output->target) - output->target);
+    size_t size = folder + LONGEST_KEPT + 48, kept = strlen(output->target);
+    if (kept > folder + LONGEST_KEPT)
+        kept = folder + LONGEST_KEPT; /* the whole name must be legal, too */
+    output->temporary = pl_alloc((int64_t)size, 1);
+    if (!output->temporary) {
+        errno = ENOMEM;
+        return -1;
+    }
+    for (int i = 0; i < MAX_NAMES; i++) {
+        snprintf(output->temporary, size, "%.*s.planish-%ld-%d", (int)kept, output->target,
+                 pl_process_number(), i);
+        const int fd = create(output->temporary, use, temporaries);
+        if (fd >= 0 || errno != EEXIST)
+            return fd;
+    }
+    return -1;
+}
+
+static int open_beside(const char *path, io_temporaries temporaries, io_output *output,
+                       planish_error *error) {
+    pl_file_status about;
+    output->target = io_output_target(path);
+    if (!output->target)
+        return pl_fail_errno(error, path, "cannot be written");
+    if (pl_file_find(output->target, &about) == 0 && about.kind == PL_FILE_FOLDER)
+        return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a file to write", path);
+    output->fd = create_temporary(temporaries, output);
+    if (output->fd < 0) {
+        int reason = errno;
+        pl_free(output->temporary);
+        output->temporary = NULL;
+        errno = reason;
+        return pl_fail_errno(error, path, "cannot be written");
+    }
+    output->replaces = pl_file_exists(output->target);
+    pl_file_take_access(output->fd, output->target);
+    return PLANISH_OK;
+}
+
+int io_output_open(const char *path, io_temporaries temporaries, io_output *output,
+                   planish_error *error) {
+    *output = (io_output){.fd = -1};
+    if (!io_output_is_stream(path))
+        return open_beside(path, temporaries, output, error);
+    int named = named_descriptor(path);
+    output->fd = named >= 0 ? pl_file_duplicate(named) : pl_file_open(path, PL_FILE_WRITE);
+    output->target = pl_alloc((int64_t)strlen(path) + 1, 1);
+    if (output->fd < 0)
+        return pl_fail_errno(error, path, "cannot be written");
+    if (!output->target)
+        return pl_fail_memory(error, path);
+    strcpy(output->target, path);
+    return PLANISH_OK;
+}
+
+int io_output_write(io_output *output, const char *data, int64_t size, planish_error *error) {
+    while (size > 0) {
+        unsigned wanted = size < WRITE_AT_ONCE ? (unsigned)size : WRITE_AT_ONCE;
+        ssize_t written = write(output->fd, data, wanted);
+        if (written < 0 && errno == EINTR)
+            continue;
+        if (written == 0)
+            errno = ENOSPC; /* a device that takes no more and says no why */
+        if (written <= 0)
+            return pl_fail_errno(error, output->target, "cannot be written");
+        data += written;
+        size -= written;
+    }
+    return PLANISH_OK;
+}
+
+/** What it replaces may be the only copy: then the bytes must be on the disk before the rename. Not
+ *  0: errno says why they are not. */
+static int settle(const io_output *output, int fd) {
+    return output->replaces && pl_file_settle(fd);
+}
+
+int io_output_finish(io_output *output, planish_error *error) {
+    int failed = settle(output, output->fd);
+    int reason = errno;
+    if (pl_file_close(output->fd) == 0)
+        errno = reason;
+    else
+        failed = 1;
+    output->fd = -1;
+    return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
+}
+
+int io_output_rewrite(io_output *output, const char *data, int64_t size, planish_error *error) {
+    output->fd = pl_file_open(output->temporary, PL_FILE_REWRITE);
+    if (output->fd < 0)
+        return pl_fail_errno(error, output->target, "cannot be written");
+    const int status = io_output_write(output, data, size, error);
+    return status ? status : io_output_finish(output, error);
+}
+
+int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error) {
+    if (!output->temporary)
+        return PLANISH_OK;
+    if (pl_file_replace(output->temporary, output->target))
+        return pl_fail_errno(error, output->target, "cannot be replaced");
+    temporaries_remove(temporaries, output->temporary);
+    pl_free(output->temporary);
+    output->temporary = NULL;
+    output->is_committed = 1;
+    return PLANISH_OK;
+}
+
+void io_output_undo(const io_output *output) {
+    if (output->is_committed && !output->replaces)
+        unlink(output->target);
+}
+
+void io_output_release(io_output *output, io_temporaries temporaries) {
+    if (output->fd >= 0)
+        close(output->fd);
+    if (output->temporary) {
+        pl_file_remove(output->temporary);
+        temporaries_remove(temporaries, output->temporary);
+    }
+    pl_free(output->temporary);
+    pl_free(output->target);
+    *output = (io_output){.fd = -1};
+}

@@ -1,0 +1,217 @@
+/* records: many records of numbers read by several threads, in text and in binary. */
+#include "io/core/records.h"
+
+#include <math.h>
+#include <stdatomic.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/round.h"
+
+enum {
+    PIECE = 1 << 14,     /* bytes: what a thread scans to find a token */
+    PIECES_AT_ONCE = 64, /* of the counting loop */
+    BLOCK = 64,          /* bytes counted in one vectorised loop */
+    RECORDS_AT_ONCE = 1 << 13,
+    WORTH_THREADS = 1 << 20 /* bytes; below, starting threads costs more than it brings */
+};
+
+void io_text_init(io_text *text, const io_model *model) {
+    text->begin = model->input.data;
+    text->end = model->input.data + model->input.size;
+    text->threads = pl_thread_count(model->threads);
+    text->before = NULL;
+}
+
+void io_text_release(io_text *text) {
+    pl_free(text->before);
+    text->before = NULL;
+}
+
+/* ---- the index of tokens ------------------------------------------------------------------ */
+
+/* Exactly what readers take for a part of a word (text.c): an index that parts words elsewhere, at
+ * other control characters, would let threads read what nobody wrote. */
+static inline int is_token_byte(char byte) {
+    return (byte != ' ') & ((unsigned char)(byte - '\t') > '\r' - '\t');
+}
+
+/* Tokens that start in [at, end); at > begin or at is the beginning. */
+static int64_t count_tokens(const char *begin, const char *at, const char *end) {
+    int64_t count = 0;
+    if (at == begin && at < end)
+        count += is_token_byte(*at++);
+    for (; end - at >= BLOCK; at += BLOCK) {
+        uint8_t starts = 0;
+        for (int i = 0; i < BLOCK; i++)
+            starts = (uint8_t)(starts + (is_token_byte(at[i]) & !is_token_byte(at[i - 1])));
+        count += starts;
+    }
+    for (; at < end; at++)
+        count += is_token_byte(*at) & !is_token_byte(at[-1]);
+    return count;
+}
+
+static int64_t piece_count(const io_text *text) {
+    return (text->end - text->begin + PIECE - 1) / PIECE;
+}
+
+static const char *piece_begin(const io_text *text, int64_t piece) {
+    int64_t size = text->end - text->begin;
+    return piece * PIECE < size ? text->begin + piece * PIECE : text->end;
+}
+
+static void count_pieces(void *context, int64_t begin, int64_t end, int thread) {
+    const io_text *text = context;
+    (void)thread;
+    for (int64_t piece = begin; piece < end; piece++)
+        text->before[piece] =
+            count_tokens(text->begin, piece_begin(text, piece), piece_begin(text, piece + 1));
+}
+
+/* 0 if there is no memory for it: then the caller goes on without threads. */
+static int index_tokens(io_text *text) {
+    if (text->before != NULL)
+        return 1;
+    int64_t pieces = piece_count(text);
+    text->before = pl_alloc(pieces + 1, sizeof *text->before);
+    if (text->before == NULL)
+        return 0;
+    pl_parallel_for(text->threads, pieces, PIECES_AT_ONCE, count_pieces, text);
+    pl_prefix_sum(text->threads, pieces, text->before);
+    return 1;
+}
+
+/* Number of tokens that start before at. */
+static int64_t token_rank(const io_text *text, const char *at) {
+    int64_t piece = (at - text->begin) / PIECE;
+    return text->before[piece] + count_tokens(text->begin, piece_begin(text, piece), at);
+}
+
+/* First byte of token number rank (from 0), or the end if there are not so many. */
+static const char *token_begin(const io_text *text, int64_t rank) {
+    int64_t low = 0, high = piece_count(text); /* before[low] <= rank < before[high] */
+    if (rank >= text->before[high])
+        return text->end;
+    while (high - low > 1) {
+        int64_t middle = low + (high - low) / 2;
+        if (text->before[middle] <= rank)
+            low = middle;
+        else
+            high = middle;
+    }
+    int64_t still = rank - text->before[low];
+    const char *at = piece_begin(text, low);
+    while (text->end - at > BLOCK) { /* whole blocks first: the last steps are byte by byte */
+        int64_t starts = count_tokens(text->begin, at, at + BLOCK);
+        if (starts > still)
+            break;
+        still -= starts;
+        at += BLOCK;
+    }
+    for (; at < text->end; at++) {
+        int starts = is_token_byte(*at) && (at == text->begin || !is_token_byte(at[-1]));
+        if (starts && still-- == 0)
+            return at;
+    }
+    return text->end; /* a mapped file changed since its tokens were counted */
+}
+
+/* ---- chunks of records -------------------------------------------------------------------- */
+
+struct job {
+    const io_text *text; /* NULL: binary */
+    io_cursor from;
+    int64_t size; /* tokens or bytes of a record */
+    int64_t rank; /* text: number of the first record's first token */
+    io_records_fn *read;
+    void *context;
+    atomic_int failed;
+};
+
+static void read_text_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    struct job *job = context;
+    (void)thread;
+    if (atomic_load_explicit(&job->failed, memory_order_relaxed))
+        return;
+    io_cursor cursor = {token_begin(job->text, job->rank + begin * job->size), job->from.end};
+    int status = job->read(job->context, &cursor, begin, end, NULL);
+    /* Chunk after chunk must join without a gap, or reading in order would find something else. */
+    io_skip_space(&cursor);
+    if (status != 0 || cursor.at != token_begin(job->text, job->rank + end * job->size))
+        atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
+}
+
+/* Read by threads: 0 if that was not to be, and nothing has been read for certain. */
+static int read_text_chunks(io_text *text, io_cursor *cursor, struct job *job, int64_t n) {
+    if (cursor->end != text->end || !index_tokens(text))
+        return 0;
+    job->rank = token_rank(text, cursor->at);
+    if (cursor->at != token_begin(text, job->rank))
+        return 0;
+    const char *end = token_begin(text, job->rank + n * job->size);
+    if (end < cursor->at || memchr(cursor->at, '#', (size_t)(end - cursor->at)))
+        return 0;
+    pl_parallel_for(text->threads, n, RECORDS_AT_ONCE, read_text_chunk, job);
+    if (atomic_load(&job->failed))
+        return 0;
+    cursor->at = end;
+    return 1;
+}
+
+int io_text_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens,
+                    io_records_fn *read, void *context, planish_error *error) {
+    struct job job = {text, *cursor, tokens, 0, read, context, 0};
+    /* A token is two bytes at least: with this n * tokens cannot overflow. */
+    int many = text->threads > 1 && n <= io_left(cursor) / tokens &&
+               n * tokens * 2 > WORTH_THREADS && n > RECORDS_AT_ONCE;
+    io_skip_space(cursor);
+    if (many && read_text_chunks(text, cursor, &job, n))
+        return 0;
+    int status = read(context, cursor, 0, n, error);
+    if (status == 0)
+        io_skip_space(cursor);
+    return status;
+}
+
+static void read_binary_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    struct job *job = context;
+    (void)thread;
+    io_cursor cursor = {job->from.at + begin * job->size, job->from.end};
+    if (job->read(job->context, &cursor, begin, end, NULL) != 0)
+        atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
+}
+
+int io_binary_records(int threads, io_cursor *cursor, int64_t n, int64_t size, io_records_fn *read,
+                      void *context, planish_error *error) {
+    if (threads > 1 && n * size > WORTH_THREADS) {
+        struct job job = {NULL, *cursor, size, 0, read, context, 0};
+        pl_parallel_for(threads, n, RECORDS_AT_ONCE, read_binary_chunk, &job);
+        if (!atomic_load(&job.failed)) {
+            cursor->at += n * size;
+            return 0;
+        }
+    }
+    return read(context, cursor, 0, n, error);
+}
+
+int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_error *error) {
+    double *xyz = model->xyz + 3 * node;
+    const int64_t number =
+        model->node_number ? model->node_number[node] : model->first_number + node;
+    io_skip_space(cursor);
+    model->text_offset[node] = cursor->at - model->input.data;
+    for (int i = 0; i < 3; i++) {
+        double value;
+        if (io_real(cursor, &value) != 0)
+            return io_fail_text(model, cursor->at, error,
+                                "node %lld: coordinate expected (the file may be cut short)",
+                                (long long)number);
+        xyz[i] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
+        if (!isfinite(xyz[i]))
+            return io_fail_text(model, cursor->at, error,
+                                "node %lld has a coordinate that is not finite", (long long)number);
+    }
+    return 0;
+}

@@ -1,0 +1,32 @@
+/* text: walk the bytes of an ASCII mesh file. */
+#ifndef PL_IO_CORE_TEXT_H
+#define PL_IO_CORE_TEXT_H
+
+#include "io/core/model.h"
+
+/** A text of size bytes from behind the mark of UTF-8 that some editors put before it. */
+io_cursor io_begin_text(const char *data, int64_t size);
+/** Skip blanks, tabs, line ends (\n, \r\n, \r). */
+void io_skip_space(io_cursor *cursor);
+/** Skip the same and comments that run from mark ('#') to the end of the line. */
+void io_skip_space_comments(io_cursor *cursor, char mark);
+/** To the beginning of the next line (or the end). */
+void io_skip_line(io_cursor *cursor);
+/** To the next word that begins with a letter (nan and inf are numbers), over comments ('#'). The
+ *  cursor stands behind a word. */
+void io_skip_numbers(io_cursor *cursor);
+/** The line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes: its
+ * first byte, *end behind its last. */
+const char *io_line(io_cursor *cursor, const char **end);
+/** The next word (no white space in it) after white space: its start, *length 0 at the end. */
+const char *io_word(io_cursor *cursor, int64_t *length);
+/** Whether the word is name, letter case ignored if fold. */
+int io_word_is(const char *word, int64_t length, const char *name, int fold);
+/** The next integer or real after white space; 0 or -1 (nothing is skipped then but white space).
+ *  What follows must be white space or the end. */
+int io_integer(io_cursor *cursor, int64_t *value);
+int io_real(io_cursor *cursor, double *value);
+/** First place at or after from that begins a line with name (for finding section ends), or end. */
+const char *io_find_line(const char *from, const char *end, const char *name);
+
+#endif

@@ -1,0 +1,462 @@
+/* constraints: which nodes a file holds: on its lower elements, marked, between regions, named; and
+ * the least volumes of the elements of named groups; and the tag by which an element's group is
+ * named.
+ */
+#include "io/file/digits.h"
+#include "io/core/text.h"
+
+#include "base/context.h"
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <float.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** A tag of the command line: a name, or a number with or without a dimension. */
+typedef struct tag {
+    const char *name;
+    int has_number, dim; /* dim -1: any */
+    int64_t number;
+} tag;
+
+/* ---- understanding tags ------------------------------------------------------------------- */
+
+/** dim: of the group if the text does not say. */
+static tag tag_parse(const char *text, int dim) {
+    tag t = {text, 0, dim, 0};
+    char *end;
+    const char *digits = text;
+    if (text[0] >= '0' && text[0] <= '3' && text[1] == ':') {
+        t.dim = text[0] - '0';
+        digits = text + 2;
+    }
+    t.number = strtoll(digits, &end, 10);
+    t.has_number = end != digits && *end == '\0';
+    return t;
+}
+
+static int has_physical(const io_entity *entity, int64_t number) {
+    for (int i = 0; i < entity->n_physical; i++)
+        if (entity->physical[i] == number)
+            return 1;
+    return 0;
+}
+
+/** Choose the entities that a group is made of: by physical groups, or by their own tags. */
+static int choose_entities(const io_model *model, int dim, int64_t number, int physical,
+                           uint8_t *chosen) {
+    int found = 0;
+    for (int32_t i = 0; i < model->n_entities; i++) {
+        const io_entity *entity = &model->entity[i];
+        if (dim >= 0 && entity->dim != dim)
+            continue;
+        if (physical ? has_physical(entity, number) : entity->tag == number)
+            found = chosen[i] = 1;
+    }
+    return found;
+}
+
+static int choose_number(const io_model *model, int dim, int64_t number, uint8_t *chosen) {
+    return choose_entities(model, dim, number, 1, chosen) ||
+           choose_entities(model, dim, number, 0, chosen);
+}
+
+/** A group by its name (of dimension dim, -1: any), or by a number that only a name knows. */
+static int choose_group(const io_model *model, const tag *t, int dim, uint8_t *chosen) {
+    int found = 0;
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const io_group *group = &model->group[i];
+        if (dim >= 0 && group->dim != dim)
+            continue;
+        int same = strcmp(group->name, t->name) == 0 || (t->has_number && group->tag == t->number &&
+                                                         (t->dim < 0 || t->dim == group->dim));
+        if (same)
+            choose_number(model, group->dim, group->tag, chosen);
+        found |= same;
+    }
+    return found;
+}
+
+enum { LISTED = 10, LOOKED_AT = 64 }; /* tags in a message; entities that are searched for them */
+
+/** Whether an entity before that of index i has the same number. */
+static int listed_before(const io_model *model, int32_t i, int dim, int32_t number) {
+    for (int32_t k = 0; k < i; k++) {
+        const io_entity *entity = &model->entity[k];
+        if (entity->dim == dim &&
+            (entity->n_physical ? has_physical(entity, number) : entity->tag == number))
+            return 1;
+    }
+    return 0;
+}
+
+/** Whether a group before that of index i has the same name: one of several entities, or of
+ * elements of several dimensions. */
+static int named_before(const io_model *model, int32_t i, int dim) {
+    for (int32_t k = 0; k < i; k++)
+        if ((dim < 0 || model->group[k].dim == dim) &&
+            strcmp(model->group[k].name, model->group[i].name) == 0)
+            return 1;
+    return 0;
+}
+
+/** "a, b, 3:1, ..." of what there is of dimension dim (-1: any). */
+static void list_tags(const io_model *model, int dim, char *text, size_t size) {
+    const int32_t n_numbered = model->groups_by_name ? 0 : model->n_entities;
+    size_t used = 0;
+    int listed = 0;
+    text[0] = '\0';
+    for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++)
+        if ((dim < 0 || model->group[i].dim == dim) && !named_before(model, i, dim))
+            used += (size_t)snprintf(text + used, size - used, "%s%s", listed++ ? ", " : "",
+                                     model->group[i].name);
+    for (int32_t i = 0; i < n_numbered && i < LOOKED_AT; i++) {
+        const io_entity *entity = &model->entity[i];
+        if (dim >= 0 && entity->dim != dim)
+            continue;
+        for (int j = 0; j < (entity->n_physical ? entity->n_physical : 1); j++) {
+            int32_t number = entity->n_physical ? entity->physical[j] : entity->tag;
+            if (listed < LISTED && used < size && !listed_before(model, i, entity->dim, number))
+                used += (size_t)snprintf(text + used, size - used, "%s%d:%d", listed++ ? ", " : "",
+                                         entity->dim, number);
+        }
+    }
+    if (!listed)
+        snprintf(text, size, "none");
+    else if (listed == LISTED && used < size)
+        snprintf(text + used, size - used, ", ...");
+}
+
+/** Choose the entities of the group that text names, among those of dimension dim (-1: any). */
+static int choose_tag(const io_model *model, const char *text, int dim, uint8_t *chosen,
+                      planish_error *error) {
+    static const char *const kind[] = {"of lines", "of triangles", "of tetrahedra"};
+    tag t = tag_parse(text, dim);
+    t.has_number = t.has_number && !model->groups_by_name;
+    int found = choose_group(model, &t, dim, chosen);
+    if (t.has_number && (dim < 0 || t.dim == dim))
+        found |= choose_number(model, t.dim, t.number, chosen);
+    if (found)
+        return PLANISH_OK;
+    char list[256];
+    list_tags(model, dim, list, sizeof list);
+    return pl_fail(error, PLANISH_ERROR_ARGUMENT, "%s: there is no group '%s' %s; the file has: %s",
+                   model->input.path, text, dim < 0 ? "to hold" : kind[dim - 1], list);
+}
+
+/* ---- holding ------------------------------------------------------------------------------ */
+
+/** Hold the nodes of the first n cells that are of a chosen entity. */
+static void hold_cells(const io_cells *cells, int64_t n, int corners, const uint8_t *chosen,
+                       uint8_t *constraint) {
+    for (int64_t i = 0; cells->entity && i < n; i++)
+        for (int j = 0; chosen[cells->entity[i]] && j < corners; j++)
+            constraint[cells->nodes[i * corners + j]] = PLANISH_FIXED;
+}
+
+static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t *constraint,
+                     planish_error *error) {
+    uint8_t *chosen = pl_alloc_zero(model->n_entities, 1);
+    int status = chosen ? PLANISH_OK : pl_fail_memory(error, "groups to hold");
+    for (int i = 0; i < hold->n_tags && !status; i++)
+        status = choose_tag(model, hold->tags[i], -1, chosen, error);
+    if (!status) {
+        hold_cells(&model->tetrahedron, model->tetrahedron.n, 4, chosen, constraint);
+        hold_cells(&model->triangle, model->triangle.n, 3, chosen, constraint);
+        hold_cells(&model->line, model->line.n, 2, chosen, constraint);
+        for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
+            if (model->node_entity[i] >= 0 && chosen[model->node_entity[i]])
+                constraint[i] = PLANISH_FIXED;
+    }
+    pl_free(chosen);
+    return status;
+}
+
+/** The cells that facets of the mesh are. */
+static const io_cells *facet_cells(const io_model *model) {
+    return model->dim == 3 ? &model->triangle : &model->line;
+}
+
+/** Hold the nodes of facets that are in none of the groups to be slid on. */
+static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_t *constraint,
+                         planish_error *error) {
+    const io_cells *cells = facet_cells(model);
+    uint8_t *chosen = pl_alloc_zero(model->n_entities, 1);
+    int status = chosen ? PLANISH_OK : pl_fail_memory(error, "groups to slide on");
+    for (int i = 0; i < hold->n_slide_tags && !status; i++)
+        status = choose_tag(model, hold->slide_tags[i], model->dim - 1, chosen, error);
+    for (int32_t i = 0; i < model->n_entities && !status; i++)
+        chosen[i] = !chosen[i];
+    if (!status)
+        hold_cells(cells, io_cells_telling(cells), model->dim, chosen, constraint);
+    pl_free(chosen);
+    return status;
+}
+
+static int one_region(const io_cells *cells) {
+    const int32_t *region = io_cells_regions(cells);
+    for (int64_t i = 1; i < cells->n; i++)
+        if (region[i] != region[0])
+            return 0;
+    return 1;
+}
+
+/** Nodes of elements of different regions. */
+static int hold_interfaces(const planish_file *file, uint8_t *constraint, planish_error *error) {
+    const io_cells *cells = io_file_elements(file);
+    const int32_t *of_cell = io_cells_regions(cells);
+    const int corners = file->model.dim + 1;
+    if (!of_cell || one_region(cells))
+        return PLANISH_OK;
+    int32_t *region = pl_alloc(file->model.n_nodes, sizeof *region);
+    if (!region)
+        return pl_fail_memory(error, "the regions of nodes");
+    for (int64_t i = 0; i < file->model.n_nodes; i++)
+        region[i] = -1;
+    for (int64_t i = 0; i < cells->n * corners; i++) {
+        int32_t node = cells->nodes[i], here = of_cell[i / corners];
+        if (region[node] < 0)
+            region[node] = here;
+        else if (region[node] != here)
+            constraint[node] = PLANISH_FIXED;
+    }
+    pl_free(region);
+    return PLANISH_OK;
+}
+
+/** constraint [n_nodes] is filled, whether or not that fails. */
+static int find_constraints(const planish_file *file, const planish_hold *hold, uint8_t *constraint,
+                            planish_error *error) {
+    const int slide = hold && hold->slide;
+    const unsigned undecided =
+        (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
+        (hold && hold->ignore_marks ? IO_HELD_MARKED : 0) | IO_HAS_PARAMETERS;
+    for (int64_t i = 0; i < file->model.n_nodes; i++)
+        constraint[i] = file->model.hold[i] & ~undecided ? PLANISH_FIXED : PLANISH_FREE;
+    int status = PLANISH_OK;
+    if (slide && hold->n_slide_tags > 0)
+        status = hold_unchosen(&file->model, hold, constraint, error);
+    if (!status && !slide && !(hold && hold->ignore_regions))
+        status = hold_interfaces(file, constraint, error);
+    if (!status && hold && hold->n_tags > 0)
+        status = hold_tags(&file->model, hold, constraint, error);
+    return status;
+}
+
+static int has_all(const char *const *tags, int n) {
+    for (int i = 0; i < n; i++)
+        if (!tags || !tags[i])
+            return 0;
+    return n >= 0;
+}
+
+int planish_file_constraints(const planish_file *file, const planish_hold *hold,
+                             uint8_t *constraint, planish_error *error) {
+    if (!file || !constraint)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
+    if (hold &&
+        (!has_all(hold->tags, hold->n_tags) || !has_all(hold->slide_tags, hold->n_slide_tags)))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "hold: there are fewer tags than n_tags and n_slide_tags say");
+    uint8_t *found = pl_alloc(file->model.n_nodes, 1);
+    const int status = found ? find_constraints(file, hold, found, error)
+                             : pl_fail_memory(error, "the constraints of nodes");
+    if (!status)
+        memcpy(constraint, found, (size_t)file->model.n_nodes);
+    pl_free(found);
+    return status;
+}
+
+/** The reason of planish_file_reason for bits of io_model.hold. */
+static uint8_t reason_of_bits(unsigned bits, int ignore_marks) {
+    const unsigned required = IO_HELD_REQUIRED | (ignore_marks ? 0 : IO_HELD_MARKED);
+    return (
+        uint8_t)((bits & (IO_HELD_BY_POINT | IO_HELD_BY_LINE) ? PLANISH_FILE_LINE_OR_POINT : 0) |
+                 (bits & IO_HELD_BY_TRIANGLE ? PLANISH_FILE_FACE : 0) |
+                 (bits & IO_HELD_BY_OTHER ? PLANISH_FILE_OTHER_ELEMENT : 0) |
+                 (bits & IO_HELD_PERIODIC ? PLANISH_FILE_PERIODIC : 0) |
+                 (bits & required ? PLANISH_FILE_REQUIRED : 0));
+}
+
+/** Add reason to the nodes that constraint [n_nodes] fixes, and free all of them again. */
+static void add_reason(const planish_file *file, uint8_t reason, uint8_t *constraint,
+                       uint8_t *reasons) {
+    for (int64_t i = 0; i < file->model.n_nodes; i++) {
+        reasons[i] |= constraint[i] == PLANISH_FIXED ? reason : 0;
+        constraint[i] = PLANISH_FREE;
+    }
+}
+
+/** reason [n_nodes] is filled, whether or not that fails; constraint [n_nodes] is scratch. */
+static int find_reasons(const planish_file *file, const planish_hold *hold, uint8_t *constraint,
+                        uint8_t *reason, planish_error *error) {
+    int status = PLANISH_OK;
+    memset(constraint, PLANISH_FREE, (size_t)file->model.n_nodes);
+    for (int64_t i = 0; i < file->model.n_nodes; i++)
+        reason[i] = reason_of_bits(file->model.hold[i], hold && hold->ignore_marks);
+    if (!(hold && hold->ignore_regions))
+        status = hold_interfaces(file, constraint, error);
+    add_reason(file, PLANISH_FILE_INTERFACE, constraint, reason);
+    if (!status && hold && hold->n_tags > 0)
+        status = hold_tags(&file->model, hold, constraint, error);
+    add_reason(file, PLANISH_FILE_FIX, constraint, reason);
+    return status;
+}
+
+int planish_file_held(const planish_file *file, const planish_hold *hold, uint8_t *reason,
+                      planish_error *error) {
+    if (!file || !reason)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and reason must not be NULL");
+    if (hold && !has_all(hold->tags, hold->n_tags))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "hold: there are fewer tags than n_tags says");
+    uint8_t *found = pl_alloc(file->model.n_nodes, 1);
+    uint8_t *constraint = pl_alloc(file->model.n_nodes, 1);
+    int status = found && constraint ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
+    if (!status)
+        status = find_reasons(file, hold, constraint, found, error);
+    if (!status)
+        memcpy(reason, found, (size_t)file->model.n_nodes);
+    pl_free(constraint);
+    pl_free(found);
+    return status;
+}
+
+/** How many nodes have a bit of io_model.hold; has [n_nodes], or NULL, says which. */
+static int64_t count_nodes(const planish_file *file, uint8_t bit, uint8_t *has) {
+    int64_t n = 0;
+    for (int64_t i = 0; file && i < file->model.n_nodes; i++) {
+        const uint8_t has_it = (file->model.hold[i] & bit) != 0;
+        n += has_it;
+        if (has)
+            has[i] = has_it;
+    }
+    return n;
+}
+
+int64_t planish_file_marks(const planish_file *file, uint8_t *marked) {
+    return count_nodes(file, IO_HELD_MARKED, marked);
+}
+
+int64_t planish_file_parameters(const planish_file *file, uint8_t *has) {
+    return count_nodes(file, IO_HAS_PARAMETERS, has);
+}
+
+planish_surface planish_file_surface(const planish_file *file, const planish_hold *hold) {
+    if (!file)
+        return (planish_surface){.n_facets = 0};
+    const pl_outside outside = pl_call_enter(NULL);
+    const io_model *model = &file->model;
+    const io_cells *facets = facet_cells(model);
+    planish_surface surface = {
+        .region = hold && hold->ignore_regions ? NULL : io_cells_regions(io_file_elements(file)),
+        .n_facets = io_cells_telling(facets),
+        .facets = facets->nodes,
+        .facet_tag = io_cells_regions(facets),
+        .tagged_only = hold && hold->n_slide_tags > 0,
+        .tolerance = io_tolerance_of_digits(model, file->format)};
+    if (model->dim == 3) {
+        surface.n_edges = io_cells_telling(&model->line);
+        surface.edges = model->line.nodes;
+        surface.edge_tag = io_cells_regions(&model->line);
+    }
+    pl_call_leave(&outside);
+    return surface;
+}
+
+/* ---- least volumes ------------------------------------------------------------------------ */
+
+/** Raise least [n_entities] of the entities of a group to value; chosen [n_entities] is scratch. */
+static int raise_group(const io_model *model, const char *text, double value, uint8_t *chosen,
+                       double *least, planish_error *error) {
+    if (!(value > 0 && value <= DBL_MAX))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "the least volume of group '%s' must be positive and finite", text);
+    memset(chosen, 0, (size_t)model->n_entities);
+    const int status = choose_tag(model, text, model->dim, chosen, error);
+    for (int32_t i = 0; i < model->n_entities && !status; i++)
+        if (chosen[i] && value > least[i])
+            least[i] = value;
+    return status;
+}
+
+int planish_file_min_volumes(const planish_file *file, const char *const *tags,
+                             const double *values, int n_tags, double *min_volume,
+                             planish_error *error) {
+    if (!file || !min_volume || !has_all(tags, n_tags) || (n_tags > 0 && !values))
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "file, min_volume and each of n_tags tags and values must not be NULL");
+    const pl_outside outside = pl_call_enter(NULL);
+    const io_cells *cells = io_file_elements(file);
+    const int32_t n_entities = file->model.n_entities;
+    uint8_t *chosen = pl_alloc(n_entities, 1);
+    double *least = pl_alloc_zero(n_entities, sizeof *least);
+    int status = chosen && least ? PLANISH_OK : pl_fail_memory(error, "least volumes of groups");
+    for (int i = 0; i < n_tags && !status; i++)
+        status = raise_group(&file->model, tags[i], values[i], chosen, least, error);
+    for (int64_t i = 0; i < cells->n && !status; i++)
+        min_volume[i] = cells->entity ? least[cells->entity[i]] : 0;
+    pl_free(least);
+    pl_free(chosen);
+    pl_call_leave(&outside);
+    return status;
+}
+
+/* ---- the tag of an element ---------------------------------------------------------------- */
+
+/** Whether the name of group i, given as a tag, means groups of its dimension alone. */
+static int is_of_one_dim(const io_model *model, int32_t i) {
+    const io_group *group = &model->group[i];
+    for (int32_t k = 0; k < model->n_groups; k++)
+        if (model->group[k].dim != group->dim && strcmp(model->group[k].name, group->name) == 0)
+            return 0;
+    return 1;
+}
+
+/** The name of a group that may be given as a tag, or NULL. Where numbers are none of the file's,
+ *  there is nothing but names. */
+static const char *name_of(const io_model *model, int dim, int32_t number) {
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const io_group *group = &model->group[i];
+        if (group->dim != dim || group->tag != number || group->name[0] == '\0')
+            continue;
+        if (model->groups_by_name ||
+            (!tag_parse(group->name, -1).has_number && is_of_one_dim(model, i)))
+            return group->name;
+    }
+    return NULL;
+}
+
+/** Whether the number of an entity without physical groups is that of a physical group, too: then
+ *  that is what a tag with the number means. */
+static int is_overruled(const io_model *model, const io_entity *entity) {
+    for (int32_t i = 0; i < model->n_entities; i++)
+        if (model->entity[i].dim == entity->dim && has_physical(&model->entity[i], entity->tag))
+            return 1;
+    return 0;
+}
+
+int planish_file_element_region(const planish_file *file, int64_t element, char *text,
+                                size_t size) {
+    const io_cells *cells = file ? io_file_elements(file) : NULL;
+    if (!file || element < 0 || element >= cells->n || (!text && size > 0))
+        return PLANISH_ERROR_ARGUMENT;
+    if (size > 0)
+        text[0] = '\0';
+    if (!cells->entity || cells->entity[element] < 0)
+        return 0;
+    const io_model *model = &file->model;
+    const io_entity *entity = &model->entity[cells->entity[element]];
+    if (entity->n_physical == 0 && (model->groups_by_name || is_overruled(model, entity)))
+        return 0;
+    const int32_t *number = entity->n_physical > 0 ? entity->physical : &entity->tag;
+    const int n = entity->n_physical > 0 ? entity->n_physical : 1;
+    for (int i = 0; i < n; i++) {
+        const char *name = name_of(model, entity->dim, number[i]);
+        if (name)
+            return snprintf(text, size, "%s", name);
+    }
+    return model->groups_by_name ? 0 : snprintf(text, size, "%d:%d", entity->dim, (int)number[0]);
+}

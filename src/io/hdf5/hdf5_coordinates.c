@@ -1,0 +1,539 @@
+/* hdf5_coordinates: coordinates of HDF5 files, where their bytes are, and how those are changed
+ * that have no place of their own (compressed, or among the library's own records).
+ */
+#ifdef PL_HDF5
+#include "io/hdf5/hdf5_object.h"
+
+#include "base/memory.h"
+#include "base/round.h"
+#include "base/status.h"
+#include "io/core/bytes.h"
+#include "io/core/child.h"
+#include "io/core/output.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Asking for the place of a chunk walks over all of them: with more the copy is amended. */
+enum { MOST_CHUNKS = 4096 };
+
+/** Coordinates that the library changes: io_model.encoding. */
+typedef struct amended {
+    io_hdf5_place *place; /* [n] with their paths owned */
+    int64_t n, capacity;
+} amended;
+
+void io_hdf5_release(io_model *model) {
+    amended *a = model->encoding;
+    for (int64_t i = 0; a && i < a->n; i++)
+        pl_free(a->place[i].path);
+    if (a)
+        pl_free(a->place);
+    pl_free(a);
+    model->encoding = NULL;
+}
+
+static int add_amended(io_hdf5 *file, const io_hdf5_place *place) {
+    io_model *model = file->model;
+    if (!model->encoding)
+        model->encoding = pl_alloc_zero(1, sizeof(amended));
+    amended *a = model->encoding;
+    io_hdf5_place *grown =
+        a ? pl_grow(a->place, a->n, a->n + 1, &a->capacity, sizeof *grown) : NULL;
+    if (grown)
+        a->place = grown;
+    size_t size = strlen(place->path) + 1;
+    char *path = grown ? pl_alloc((int64_t)size, 1) : NULL;
+    if (!path)
+        return pl_fail_memory(file->error, "the places of coordinates");
+    memcpy(path, place->path, size);
+    a->place[a->n] = *place;
+    a->place[a->n++].path = path;
+    return PLANISH_OK;
+}
+
+/* ---- places ------------------------------------------------------------------------------- */
+
+static int64_t span_end(const io_span *s) {
+    const int size = s->encoding == IO_FLOAT32 ? 4 : 8;
+    return s->offset + (s->n_nodes - 1) * s->stride + s->n_components * size;
+}
+
+/** Keep the span for io_hdf5_coordinates_end. */
+static int add_span(io_hdf5 *file, io_span span) {
+    io_span *grown =
+        pl_grow(file->span, file->n_spans, file->n_spans + 1, &file->span_capacity, sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(file->error, "the places of coordinates");
+    file->span = grown;
+    if (span.n_nodes > 0)
+        file->span[file->n_spans++] = span;
+    return PLANISH_OK;
+}
+
+/** Values first .. last - 1 of the dataset stand at offset: spans of the nodes that they are of. */
+static int add_run(io_hdf5 *file, const io_hdf5_place *place, io_span like, int64_t first,
+                   int64_t last, int64_t offset) {
+    const int size = like.encoding == IO_FLOAT32 ? 4 : 8;
+    const int64_t step = place->node_step, n_nodes = file->model->n_nodes;
+    const int side_by_side = place->component_step == 1 && place->n_components > 1;
+    int status = PLANISH_OK;
+    like.stride = step * size;
+    for (int c = 0; c < (side_by_side ? 1 : place->n_components) && !status; c++) {
+        const int64_t begin = c * place->component_step;
+        int64_t from = first > begin ? (first - begin) / step : 0;
+        int64_t to = last > begin ? (last - begin + step - 1) / step : 0;
+        to = to < n_nodes ? to : n_nodes;
+        io_span span = like;
+        span.first_node = from;
+        span.n_nodes = to > from ? to - from : 0;
+        span.offset = offset + (begin + from * step - first) * size;
+        span.component = place->component + c;
+        span.n_components = side_by_side ? place->n_components : 1;
+        status = add_span(file, span);
+    }
+    return status;
+}
+
+/** One chunk: whole rows, as they stand in the dataset. */
+static int add_chunk(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d, io_span like,
+                     int64_t row, int64_t offset) {
+    const int64_t rows = d->shape.dims[0] - row, width = d->shape.dims[1];
+    const int64_t n = rows < (int64_t)d->chunk[0] ? rows : (int64_t)d->chunk[0];
+    return add_run(file, place, like, row * width, (row + n) * width, offset);
+}
+
+#if H5_VERSION_GE(1, 10, 5)
+/** Whether all chunks are there without a filter; their spans. */
+static int add_chunks(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
+                      io_span like, int *is_added) {
+    const hsize_t rows = (hsize_t)d->shape.dims[0], width = (hsize_t)d->shape.dims[1];
+    const hsize_t wanted = (rows + d->chunk[0] - 1) / d->chunk[0];
+    const haddr_t bytes = d->chunk[0] * width * (haddr_t)d->size;
+    const int64_t before = file->n_spans;
+    hsize_t n = 0;
+    hid_t space = H5Dget_space(d->id);
+    int status = PLANISH_OK;
+    *is_added = space >= 0 && !file->has_user_block &&
+                (d->shape.rank == 1 || d->chunk[1] == width) &&
+                H5Dget_num_chunks(d->id, space, &n) >= 0 && n == wanted && n <= MOST_CHUNKS;
+    for (hsize_t i = 0; *is_added && !status && i < n; i++) {
+        hsize_t at[2] = {0, 0}, size = 0;
+        unsigned mask = 0;
+        haddr_t offset = HADDR_UNDEF;
+        *is_added = H5Dget_chunk_info(d->id, space, i, at, &mask, &offset, &size) >= 0 &&
+                    offset != HADDR_UNDEF && offset <= (haddr_t)file->model->input.size &&
+                    size == bytes && bytes <= (haddr_t)file->model->input.size - offset &&
+                    at[0] < rows && at[0] % d->chunk[0] == 0;
+        if (*is_added)
+            status = add_chunk(file, place, d, like, (int64_t)at[0], (int64_t)offset);
+    }
+    if (space >= 0)
+        H5Sclose(space);
+    if (!*is_added)
+        file->n_spans = before;
+    return status;
+}
+#else
+static int add_chunks(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
+                      io_span like, int *is_added) {
+    (void)file, (void)place, (void)d, (void)like;
+    *is_added = 0;
+    return PLANISH_OK;
+}
+#endif
+
+static int add_places(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
+                      io_span like) {
+    int status = PLANISH_OK, is_added = 0;
+    if (d->offset >= 0)
+        return add_run(file, place, like, 0, d->shape.n, d->offset);
+    if (d->is_chunked && d->is_plain)
+        status = add_chunks(file, place, d, like, &is_added);
+    return status || is_added ? status : add_amended(file, place);
+}
+
+static int compare_spans(const void *a, const void *b) {
+    const io_span *x = a, *y = b;
+    return x->offset < y->offset ? -1 : x->offset > y->offset;
+}
+
+int io_hdf5_coordinates_end(io_hdf5 *file) {
+    int status = PLANISH_OK;
+    if (file->n_spans > 0)
+        qsort(file->span, (size_t)file->n_spans, sizeof *file->span, compare_spans);
+    for (int64_t i = 0; i < file->n_spans && !status; i++) {
+        if (i > 0 && span_end(&file->span[i - 1]) > file->span[i].offset)
+            return io_fail_byte(file->model, file->model->input.data + file->span[i].offset,
+                                file->error,
+                                "two arrays of coordinates share bytes; the file is damaged");
+        status = io_model_span(file->model, file->span[i], file->error);
+    }
+    return status;
+}
+
+/* ---- values ------------------------------------------------------------------------------- */
+
+/** How the numbers of a type stand in the file. */
+static int take_encoding(io_hdf5 *file, const char *path, hid_t type, io_span *like) {
+    const hid_t little[] = {H5T_IEEE_F32LE, H5T_IEEE_F64LE};
+    const hid_t big[] = {H5T_IEEE_F32BE, H5T_IEEE_F64BE};
+    for (int i = 0; i < 2; i++) {
+        const int is_little = H5Tequal(type, little[i]) > 0;
+        if (!is_little && H5Tequal(type, big[i]) <= 0)
+            continue;
+        like->encoding = i ? IO_FLOAT64 : IO_FLOAT32;
+        like->swapped = is_little != io_machine_is_little();
+        return PLANISH_OK;
+    }
+    return io_hdf5_fail(file, path, "coordinates of 4 or 8 bytes (float, double) were expected");
+}
+
+static int take_precision(io_hdf5 *file, const char *path, io_encoding encoding) {
+    const planish_precision precision = encoding == IO_FLOAT32 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+    if (file->has_precision && file->model->precision != precision)
+        return io_hdf5_fail(file, path,
+                            "this coordinate is of another precision than those before; give all "
+                            "the same");
+    file->has_precision = 1;
+    file->model->precision = precision;
+    return PLANISH_OK;
+}
+
+static int take_values(io_hdf5 *file, const io_hdf5_place *place, const io_span *like,
+                       const char *data) {
+    io_model *model = file->model;
+    for (int c = 0; c < place->n_components; c++) {
+        for (int64_t i = 0; i < model->n_nodes; i++) {
+            const int64_t at = c * place->component_step + i * place->node_step;
+            const double value = like->encoding == IO_FLOAT32
+                                     ? (double)io_load_f32(data + 4 * at, like->swapped)
+                                     : io_load_f64(data + 8 * at, like->swapped);
+            if (!isfinite(value))
+                return io_hdf5_fail(file, place->path,
+                                    "node %lld has a coordinate that is not finite",
+                                    (long long)i + 1);
+            model->xyz[3 * i + place->component + c] = value;
+        }
+    }
+    return PLANISH_OK;
+}
+
+/** Through the library, where the bytes are not at hand; *like becomes what its copy is of. */
+static int copy_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d) {
+    const io_span like = {.encoding = IO_FLOAT64};
+    char *data = pl_alloc(d->shape.n, sizeof(double));
+    int status = data ? PLANISH_OK : pl_fail_memory(file->error, "coordinates");
+    if (!status && H5Dread(d->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
+        status = hdf5_fail_library(file, place->path, "its coordinates cannot be read");
+    if (!status)
+        status = take_values(file, place, &like, data);
+    pl_free(data);
+    return status;
+}
+
+static int read_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d) {
+    io_span like = {0};
+    if (d->shape.n / place->n_components != file->model->n_nodes ||
+        d->shape.n % place->n_components)
+        return io_hdf5_fail(file, place->path, "%lld coordinates for %lld nodes",
+                            (long long)d->shape.n, (long long)file->model->n_nodes);
+    if (d->shape.n == 0)
+        return PLANISH_OK;
+    int status = take_encoding(file, place->path, d->type, &like);
+    if (!status)
+        status = take_precision(file, place->path, like.encoding);
+    if (!status && d->offset >= 0)
+        status = take_values(file, place, &like, file->model->input.data + d->offset);
+    else if (!status)
+        status = copy_values(file, place, d);
+    return status ? status : add_places(file, place, d, like);
+}
+
+int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place) {
+    hdf5_dataset d;
+    int status = hdf5_dataset_open(file, place->path, &d);
+    if (!status)
+        status = read_values(file, place, &d);
+    hdf5_dataset_close(&d);
+    return status;
+}
+
+/* ---- copies ------------------------------------------------------------------------------- */
+
+/** Open what may well be something else: nothing is said of that. */
+static int open_quietly(io_hdf5 *file, const char *path, hdf5_dataset *d) {
+    planish_error *const error = file->error;
+    file->error = NULL;
+    const int status = hdf5_dataset_open(file, path, d);
+    file->error = error;
+    return status;
+}
+
+int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n) {
+    hdf5_dataset d;
+    const int status = open_quietly(file, path, &d);
+    const int64_t there = status ? -1 : d.shape.n;
+    hdf5_dataset_close(&d);
+    return there == n;
+}
+
+/** Whether the values are those of the model. */
+static int compare_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
+                          int *is_copy) {
+    const io_model *model = file->model;
+    double *values = pl_alloc(d->shape.n, sizeof *values);
+    int status = values ? PLANISH_OK : pl_fail_memory(file->error, "coordinates");
+    if (!status && H5Dread(d->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+        status = hdf5_fail_library(file, place->path, "its values cannot be read");
+    *is_copy = !status;
+    for (int c = 0; c < place->n_components && *is_copy; c++)
+        for (int64_t i = 0; i < model->n_nodes && *is_copy; i++)
+            *is_copy = values[c * place->component_step + i * place->node_step] ==
+                       model->xyz[3 * i + place->component + c];
+    pl_free(values);
+    return status;
+}
+
+/** Whether its bytes are coordinates already, by another link to them. */
+static int is_known(const io_hdf5 *file, const hdf5_dataset *d) {
+    for (int64_t i = 0; i < file->n_spans && d->offset >= 0; i++)
+        if (file->span[i].offset == d->offset)
+            return 1;
+    return 0;
+}
+
+int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is_copy) {
+    const io_model *model = file->model;
+    hdf5_dataset d;
+    io_span like = {0};
+    *is_copy = 0;
+    int status = open_quietly(file, place->path, &d);
+    const int may_be = !status && H5Tget_class(d.type) == H5T_FLOAT && d.shape.n > 0 &&
+                       d.shape.n == model->n_nodes * place->n_components &&
+                       (d.size == sizeof(float)) == (model->precision == PLANISH_FLOAT);
+    status = may_be ? compare_values(file, place, &d, is_copy) : PLANISH_OK;
+    if (!status && *is_copy && !is_known(file, &d)) {
+        status = take_encoding(file, place->path, d.type, &like);
+        if (!status)
+            status = add_places(file, place, &d, like);
+    }
+    hdf5_dataset_close(&d);
+    return status;
+}
+
+/* ---- rows of a file that is no mesh of ours ------------------------------------------------- */
+
+/** The spans of rows, if they are doubles as in memory. */
+static int find_rows(io_hdf5 *file, const io_hdf5_place *place, io_span **span, int64_t *n_spans) {
+    hdf5_dataset d;
+    io_span like = {0};
+    int status = hdf5_dataset_open(file, place->path, &d);
+    if (!status && (d.shape.rank == 1 || d.shape.dims[1] == place->n_components) &&
+        d.shape.n == file->model->n_nodes * place->n_components)
+        status = take_encoding(file, place->path, d.type, &like);
+    if (!status && like.encoding == IO_FLOAT64 && !like.swapped)
+        status = add_places(file, place, &d, like);
+    hdf5_dataset_close(&d);
+    *span = file->span;
+    *n_spans = file->n_spans;
+    file->span = NULL;
+    return status;
+}
+
+int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
+                      int64_t *n_spans, planish_error *error) {
+    io_model model = {.n_nodes = n};
+    io_hdf5 *file = NULL;
+    const io_hdf5_place place = {(char *)(uintptr_t)dataset, 0, width, width, 1};
+    *span = NULL;
+    *n_spans = 0;
+    int status = io_bytes_open(path, INT64_MAX, &model.input, error);
+    if (status)
+        return status;
+    status = io_hdf5_open(&model, &file, error);
+    if (!status && io_hdf5_kind_of(file, dataset) == IO_HDF5_DATASET)
+        status = find_rows(file, &place, span, n_spans);
+    io_hdf5_close(file);
+    io_hdf5_release(&model);
+    io_bytes_close(&model.input);
+    return status;
+}
+
+/* ---- changing a finished copy -------------------------------------------------------------- */
+
+/** A copy that is open, or the input, and what its coordinates become. */
+typedef struct amendment {
+    io_hdf5 file;
+    const double *coordinates; /* [n_nodes][written] */
+    int is_writing;            /* else: only look */
+    int is_changed;
+} amendment;
+
+/** Put the coordinates that differ among the dataset's values; not 0: there are any. */
+static int put_values(const amendment *a, const io_hdf5_place *place, int is_float,
+                      double *values) {
+    const io_model *model = a->file.model;
+    int changed = 0;
+    for (int c = 0; c < place->n_components && place->component + c < model->written; c++) {
+        for (int64_t i = 0; i < model->n_nodes; i++) {
+            double *value = &values[c * place->component_step + i * place->node_step];
+            double wanted = a->coordinates[i * model->written + place->component + c];
+            wanted = is_float ? pl_round_to_float(wanted) : wanted;
+            if (!pl_is_same(*value, wanted)) {
+                *value = wanted;
+                changed = 1;
+            }
+        }
+    }
+    return changed;
+}
+
+/** Write rows begin .. begin + rows - 1. */
+static int write_rows(const hdf5_dataset *d, const double *values, int64_t begin, int64_t rows) {
+    const hsize_t start[2] = {(hsize_t)begin, 0};
+    const hsize_t count[2] = {(hsize_t)rows, (hsize_t)d->shape.dims[1]};
+    hid_t there = H5Dget_space(d->id), here = H5Screate_simple(d->shape.rank, count, NULL);
+    int written = there >= 0 && here >= 0 &&
+                  (d->shape.rank == 0 ||
+                   H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, count, NULL) >= 0) &&
+                  H5Dwrite(d->id, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT,
+                           values + begin * d->shape.dims[1]) >= 0;
+    if (there >= 0)
+        H5Sclose(there);
+    if (here >= 0)
+        H5Sclose(here);
+    return written ? 0 : -1;
+}
+
+/** Write the blocks of rows in which a value is not what it was. */
+static int write_blocks(const hdf5_dataset *d, const double *before, const double *after) {
+    const int64_t rows = d->shape.dims[0], width = d->shape.dims[1];
+    for (int64_t begin = 0; begin < rows; begin += d->row_block) {
+        const int64_t n = rows - begin < d->row_block ? rows - begin : d->row_block;
+        if (memcmp(before + begin * width, after + begin * width,
+                   (size_t)(n * width) * sizeof *before) != 0 &&
+            write_rows(d, after, begin, n))
+            return -1;
+    }
+    return 0;
+}
+
+static int amend_dataset(amendment *a, const io_hdf5_place *place, const hdf5_dataset *d,
+                         double *values, double *before) {
+    io_hdf5 *file = &a->file;
+    if (H5Dread(d->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+        return hdf5_fail_library(file, place->path, "its coordinates cannot be read");
+    if (before)
+        memcpy(before, values, (size_t)d->shape.n * sizeof *before);
+    const int changed = put_values(a, place, d->size == sizeof(float), values);
+    a->is_changed |= changed;
+    if (a->is_writing && changed && write_blocks(d, before, values))
+        return hdf5_fail_library(file, place->path, "its coordinates cannot be changed");
+    return PLANISH_OK;
+}
+
+/** Where in the dataset the last coordinate of the last node is. */
+static int64_t last_value(const amendment *a, const io_hdf5_place *place) {
+    return (place->n_components - 1) * place->component_step +
+           (a->file.model->n_nodes - 1) * place->node_step;
+}
+
+static int amend_place(amendment *a, const io_hdf5_place *place) {
+    hdf5_dataset d;
+    double *values = NULL, *before = NULL;
+    int status = hdf5_dataset_open(&a->file, place->path, &d);
+    if (!status && last_value(a, place) >= d.shape.n)
+        status = io_bytes_fail_changed(&a->file.model->input, a->file.error);
+    if (!status) {
+        values = pl_alloc(d.shape.n, sizeof *values);
+        before = a->is_writing ? pl_alloc(d.shape.n, sizeof *before) : NULL;
+        if (!values || (a->is_writing && !before))
+            status = pl_fail_memory(a->file.error, "coordinates");
+    }
+    if (!status)
+        status = amend_dataset(a, place, &d, values, before);
+    pl_free(before);
+    pl_free(values);
+    hdf5_dataset_close(&d);
+    return status;
+}
+
+static int amend_places(amendment *a) {
+    const amended *list = a->file.model->encoding;
+    int status = PLANISH_OK;
+    a->file.access = hdf5_link_access();
+    if (a->file.id < 0 || a->file.access < 0)
+        status = hdf5_fail_library(&a->file, "/", "cannot be opened");
+    for (int64_t i = 0; i < list->n && !status && !(a->is_changed && !a->is_writing); i++)
+        status = amend_place(a, &list->place[i]);
+    return status;
+}
+
+static void close_amended(amendment *a) {
+    if (a->file.access >= 0)
+        H5Pclose(a->file.access);
+    if (a->file.id >= 0)
+        H5Fclose(a->file.id);
+}
+
+/** What the file at path becomes: *bytes [*size], to be released by pl_free. */
+static int change(amendment *a, const char *path, char **bytes, int64_t *size) {
+    io_bytes finished;
+    int status = io_bytes_open(path, 0, &finished, a->file.error); /* the library copies it */
+    if (status)
+        return status;
+    a->is_writing = 1;
+    a->file.id = hdf5_open_bytes(finished.data, finished.size, 1);
+    status = amend_places(a);
+    if (!status)
+        status = hdf5_take_bytes(&a->file, finished.data, bytes, size);
+    close_amended(a);
+    io_bytes_close(&finished);
+    return status;
+}
+
+/** What is asked of io_hdf5_amend. */
+typedef struct request {
+    const io_model *model;
+    const double *coordinates;
+    io_output *output;
+} request;
+
+static int amend(void *data, planish_error *error) {
+    const request *r = data;
+    const io_model *model = r->model;
+    const amended *list = model->encoding;
+    char *bytes = NULL;
+    int64_t size = 0;
+    hdf5_voice voice = hdf5_silence();
+    amendment a = {.coordinates = r->coordinates};
+    a.file = (io_hdf5){.model = (io_model *)(uintptr_t)model, .error = error};
+    a.file.id = hdf5_open_bytes(model->input.data, model->input.size, 0);
+    int status = amend_places(&a);
+    close_amended(&a);
+    if (!status && a.is_changed && !r->output->temporary)
+        status = pl_fail(error, PLANISH_ERROR_FILE,
+                         "%s: its coordinates (%s) are compressed or packed, so that the result "
+                         "cannot be written to a pipe or device; give the name of a file",
+                         model->input.path, list->place[0].path);
+    if (!status && a.is_changed)
+        status = change(&a, r->output->temporary, &bytes, &size);
+    hdf5_restore(voice);
+    if (!status && a.is_changed)
+        status = io_output_rewrite(r->output, bytes, size, error);
+    pl_free(bytes);
+    return status;
+}
+
+int io_hdf5_amend(const io_model *model, const double *coordinates, io_output *output,
+                  planish_error *error) {
+    const amended *list = model->encoding;
+    request r = {model, coordinates, output};
+    if (!list || list->n == 0)
+        return PLANISH_OK;
+    return model->is_isolated ? io_child_run(amend, &r, &model->input, error) : amend(&r, error);
+}
+
+#endif

@@ -1,0 +1,114 @@
+/* hdf5_image: bytes in memory as a file of the HDF5 library, and such a file as bytes.
+ *
+ * The core driver of the library works on bytes in memory: its functions for memory are replaced by
+ * ones that hand it the bytes that are there, or make the one copy that a changed file needs. So
+ * the library never writes to a disk: where that is full, it would crash.
+ */
+#ifdef PL_HDF5
+#include "io/hdf5/hdf5_object.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/** Property lists hold the caller's bytes; so does a file, unless it is to be changed. */
+static void *image_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
+    (void)size;
+    (void)op;
+    return image;
+}
+
+static void *copy_malloc(size_t size, H5FD_file_image_op_t op, void *image) {
+    return op == H5FD_FILE_IMAGE_OP_FILE_OPEN ? malloc(size) : image;
+}
+
+static void *image_copy(void *to, const void *from, size_t size, H5FD_file_image_op_t op,
+                        void *image) {
+    (void)op;
+    (void)image;
+    return to == from ? to : memcpy(to, from, size);
+}
+
+/** Only a file that is written grows. */
+static void *image_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *image) {
+    (void)at;
+    (void)size;
+    (void)op;
+    (void)image;
+    return NULL;
+}
+
+static void *copy_realloc(void *at, size_t size, H5FD_file_image_op_t op, void *image) {
+    (void)op;
+    (void)image;
+    return realloc(at, size);
+}
+
+static herr_t image_free(void *at, H5FD_file_image_op_t op, void *image) {
+    (void)op;
+    if (at != image)
+        free(at);
+    return 0;
+}
+
+static void *udata_copy(void *image) {
+    return image;
+}
+
+static herr_t udata_free(void *image) {
+    (void)image;
+    return 0;
+}
+
+hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing) {
+    enum { INCREMENT = 1 << 20 };
+    void *image = (void *)(uintptr_t)data;
+    H5FD_file_image_callbacks_t callbacks = {image_malloc, image_copy, image_realloc, image_free,
+                                             udata_copy,   udata_free, image};
+    if (is_writing) {
+        callbacks.image_malloc = copy_malloc;
+        callbacks.image_realloc = copy_realloc;
+    }
+    hid_t access = H5Pcreate(H5P_FILE_ACCESS), file = -1;
+    if (access >= 0 && H5Pset_fapl_core(access, INCREMENT, 0) >= 0 &&
+        H5Pset_file_image_callbacks(access, &callbacks) >= 0 &&
+        H5Pset_file_image(access, image, (size_t)size) >= 0)
+        /* The driver wants a name that no file has. */
+        file = H5Fopen("/dev/null/mesh", is_writing ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access);
+    if (access >= 0)
+        H5Pclose(access);
+    return file;
+}
+
+/** Bytes before the library's own, which are not part of its image. */
+static int64_t user_block_of(hid_t file) {
+    hsize_t size = 0;
+    const hid_t list = H5Fget_create_plist(file);
+    const int failed = list < 0 || H5Pget_userblock(list, &size) < 0;
+    if (list >= 0)
+        H5Pclose(list);
+    return failed ? -1 : (int64_t)size;
+}
+
+int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size) {
+    const int64_t user_block = user_block_of(file->id);
+    const ssize_t length = user_block < 0 || H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0
+                               ? -1
+                               : H5Fget_file_image(file->id, NULL, 0);
+    if (length < 0)
+        return hdf5_fail_library(file, "/", "its coordinates cannot be changed");
+    *size = user_block + length;
+    *bytes = pl_alloc(*size, 1);
+    if (!*bytes)
+        return pl_fail_memory(file->error, file->model->input.path);
+    memcpy(*bytes, before, (size_t)user_block);
+    if (H5Fget_file_image(file->id, *bytes + user_block, (size_t)length) == length)
+        return PLANISH_OK;
+    pl_free(*bytes);
+    *bytes = NULL;
+    return hdf5_fail_library(file, "/", "its coordinates cannot be changed");
+}
+
+#endif

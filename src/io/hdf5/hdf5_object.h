@@ -1,0 +1,62 @@
+/* hdf5_object: what hdf5.c, hdf5_image.c and hdf5_coordinates.c share: open objects of the HDF5
+ * library. */
+#ifndef PL_IO_HDF5_HDF5_OBJECT_H
+#define PL_IO_HDF5_HDF5_OBJECT_H
+
+#include "io/hdf5/hdf5.h"
+
+#include <hdf5.h>
+
+/** How the library told of errors before it was silenced. */
+typedef struct hdf5_voice {
+    unsigned is_new;
+    H5E_auto1_t old_function;
+    H5E_auto2_t function;
+    void *data;
+} hdf5_voice;
+
+struct io_hdf5 {
+    io_model *model;
+    planish_error *error;
+    hdf5_voice voice;
+    hid_t id;      /* of the file */
+    hid_t access;  /* of links: none to other files are followed */
+    io_span *span; /* [n_spans] owned: those found so far */
+    int64_t n_spans, span_capacity;
+    int has_precision;
+    char unknown[IO_HDF5_PATH_SIZE]; /* an object that is there and could not be looked at; or "" */
+    int has_user_block; /* bytes before HDF5's own: chunks are elsewhere than the library says */
+};
+
+/** An open dataset that may be read. */
+typedef struct hdf5_dataset {
+    hid_t id, type;
+    io_hdf5_shape shape;
+    int64_t size;             /* bytes of a value in the file */
+    int64_t offset;           /* of its bytes, which stand there one after another; or -1 */
+    int64_t row_block;        /* rows (of the first dimension) that are stored together */
+    int is_chunked, is_plain; /* is_plain: no filters */
+    hsize_t chunk[2];
+} hdf5_dataset;
+
+hdf5_voice hdf5_silence(void);
+void hdf5_restore(hdf5_voice voice);
+
+/** Open the bytes as a file, to be read, or changed in a copy in memory; negative on failure. */
+hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing);
+
+/** What has become of a file that was opened to be changed: *bytes [*size], to be released by
+ *  pl_free. before: the bytes that it was made of. */
+int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size);
+
+/** Access to links that stays in the file; negative on failure. */
+hid_t hdf5_link_access(void);
+
+/** Open the dataset at path and check that it can be read. Close in any case. */
+int hdf5_dataset_open(io_hdf5 *file, const char *path, hdf5_dataset *dataset);
+void hdf5_dataset_close(hdf5_dataset *dataset);
+
+/** "FILE: PATH: text (what the library says)". */
+int hdf5_fail_library(io_hdf5 *file, const char *path, const char *text);
+
+#endif

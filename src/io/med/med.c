@@ -1,0 +1,451 @@
+/* med: MED files (Salome, Code_Aster, Code_Saturne), versions 2.3 to 4: one unstructured mesh of
+ * one step, with nodal connectivity.
+ *
+ * Nodes and elements are numbered by their place, from 1; all nodes' x stand before all y. Read are
+ * nodes, lines, triangles and tetrahedra with their families and the groups of these. Elements of
+ * other types hold their nodes. All else of the file (fields, profiles, other properties) is not
+ * looked at.
+ */
+#ifdef PL_HDF5
+#include "io/core/format.h"
+#include "io/hdf5/hdf5.h"
+#include "io/core/records.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+#include <string.h>
+
+#define MESHES "/ENS_MAA"
+
+typedef struct reader {
+    io_model *model;
+    io_hdf5 *file;
+    planish_error *error;
+    char mesh[IO_HDF5_PATH_SIZE]; /* group of the mesh, */
+    char step[IO_HDF5_PATH_SIZE]; /* and of its nodes and elements */
+    const char *name;             /* of the mesh */
+} reader;
+
+/* ---- types of elements -------------------------------------------------------------------- */
+
+typedef enum kind { KEPT, LOWER, OTHER, REFUSED } kind;
+
+typedef struct element_type {
+    const char *name;
+    kind kind;
+    int dim;
+} element_type;
+
+static const element_type types[] = {
+    {"TE4", KEPT, 3},    {"TR3", KEPT, 2},    {"SE2", KEPT, 1},    {"PO1", LOWER, 0},
+    {"SE3", LOWER, 1},   {"SE4", LOWER, 1},   {"T10", REFUSED, 3}, {"TE10", REFUSED, 3},
+    {"TR6", REFUSED, 2}, {"TR7", REFUSED, 2},
+};
+
+static element_type type_of(const char *name) {
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (strcmp(types[i].name, name) == 0)
+            return types[i];
+    return (element_type){name, OTHER, 0};
+}
+
+/* ---- the mesh ----------------------------------------------------------------------------- */
+
+/** Fails unless there is no such attribute, or its value is the wanted one. */
+static int demand(reader *r, const char *path, const char *name, int64_t wanted,
+                  const char *otherwise) {
+    int64_t value = wanted;
+    int found;
+    int status = io_hdf5_attribute(r->file, path, name, &value, &found);
+    if (!status && value != wanted)
+        status = io_hdf5_fail(r->file, path, "%s", otherwise);
+    return status;
+}
+
+/** The one name in a group. */
+static int take_only(reader *r, const char *path, const char *what, io_hdf5_names *names) {
+    int status = io_hdf5_list(r->file, path, names);
+    if (!status && names->n == 0)
+        status = io_hdf5_fail(r->file, path, "there is no %s", what);
+    if (!status && names->n > 1)
+        status =
+            io_hdf5_fail(r->file, path,
+                         "there are %lld of them (%.60s, %.60s, ...); planish reads files with "
+                         "one %s: write each to a file of its own",
+                         (long long)names->n, names->name[0], names->name[1], what);
+    return status;
+}
+
+/** Versions before 3 have no steps. */
+static int find_step(reader *r) {
+    char nodes[IO_HDF5_PATH_SIZE];
+    io_hdf5_names steps = {0};
+    int status = io_hdf5_path(r->file, nodes, "%s/NOE", r->mesh);
+    if (status || io_hdf5_kind_of(r->file, nodes) == IO_HDF5_GROUP)
+        return status ? status : io_hdf5_path(r->file, r->step, "%s", r->mesh);
+    status = take_only(r, r->mesh, "step of computation", &steps);
+    if (!status)
+        status = io_hdf5_path(r->file, r->step, "%s/%s", r->mesh, steps.name[0]);
+    io_hdf5_names_release(&steps);
+    return status;
+}
+
+static int find_mesh(reader *r, const char *name) {
+    r->name = name;
+    int status = io_hdf5_path(r->file, r->mesh, MESHES "/%s", name);
+    if (!status)
+        status = demand(r, r->mesh, "TYP", 0,
+                        "a structured mesh; planish smooths unstructured meshes of tetrahedra or "
+                        "triangles");
+    if (!status)
+        status = demand(r, r->mesh, "REP", 0,
+                        "its coordinates are cylindrical or spherical; planish reads cartesian "
+                        "ones");
+    return status ? status : find_step(r);
+}
+
+/* ---- numbers beside elements or nodes ------------------------------------------------------ */
+
+/** Whole numbers at path, n of them, or none if there is no such data. */
+static int read_optional(reader *r, const char *group, const char *name, int64_t n,
+                         io_hdf5_integers *numbers) {
+    char path[IO_HDF5_PATH_SIZE];
+    *numbers = (io_hdf5_integers){.n = 0};
+    int status = io_hdf5_path(r->file, path, "%s/%s", group, name);
+    if (status || io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
+        return status;
+    status = io_hdf5_integers_read(r->file, path, numbers);
+    if (!status && numbers->n != n)
+        status = io_hdf5_fail(r->file, path, "%lld numbers for %lld", (long long)numbers->n,
+                              (long long)n);
+    return status;
+}
+
+/** Entities of the families of n cells or nodes, most often the same for long stretches. without:
+ *  that of family 0, or -1: none. */
+static int take_families(reader *r, const char *group, int dim, const io_hdf5_integers *families,
+                         int64_t n, int zero_is_one, int32_t *entity) {
+    int64_t last = 0;
+    int32_t index = -1;
+    int known = 0;
+    for (int64_t i = 0; i < n; i++) {
+        const int64_t family = families->n ? io_hdf5_integer(families, i) : 0;
+        if (!known || family != last) {
+            if (family < INT32_MIN || family > INT32_MAX)
+                return io_hdf5_fail(r->file, group, "family %lld of number %lld is out of range",
+                                    (long long)family, (long long)i + 1);
+            index = family || zero_is_one
+                        ? io_model_entity(r->model, dim, (int32_t)family, 0, NULL, r->error)
+                        : -1;
+            if (index < 0 && (family || zero_is_one))
+                return index;
+            last = family;
+            known = 1;
+        }
+        entity[i] = index;
+    }
+    return PLANISH_OK;
+}
+
+/** The file's numbers of nodes, if they are not 1, 2, 3 ... */
+static int take_node_numbers(reader *r, const io_hdf5_integers *numbers) {
+    io_model *model = r->model;
+    int64_t i = 0;
+    model->first_number = 1;
+    while (i < numbers->n && io_hdf5_integer(numbers, i) == i + 1)
+        i++;
+    if (i == numbers->n)
+        return PLANISH_OK;
+    model->node_number = pl_alloc(model->n_nodes, sizeof *model->node_number);
+    if (!model->node_number)
+        return pl_fail_memory(r->error, "the numbers of nodes");
+    for (i = 0; i < numbers->n; i++)
+        model->node_number[i] = io_hdf5_integer(numbers, i);
+    return PLANISH_OK;
+}
+
+/* ---- nodes -------------------------------------------------------------------------------- */
+
+static int read_coordinates(reader *r, const char *group) {
+    char path[IO_HDF5_PATH_SIZE];
+    int64_t dim = 3;
+    int found;
+    io_hdf5_shape shape = {0};
+    int status = io_hdf5_attribute(r->file, r->mesh, "ESP", &dim, &found);
+    if (!status && !found) /* older files: of space and mesh together */
+        status = io_hdf5_attribute(r->file, r->mesh, "DIM", &dim, &found);
+    if (!status && dim != 2 && dim != 3)
+        status = io_hdf5_fail(r->file, r->mesh,
+                              "a mesh in %lld dimensions; planish smooths in 2 "
+                              "and 3",
+                              (long long)dim);
+    if (!status)
+        status = io_hdf5_path(r->file, path, "%s/COO", group);
+    if (!status)
+        status = io_hdf5_shape_of(r->file, path, &shape);
+    if (!status && shape.n % dim)
+        status = io_hdf5_fail(r->file, path, "%lld coordinates are no nodes of %lld",
+                              (long long)shape.n, (long long)dim);
+    const int64_t n = shape.n / (dim > 0 ? dim : 1);
+    if (!status)
+        status = demand(r, path, "NBR", n, "its attribute NBR is another number of nodes");
+    if (!status)
+        status = io_model_nodes(r->model, n, 0, r->error);
+    if (status)
+        return status;
+    r->model->columns = (int)dim;
+    for (int64_t i = 0; dim < 3 && i < n; i++)
+        r->model->xyz[3 * i + 2] = 0;
+    const io_hdf5_place place = {path, 0, (int)dim, 1, n};
+    status = io_hdf5_coordinates(r->file, &place);
+    return status ? status : io_hdf5_coordinates_end(r->file);
+}
+
+static int read_nodes(reader *r) {
+    io_model *model = r->model;
+    char group[IO_HDF5_PATH_SIZE];
+    io_hdf5_integers families = {0}, numbers = {0};
+    int status = io_hdf5_path(r->file, group, "%s/NOE", r->step);
+    if (!status)
+        status = read_coordinates(r, group);
+    if (!status)
+        status = read_optional(r, group, "NUM", model->n_nodes, &numbers);
+    if (!status)
+        status = take_node_numbers(r, &numbers);
+    if (!status)
+        status = read_optional(r, group, "FAM", model->n_nodes, &families);
+    if (!status && families.n > 0) {
+        model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
+        status = model->node_entity
+                     ? take_families(r, group, 0, &families, model->n_nodes, 0, model->node_entity)
+                     : pl_fail_memory(r->error, "the families of nodes");
+    }
+    io_hdf5_integers_release(&families);
+    io_hdf5_integers_release(&numbers);
+    return status;
+}
+
+/* ---- elements ----------------------------------------------------------------------------- */
+
+/** Elements of one type: node j of element i is number j * n + i of the list. */
+typedef struct block {
+    char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    element_type type;
+    io_hdf5_integers nodes;
+    int64_t n; /* elements */
+} block;
+
+static int fail_node(reader *r, const block *b, int64_t element, int64_t node) {
+    return io_hdf5_fail(r->file, b->path, "element %lld: node %lld is not in 1 .. %lld",
+                        (long long)element + 1, (long long)node, (long long)r->model->n_nodes);
+}
+
+/** Numbers of the elements, where they are not 1, 2, 3 ... */
+static void take_cell_numbers(io_cells *cells, const io_hdf5_integers *numbers) {
+    for (int64_t i = 0; i < numbers->n; i++)
+        cells->number[i] = io_hdf5_integer(numbers, i);
+}
+
+static int read_cells(reader *r, const block *b) {
+    const int corners = b->type.dim + 1;
+    io_cells *cells = io_model_cells(r->model, b->type.dim);
+    io_hdf5_integers families = {0}, numbers = {0};
+    int status = read_optional(r, b->group, "FAM", b->n, &families);
+    if (!status)
+        status = read_optional(r, b->group, "NUM", b->n, &numbers);
+    if (!status)
+        status = io_cells_reserve(cells, b->type.dim, b->n, 1, numbers.n > 0, r->error);
+    for (int64_t j = 0; j < corners && !status; j++) {
+        for (int64_t i = 0; i < b->n; i++) {
+            const int64_t node = io_hdf5_integer(&b->nodes, j * b->n + i);
+            if (node < 1 || node > r->model->n_nodes) {
+                status = fail_node(r, b, i, node);
+                break;
+            }
+            cells->nodes[i * corners + j] = (int32_t)(node - 1);
+        }
+    }
+    if (!status) {
+        cells->first_number = 1;
+        take_cell_numbers(cells, &numbers);
+        status = take_families(r, b->group, b->type.dim, &families, b->n, 1, cells->entity);
+    }
+    if (!status)
+        cells->n = b->n;
+    io_hdf5_integers_release(&families);
+    io_hdf5_integers_release(&numbers);
+    return status;
+}
+
+/** Polygons and polyhedra list the nodes of one element after another; all are nodes. */
+static int hold_nodes(reader *r, const block *b) {
+    const int is_lower = b->type.kind == LOWER;
+    *(is_lower ? &r->model->n_lower : &r->model->n_other) += b->n;
+    for (int64_t i = 0; i < b->nodes.n; i++) {
+        const int64_t node = io_hdf5_integer(&b->nodes, i);
+        if (node < 1 || node > r->model->n_nodes)
+            return fail_node(r, b, b->n > 0 ? i % b->n : 0, node);
+        io_hold_node(r->model, node - 1,
+                     is_lower && b->type.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
+    }
+    return PLANISH_OK;
+}
+
+/** How many elements the block has: simplices by their nodes, others by what the file says. */
+static int count_elements(reader *r, block *b) {
+    int found;
+    const int corners = b->type.dim + 1;
+    b->n = b->type.kind == KEPT ? b->nodes.n / corners : 0;
+    if (b->type.kind != KEPT) {
+        int status = io_hdf5_attribute(r->file, b->path, "NBR", &b->n, &found);
+        if (!status && (b->n < 0 || b->n > b->nodes.n))
+            b->n = 0; /* no more than a figure to be told */
+        return status;
+    }
+    if (b->nodes.n % corners)
+        return io_hdf5_fail(r->file, b->path, "%lld numbers are no elements of %d nodes",
+                            (long long)b->nodes.n, corners);
+    return demand(r, b->path, "NBR", b->n, "its attribute NBR is another number of elements");
+}
+
+static int read_block(reader *r, const char *name) {
+    block b = {.type = type_of(name)};
+    int status = io_hdf5_path(r->file, b.group, "%s/MAI/%s", r->step, name);
+    if (!status)
+        status = io_hdf5_path(r->file, b.path, "%s/NOD", b.group);
+    if (!status && b.type.kind == REFUSED)
+        status = io_hdf5_fail(r->file, b.group,
+                              "elements of second order cannot be smoothed; export the mesh with "
+                              "straight elements of first order");
+    if (!status && io_hdf5_kind_of(r->file, b.path) != IO_HDF5_DATASET)
+        status = io_hdf5_fail(r->file, b.path,
+                              "there are no nodes of these elements (descending connectivity is "
+                              "not read, only nodal)");
+    if (!status)
+        status = io_hdf5_integers_read(r->file, b.path, &b.nodes);
+    if (!status)
+        status = count_elements(r, &b);
+    if (!status)
+        status = b.type.kind == KEPT ? read_cells(r, &b) : hold_nodes(r, &b);
+    io_hdf5_integers_release(&b.nodes);
+    return status;
+}
+
+static int read_elements(reader *r) {
+    char group[IO_HDF5_PATH_SIZE];
+    io_hdf5_names names = {0};
+    int status = io_hdf5_path(r->file, group, "%s/MAI", r->step);
+    if (!status && io_hdf5_kind_of(r->file, group) == IO_HDF5_GROUP) {
+        status = io_hdf5_list(r->file, group, &names);
+        for (int64_t i = 0; i < names.n && !status; i++)
+            status = read_block(r, names.name[i]);
+    }
+    io_hdf5_names_release(&names);
+    return status;
+}
+
+/* ---- groups of families ------------------------------------------------------------------- */
+
+/** A name fills up its place with zeros or blanks. */
+static int64_t name_length(const char *text, int64_t size) {
+    const char *end = memchr(text, '\0', (size_t)size);
+    int64_t length = end ? end - text : size;
+    while (length > 0 && text[length - 1] == ' ')
+        length--;
+    return length;
+}
+
+/** Which dimensions elements of a family have: io_group is of one. */
+static int add_group(reader *r, int64_t family, int is_of_nodes, const char *name, int64_t length) {
+    int status = PLANISH_OK;
+    for (int dim = is_of_nodes ? 0 : 1; dim <= (is_of_nodes ? 0 : 3) && !status; dim++)
+        if (io_model_has_entity(r->model, dim, (int32_t)family))
+            status = io_model_group(r->model, dim, (int32_t)family, name, length, r->error);
+    return status;
+}
+
+/** The groups that a family is of. */
+static int read_family(reader *r, const char *path, int is_of_nodes) {
+    char names[IO_HDF5_PATH_SIZE];
+    char *text = NULL;
+    int64_t family = 0, n = 0, size = 0;
+    int found;
+    int status = io_hdf5_attribute(r->file, path, "NUM", &family, &found);
+    if (!status && !found)
+        status = io_hdf5_fail(r->file, path, "a family without its number (attribute NUM)");
+    if (!status)
+        status = io_hdf5_path(r->file, names, "%s/GRO/NOM", path);
+    if (status || family < INT32_MIN || family > INT32_MAX ||
+        io_hdf5_kind_of(r->file, names) == IO_HDF5_NONE)
+        return status;
+    status = io_hdf5_strings_read(r->file, names, &text, &n, &size);
+    for (int64_t i = 0; i < n && !status; i++) {
+        const int64_t length = name_length(text + i * size, size);
+        if (length > 0)
+            status = add_group(r, family, is_of_nodes, text + i * size, length);
+    }
+    pl_free(text);
+    return status;
+}
+
+static int read_families(reader *r, const char *of) {
+    char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    io_hdf5_names names = {0};
+    int status = io_hdf5_path(r->file, group, "/FAS/%s/%s", r->name, of);
+    if (status || io_hdf5_kind_of(r->file, group) != IO_HDF5_GROUP)
+        return status;
+    status = io_hdf5_list(r->file, group, &names);
+    for (int64_t i = 0; i < names.n && !status; i++) {
+        status = io_hdf5_path(r->file, path, "%s/%s", group, names.name[i]);
+        if (!status)
+            status = read_family(r, path, strcmp(of, "NOEUD") == 0);
+    }
+    io_hdf5_names_release(&names);
+    return status;
+}
+
+/* ---- the format --------------------------------------------------------------------------- */
+
+static int read_mesh(reader *r) {
+    io_hdf5_names meshes = {0};
+    int status = take_only(r, MESHES, "mesh", &meshes);
+    if (!status)
+        status = find_mesh(r, meshes.name[0]);
+    if (!status)
+        status = read_nodes(r);
+    if (!status)
+        status = read_elements(r);
+    if (!status)
+        status = read_families(r, "ELEME");
+    if (!status)
+        status = read_families(r, "NOEUD");
+    io_hdf5_names_release(&meshes);
+    return status;
+}
+
+static int med_read(io_model *model, planish_error *error) {
+    reader r = {.model = model, .error = error};
+    int status = io_hdf5_open(model, &r.file, error);
+    if (!status)
+        status = read_mesh(&r);
+    if (!status)
+        status = io_hdf5_check(r.file);
+    io_hdf5_close(r.file);
+    return status;
+}
+
+static int med_recognise(const char *data, int64_t size) {
+    return io_hdf5_recognise(data, size, MESHES);
+}
+
+static const char *const extensions[] = {".med", ".mmed", ".rmed", NULL};
+
+const io_format io_format_med = {.name = "med",
+                                 .extensions = extensions,
+                                 .recognise = med_recognise,
+                                 .read = med_read,
+                                 .amend = io_hdf5_amend,
+                                 .release = io_hdf5_release};
+
+#endif

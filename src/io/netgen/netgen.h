@@ -1,0 +1,66 @@
+/* netgen: what the parts of the reader of Netgen's files share; for netgen.c (what is where) and
+ * netgen_mesh.c (what it says). All functions return 0 or a negative planish_status with the error
+ * filled in.
+ */
+#ifndef PL_IO_NETGEN_NETGEN_H
+#define PL_IO_NETGEN_NETGEN_H
+
+#include "io/core/records.h"
+
+typedef enum netgen_kind {
+    NETGEN_POINTS,
+    NETGEN_ELEMENTS,
+    NETGEN_SEGMENTS,
+    NETGEN_POINT_ELEMENTS,
+    NETGEN_PAIR_TYPES,
+    NETGEN_PAIRS,
+    NETGEN_SINGULAR_POINTS,
+    NETGEN_SINGULAR_SEGMENTS,
+    NETGEN_N_READ,                /* all before: read when the walk is over, in this order */
+    NETGEN_NAMES = NETGEN_N_READ, /* lines of a number and a name */
+    NETGEN_LINES,                 /* that may have any words: passed over */
+    NETGEN_REFUSED
+} netgen_kind;
+
+typedef struct netgen_keyword {
+    const char *name;
+    netgen_kind kind;
+    int words;        /* of a record; of elements those before the nodes */
+    int group;        /* elements and segments: which word has it; NETGEN_NAMES: codimension */
+    int extra;        /* elements: words for each node that stand behind the nodes */
+    int corner;       /* segments: which word is the first node. Elements: dimension */
+    int parameter[2]; /* segments: which words are the nodes' parameters on their curve, or 0.
+                         Elements: not 0: the extra words are parameters */
+} netgen_keyword;
+
+enum {
+    NETGEN_LEAST_CORNERS = 3, /* of an element; 0 in the file means 3, too */
+    NETGEN_MOST_CORNERS = 32
+};
+
+typedef struct netgen_section {
+    const netgen_keyword *keyword;
+    int64_t count;
+    const char *data, *end; /* end: where the next word is that is no number */
+} netgen_section;
+
+typedef struct netgen_reader {
+    io_model *model;
+    planish_error *error;
+    io_text text;
+    int dim;
+    netgen_section *sections; /* [n_sections] owned */
+    int64_t n_sections, capacity;
+    const netgen_keyword *last; /* of the keyword that was read last; NULL: one that is unknown */
+    const netgen_section *current;
+    int corners;         /* of all elements of the current section; 0: they differ */
+    int64_t first_cell;  /* of the current section in its io_cells */
+    int64_t n_kept;      /* of them, where they differ */
+    int8_t *is_periodic; /* [n_types] owned: by number of identification, from 1 */
+    int64_t n_types;
+} netgen_reader;
+
+/** Read a section; points come first, then elements and segments, then what refers to them. */
+int netgen_read_section(netgen_reader *reader, const netgen_section *section);
+
+#endif

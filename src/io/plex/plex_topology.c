@@ -1,0 +1,469 @@
+/* plex_topology: points of a DMPlex and their cones; its elements by their nodes. */
+#ifdef PL_HDF5
+#include "io/plex/plex.h"
+#include "io/core/records.h"
+
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
+
+#include <string.h>
+
+enum { MOST_IN_CONE = 48, CHUNK = 1 << 14 };
+
+/* ---- points and their cones ---------------------------------------------------------------- */
+
+static int make_points(plex_reader *r, const char *path, int64_t n) {
+    if (n > INT32_MAX)
+        return io_hdf5_fail(r->file, path,
+                            "%lld points (elements, nodes, faces, edges) are more than the %d that "
+                            "planish can handle",
+                            (long long)n, INT32_MAX);
+    r->n_points = n;
+    r->start = pl_alloc(n, sizeof *r->start);
+    r->size = pl_alloc_zero(n, sizeof *r->size);
+    r->of_point = pl_alloc(n, sizeof *r->of_point);
+    if (!r->start || !r->size || !r->of_point)
+        return pl_fail_memory(r->error, "the points of the file");
+    for (int64_t i = 0; i < n; i++)
+        r->start[i] = r->of_point[i] = -1;
+    return PLANISH_OK;
+}
+
+/** The cones of a stratum, of which that of its i-th point has sizes' i-th size; order: the points
+ *  in the order of these cones, or NULL: as they are numbered. */
+static int take_cones(plex_reader *r, const char *path, const plex_stratum *s,
+                      const io_hdf5_integers *sizes, const io_hdf5_integers *order) {
+    int64_t begin = 0;
+    for (int64_t i = 0; i < s->n; i++) {
+        const int64_t point = order ? io_hdf5_integer(order, i) : s->first + i;
+        const int64_t size = io_hdf5_integer(sizes, i);
+        if (point < 0 || point >= r->n_points || r->start[point] >= 0)
+            return io_hdf5_fail(r->file, path,
+                                "point %lld (at place %lld) is not in 0 .. %lld, or is there twice",
+                                (long long)point, (long long)i, (long long)r->n_points - 1);
+        if (size < 0 || size > MOST_IN_CONE)
+            return io_hdf5_fail(r->file, path,
+                                "point %lld is bounded by %lld others; no element has so many",
+                                (long long)point, (long long)size);
+        if (size > s->cones.n - begin)
+            return io_hdf5_fail(r->file, path, "there are only %lld points that bound others",
+                                (long long)s->cones.n);
+        r->start[point] = begin;
+        r->size[point] = (uint8_t)size;
+        begin += size;
+    }
+    if (begin != s->cones.n || s->orientations.n != s->cones.n)
+        return io_hdf5_fail(r->file, path,
+                            "points are bounded by %lld others in all; there are %lld, and %lld "
+                            "orientations",
+                            (long long)begin, (long long)s->cones.n, (long long)s->orientations.n);
+    return PLANISH_OK;
+}
+
+static int read_integers(plex_reader *r, const char *group, const char *name,
+                         io_hdf5_integers *integers) {
+    char path[IO_HDF5_PATH_SIZE];
+    const int status = io_hdf5_path(r->file, path, "%s/%s", group, name);
+    return status ? status : io_hdf5_integers_read(r->file, path, integers);
+}
+
+/** Versions 1 and 2: all points in one list, which need not be in the order of their numbers. */
+static int read_together(plex_reader *r, const char *group) {
+    plex_stratum *s = &r->stratum[0];
+    io_hdf5_integers sizes = {0}, order = {0};
+    r->n_strata = 1;
+    int status = read_integers(r, group, "order", &order);
+    if (!status)
+        status = read_integers(r, group, "cones", &sizes);
+    if (!status)
+        status = read_integers(r, group, "cells", &s->cones);
+    if (!status)
+        status = read_integers(r, group, "orientation", &s->orientations);
+    if (!status && sizes.n != order.n)
+        status = io_hdf5_fail(r->file, group, "%lld points, and the sizes of %lld cones",
+                              (long long)order.n, (long long)sizes.n);
+    if (!status)
+        status = make_points(r, group, order.n);
+    s->n = order.n;
+    if (!status)
+        status = take_cones(r, group, s, &sizes, &order);
+    io_hdf5_integers_release(&order);
+    io_hdf5_integers_release(&sizes);
+    return status;
+}
+
+/** Version 3: points of one dimension after another, in the order that permutation gives. */
+typedef struct strata {
+    io_hdf5_integers permutation, sizes[PLEX_MOST_STRATA];
+    char group[PLEX_MOST_STRATA][IO_HDF5_PATH_SIZE];
+} strata;
+
+static int read_stratum(plex_reader *r, const char *group, int depth, strata *all) {
+    plex_stratum *s = &r->stratum[depth];
+    int status = io_hdf5_path(r->file, all->group[depth], "%s/strata/%d", group, depth);
+    if (!status)
+        status = read_integers(r, all->group[depth], "cone_sizes", &all->sizes[depth]);
+    if (!status && depth > 0)
+        status = read_integers(r, all->group[depth], "cones", &s->cones);
+    if (!status && depth > 0)
+        status = read_integers(r, all->group[depth], "orientations", &s->orientations);
+    s->n = all->sizes[depth].n;
+    return status;
+}
+
+/** Where each of the strata begins. Returns how many points there are, or -1: it is no permutation.
+ */
+static int64_t place_strata(plex_reader *r, const io_hdf5_integers *permutation) {
+    int64_t n = 0;
+    unsigned placed = 0;
+    for (int64_t i = 0; i < permutation->n; i++) {
+        const int64_t depth = io_hdf5_integer(permutation, i);
+        if (depth < 0 || depth >= r->n_strata || (placed >> depth & 1))
+            return -1;
+        placed |= 1u << depth;
+        r->stratum[depth].first = n;
+        n += r->stratum[depth].n;
+    }
+    for (int d = 1; d < r->n_strata; d++)
+        r->stratum[d].below = r->stratum[d - 1].first;
+    return n;
+}
+
+static int read_strata(plex_reader *r, const char *group, strata *all) {
+    int status = read_integers(r, group, "permutation", &all->permutation);
+    if (!status && (all->permutation.n < 2 || all->permutation.n > PLEX_MOST_STRATA))
+        status = io_hdf5_fail(r->file, group, "%lld strata of points; 2 to %d were expected",
+                              (long long)all->permutation.n, PLEX_MOST_STRATA);
+    r->n_strata = status ? 0 : (int)all->permutation.n;
+    for (int d = 0; d < r->n_strata && !status; d++)
+        status = read_stratum(r, group, d, all);
+    if (status)
+        return status;
+    const int64_t n = place_strata(r, &all->permutation);
+    status = n < 0 ? io_hdf5_fail(r->file, group, "permutation is none of the strata")
+                   : make_points(r, group, n);
+    for (int d = 0; d < r->n_strata && !status; d++)
+        status = take_cones(r, all->group[d], &r->stratum[d], &all->sizes[d], NULL);
+    return status;
+}
+
+static int read_apart(plex_reader *r, const char *group) {
+    strata all = {.permutation = {0}};
+    const int status = read_strata(r, group, &all);
+    io_hdf5_integers_release(&all.permutation);
+    for (int d = 0; d < PLEX_MOST_STRATA; d++)
+        io_hdf5_integers_release(&all.sizes[d]);
+    return status;
+}
+
+void plex_release_topology(plex_reader *r) {
+    for (int d = 0; d < PLEX_MOST_STRATA; d++) {
+        io_hdf5_integers_release(&r->stratum[d].cones);
+        io_hdf5_integers_release(&r->stratum[d].orientations);
+    }
+    pl_free(r->start);
+    pl_free(r->size);
+    pl_free(r->of_point);
+    pl_free(r->triangle);
+}
+
+/* ---- nodes of points ------------------------------------------------------------------------ */
+
+static const plex_stratum *stratum_of(const plex_reader *r, int64_t point) {
+    const plex_stratum *s = r->stratum;
+    while (point < s->first || point >= s->first + s->n)
+        s++;
+    return s;
+}
+
+/** The k-th point of the cone, and how it is gone round; -1: there is no such point. */
+static int64_t in_cone(const plex_reader *r, int64_t point, int k, int64_t *orientation) {
+    const plex_stratum *s = stratum_of(r, point);
+    const int64_t below = io_hdf5_integer(&s->cones, r->start[point] + k);
+    if (orientation)
+        *orientation = io_hdf5_integer(&s->orientations, r->start[point] + k);
+    return below >= 0 && below < r->n_points - s->below ? s->below + below : -1;
+}
+
+/** Whether all that bounds a point is among the elements. */
+static int is_of_elements(const plex_reader *r, int64_t point) {
+    for (int k = 0; k < r->size[point]; k++) {
+        const int64_t below = in_cone(r, point, k, NULL);
+        if (below < 0 || below >= r->n_elements)
+            return 0;
+    }
+    return 1;
+}
+
+/** Elements are the first points, nodes those that follow. */
+static int find_kinds(plex_reader *r, const char *group) {
+    int64_t first = 0, last;
+    while (first < r->n_points && r->size[first] > 0)
+        first++;
+    for (last = first; last < r->n_points && r->size[last] == 0;)
+        last++;
+    r->n_elements = first;
+    r->n_nodes = last - first;
+    for (int64_t i = last; i < r->n_points; i++)
+        if (r->size[i] == 0)
+            return io_hdf5_fail(r->file, group,
+                                "nodes are not numbered one after another behind the elements");
+    if (r->n_elements == 0 || r->n_nodes == 0)
+        return io_hdf5_fail(r->file, group, "there are no elements, or no nodes");
+    if (is_of_elements(r, 0))
+        return io_hdf5_fail(r->file, group,
+                            "faces or edges are numbered between elements and nodes; elements are "
+                            "expected first, then nodes");
+    return PLANISH_OK;
+}
+
+int plex_read_topology(plex_reader *r) {
+    char group[IO_HDF5_PATH_SIZE];
+    int status = io_hdf5_path(r->file, group, "%s/topology", r->root);
+    if (!status)
+        status = r->version < 3 ? read_together(r, group) : read_apart(r, group);
+    return status ? status : find_kinds(r, group);
+}
+
+static int is_node(const plex_reader *r, int64_t point) {
+    return point >= r->n_elements && point < r->n_elements + r->n_nodes;
+}
+
+int plex_dim_of(const plex_reader *r, int64_t point) {
+    return point < r->n_elements ? r->dim : is_node(r, point) ? 0 : r->size[point] == 2 ? 1 : 2;
+}
+
+/** Nodes as they are met, each once. */
+typedef struct nodes {
+    int32_t *node; /* [PLEX_MOST_NODES] */
+    int n;
+    int is_broken;
+} nodes;
+
+static void add_node(const plex_reader *r, int64_t point, nodes *to) {
+    const int32_t node = (int32_t)(point - r->n_elements);
+    to->is_broken |= !is_node(r, point);
+    for (int i = 0; i < to->n; i++)
+        if (to->node[i] == node)
+            return;
+    if (to->n < PLEX_MOST_NODES && !to->is_broken)
+        to->node[to->n++] = node;
+    else
+        to->is_broken = 1;
+}
+
+/** A cone of nodes, in its order or the other one. */
+static void add_cone(const plex_reader *r, int64_t point, int is_reversed, nodes *to) {
+    const int size = r->size[point];
+    for (int k = 0; k < size; k++)
+        add_node(r, in_cone(r, point, is_reversed ? size - 1 - k : k, NULL), to);
+}
+
+/** Whether a point with so many in its cone can be gone round like that. */
+static int is_orientation(int64_t o, int size) {
+    return o >= -size && o < size;
+}
+
+static void add_edge(const plex_reader *r, int64_t edge, int is_reversed, nodes *to) {
+    if (edge < 0 || plex_dim_of(r, edge) != 1)
+        to->is_broken = 1;
+    else
+        add_cone(r, edge, is_reversed, to);
+}
+
+/** A cone of edges, from edge o on; backwards where o is negative, which -1 does from edge 1 on. */
+static void add_face(const plex_reader *r, int64_t face, int64_t o, nodes *to) {
+    const int size = r->size[face];
+    const int is_reversed = o < 0;
+    to->is_broken |= !is_orientation(o, size);
+    const int first = (int)((is_reversed ? -(o % size) : o % size) % size);
+    for (int k = 0; k < size; k++) {
+        int64_t orientation;
+        const int at = (first + (is_reversed ? size - k : k)) % size;
+        const int64_t edge = in_cone(r, face, at, &orientation);
+        add_edge(r, edge, is_reversed != (orientation < 0), to);
+    }
+}
+
+/** The nodes of a triangle in that order, if they are known. */
+static const int32_t *find_triangle(const plex_reader *r, int64_t face) {
+    const int64_t i = face - r->first_face;
+    return i >= 0 && i < r->n_faces && r->triangle[3 * i] >= 0 ? r->triangle + 3 * i : NULL;
+}
+
+/** Edge k of a triangle leads from node k on. */
+static void add_triangle(const plex_reader *r, const int32_t *node, int64_t o, nodes *to) {
+    const int first = (int)(o < 0 ? (1 - o % 3) % 3 : o % 3);
+    to->is_broken |= !is_orientation(o, 3);
+    for (int k = 0; k < 3; k++)
+        add_node(r, r->n_elements + node[(first + (o < 0 ? 3 - k : k)) % 3], to);
+}
+
+static void add_faces(const plex_reader *r, int64_t element, nodes *to) {
+    for (int k = 0; k < r->size[element]; k++) {
+        int64_t orientation;
+        const int64_t face = in_cone(r, element, k, &orientation);
+        if (face < r->n_elements || plex_dim_of(r, face) != 2) {
+            to->is_broken = 1;
+            return;
+        }
+        const int32_t *node = find_triangle(r, face);
+        if (node)
+            add_triangle(r, node, orientation, to);
+        else
+            add_face(r, face, orientation, to);
+    }
+}
+
+int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node) {
+    nodes to = {.node = node};
+    const int dim = plex_dim_of(r, point);
+    if (dim == 0)
+        add_node(r, point, &to);
+    else if (dim == 1 || is_node(r, in_cone(r, point, 0, NULL)))
+        add_cone(r, point, 0, &to);
+    else if (dim == 2)
+        add_face(r, point, 0, &to);
+    else
+        add_faces(r, point, &to);
+    return to.is_broken ? -1 : to.n;
+}
+
+/** Whether a point is bounded by points of the next lower dimension; an element by these or by
+ *  nodes. */
+static int is_bounded(const plex_reader *r, int64_t point) {
+    const int dim = plex_dim_of(r, point);
+    const int64_t first = in_cone(r, point, 0, NULL);
+    const int wanted = point < r->n_elements && is_node(r, first) ? 0 : dim - 1;
+    for (int k = 0; k < r->size[point]; k++) {
+        int64_t orientation;
+        const int64_t below = in_cone(r, point, k, &orientation);
+        if (below < r->n_elements || plex_dim_of(r, below) != wanted ||
+            (wanted > 0 && !is_orientation(orientation, r->size[below])))
+            return 0;
+    }
+    return 1;
+}
+
+int plex_has_simplices_alone(const plex_reader *r) {
+    for (int64_t i = 0; i < r->n_elements; i++)
+        if (r->size[i] != r->dim + 1)
+            return 0;
+    for (int64_t i = 0; i < r->n_points; i++)
+        if (!is_node(r, i) && !is_bounded(r, i))
+            return 0;
+    return 1;
+}
+
+int plex_fail_point(plex_reader *r, int64_t point) {
+    return io_hdf5_fail(r->file, r->root[0] ? r->root : "/topology",
+                        "point %lld is bounded by points that are none of its kind",
+                        (long long)point);
+}
+
+/* ---- cells of the model --------------------------------------------------------------------- */
+
+int plex_add_cell(plex_reader *r, int64_t point) {
+    int32_t node[PLEX_MOST_NODES];
+    const int dim = plex_dim_of(r, point);
+    io_cells *cells = io_model_cells(r->model, dim);
+    if (r->of_point[point] >= 0)
+        return PLANISH_OK;
+    const int n = plex_nodes_of(r, point, node);
+    if (n < 0)
+        return plex_fail_point(r, point);
+    if (n != dim + 1) { /* a facet of elements that are no simplices, which hold it */
+        r->model->n_lower++;
+        return PLANISH_OK;
+    }
+    memcpy(cells->nodes + cells->n * n, node, (size_t)n * sizeof *node);
+    r->of_point[point] = (int32_t)cells->n++;
+    return PLANISH_OK;
+}
+
+/** Elements begin .. end - 1 into their cells, whose places are known. */
+typedef struct filling {
+    plex_reader *r;
+    int64_t first_wrong; /* element, or INT64_MAX */
+} filling;
+
+static void fill_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    filling *f = context;
+    plex_reader *r = f->r;
+    io_cells *cells = io_model_cells(r->model, r->dim);
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        int32_t node[PLEX_MOST_NODES];
+        const int n = plex_nodes_of(r, i, node);
+        const int is_simplex = r->of_point[i] >= 0;
+        if (n < 0 || (is_simplex && n != r->dim + 1)) {
+            pl_lower_to(&f->first_wrong, i);
+            return;
+        }
+        if (is_simplex)
+            memcpy(cells->nodes + r->of_point[i] * n, node, (size_t)n * sizeof *node);
+        for (int k = 0; k < n && !is_simplex; k++)
+            io_hold_node(r->model, node[k], IO_HELD_BY_OTHER);
+    }
+}
+
+/** An element that is bounded by dim + 1 points is a simplex, with and without faces. */
+static int place_elements(plex_reader *r) {
+    int64_t n = 0;
+    for (int64_t i = 0; i < r->n_elements; i++)
+        if (r->size[i] == r->dim + 1)
+            r->of_point[i] = (int32_t)n++;
+    io_cells *cells = io_model_cells(r->model, r->dim);
+    r->model->n_other = r->n_elements - n;
+    const int status = io_cells_reserve(cells, r->dim, n, 1, r->model->n_other > 0, r->error);
+    for (int64_t i = 0; i < r->n_elements && cells->number && !status; i++)
+        if (r->of_point[i] >= 0)
+            cells->number[r->of_point[i]] = i;
+    if (!status)
+        cells->n = n;
+    return status;
+}
+
+/** Each face is one of two elements: its nodes are found once. */
+static void find_triangle_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    plex_reader *r = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        int32_t node[PLEX_MOST_NODES];
+        const int64_t face = r->first_face + i;
+        const int n = r->size[face] == 3 ? plex_nodes_of(r, face, node) : 0;
+        for (int k = 0; k < 3; k++)
+            r->triangle[3 * i + k] = n == 3 ? node[k] : -1;
+    }
+}
+
+static int find_triangles(plex_reader *r) {
+    int64_t first = r->n_points, behind = 0;
+    for (int64_t i = r->n_elements + r->n_nodes; i < r->n_points; i++)
+        if (r->size[i] > 2) {
+            first = i < first ? i : first;
+            behind = i + 1;
+        }
+    r->first_face = first;
+    const int64_t n = behind > first ? behind - first : 0;
+    r->triangle = pl_alloc(3 * n, sizeof *r->triangle);
+    if (!r->triangle)
+        return pl_fail_memory(r->error, "the faces of the file");
+    pl_parallel_for(r->model->threads, n, CHUNK, find_triangle_chunk, r);
+    r->n_faces = n;
+    return PLANISH_OK;
+}
+
+int plex_read_elements(plex_reader *r) {
+    filling f = {.r = r, .first_wrong = INT64_MAX};
+    int status = place_elements(r);
+    if (!status && r->dim == 3)
+        status = find_triangles(r);
+    if (status)
+        return status;
+    pl_parallel_for(r->model->threads, r->n_elements, CHUNK, fill_chunk, &f);
+    return f.first_wrong < INT64_MAX ? plex_fail_point(r, f.first_wrong) : PLANISH_OK;
+}
+
+#endif

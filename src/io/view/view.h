@@ -1,0 +1,67 @@
+/* view: what planish understands of a mesh file, as arrays for another file that shows it: points,
+ * the cells that it keeps (tetrahedra, triangles, lines, in this order), and data of both. */
+#ifndef PL_IO_VIEW_VIEW_H
+#define PL_IO_VIEW_VIEW_H
+
+#include "io/core/model.h"
+#include "io/core/output.h"
+
+/** A mesh to be shown. */
+typedef struct io_view {
+    const io_model *model;
+    const double *coordinates;  /* [n_nodes][written] */
+    const uint8_t *constraint;  /* [n_nodes] of planish_constraint, or NULL */
+    const double *radius_ratio; /* [elements that are smoothed], or NULL */
+    int64_t n_cells;
+    int has_regions, has_groups; /* cells have entities; these have physical groups */
+} io_view;
+
+typedef enum io_view_type {
+    IO_VIEW_U8,
+    IO_VIEW_I32,
+    IO_VIEW_I64,
+    IO_VIEW_F32,
+    IO_VIEW_F64
+} io_view_type;
+
+/** An array of a view. */
+typedef struct io_view_array {
+    const char *name;
+    io_view_type type;
+    int64_t n;        /* values in all */
+    int n_components; /* of a point or cell */
+    /** Write values begin .. end - 1 in this machine's byte order. */
+    void (*fill)(const io_view *view, int64_t begin, int64_t end, void *out);
+} io_view_array;
+
+enum { IO_VIEW_MOST_DATA = 4 };
+
+/** All arrays of a view; data that there is not is left out. */
+typedef struct io_view_arrays {
+    io_view_array points, connectivity, offsets, types;
+    io_view_array counted, wide_types; /* cells as legacy VTK has them: each led by its number of
+                                          nodes; types of 32 bits */
+    io_view_array point_data[IO_VIEW_MOST_DATA], cell_data[IO_VIEW_MOST_DATA];
+    int n_point_data, n_cell_data;
+} io_view_arrays;
+
+io_view io_view_of(const io_model *model, const double *coordinates, const uint8_t *constraint,
+                   const double *radius_ratio);
+io_view_arrays io_view_arrays_of(const io_view *view);
+
+int io_view_type_size(io_view_type type);
+
+/** Write an array's values, in the other byte order if swapped. */
+int io_view_write(const io_view *view, const io_view_array *array, int swapped, io_output *output,
+                  planish_error *error);
+
+/** The named group number i of the model as "DIM:TAG NAME"; returns snprintf's. */
+int io_view_group(const io_model *model, int32_t i, char *text, size_t size);
+
+/** The writers: 0 or an error. *lost is set to what else they leave out, or NULL. */
+int io_view_write_vtu(const io_view *view, io_output *output, const char **lost,
+                      planish_error *error);
+int io_view_write_vtk(const io_view *view, io_output *output, const char **lost,
+                      planish_error *error);
+
+#endif

@@ -1,0 +1,182 @@
+/* view_vtu: a mesh that is shown, as VTK's XML file: raw appended data, not packed, and the names
+ * of groups as strings of the field data. */
+#include "io/view/view.h"
+
+#include "base/memory.h"
+#include "base/printf.h"
+#include "base/status.h"
+#include "io/core/binary.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { BUFFER = 1 << 14 };
+
+/** Markup under way. */
+typedef struct markup {
+    const io_view *view;
+    io_output *output;
+    planish_error *error;
+    int status;
+    int64_t offset; /* of the next array in the appended data */
+    size_t length;  /* of what waits in */
+    char text[BUFFER];
+} markup;
+
+static void flush_text(markup *m) {
+    if (!m->status)
+        m->status = io_output_write(m->output, m->text, (int64_t)m->length, m->error);
+    m->length = 0;
+}
+
+static void put(markup *m, const char *format, ...) PL_PRINTF(2, 3);
+static void put(markup *m, const char *format, ...) {
+    char text[512];
+    va_list arguments;
+    va_start(arguments, format);
+    const int length = vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (m->length + (size_t)length > BUFFER)
+        flush_text(m);
+    memcpy(m->text + m->length, text, (size_t)length);
+    m->length += (size_t)length;
+}
+
+static int64_t bytes_of(const io_view_array *array) {
+    return array->n * io_view_type_size(array->type);
+}
+
+static void put_array(markup *m, const io_view_array *array) {
+    static const char *const types[] = {"UInt8", "Int32", "Int64", "Float32", "Float64"};
+    put(m,
+        "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" "
+        "offset=\"%" PRId64 "\"/>\n",
+        types[array->type], array->name, array->n_components, m->offset);
+    m->offset += (int64_t)sizeof(uint64_t) + bytes_of(array);
+}
+
+static void put_section(markup *m, const char *name, const io_view_array *arrays, int n) {
+    put(m, "<%s>\n", name);
+    for (int i = 0; i < n; i++)
+        put_array(m, &arrays[i]);
+    put(m, "</%s>\n", name);
+}
+
+/** Bytes of the UTF-8 character at text, 0 if there is none (RFC 3629). */
+static int utf8_length(const unsigned char *text) {
+    const int length = text[0] < 0x80   ? 1
+                       : text[0] < 0xC2 ? 0
+                       : text[0] < 0xE0 ? 2
+                       : text[0] < 0xF0 ? 3
+                       : text[0] < 0xF5 ? 4
+                                        : 0;
+    for (int i = 1; i < length; i++)
+        if ((text[i] & 0xC0) != 0x80)
+            return 0;
+    if ((text[0] == 0xE0 && text[1] < 0xA0) || (text[0] == 0xED && text[1] > 0x9F) ||
+        (text[0] == 0xF0 && text[1] < 0x90) || (text[0] == 0xF4 && text[1] > 0x8F))
+        return 0;
+    return length;
+}
+
+/** Whether XML knows no such character: control characters, U+FFFE and U+FFFF. */
+static int is_unknown(const unsigned char *text, int length) {
+    return text[0] < ' ' ||
+           (length == 3 && text[0] == 0xEF && text[1] == 0xBF && (text[2] & 0xFE) == 0xBE);
+}
+
+/** A name as an attribute's value. What is no UTF-8 is taken for Latin-1, which older files have.
+ */
+static void put_name(markup *m, const char *name) {
+    static const struct {
+        char character;
+        const char *text;
+    } special[] = {{'"', "&quot;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}};
+    const unsigned char *c = (const unsigned char *)name;
+    while (*c) {
+        const int length = utf8_length(c);
+        const char *text = NULL;
+        for (size_t i = 0; i < sizeof special / sizeof *special; i++)
+            if (*c == (unsigned char)special[i].character)
+                text = special[i].text;
+        if (text)
+            put(m, "%s", text);
+        else if (length == 0)
+            put(m, "%c%c", 0xC0 | *c >> 6, 0x80 | (*c & 0x3F));
+        else
+            put(m, "%.*s", length, is_unknown(c, length) ? " " : (const char *)c);
+        c += length > 0 ? length : 1;
+    }
+}
+
+/** Whether a group before that of index i has its name: what follows the name then tells it. */
+static int is_named_before(const io_model *model, int32_t i) {
+    for (int32_t k = 0; k < i; k++)
+        if (strcmp(model->group[k].name, model->group[i].name) == 0)
+            return 1;
+    return 0;
+}
+
+/** Groups as field data called by their names, with tag and dimension, as meshio has them. */
+static void put_groups(markup *m) {
+    const io_model *model = m->view->model;
+    if (model->n_groups == 0)
+        return;
+    put(m, "<FieldData>\n");
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const io_group *group = &model->group[i];
+        put(m, "<DataArray type=\"Int32\" Name=\"");
+        put_name(m, group->name);
+        if (is_named_before(model, i)) /* arrays of one name would be one */
+            put(m, " %d:%ld", group->dim, (long)group->tag);
+        put(m, "\" NumberOfTuples=\"2\" format=\"ascii\">%ld %d</DataArray>\n", (long)group->tag,
+            group->dim);
+    }
+    put(m, "</FieldData>\n");
+}
+
+static void put_head(markup *m, const io_view_arrays *a) {
+    put(m,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+        "byte_order=\"%s\" header_type=\"UInt64\">\n<UnstructuredGrid>\n",
+        io_machine_is_little() ? "LittleEndian" : "BigEndian");
+    put_groups(m);
+    put(m, "<Piece NumberOfPoints=\"%" PRId64 "\" NumberOfCells=\"%" PRId64 "\">\n",
+        m->view->model->n_nodes, m->view->n_cells);
+    put_section(m, "PointData", a->point_data, a->n_point_data);
+    put_section(m, "CellData", a->cell_data, a->n_cell_data);
+    put_section(m, "Points", &a->points, 1);
+    const io_view_array cells[] = {a->connectivity, a->offsets, a->types};
+    put_section(m, "Cells", cells, 3);
+    put(m, "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
+}
+
+static void put_values(markup *m, const io_view_array *array) {
+    const uint64_t bytes = (uint64_t)bytes_of(array);
+    flush_text(m);
+    if (!m->status)
+        m->status = io_output_write(m->output, (const char *)&bytes, sizeof bytes, m->error);
+    if (!m->status)
+        m->status = io_view_write(m->view, array, 0, m->output, m->error);
+}
+
+int io_view_write_vtu(const io_view *view, io_output *output, const char **lost,
+                      planish_error *error) {
+    const io_view_arrays a = io_view_arrays_of(view);
+    markup m = {.view = view, .output = output, .error = error};
+    *lost = NULL;
+    put_head(&m, &a);
+    for (int i = 0; i < a.n_point_data; i++)
+        put_values(&m, &a.point_data[i]);
+    for (int i = 0; i < a.n_cell_data; i++)
+        put_values(&m, &a.cell_data[i]);
+    put_values(&m, &a.points);
+    put_values(&m, &a.connectivity);
+    put_values(&m, &a.offsets);
+    put_values(&m, &a.types);
+    put(&m, "\n</AppendedData>\n</VTKFile>\n");
+    flush_text(&m);
+    return m.status;
+}

@@ -1,0 +1,140 @@
+/* base64: bytes from base64 text and back, as a stream. */
+#include "io/vtk/base64.h"
+
+#include <string.h>
+
+enum { PADDING = 64, SPACE = 65, INVALID = 66 };
+
+static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+
+/* The value of each character, by its place in the alphabet. */
+#define X INVALID
+#define S SPACE
+static const uint8_t value_of[256] = {
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  S,  S,  S,  S,  S,  X,  X,  X,  X,       X,  X,  X,  X,
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  S,  X,  X,  X,  X,  X,  X,  X,       X,  X,  X,  62,
+    X,  X,  X,  63, 52, 53, 54, 55, 56, 57, 58, 59, 60, 61, X,  X,  X,  PADDING, X,  X,  X,  0,
+    1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 11, 12, 13, 14, 15, 16, 17, 18,      19, 20, 21, 22,
+    23, 24, 25, X,  X,  X,  X,  X,  X,  26, 27, 28, 29, 30, 31, 32, 33, 34,      35, 36, 37, 38,
+    39, 40, 41, 42, 43, 44, 45, 46, 47, 48, 49, 50, 51, X,  X,  X,  X,  X,       X,  X,  X,  X,
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,       X,  X,  X,  X,
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,       X,  X,  X,  X,
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,       X,  X,  X,  X,
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,       X,  X,  X,  X,
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,       X,  X,  X,  X,
+    X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X,  X};
+#undef X
+#undef S
+
+/** A group of four characters: where they stand, and the bytes that they are. */
+typedef struct group {
+    const char *place[4];
+    unsigned char bytes[3];
+    int n; /* of the bytes: 1 to 3 */
+} group;
+
+static uint8_t value_at(const char *at) {
+    return value_of[(unsigned char)*at];
+}
+
+static int next_group(io_cursor *cursor, group *g) {
+    uint8_t value[4];
+    for (int k = 0; k < 4; k++) {
+        while (cursor->at < cursor->end && value_at(cursor->at) == SPACE)
+            cursor->at++;
+        if (cursor->at == cursor->end || value_at(cursor->at) == INVALID)
+            return -1;
+        value[k] = value_at(cursor->at);
+        g->place[k] = cursor->at++;
+    }
+    g->n = value[3] != PADDING ? 3 : value[2] != PADDING ? 2 : 1;
+    if (value[0] == PADDING || value[1] == PADDING || (value[2] == PADDING && g->n == 3))
+        return -1;
+    const uint8_t third = value[2] & 63, fourth = value[3] & 63; /* padding is 0 */
+    g->bytes[0] = (unsigned char)(value[0] << 2 | value[1] >> 4);
+    g->bytes[1] = (unsigned char)(value[1] << 4 | third >> 2);
+    g->bytes[2] = (unsigned char)(third << 6 | fourth);
+    return 0;
+}
+
+/** Groups that stand without a gap, as most do: as many whole ones as there are of n bytes. Returns
+ *  the bytes written. */
+static int64_t read_plain(io_cursor *cursor, int64_t n, char *out) {
+    int64_t done = 0;
+    while (n - done >= 3 && cursor->end - cursor->at >= 4) {
+        const uint8_t a = value_at(cursor->at), b = value_at(cursor->at + 1);
+        const uint8_t c = value_at(cursor->at + 2), d = value_at(cursor->at + 3);
+        if ((a | b | c | d) >= PADDING)
+            break;
+        out[done] = (char)(a << 2 | b >> 4);
+        out[done + 1] = (char)(b << 4 | c >> 2);
+        out[done + 2] = (char)(c << 6 | d);
+        done += 3;
+        cursor->at += 4;
+    }
+    return done;
+}
+
+int io_base64_read(io_base64 *stream, int64_t n, char *out) {
+    while (n > 0) {
+        if (stream->n_pending == 0) {
+            const int64_t done = read_plain(&stream->cursor, n, out);
+            group g;
+            out += done;
+            n -= done;
+            if (n == 0)
+                return 0;
+            if (next_group(&stream->cursor, &g))
+                return -1;
+            memcpy(stream->pending, g.bytes, sizeof g.bytes);
+            stream->n_pending = g.n;
+        }
+        const int taken = n < stream->n_pending ? (int)n : stream->n_pending;
+        memcpy(out, stream->pending, (size_t)taken);
+        memmove(stream->pending, stream->pending + taken, (size_t)(stream->n_pending - taken));
+        stream->n_pending -= taken;
+        out += taken;
+        n -= taken;
+    }
+    return 0;
+}
+
+int64_t io_base64_length(int64_t n) {
+    return (n + 2) / 3 * 4;
+}
+
+static void put_group(const unsigned char bytes[3], int n, char *out) {
+    const unsigned char second = n > 1 ? bytes[1] : 0, third = n > 2 ? bytes[2] : 0;
+    out[0] = alphabet[bytes[0] >> 2];
+    out[1] = alphabet[(bytes[0] << 4 | second >> 4) & 63];
+    out[2] = n > 1 ? alphabet[(second << 2 | third >> 6) & 63] : '=';
+    out[3] = n > 2 ? alphabet[third & 63] : '=';
+}
+
+int64_t io_base64_write(const char *data, int64_t n, char *out) {
+    char *to = out;
+    for (int64_t i = 0; i < n; i += 3, to += 4) {
+        const int in_group = n - i < 3 ? (int)(n - i) : 3;
+        put_group((const unsigned char *)data + i, in_group, to);
+    }
+    return to - out;
+}
+
+int64_t io_base64_replace(char *text, int64_t length, int64_t first, int64_t n, const char *data) {
+    io_cursor cursor = {text, text + length};
+    group g;
+    for (int64_t at = 0; at < first + n && next_group(&cursor, &g) == 0; at += g.n) {
+        unsigned char bytes[3];
+        char written[4];
+        memcpy(bytes, g.bytes, sizeof bytes);
+        for (int k = 0; k < g.n && k < 3; k++)
+            if (at + k >= first && at + k < first + n)
+                bytes[k] = (unsigned char)data[at + k - first];
+        if (memcmp(bytes, g.bytes, (size_t)g.n) == 0)
+            continue;
+        put_group(bytes, g.n, written);
+        for (int k = 0; k < 4; k++)
+            text[g.place[k] - text] = written[k];
+    }
+    return cursor.at - text;
+}

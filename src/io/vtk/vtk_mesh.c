@@ -1,0 +1,269 @@
+/* vtk_mesh: POINTS, CELLS and CELL_TYPES of legacy VTK files.
+ *
+ * CELLS and CELL_TYPES are read to lists first, by several threads where they are long; when both
+ * are there, simplices go to the model and all other cells hold their nodes.
+ */
+#include "io/vtk/vtk.h"
+
+#include "io/vtk/vtk_cells.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "io/core/binary.h"
+
+/* Refuse counts that the rest of the file cannot hold. In text a number is two bytes. */
+static int check_count(const vtk_reader *reader, int64_t n, int64_t numbers, int size) {
+    int64_t bytes = reader->binary ? size * numbers : 2 * numbers;
+    if (n < 0 || n > (io_left(&reader->cursor) + !reader->binary) / bytes)
+        return vtk_fail_here(
+            reader, "the rest of the file cannot hold that many (cut short, or wrong count)");
+    return 0;
+}
+
+/* ---- points ------------------------------------------------------------------------------- */
+
+struct points {
+    vtk_reader *reader;
+    int size; /* bytes of a coordinate */
+};
+
+static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                            planish_error *error) {
+    const struct points *points = context;
+    int status = 0;
+    for (int64_t node = begin; status == 0 && node < end; node++)
+        status = io_read_point(points->reader->model, cursor, node, error);
+    return status;
+}
+
+static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                              planish_error *error) {
+    const struct points *points = context;
+    io_model *model = points->reader->model;
+    int swapped = points->reader->swapped;
+    for (int64_t i = 3 * begin; i < 3 * end; i++, cursor->at += points->size) {
+        model->xyz[i] = points->size == 4 ? (double)io_load_f32(cursor->at, swapped)
+                                          : io_load_f64(cursor->at, swapped);
+        if (!isfinite(model->xyz[i]))
+            return io_fail_byte(model, cursor->at, error,
+                                "point %lld has a coordinate that is not finite",
+                                (long long)(i / 3));
+    }
+    return 0;
+}
+
+/* The points behind their line, n of them of size bytes a coordinate. */
+static int read_points_data(vtk_reader *reader, int64_t n, int size) {
+    io_model *model = reader->model;
+    struct points points = {reader, size};
+    io_span span = {.n_nodes = n, .encoding = IO_TEXT};
+    if (reader->binary)
+        span = (io_span){.n_nodes = n,
+                         .encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64,
+                         .swapped = reader->swapped,
+                         .offset = reader->cursor.at - model->input.data,
+                         .stride = 3 * size};
+    int status = io_model_nodes(model, n, !reader->binary, reader->error);
+    if (status == 0)
+        status = io_model_span(model, span, reader->error);
+    if (status == 0 && reader->binary)
+        status = io_binary_records(model->threads, &reader->cursor, n, 3 * size, read_binary_points,
+                                   &points, reader->error);
+    else if (status == 0)
+        status = io_text_records(&reader->text, &reader->cursor, n, 3, read_text_points, &points,
+                                 reader->error);
+    return status;
+}
+
+int vtk_points(vtk_reader *reader) {
+    int64_t n;
+    vtk_word name;
+    if (reader->have_points)
+        return vtk_fail_here(reader, "there is a second POINTS");
+    if (io_integer(&reader->cursor, &n) != 0)
+        return vtk_fail_here(reader, "POINTS: number of points expected");
+    name.at = io_word(&reader->cursor, &name.length);
+    const vtk_type *type = vtk_find_type(name);
+    if (type == NULL || type->kind != VTK_REAL)
+        return vtk_fail_at(reader, name.at,
+                           "POINTS of this type are not read: float or double expected");
+    if (reader->binary)
+        vtk_end_line(&reader->cursor);
+    int status = check_count(reader, n, 3, type->size);
+    if (status != 0)
+        return status;
+    reader->have_points = 1;
+    reader->model->precision = type->size == 4 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+    return read_points_data(reader, n, type->size);
+}
+
+/* ---- lists of integers -------------------------------------------------------------------- */
+
+struct integers {
+    vtk_reader *reader;
+    int size;        /* bytes of a number in a binary file: 4 or 8 */
+    int32_t *narrow; /* where numbers go: here (those that do not fit fail) */
+    int64_t *wide;   /* or here */
+};
+
+static int put_integer(const struct integers *list, const char *at, int64_t index, int64_t value,
+                       planish_error *error) {
+    if (list->wide != NULL) {
+        list->wide[index] = value;
+        return 0;
+    }
+    list->narrow[index] = (int32_t)value;
+    if (value >= INT32_MIN && value <= INT32_MAX)
+        return 0;
+    if (error == NULL)
+        return PLANISH_ERROR_FORMAT;
+    return vtk_fail_at(list->reader, at, "an index or type is out of range");
+}
+
+static int read_text_integers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                              planish_error *error) {
+    const struct integers *list = context;
+    int64_t value;
+    for (int64_t i = begin; i < end; i++) {
+        if (io_integer(cursor, &value) != 0)
+            return error == NULL
+                       ? PLANISH_ERROR_FORMAT
+                       : vtk_fail_at(list->reader, cursor->at,
+                                     "CELLS or CELL_TYPES: integer expected (the file may be cut "
+                                     "short)");
+        if (put_integer(list, cursor->at, i, value, error) != 0)
+            return PLANISH_ERROR_FORMAT;
+    }
+    return 0;
+}
+
+static int read_binary_integers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                                planish_error *error) {
+    const struct integers *list = context;
+    int swapped = list->reader->swapped;
+    for (int64_t i = begin; i < end; i++, cursor->at += list->size) {
+        int64_t value =
+            list->size == 4 ? io_load_i32(cursor->at, swapped) : io_load_i64(cursor->at, swapped);
+        if (put_integer(list, cursor->at, i, value, error) != 0)
+            return PLANISH_ERROR_FORMAT;
+    }
+    return 0;
+}
+
+/* n integers from the cursor to a new array: *narrow or *wide, the other is NULL. */
+static int read_integers(vtk_reader *reader, int64_t n, int size, int32_t **narrow,
+                         int64_t **wide) {
+    int status = check_count(reader, n, 1, size);
+    if (status != 0)
+        return status;
+    struct integers list = {reader, size, NULL, NULL};
+    if (narrow != NULL)
+        *narrow = list.narrow = pl_alloc(n, sizeof **narrow);
+    else
+        *wide = list.wide = pl_alloc(n, sizeof **wide);
+    if (list.narrow == NULL && list.wide == NULL)
+        return pl_fail_memory(reader->error, "the cells");
+    if (reader->binary)
+        return io_binary_records(reader->model->threads, &reader->cursor, n, size,
+                                 read_binary_integers, &list, reader->error);
+    return io_text_records(&reader->text, &reader->cursor, n, 1, read_text_integers, &list,
+                           reader->error);
+}
+
+/* ---- cells -------------------------------------------------------------------------------- */
+
+/* Behind OFFSETS or CONNECTIVITY: the type of the numbers. */
+static int take_list_type(vtk_reader *reader, int *size) {
+    vtk_word name;
+    name.at = io_word(&reader->cursor, &name.length);
+    const vtk_type *type = vtk_find_type(name);
+    if (type == NULL || type->kind != VTK_SIGNED || type->size < 4)
+        return vtk_fail_at(reader, name.at,
+                           "OFFSETS and CONNECTIVITY of this type are not read: "
+                           "vtktypeint64 or vtktypeint32 expected");
+    if (reader->binary)
+        vtk_end_line(&reader->cursor);
+    *size = type->size;
+    return 0;
+}
+
+static int check_offsets(const vtk_reader *reader) {
+    const int64_t *offset = reader->offset;
+    int ordered = offset[0] == 0 && offset[reader->n_cells] <= reader->n_connectivity;
+    for (int64_t i = 0; ordered && i < reader->n_cells; i++)
+        ordered = offset[i] <= offset[i + 1];
+    return ordered ? 0 : vtk_fail_here(reader, "OFFSETS do not rise from 0 to the size of CELLS");
+}
+
+/* CELLS of version 5, behind the word OFFSETS. */
+static int read_offset_cells(vtk_reader *reader, int64_t n_offsets) {
+    int size = 0; /* for compilers that do not see that a failure is not 0 */
+    int64_t length;
+    if (n_offsets < 1)
+        return vtk_fail_here(reader, "CELLS: at least one offset expected");
+    int status = take_list_type(reader, &size);
+    if (status == 0)
+        status = read_integers(reader, n_offsets, size, NULL, &reader->offset);
+    if (status != 0)
+        return status;
+    reader->n_cells = n_offsets - 1;
+    const char *at = io_word(&reader->cursor, &length);
+    if (!io_word_is(at, length, "CONNECTIVITY", 1))
+        return vtk_fail_at(reader, at, "CONNECTIVITY expected");
+    status = take_list_type(reader, &size);
+    if (status == 0)
+        status = read_integers(reader, reader->n_connectivity, size, &reader->connectivity, NULL);
+    return status != 0 ? status : check_offsets(reader);
+}
+
+int vtk_cells(vtk_reader *reader) {
+    int64_t n;
+    if (reader->connectivity != NULL || reader->offset != NULL)
+        return vtk_fail_here(reader, "there is a second CELLS");
+    if (io_integer(&reader->cursor, &n) != 0 ||
+        io_integer(&reader->cursor, &reader->n_connectivity) != 0)
+        return vtk_fail_here(reader, "CELLS: number of cells and size of the list expected");
+    if (reader->binary)
+        vtk_end_line(&reader->cursor);
+    if (vtk_take_if(reader, "OFFSETS"))
+        return read_offset_cells(reader, n);
+    if (n < 0 || n > reader->n_connectivity)
+        return vtk_fail_here(reader, "CELLS: more cells than numbers in their list");
+    reader->n_cells = n;
+    return read_integers(reader, reader->n_connectivity, 4, &reader->connectivity, NULL);
+}
+
+void vtk_release_lists(vtk_reader *reader) {
+    pl_free(reader->connectivity);
+    pl_free(reader->offset);
+    pl_free(reader->type);
+    reader->connectivity = NULL;
+    reader->offset = NULL;
+    reader->type = NULL;
+}
+
+int vtk_cell_types(vtk_reader *reader) {
+    int64_t n;
+    if (reader->have_types || !reader->have_points || reader->connectivity == NULL)
+        return vtk_fail_here(reader, "CELL_TYPES must come once, behind POINTS and CELLS");
+    if (io_integer(&reader->cursor, &n) != 0 || n != reader->n_cells)
+        return vtk_fail_here(reader, "CELL_TYPES: as many types as cells expected");
+    if (reader->binary)
+        vtk_end_line(&reader->cursor);
+    int status = read_integers(reader, n, 4, &reader->type, NULL);
+    const vtk_grid cells = {.n = reader->n_cells,
+                            .connectivity = reader->connectivity,
+                            .n_connectivity = reader->n_connectivity,
+                            .offset = reader->offset,
+                            .type = reader->type,
+                            .n_points = reader->model->n_nodes,
+                            .has_streams = 1};
+    if (status == 0)
+        status = vtk_cells_store(reader->model, &cells, reader->error);
+    reader->have_types = 1;
+    vtk_release_lists(reader);
+    return status;
+}
