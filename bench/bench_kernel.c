@@ -61,11 +61,12 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
         double *figure = derivatives ? &best->derivatives : &best->value;
         *figure = least(seconds_now() - begin, *figure);
     }
-    memcpy(problem->coordinates, start, (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double));
+    memcpy(problem->coordinates, start,
+           (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof(double));
     if (problem->kept)
         memset(problem->kept, 0, (size_t)plan->interior.stars.n_stars * sizeof *problem->kept);
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
-        memset(problem->changed, 1, (size_t)plan->n_nodes);
+        memset(problem->changed, 1, (size_t)plan->work.n_nodes);
         double begin = seconds_now();
         for (int c = 0; c < plan->interior.n_colours; c++)
             visit(problem, plan->interior.colour_begin[c], plan->interior.colour_begin[c + 1],
@@ -76,8 +77,9 @@ static void measure(const planish_plan *plan, const pl_star_kernel *kernel,
         if (sweep == SWEEPS - 1)
             best->later = least(seconds, best->later);
     }
-    best->check = checksum(problem->coordinates, plan->n_nodes * plan->dim);
-    memcpy(problem->coordinates, start, (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double));
+    best->check = checksum(problem->coordinates, plan->work.n_nodes * plan->dim);
+    memcpy(problem->coordinates, start,
+           (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof(double));
 }
 
 /** All variants of the kernel for one problem. */
@@ -128,11 +130,11 @@ static double far_volume(const planish_plan *plan, const planish_mesh *mesh) {
 }
 
 static int run(const planish_plan *plan, const planish_mesh *mesh, int repeat) {
-    int64_t values = plan->n_nodes * plan->dim;
+    int64_t values = plan->work.n_nodes * plan->dim;
     double *start = malloc((size_t)values * sizeof *start);
     if (!start)
         return 2;
-    for (int64_t i = 0; i < plan->n_nodes; i++)
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
         for (int d = 0; d < plan->dim; d++)
             start[(int64_t)plan->inner[i] * plan->dim + d] = mesh->coordinates[i * plan->dim + d];
     memcpy(plan->coordinates, start, (size_t)values * sizeof *start);

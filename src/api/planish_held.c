@@ -134,15 +134,15 @@ static void fill(const search *s, const uint8_t *by_plan, uint8_t *reason) {
 /** What the plan knows of the nodes of the search: by_plan [n] and s->moves. */
 static void take_plan(search *s, uint8_t *by_plan) {
     const planish_plan *plan = s->plan;
-    const int is_part = plan->scope == PL_PART_OF_ALL;
+    const int is_part = plan->all != &plan->work;
     if (is_part) {
         memset(by_plan, PLANISH_HELD_NOT_CHOSEN, (size_t)s->mesh.n_nodes);
         memset(s->moves, PL_HELD, (size_t)s->mesh.n_nodes);
     }
-    for (int64_t i = 0; i < plan->n_nodes; i++) {
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int64_t node = is_part ? plan->node_of[i] : i;
         by_plan[node] = told(plan, i);
-        s->moves[node] = plan->is_free[i];
+        s->moves[node] = plan->work.is_free[i];
     }
 }
 
@@ -178,12 +178,12 @@ int planish_plan_get_held(const planish_plan *plan, const double *coordinates, u
     if (!plan || !reason)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "plan and reason must not be NULL");
     const pl_outside outside = pl_call_enter(plan->context);
-    const int is_part = plan->scope == PL_PART_OF_ALL;
+    const int is_part = plan->all != &plan->work;
     search s = {.plan = plan,
                 .mesh = {.dim = plan->dim,
-                         .n_nodes = is_part ? plan->whole.n_nodes : plan->n_nodes,
-                         .n_elements = is_part ? plan->whole.n_elements : plan->n_elements,
-                         .elements = is_part ? plan->whole.elements : plan->elements},
+                         .n_nodes = plan->all->n_nodes,
+                         .n_elements = plan->all->n_elements,
+                         .elements = plan->all->elements},
                 .node_of = is_part ? NULL : plan->node_of,
                 .part = pl_part_here(),
                 .coordinates = coordinates};

@@ -13,17 +13,11 @@
 
 /* ---- with a plan --------------------------------------------------------------------------- */
 
-/** Of all of the mesh if the plan knows that, else of its part. */
+/** Measure all of the mesh if the plan knows that, else its part. */
 static int measure(const planish_plan *plan, const double *coordinates, planish_quality *quality,
                    planish_error *error) {
-    const pl_whole *whole = &plan->whole;
-    if (plan->scope == PL_PART_OF_ALL)
-        return pl_measure(plan->dim, whole->n_elements, whole->elements, whole->sign,
-                          whole->is_free, coordinates, plan->threads, quality, error);
-    const int status =
-        pl_measure_by(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
-                      plan->ghosts.is_movable, coordinates, plan->threads, quality, error);
-    if (!status && quality->worst_element >= 0)
+    const int status = pl_measure(plan->all, coordinates, plan->threads, quality, error);
+    if (!status && plan->all == &plan->work && quality->worst_element >= 0)
         quality->worst_element = pl_plan_element(plan, quality->worst_element);
     return status;
 }
@@ -31,25 +25,20 @@ static int measure(const planish_plan *plan, const double *coordinates, planish_
 /** RR of all elements that the plan knows, NAN of the others. */
 static int find_ratios(const planish_plan *plan, const double *coordinates, double *ratio,
                        planish_error *error) {
-    const pl_whole *whole = &plan->whole;
-    const int64_t n = plan->n_elements;
-    if (plan->scope == PL_PART_OF_ALL) {
-        pl_find_ratios(plan->dim, whole->n_elements, whole->elements, whole->sign, whole->is_free,
-                       coordinates, plan->threads, ratio);
+    const pl_view all = pl_view_of_all_elements(plan->all);
+    if (plan->scope != PL_PART_ALONE) {
+        pl_find_ratios(&all, coordinates, plan->threads, ratio);
         return PLANISH_OK;
     }
-    double *of_part = plan->element_of ? pl_alloc(n, sizeof *of_part) : ratio;
+    double *of_part = pl_alloc(all.n_elements, sizeof *of_part);
     if (!of_part)
         return pl_fail_memory(error, "the radius ratios");
-    pl_find_ratios(plan->dim, n, plan->elements, plan->sign, plan->is_free, coordinates,
-                   plan->threads, of_part);
-    if (of_part != ratio) {
-        for (int64_t i = 0; i < whole->n_elements; i++)
-            ratio[i] = (double)NAN;
-        for (int64_t i = 0; i < n; i++)
-            ratio[pl_plan_element(plan, i)] = of_part[i];
-        pl_free(of_part);
-    }
+    pl_find_ratios(&all, coordinates, plan->threads, of_part);
+    for (int64_t i = 0; i < plan->whole.n_elements; i++)
+        ratio[i] = (double)NAN;
+    for (int64_t i = 0; i < all.n_elements; i++)
+        ratio[pl_plan_element(plan, i)] = of_part[i];
+    pl_free(of_part);
     return PLANISH_OK;
 }
 
@@ -62,14 +51,12 @@ typedef struct found {
 /** Of all elements that the plan knows. */
 static int find_reversed(const planish_plan *plan, const double *coordinates, found *f,
                          planish_error *error) {
-    const int is_whole = plan->scope == PL_PART_OF_ALL;
-    const int64_t n = is_whole ? plan->whole.n_elements : plan->n_elements;
+    const int64_t n = plan->all->n_elements;
     f->state = pl_alloc(n, sizeof *f->state);
     const int is_short = pl_parts_any(!f->state);
     if (is_short)
         return pl_fail_memory(error, "the elements that are numbered the other way round");
-    f->n = pl_find_reversed(plan->dim, n, is_whole ? plan->whole.elements : plan->elements,
-                            pl_plan_counted(plan), coordinates, plan->threads, f->state);
+    f->n = pl_find_reversed(plan->all, coordinates, plan->threads, f->state);
     return PLANISH_OK;
 }
 
@@ -85,7 +72,7 @@ static void put_reversed(const planish_plan *plan, const found *f, uint8_t *reve
         return;
     }
     memset(reversed, 0, (size_t)n_all);
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
         reversed[pl_plan_element(plan, i)] = f->state[i];
 }
 

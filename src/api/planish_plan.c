@@ -96,8 +96,8 @@ void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {
         return;
     if (plan->scope != PL_ALL)
         memset(is_free, 0, (size_t)plan->whole.n_nodes);
-    for (int64_t i = 0; i < plan->n_nodes; i++)
-        is_free[pl_plan_node(plan, i)] = plan->is_free[i] == PL_INTERIOR;
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
+        is_free[pl_plan_node(plan, i)] = plan->work.is_free[i] == PL_INTERIOR;
 }
 
 void planish_find_wrapped(const planish_plan *plan, uint8_t *wrapped, int64_t *n) {

@@ -37,7 +37,7 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
     for (int64_t i = begin; i < end; i++) {
         const double *start = t->run->outside + i * dim;
         const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
-        const double far = plan->is_free[i] ? pl_distance(dim, inside, start) : 0;
+        const double far = plan->work.is_free[i] ? pl_distance(dim, inside, start) : 0;
         if (!(far > 0))
             continue;
         moved += pl_is_own(pl_part_here(), i);
@@ -52,7 +52,8 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
 static void transfer_all(transfer *t) {
     t->moved = 0;
     t->farthest = 0;
-    pl_parallel_for(t->run->plan->threads, t->run->plan->n_nodes, CHUNK_NODES, transfer_chunk, t);
+    pl_parallel_for(t->run->plan->threads, t->run->plan->work.n_nodes, CHUNK_NODES, transfer_chunk,
+                    t);
 }
 
 /** Write the nodes that moved to the caller's coordinates; how many and how far is the result's.
@@ -82,7 +83,7 @@ static void begin_following(const planish_plan *plan, pl_follower *f) {
     for (int d = 0; d < dim; d++) {
         const double way = x[(int64_t)f->to * dim + d] - x[(int64_t)f->from * dim + d];
         f->origin[d] = x[(int64_t)f->of * dim + d];
-        if (f->node >= plan->n_nodes)
+        if (f->node >= plan->work.n_nodes)
             x[(int64_t)f->node * dim + d] = f->origin[d] + way;
         f->start[d] = x[(int64_t)f->node * dim + d];
     }

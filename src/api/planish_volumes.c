@@ -35,14 +35,14 @@ static int room_create(const planish_plan *plan, const double *coordinates, room
     *r = (room){.plan = plan,
                 .all_points = pl_plan_all_points(plan, coordinates),
                 .points = pl_plan_points(plan, coordinates),
-                .n_of_all = is_part ? plan->whole.n_elements : plan->n_elements};
+                .n_of_all = plan->all->n_elements};
     const int all_dense = pl_points_are_dense(&r->all_points);
     const int own_dense = pl_points_are_dense(&r->points);
     r->all = all_dense ? NULL : pl_alloc(r->all_points.n * plan->dim, sizeof *r->all);
-    r->own = own_dense ? NULL : pl_alloc(plan->n_nodes * plan->dim, sizeof *r->own);
-    r->ordered = pl_alloc(plan->n_nodes * plan->dim, sizeof *r->ordered);
+    r->own = own_dense ? NULL : pl_alloc(plan->work.n_nodes * plan->dim, sizeof *r->own);
+    r->ordered = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *r->ordered);
     r->state = pl_alloc(r->n_of_all, sizeof *r->state);
-    r->of_part = is_part ? pl_alloc(plan->n_elements, sizeof *r->of_part) : r->state;
+    r->of_part = is_part ? pl_alloc(plan->work.n_elements, sizeof *r->of_part) : r->state;
     if ((r->all || all_dense) && (r->own || own_dense) && r->ordered && r->state && r->of_part)
         return PLANISH_OK;
     room_destroy(r);
@@ -60,7 +60,7 @@ static int mark_states(room *r, const pl_star_guard *guard, pl_limit *limit, pl_
     const int is_all = r->of_part == r->state;
     int status = PLANISH_OK;
     pl_plan_order(plan, pl_plan_dense(plan, &r->points, r->own), r->ordered);
-    for (int64_t i = 0; i < plan->n_elements && !is_all; i++)
+    for (int64_t i = 0; i < plan->work.n_elements && !is_all; i++)
         r->of_part[i] = r->state[plan->element_of[i]];
     if (!(guard->min_volume > 0) && !guard->link_min_volume)
         status = pl_mark_enclosed(plan, r->ordered, r->of_part, NULL, &found->n, error);
@@ -72,7 +72,7 @@ static int mark_states(room *r, const pl_star_guard *guard, pl_limit *limit, pl_
     for (int64_t i = 0; i < r->n_of_all; i++)
         if (r->state[i] == PLANISH_VOLUME_BELOW)
             r->state[i] = PLANISH_VOLUME_INFEASIBLE;
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
         r->state[plan->element_of[i]] = r->of_part[i];
     for (int64_t i = 0; i < r->n_of_all; i++)
         found->n += r->state[i] == PLANISH_VOLUME_INFEASIBLE;
@@ -141,7 +141,7 @@ static int find_unfixable(room *r, const wanted *w, pl_infeasible *found, planis
     pl_objective_problem positive =
         pl_objective_problem_of(plan, &defaults, pl_plan_dense(plan, &r->all_points, r->all), 0);
     const pl_star_guard guard = {.ratio_weight = 1};
-    positive.own_min_volume = NULL;
+    positive.mesh.min_volume = NULL;
     return pl_find_inverted(&positive, r->state) == 0 && !w->limit
                ? PLANISH_OK
                : mark_states(r, &guard, w->limit, found, error);

@@ -24,7 +24,7 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
     int64_t n = 0;
     for (int j = 0; j <= plan->dim; j++) {
-        const int64_t node = plan->elements[element * (plan->dim + 1) + j];
+        const int64_t node = plan->work.elements[element * (plan->dim + 1) + j];
         double *now = plan->coordinates + (int64_t)plan->inner[node] * plan->dim;
         const double *start = r->outside + node * plan->dim;
         n += pl_is_own(pl_part_here(), node) && memcmp(now, start, size) != 0;
@@ -39,7 +39,7 @@ static void put_back_followers(const pl_run *r) {
     const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        if (f->node < plan->n_nodes &&
+        if (f->node < plan->work.n_nodes &&
             memcmp(plan->coordinates + (int64_t)f->node * plan->dim, f->start, size) == 0)
             memcpy(plan->coordinates + (int64_t)f->of * plan->dim, f->origin, size);
     }
@@ -51,10 +51,10 @@ static void put_back_followers(const pl_run *r) {
 static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     const planish_plan *plan = r->plan;
     int64_t n = 0;
-    pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
-                  plan->measured, sqrt(r->at_start.rr2), r->at_start.acuteness, plan->threads,
+    const pl_view all = pl_view_of_all_elements(&plan->work);
+    pl_find_worse(&all, plan->measured, sqrt(r->at_start.rr2), r->at_start.acuteness, plan->threads,
                   state);
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
         if (state[i] != PL_FINE)
             n += put_back_nodes(r, i);
     put_back_followers(r);
@@ -67,7 +67,7 @@ static int64_t put_back_bad(pl_run *r, uint8_t *state) {
 /** Put back all nodes; how many had moved. */
 static int64_t put_all_back(const pl_run *r) {
     int64_t n = 0;
-    for (int64_t i = 0; i < r->plan->n_elements; i++)
+    for (int64_t i = 0; i < r->plan->work.n_elements; i++)
         n += put_back_nodes(r, i);
     pl_parts_add(&n, 1);
     return n;
@@ -96,7 +96,7 @@ int pl_run_put_back_angles(pl_run *r, planish_error *error) {
     planish_plan *plan = r->plan;
     if (!is_worse(r))
         return PLANISH_OK;
-    uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
+    uint8_t *state = pl_alloc(plan->work.n_elements, sizeof *state);
     if (!state)
         return pl_fail_memory(error, "the states of the elements");
     for (int i = 0; i < ROUNDS; i++) {

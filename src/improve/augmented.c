@@ -55,7 +55,7 @@ static int augmented_sweeps(pl_run *r) {
     int whole = 1;
     int64_t visits = 1;
     double change = 1;
-    memset(r->plan->changed, 0, (size_t)r->plan->n_nodes);
+    memset(r->plan->changed, 0, (size_t)r->plan->work.n_nodes);
     r->guard.star.penalty = PENALTY;
     update_shifts(r, 1);
     while (whole && visits > 0 && change > SETTLED && r->sweep - first < MOST_SWEEPS &&
@@ -98,7 +98,7 @@ static int is_better(const pl_run *r, const pl_objective_sums *standing,
 /** The trial; returns whether its mesh was taken. before: room for the coordinates. */
 static int try_augmented(pl_run *r, double *before) {
     const planish_plan *plan = r->plan;
-    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *before;
+    const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *before;
     pl_run_measure(r); /* what was tracked will not do to compare with */
     const pl_objective_sums standing = r->totals;
     const pl_star_limits limits = r->problem.limits;
@@ -140,7 +140,7 @@ void pl_run_augmented(pl_run *r) {
     if (!is_wanted(r))
         return;
     const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
-    double *before = pl_alloc(plan->n_nodes * plan->dim, sizeof *before);
+    double *before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *before);
     r->guard.star.link_shift = pl_alloc_zero(n_links, sizeof *r->guard.star.link_shift);
     if (before && r->guard.star.link_shift && try_augmented(r, before))
         pl_run_sweeps(r); /* to show what was won */

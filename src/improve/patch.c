@@ -15,7 +15,7 @@ int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *
         p->n += !in_patch || in_patch[plan->interior.centre[s]];
     p->star = pl_alloc(p->n, sizeof *p->star);
     p->vectors = pl_alloc_zero(p->n * p->dim * n_vectors, sizeof *p->vectors);
-    p->field = pl_alloc_zero(plan->n_nodes * p->dim, sizeof *p->field);
+    p->field = pl_alloc_zero(plan->work.n_nodes * p->dim, sizeof *p->field);
     if (!p->star || !p->vectors || !p->field)
         return 0;
     for (int64_t s = 0, i = 0; s < n_stars; s++)

@@ -66,7 +66,7 @@ static int look_for_infeasible(pl_run *r, planish_error *error) {
     pl_infeasible found = {0, 0};
     pl_limit limit = pl_run_limit(r);
     const pl_objective_problem problem = pl_run_objective_problem(r);
-    uint8_t *state = pl_alloc(plan->n_elements, sizeof *state);
+    uint8_t *state = pl_alloc(plan->work.n_elements, sizeof *state);
     int status = state ? PLANISH_OK : pl_fail_memory(error, "the states of the elements");
     if (state) {
         pl_find_below(&problem, state);

@@ -87,7 +87,7 @@ static void go(const pl_lbfgs *m, double part, const double *start, const double
 static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
     pl_run *r = m->p.run;
     const size_t size =
-        (size_t)r->plan->n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
+        (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
     pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     int stopped;
     pl_run_begin_sweep(r);
@@ -111,7 +111,7 @@ static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
 /** A trial: the mesh that stands stays the one that is seen, and comes back if it is better. */
 static int try_centring(pl_lbfgs *m) {
     pl_run *r = m->p.run;
-    const int64_t n = r->plan->n_nodes * r->plan->dim;
+    const int64_t n = r->plan->work.n_nodes * r->plan->dim;
     const pl_ratio_sums before = r->sums;
     const pl_star_limits limits = r->problem.limits;
     double *start = pl_alloc(2 * n, sizeof *start);
@@ -185,13 +185,13 @@ static void look(objective_of_all *f) {
 
 /** Multiply all coordinates, and see to it that they are measured as before. */
 static void rescale(pl_run *r, double factor) {
-    for (int64_t i = 0; i < r->plan->n_nodes * r->plan->dim; i++)
+    for (int64_t i = 0; i < r->plan->work.n_nodes * r->plan->dim; i++)
         r->plan->coordinates[i] *= factor;
     r->unit /= factor;
 }
 
 static int try_help(pl_run *r, pl_help help, double fall) {
-    objective_of_all f = {.run = r, .in_patch = pl_alloc_zero(r->plan->n_nodes, 1)};
+    objective_of_all f = {.run = r, .in_patch = pl_alloc_zero(r->plan->work.n_nodes, 1)};
     pl_lbfgs m;
     int stopped = 0;
     if (!f.in_patch)

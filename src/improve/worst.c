@@ -36,16 +36,16 @@ typedef struct phase {
 /** Find the elements above limit, a square; how many of them have a free node. */
 static int64_t find_bad(const phase *p, double limit) {
     const planish_plan *plan = p->run->plan;
-    const uint8_t *is_counted = pl_plan_counted(plan);
+    const uint8_t *is_counted = plan->work.is_counted;
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
     int64_t n = 0;
-    pl_find_worse(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
-                  plan->measured, of_angle ? INFINITY : sqrt(limit), of_angle ? limit : INFINITY,
-                  plan->threads, p->state);
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    const pl_view all = pl_view_of_all_elements(&plan->work);
+    pl_find_worse(&all, plan->measured, of_angle ? INFINITY : sqrt(limit),
+                  of_angle ? limit : INFINITY, plan->threads, p->state);
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int is_free = 0;
         for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
-            is_free |= plan->is_free[plan->elements[i * corners + j]];
+            is_free |= plan->work.is_free[plan->work.elements[i * corners + j]];
         n += is_free && (!is_counted || is_counted[i]);
     }
     pl_parts_add(&n, 1);
@@ -56,10 +56,10 @@ static int64_t find_bad(const phase *p, double limit) {
 static void wake_bad(const phase *p) {
     const planish_plan *plan = p->run->plan;
     const int corners = plan->dim + 1;
-    memset(plan->changed, 0, (size_t)plan->n_nodes);
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    memset(plan->changed, 0, (size_t)plan->work.n_nodes);
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
         for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
-            plan->changed[plan->inner[plan->elements[i * corners + j]]] = 1;
+            plan->changed[plan->inner[plan->work.elements[i * corners + j]]] = 1;
 }
 
 /** Sweeps of stars with something above limit, a square; not 0 if they were cut short. */
@@ -87,7 +87,7 @@ static int sweep_stage(const phase *p, double limit) {
 static int try_stage(phase *p, double limit, int *failed) {
     pl_run *r = p->run;
     const planish_plan *plan = r->plan;
-    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *p->before;
+    const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *p->before;
     const pl_objective_sums totals = r->totals;
     const pl_ratio_sums sums = r->sums;
     const int64_t n_bad = find_bad(p, limit);
@@ -142,8 +142,8 @@ int pl_run_worst(pl_run *r, planish_error *error) {
     const pl_star_guard guard = r->guard.star;
     const pl_star_problem problem = r->problem;
     phase p = {.run = r,
-               .state = pl_alloc(plan->n_elements, sizeof *p.state),
-               .before = pl_alloc(plan->n_nodes * plan->dim, sizeof *p.before)};
+               .state = pl_alloc(plan->work.n_elements, sizeof *p.state),
+               .before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p.before)};
     int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
     p.most = pl_run_objective(r) * (1 + r->options->worst_rise);
     r->guard.star.measure =

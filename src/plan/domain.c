@@ -12,10 +12,11 @@
 static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planish_error *error) {
     if (!mesh->min_volume)
         return PLANISH_OK;
-    plan->min_volume = pl_alloc(plan->n_elements, sizeof *plan->min_volume);
-    if (!plan->min_volume)
+    double *min_volume = pl_alloc(plan->work.n_elements, sizeof *min_volume);
+    plan->work.min_volume = min_volume;
+    if (!min_volume)
         return pl_fail_memory(error, "the least volumes of the elements");
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         double least = mesh->min_volume[i];
         const int64_t element = pl_plan_element(plan, i);
         if (!(least >= 0) || !isfinite(least))
@@ -23,7 +24,7 @@ static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planis
                               "element %" PRId64 " has the least volume %g; give a finite number, "
                               "0 for none",
                               element, least);
-        plan->min_volume[i] = least;
+        min_volume[i] = least;
     }
     return PLANISH_OK;
 }
@@ -41,9 +42,9 @@ static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, pl_
     pl_free(d->is_selected);
     d->is_selected = d->part.is_selected;
     plan->scope = scope;
-    plan->n_nodes = d->part.n_nodes;
-    plan->n_elements = d->part.n_elements;
-    plan->elements = plan->own_elements = d->part.elements;
+    plan->work.n_nodes = d->part.n_nodes;
+    plan->work.n_elements = d->part.n_elements;
+    plan->work.elements = plan->own_elements = d->part.elements;
     plan->node_of = d->part.node;
     plan->element_of = d->part.element;
     d->part = (pl_part){0};
@@ -71,7 +72,7 @@ static int take_all(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
     if (status)
         return status;
     d->mesh = &d->dense.mesh;
-    plan->elements = d->mesh->elements;
+    plan->work.elements = d->mesh->elements;
     plan->own_elements = d->dense.elements;
     d->dense.elements = NULL;
     status = pl_check_part(d->mesh, error);
@@ -176,23 +177,22 @@ int pl_draft_begin(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
 /** The plan is then for the part around the nodes that are selected; all of the mesh is measured
  *  all the same. */
 static int narrow_to_bad(planish_plan *plan, pl_draft *d, planish_error *error) {
-    pl_whole *whole = &plan->whole;
     const planish_mesh *mesh = d->mesh;
     int status = PLANISH_OK;
     if (d->part.n_elements == 0)
         status = pl_part_by_marks(mesh, d->is_selected, plan->threads, &d->part, error);
     if (status)
         return status;
-    whole->elements = mesh->elements;
-    whole->own_elements = plan->own_elements;
-    whole->min_volume = plan->min_volume;
-    whole->sign = d->boundary.sign;
+    plan->whole = plan->work;
+    plan->whole.sign = d->boundary.sign;
+    plan->own_whole_elements = plan->own_elements;
     plan->own_elements = NULL;
-    plan->min_volume = NULL;
+    plan->work.min_volume = NULL;
     d->boundary.sign = NULL;
-    whole->is_free = pl_alloc_zero(mesh->n_nodes, sizeof *whole->is_free);
-    whole->is_movable = pl_alloc_zero(mesh->n_elements, sizeof *whole->is_movable);
-    if (!whole->is_free || !whole->is_movable)
+    plan->whole.is_free = d->whole_is_free = pl_alloc_zero(mesh->n_nodes, 1);
+    plan->is_movable = pl_alloc_zero(mesh->n_elements, 1);
+    plan->all = &plan->whole;
+    if (!d->whole_is_free || !plan->is_movable)
         return pl_fail_memory(error, "the part of the mesh that is worked on");
     plan->info.n_reversed = d->boundary.n_reversed;
     return narrow(plan, d, mesh, PL_PART_OF_ALL, error);
@@ -200,7 +200,7 @@ static int narrow_to_bad(planish_plan *plan, pl_draft *d, planish_error *error) 
 
 int pl_draft_select(planish_plan *plan, pl_draft *d, int *all_positive, planish_error *error) {
     if (!d->is_selected)
-        d->is_selected = pl_alloc(plan->n_nodes, sizeof *d->is_selected);
+        d->is_selected = pl_alloc(plan->work.n_nodes, sizeof *d->is_selected);
     if (!d->is_selected)
         return pl_fail_memory(error, "the nodes of bad elements");
     plan->is_selective = 1;

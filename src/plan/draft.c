@@ -56,10 +56,10 @@ static int make_incidence(const planish_plan *plan, pl_draft *d, planish_error *
     d->is_partial = d->is_selected && d->boundary.is_guess && d->mesh->n_periodic == 0;
     if (!d->is_partial)
         return pl_incidence_create(d->mesh, NULL, plan->threads, &d->incidence, error);
-    uint8_t *unasked = pl_alloc(plan->n_nodes, sizeof *unasked);
+    uint8_t *unasked = pl_alloc(plan->work.n_nodes, sizeof *unasked);
     if (!unasked)
         return pl_fail_memory(error, "nodes");
-    for (int64_t i = 0; i < plan->n_nodes; i++)
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
         unasked[i] = !d->is_selected[i];
     const int status = pl_incidence_create(d->mesh, unasked, plan->threads, &d->incidence, error);
     pl_free(unasked);
@@ -92,7 +92,7 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
     for (int64_t node = begin; node < end; node++) {
         const int used = offset[node + 1] > offset[node];
         c->plan->is_used[node] = use_of(c->d, node, used);
-        c->plan->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
+        c->d->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
         unused += !used;
     }
     __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
@@ -109,7 +109,7 @@ static void number_nodes(void *context, int64_t begin, int64_t end, int thread) 
         if (i + AHEAD < end)
             pl_fetch_to_write(&c->plan->inner[order[i + AHEAD]]);
         c->plan->inner[order[i]] = (int32_t)i;
-        found += c->plan->is_free[order[i]];
+        found += c->plan->work.is_free[order[i]];
     }
     c->d->count[begin / CHUNK_NODES] = found;
 }
@@ -119,7 +119,7 @@ static void list_candidates(void *context, int64_t begin, int64_t end, int threa
     int64_t n = c->d->count[begin / CHUNK_NODES];
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        if (c->plan->is_free[c->d->order[i]])
+        if (c->plan->work.is_free[c->d->order[i]])
             c->d->interior.node[n++] = c->d->order[i];
 }
 
@@ -128,20 +128,20 @@ static void list_candidates(void *context, int64_t begin, int64_t end, int threa
 static void find_candidates(planish_plan *plan, pl_draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, mark_candidates, &c);
-    pl_parallel_for(pl_paying_threads(plan->threads, plan->n_nodes), plan->n_nodes, CHUNK_NODES,
-                    number_nodes, &c);
-    d->interior.n =
-        pl_prefix_sum(plan->threads, (plan->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, list_candidates, &c);
+    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, mark_candidates, &c);
+    pl_parallel_for(pl_paying_threads(plan->threads, plan->work.n_nodes), plan->work.n_nodes,
+                    CHUNK_NODES, number_nodes, &c);
+    d->interior.n = pl_prefix_sum(plan->threads,
+                                  (plan->work.n_nodes + CHUNK_NODES - 1) / CHUNK_NODES, d->count);
+    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, list_candidates, &c);
 }
 
 static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
     find_candidates(plan, d);
     const int status =
-        pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, plan->is_free, d->interior.node,
+        pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, d->is_free, d->interior.node,
                         d->interior.n, 0, plan->threads, &d->interior.rings, error);
-    pl_parts_update(NULL, plan->is_free, sizeof *plan->is_free);
+    pl_parts_update(NULL, d->is_free, sizeof *d->is_free);
     return status ? status : pl_parts_check(error);
 }
 
@@ -153,7 +153,7 @@ static int note_wrapped(planish_plan *plan, const pl_draft *d, planish_error *er
     plan->wrapped = pl_alloc(boundary->n_wrapped, sizeof *plan->wrapped);
     if (!plan->wrapped)
         return pl_fail_memory(error, "the elements that wrap around");
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         if (!(boundary->flags[i] & PL_WRAPPED))
             continue;
         plan->wrapped[plan->n_wrapped++] = (int32_t)i;
@@ -172,7 +172,7 @@ static int find_free(planish_plan *plan, pl_draft *d, planish_error *error) {
     if (guessed)
         status = make_rings(plan, d, error);
     if (!status && !(guessed && d->is_selected)) /* of a part not all facets are known */
-        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->is_free : NULL,
+        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->work.is_free : NULL,
                                   plan->threads, &d->boundary, error);
     if (!status && !d->boundary.is_guess) {
         pl_rings_destroy(&d->interior.rings);
@@ -181,7 +181,7 @@ static int find_free(planish_plan *plan, pl_draft *d, planish_error *error) {
         if (!status)
             status = make_rings(plan, d, error);
     }
-    plan->sign = d->boundary.sign;
+    plan->work.sign = d->boundary.sign;
     d->boundary.sign = NULL;
     return status ? status : note_wrapped(plan, d, error);
 }
@@ -261,13 +261,13 @@ static int arrange(arrangement *a, planish_error *error) {
 static int order_visits(const planish_plan *plan, const pl_periodic *periodic, pl_candidates *c,
                         pl_visits *visits, planish_error *error) {
     arrangement a = {.plan = plan, .part = pl_part_here(), .c = c, .visits = visits};
-    c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->n_nodes), sizeof *c->colour);
+    c->colour = pl_alloc(c->n + pl_parts_ghosts(plan->work.n_nodes), sizeof *c->colour);
     c->star_of = pl_alloc(c->n, sizeof *c->star_of);
     visits->centre = pl_alloc(c->rings.n_free, sizeof *visits->centre);
     if (!c->colour || !c->star_of || !visits->centre)
         return pl_fail_memory(error, "the colours of nodes");
     const int status = pl_colouring_create(&c->rings, c->node, plan->node_of,
-                                           periodic ? periodic->n_nodes : plan->n_nodes,
+                                           periodic ? periodic->n_nodes : plan->work.n_nodes,
                                            periodic ? periodic->moves_with : NULL, plan->threads,
                                            c->colour, &visits->n_colours, error);
     if (status)
@@ -349,7 +349,7 @@ static int prepare_periodic(planish_plan *plan, pl_draft *d, uint8_t *slides, pl
     pl_periodic *periodic = &d->periodic;
     int status = PLANISH_OK;
     select_groups(d);
-    for (int64_t i = 0; i < plan->n_nodes; i++)
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
         slides[i] =
             may_slide(mesh, i) && plan->is_used[i] && (!d->is_selected || d->is_selected[i]);
     for (int64_t i = 0; i < plan->n_wrapped; i++)
@@ -358,10 +358,10 @@ static int prepare_periodic(planish_plan *plan, pl_draft *d, uint8_t *slides, pl
     *around = *mesh;
     if (mesh->n_periodic == 0)
         return PLANISH_OK;
-    status = pl_periodic_create(mesh, &d->incidence, plan->sign, slides, periodic, error);
+    status = pl_periodic_create(mesh, &d->incidence, plan->work.sign, slides, periodic, error);
     if (status)
         return status;
-    plan->n_images = periodic->n_nodes - plan->n_nodes;
+    plan->n_images = periodic->n_nodes - plan->work.n_nodes;
     around->n_nodes = periodic->n_nodes;
     around->n_elements = periodic->n_elements;
     around->elements = periodic->elements;
@@ -370,7 +370,7 @@ static int prepare_periodic(planish_plan *plan, pl_draft *d, uint8_t *slides, pl
     if (!d->number_of)
         return pl_fail_memory(error, "periodic nodes");
     for (int64_t i = 0; i < periodic->n_nodes; i++)
-        d->number_of[i] = i < plan->n_nodes ? plan->inner[i] : (int32_t)i;
+        d->number_of[i] = i < plan->work.n_nodes ? plan->inner[i] : (int32_t)i;
     return pl_incidence_create(around, NULL, plan->threads, &d->around, error);
 }
 
@@ -379,8 +379,8 @@ static void settle_followers(planish_plan *plan, pl_draft *d) {
     pl_periodic *periodic = &d->periodic;
     for (int64_t k = 0; k < periodic->n_followers; k++) {
         pl_follower *f = &periodic->follower[k];
-        if (f->node < plan->n_nodes)
-            plan->is_free[f->node] = plan->is_free[f->of];
+        if (f->node < plan->work.n_nodes)
+            d->is_free[f->node] = d->is_free[f->of];
         f->node = d->number_of[f->node];
         f->of = d->number_of[f->of];
         f->from = d->number_of[f->from];
@@ -401,17 +401,17 @@ static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slide
         return status;
     const pl_periodic *periodic = d->periodic.moves_with ? &d->periodic : NULL;
     const pl_incidence *incidence = periodic ? &d->around : &d->incidence;
-    for (int64_t i = 0; i < plan->n_nodes; i++) {
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int32_t node = d->order[i];
         if (!slides[node] || !pl_is_own(d->mesh->part, node) ||
             (periodic && periodic->moves_with[node] != node))
             continue;
-        plan->is_free[node] = PL_SLIDES;
+        d->is_free[node] = PL_SLIDES;
         c->node[c->n++] = node;
     }
-    status = pl_rings_create(&around, incidence, periodic ? periodic->sign : plan->sign,
-                             plan->is_free, c->node, c->n, 1, plan->threads, &c->rings, error);
-    pl_parts_update(NULL, plan->is_free, sizeof *plan->is_free);
+    status = pl_rings_create(&around, incidence, periodic ? periodic->sign : plan->work.sign,
+                             d->is_free, c->node, c->n, 1, plan->threads, &c->rings, error);
+    pl_parts_update(NULL, d->is_free, sizeof *d->is_free);
     if (!status)
         status = order_visits(plan, periodic, c, &plan->sliding, error);
     if (!status)
@@ -430,7 +430,7 @@ static int prepare_sliding(planish_plan *plan, pl_draft *d, planish_error *error
     int status = check_constraints(plan, d->mesh, &n, error);
     if (status || !(plan->context->part ? pl_parts_any(n > 0) : n > 0))
         return status;
-    uint8_t *slides = pl_alloc(plan->n_nodes, 1);
+    uint8_t *slides = pl_alloc(plan->work.n_nodes, 1);
     d->sliding.node = pl_alloc(n, sizeof *d->sliding.node);
     plan->slide = pl_alloc(n, sizeof *plan->slide);
     if (slides && d->sliding.node && plan->slide)
@@ -448,7 +448,7 @@ static int find_paired(const planish_plan *plan, pl_draft *d, planish_error *err
     const int status = pl_check_periodic(mesh, error);
     if (status || mesh->n_periodic == 0)
         return status;
-    d->is_paired = pl_alloc_zero(plan->n_nodes, 1);
+    d->is_paired = pl_alloc_zero(plan->work.n_nodes, 1);
     if (!d->is_paired)
         return pl_fail_memory(error, "periodic nodes");
     for (int64_t i = 0; i < 2 * mesh->n_periodic; i++)
@@ -457,14 +457,14 @@ static int find_paired(const planish_plan *plan, pl_draft *d, planish_error *err
 }
 
 static int prepare_nodes(planish_plan *plan, pl_draft *d, planish_error *error) {
-    const int64_t n = plan->n_nodes;
-    plan->is_free = pl_alloc(n, sizeof *plan->is_free);
+    const int64_t n = plan->work.n_nodes;
+    plan->work.is_free = d->is_free = pl_alloc(n, sizeof *d->is_free);
     plan->is_used = pl_alloc(n, sizeof *plan->is_used);
     plan->inner = pl_alloc(n, sizeof *plan->inner);
     d->order = pl_alloc(n, sizeof *d->order);
     d->interior.node = pl_alloc(n, sizeof *d->interior.node);
     d->count = pl_alloc(n / CHUNK_NODES + 2, sizeof *d->count);
-    if (!plan->is_free || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
+    if (!plan->work.is_free || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
         !d->count)
         return pl_fail_memory(error, "nodes");
     return PLANISH_OK;

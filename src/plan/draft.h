@@ -21,8 +21,10 @@ typedef struct pl_draft {
     pl_part_mesh part_mesh;   /* as a mesh, */
     const planish_mesh *mesh; /* and the one of them that the plan is for */
     const planish_options *options;
-    uint8_t *is_selected; /* [n] not 0: may be free; NULL: all may */
-    uint8_t *is_paired;   /* [n] 1: periodic, to slide or to stay; NULL: none is */
+    uint8_t *is_free;       /* [n] of plan->work, while it is made */
+    uint8_t *whole_is_free; /* of plan->whole, or NULL */
+    uint8_t *is_selected;   /* [n] not 0: may be free; NULL: all may */
+    uint8_t *is_paired;     /* [n] 1: periodic, to slide or to stay; NULL: none is */
     pl_incidence incidence;
     int is_partial; /* incidence has no elements of nodes that are not selected */
     pl_boundary boundary;

@@ -66,7 +66,7 @@ static void find_movable(const planish_plan *plan, const planish_mesh *mesh, uin
     for (int64_t i = 0; i < mesh->n_elements; i++) {
         int movable = 0;
         for (int j = 0; j < corners; j++)
-            movable |= plan->is_free[mesh->elements[i * corners + j]];
+            movable |= plan->work.is_free[mesh->elements[i * corners + j]];
         is_movable[i] = (uint8_t)(mesh->part->is_counted[i] ? movable != 0 : PL_ELSEWHERE);
     }
 }
@@ -153,7 +153,7 @@ static void take(int32_t ghost, const void *value, void *taker) {
 
 void pl_ghosts_wake(const planish_plan *plan, const double *before) {
     const size_t size = (size_t)plan->dim * sizeof(double);
-    for (int64_t i = 0; plan->context->part && i < plan->n_nodes; i++) {
+    for (int64_t i = 0; plan->context->part && i < plan->work.n_nodes; i++) {
         const int64_t inner = plan->inner[i];
         if (memcmp(place_of(plan, inner), before + inner * plan->dim, size) != 0)
             wake_neighbours(plan, (int32_t)i, 1);

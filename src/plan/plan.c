@@ -21,8 +21,8 @@ typedef struct look {
 
 /** How many elements have no free node. */
 static inline int64_t count_fixed(const planish_plan *plan, int dim, int64_t begin, int64_t end) {
-    const int32_t *elements = plan->elements;
-    const uint8_t *is_free = plan->is_free, *is_counted = pl_plan_counted(plan);
+    const int32_t *elements = plan->work.elements;
+    const uint8_t *is_free = plan->work.is_free, *is_counted = plan->work.is_counted;
     int64_t n = 0;
     for (int64_t i = begin; i < end; i++) {
         int movable = 0;
@@ -43,8 +43,8 @@ static void look_at_chunk(void *context, int64_t begin, int64_t end, int thread)
         plan->dim == 3 ? count_fixed(plan, 3, begin, end) : count_fixed(plan, 2, begin, end);
     __atomic_fetch_add(&plan->info.n_fixed_elements, n, __ATOMIC_RELAXED);
     for (int64_t i = begin * k; l->marks && i < end * k; i++)
-        if (!__atomic_load_n(&plan->is_used[plan->elements[i]], __ATOMIC_RELAXED))
-            __atomic_store_n(&plan->is_used[plan->elements[i]], PL_USED | PL_NOT_CHOSEN,
+        if (!__atomic_load_n(&plan->is_used[plan->work.elements[i]], __ATOMIC_RELAXED))
+            __atomic_store_n(&plan->is_used[plan->work.elements[i]], PL_USED | PL_NOT_CHOSEN,
                              __ATOMIC_RELAXED);
 }
 
@@ -53,14 +53,14 @@ static int64_t larger(int64_t a, int64_t b) {
 }
 
 static int prepare_scratch(planish_plan *plan, planish_error *error) {
-    int64_t values = plan->n_nodes * plan->dim;
+    int64_t values = plan->work.n_nodes * plan->dim;
     const pl_stars *interior = &plan->interior.stars, *sliding = &plan->sliding.stars;
     int64_t bytes = pl_star_scratch_size(plan->dim, larger(interior->max_ring, sliding->max_ring),
                                          larger(interior->max_link, sliding->max_link));
     plan->scratch_stride = bytes / (int64_t)sizeof(double);
     plan->coordinates = pl_alloc(values + plan->n_images * plan->dim, sizeof(double));
     plan->measured = pl_alloc(values, sizeof(double));
-    plan->changed = pl_alloc_zero(plan->n_nodes + plan->n_images, 1);
+    plan->changed = pl_alloc_zero(plan->work.n_nodes + plan->n_images, 1);
     plan->scratch = pl_alloc(plan->scratch_stride * plan->threads, sizeof(double));
     plan->tally = pl_alloc(plan->threads, sizeof *plan->tally);
     if (plan->dim == 3)
@@ -78,8 +78,8 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
 /** Nodes that move with others. */
 static int64_t count_followers(const planish_plan *plan) {
     int64_t n = 0;
-    for (int64_t i = 0; i < plan->n_nodes; i++)
-        n += plan->is_free[i] == PL_SLIDES && pl_is_own(pl_part_here(), i);
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
+        n += plan->work.is_free[i] == PL_SLIDES && pl_is_own(pl_part_here(), i);
     return n - plan->sliding.stars.n_stars;
 }
 
@@ -89,9 +89,9 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->n_free = plan->interior.stars.n_stars;
     info->n_sliding = plan->sliding.stars.n_stars + count_followers(plan);
     info->n_fixed_elements = 0;
-    pl_parallel_for(plan->threads, plan->n_elements, CHUNK_ELEMENTS, look_at_chunk, &l);
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK_ELEMENTS, look_at_chunk, &l);
     if (plan->scope == PL_PART_OF_ALL)
-        info->n_fixed_elements += plan->whole.n_elements - plan->n_elements;
+        info->n_fixed_elements += plan->whole.n_elements - plan->work.n_elements;
     info->n_components = d->boundary.n_components;
     if (plan->is_selective || plan->scope == PL_PART_ALONE) /* in a part nobody knows of them */
         info->n_unused = 0;
@@ -127,23 +127,20 @@ static void fill_info_of_all(planish_plan *plan) {
         *count[i] = values[i];
 }
 
-/** What planish_measure tells of all of the mesh. */
-static void note_free_of_all(planish_plan *plan) {
-    for (int64_t i = 0; plan->whole.is_free && i < plan->n_nodes; i++)
-        plan->whole.is_free[plan->node_of[i]] = plan->is_free[i];
-}
-
 static int prepare(planish_plan *plan, pl_draft *d, planish_error *error) {
     int status = pl_draft_finish(plan, d, error);
     if (!status)
         status = pl_ghosts_create(plan, d->mesh, d->order, error);
+    plan->work.is_movable = plan->ghosts.is_movable;
     if (!status)
         status = prepare_scratch(plan, error);
     if (status)
         return status;
     fill_info(plan, d);
     fill_info_of_all(plan);
-    note_free_of_all(plan);
+    /* What planish_measure tells of all of the mesh. */
+    for (int64_t i = 0; d->whole_is_free && i < plan->work.n_nodes; i++)
+        d->whole_is_free[plan->node_of[i]] = plan->work.is_free[i];
     return pl_parts_check(error);
 }
 
@@ -167,6 +164,13 @@ static void visits_destroy(pl_visits *visits) {
     pl_free(visits->follower);
 }
 
+/** The arrays that a plan makes for a view are its own to change. */
+static void release_view(pl_view *view) {
+    pl_free((void *)view->sign);
+    pl_free((void *)view->min_volume);
+    pl_free((void *)view->is_free);
+}
+
 void pl_plan_destroy(planish_plan *plan) {
     pl_ghosts_destroy(&plan->ghosts);
     pl_parts_end(plan->context);
@@ -177,16 +181,12 @@ void pl_plan_destroy(planish_plan *plan) {
     pl_free(plan->own_elements);
     pl_free(plan->node_of);
     pl_free(plan->element_of);
-    pl_free(plan->whole.own_elements);
-    pl_free(plan->whole.sign);
-    pl_free(plan->whole.min_volume);
-    pl_free(plan->whole.is_free);
-    pl_free(plan->whole.is_movable);
+    pl_free(plan->own_whole_elements);
+    pl_free(plan->is_movable);
+    release_view(&plan->work);
+    release_view(&plan->whole);
     pl_free(plan->start);
-    pl_free(plan->min_volume);
-    pl_free(plan->sign);
     pl_free(plan->wrapped);
-    pl_free(plan->is_free);
     pl_free(plan->is_used);
     pl_free(plan->inner);
     pl_free(plan->coordinates);
@@ -216,8 +216,11 @@ static planish_plan *begin(const planish_mesh *mesh, const planish_options *opti
     plan->threads = pl_placement_threads(placement);
     plan->kernel = pl_star_kernel_select(options->isa);
     plan->dim = mesh->dim;
-    plan->n_nodes = plan->whole.n_nodes = mesh->n_nodes;
-    plan->n_elements = plan->whole.n_elements = mesh->n_elements;
+    plan->all = &plan->work;
+    plan->work = plan->whole = (pl_view){.dim = mesh->dim,
+                                         .n_nodes = mesh->n_nodes,
+                                         .n_elements = mesh->n_elements,
+                                         .is_counted = mesh->part ? mesh->part->is_counted : NULL};
     plan->node_stride = points.step;
     plan->component_stride = points.apart;
     return plan;
@@ -289,25 +292,25 @@ static void load_nodes(void *context, int64_t begin, int64_t end, int thread) {
 
 void pl_plan_order(const planish_plan *plan, const double *coordinates, double *inside) {
     load w = {plan, coordinates, inside};
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, load_nodes, &w);
+    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, load_nodes, &w);
 }
 
 pl_points pl_plan_points(const planish_plan *plan, const double *coordinates) {
-    return (pl_points){coordinates,       plan->n_nodes,          plan->dim,
+    return (pl_points){coordinates,       plan->work.n_nodes,     plan->dim,
                        plan->node_stride, plan->component_stride, plan->node_of};
 }
 
 pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates) {
     pl_points points = pl_plan_points(plan, coordinates);
-    if (plan->scope == PL_PART_OF_ALL) {
-        points.n = plan->whole.n_nodes;
+    if (plan->all != &plan->work) {
+        points.n = plan->all->n_nodes;
         points.node_of = NULL;
     }
     return points;
 }
 
 void pl_plan_number_stars(const planish_plan *plan, int32_t *star_of) {
-    memset(star_of, -1, (size_t)plan->n_nodes * sizeof *star_of);
+    memset(star_of, -1, (size_t)plan->work.n_nodes * sizeof *star_of);
     for (int64_t s = 0; s < plan->interior.stars.n_stars; s++)
         star_of[plan->interior.centre[s]] = (int32_t)s;
 }

@@ -5,6 +5,7 @@
 #include "base/context.h"
 #include "plan/ghosts.h"
 #include "plan/placement.h"
+#include "quality/view.h"
 #include "star/star.h"
 #include "topology/points.h"
 #include "topology/topology.h"
@@ -35,41 +36,28 @@ typedef enum pl_scope {
     PL_PART_ALONE   /* a part, of which alone is known */
 } pl_scope;
 
-/** The caller's mesh; but for the counts for PL_PART_OF_ALL. Everything is owned but elements. */
-typedef struct pl_whole {
-    int64_t n_nodes, n_elements;
-    const int32_t *elements; /* [n_elements][dim + 1] */
-    int32_t *own_elements;   /* a copy that these are, or NULL */
-    int8_t *sign;            /* [n_elements] or NULL, */
-    double *min_volume;      /* likewise */
-    uint8_t *is_free;        /* [n_nodes] */
-    uint8_t *is_movable;     /* [n_elements] 1: has a free node in the call that is served */
-} pl_whole;
-
 /** What a thread's visits of a sweep did; no line of the cache is shared with another's. */
 typedef struct pl_thread_tally {
     _Alignas(64) pl_star_tally of;
 } pl_thread_tally;
 
 /** n nodes, m elements: those of the mesh, or of the part of it that is worked on; "inner" numbers
- *  run along the space-filling curve. Everything is owned but elements. */
+ *  run along the space-filling curve. Everything is owned, with the arrays of the views, but
+ * elements and is_counted. is_free is PL_HELD, PL_INTERIOR or PL_SLIDES. */
 struct planish_plan {
     int dim;
-    int64_t n_nodes, n_elements;
-    const int32_t *elements; /* [m][dim + 1] the caller's, or */
-    int32_t *own_elements;   /* the plan's: a copy, or those of the part */
-    double *min_volume;      /* [m] mesh->min_volume, or NULL */
-    int8_t *sign;            /* [m] orientation of the elements, NULL: all +1 */
-    int32_t *wrapped;        /* [n_wrapped] elements that wrap around: their nodes are held */
+    pl_view work;       /* the mesh, or the part of it that is worked on */
+    pl_view whole;      /* all of the mesh, for PL_PART_OF_ALL; else its counts alone */
+    const pl_view *all; /* all that is known: &work or &whole */
+    int32_t *own_elements, *own_whole_elements; /* those of work and whole, or NULL: the caller's */
+    int32_t *wrapped; /* [n_wrapped] elements that wrap around: their nodes are held */
     int64_t n_wrapped;
-    uint8_t *is_free; /* [n] PL_HELD, ... */
     uint8_t *is_used; /* [n] 0: by no element; else PL_USED, ... */
     int32_t *inner;   /* [n] inner number of each node */
     int is_selective; /* only nodes of bad elements are free, see pl_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
     int32_t *element_of; /* [m] likewise of each element */
     pl_scope scope;
-    pl_whole whole;
     int64_t node_stride, component_stride; /* of the caller's coordinates */
     pl_visits interior;                    /* of the nodes that may go anywhere, */
     pl_visits sliding;                     /* and of those that stay on a plane, line or surface: */
@@ -87,6 +75,7 @@ struct planish_plan {
     double *measured;    /* [n][dim] in the mesh's order, in units of its size: for measuring */
     uint8_t *changed;    /* [n + n_images] by inner numbers, see pl_star_problem */
     pl_star_kept *kept;  /* [interior.stars.n_stars] likewise; NULL in 2-D */
+    uint8_t *is_movable; /* [elements of whole] 1: has a free node in the call that is served */
     double *scratch;     /* [threads][scratch_stride] of the kernels */
     int64_t scratch_stride;
     pl_thread_tally *tally; /* [threads] of the sweep under way */
@@ -130,9 +119,12 @@ static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
     return plan->node_of ? plan->node_of[node] : node;
 }
 
-/** [n_elements] 1: this process counts the element; NULL: all of them. */
-static inline const uint8_t *pl_plan_counted(const planish_plan *plan) {
-    return plan->context->part ? plan->context->part->is_counted : NULL;
+/** Return the view without is_movable: all elements are looked at, also those that other processes
+ *  count. */
+static inline pl_view pl_view_of_all_elements(const pl_view *view) {
+    pl_view v = *view;
+    v.is_movable = NULL;
+    return v;
 }
 
 /** Check options, and that coordinates [n][dim] of the caller are finite: every call on coordinates

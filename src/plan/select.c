@@ -93,19 +93,25 @@ static int spread(work *w, int threads, int least, int layers) {
     return w->any;
 }
 
+/** The mesh with the nodes of is_free [n]. */
+static pl_view view_of(const planish_mesh *mesh, const int8_t *sign, const uint8_t *is_free) {
+    return (pl_view){.dim = mesh->dim,
+                     .n_nodes = mesh->n_nodes,
+                     .n_elements = mesh->n_elements,
+                     .elements = mesh->elements,
+                     .sign = sign,
+                     .min_volume = mesh->min_volume,
+                     .is_free = is_free,
+                     .is_counted = mesh->part ? mesh->part->is_counted : NULL};
+}
+
 /** Elements below their least volume are bad, too. */
 static int add_below(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
                      const uint8_t *is_selected, int threads, uint8_t *state,
                      planish_error *error) {
-    pl_objective_problem problem = {.dim = mesh->dim,
-                                    .n_elements = mesh->n_elements,
-                                    .elements = mesh->elements,
-                                    .sign = sign,
-                                    .is_free = is_selected,
-                                    .is_counted = mesh->part ? mesh->part->is_counted : NULL,
+    pl_objective_problem problem = {.mesh = view_of(mesh, sign, is_selected),
                                     .coordinates = mesh->coordinates,
                                     .min_volume = options->min_volume,
-                                    .own_min_volume = mesh->min_volume,
                                     .threads = threads};
     uint8_t *below = pl_alloc(mesh->n_elements, sizeof *below);
     if (!below)
@@ -163,8 +169,8 @@ static int find_states(work *w, const int8_t *sign, const planish_options *optio
     const planish_mesh *mesh = w->mesh;
     int status = PLANISH_OK;
     memset(w->of_node, 0, (size_t)mesh->n_nodes);
-    pl_find_worse(mesh->dim, mesh->n_elements, mesh->elements, sign, w->of_node, mesh->coordinates,
-                  options->only_worse_than, INFINITY, threads, w->state);
+    const pl_view view = view_of(mesh, sign, w->of_node);
+    pl_find_worse(&view, mesh->coordinates, options->only_worse_than, INFINITY, threads, w->state);
     if (options->min_volume > 0 || options->min_volume_fraction > 0 || mesh->min_volume)
         status = add_below(mesh, sign, options, w->of_node, threads, w->state, error);
     *all_positive = !status && !spread(w, threads, PL_INVERTED, UNTANGLING_LAYERS);

@@ -39,9 +39,9 @@ typedef struct pass {
 } pass;
 
 static pass begin_pass(const pl_mesh_state *mesh) {
-    int64_t blocks = mesh->n_elements / ((int64_t)PL_LANES * MAX_CHUNKS) + 1;
+    int64_t blocks = mesh->of->n_elements / ((int64_t)PL_LANES * MAX_CHUNKS) + 1;
     int64_t chunk = blocks * PL_LANES > MIN_CHUNK ? blocks * PL_LANES : MIN_CHUNK;
-    int64_t n_chunks = mesh->n_elements > 0 ? (mesh->n_elements - 1) / chunk + 1 : 0;
+    int64_t n_chunks = mesh->of->n_elements > 0 ? (mesh->of->n_elements - 1) / chunk + 1 : 0;
     return (pass){.mesh = mesh, .chunk = chunk, .n_chunks = n_chunks};
 }
 
@@ -151,7 +151,7 @@ PL_INLINE void chunk_of_dim(pass *p, int64_t begin, int64_t end, const int dim) 
 }
 
 PL_INLINE void inline_chunk(pass *p, int64_t begin, int64_t end) {
-    if (p->mesh->dim == 3)
+    if (p->mesh->of->dim == 3)
         chunk_of_dim(p, begin, end, 3);
     else
         chunk_of_dim(p, begin, end, 2);
@@ -206,49 +206,35 @@ static void add_parts(pl_ratio_sums *sums) {
     sums->acuteness = most[1];
 }
 
-static void sum_ratios(const pl_mesh_state *mesh, int threads, pl_ratio_sums *sums) {
+void pl_sum_radius_ratio(const pl_view *view, const double *coordinates, int threads,
+                         pl_ratio_sums *sums) {
+    const pl_mesh_state mesh = {view, coordinates};
     pl_ratio_sums part[MAX_CHUNKS];
-    pass p = begin_pass(mesh);
+    pass p = begin_pass(&mesh);
     p.basic = part;
-    pl_parallel_for(threads, mesh->n_elements, p.chunk, any_chunk, &p);
+    pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
     pl_parts_add_sums(p.sum, 2);
     *sums = total_of(&p);
     sums->acuteness = largest_so_far(&p);
     add_parts(sums);
 }
 
-void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                         const uint8_t *is_free, const double *coordinates, int threads,
-                         pl_ratio_sums *sums) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
-    sum_ratios(&mesh, threads, sums);
-}
-
-void pl_sum_radius_ratio_by(int dim, int64_t n_elements, const int32_t *elements,
-                            const int8_t *sign, const uint8_t *is_movable,
-                            const double *coordinates, int threads, pl_ratio_sums *sums) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, NULL, coordinates, is_movable};
-    sum_ratios(&mesh, threads, sums);
-}
-
-void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                   const uint8_t *is_free, const double *coordinates, double ratio,
-                   double acuteness, int threads, uint8_t *state) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
+void pl_find_worse(const pl_view *view, const double *coordinates, double ratio, double acuteness,
+                   int threads, uint8_t *state) {
+    const pl_mesh_state mesh = {view, coordinates};
     pass p = begin_pass(&mesh);
     p.state = state;
     p.limit2 = ratio * ratio;
     p.acute_limit = acuteness;
-    p.blunt = pl_blunt_ratio_square(dim, acuteness);
-    pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
+    p.blunt = pl_blunt_ratio_square(view->dim, acuteness);
+    pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
 }
 
-void pl_find_ratios(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                    const uint8_t *is_free, const double *coordinates, int threads, double *ratio) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, NULL};
+void pl_find_ratios(const pl_view *view, const double *coordinates, int threads, double *ratio) {
+    const pl_mesh_state mesh = {view, coordinates};
     pass p = begin_pass(&mesh);
     p.ratio = ratio;
-    pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
+    pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
 }
 
 /* ---- The public figures ------------------------------------------------------------------- */
@@ -319,10 +305,10 @@ static void fill_angles(const pl_full_sums *full, planish_quality *q) {
     memcpy(q->angle_counts, full->by_angle, sizeof full->by_angle);
 }
 
-static int64_t count_elsewhere(const uint8_t *is_movable, int64_t n_elements) {
+static int64_t count_elsewhere(const pl_view *view) {
     int64_t n = 0;
-    for (int64_t i = 0; is_movable && i < n_elements; i++)
-        n += is_movable[i] == PL_ELSEWHERE;
+    for (int64_t i = 0; view->is_movable && i < view->n_elements; i++)
+        n += view->is_movable[i] == PL_ELSEWHERE;
     return n;
 }
 
@@ -359,21 +345,20 @@ static void add_full_parts(pl_full_sums *f) {
         f->worst_element = -1;
 }
 
-int pl_measure_by(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                  const uint8_t *is_free, const uint8_t *is_movable, const double *coordinates,
-                  int threads, planish_quality *quality, planish_error *error) {
-    const pl_mesh_state mesh = {dim, n_elements, elements, sign, is_free, coordinates, is_movable};
+int pl_measure(const pl_view *view, const double *coordinates, int threads,
+               planish_quality *quality, planish_error *error) {
+    const pl_mesh_state mesh = {view, coordinates};
     pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
     p.basic = part;
     p.full = pl_alloc(p.n_chunks, sizeof *p.full);
     if (!p.full)
         return pl_fail_memory(error, "measuring the mesh");
-    pl_parallel_for(threads, n_elements, p.chunk, any_chunk, &p);
+    pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
     pl_parts_add_sums(p.sum, 2);
     pl_ratio_sums basic = total_of(&p);
     pl_full_sums full = pl_total_full(p.n_chunks, p.full);
-    int64_t n = n_elements - count_elsewhere(is_movable, n_elements);
+    int64_t n = view->n_elements - count_elsewhere(view);
     add_parts(&basic);
     add_full_parts(&full);
     pl_parts_add(&n, 1);
@@ -392,11 +377,4 @@ int pl_measure_by(int dim, int64_t n_elements, const int32_t *elements, const in
     }
     *quality = q;
     return 0;
-}
-
-int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-               const uint8_t *is_free, const double *coordinates, int threads,
-               planish_quality *quality, planish_error *error) {
-    return pl_measure_by(dim, n_elements, elements, sign, is_free, NULL, coordinates, threads,
-                         quality, error);
 }

@@ -8,26 +8,14 @@
 #ifndef PL_QUALITY_MEASURE_H
 #define PL_QUALITY_MEASURE_H
 
-#include <planish/planish.h>
+#include "quality/view.h"
 
-/* The functions take, with n nodes and m elements: elements [m][dim + 1], node numbers in range;
- * sign [m], +1 or -1 so that sign * measure is positive in a valid mesh, or NULL: all +1;
- * is_free [n], 1: the node may move; coordinates [n][dim]. */
-
-/** Fill in *quality (planish.h). Each element is looked at in its own scale, so that any volume
- *  that a double holds gives a finite ratio; sums that overflow are infinite. What has no value for
- *  lack of (valid) elements is 0. Errors: _MEMORY; *quality is then untouched. */
-int pl_measure(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-               const uint8_t *is_free, const double *coordinates, int threads,
+/** Measure the mesh: *quality (planish.h). Each element is looked at in its own scale, so that any
+ *  volume that a double holds gives a finite ratio; sums that overflow are infinite. What has no
+ *  value for lack of (valid) elements is 0. coordinates [n][dim]. Errors: _MEMORY; *quality is then
+ *  untouched. */
+int pl_measure(const pl_view *view, const double *coordinates, int threads,
                planish_quality *quality, planish_error *error);
-
-/** The same where is_movable [n_elements] says of each element what it counts as: 1 with a free
- * node, 0 without, PL_ELSEWHERE nothing, as another process counts it; with NULL is_free says it.
- */
-enum { PL_ELSEWHERE = 2 };
-int pl_measure_by(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                  const uint8_t *is_free, const uint8_t *is_movable, const double *coordinates,
-                  int threads, planish_quality *quality, planish_error *error);
 
 /** Radius ratios over the valid elements (positive measure, decided exactly). */
 typedef struct pl_ratio_sums {
@@ -40,28 +28,20 @@ typedef struct pl_ratio_sums {
     int64_t inverted;  /* elements that are not valid */
 } pl_ratio_sums;
 
-/** The part of pl_measure that convergence is judged by, twice as fast; the same bits. Fastest
- * where edges are between 1e-18 and 1e24 long, and right everywhere. */
-void pl_sum_radius_ratio(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                         const uint8_t *is_free, const double *coordinates, int threads,
+/** Sum the radius ratios: the part of pl_measure that convergence is judged by, twice as fast; the
+ *  same bits. Fastest where edges are between 1e-18 and 1e24 long, and right everywhere. */
+void pl_sum_radius_ratio(const pl_view *view, const double *coordinates, int threads,
                          pl_ratio_sums *sums);
 
-/** The same by is_movable, as pl_measure_by. */
-void pl_sum_radius_ratio_by(int dim, int64_t n_elements, const int32_t *elements,
-                            const int8_t *sign, const uint8_t *is_movable,
-                            const double *coordinates, int threads, pl_ratio_sums *sums);
-
-/** Of an element. */
+/** State of an element. */
 enum { PL_FINE = 0, PL_WORSE = 1, PL_INVERTED = 2 };
 
 /** Tell the elements whose RR is above ratio, or the acuteness of an angle above acuteness, or that
- * are not positive: state [n_elements]. */
-void pl_find_worse(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                   const uint8_t *is_free, const double *coordinates, double ratio,
-                   double acuteness, int threads, uint8_t *state);
+ *  are not positive: state [m]. */
+void pl_find_worse(const pl_view *view, const double *coordinates, double ratio, double acuteness,
+                   int threads, uint8_t *state);
 
-/** RR of each element, 0 of those that are not positive: ratio [n_elements]. */
-void pl_find_ratios(int dim, int64_t n_elements, const int32_t *elements, const int8_t *sign,
-                    const uint8_t *is_free, const double *coordinates, int threads, double *ratio);
+/** Find the RR of each element, 0 of those that are not positive: ratio [m]. */
+void pl_find_ratios(const pl_view *view, const double *coordinates, int threads, double *ratio);
 
 #endif

@@ -20,38 +20,38 @@ enum { AHEAD = 3 * PL_LANES }; /* elements whose nodes are asked for before they
 PL_INLINE int has_free_node(const pl_mesh_state *mesh, const int32_t *node, const int dim) {
     int is_free = 0;
     for (int j = 0; j <= dim; j++)
-        is_free |= mesh->is_free[node[j]];
+        is_free |= mesh->of->is_free[node[j]];
     return is_free != 0;
 }
 
 PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b,
                       const int dim) {
     const int32_t *node[PL_LANES];
-    for (int l = 0; l < PL_LANES && first + AHEAD + l < mesh->n_elements; l++)
-        pl_fetch_nodes(dim, mesh->elements, mesh->coordinates, first + AHEAD + l);
+    for (int l = 0; l < PL_LANES && first + AHEAD + l < mesh->of->n_elements; l++)
+        pl_fetch_nodes(dim, mesh->of->elements, mesh->coordinates, first + AHEAD + l);
     for (int l = 0; l < PL_LANES; l++) {
         const int64_t element = first + (l < count ? l : 0);
-        node[l] = mesh->elements + element * (dim + 1);
+        node[l] = mesh->of->elements + element * (dim + 1);
         for (int j = 0; j <= dim; j++)
             for (int d = 0; d < dim; d++)
                 b->x[j][d][l] = mesh->coordinates[(int64_t)node[l][j] * dim + d];
-        b->sign[l] = mesh->sign ? mesh->sign[element] : 1;
+        b->sign[l] = mesh->of->sign ? mesh->of->sign[element] : 1;
         b->present[l] = l < count;
     }
-    if (!mesh->is_movable) {
+    if (!mesh->of->is_movable) {
         for (int l = 0; l < PL_LANES; l++)
             b->is_free[l] = has_free_node(mesh, node[l], dim);
         return;
     }
     for (int l = 0; l < PL_LANES; l++) {
-        const uint8_t movable = mesh->is_movable[first + (l < count ? l : 0)];
+        const uint8_t movable = mesh->of->is_movable[first + (l < count ? l : 0)];
         b->is_free[l] = movable != 0;
         b->present[l] = l < count && movable != PL_ELSEWHERE;
     }
 }
 
 void pl_block_gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b) {
-    if (mesh->dim == 3)
+    if (mesh->of->dim == 3)
         gather(mesh, first, count, b, 3);
     else
         gather(mesh, first, count, b, 2);
@@ -246,10 +246,10 @@ static pl_shape certified_shape(int dim, const element *e, const double edges[3]
 
 /** Evaluate lane l anew: in the element's own scale, with the exact sign. */
 static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *b) {
-    const int dim = mesh->dim;
+    const int dim = mesh->of->dim;
     element e = {.vertex = {NULL}}; /* for compilers that do not see that dim > 0 */
     for (int j = 0; j <= dim; j++)
-        e.vertex[j] = mesh->coordinates + (int64_t)mesh->elements[number * (dim + 1) + j] * dim;
+        e.vertex[j] = mesh->coordinates + (int64_t)mesh->of->elements[number * (dim + 1) + j] * dim;
     int exponent;
     double m = b->sign[l] * pl_certified_determinant(dim, e.vertex, &exponent);
     b->volume[l] = ldexp(m / (dim == 3 ? 6 : 2), exponent);
@@ -275,7 +275,7 @@ static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *
 }
 
 void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b) {
-    evaluate_scaled(b, mesh->dim);
+    evaluate_scaled(b, mesh->of->dim);
     for (int l = 0; l < count; l++)
         if (b->certain[l] == 0)
             resolve(mesh, first + l, l, b);

@@ -10,6 +10,7 @@
 
 #include "geometry/angle.h"
 #include "geometry/simplex.h"
+#include "quality/view.h"
 
 #include <stdint.h>
 
@@ -41,15 +42,10 @@ enum {
     PL_N_MEASURES
 };
 
-/** A mesh as measure.h describes it. */
+/** A mesh and where its nodes are. */
 typedef struct pl_mesh_state {
-    int dim;
-    int64_t n_elements;
-    const int32_t *elements;
-    const int8_t *sign;
-    const uint8_t *is_free;
-    const double *coordinates;
-    const uint8_t *is_movable; /* [n_elements] see pl_measure_by; NULL: is_free says which do */
+    const pl_view *of;
+    const double *coordinates; /* [n][dim] */
 } pl_mesh_state;
 
 /** PL_LANES elements, one per lane; lanes past the last element, and those of elements that another

@@ -88,11 +88,12 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
     element e;
     const double *vertex[4], *scaled[4];
     for (int j = 0; j <= dim; j++) {
-        vertex[j] = problem->coordinates + (int64_t)problem->elements[index * (dim + 1) + j] * dim;
+        vertex[j] =
+            problem->coordinates + (int64_t)problem->mesh.elements[index * (dim + 1) + j] * dim;
         scaled[j] = e.x[j];
     }
     scale_element(vertex, &e, dim);
-    double edges[3][3] = {{0}}, sign = problem->sign ? problem->sign[index] : 1;
+    double edges[3][3] = {{0}}, sign = problem->mesh.sign ? problem->mesh.sign[index] : 1;
     pl_edges(dim, scaled, edges);
     e.determinant = sign * pl_determinant_of_edges(dim, edges);
     const double per_measure = dim == 3 ? 6 : 2;
@@ -109,7 +110,7 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
 }
 
 static double least_volume(const pl_objective_problem *problem, int64_t index) {
-    double own = problem->own_min_volume ? problem->own_min_volume[index] : 0;
+    double own = problem->mesh.min_volume ? problem->mesh.min_volume[index] : 0;
     return own > 0 ? own : problem->min_volume;
 }
 
@@ -132,10 +133,10 @@ static double aspect_square(const pl_objective_problem *problem, const double *c
 
 static int has_free_node(const pl_objective_problem *problem, int64_t index, const int dim) {
     int is_free = 0;
-    if (problem->is_movable)
-        return problem->is_movable[index] != 0;
+    if (problem->mesh.is_movable)
+        return problem->mesh.is_movable[index] != 0;
     for (int j = 0; j <= dim; j++)
-        is_free |= problem->is_free[problem->elements[index * (dim + 1) + j]];
+        is_free |= problem->mesh.is_free[problem->mesh.elements[index * (dim + 1) + j]];
     return is_free != 0;
 }
 
@@ -199,11 +200,11 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     double blunt = 0;
     memset(&sums, 0, sizeof sums);
-    const uint8_t *is_counted = w->problem->is_counted;
+    const uint8_t *is_counted = w->problem->mesh.is_counted;
     for (int64_t i = begin; i < end; i++) {
         if (is_counted && !is_counted[i])
             continue;
-        if (w->problem->dim == 3)
+        if (w->problem->mesh.dim == 3)
             add_element(w->problem, i, &sums, &blunt, 3);
         else
             add_element(w->problem, i, &sums, &blunt, 2);
@@ -224,7 +225,7 @@ static void add_parts(exact_sums *sums) {
 
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
     exact_sums exact;
-    int64_t n = problem->n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
+    int64_t n = problem->mesh.n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
     work w = {.problem = problem, .sums = &exact};
     memset(&exact, 0, sizeof exact);
     pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &w);
@@ -250,10 +251,10 @@ static void classify_chunk(void *context, int64_t begin, int64_t end, int thread
     int64_t n_below = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        element e = element_at(w->problem, i, w->problem->dim);
+        element e = element_at(w->problem, i, w->problem->mesh.dim);
         int below = volume_constraint(least_volume(w->problem, i), &e) > PLANISH_VOLUME_TOLERANCE;
         if (w->flat >= 0)
-            below |= !(e.determinant > w->flat * permanent_bound(&e, w->problem->dim));
+            below |= !(e.determinant > w->flat * permanent_bound(&e, w->problem->mesh.dim));
         w->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
         n_below += below;
     }
@@ -263,7 +264,7 @@ static void classify_chunk(void *context, int64_t begin, int64_t end, int thread
 static int64_t classify(const pl_objective_problem *problem, double flat, uint8_t *state) {
     int64_t n_below = 0;
     work w = {.problem = problem, .state = state, .flat = flat, .n_below = &n_below};
-    pl_parallel_for(problem->threads, problem->n_elements, 8 * MIN_CHUNK, classify_chunk, &w);
+    pl_parallel_for(problem->threads, problem->mesh.n_elements, 8 * MIN_CHUNK, classify_chunk, &w);
     return n_below;
 }
 

@@ -6,22 +6,14 @@
 #ifndef PL_QUALITY_OBJECTIVE_H
 #define PL_QUALITY_OBJECTIVE_H
 
-#include <planish/planish.h>
+#include "quality/view.h"
 
-/** A mesh of m elements and n nodes, and what is asked of it. */
+/** A mesh, and what is asked of it. */
 typedef struct pl_objective_problem {
-    int dim;
-    int64_t n_elements;
-    const int32_t *elements; /* [m][dim + 1] */
-    const int8_t *sign;      /* [m] +1 or -1, or NULL: all +1 */
-    const uint8_t *is_free;  /* [n], or */
-    const uint8_t
-        *is_movable; /* [m] 1: counts as having a free node; NULL: is_free says which do */
-    const uint8_t *is_counted; /* [m] 0: not summed up, as another process does it; NULL: all 1 */
+    pl_view mesh;              /* is_movable without PL_ELSEWHERE: is_counted says that */
     const double *coordinates; /* [n][dim] */
     planish_objective objective;
-    double min_volume;            /* of elements without their own; 0: none */
-    const double *own_min_volume; /* [m] 0: none, or NULL */
+    double min_volume; /* of elements without their own; 0: none */
     int threads;
 } pl_objective_problem;
 

@@ -14,9 +14,7 @@ enum { CHUNK = 4096 }; /* elements that one thread takes at a time */
 enum { FLAT = 0, POSITIVE = 1, NEGATIVE = 2 };
 
 typedef struct work {
-    int dim;
-    const int32_t *elements;
-    const uint8_t *is_counted; /* or NULL */
+    const pl_view *view;
     const double *coordinates;
     uint8_t *state;    /* [n_elements] */
     int64_t counts[2]; /* positive and negative elements; shared */
@@ -24,11 +22,11 @@ typedef struct work {
 } work;
 
 static uint8_t state_of(const work *w, int64_t element) {
-    const int32_t *node = w->elements + element * (w->dim + 1);
+    const int32_t *node = w->view->elements + element * (w->view->dim + 1);
     const double *vertex[4];
-    for (int j = 0; j <= w->dim; j++)
-        vertex[j] = w->coordinates + (int64_t)node[j] * w->dim;
-    const int sign = pl_measure_sign(w->dim, vertex);
+    for (int j = 0; j <= w->view->dim; j++)
+        vertex[j] = w->coordinates + (int64_t)node[j] * w->view->dim;
+    const int sign = pl_measure_sign(w->view->dim, vertex);
     return sign > 0 ? POSITIVE : sign < 0 ? NEGATIVE : FLAT;
 }
 
@@ -37,7 +35,7 @@ static void sign_chunk(void *context, int64_t begin, int64_t end, int thread) {
     int64_t n_positive = 0, n_negative = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int counts = !w->is_counted || w->is_counted[i];
+        const int counts = !w->view->is_counted || w->view->is_counted[i];
         w->state[i] = state_of(w, i);
         n_positive += counts && w->state[i] == POSITIVE;
         n_negative += counts && w->state[i] == NEGATIVE;
@@ -53,14 +51,13 @@ static void mark_chunk(void *context, int64_t begin, int64_t end, int thread) {
         w->state[i] = w->state[i] == w->rarer;
 }
 
-int64_t pl_find_reversed(int dim, int64_t n_elements, const int32_t *elements,
-                         const uint8_t *is_counted, const double *coordinates, int threads,
+int64_t pl_find_reversed(const pl_view *view, const double *coordinates, int threads,
                          uint8_t *reversed) {
-    work w = {dim, elements, is_counted, coordinates, reversed, {0}, NEGATIVE};
-    pl_parallel_for(threads, n_elements, CHUNK, sign_chunk, &w);
+    work w = {view, coordinates, reversed, {0}, NEGATIVE};
+    pl_parallel_for(threads, view->n_elements, CHUNK, sign_chunk, &w);
     pl_parts_add(w.counts, 2);
     const int64_t n = pl_count_reversed(w.counts[0], w.counts[1]);
     w.rarer = w.counts[0] >= w.counts[1] ? NEGATIVE : POSITIVE;
-    pl_parallel_for(threads, n_elements, CHUNK, mark_chunk, &w);
+    pl_parallel_for(threads, view->n_elements, CHUNK, mark_chunk, &w);
     return n;
 }

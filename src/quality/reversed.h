@@ -2,19 +2,17 @@
 #ifndef PL_QUALITY_REVERSED_H
 #define PL_QUALITY_REVERSED_H
 
-#include <stdint.h>
+#include "quality/view.h"
 
 /** Number of elements that do not have the sign of most; in a tie most are positive. */
 static inline int64_t pl_count_reversed(int64_t n_positive, int64_t n_negative) {
     return n_positive >= n_negative ? n_negative : n_positive;
 }
 
-/** Find the elements [n_elements][dim + 1] whose measure in the listed order of their nodes has the
- *  other sign than most elements' of the whole mesh: reversed [n_elements] becomes 0 or 1. Returns
- *  their number in the whole mesh. is_counted [n_elements]: 1: this process counts the element;
- *  NULL: it counts all. coordinates [n][dim]. */
-int64_t pl_find_reversed(int dim, int64_t n_elements, const int32_t *elements,
-                         const uint8_t *is_counted, const double *coordinates, int threads,
+/** Find the elements whose measure in the listed order of their nodes has the other sign than most
+ *  elements' of the whole mesh: reversed [m] becomes 0 or 1. Return their number in the whole mesh.
+ *  coordinates [n][dim]. */
+int64_t pl_find_reversed(const pl_view *view, const double *coordinates, int threads,
                          uint8_t *reversed);
 
 #endif

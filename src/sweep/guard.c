@@ -23,18 +23,10 @@ enum { CHUNK_NODES = 4096 };
 pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                              const planish_options *options, const double *all,
                                              double delta) {
-    const pl_whole *whole = &plan->whole;
-    const int is_part = plan->scope == PL_PART_OF_ALL;
-    return (pl_objective_problem){.dim = plan->dim,
-                                  .n_elements = is_part ? whole->n_elements : plan->n_elements,
-                                  .elements = is_part ? whole->elements : plan->elements,
-                                  .sign = is_part ? whole->sign : plan->sign,
-                                  .is_free = is_part ? whole->is_free : plan->is_free,
-                                  .is_counted = pl_plan_counted(plan),
+    return (pl_objective_problem){.mesh = pl_view_of_all_elements(plan->all),
                                   .coordinates = all,
                                   .objective = options->objective,
                                   .min_volume = delta,
-                                  .own_min_volume = is_part ? whole->min_volume : plan->min_volume,
                                   .threads = plan->threads};
 }
 
@@ -132,8 +124,8 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
         const int stays = outside || (w->group && w->group[w->plan->inner[i]] & LEFT_ALONE);
         for (int d = 0; stays && d < dim; d++)
             lower[d] = upper[d] = x[d];
-        w->is_free[i] = w->plan->is_free[i] && !stays;
-        held += outside && w->plan->is_free[i] && pl_is_own(pl_part_here(), i);
+        w->is_free[i] = w->plan->work.is_free[i] && !stays;
+        held += outside && w->plan->work.is_free[i] && pl_is_own(pl_part_here(), i);
     }
     __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
 }
@@ -179,14 +171,15 @@ static void leave_alone(void *context, int64_t begin, int64_t end, int thread) {
     int64_t left_alone = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        const int32_t *node = plan->elements + i * (plan->dim + 1);
+        const int32_t *node = plan->work.elements + i * (plan->dim + 1);
         const double *vertex[4];
         int grouped = 0;
         for (int j = 0; j <= plan->dim; j++) {
             vertex[j] = w->coordinates + (int64_t)node[j] * plan->dim;
             grouped |= __atomic_load_n(&w->group[plan->inner[node[j]]], __ATOMIC_RELAXED) & GROUPED;
         }
-        if (!grouped || pl_measure_sign(plan->dim, vertex) * (plan->sign ? plan->sign[i] : 1) > 0)
+        if (!grouped ||
+            pl_measure_sign(plan->dim, vertex) * (plan->work.sign ? plan->work.sign[i] : 1) > 0)
             continue;
         left_alone++;
         for (int j = 0; j <= plan->dim; j++)
@@ -204,13 +197,13 @@ static int find_left_alone(work *w) {
     if (w->options->untangle || w->options->method != PLANISH_METHOD_PLANISH ||
         visits->n_followers == 0)
         return 1;
-    w->group = pl_alloc_zero(plan->n_nodes, sizeof *w->group);
+    w->group = pl_alloc_zero(plan->work.n_nodes, sizeof *w->group);
     if (!w->group)
         return 0;
     for (int64_t k = 0; k < visits->n_followers; k++)
-        if (visits->follower[k].node < plan->n_nodes)
+        if (visits->follower[k].node < plan->work.n_nodes)
             w->group[visits->follower[k].node] = w->group[visits->follower[k].of] = GROUPED;
-    pl_parallel_for(plan->threads, plan->n_elements, CHUNK_NODES, leave_alone, w);
+    pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK_NODES, leave_alone, w);
     return 1;
 }
 
@@ -219,7 +212,7 @@ static int check_bounds(const planish_plan *plan, const planish_options *options
                         planish_error *error) {
     const double *bounds[] = {options->lower, options->upper};
     for (int which = 0; which < 2; which++)
-        for (int64_t i = 0; bounds[which] && i < plan->n_nodes * plan->dim; i++) {
+        for (int64_t i = 0; bounds[which] && i < plan->work.n_nodes * plan->dim; i++) {
             const int64_t node = pl_plan_node(plan, i / plan->dim);
             if (isnan(bounds[which][node * plan->dim + i % plan->dim]))
                 return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, node,
@@ -252,7 +245,7 @@ static void bound_leaders(const work *w) {
     const int dim = plan->dim;
     for (int64_t k = 0; w->lower && k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        if (f->node >= plan->n_nodes)
+        if (f->node >= plan->work.n_nodes)
             continue;
         double *lower = w->lower + (int64_t)f->of * dim, *upper = w->upper + (int64_t)f->of * dim;
         const double *low = w->lower + (int64_t)f->node * dim;
@@ -266,18 +259,18 @@ static void bound_leaders(const work *w) {
 
 static int make_bounds(const planish_plan *plan, const planish_options *options,
                        const double *coordinates, pl_guard *guard, planish_error *error) {
-    const int64_t values = plan->n_nodes * plan->dim;
+    const int64_t values = plan->work.n_nodes * plan->dim;
     work w = {.plan = plan, .options = options, .coordinates = coordinates};
     int memory = find_left_alone(&w);
     if (memory && (has_box(plan, options) || w.left_alone > 0)) {
         guard->star.lower = w.lower = pl_alloc(values, sizeof *w.lower);
         guard->star.upper = w.upper = pl_alloc(values, sizeof *w.upper);
-        guard->is_free = w.is_free = pl_alloc(plan->n_nodes, sizeof *w.is_free);
+        guard->is_free = w.is_free = pl_alloc(plan->work.n_nodes, sizeof *w.is_free);
         memory = w.lower && w.upper && w.is_free;
     }
     if (options->max_displacement > 0) {
         guard->star.start = w.start = pl_alloc(values, sizeof *w.start);
-        guard->star.radius = w.radius = pl_alloc(plan->n_nodes, sizeof *w.radius);
+        guard->star.radius = w.radius = pl_alloc(plan->work.n_nodes, sizeof *w.radius);
         memory = memory && w.start && w.radius;
     }
     if (!memory) {
@@ -285,7 +278,7 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
         return pl_fail_memory(error, "the bounds of the nodes");
     }
     if (w.lower)
-        pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, bound_nodes, &w);
+        pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, bound_nodes, &w);
     const pl_visits *visits[] = {&plan->interior, &plan->sliding};
     for (int i = 0; w.radius && i < 2; i++) {
         w.visits = visits[i];
@@ -302,13 +295,10 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
 
 /** The first element without a least volume, by the caller's number, or -1. */
 static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
-    const pl_whole *whole = &plan->whole;
-    const int is_part = plan->scope == PL_PART_OF_ALL;
-    const int64_t n = is_part ? whole->n_elements : plan->n_elements;
-    const double *least = is_part ? whole->min_volume : plan->min_volume;
-    for (int64_t i = 0; i < n && !(min_volume > 0); i++)
+    const double *least = plan->all->min_volume;
+    for (int64_t i = 0; i < plan->all->n_elements && !(min_volume > 0); i++)
         if (!least || !(least[i] > 0))
-            return is_part ? i : pl_plan_element(plan, i);
+            return plan->all == &plan->work ? pl_plan_element(plan, i) : i;
     return -1;
 }
 
@@ -335,16 +325,10 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
                           "options.area_weight is %g, but element %" PRId64
                           " has no least volume; give min_volume or min_volume_fraction",
                           options->area_weight, element);
-    const pl_objective_problem problem = {.dim = plan->dim,
-                                          .n_elements = plan->n_elements,
-                                          .elements = plan->elements,
-                                          .sign = plan->sign,
-                                          .is_free = plan->is_free,
-                                          .is_counted = pl_plan_counted(plan),
+    const pl_objective_problem problem = {.mesh = pl_view_of_all_elements(&plan->work),
                                           .coordinates = coordinates,
                                           .objective = options->objective,
                                           .min_volume = delta,
-                                          .own_min_volume = plan->min_volume,
                                           .threads = plan->threads};
     pl_objective_sums sums;
     pl_sum_objective(&problem, &sums);
@@ -376,7 +360,7 @@ int pl_guard_create(const planish_plan *plan, const planish_options *options,
     if (status)
         pl_guard_destroy(guard);
     guard->wanted = options->objective != PLANISH_RADIUS_RATIO || options->area_weight > 0 ||
-                    delta > 0 || plan->min_volume || guard->star.lower || guard->star.radius;
+                    delta > 0 || plan->work.min_volume || guard->star.lower || guard->star.radius;
     return status;
 }
 

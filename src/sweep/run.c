@@ -67,14 +67,9 @@ pl_star_limits pl_run_limits(const pl_run *r, double margin) {
 
 static void measure_ratios(pl_run *r) {
     const planish_plan *plan = r->plan;
-    if (plan->ghosts.is_movable)
-        pl_sum_radius_ratio_by(plan->dim, plan->n_elements, plan->elements, plan->sign,
-                               plan->ghosts.is_movable, plan->measured, plan->threads, &r->sums);
-    else
-        pl_sum_radius_ratio(plan->dim, plan->n_elements, plan->elements, plan->sign, plan->is_free,
-                            plan->measured, plan->threads, &r->sums);
+    pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, &r->sums);
     r->measured = r->sums.movable;
-    if (plan->scope != PL_PART_OF_ALL)
+    if (plan->all == &plan->work)
         return;
     r->sums.fixed = r->rest.ratio;
     r->sums.n_fixed = (int64_t)r->rest.n;
@@ -82,22 +77,19 @@ static void measure_ratios(pl_run *r) {
 
 pl_objective_problem pl_run_objective_problem(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    return (pl_objective_problem){.dim = plan->dim,
-                                  .n_elements = plan->n_elements,
-                                  .elements = plan->elements,
-                                  .sign = plan->sign,
-                                  .is_free = r->guard.is_free ? r->guard.is_free : plan->is_free,
-                                  .is_counted = pl_plan_counted(plan),
+    pl_view mesh = pl_view_of_all_elements(&plan->work);
+    if (r->guard.is_free)
+        mesh.is_free = r->guard.is_free;
+    return (pl_objective_problem){.mesh = mesh,
                                   .coordinates = plan->measured,
                                   .objective = r->options->objective,
                                   .min_volume = r->guard.min_volume,
-                                  .own_min_volume = plan->min_volume,
                                   .threads = plan->threads};
 }
 
 void pl_run_measure(pl_run *r) {
     const planish_plan *plan = r->plan;
-    pl_parallel_for(plan->threads, plan->n_nodes, CHUNK_NODES, transfer_measured, r);
+    pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_measured, r);
     if (r->plain) {
         measure_ratios(r);
         return;
@@ -105,7 +97,7 @@ void pl_run_measure(pl_run *r) {
     const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_sum_objective(&problem, &r->totals);
     r->measured = r->totals.ratio[1];
-    if (plan->scope != PL_PART_OF_ALL)
+    if (plan->all == &plan->work)
         return;
     r->totals.ratio[0] = r->rest.ratio;
     r->totals.volume[0] = r->rest.volume;
@@ -115,31 +107,31 @@ void pl_run_measure(pl_run *r) {
 /** Which of all elements have a free node. */
 static void find_movable(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    const uint8_t *is_free = r->guard.is_free ? r->guard.is_free : plan->is_free;
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    const uint8_t *is_free = r->guard.is_free ? r->guard.is_free : plan->work.is_free;
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int movable = 0;
         for (int j = 0; j <= plan->dim; j++)
-            movable |= is_free[plan->elements[i * (plan->dim + 1) + j]];
-        plan->whole.is_movable[plan->element_of[i]] = movable != 0;
+            movable |= is_free[plan->work.elements[i * (plan->dim + 1) + j]];
+        plan->is_movable[plan->element_of[i]] = movable != 0;
     }
 }
 
 void pl_run_measure_rest(pl_run *r, const double *all) {
     const planish_plan *plan = r->plan;
-    const pl_whole *whole = &plan->whole;
+    pl_view whole = plan->whole;
     pl_ratio_sums plain;
     pl_objective_sums sums;
     find_movable(r);
+    whole.is_movable = plan->is_movable;
     if (r->plain) {
-        pl_sum_radius_ratio_by(plan->dim, whole->n_elements, whole->elements, whole->sign,
-                               whole->is_movable, all, plan->threads, &plain);
+        pl_sum_radius_ratio(&whole, all, plan->threads, &plain);
         r->rest =
             (pl_rest){.ratio = plain.fixed, .n = (double)plain.n_fixed, .inverted = plain.inverted};
         return;
     }
     pl_objective_problem problem =
         pl_objective_problem_of(plan, r->options, all, r->guard.min_volume);
-    problem.is_movable = whole->is_movable;
+    problem.mesh.is_movable = plan->is_movable;
     pl_sum_objective(&problem, &sums);
     r->rest = (pl_rest){.ratio = sums.ratio[0],
                         .volume = sums.volume[0],
@@ -266,7 +258,7 @@ static void forget(void *context, int64_t begin, int64_t end, int thread) {
 
 void pl_run_begin_anew(pl_run *r) {
     const planish_plan *plan = r->plan;
-    memset(plan->changed, 1, (size_t)plan->n_nodes);
+    memset(plan->changed, 1, (size_t)plan->work.n_nodes);
     if (r->problem.kept)
         pl_parallel_for(plan->threads, plan->interior.stars.n_stars, CHUNK_NODES, forget,
                         r->problem.kept);

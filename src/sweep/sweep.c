@@ -48,7 +48,7 @@ static void place_follower(const planish_plan *plan, const pl_follower *f,
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        place_follower(plan, f, f->node < plan->n_nodes ? &problem->storage : NULL);
+        place_follower(plan, f, f->node < plan->work.n_nodes ? &problem->storage : NULL);
         uint8_t *changed = &plan->changed[f->of];
         *changed |= plan->changed[f->node];
         if (plan->changed[f->node] & PL_CHANGED)

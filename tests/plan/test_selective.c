@@ -305,7 +305,7 @@ static int after_colour(void *context, int colours, int64_t visits) {
         w->n_bad += is_wanted;
         w->n_good += !is_wanted && w->wakes[node];
     }
-    memcpy(w->flags, w->plan->changed, (size_t)w->plan->n_nodes);
+    memcpy(w->flags, w->plan->changed, (size_t)w->plan->work.n_nodes);
     return 0;
 }
 

@@ -52,12 +52,21 @@ static void destroy(measured_mesh *m) {
     free(m->is_free);
 }
 
+static pl_view view_of(const planish_mesh *mesh, const int8_t *sign, const uint8_t *is_free) {
+    return (pl_view){.dim = mesh->dim,
+                     .n_nodes = mesh->n_nodes,
+                     .n_elements = mesh->n_elements,
+                     .elements = mesh->elements,
+                     .sign = sign,
+                     .is_free = is_free};
+}
+
 static planish_quality measure(const measured_mesh *m, const int8_t *sign, int threads) {
     const planish_mesh *mesh = &m->box.mesh;
     planish_quality q;
     memset(&q, 0, sizeof q);
-    assert_int_equal(pl_measure(mesh->dim, mesh->n_elements, mesh->elements, sign, m->is_free,
-                                mesh->coordinates, pl_thread_count(threads), &q, NULL),
+    const pl_view view = view_of(mesh, sign, m->is_free);
+    assert_int_equal(pl_measure(&view, mesh->coordinates, pl_thread_count(threads), &q, NULL),
                      PLANISH_OK);
     return q;
 }
@@ -66,8 +75,8 @@ static pl_ratio_sums sum(const measured_mesh *m, const int8_t *sign, int threads
     const planish_mesh *mesh = &m->box.mesh;
     pl_ratio_sums s;
     memset(&s, 0, sizeof s);
-    pl_sum_radius_ratio(mesh->dim, mesh->n_elements, mesh->elements, sign, m->is_free,
-                        mesh->coordinates, pl_thread_count(threads), &s);
+    const pl_view view = view_of(mesh, sign, m->is_free);
+    pl_sum_radius_ratio(&view, mesh->coordinates, pl_thread_count(threads), &s);
     return s;
 }
 
@@ -476,8 +485,8 @@ static void no_memory_is_an_error(void **state) {
     planish_quality q = {.n_elements = -7};
     planish_error error;
     allocations_permit(0);
-    int status = pl_measure(3, mesh->n_elements, mesh->elements, NULL, m.is_free, mesh->coordinates,
-                            1, &q, &error);
+    const pl_view view = view_of(mesh, NULL, m.is_free);
+    int status = pl_measure(&view, mesh->coordinates, 1, &q, &error);
     allocations_permit(-1);
     assert_int_equal(status, PLANISH_ERROR_MEMORY);
     assert_int_equal(error.code, PLANISH_ERROR_MEMORY);

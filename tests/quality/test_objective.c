@@ -127,30 +127,31 @@ static void create(sample *s, int dim, unsigned seed, int exponent) {
     }
     for (int i = 0; i < NODES; i++)
         s->is_free[i] = test_random(&random) < 0.3;
-    s->problem = (pl_objective_problem){.dim = dim,
-                                        .n_elements = ELEMENTS,
-                                        .elements = s->mesh.elements,
-                                        .sign = s->sign,
-                                        .is_free = s->is_free,
+    s->problem = (pl_objective_problem){.mesh.dim = dim,
+                                        .mesh.n_elements = ELEMENTS,
+                                        .mesh.elements = s->mesh.elements,
+                                        .mesh.sign = s->sign,
+                                        .mesh.is_free = s->is_free,
                                         .coordinates = s->mesh.coordinates,
                                         .objective = (planish_objective)(seed % 3),
                                         .min_volume = ldexp(volume, dim * exponent),
-                                        .own_min_volume = s->own,
+                                        .mesh.min_volume = s->own,
                                         .threads = 1};
 }
 
 static element element_of(const pl_objective_problem *p, int64_t index) {
-    element e = {.dim = p->dim};
-    for (int j = 0; j <= p->dim; j++)
-        for (int d = 0; d < p->dim; d++)
-            e.x[j][d] = p->coordinates[p->elements[index * (p->dim + 1) + j] * p->dim + d];
-    e.measure = measure_of(&e, p->sign ? p->sign[index] : 1);
+    element e = {.dim = p->mesh.dim};
+    for (int j = 0; j <= p->mesh.dim; j++)
+        for (int d = 0; d < p->mesh.dim; d++)
+            e.x[j][d] =
+                p->coordinates[p->mesh.elements[index * (p->mesh.dim + 1) + j] * p->mesh.dim + d];
+    e.measure = measure_of(&e, p->mesh.sign ? p->mesh.sign[index] : 1);
     return e;
 }
 
 /** g, or -infinity. */
 static long double constraint(const pl_objective_problem *p, int64_t index, const element *e) {
-    double own = p->own_min_volume ? p->own_min_volume[index] : 0;
+    double own = p->mesh.min_volume ? p->mesh.min_volume[index] : 0;
     double least = own > 0 ? own : p->min_volume;
     return least > 0 ? 1 - e->measure / least : -INFINITY;
 }
@@ -164,8 +165,8 @@ static void add_element(const pl_objective_problem *p, int64_t index, reference 
     element e = element_of(p, index);
     long double g = constraint(p, index, &e);
     int movable = 0;
-    for (int j = 0; j <= p->dim; j++)
-        movable |= p->is_free[p->elements[index * (p->dim + 1) + j]];
+    for (int j = 0; j <= p->mesh.dim; j++)
+        movable |= p->mesh.is_free[p->mesh.elements[index * (p->mesh.dim + 1) + j]];
     sums->domain += e.measure;
     sums->below += g > PLANISH_VOLUME_TOLERANCE;
     sums->shortfall += g > 0 ? g * g : 0;
@@ -189,7 +190,7 @@ static void close_to(double found, long double wanted) {
 static void check_sums(const pl_objective_problem *p) {
     reference wanted = {.domain = 0};
     pl_objective_sums found;
-    for (int64_t i = 0; i < p->n_elements; i++)
+    for (int64_t i = 0; i < p->mesh.n_elements; i++)
         add_element(p, i, &wanted);
     pl_sum_objective(p, &found);
     for (int movable = 0; movable < 2; movable++) {
@@ -212,13 +213,13 @@ static void sums_match_brute_force(void **state) {
         sample s;
         create(&s, dim, seed, 0);
         check_sums(&s.problem);
-        s.problem.sign = NULL;
+        s.problem.mesh.sign = NULL;
         check_sums(&s.problem);
-        s.problem.own_min_volume = NULL;
+        s.problem.mesh.min_volume = NULL;
         check_sums(&s.problem);
         s.problem.min_volume = 0;
         check_sums(&s.problem);
-        s.problem.own_min_volume = s.own;
+        s.problem.mesh.min_volume = s.own;
         check_sums(&s.problem);
         test_mesh_destroy(&s.mesh);
     }
@@ -301,7 +302,7 @@ static void elements_below_are_found(void **state) {
             n += g > PLANISH_VOLUME_TOLERANCE;
         }
         assert_int_equal(n, n_found);
-        s.problem.own_min_volume = NULL;
+        s.problem.mesh.min_volume = NULL;
         s.problem.min_volume = 0;
         assert_int_equal(pl_find_below(&s.problem, found), 0);
         test_mesh_destroy(&s.mesh);
@@ -338,10 +339,10 @@ static void check_nearly_flat(const double *q, const double *r) {
     }
     memcpy(coordinates + 2 * n, q, 2 * sizeof *q);
     memcpy(coordinates + 2 * n + 2, r, 2 * sizeof *r);
-    const pl_objective_problem problem = {.dim = 2,
-                                          .n_elements = n,
-                                          .elements = elements,
-                                          .is_free = is_free,
+    const pl_objective_problem problem = {.mesh.dim = 2,
+                                          .mesh.n_elements = n,
+                                          .mesh.elements = elements,
+                                          .mesh.is_free = is_free,
                                           .coordinates = coordinates,
                                           .min_volume = 1e-300, /* positive is enough */
                                           .threads = 1};
@@ -378,10 +379,10 @@ static void underflow_takes_nothing_from_volumes(void **state) {
         const double *x = needles[i];
         uint8_t state_of;
         const double area = (double)(((long double)x[2] * x[5] - (long double)x[3] * x[4]) / 2);
-        pl_objective_problem problem = {.dim = 2,
-                                        .n_elements = 1,
-                                        .elements = elements,
-                                        .is_free = is_free,
+        pl_objective_problem problem = {.mesh.dim = 2,
+                                        .mesh.n_elements = 1,
+                                        .mesh.elements = elements,
+                                        .mesh.is_free = is_free,
                                         .coordinates = x,
                                         .min_volume = area,
                                         .threads = 1};

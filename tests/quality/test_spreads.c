@@ -22,8 +22,12 @@ static planish_quality measure(const planish_mesh *mesh, int threads) {
     assert_non_null(is_free);
     memset(is_free, 1, (size_t)mesh->n_nodes);
     memset(&q, 0, sizeof q);
-    assert_int_equal(pl_measure(mesh->dim, mesh->n_elements, mesh->elements, NULL, is_free,
-                                mesh->coordinates, pl_thread_count(threads), &q, NULL),
+    const pl_view view = {.dim = mesh->dim,
+                          .n_nodes = mesh->n_nodes,
+                          .n_elements = mesh->n_elements,
+                          .elements = mesh->elements,
+                          .is_free = is_free};
+    assert_int_equal(pl_measure(&view, mesh->coordinates, pl_thread_count(threads), &q, NULL),
                      PLANISH_OK);
     free(is_free);
     return q;

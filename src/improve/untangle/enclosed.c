@@ -47,7 +47,7 @@ static int32_t root_of(const search *s, int32_t node) {
 }
 
 static int32_t corner(const search *s, int64_t element, int j) {
-    return s->plan->elements[element * (s->plan->dim + 1) + j];
+    return s->plan->work.elements[element * (s->plan->dim + 1) + j];
 }
 
 /** The root of an element's free nodes, -1 if it has none; *n counts them. */
@@ -56,7 +56,7 @@ static int32_t root_of_element(const search *s, int64_t element, int *n) {
     *n = 0;
     for (int j = 0; j <= s->plan->dim; j++) {
         const int32_t node = corner(s, element, j);
-        if (s->plan->is_free[node] != PL_INTERIOR)
+        if (s->plan->work.is_free[node] != PL_INTERIOR)
             continue;
         root = *n == 0 ? root_of(s, s->plan->inner[node]) : root;
         ++*n;
@@ -65,16 +65,16 @@ static int32_t root_of_element(const search *s, int64_t element, int *n) {
 }
 
 static void join_elements(search *s) {
-    for (int64_t i = 0; i < s->plan->n_nodes; i++) {
+    for (int64_t i = 0; i < s->plan->work.n_nodes; i++) {
         s->parent[i] = (int32_t)i;
         s->of[i].anchor = -1;
     }
-    for (int64_t i = 0; i < s->plan->n_elements; i++) {
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
         const int32_t first = root_of_element(s, i, &n);
         for (int j = 0, root = first; j <= s->plan->dim && n > 1; j++) {
             const int32_t node = corner(s, i, j);
-            if (s->plan->is_free[node] != PL_INTERIOR)
+            if (s->plan->work.is_free[node] != PL_INTERIOR)
                 continue;
             const int32_t other = root_of(s, s->plan->inner[node]);
             const int32_t low = root < other ? root : other;
@@ -88,14 +88,14 @@ static void join_elements(search *s) {
 static void look_around(search *s) {
     const int dim = s->plan->dim;
     double largest = 0;
-    for (int64_t i = 0; i < s->plan->n_elements; i++) {
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
         const int32_t root = root_of_element(s, i, &n);
         for (int j = 0; j <= dim && root >= 0; j++) {
             const int32_t node = corner(s, i, j), inner = s->plan->inner[node];
-            if (s->plan->is_free[node] == PL_INTERIOR)
+            if (s->plan->work.is_free[node] == PL_INTERIOR)
                 continue;
-            s->of[root].is_open |= s->plan->is_free[node] != PL_HELD;
+            s->of[root].is_open |= s->plan->work.is_free[node] != PL_HELD;
             if (s->of[root].anchor < 0)
                 s->of[root].anchor = inner;
             for (int d = 0; d < dim; d++)
@@ -126,7 +126,7 @@ static void add_element(search *s, int64_t element, enclosure *of) {
     double e[3][3];
     for (int j = 0; j <= dim; j++) {
         const int32_t node = corner(s, element, j), inner = plan->inner[node];
-        const int is_free = plan->is_free[node] == PL_INTERIOR;
+        const int is_free = plan->work.is_free[node] == PL_INTERIOR;
         if (!is_free && inner == of->anchor)
             return;
         x[j] = s->x + (int64_t)(is_free ? of->anchor : inner) * dim;
@@ -135,13 +135,13 @@ static void add_element(search *s, int64_t element, enclosure *of) {
         for (int d = 0; d < dim; d++)
             e[j][d] = ldexp(x[j + 1][d], -s->exponent) - ldexp(x[0][d], -s->exponent);
     const double D = pl_determinant_of_edges(dim, (const double(*)[3])e);
-    of->sum += plan->sign ? D * plan->sign[element] : D;
+    of->sum += plan->work.sign ? D * plan->work.sign[element] : D;
     of->size += fabs(D);
     of->products += products_of(dim, (const double(*)[3])e);
 }
 
 static void add_elements(search *s) {
-    for (int64_t i = 0; i < s->plan->n_elements; i++) {
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
         const int32_t root = root_of_element(s, i, &n);
         if (root >= 0)
@@ -160,13 +160,13 @@ static int is_lost(const enclosure *of) {
 /** Mark what is lost: elements that are below, and nodes. */
 static int64_t mark(const search *s, uint8_t *state, uint8_t *lost) {
     int64_t n_marked = 0;
-    for (int64_t i = 0; i < s->plan->n_elements; i++) {
+    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
         const int32_t root = root_of_element(s, i, &n);
         if (root < 0 || !is_lost(&s->of[root]))
             continue;
         for (int j = 0; j <= s->plan->dim && lost; j++)
-            if (s->plan->is_free[corner(s, i, j)] == PL_INTERIOR)
+            if (s->plan->work.is_free[corner(s, i, j)] == PL_INTERIOR)
                 lost[s->plan->inner[corner(s, i, j)]] = 1;
         if (state[i] != PLANISH_VOLUME_BELOW)
             continue;
@@ -182,8 +182,8 @@ int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, 
     *n = 0;
     if (pl_part_here())
         return PLANISH_OK;
-    s.parent = pl_alloc(plan->n_nodes, sizeof *s.parent);
-    s.of = pl_alloc_zero(plan->n_nodes, sizeof *s.of);
+    s.parent = pl_alloc(plan->work.n_nodes, sizeof *s.parent);
+    s.of = pl_alloc_zero(plan->work.n_nodes, sizeof *s.of);
     const int done = s.parent && s.of;
     if (done) {
         join_elements(&s);

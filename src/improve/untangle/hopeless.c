@@ -44,11 +44,11 @@ static int32_t list_mine(work *w, const uint8_t *of_facet, const int32_t *star_o
     const planish_plan *plan = w->plan;
     int32_t most = 0;
     w->n_mine = 0;
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
         for (int j = 0; j <= plan->dim; j++) {
-            const int32_t node = plan->elements[i * (plan->dim + 1) + j];
+            const int32_t node = plan->work.elements[i * (plan->dim + 1) + j];
             const int32_t star =
-                plan->is_free[node] == PL_INTERIOR ? star_of[plan->inner[node]] : -1;
+                plan->work.is_free[node] == PL_INTERIOR ? star_of[plan->inner[node]] : -1;
             if (star < 0)
                 continue;
             const int64_t facet = plan->interior.stars.link_offset[star] + seen[star]++;
@@ -82,7 +82,7 @@ static void take(int32_t ghost, const void *value, void *taker) {
     for (int j = 1; j <= plan->dim; j++) {
         int64_t number;
         memcpy(&number, (const char *)value + (size_t)(j - 1) * sizeof number, sizeof number);
-        const int64_t *found = bsearch(&number, w->part->node_number, (size_t)plan->n_nodes,
+        const int64_t *found = bsearch(&number, w->part->node_number, (size_t)plan->work.n_nodes,
                                        sizeof number, compare_numbers);
         if (!found)
             return; /* nobody here has that element */
@@ -105,7 +105,7 @@ static void tell(work *w, int32_t round) {
     for (int64_t i = 0; i < w->n_mine; i++) {
         if (w->mine[i].round != round)
             continue;
-        const int32_t *corner = w->plan->elements + w->mine[i].element * (dim + 1);
+        const int32_t *corner = w->plan->work.elements + w->mine[i].element * (dim + 1);
         w->node[n] = w->mine[i].node;
         for (int j = 0, k = 0; j <= dim; j++)
             if (corner[j] != w->mine[i].node)
@@ -122,11 +122,11 @@ static void heed(work *w, uint8_t *state) {
     if (w->n_theirs == 0)
         return;
     qsort(w->theirs, (size_t)w->n_theirs, sizeof *w->theirs, compare_keys);
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         key k = {.node = {0}};
         if (state[i] != PL_TANGLED)
             continue;
-        memcpy(k.node, plan->elements + i * (plan->dim + 1),
+        memcpy(k.node, plan->work.elements + i * (plan->dim + 1),
                (size_t)(plan->dim + 1) * sizeof *k.node);
         qsort(k.node, (size_t)plan->dim + 1, sizeof *k.node, compare_nodes);
         if (bsearch(&k, w->theirs, (size_t)w->n_theirs, sizeof k, compare_keys))
@@ -143,7 +143,7 @@ int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t
         return PLANISH_OK;
     for (int64_t i = 0; i < plan->interior.stars.link_offset[n_stars]; i++)
         most += of_facet[i] == PL_PART_GIVEN_UP;
-    int32_t *star_of = pl_alloc(plan->n_nodes, sizeof *star_of);
+    int32_t *star_of = pl_alloc(plan->work.n_nodes, sizeof *star_of);
     int32_t *seen = pl_alloc_zero(n_stars, sizeof *seen);
     int32_t *rounds = pl_alloc_zero(n_stars, sizeof *rounds);
     w.mine = pl_alloc(most, sizeof *w.mine);

@@ -26,7 +26,7 @@ typedef struct search {
 
 static int search_create(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
                          search *s) {
-    const int64_t n = plan->n_nodes, n_stars = plan->interior.stars.n_stars;
+    const int64_t n = plan->work.n_nodes, n_stars = plan->interior.stars.n_stars;
     *s = (search){.plan = plan, .problem = *problem, .state = state};
     s->scratch = pl_alloc(plan->scratch_stride, sizeof *s->scratch);
     s->star_of = pl_alloc(n, sizeof *s->star_of);
@@ -48,8 +48,8 @@ static void search_destroy(search *s) {
 
 static void note_fixed(search *s) {
     const planish_plan *plan = s->plan;
-    for (int64_t i = 0; i < plan->n_nodes; i++)
-        s->is_fixed[plan->inner[i]] = !plan->is_free[i];
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
+        s->is_fixed[plan->inner[i]] = !plan->work.is_free[i];
 }
 
 /** The only free node of an element; -1: it has none, -2: it has several, or one that slides: of
@@ -57,9 +57,9 @@ static void note_fixed(search *s) {
 static int64_t only_free_node(const planish_plan *plan, int64_t element) {
     int64_t node = -1;
     for (int j = 0; j <= plan->dim; j++) {
-        int32_t other = plan->elements[element * (plan->dim + 1) + j];
-        if (plan->is_free[other])
-            node = node == -1 && plan->is_free[other] == PL_INTERIOR ? other : -2;
+        int32_t other = plan->work.elements[element * (plan->dim + 1) + j];
+        if (plan->work.is_free[other])
+            node = node == -1 && plan->work.is_free[other] == PL_INTERIOR ? other : -2;
     }
     return node;
 }
@@ -72,12 +72,12 @@ static int32_t star_of_node(const search *s, int64_t node) {
 static int has_coincident_nodes(const search *s, int64_t element) {
     const planish_plan *plan = s->plan;
     const int dim = plan->dim;
-    const int32_t *node = plan->elements + element * (dim + 1);
+    const int32_t *node = plan->work.elements + element * (dim + 1);
     for (int j = 0; j <= dim; j++)
         for (int k = 0; k < j; k++) {
             const double *x = s->problem.coordinates + (int64_t)plan->inner[node[j]] * dim;
             const double *y = s->problem.coordinates + (int64_t)plan->inner[node[k]] * dim;
-            int same = !plan->is_free[node[j]] && !plan->is_free[node[k]];
+            int same = !plan->work.is_free[node[j]] && !plan->work.is_free[node[k]];
             for (int d = 0; d < dim; d++)
                 same &= x[d] == y[d];
             if (same)
@@ -90,7 +90,7 @@ static int has_coincident_nodes(const search *s, int64_t element) {
  * wanted. */
 static void look_at_elements(search *s) {
     const planish_plan *plan = s->plan;
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         if (s->state[i] != PLANISH_VOLUME_BELOW)
             continue;
         int64_t node = only_free_node(plan, i);
@@ -122,10 +122,10 @@ static void look_for_proofs(search *s, pl_limit *limit) {
 static int64_t mark_elements(search *s, int given_up) {
     const planish_plan *plan = s->plan;
     int64_t n_infeasible = 0;
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         for (int j = 0; j <= plan->dim; j++) {
-            int32_t node = plan->elements[i * (plan->dim + 1) + j];
-            if (plan->is_free[node] != PL_INTERIOR || star_of_node(s, node) < 0)
+            int32_t node = plan->work.elements[i * (plan->dim + 1) + j];
+            if (plan->work.is_free[node] != PL_INTERIOR || star_of_node(s, node) < 0)
                 continue;
             int32_t star = star_of_node(s, node);
             int64_t facet = plan->interior.stars.link_offset[star] + s->next_facet[star]++;
@@ -144,7 +144,7 @@ static int64_t mark_elements(search *s, int given_up) {
 static int64_t count_undecided(const search *s) {
     const planish_plan *plan = s->plan;
     int64_t n = 0;
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         const int64_t node = s->state[i] == PLANISH_VOLUME_BELOW ? only_free_node(plan, i) : -1;
         n += node >= 0 && star_of_node(s, node) >= 0 && s->is_wanted[star_of_node(s, node)];
     }

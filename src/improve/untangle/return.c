@@ -29,7 +29,7 @@ typedef struct work {
 
 static size_t bytes_of(const work *w) {
     const planish_plan *plan = w->t->run->plan;
-    return (size_t)plan->n_nodes * (size_t)plan->dim * sizeof(double);
+    return (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof(double);
 }
 
 static void look_at(work *w, const double *x, uint8_t *tangled) {
@@ -37,12 +37,12 @@ static void look_at(work *w, const double *x, uint8_t *tangled) {
     memcpy(plan->coordinates, x, bytes_of(w));
     pl_run_measure(w->t->run);
     pl_tangle_find(w->t);
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
         tangled[i] = w->t->state[i] == PL_TANGLED;
 }
 
 static int32_t inner(const planish_plan *plan, int64_t element, int j) {
-    return plan->inner[plan->elements[element * (plan->dim + 1) + j]];
+    return plan->inner[plan->work.elements[element * (plan->dim + 1) + j]];
 }
 
 static int has_moved(const work *w, int32_t node) {
@@ -65,11 +65,11 @@ static int is_near(const work *w, int64_t element, int32_t layer) {
 /** Mark the nodes that have moved of elements that are or were tangled, and of layers around. */
 static void mark_patches(work *w, int32_t layers) {
     const planish_plan *plan = w->t->run->plan;
-    memset(w->layer, 0, (size_t)plan->n_nodes * sizeof *w->layer);
-    for (int32_t i = 0; layers == PL_ALL_LAYERS && i < plan->n_nodes; i++)
+    memset(w->layer, 0, (size_t)plan->work.n_nodes * sizeof *w->layer);
+    for (int32_t i = 0; layers == PL_ALL_LAYERS && i < plan->work.n_nodes; i++)
         w->layer[i] = has_moved(w, i);
     for (int32_t layer = 1; layers < PL_ALL_LAYERS && layer <= layers + 1; layer++)
-        for (int64_t i = 0; i < plan->n_elements; i++) {
+        for (int64_t i = 0; i < plan->work.n_elements; i++) {
             if (layer == 1 ? !(w->before[i] || w->after[i]) : !is_near(w, i, layer))
                 continue;
             for (int j = 0; j <= plan->dim; j++) {
@@ -99,9 +99,9 @@ static int32_t patch_of(const work *w, int64_t element) {
 
 static void join_patches(work *w) {
     const planish_plan *plan = w->t->run->plan;
-    for (int32_t i = 0; i < plan->n_nodes; i++)
+    for (int32_t i = 0; i < plan->work.n_nodes; i++)
         w->parent[i] = i;
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int32_t root = patch_of(w, i);
         for (int j = 0; j <= plan->dim && root >= 0; j++) {
             if (w->layer[inner(plan, i, j)] == 0)
@@ -116,8 +116,8 @@ static void join_patches(work *w) {
 
 static void count(const work *w, const uint8_t *tangled, int32_t *n) {
     const planish_plan *plan = w->t->run->plan;
-    memset(n, 0, (size_t)plan->n_nodes * sizeof *n);
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    memset(n, 0, (size_t)plan->work.n_nodes * sizeof *n);
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         const int32_t root = tangled[i] ? patch_of(w, i) : -1;
         if (root >= 0)
             n[root]++;
@@ -135,7 +135,7 @@ static int64_t put_back(const work *w, int is_final, double *x) {
     const planish_plan *plan = w->t->run->plan;
     const int dim = plan->dim;
     int64_t n = 0;
-    for (int32_t i = 0; i < plan->n_nodes; i++) {
+    for (int32_t i = 0; i < plan->work.n_nodes; i++) {
         if (w->layer[i] == 0 || !returns(w, root_of(w, i), is_final))
             continue;
         memcpy(x + (int64_t)i * dim, w->start + (int64_t)i * dim, (size_t)dim * sizeof *x);
@@ -164,7 +164,7 @@ static int64_t return_patches(work *w, int32_t layers) {
     if (pl_run_inverted(w->t->run) > inverted)
         return 0;
     memcpy(w->now, x, bytes_of(w));
-    memcpy(w->after, w->trial, (size_t)w->t->run->plan->n_elements);
+    memcpy(w->after, w->trial, (size_t)w->t->run->plan->work.n_elements);
     return n;
 }
 
@@ -186,7 +186,7 @@ static void return_all(work *w) {
 
 void pl_tangle_return(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
-    const int64_t n = plan->n_nodes, m = plan->n_elements;
+    const int64_t n = plan->work.n_nodes, m = plan->work.n_elements;
     work w = {.t = t};
     if (pl_part_here())
         return;

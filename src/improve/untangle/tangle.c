@@ -19,9 +19,9 @@
 /** The elements found that are tangled; of all processes. */
 static void count_tangled(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
-    const uint8_t *is_counted = pl_plan_counted(plan);
+    const uint8_t *is_counted = plan->work.is_counted;
     t->n_tangled = 0;
-    for (int64_t i = 0; i < plan->n_elements; i++)
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
         t->n_tangled += t->state[i] == PL_TANGLED && (!is_counted || is_counted[i]);
     pl_parts_add(&t->n_tangled, 1);
 }
@@ -30,9 +30,10 @@ void pl_tangle_find(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
     pl_objective_problem problem = pl_run_objective_problem(t->run);
     problem.min_volume = t->guard.min_volume;
-    problem.own_min_volume = t->guard.link_min_volume ? problem.own_min_volume : NULL;
+    if (!t->guard.link_min_volume)
+        problem.mesh.min_volume = NULL;
     pl_find_tangled(&problem, t->state);
-    for (int64_t i = 0; t->is_hopeless && i < plan->n_elements; i++)
+    for (int64_t i = 0; t->is_hopeless && i < plan->work.n_elements; i++)
         if (t->is_hopeless[i] && t->state[i] == PL_TANGLED)
             t->state[i] = PL_HOPELESS;
     count_tangled(t);
@@ -44,7 +45,7 @@ static int find_lost(pl_tangle *t, planish_error *error) {
     int64_t n = 0;
     if (t->guard.min_volume > 0 || t->guard.link_min_volume || pl_part_here())
         return PLANISH_OK;
-    t->is_lost = pl_alloc_zero(plan->n_nodes, sizeof *t->is_lost);
+    t->is_lost = pl_alloc_zero(plan->work.n_nodes, sizeof *t->is_lost);
     if (!t->is_lost)
         return pl_fail_memory(error, "the elements that cannot be helped");
     const int status = pl_mark_enclosed(plan, plan->coordinates, t->state, t->is_lost, &n, error);
@@ -71,10 +72,10 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
     t->link_skip = part;
     for (int64_t i = 0; i < plan->interior.stars.link_offset[plan->interior.stars.n_stars]; i++)
         part[i] = part[i] == PL_PART_GIVEN_UP;
-    t->is_hopeless = pl_alloc(plan->n_elements, sizeof *t->is_hopeless);
+    t->is_hopeless = pl_alloc(plan->work.n_elements, sizeof *t->is_hopeless);
     if (!status && !t->is_hopeless)
         status = pl_fail_memory(error, "the elements that cannot be helped");
-    for (int64_t i = 0; !status && i < plan->n_elements; i++)
+    for (int64_t i = 0; !status && i < plan->work.n_elements; i++)
         t->is_hopeless[i] = t->state[i] == PL_HOPELESS;
     if (!status)
         count_tangled(t);
@@ -122,7 +123,7 @@ typedef struct sizing {
 
 static void inner_nodes(const planish_plan *plan, int64_t element, int32_t *node) {
     for (int j = 0; j <= plan->dim; j++)
-        node[j] = plan->inner[plan->elements[element * (plan->dim + 1) + j]];
+        node[j] = plan->inner[plan->work.elements[element * (plan->dim + 1) + j]];
 }
 
 /** D of an element in the scale of sizes, positive in the mesh's orientation. */
@@ -135,12 +136,12 @@ static double measure_of(const sizing *s, int64_t element, const int32_t *node) 
         for (int d = 0; d < dim; d++)
             e[j][d] = (plan->coordinates[(int64_t)node[j + 1] * dim + d] - x0[d]) * s->scale;
     const double D = pl_determinant_of_edges(dim, (const double(*)[3])e);
-    return plan->sign ? D * plan->sign[element] : D;
+    return plan->work.sign ? D * plan->work.sign[element] : D;
 }
 
 static void add_measures(const sizing *s) {
     const planish_plan *plan = s->plan;
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int32_t node[4];
         inner_nodes(plan, i, node);
         const double D = measure_of(s, i, node);
@@ -161,7 +162,7 @@ static void add_measures(const sizing *s) {
 static void find_sizes(const sizing *s) {
     const int dim = s->plan->dim;
     const double of_regular = dim == 3 ? 1.4142135623730951 : 1.1547005383792515; /* edge 1 */
-    for (int64_t i = 0; i < s->plan->n_nodes; i++) {
+    for (int64_t i = 0; i < s->plan->work.n_nodes; i++) {
         const double measure = s->count[i] > 0 ? s->sum[i] / s->count[i] * of_regular : 0;
         const int tells = measure > LEAST_MEASURE && s->sum[i] > TELLING * s->absolute[i];
         s->sum[i] = tells ? size_of(measure, dim) : 0;
@@ -177,11 +178,11 @@ static int is_own(const sizing *s, int64_t node) {
 static int64_t find_levels(sizing *s) {
     double largest = 0;
     int64_t unknown = 0;
-    for (int64_t i = 0; i < s->plan->n_nodes; i++)
+    for (int64_t i = 0; i < s->plan->work.n_nodes; i++)
         largest = fmax(largest, s->sum[i]);
     pl_parts_largest(&largest, 1);
     frexp(largest, &s->of_largest);
-    for (int64_t i = 0; i < s->plan->n_nodes; i++) {
+    for (int64_t i = 0; i < s->plan->work.n_nodes; i++) {
         unknown += s->count[i] > 0 && !(s->sum[i] > 0) && is_own(s, i);
         s->count[i] = s->sum[i] > 0;
         s->sum[i] = s->sum[i] > 0 ? to_level(s->sum[i], s->of_largest) : 0;
@@ -195,9 +196,9 @@ static int64_t find_levels(sizing *s) {
 static int64_t spread_levels(const sizing *s) {
     const planish_plan *plan = s->plan;
     int64_t grown = 0;
-    memset(s->absolute, 0, (size_t)plan->n_nodes * sizeof *s->absolute);
-    memset(s->around, 0, (size_t)plan->n_nodes * sizeof *s->around);
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    memset(s->absolute, 0, (size_t)plan->work.n_nodes * sizeof *s->absolute);
+    memset(s->around, 0, (size_t)plan->work.n_nodes * sizeof *s->around);
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int32_t node[4];
         inner_nodes(plan, i, node);
         for (int j = 0; j <= plan->dim; j++)
@@ -206,7 +207,7 @@ static int64_t spread_levels(const sizing *s) {
                 s->around[node[j]] += s->count[node[k]] > 0;
             }
     }
-    for (int64_t i = 0; i < plan->n_nodes; i++)
+    for (int64_t i = 0; i < plan->work.n_nodes; i++)
         if (s->around[i] > 0 && is_own(s, i)) {
             s->sum[i] = s->absolute[i] / s->around[i];
             s->count[i] = 1;
@@ -222,7 +223,7 @@ static int64_t spread_levels(const sizing *s) {
 static void fill_levels(const sizing *s) {
     pl_sum sum = {.n_added = 0};
     int64_t n = 0;
-    for (int64_t i = 0; i < s->plan->n_nodes; i++)
+    for (int64_t i = 0; i < s->plan->work.n_nodes; i++)
         if (s->count[i] > 0 && is_own(s, i)) {
             pl_sum_add(&sum, s->sum[i]);
             n++;
@@ -230,7 +231,7 @@ static void fill_levels(const sizing *s) {
     pl_parts_add_sums(&sum, 1);
     pl_parts_add(&n, 1);
     const double mean = n > 0 ? pl_sum_value(&sum) / (double)n : 0;
-    for (int64_t i = 0; n > 0 && i < s->plan->n_nodes; i++)
+    for (int64_t i = 0; n > 0 && i < s->plan->work.n_nodes; i++)
         s->sum[i] = s->count[i] > 0 ? s->sum[i] : mean;
 }
 
@@ -238,7 +239,7 @@ static void fill_levels(const sizing *s) {
 enum { MOST_SPREADS = 64 };
 
 void pl_tangle_find_sizes(pl_tangle *t) {
-    const int64_t n = t->run->plan->n_nodes;
+    const int64_t n = t->run->plan->work.n_nodes;
     sizing s = {.plan = t->run->plan,
                 .is_ghost = t->is_ghost,
                 .scale = t->scale,
@@ -267,8 +268,8 @@ void pl_tangle_find_sizes(pl_tangle *t) {
 
 static void mark_tangled(pl_tangle *t) {
     const planish_plan *plan = t->run->plan;
-    memset(t->in_patch, 0, (size_t)plan->n_nodes);
-    for (int64_t i = 0; i < plan->n_elements; i++) {
+    memset(t->in_patch, 0, (size_t)plan->work.n_nodes);
+    for (int64_t i = 0; i < plan->work.n_elements; i++) {
         if (t->state[i] != PL_TANGLED)
             continue;
         int32_t node[4];
@@ -346,9 +347,9 @@ void pl_tangle_mark(pl_tangle *t, int layers) {
     if (layers > 0)
         mark_layers(t, mark_first_layer(t), layers - 1);
     t->n_patch = 0;
-    for (int64_t i = 0; i < plan->n_nodes; i++) {
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int32_t node = plan->inner[i];
-        t->in_patch[node] = t->in_patch[node] && plan->is_free[i] == PL_INTERIOR &&
+        t->in_patch[node] = t->in_patch[node] && plan->work.is_free[i] == PL_INTERIOR &&
                             !pl_star_is_held(&t->guard, node, plan->dim) &&
                             !(t->is_lost && t->is_lost[node]);
         t->n_patch += t->in_patch[node] && !(t->is_ghost && t->is_ghost[node]);
@@ -408,18 +409,18 @@ static int list_ghosts(pl_tangle *t) {
     const planish_part *part = plan->context->part;
     if (!part)
         return 1;
-    const int64_t n = pl_parts_ghosts(plan->n_nodes);
-    t->is_ghost = pl_alloc_zero(plan->n_nodes, sizeof *t->is_ghost);
+    const int64_t n = pl_parts_ghosts(plan->work.n_nodes);
+    t->is_ghost = pl_alloc_zero(plan->work.n_nodes, sizeof *t->is_ghost);
     t->ghost = pl_alloc(n, sizeof *t->ghost);
     t->ghost_node = pl_alloc(n, sizeof *t->ghost_node);
     t->was_in_patch = pl_alloc_zero(n, sizeof *t->was_in_patch);
     if (!t->is_ghost || !t->ghost || !t->ghost_node || !t->was_in_patch)
         return 0;
-    for (int64_t i = 0; i < plan->n_nodes; i++) {
+    for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         if (part->node_role[i] != PLANISH_GHOST)
             continue;
         t->is_ghost[plan->inner[i]] = 1;
-        if (plan->is_free[i] != PL_INTERIOR)
+        if (plan->work.is_free[i] != PL_INTERIOR)
             continue;
         t->ghost[t->n_ghosts] = plan->inner[i];
         t->ghost_node[t->n_ghosts++] = (int32_t)i;
@@ -438,17 +439,17 @@ int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error) 
     t->problem.guard = &t->guard;
     t->problem.limits = pl_star_no_limits();
     t->problem.calm = 0;
-    t->state = pl_alloc(plan->n_elements, sizeof *t->state);
+    t->state = pl_alloc(plan->work.n_elements, sizeof *t->state);
     if (!t->state)
         return pl_fail_memory(error, "the tangled elements");
     pl_tangle_find(t);
     int status = t->n_tangled > 0 ? find_hopeless(t, error) : PLANISH_OK;
     if (status || t->n_tangled == 0 || t->stopped)
         return status;
-    t->in_patch = pl_alloc_zero(plan->n_nodes, sizeof *t->in_patch);
-    t->size = pl_alloc_zero(plan->n_nodes, sizeof *t->size);
-    t->best = pl_alloc(plan->n_nodes * plan->dim, sizeof *t->best);
-    t->star_of = pl_alloc(plan->n_nodes, sizeof *t->star_of);
+    t->in_patch = pl_alloc_zero(plan->work.n_nodes, sizeof *t->in_patch);
+    t->size = pl_alloc_zero(plan->work.n_nodes, sizeof *t->size);
+    t->best = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *t->best);
+    t->star_of = pl_alloc(plan->work.n_nodes, sizeof *t->star_of);
     t->queue = pl_alloc(plan->interior.stars.n_stars, sizeof *t->queue);
     t->of_thread = pl_alloc(plan->threads, sizeof *t->of_thread);
     if (!t->in_patch || !t->size || !t->best || !t->star_of || !t->queue || !t->of_thread ||

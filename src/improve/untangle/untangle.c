@@ -179,7 +179,7 @@ static int push_offs(pl_tangle *t, int most) {
     for (int i = 0; i < most && t->n_tangled > 0 && vain < VAIN_PUSH_OFFS && !stopped; i++) {
         const int64_t before = t->n_tangled;
         pl_tangle_mark(t, 0);
-        memcpy(plan->changed, t->in_patch, (size_t)plan->n_nodes);
+        memcpy(plan->changed, t->in_patch, (size_t)plan->work.n_nodes);
         stopped = sweep(t->run, &problem);
         pl_tangle_find(t);
         vain = t->n_tangled < before ? 0 : vain + 1;
@@ -239,7 +239,7 @@ static int has_won(const standing *before, const standing *now, int volumes) {
 
 static void climb_all(pl_tangle *t, int volumes, const measures *ladder, int n) {
     const planish_plan *plan = t->run->plan;
-    const size_t size = (size_t)plan->n_nodes * (size_t)plan->dim * sizeof *t->best;
+    const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *t->best;
     int stopped = 0;
     t->problem.untangling = &t->asked;
     memcpy(t->best, plan->coordinates, size);

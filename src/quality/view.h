@@ -1,0 +1,28 @@
+/* view: a mesh as all measures, and the sweeps, see it.
+ *
+ * pl_view has pointers alone and owns nothing; coordinates are given beside it. Where a field is
+ * NULL the comment says what holds then.
+ */
+#ifndef PL_QUALITY_VIEW_H
+#define PL_QUALITY_VIEW_H
+
+#include <planish/planish.h>
+
+/** Value of is_movable: another process counts the element. */
+enum { PL_ELSEWHERE = 2 };
+
+/** A mesh of n nodes and m elements. */
+typedef struct pl_view {
+    int dim;
+    int64_t n_nodes, n_elements;
+    const int32_t *elements;  /* [m][dim + 1] nodes */
+    const int8_t *sign;       /* [m] +1 or -1: sign * measure is positive in a valid mesh; NULL: all
+                                 +1 */
+    const double *min_volume; /* [m] minimum volumes, 0: none; NULL: all 0 */
+    const uint8_t *is_free;   /* [n] not 0: the node may move */
+    const uint8_t *is_movable; /* [m] 1: the element has a free node; 0: it has none; PL_ELSEWHERE;
+                                  NULL: is_free says it */
+    const uint8_t *is_counted; /* [m] 0: another process counts the element; NULL: all 1 */
+} pl_view;
+
+#endif
