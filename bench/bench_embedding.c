@@ -206,19 +206,19 @@ static void patches(const char *path, int repeat) {
     planish_options_init(&options);
     options.around = &node;
     options.n_around = 1;
-    printf("\nA node of a mesh of %lld tetrahedra, and layers around it:\n\n"
-           "| layers | tetrahedra looked at | with neighbours ms | without ms |\n"
+    printf("\nA node of a mesh of %lld tetrahedra, and rings around it:\n\n"
+           "| rings | tetrahedra looked at | with neighbours ms | without ms |\n"
            "| --: | --: | --: | --: |\n",
            (long long)mesh.n_elements);
-    for (int layers = 0; layers < 4; layers++) {
-        options.layers = layers;
+    for (int rings = 0; rings < 4; rings++) {
+        options.rings = rings;
         options.around_elements = &element;
         mesh.neighbours = neighbours;
         const times walk = measure(&mesh, &options, repeat);
         options.around_elements = NULL;
         mesh.neighbours = NULL;
         const times passes = measure(&mesh, &options, repeat / 10 + 1);
-        printf("| %d | %lld | %.3f | %.3f |\n", layers, (long long)walk.n_elements, 1e3 * walk.all,
+        printf("| %d | %lld | %.3f | %.3f |\n", rings, (long long)walk.n_elements, 1e3 * walk.all,
                1e3 * passes.all);
     }
     free(neighbours);

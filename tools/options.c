@@ -249,8 +249,8 @@ static const char *set_only_worse_than(pl_arguments *arguments, const char *valu
     return parse_real(value, ratio) || *ratio < 1 ? "must be a radius ratio, 1 or more" : NULL;
 }
 
-static const char *set_layers(pl_arguments *arguments, const char *value) {
-    return parse_integer(value, 0, 100, &arguments->library.layers)
+static const char *set_rings(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 0, 100, &arguments->library.rings)
                ? "must be a whole number, 0 to 100"
                : NULL;
 }
@@ -451,8 +451,8 @@ static const option_row option_table[] = {
      NULL},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
      "move only nodes of elements whose radius ratio\nexceeds RR", NULL},
-    {0, "layers", "K", SMOOTH | OPTIMISES, set_layers,
-     "with --only-worse-than: and of K layers of elements\naround these (default 0)", NULL},
+    {0, "rings", "K", SMOOTH | OPTIMISES, set_rings,
+     "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
     {'j', "threads", "N", BOTH, set_threads,
      "run on N threads (default: OMP_NUM_THREADS, else one\nper core, of a small mesh fewer)",
      NULL},
@@ -531,6 +531,8 @@ static int complain_unknown(pl_command command, const char *name, const char *wo
             used += (size_t)snprintf(others + used, sizeof others - used, "%s--%s",
                                      used ? ", " : "", row->name);
     }
+    if (strcmp(typed, "layers") == 0 && command == PL_COMMAND_SMOOTH)
+        return pl_complain_usage(name, "--layers is called --rings now");
     if (used)
         return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
     if (elsewhere)
@@ -595,8 +597,8 @@ static int check_combinations(const pl_arguments *arguments) {
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
         return pl_complain_usage(command, "--area-weight needs a least volume: --min-volume or "
                                           "--min-volume-fraction");
-    if (library->layers > 0 && !(library->only_worse_than > 0))
-        return pl_complain_usage(command, "--layers has no effect without --only-worse-than");
+    if (library->rings > 0 && !(library->only_worse_than > 0))
+        return pl_complain_usage(command, "--rings has no effect without --only-worse-than");
     if (arguments->of_worst && !arguments->worst)
         return pl_complain_usage(command, "--%s has no effect without --objective worst",
                                  arguments->of_worst);

@@ -467,11 +467,11 @@ typedef struct planish_options {
                                visit only stars with such an element. In planish_plan_create:
                                only nodes that have one there are free, which makes the plan
                                as cheap as they are few; sweeps end a little earlier then */
-    int layers;             /* and those of so many layers of elements around; for plans made
-                               with only_worse_than or around, 0 .. 100. Around elements that
-                               are not positive there are 4 at least, with the former */
-    /* In planish_plan_create: only these nodes are free, and those of so many layers of elements
-       around. The plan knows nothing of the rest of the mesh; see there. */
+    int rings;              /* and nodes of so many rings of neighbouring elements; for plans made
+                               with only_worse_than or around, 0 .. 100. With only_worse_than,
+                               elements that are not positive have 4 rings at least */
+    /* In planish_plan_create: only these nodes are free, and those of rings rings of elements
+       around them. The plan knows nothing of the rest of the mesh; see there. */
     int64_t n_around;               /* at least 1 if there are any */
     const int64_t *around;          /* [n_around] nodes, in any order; NULL: all nodes */
     const int64_t *around_elements; /* [n_around] an element of each; NULL: they are looked for */
@@ -527,7 +527,7 @@ typedef struct planish_plan_info {
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
  *  free nodes. Uses threads, bind and isa of options (NULL: defaults), its allocator, parallel and
- *  log, and only_worse_than, around, layers and least volumes to choose the nodes. The plan refers
+ *  log, and only_worse_than, around, rings and least volumes to choose the nodes. The plan refers
  *  to mesh->elements (not to elements64), and to mesh->part with all that it points to: these must
  *  stay as they are until planish_plan_destroy; the other arrays are not read after the return.
  *  Which order of an element is the positive one is decided here, from these coordinates: for a
@@ -725,8 +725,8 @@ typedef struct planish_result {
     double max_multiplier; /* largest Lagrange multiplier of a g = 1 - V/delta, in units of F */
     int64_t n_active;      /* constraints with a multiplier, counted at each node */
     double seconds;        /* wall time of the call */
-    int64_t not_enclosed; /* elements that untangling has given up at once, in parts of the mesh
-                             whose boundary encloses no positive volume */
+    int64_t not_enclosed;  /* elements that untangling has given up at once, in parts of the mesh
+                              whose boundary encloses no positive volume */
     int64_t reserved[7];
 } planish_result;
 

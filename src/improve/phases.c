@@ -24,7 +24,7 @@ void pl_run_prepare(pl_run *r) {
     r->problem.direction = r->options->direction;
     r->problem.limits.rr2 = pl_run_limits(r, PL_LIMIT_MARGIN).rr2;
     /* In layers around bad elements good stars are meant, too. */
-    r->problem.rr2_skip = plan->is_selective && r->options->layers > 0 ? 0 : worse * worse;
+    r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
     r->problem.storage = pl_storage_of(r->options);
     r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;

@@ -152,7 +152,7 @@ static int take_around(planish_plan *plan, const planish_mesh *mesh, pl_draft *d
     if (!status)
         status = check_around(mesh, options, error);
     if (!status && seeds.element && (mesh->neighbours || mesh->neighbours64))
-        status = pl_part_by_walk(mesh, &seeds, options->layers, &d->part, error);
+        status = pl_part_by_walk(mesh, &seeds, options->rings, &d->part, error);
     else if (!status)
         status = find_around(plan, mesh, d, error);
     if (status)

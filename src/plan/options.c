@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MOST_LAYERS = 100 }; /* select.c numbers them by bytes */
+enum { MOST_RINGS = 100 }; /* select.c numbers them by bytes */
 
 static int check_choices(const planish_options *options, planish_error *error) {
     if (options->method < PLANISH_METHOD_PLANISH ||
@@ -106,10 +106,10 @@ int pl_options_check(const planish_options *options, planish_error *error) {
     if (options->allocator && (!options->allocator->allocate || !options->allocator->release))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.allocator lacks a function; give both, or no allocator");
-    if (options->layers < 0 || options->layers > MOST_LAYERS)
+    if (options->rings < 0 || options->rings > MOST_RINGS)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "options.layers is %d; give a number of layers, 0 to %d", options->layers,
-                       MOST_LAYERS);
+                       "options.rings is %d; give a number of rings, 0 to %d", options->rings,
+                       MOST_RINGS);
     if (!(options->only_worse_than >= 0))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.only_worse_than is %g; give a radius ratio, or 0 for all stars",
@@ -120,7 +120,7 @@ int pl_options_check(const planish_options *options, planish_error *error) {
 /** About how many elements a plan will be for. */
 static int64_t elements_for(const planish_mesh *mesh, const planish_options *options) {
     enum { OF_A_NODE = 24 };
-    const double wide = options->layers + 1.0; /* its cube may be beyond 64 bits */
+    const double wide = options->rings + 1.0; /* its cube may be beyond 64 bits */
     const int walks = options->around_elements && (mesh->neighbours || mesh->neighbours64);
     if (!options->around || !walks || options->n_around < 1 ||
         options->n_around > mesh->n_elements / OF_A_NODE)

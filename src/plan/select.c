@@ -1,5 +1,5 @@
-/* select: the nodes of bad elements, and layers around them: all that --only-worse-than is about.
- * One pass over the mesh finds them; everything behind it then costs by what is bad. */
+/* select: the nodes of bad elements, and rings of elements around them: all that --only-worse-than
+ * is about. One pass over the mesh finds them; everything behind it then costs by what is bad. */
 #include "plan/select.h"
 
 #include "base/memory.h"
@@ -48,8 +48,8 @@ static void choose_bad(void *context, int64_t begin, int64_t end, int thread) {
         __atomic_store_n(&w->any, 1, __ATOMIC_RELAXED);
 }
 
-/** One more layer: the nodes of elements that have a chosen one. */
-static void choose_layer(void *context, int64_t begin, int64_t end, int thread) {
+/** One more ring: the nodes of elements that have a chosen one. */
+static void choose_ring(void *context, int64_t begin, int64_t end, int thread) {
     const work *w = context;
     const int corners = w->mesh->dim + 1;
     (void)thread;
@@ -72,24 +72,24 @@ static void hear_of_ghosts(const work *w) {
 }
 
 /** Layers around the nodes of level 1. */
-static void spread_layers(work *w, int threads, int layers) {
+static void spread_rings(work *w, int threads, int rings) {
     hear_of_ghosts(w);
-    for (int i = 1; i <= layers; i++) {
+    for (int i = 1; i <= rings; i++) {
         w->level = (uint8_t)i;
-        pl_parallel_for(threads, w->mesh->n_elements, CHUNK, choose_layer, w);
+        pl_parallel_for(threads, w->mesh->n_elements, CHUNK, choose_ring, w);
         hear_of_ghosts(w);
     }
 }
 
-/** Choose the nodes of elements of at least that state, and layers around them; not 0 if there are
- *  such elements. */
-static int spread(work *w, int threads, int least, int layers) {
+/** Choose the nodes of elements of at least that state, and rings of elements around them; not 0 if
+ * there are such elements. */
+static int spread(work *w, int threads, int least, int rings) {
     w->least = least;
     w->any = 0;
     pl_parallel_for(threads, w->mesh->n_elements, CHUNK, choose_bad, w);
     w->any = pl_parts_any(w->any);
     if (w->any)
-        spread_layers(w, threads, layers);
+        spread_rings(w, threads, rings);
     return w->any;
 }
 
@@ -138,7 +138,7 @@ static int walk_from_bad(const work *w, const planish_options *options, uint8_t 
     const planish_mesh *mesh = w->mesh;
     const int corners = mesh->dim + 1;
     const int64_t m = mesh->n_elements;
-    int64_t n_bad = 0, wide = 1 + 2 * options->layers;
+    int64_t n_bad = 0, wide = 1 + 2 * options->rings;
     for (int64_t i = 0; i < m; i++)
         n_bad += w->state[i] >= PL_WORSE;
     if (!(mesh->neighbours || mesh->neighbours64) || n_bad == 0 ||
@@ -155,7 +155,7 @@ static int walk_from_bad(const work *w, const planish_options *options, uint8_t 
         }
     const pl_seeds seeds = {n, node, element};
     if (!status)
-        status = pl_part_by_walk(mesh, &seeds, options->layers, part, error);
+        status = pl_part_by_walk(mesh, &seeds, options->rings, part, error);
     pl_free(node);
     pl_free(element);
     for (int64_t i = 0; i < part->n_nodes; i++)
@@ -185,7 +185,7 @@ static int add_bad(work *w, const planish_options *options, int threads, planish
         return pl_fail_memory(error, "the elements that are bad");
     memcpy(tangled, w->of_node, (size_t)n);
     memset(w->of_node, 0, (size_t)n);
-    spread(w, threads, PL_WORSE, options->layers);
+    spread(w, threads, PL_WORSE, options->rings);
     for (int64_t i = 0; i < n; i++)
         w->of_node[i] |= tangled[i];
     pl_free(tangled);
@@ -205,7 +205,7 @@ int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_option
     else if (!status && mesh->n_periodic == 0 && !mesh->part)
         status = walk_from_bad(&w, options, is_selected, part, error);
     if (!status && *all_positive && part->n_elements == 0)
-        spread(&w, threads, PL_WORSE, options->layers);
+        spread(&w, threads, PL_WORSE, options->rings);
     pl_free(state);
     return status;
 }
@@ -215,5 +215,5 @@ void pl_select_around(const planish_mesh *mesh, const planish_options *options, 
     work w = {.mesh = mesh, .of_node = is_selected};
     for (int64_t i = 0; i < options->n_around; i++)
         choose(&w, (int32_t)options->around[i], 1);
-    spread_layers(&w, threads, options->layers);
+    spread_rings(&w, threads, options->rings);
 }

@@ -6,7 +6,7 @@
 
 /** Choose the nodes that options->only_worse_than is about: is_selected [n] is filled with 0, or
  *  not 0 for the nodes of elements whose RR is above it, that are below their least volume, or not
- *  positive, and of layers of elements around these. sign: as in pl_boundary. *all_positive: no
+ *  positive, and of rings of elements around these. sign: as in pl_boundary. *all_positive: no
  *  element was found that is not. part, which is {0}, is filled if it was found on the way. Errors:
  *  _MESH (of its neighbours), _MEMORY. */
 int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,

@@ -256,7 +256,7 @@ static int set_way(subject *s, unsigned how, planish_options *options) {
     }
     if (how & (SELECT | SELECT_LATER))
         options->only_worse_than = 1.5;
-    options->layers = how & (SELECT | AROUND) ? 1 : 0;
+    options->rings = how & (SELECT | AROUND) ? 1 : 0;
     if (how & AROUND) {
         options->around = around;
         options->n_around = 2;

@@ -940,7 +940,7 @@ static void defaults_are_as_documented(void **state) {
     assert_true(o.precision == PLANISH_DOUBLE && o.untangle);
     assert_true(o.worst == PLANISH_WORST_NONE && o.worst_rise == 0.01);
     assert_true(o.max_sweeps == 200 && o.tolerance == 1e-5 && o.time_limit == 0);
-    assert_true(o.only_worse_than == 0 && o.layers == 0 && o.n_around == 0 && !o.around);
+    assert_true(o.only_worse_than == 0 && o.rings == 0 && o.n_around == 0 && !o.around);
     assert_true(!o.progress && !o.project && !o.allocator && !o.parallel && !o.log && !o.round);
 }
 

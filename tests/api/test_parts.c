@@ -96,7 +96,7 @@ static planish_options options_of(int which) {
         break;
     case VERY_BAD: /* so few that one process does not look at the others */
         o.only_worse_than = 2.2;
-        o.layers = 0;
+        o.rings = 0;
         break;
     case BAD_OR_BELOW:
         o.only_worse_than = 1.8;

@@ -444,7 +444,7 @@ static void surfaces_are_asked_for_by_number(void **state) {
         planish_options options = defaults();
         options.project = on_side;
         options.project_user = &user;
-        options.layers = which == 1;
+        options.rings = which == 1;
         options.around = which == 1 ? &middle : NULL;
         options.n_around = which == 1;
         options.only_worse_than = which == 2 ? 1.5 : 0;

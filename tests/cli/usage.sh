@@ -33,7 +33,7 @@ bad quality in.msh -v
 
 # Values: the whole word, in range, finite.
 for value in "" x 1x " 1" "1 " -1 +1 1.5 99999999999999999999 0x10; do
-    bad smooth in.msh -o out.msh --only-worse-than 2 --layers "$value"
+    bad smooth in.msh -o out.msh --only-worse-than 2 --rings "$value"
     bad smooth in.msh -o out.msh --max-sweeps "$value"
     bad smooth in.msh -o out.msh --threads "$value"
 done
@@ -46,8 +46,13 @@ done
 bad smooth in.msh -o out.msh --tolerance -1e-9
 bad smooth in.msh -o out.msh --time-limit 0
 bad smooth in.msh -o out.msh --only-worse-than 0.5
-bad smooth in.msh -o out.msh --layers 1
-bad smooth in.msh -o out.msh --only-worse-than 2 --layers 101
+bad smooth in.msh -o out.msh --rings 1
+bad smooth in.msh -o out.msh --only-worse-than 2 --rings 101
+for arguments in "--layers 1" --layers=1 --layers; do
+    # shellcheck disable=SC2086
+    bad smooth in.msh -o out.msh --only-worse-than 2 $arguments
+    expect_text "--layers is called --rings now"
+done
 bad smooth in.msh -o out.msh --direction south
 bad smooth in.msh -o out.msh --format stl
 bad smooth in.msh -o out.msh --fix ""

@@ -129,7 +129,7 @@ static inline void fuzz_ask(fuzz_bytes *bytes, planish_options *o) {
     if ((what & 48) == 48)
         o->only_worse_than = 1 + fabs(take_real(bytes));
     if (what & 64)
-        o->layers = take_below(bytes, 5);
+        o->rings = take_below(bytes, 5);
 }
 
 static inline void fuzz_stop(fuzz_bytes *bytes, planish_options *o) {
@@ -174,7 +174,7 @@ static inline void fuzz_garble(fuzz_bytes *bytes, planish_options *o) {
         o->worst = (planish_worst)take_integer(bytes);
         break;
     case 5:
-        o->layers = (int)take_integer(bytes);
+        o->rings = (int)take_integer(bytes);
         break;
     case 6:
         o->max_sweeps = -1;

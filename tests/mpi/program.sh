@@ -43,7 +43,7 @@ compare "$work/valid.mesh" parts --report "$work/report.html"
 compare "$work/valid.mesh" parts --box 0.1,0.1,0.1,0.9,0.9,0.9 --direction fletcher-reeves
 compare "$work/valid.mesh" parts --method laplacian
 compare "$work/valid.mesh" parts --only-worse-than 1.7
-compare "$work/tangled.mesh" parts --only-worse-than 2 --layers 2
+compare "$work/tangled.mesh" parts --only-worse-than 2 --rings 2
 compare "$work/tangled.mesh" parts
 awk '/^Tetrahedra/ { t = 1 } t && NF == 5 && ++n % 3 == 0 { a = $1; $1 = $2; $2 = a } { print }' \
     "$work/tangled.mesh" >"$work/mixed.mesh"

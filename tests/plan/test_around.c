@@ -92,21 +92,21 @@ static int is_inside(const planish_mesh *mesh, int64_t node) {
     return inside;
 }
 
-/** chosen [n]: around, and those of so many layers of elements around. */
-static void choose(const planish_mesh *mesh, const int64_t *around, int64_t n, int layers,
+/** chosen [n]: around, and those of so many rings of elements around. */
+static void choose(const planish_mesh *mesh, const int64_t *around, int64_t n, int rings,
                    uint8_t *chosen) {
     const int corners = mesh->dim + 1;
     memset(chosen, 0, (size_t)mesh->n_nodes);
     for (int64_t i = 0; i < n; i++)
         chosen[around[i]] = 1;
-    for (int layer = 1; layer <= layers; layer++)
+    for (int ring = 1; ring <= rings; ring++)
         for (int64_t i = 0; i < mesh->n_elements; i++) {
             const int32_t *node = mesh->elements + i * corners;
             int any = 0;
             for (int j = 0; j < corners; j++)
-                any |= chosen[node[j]] > 0 && chosen[node[j]] <= layer;
+                any |= chosen[node[j]] > 0 && chosen[node[j]] <= ring;
             for (int j = 0; any && j < corners; j++)
-                chosen[node[j]] = chosen[node[j]] ? chosen[node[j]] : (uint8_t)(layer + 1);
+                chosen[node[j]] = chosen[node[j]] ? chosen[node[j]] : (uint8_t)(ring + 1);
         }
 }
 
@@ -152,7 +152,7 @@ static void expect_same_as_fixed(const planish_mesh *mesh, const uint8_t *chosen
 static void only_nodes_around_move(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
-        for (int layers = 0; layers < 3; layers++) {
+        for (int rings = 0; rings < 3; rings++) {
             test_mesh box;
             planish_options options = defaults();
             bad_box(&box, dim);
@@ -160,8 +160,8 @@ static void only_nodes_around_move(void **state) {
             uint8_t *chosen = malloc((size_t)mesh->n_nodes);
             int64_t n_free = 0, n_moved = 0, n_in = 0;
             options.around = some_nodes(mesh, &options.n_around);
-            options.layers = layers;
-            choose(mesh, options.around, options.n_around, layers, chosen);
+            options.rings = rings;
+            choose(mesh, options.around, options.n_around, rings, chosen);
             test_run r = test_smooth(mesh, &options);
             for (int64_t i = 0; i < mesh->n_nodes; i++) {
                 n_free += chosen[i] && is_inside(mesh, i);
@@ -192,14 +192,14 @@ static void only_nodes_around_move(void **state) {
 static void neighbours_save_passes_alone(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
-        for (int layers = 0; layers < 3; layers++) {
+        for (int rings = 0; rings < 3; rings++) {
             test_mesh box;
             planish_options options = defaults();
             int64_t elements[8];
             bad_box(&box, dim);
             const int64_t corners = box.mesh.n_elements * (dim + 1);
             options.around = some_nodes(&box.mesh, &options.n_around);
-            options.layers = layers;
+            options.rings = rings;
             for (int64_t i = 0; i < options.n_around; i++)
                 elements[i] = element_of(&box.mesh, options.around[i]);
             test_run expected = test_smooth(&box.mesh, &options);
@@ -239,7 +239,7 @@ static void neighbours_of_bad_elements(void **state) {
     const int64_t node = (int64_t)(MANY / 2) * ((MANY + 1) * (MANY + 1) + (MANY + 1) + 1);
     box.coordinates[3 * node] += 0.4;
     options.only_worse_than = 1.9;
-    options.layers = 0;
+    options.rings = 0;
     test_run expected = test_smooth(&box.mesh, &options);
     int32_t *neighbours = neighbours_of(&box.mesh);
     planish_mesh mesh = box.mesh;
@@ -414,7 +414,7 @@ static void numbers_are_the_callers(void **state) {
             options.around = some_nodes(mesh, &options.n_around);
         else
             options.only_worse_than = 2;
-        options.layers = 1;
+        options.rings = 1;
         for (int64_t i = 0; i < 3 * n; i++)
             lower[i] = i % 3 == 1 ? mesh->coordinates[i] : -INFINITY;
         options.lower = lower;
@@ -645,7 +645,7 @@ static void memory_may_run_out(void **state) {
     int64_t elements[8];
     mesh.neighbours = neighbours;
     options.around = some_nodes(&mesh, &options.n_around);
-    options.layers = 4;
+    options.rings = 4;
     for (int64_t i = 0; i < options.n_around; i++)
         elements[i] = element_of(&mesh, options.around[i]);
     for (int which = 0; which < 3; which++) {

@@ -34,16 +34,16 @@ static double ratio_of(const planish_mesh *mesh, int64_t element) {
     return pl_simplex_measure(dim, x) > 0 ? sqrt(pl_radius_ratio_square(dim, x)) : INFINITY;
 }
 
-/** chosen [n]: the nodes of elements worse than limit, and of layers around. */
-static void choose(const planish_mesh *mesh, double limit, int layers, uint8_t *chosen) {
+/** chosen [n]: the nodes of elements worse than limit, and of rings around. */
+static void choose(const planish_mesh *mesh, double limit, int rings, uint8_t *chosen) {
     const int corners = mesh->dim + 1;
     memset(chosen, 0, (size_t)mesh->n_nodes);
-    for (int layer = 0; layer <= layers; layer++) {
+    for (int ring = 0; ring <= rings; ring++) {
         uint8_t *next = malloc((size_t)mesh->n_nodes);
         memcpy(next, chosen, (size_t)mesh->n_nodes);
         for (int64_t i = 0; i < mesh->n_elements; i++) {
-            int any = layer == 0 && ratio_of(mesh, i) > limit;
-            for (int j = 0; layer > 0 && j < corners; j++)
+            int any = ring == 0 && ratio_of(mesh, i) > limit;
+            for (int j = 0; ring > 0 && j < corners; j++)
                 any |= chosen[mesh->elements[i * corners + j]];
             for (int j = 0; any && j < corners; j++)
                 next[mesh->elements[i * corners + j]] = 1;
@@ -84,18 +84,18 @@ static void bad_box(test_mesh *mesh, int dim) {
 static void only_nodes_of_bad_elements_move(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++)
-        for (int layers = 0; layers < 3; layers++) {
+        for (int rings = 0; rings < 3; rings++) {
             test_mesh box;
             planish_options options = defaults();
             bad_box(&box, dim);
             uint8_t *chosen = malloc((size_t)box.mesh.n_nodes);
             options.only_worse_than = dim == 3 ? 1.8 : 1.4;
-            options.layers = layers;
-            choose(&box.mesh, options.only_worse_than, layers, chosen);
+            options.rings = rings;
+            choose(&box.mesh, options.only_worse_than, rings, chosen);
             test_run r = test_smooth(&box.mesh, &options);
             const int64_t moved = expect_chosen(&box.mesh, &r, chosen);
             if (moved <= 3)
-                fail_msg("dim %d layers %d: %d of %d", dim, layers, (int)moved, (int)r.info.n_free);
+                fail_msg("dim %d rings %d: %d of %d", dim, rings, (int)moved, (int)r.info.n_free);
             assert_int_equal(r.after.inverted, 0);
             assert_true(r.after.max_radius_ratio <= r.before.max_radius_ratio);
             assert_true(r.after.rms_radius_ratio < r.before.rms_radius_ratio);
@@ -155,7 +155,7 @@ static void orientation_does_not_matter(void **state) {
     test_mesh_destroy(&plain);
 }
 
-/** Tangled elements are mended, with four layers of room, where no ratio is bad. */
+/** Tangled elements are mended, with four rings of room, where no ratio is bad. */
 static void tangles_are_chosen(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
@@ -218,7 +218,7 @@ static void judge_volumes(int dim) {
     const size_t n_nodes = (size_t)mesh.mesh.n_nodes, n_elements = (size_t)mesh.mesh.n_elements;
     uint8_t *constraint = malloc(n_nodes), *of[2] = {malloc(n_elements), malloc(n_elements)};
     options.only_worse_than = dim == 3 ? 2.2 : 1.6;
-    options.layers = 0;
+    options.rings = 0;
     assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan[0], NULL), 0);
     planish_plan_get_info(plan[0], &info);
     assert_true(info.n_free > 0 && info.n_free < mesh.mesh.n_nodes / 4);
@@ -383,18 +383,18 @@ static void sliding_nodes_are_chosen_too(void **state) {
     test_mesh_destroy(&box);
 }
 
-static void layers_are_checked(void **state) {
+static void rings_are_checked(void **state) {
     (void)state;
     test_mesh box;
     planish_plan *plan;
     planish_error error;
     planish_options options = defaults();
     bad_box(&box, 2);
-    for (int layers = -1; layers < 102; layers += 102) {
-        options.layers = layers;
+    for (int rings = -1; rings < 102; rings += 102) {
+        options.rings = rings;
         assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
                          PLANISH_ERROR_ARGUMENT);
-        assert_non_null(strstr(error.text, "layers"));
+        assert_non_null(strstr(error.text, "rings"));
     }
     test_mesh_destroy(&box);
 }
@@ -545,7 +545,7 @@ int main(void) {
         cmocka_unit_test(all_volumes_are_judged),
         cmocka_unit_test(bad_stars_are_not_forgotten),
         cmocka_unit_test(sliding_nodes_are_chosen_too),
-        cmocka_unit_test(layers_are_checked),
+        cmocka_unit_test(rings_are_checked),
         cmocka_unit_test(memory_may_run_out),
         cmocka_unit_test(inverted_elements_elsewhere_are_counted),
         cmocka_unit_test(errors_name_what_the_mesh_calls_it),

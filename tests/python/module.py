@@ -112,7 +112,7 @@ class Smoothing(unittest.TestCase):
 
     def test_integers_have_a_range(self):
         points, cells, _ = box(2)
-        for options in {"threads": 2**32 + 1}, {"layers": 2**32}, {"max_sweeps": 2**32}:
+        for options in {"threads": 2**32 + 1}, {"rings": 2**32}, {"max_sweeps": 2**32}:
             self.assertRaises(ValueError, planish.smooth, points, cells, **options)
         wide = cells.astype(np.uint64)
         wide[0, 0] = 2**64 - 1
@@ -365,7 +365,7 @@ class Plans(unittest.TestCase):
         self.assertGreater(by_mean.mean_ratio.mean, by_edge.mean_ratio.mean)
         self.assertLess(by_edge.edge_ratio.mean, by_mean.edge_ratio.mean)
         self.assertLess(run(tolerance=0.1)[0].sweeps, run(tolerance=1e-9)[0].sweeps)
-        few = [run(only_worse_than=1.9, layers=layers)[0].moved_nodes for layers in (0, 1)]
+        few = [run(only_worse_than=1.9, rings=rings)[0].moved_nodes for rings in (0, 1)]
         self.assertTrue(0 < few[0] < few[1] < usual.moved_nodes)
         self.assertEqual(planish.quality(points, cells, fixed=range(len(points))).n_fixed, len(cells))
 
@@ -459,7 +459,7 @@ class Refusals(unittest.TestCase):
         self.assertEqual(caught.exception.node, 7)
         points[7, 1] = start[7, 1]
         np.testing.assert_array_equal(points, start)
-        self.refuse(planish.Error, "layers", points, cells, layers=-1)
+        self.refuse(planish.Error, "rings", points, cells, rings=-1)
         self.refuse(planish.Error, "tolerance", points, cells, tolerance=-1.0)
 
     def test_library_is_missing(self):

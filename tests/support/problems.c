@@ -160,7 +160,7 @@ static void ask(test_problem *p, int cells, test_wish wish) {
         p->around[1] = p->mesh.n_nodes / 2 + 1;
         options->around = p->around;
         options->n_around = 2;
-        options->layers = 1;
+        options->rings = 1;
     }
     if (wish == WISH_FLOAT)
         options->precision = PLANISH_FLOAT;

@@ -46,10 +46,10 @@ static void select_bad(const promise *p, const double *x, uint8_t *selected) {
     }
 }
 
-/** The nodes of so many layers of elements around, and their partners. */
-static void spread(const planish_mesh *mesh, int layers, uint8_t *selected) {
+/** The nodes of so many rings of elements around, and their partners. */
+static void spread(const planish_mesh *mesh, int rings, uint8_t *selected) {
     const int corners = mesh->dim + 1;
-    for (int k = 0; k < layers; k++) {
+    for (int k = 0; k < rings; k++) {
         uint8_t *before = checked(malloc((size_t)mesh->n_nodes + 1));
         memcpy(before, selected, (size_t)mesh->n_nodes);
         for (int64_t i = 0; i < mesh->n_elements; i++) {
@@ -77,13 +77,13 @@ static void select_nodes(const promise *p, const double *x, uint8_t *selected) {
     if (o->around) {
         for (int64_t i = 0; i < o->n_around; i++)
             selected[o->around[i]] = 1;
-        spread(&p->call->dense, o->layers, selected);
+        spread(&p->call->dense, o->rings, selected);
     } else if (o->only_worse_than > 0) {
         const worth_problem problem = {
             .mesh = &p->call->dense, .sign = p->sign, .is_movable = selected};
         const int tangled = worth_of(&problem, x).inverted > 0;
         select_bad(p, x, selected);
-        spread(&p->call->dense, tangled && o->layers < AROUND_TANGLES ? AROUND_TANGLES : o->layers,
+        spread(&p->call->dense, tangled && o->rings < AROUND_TANGLES ? AROUND_TANGLES : o->rings,
                selected);
     } else {
         memset(selected, 1, (size_t)n);

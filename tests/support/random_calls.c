@@ -45,7 +45,7 @@ const pairs_factor random_factors[N_FACTORS] = {
     [OF_TIME_LIMIT] = {"time_limit", {6, 1, 1, 1}},
     [OF_WORSE_THAN] = {"only_worse_than", {4, 1, 1, 1}},
     [OF_SCOPE] = {"scope", {1, 1, 1}},
-    [OF_LAYERS] = {"layers", {2, 1, 1}},
+    [OF_RINGS] = {"rings", {2, 1, 1}},
     [OF_AROUND] = {"around", {6, 1, 1}},
     [OF_PROGRESS] = {"progress", {3, 1, 2, 1}},
     [OF_PROJECT] = {"project", {1, 2}},
@@ -316,7 +316,7 @@ static void draw_around(random_call *call, uint64_t *state) {
 static void draw_limits(random_call *call, uint64_t *state) {
     static const double weights[] = {0, 0.3, 1}, far[] = {0, 0.02, 3}, rises[] = {0, 0.01, 0.5};
     static const double tolerances[] = {0, 1e-5, 0.5}, times[] = {0, 1e-9, 1e-3, 60};
-    static const int sweeps[] = {0, 1, 3, 200}, layers[] = {0, 1, 3};
+    static const int sweeps[] = {0, 1, 3, 200}, rings[] = {0, 1, 3};
     const int *l = call->level;
     planish_options *o = &call->options;
     o->area_weight = weights[l[OF_AREA_WEIGHT]];
@@ -328,7 +328,7 @@ static void draw_limits(random_call *call, uint64_t *state) {
     o->max_sweeps = sweeps[l[OF_MAX_SWEEPS]];
     o->tolerance = tolerances[l[OF_TOLERANCE]];
     o->time_limit = times[l[OF_TIME_LIMIT]];
-    o->layers = layers[l[OF_LAYERS]];
+    o->rings = rings[l[OF_RINGS]];
     if (l[OF_LOWER])
         o->lower = draw_bounds(call, -1, state);
     if (l[OF_UPPER])

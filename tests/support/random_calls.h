@@ -43,7 +43,7 @@ typedef enum random_factor {
     OF_TIME_LIMIT,
     OF_WORSE_THAN,
     OF_SCOPE, /* which calls only_worse_than is given to */
-    OF_LAYERS,
+    OF_RINGS,
     OF_AROUND, /* and around_elements */
     OF_PROGRESS,
     OF_PROJECT,

@@ -109,7 +109,7 @@ static void worst_angle(test_world *w) {
 
 static void only_worse(test_world *w) {
     w->options.only_worse_than = 1.8;
-    w->options.layers = 1;
+    w->options.rings = 1;
 }
 
 static void only_worse_tangled(test_world *w) {
@@ -150,7 +150,7 @@ static void around(test_world *w) {
     node[1] = w->mesh.n_nodes / 3;
     w->options.n_around = 2;
     w->options.around = node;
-    w->options.layers = 1;
+    w->options.rings = 1;
 }
 
 static void around_known_elements(test_world *w) {

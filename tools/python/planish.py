@@ -125,7 +125,7 @@ class _Options(ctypes.Structure):
         ("tolerance", c_double),
         ("time_limit", c_double),
         ("only_worse_than", c_double),
-        ("layers", c_int),
+        ("rings", c_int),
         ("n_around", c_int64),
         ("around", c_void_p),
         ("around_elements", c_void_p),
@@ -786,8 +786,8 @@ class Plan:
     numbers, the name or names of arrays of the cell data, or None: let these nodes move. region_arrays
     names the arrays used. threads: 0 as many as there are and the mesh is large enough for; one in a child of
     os.fork (multiprocessing), where those of the parent would be waited for.
-    only_worse_than and layers: only nodes of cells whose radius ratio exceeds it move, and of so
-    many layers around. around: only these nodes (numbers) move, and of so many layers around;
+    only_worse_than and rings: only nodes of cells whose radius ratio exceeds it move, and of so
+    many rings of cells around. around: only these nodes (numbers) move, and of so many rings;
     qualities and results are then of the cells at these.
 
     One plan serves one thread at a time: others wait, and are refused with RuntimeError while it
@@ -803,7 +803,7 @@ class Plan:
         min_volumes: Any = None,
         threads: int = 0,
         only_worse_than: float = 0,
-        layers: int = 0,
+        rings: int = 0,
         around: Optional[Sequence[int]] = None,
         regions: Any = _BY_RULE,
     ) -> None:
@@ -818,7 +818,7 @@ class Plan:
         self._options.threads = _threads(threads)
         self._process = os.getpid()
         self._options.only_worse_than = only_worse_than
-        self._options.layers = _whole(layers, "layers")
+        self._options.rings = _whole(rings, "rings")
         self._around = None if around is None else _nodes(around, self._view.n, "around")
         if self._around is not None:
             self._options.around = _address(self._around) or 1
@@ -1014,7 +1014,7 @@ class Plan:
             return result
 
 
-_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "layers", "around", "regions")
+_OF_PLAN = ("fixed", "min_volumes", "threads", "only_worse_than", "rings", "around", "regions")
 
 
 def smooth(points: Any, cells: Any = None, **options: Any) -> Result:
