@@ -8,6 +8,7 @@
  * ordinary sweeps, and the result is taken only if it is better in every respect that was promised.
  */
 #include "improve/improve.h"
+#include "sweep/trial.h"
 
 #include "base/memory.h"
 #include "base/parts.h"
@@ -89,21 +90,21 @@ static void wake_moved(const planish_plan *plan, const double *before) {
 static int is_better(const pl_run *r, const pl_objective_sums *standing,
                      const pl_star_limits *limits) {
     return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
-           r->totals.below <= standing->below && r->totals.inverted <= standing->inverted &&
-           (r->totals.below == 0 || r->totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
-           r->totals.radius_max <= limits->rr2 * (1 + LIMIT_NOISE) &&
+           r->worth.totals.below <= standing->below &&
+           r->worth.totals.inverted <= standing->inverted &&
+           (r->worth.totals.below == 0 ||
+            r->worth.totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
+           r->worth.totals.radius_max <= limits->rr2 * (1 + LIMIT_NOISE) &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
 
 /** The trial; returns whether its mesh was taken. before: room for the coordinates. */
 static int try_augmented(pl_run *r, double *before) {
     const planish_plan *plan = r->plan;
-    const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *before;
     pl_run_measure(r); /* what was tracked will not do to compare with */
-    const pl_objective_sums standing = r->totals;
     const pl_star_limits limits = r->problem.limits;
-    memcpy(before, plan->coordinates, size);
-    r->shown = &standing;
+    pl_trial trial;
+    pl_trial_begin(r, before, &trial);
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     if (augmented_sweeps(r)) {
         wake_moved(plan, before);
@@ -113,13 +114,12 @@ static int try_augmented(pl_run *r, double *before) {
         r->guard.star.strict = 0;
     }
     pl_run_measure(r);
-    r->shown = NULL;
     r->problem.limits = limits;
     r->restoring = 0;
-    if (is_better(r, &standing, &limits))
+    const int is_taken = is_better(r, &trial.standing.totals, &limits);
+    pl_trial_end(&trial, is_taken);
+    if (is_taken)
         return 1;
-    memcpy(plan->coordinates, before, size);
-    pl_run_measure(r);
     if (r->stop == PLANISH_STOP_MAX_SWEEPS)
         r->stop = PLANISH_STOP_CONVERGED;
     return 0;

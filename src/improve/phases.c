@@ -39,7 +39,7 @@ static int judge(pl_run *r, planish_error *error) {
     planish_result *result = r->result;
     if (!r->guard.wanted || r->options->method != PLANISH_METHOD_PLANISH)
         return PLANISH_OK;
-    r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
+    r->factor = pl_guard_weigh(&r->guard, r->options, &r->worth.totals);
     const pl_star_problem sliding = pl_run_sliding_problem(r);
     pl_follow(r->plan, &sliding);
     int status = pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, error);
@@ -86,14 +86,15 @@ static int was_cut_short(const pl_run *r) {
  *  more from the start, without; or if there is no time for that and more are below, back to it. */
 static void give_up_in_vain(pl_run *r) {
     planish_plan *plan = r->plan;
-    const pl_objective_sums *start = &r->totals_at_start;
+    const pl_objective_sums *start = &r->worth_at_start.totals;
     const int over = was_cut_short(r) || pl_run_sweeps_left(r) <= 0;
     if (r->plain || r->options->method != PLANISH_METHOD_PLANISH)
         return;
     pl_run_measure(r);
-    if (start->below == 0 || r->totals.below < start->below || r->totals.inverted < start->inverted)
+    if (start->below == 0 || r->worth.totals.below < start->below ||
+        r->worth.totals.inverted < start->inverted)
         return;
-    if (over && r->totals.below == start->below)
+    if (over && r->worth.totals.below == start->below)
         return;
     pl_plan_order(plan, r->outside, plan->coordinates);
     pl_run_measure(r);
@@ -225,7 +226,7 @@ int pl_run_phases(pl_run *r, planish_error *error) {
         {has_changed_worst, pl_run_put_back_angles},
     };
     int status = PLANISH_OK;
-    r->totals_at_start = r->totals;
+    r->worth_at_start = r->worth;
     r->guard.star.keep_below = !r->options->untangle;
     for (size_t i = 0; i < sizeof phases / sizeof *phases && has_nodes(r) && !status; i++)
         if (phases[i].is_wanted(r))

@@ -6,6 +6,7 @@
  */
 #include "improve/improve.h"
 #include "improve/lbfgs.h"
+#include "sweep/trial.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -53,12 +54,12 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
 static double evaluate(void *context, double enough, pl_star_slope *slope) {
     objective_of_all *f = context;
     pl_run *r = f->run;
-    const pl_ratio_sums before = r->sums;
+    const pl_ratio_sums before = r->worth.sums;
     const double measured = r->measured;
     pl_run_measure(r);
-    const int worse = r->sums.inverted > before.inverted || r->sums.max > f->rr2_measured ||
-                      r->sums.acuteness > f->acuteness;
-    double value = worse ? INFINITY : r->sums.movable;
+    const int worse = r->worth.sums.inverted > before.inverted ||
+                      r->worth.sums.max > f->rr2_measured || r->worth.sums.acuteness > f->acuteness;
+    double value = worse ? INFINITY : r->worth.sums.movable;
     if (value <= enough) {
         f->slope = slope;
         f->refused = 0;
@@ -66,7 +67,7 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
         value = pl_parts_any(f->refused) ? INFINITY : value;
     }
     if (!(value <= enough)) {
-        r->sums = before;
+        r->worth.sums = before;
         r->measured = measured;
     }
     return value;
@@ -83,20 +84,19 @@ static void go(const pl_lbfgs *m, double part, const double *start, const double
     pl_run_measure(m->p.run);
 }
 
-/** Centre the mesh, as far as it stays valid, and sweep it some times. */
-static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
+/** Centre the mesh, which is at start, as far as it stays valid, and sweep it some times. */
+static int centre_and_sweep(pl_lbfgs *m, const double *start, double *centred) {
     pl_run *r = m->p.run;
     const size_t size =
         (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
     pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     int stopped;
     pl_run_begin_sweep(r);
-    memcpy(start, r->plan->coordinates, size);
     pl_patch_centre(&m->p, &tally);
     memcpy(centred, r->plan->coordinates, size);
     for (int i = 0; i < PARTS && !tally.stopped; i++) {
         go(m, ldexp(1, -i), start, centred);
-        if (r->sums.inverted <= r->shown_sums->inverted)
+        if (r->worth.sums.inverted <= r->shown->sums.inverted)
             break;
     }
     tally.visits = 0; /* no local problem was solved */
@@ -112,23 +112,20 @@ static int centre_and_sweep(pl_lbfgs *m, double *start, double *centred) {
 static int try_centring(pl_lbfgs *m) {
     pl_run *r = m->p.run;
     const int64_t n = r->plan->work.n_nodes * r->plan->dim;
-    const pl_ratio_sums before = r->sums;
     const pl_star_limits limits = r->problem.limits;
     double *start = pl_alloc(2 * n, sizeof *start);
+    pl_trial trial;
     if (!start)
         return 0;
-    r->shown_sums = &before;
+    pl_trial_begin(r, start, &trial);
     r->problem.limits = pl_star_no_limits();
     pl_run_begin_anew(r);
     const int stopped = centre_and_sweep(m, start, start + n);
     pl_run_measure(r);
-    if (stopped || r->sums.inverted > before.inverted || r->sums.max > before.max ||
-        r->sums.acuteness > fmax(before.acuteness, limits.acuteness) ||
-        !(r->sums.movable < before.movable)) {
-        memcpy(r->plan->coordinates, start, (size_t)n * sizeof *start);
-        pl_run_measure(r);
-    }
-    r->shown_sums = NULL;
+    const pl_ratio_sums *before = &trial.standing.sums, *now = &r->worth.sums;
+    pl_trial_end(&trial, !stopped && now->inverted <= before->inverted && now->max <= before->max &&
+                             now->acuteness <= fmax(before->acuteness, limits.acuteness) &&
+                             now->movable < before->movable);
     r->problem.limits = limits;
     pl_free(start);
     return stopped;
@@ -171,8 +168,8 @@ static void look(objective_of_all *f) {
     pl_run *r = f->run;
     const planish_plan *plan = r->plan;
     f->rr2_limit = r->problem.limits.rr2;
-    f->rr2_measured = fmax(r->problem.limits.rr2, r->sums.max);
-    f->acuteness = fmax(r->problem.limits.acuteness, r->sums.acuteness);
+    f->rr2_measured = fmax(r->problem.limits.rr2, r->worth.sums.max);
+    f->acuteness = fmax(r->problem.limits.acuteness, r->worth.sums.acuteness);
     for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
         pl_star_value value;
         plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);

@@ -6,6 +6,7 @@
  * above, or makes F rise by more than is allowed, is undone.
  */
 #include "improve/improve.h"
+#include "sweep/trial.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -86,26 +87,16 @@ static int sweep_stage(const phase *p, double limit) {
  *  elements are above the limit. Not 0 if it was cut short. */
 static int try_stage(phase *p, double limit, int *failed) {
     pl_run *r = p->run;
-    const planish_plan *plan = r->plan;
-    const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *p->before;
-    const pl_objective_sums totals = r->totals;
-    const pl_ratio_sums sums = r->sums;
+    pl_trial trial;
     const int64_t n_bad = find_bad(p, limit);
     *failed = 0;
     if (n_bad == 0)
         return 0;
     wake_bad(p);
-    memcpy(p->before, plan->coordinates, size);
-    r->shown = &totals;
-    r->shown_sums = &sums;
+    pl_trial_begin(r, p->before, &trial);
     const int stopped = sweep_stage(p, limit);
-    r->shown = NULL;
-    r->shown_sums = NULL;
     *failed = !(pl_run_objective(r) <= p->most);
-    if (*failed || find_bad(p, limit) >= n_bad) {
-        memcpy(plan->coordinates, p->before, size);
-        pl_run_measure(r);
-    }
+    pl_trial_end(&trial, !*failed && find_bad(p, limit) < n_bad);
     return stopped;
 }
 

@@ -31,48 +31,50 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
 /* ---- what the mesh is worth --------------------------------------------------------------- */
 
 double pl_run_rms(const pl_run *r) {
-    const pl_objective_sums *t = &r->totals;
-    return r->plain ? pl_rms(r->sums.movable + r->sums.fixed,
-                             (double)(r->sums.n_movable + r->sums.n_fixed))
+    const pl_objective_sums *t = &r->worth.totals;
+    return r->plain ? pl_rms(r->worth.sums.movable + r->worth.sums.fixed,
+                             (double)(r->worth.sums.n_movable + r->worth.sums.n_fixed))
                     : pl_rms(t->ratio[0] + t->ratio[1], t->n[0] + t->n[1]);
 }
 
 double pl_run_rms_of_movable(const pl_run *r) {
-    return r->plain ? pl_rms(r->sums.movable, (double)r->sums.n_movable)
-                    : pl_rms(r->totals.ratio[1], r->totals.n[1]);
+    return r->plain ? pl_rms(r->worth.sums.movable, (double)r->worth.sums.n_movable)
+                    : pl_rms(r->worth.totals.ratio[1], r->worth.totals.n[1]);
 }
 
 double pl_run_objective(const pl_run *r) {
-    return r->plain ? pl_run_rms(r) : pl_objective_of_all(r->options, &r->totals);
+    return r->plain ? pl_run_rms(r) : pl_objective_of_all(r->options, &r->worth.totals);
 }
 
 static double objective_of_movable(const pl_run *r) {
-    return r->plain ? pl_run_rms_of_movable(r) : pl_objective_of_movable(r->options, &r->totals);
+    return r->plain ? pl_run_rms_of_movable(r)
+                    : pl_objective_of_movable(r->options, &r->worth.totals);
 }
 
 int64_t pl_run_inverted(const pl_run *r) {
-    return r->plain ? r->sums.inverted : (int64_t)r->totals.inverted;
+    return r->plain ? r->worth.sums.inverted : (int64_t)r->worth.totals.inverted;
 }
 
 int64_t pl_run_below(const pl_run *r) {
-    return r->plain ? 0 : (int64_t)r->totals.below;
+    return r->plain ? 0 : (int64_t)r->worth.totals.below;
 }
 
 pl_star_limits pl_run_limits(const pl_run *r, double margin) {
-    const double rr2 = r->plain ? r->sums.max : r->totals.radius_max;
-    const double acuteness = (r->plain ? r->sums.acuteness : r->totals.acuteness) * margin;
+    const double rr2 = r->plain ? r->worth.sums.max : r->worth.totals.radius_max;
+    const double acuteness =
+        (r->plain ? r->worth.sums.acuteness : r->worth.totals.acuteness) * margin;
     return (pl_star_limits){rr2 * margin, acuteness,
                             pl_blunt_ratio_square(r->plan->dim, acuteness)};
 }
 
 static void measure_ratios(pl_run *r) {
     const planish_plan *plan = r->plan;
-    pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, &r->sums);
-    r->measured = r->sums.movable;
+    pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, &r->worth.sums);
+    r->measured = r->worth.sums.movable;
     if (plan->all == &plan->work)
         return;
-    r->sums.fixed = r->rest.ratio;
-    r->sums.n_fixed = (int64_t)r->rest.n;
+    r->worth.sums.fixed = r->rest.ratio;
+    r->worth.sums.n_fixed = (int64_t)r->rest.n;
 }
 
 pl_objective_problem pl_run_objective_problem(const pl_run *r) {
@@ -95,13 +97,13 @@ void pl_run_measure(pl_run *r) {
         return;
     }
     const pl_objective_problem problem = pl_run_objective_problem(r);
-    pl_sum_objective(&problem, &r->totals);
-    r->measured = r->totals.ratio[1];
+    pl_sum_objective(&problem, &r->worth.totals);
+    r->measured = r->worth.totals.ratio[1];
     if (plan->all == &plan->work)
         return;
-    r->totals.ratio[0] = r->rest.ratio;
-    r->totals.volume[0] = r->rest.volume;
-    r->totals.n[0] = r->rest.n;
+    r->worth.totals.ratio[0] = r->rest.ratio;
+    r->worth.totals.volume[0] = r->rest.volume;
+    r->worth.totals.n[0] = r->rest.n;
 }
 
 /** Which of all elements have a free node. */
@@ -145,13 +147,13 @@ void pl_run_measure_rest(pl_run *r, const double *all) {
 static void keep_track(pl_run *r, const pl_sweep_tally *tally) {
     if (r->guard.star.penalty > 0)
         return; /* what falls is another function; it is measured in the end */
-    double *sum = r->plain ? &r->sums.movable : &r->totals.ratio[1];
+    double *sum = r->plain ? &r->worth.sums.movable : &r->worth.totals.ratio[1];
     *sum -= pl_sum_value(&tally->decrease);
     if (r->restoring || r->options->area_weight > 0 ||
         r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
         pl_run_measure(r);
     if (r->restoring) /* of elements that were brought up */
-        r->problem.limits.rr2 = fmax(r->totals.radius_max, r->problem.limits.rr2);
+        r->problem.limits.rr2 = fmax(r->worth.totals.radius_max, r->problem.limits.rr2);
 }
 
 /* ---- sweeps ------------------------------------------------------------------------------- */
@@ -161,9 +163,7 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
     double now = pl_seconds();
     pl_run seen = *r;
     if (r->shown)
-        seen.totals = *r->shown;
-    if (r->shown_sums)
-        seen.sums = *r->shown_sums;
+        seen.worth = *r->shown;
     return (planish_progress){.sweep = r->sweep,
                               .colour = colour,
                               .n_colours = pl_plan_colours(r->plan),
@@ -278,7 +278,7 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
     pl_sweep_tally tally = {0};
     pl_run_begin_sweep(r);
     if (!r->plain)
-        r->factor = pl_guard_weigh(&r->guard, r->options, &r->totals);
+        r->factor = pl_guard_weigh(&r->guard, r->options, &r->worth.totals);
     pl_run_sweep_colours(r, &tally);
     r->restoring = tally.restored > 0;
     r->improved = tally.improved;

@@ -13,6 +13,13 @@ typedef struct pl_rest {
     int64_t inverted, below; /* elements outside of the part */
 } pl_rest;
 
+/** What the mesh is worth: sums of plain runs, totals of the others; movable, or ratio[1], is
+ *  tracked between measurements. */
+typedef struct pl_worth {
+    pl_ratio_sums sums;
+    pl_objective_sums totals;
+} pl_worth;
+
 struct pl_run;
 
 /** What helps a mesh that sweeps would be slow with; all nodes move at once. */
@@ -31,15 +38,13 @@ typedef struct pl_run {
     pl_star_problem problem;
     pl_guard guard;
     pl_star_guard sliding_guard; /* the same for the nodes that slide */
-    int plain;                   /* the plain problem: sums are what counts, else totals */
+    int plain;                   /* the plain problem: worth.sums counts, else worth.totals */
     double unit; /* a power of two, times which coordinates are measured: ratios are then the same
                     bits at every scale; 1 where volumes count */
-    pl_ratio_sums sums;             /* as measured last, movable then tracked */
-    pl_objective_sums totals;       /* as measured last, ratio[1] then tracked if mu2 = 0 */
-    double measured;                /* the sum that is tracked, as measured last */
-    double factor;                  /* from a star's function to F, of the last sweep's weights */
-    const pl_objective_sums *shown; /* not NULL: the sweeps are a trial, and this is what stands, */
-    const pl_ratio_sums *shown_sums; /* or this */
+    pl_worth worth;          /* as measured last, with what the sweeps have won since */
+    double measured;         /* the sum that is tracked, as measured last */
+    double factor;           /* from a star's function to F, of the last sweep's weights */
+    const pl_worth *shown;   /* not NULL: the sweeps are a trial, and this is what stands */
     int64_t improved;        /* stars that the last sweep improved by more than a hundredth */
     int is_for_worst;        /* sweeps are those of pl_run_worst */
     int restoring;           /* the last sweep brought elements above their least volume */
@@ -50,7 +55,7 @@ typedef struct pl_run {
     int sweep;
     int in_vain;      /* sweeps that max_sweeps does not count: those before nodes were put back */
     pl_help_fn *help; /* what sweeps call where they are slow */
-    pl_objective_sums totals_at_start; /* of the mesh as it came */
+    pl_worth worth_at_start; /* of the mesh as it came */
     planish_stop stop;
     planish_result *result;
 } pl_run;

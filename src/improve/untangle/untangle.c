@@ -214,10 +214,6 @@ static int climb(pl_tangle *t, const measures *rung) {
     return rung->solve == PL_NOT_AT_ALL ? 0 : solve(t, rung);
 }
 
-static double worst_rr2(const pl_run *r) {
-    return r->plain ? r->sums.max : r->totals.radius_max;
-}
-
 /** What the mesh was worth when a rung began. */
 typedef struct standing {
     int64_t tangled, inverted;
@@ -226,7 +222,8 @@ typedef struct standing {
 
 static standing standing_of(const pl_tangle *t) {
     const pl_run *r = t->run;
-    return (standing){t->n_tangled, pl_run_inverted(r), worst_rr2(r), pl_run_objective(r)};
+    return (standing){t->n_tangled, pl_run_inverted(r), pl_run_limits(r, 1).rr2,
+                      pl_run_objective(r)};
 }
 
 /** Whether a rung has won: fewer elements are tangled, and no more inverted. Of a mesh that was
@@ -278,7 +275,7 @@ static int untangle(pl_run *r, int floors, const measures *ladder, int n, planis
 /** Whether elements of the mesh as measured last are inverted, or so flat that they count as such.
  */
 static int is_tangled(const pl_run *r) {
-    return pl_run_inverted(r) > 0 || worst_rr2(r) > FLAT_RR2;
+    return pl_run_inverted(r) > 0 || pl_run_limits(r, 1).rr2 > FLAT_RR2;
 }
 
 int pl_run_untangle(pl_run *r, planish_error *error) {
