@@ -2,7 +2,7 @@
 #include "improve/lbfgs.h"
 
 #include "base/memory.h"
-#include "star/direction.h"
+#include "star/kernel_direction.h"
 
 #include <math.h>
 #include <string.h>

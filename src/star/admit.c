@@ -1,6 +1,6 @@
 /* admit: where bounds, and what can be stored, let a node be. */
 #define PL_PACK 1
-#include "star/local.h"
+#include "star/kernel_local.h"
 
 int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x) {
     const bounds none = {.any = 0};

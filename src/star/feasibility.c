@@ -12,7 +12,7 @@
  * on: what contradicts itself in a share does so in the star, and most is found in small ones.
  */
 #define PL_PACK 1
-#include "star/feasible.h"
+#include "star/kernel_feasible.h"
 
 /* The proof must hold within this many sizes of the star, whatever rounding did to it. */
 #define PROOF_REACH 1e6

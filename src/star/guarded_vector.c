@@ -2,13 +2,6 @@
  * has.
  */
 #define PL_PACK 2
-#include "star/guarded.h"
-#include "star/untangle.h"
-
-const pl_star_guarded pl_star_guarded_vector = {
-    .visit = {visit_triangles, visit_tetrahedra},
-    .evaluate = {evaluate_triangles, evaluate_tetrahedra},
-    .optimality = {optimality_triangles, optimality_tetrahedra},
-    .untangle = {untangle_triangles, untangle_tetrahedra},
-    .energy = {energy_triangles, energy_tetrahedra},
-};
+#define PL_ISA  vector
+#define PL_GUARDED
+#include "star/kernel_entry.h"

@@ -1,6 +1,6 @@
 /* kernel: which variant of the star kernel runs on this CPU, and the scratch they need. */
 #define PL_PACK 1
-#include "star/gather.h"
+#include "star/kernel_gather.h"
 
 int64_t pl_star_scratch_size(int dim, int64_t max_ring, int64_t max_link) {
     int64_t bytes = scratch_doubles(dim, max_ring, max_link) * (int64_t)sizeof(double);

@@ -2,7 +2,7 @@
  * with. Unguarded: an element may be inverted. Plain sums in the order of the ring and the link.
  */
 #define PL_PACK 1
-#include "star/step.h"
+#include "star/kernel_step.h"
 
 /** A weighted sum of offsets from the node, in the star's scale. */
 typedef struct average {

@@ -1,7 +1,7 @@
 /* multipliers: those of the least volumes, between the sweeps of the augmented Lagrangian. Every
  * star keeps those of its own elements; as all stars see the same volumes, they agree. */
 #define PL_PACK 1
-#include "star/local.h"
+#include "star/kernel_local.h"
 
 /* A change of lambda / rho below this changes nothing for the star. */
 #define SHIFT_STILL 1e-4

@@ -53,8 +53,8 @@ static inline int pl_star_is_held(const pl_star_guard *guard, int32_t node, int 
     return held;
 }
 
-/** What untangling asks (untangle.h): the regularised energy of the elements around the nodes of a
- * patch. Arrays over nodes are by inner numbers. */
+/** What untangling asks (kernel_untangle.h): the regularised energy of the elements around the
+ * nodes of a patch. Arrays over nodes are by inner numbers. */
 typedef struct pl_star_untangling {
     const uint8_t *in_patch;  /* [n_nodes] 1: the node may move */
     const double *size;       /* [n_nodes] length of edges that is wanted there */

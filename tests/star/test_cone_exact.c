@@ -18,7 +18,7 @@
 
 /* p - y - sum lambda_j a_j, each component by |p| + sum lambda_j |a_j|. */
 #define STATIONARY 1e-14
-/* a_j . y by |a_j| |p|: what cone.h calls violated, and rounding. */
+/* a_j . y by |a_j| |p|: what kernel_cone.h calls violated, and rounding. */
 #define VIOLATED 1.001e-12
 /* |a_j . y| of rows with a multiplier, by |p| + sum lambda_i |a_i| and |a_j|. */
 #define COMPLEMENTARY 1e-14

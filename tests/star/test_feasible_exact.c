@@ -3,7 +3,7 @@
  * exact answer is found besides, by projection and by the simplex method, which must agree.
  */
 #define PL_PACK 1
-#include "star/feasible.h"
+#include "star/kernel_feasible.h"
 #include "support/cone_problems.h"
 #include "support/hand_star.h"
 #include "support/rational.h"

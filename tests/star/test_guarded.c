@@ -2,7 +2,7 @@
  * the plain one, its optima against searches, and what it says of feasibility against the vertices
  * of the polytope. */
 #define PL_PACK 1
-#include "star/lanes.h"
+#include "star/kernel_lanes.h"
 #include "support/halfspaces.h"
 #include "support/hand_star.h"
 #include "support/meshes.h"

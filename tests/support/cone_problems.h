@@ -3,7 +3,7 @@
 #ifndef TEST_SUPPORT_CONE_PROBLEMS_H
 #define TEST_SUPPORT_CONE_PROBLEMS_H
 
-#include "star/cone.h"
+#include "star/kernel_cone.h"
 #include "support/effort.h"
 
 enum { CONE_PROBLEM_ROWS = 12, CONE_PROBLEM_FULL = 7 };

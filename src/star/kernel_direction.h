@@ -1,6 +1,7 @@
-/* direction: where to go from the gradient and Hessian of a star. Plain scalar arithmetic. */
-#ifndef PL_STAR_DIRECTION_H
-#define PL_STAR_DIRECTION_H
+/* kernel_direction: where to go from the gradient and Hessian of a star. Plain scalar arithmetic.
+ */
+#ifndef PL_STAR_KERNEL_DIRECTION_H
+#define PL_STAR_KERNEL_DIRECTION_H
 
 #include <math.h>
 

@@ -1,11 +1,11 @@
-/* step: how far to go along a direction. The largest feasible step is exact, because the measures
- * of a star's elements are affine in the position of its node (docs/algorithm.md). */
-#ifndef PL_STAR_STEP_H
-#define PL_STAR_STEP_H
+/* kernel_step: how far to go along a direction. The largest feasible step is exact, because the
+ * measures of a star's elements are affine in the position of its node (docs/algorithm.md). */
+#ifndef PL_STAR_KERNEL_STEP_H
+#define PL_STAR_KERNEL_STEP_H
 
-#include "star/acute.h"
-#include "star/direction.h"
-#include "star/local.h"
+#include "star/kernel_acute.h"
+#include "star/kernel_direction.h"
+#include "star/kernel_local.h"
 
 /* Fraction of the largest feasible step that is tried at most: the objective is a barrier there. */
 #define STEP_FRACTION_FIRST 0.9

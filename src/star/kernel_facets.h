@@ -1,14 +1,14 @@
-/* facets: a star in scratch, and what stays constant of its facets while its node moves.
+/* kernel_facets: a star in scratch, and what stays constant of its facets while its node moves.
  *
- * One visit works on columns of the star's link facets and of their edges (link_edges.h), padded to
- * a multiple of PL_LANES with copies of the first; those of facets have weight 0. All columns of
- * PL_LANES facets lie together (an array of structures of packs). All of a star lies together in
- * scratch.
+ * One visit works on columns of the star's link facets and of their edges (kernel_link_edges.h),
+ * padded to a multiple of PL_LANES with copies of the first; those of facets have weight 0. All
+ * columns of PL_LANES facets lie together (an array of structures of packs). All of a star lies
+ * together in scratch.
  */
-#ifndef PL_STAR_FACETS_H
-#define PL_STAR_FACETS_H
+#ifndef PL_STAR_KERNEL_FACETS_H
+#define PL_STAR_KERNEL_FACETS_H
 
-#include "star/rows.h"
+#include "star/kernel_rows.h"
 
 #include <string.h>
 
@@ -22,7 +22,7 @@ enum {
     LENGTH,   /* 3-D: twice the facet's area |n|; 2-D: its length L */
     ROUNDING, /* D is certain to be positive where D^2 > ROUNDING * |x - p0|^2 */
     WEIGHT,   /* 1, or 0 for padding */
-    RATE,     /* 1 / D, see blocking_rate in step.h */
+    RATE,     /* 1 / D, see blocking_rate in kernel_step.h */
     /* The next four are for the guarded kernel alone. */
     FLOOR,         /* the least D that is asked for; 0: only positive */
     INVERSE_FLOOR, /* 1 / floor, or 0 */
@@ -46,7 +46,8 @@ enum {
     OZ, /* p0 - o, o the facet's circumcentre */
     NN, /* |n|^2 */
     WW, /* 4 rho^2, rho the facet's circumradius */
-    /* The rest is for derivatives, from one pass over the facets to the next (objective.h). */
+    /* The rest is for derivatives, from one pass over the facets to the next (kernel_objective.h).
+     */
     CX,
     CY,
     CZ, /* x - o */
@@ -60,7 +61,7 @@ enum {
     OF_N,
     OF_CC,
     OF_CN,
-    OF_NN, /* see coefficients in tetrahedra.h */
+    OF_NN, /* see coefficients in kernel_tetrahedra.h */
     COLUMNS_3D
 };
 

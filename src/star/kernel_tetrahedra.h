@@ -1,8 +1,8 @@
-/* tetrahedra: RR^2 of a pack of tetrahedra of a star, and its logarithmic derivatives. */
-#ifndef PL_STAR_TETRAHEDRA_H
-#define PL_STAR_TETRAHEDRA_H
+/* kernel_tetrahedra: RR^2 of a pack of tetrahedra of a star, and its logarithmic derivatives. */
+#ifndef PL_STAR_KERNEL_TETRAHEDRA_H
+#define PL_STAR_KERNEL_TETRAHEDRA_H
 
-#include "star/facets.h"
+#include "star/kernel_facets.h"
 
 /** One pack of tetrahedra at x. */
 typedef struct tetrahedra {
@@ -30,7 +30,7 @@ PL_INLINE void link_edges_from(const star *s, int64_t i, vec3 e[3]) {
 }
 
 /** Normals m of the faces at x and their lengths; returns the sum of these, the faces' areas times
- *  two. Each tetrahedron by itself: the plain form of link_edges.h. */
+ *  two. Each tetrahedron by itself: the plain form of kernel_link_edges.h. */
 PL_INLINE lanes areas_from(const vec3 r[3], const vec3 e[3], vec3 m[3], lanes area[3]) {
     for (int j = 0; j < 3; j++) {
         m[j] = vec3_cross(e[j], r[j]);

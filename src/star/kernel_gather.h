@@ -1,9 +1,9 @@
-/* gather: a star from the mesh into scratch. */
-#ifndef PL_STAR_GATHER_H
-#define PL_STAR_GATHER_H
+/* kernel_gather: a star from the mesh into scratch. */
+#ifndef PL_STAR_KERNEL_GATHER_H
+#define PL_STAR_KERNEL_GATHER_H
 
 #include "base/fetch.h"
-#include "star/link_edges.h"
+#include "star/kernel_link_edges.h"
 
 #include <string.h>
 

@@ -1,16 +1,16 @@
-/* slide: nodes that stay on a plane, a line or a surface.
+/* kernel_slide: nodes that stay on a plane, a line or a surface.
  *
  * The local problem is solved in the directions that the node has: gradients are projected on them,
  * the Hessian is made a multiple of the identity in the others, and every trial position is brought
  * back to where the node belongs, from the place where the call began: so rounding does not add up,
  * and a coordinate in whose direction the node cannot go keeps its bits.
  */
-#ifndef PL_STAR_SLIDE_H
-#define PL_STAR_SLIDE_H
+#ifndef PL_STAR_KERNEL_SLIDE_H
+#define PL_STAR_KERNEL_SLIDE_H
 
 #include "base/context.h"
-#include "star/aspect.h"
-#include "star/direction.h"
+#include "star/kernel_aspect.h"
+#include "star/kernel_direction.h"
 
 /* A vector of which less than this is left by projection has no direction there. */
 #define SLIDE_NOTHING 1e-9

@@ -1,13 +1,13 @@
-/* local: everything about the star under visit, and the bounds of its node. */
-#ifndef PL_STAR_LOCAL_H
-#define PL_STAR_LOCAL_H
+/* kernel_local: everything about the star under visit, and the bounds of its node. */
+#ifndef PL_STAR_KERNEL_LOCAL_H
+#define PL_STAR_KERNEL_LOCAL_H
 
 #include "base/round.h"
 #include "geometry/simplex.h"
-#include "star/aspect.h"
-#include "star/direction.h"
-#include "star/gather.h"
-#include "star/slide.h"
+#include "star/kernel_aspect.h"
+#include "star/kernel_direction.h"
+#include "star/kernel_gather.h"
+#include "star/kernel_slide.h"
 
 /** Where the node may be, in the star's scale. */
 typedef struct bounds {

@@ -1,13 +1,14 @@
-/* feasible: directions of a star with active or violated constraints, the paper's cases 2 and 3.
+/* kernel_feasible: directions of a star with active or violated constraints, the paper's cases 2
+ * and 3.
  *
- * Both are one projection on a cone (cone.h, docs/algorithm.md). Constraints: g_k = 1 - D_k /
- * floor_k of the elements, the bounds of the coordinates, and the distance moved.
+ * Both are one projection on a cone (kernel_cone.h, docs/algorithm.md). Constraints: g_k = 1 - D_k
+ * / floor_k of the elements, the bounds of the coordinates, and the distance moved.
  */
-#ifndef PL_STAR_FEASIBLE_H
-#define PL_STAR_FEASIBLE_H
+#ifndef PL_STAR_KERNEL_FEASIBLE_H
+#define PL_STAR_KERNEL_FEASIBLE_H
 
-#include "star/cone.h"
-#include "star/step.h"
+#include "star/kernel_cone.h"
+#include "star/kernel_step.h"
 
 /* Elements with g above it are violated: V >= 0.997 delta counts as met, as in the paper. */
 #define VIOLATED_ABOVE PLANISH_VOLUME_TOLERANCE

@@ -1,8 +1,8 @@
-/* acute: whether an element of a star has an angle that is too small (geometry/angle.h). */
-#ifndef PL_STAR_ACUTE_H
-#define PL_STAR_ACUTE_H
+/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h). */
+#ifndef PL_STAR_KERNEL_ACUTE_H
+#define PL_STAR_KERNEL_ACUTE_H
 
-#include "star/tetrahedra.h"
+#include "star/kernel_tetrahedra.h"
 
 /** Edges from the node, whichever kernel the star was gathered for: the other one still has the
  *  ring's coordinates where they were gathered. */

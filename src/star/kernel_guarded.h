@@ -1,12 +1,12 @@
-/* guarded: visits of stars with other objectives, least volumes and bounds.
+/* kernel_guarded: visits of stars with other objectives, least volumes and bounds.
  *
- * Included by every guarded_*.c after it has defined PL_PACK; see kernel.c. visit.h has the plain
- * problem alone, faster.
+ * Included by every guarded_*.c after it has defined PL_PACK; see kernel.c. kernel_visit.h has the
+ * plain problem alone, faster.
  */
-#ifndef PL_STAR_GUARDED_H
-#define PL_STAR_GUARDED_H
+#ifndef PL_STAR_KERNEL_GUARDED_H
+#define PL_STAR_KERNEL_GUARDED_H
 
-#include "star/feasible.h"
+#include "star/kernel_feasible.h"
 
 /* An optimum's constraints are in force within this of g = 0: as far as the violated ones. */
 #define FORCE_BAND VIOLATED_ABOVE

@@ -1,4 +1,4 @@
-/* cone: project a vector p on the cone {y : a_j . y <= 0 for all rows a_j}, in at most 4
+/* kernel_cone: project a vector p on the cone {y : a_j . y <= 0 for all rows a_j}, in at most 4
  * dimensions.
  *
  * All direction finding with constraints is this one problem (docs/algorithm.md). The projection is
@@ -7,8 +7,8 @@
  * carry weight. Should rounding make that cycle, enumeration of the sets of rows decides: it is
  * finite whatever the rows are. Rows may be parallel, the same, opposed, or zero (ignored).
  */
-#ifndef PL_STAR_CONE_H
-#define PL_STAR_CONE_H
+#ifndef PL_STAR_KERNEL_CONE_H
+#define PL_STAR_KERNEL_CONE_H
 
 #include <math.h>
 #include <stdint.h>

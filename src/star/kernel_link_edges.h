@@ -1,4 +1,4 @@
-/* link_edges: the edges of the link of a star of tetrahedra.
+/* kernel_link_edges: the edges of the link of a star of tetrahedra.
  *
  * An edge and the node span a face that two tetrahedra share: its area |m| / 2, m = e x r with the
  * edge e from p and r = x - p, is computed once for both. e, m and the slope u = grad |m| =
@@ -6,10 +6,10 @@
  *
  *     hess |m| = (|e|^2 I - e e^T - u u^T) / |m| = |e|^2 m m^T / |m|^3
  */
-#ifndef PL_STAR_LINK_EDGES_H
-#define PL_STAR_LINK_EDGES_H
+#ifndef PL_STAR_KERNEL_LINK_EDGES_H
+#define PL_STAR_KERNEL_LINK_EDGES_H
 
-#include "star/facets.h"
+#include "star/kernel_facets.h"
 
 /** Columns of edges. */
 enum {

@@ -1,12 +1,13 @@
-/* untangle: visits that lower the regularised energy of a patch, and its sums over ranges of stars.
+/* kernel_untangle: visits that lower the regularised energy of a patch, and its sums over ranges of
+ * stars.
  *
  * Included by every guarded_*.c.
  */
-#ifndef PL_STAR_UNTANGLE_H
-#define PL_STAR_UNTANGLE_H
+#ifndef PL_STAR_KERNEL_UNTANGLE_H
+#define PL_STAR_KERNEL_UNTANGLE_H
 
-#include "star/foldover.h"
-#include "star/step.h"
+#include "star/kernel_foldover.h"
+#include "star/kernel_step.h"
 
 /* Steps of a visit: the energy is far from a parabola while elements are inverted. */
 enum { UNTANGLING_STEPS = 2 };

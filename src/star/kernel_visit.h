@@ -1,12 +1,12 @@
-/* visit: look at one star after another and move their nodes to better places.
+/* kernel_visit: look at one star after another and move their nodes to better places.
  *
  * The plain problem: the radius ratio, volumes positive. Included by every kernel_*.c after it has
- * defined PL_PACK; see kernel.c. guarded.h has everything else.
+ * defined PL_PACK; see kernel.c. kernel_guarded.h has everything else.
  */
-#ifndef PL_STAR_VISIT_H
-#define PL_STAR_VISIT_H
+#ifndef PL_STAR_KERNEL_VISIT_H
+#define PL_STAR_KERNEL_VISIT_H
 
-#include "star/step.h"
+#include "star/kernel_step.h"
 
 /* ---- the plain problem --------------------------------------------------------------------- */
 

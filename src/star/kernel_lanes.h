@@ -1,4 +1,4 @@
-/* lanes: a pack of PL_PACK doubles that the kernels compute with.
+/* kernel_lanes: a pack of PL_PACK doubles that the kernels compute with.
  *
  * PL_PACK 4 or 2: a vector of the compiler's vector extension, mapped to what the target has.
  * PL_PACK 1: a double, plain C. A sum over facets always has PL_LANES accumulators (PL_PACKS
@@ -7,8 +7,8 @@
  * All of these are inlined always: left to itself, gcc calls the smallest of them in functions that
  * have become large, and a guarded visit then takes up to half as long again.
  */
-#ifndef PL_STAR_LANES_H
-#define PL_STAR_LANES_H
+#ifndef PL_STAR_KERNEL_LANES_H
+#define PL_STAR_KERNEL_LANES_H
 
 #include "geometry/inline.h"
 #include "star/star.h"

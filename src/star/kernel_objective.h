@@ -1,15 +1,15 @@
-/* objective: sum of RR^2 over a star, its gradient and Hessian, at any position of the node.
+/* kernel_objective: sum of RR^2 over a star, its gradient and Hessian, at any position of the node.
  *
  * Formulas and symbols: docs/algorithm.md. In 3-D RR^2 = N s^2 / (36 D^4), in 2-D
  * RR^2 = (L d e (L + d + e) / (4 D^2))^2 with D twice the area; the constant factors 1/36 and 1/16
  * are applied to the sums.
  */
-#ifndef PL_STAR_OBJECTIVE_H
-#define PL_STAR_OBJECTIVE_H
+#ifndef PL_STAR_KERNEL_OBJECTIVE_H
+#define PL_STAR_KERNEL_OBJECTIVE_H
 
-#include "star/direction.h"
-#include "star/link_edges.h"
-#include "star/tetrahedra.h"
+#include "star/kernel_direction.h"
+#include "star/kernel_link_edges.h"
+#include "star/kernel_tetrahedra.h"
 
 #define RR2_FACTOR_3D (1.0 / 36.0)
 #define RR2_FACTOR_2D (1.0 / 16.0)

@@ -1,14 +1,14 @@
-/* rows: points as rows of four doubles in memory, and their exchange with columns of lanes.
+/* kernel_rows: points as rows of four doubles in memory, and their exchange with columns of lanes.
  *
  * A facet or an edge names points, which lie anywhere; lanes want one coordinate of PL_PACK points.
  * To load whole rows and to exchange rows and columns in registers takes a third of the loads that
  * picking single numbers would.
  */
-#ifndef PL_STAR_ROWS_H
-#define PL_STAR_ROWS_H
+#ifndef PL_STAR_KERNEL_ROWS_H
+#define PL_STAR_KERNEL_ROWS_H
 
 #include "geometry/inline.h"
-#include "star/lanes.h"
+#include "star/kernel_lanes.h"
 
 enum { PL_ROW = 4 }; /* doubles of a row; row r is at PL_ROW r, and is named by that number */
 

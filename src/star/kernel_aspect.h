@@ -1,15 +1,17 @@
-/* aspect: the objective of every kind, with least volumes: what the guarded kernel minimises.
+/* kernel_aspect: the objective of every kind, with least volumes: what the guarded kernel
+ * minimises.
  *
  * Over a star: f = ratio_weight sum AR^2 + volume_weight sum g^2, g = 1 - D / floor, its
  * derivatives, and how far elements are below their floor. One body for both dimensions and all
- * aspect ratios; objective.h has the radius ratio alone, faster. Formulas: docs/algorithm.md.
+ * aspect ratios; kernel_objective.h has the radius ratio alone, faster. Formulas:
+ * docs/algorithm.md.
  */
-#ifndef PL_STAR_ASPECT_H
-#define PL_STAR_ASPECT_H
+#ifndef PL_STAR_KERNEL_ASPECT_H
+#define PL_STAR_KERNEL_ASPECT_H
 
 #include "geometry/inline.h"
 #include "geometry/sharpness.h"
-#include "star/objective.h"
+#include "star/kernel_objective.h"
 
 /* AR^2 of the mean ratio is E^2 D^(-4/3) times this, or E^2 D^-2; E the sum of the squared edges.
  */

@@ -1,4 +1,4 @@
-/* foldover: the regularised energy of a star with inverted elements.
+/* kernel_foldover: the regularised energy of a star with inverted elements.
  *
  * The energy of foldover-free maps (Garanzha, Kaporin, Kudryavtseva, Protais, Ray, Sokolov 2021):
  * of an element with the measure D and the sum E of its squared edges, seen from the regular one of
@@ -10,10 +10,10 @@
  * It is finite and smooth for inverted elements, too, and becomes a barrier as epsilon falls to 0.
  * Symbols as in docs/algorithm.md.
  */
-#ifndef PL_STAR_FOLDOVER_H
-#define PL_STAR_FOLDOVER_H
+#ifndef PL_STAR_KERNEL_FOLDOVER_H
+#define PL_STAR_KERNEL_FOLDOVER_H
 
-#include "star/local.h"
+#include "star/kernel_local.h"
 
 /* D of the regular element with edges of 1: sqrt(2)/2 of six volumes, sqrt(3)/2 of two areas. */
 #define REGULAR_MEASURE_3D 0.70710678118654752
