@@ -31,13 +31,13 @@ void io_text_release(io_text *text) {
 
 /* ---- the index of tokens ------------------------------------------------------------------ */
 
-/* Exactly what readers take for a part of a word (text.c): an index that parts words elsewhere, at
+/** Exactly what readers take for a part of a word (text.c): an index that parts words elsewhere, at
  * other control characters, would let threads read what nobody wrote. */
 static inline int is_token_byte(char byte) {
     return (byte != ' ') & ((unsigned char)(byte - '\t') > '\r' - '\t');
 }
 
-/* Tokens that start in [at, end); at > begin or at is the beginning. */
+/** Tokens that start in [at, end); at > begin or at is the beginning. */
 static int64_t count_tokens(const char *begin, const char *at, const char *end) {
     int64_t count = 0;
     if (at == begin && at < end)
@@ -70,26 +70,26 @@ static void count_pieces(void *context, int64_t begin, int64_t end, int thread) 
             count_tokens(text->begin, piece_begin(text, piece), piece_begin(text, piece + 1));
 }
 
-/* 0 if there is no memory for it: then the caller goes on without threads. */
+/** 0 if there is no memory for it: then the caller goes on without threads. */
 static int index_tokens(io_text *text) {
-    if (text->before != NULL)
+    if (text->before)
         return 1;
     int64_t pieces = piece_count(text);
     text->before = pl_alloc(pieces + 1, sizeof *text->before);
-    if (text->before == NULL)
+    if (!text->before)
         return 0;
     pl_parallel_for(text->threads, pieces, PIECES_AT_ONCE, count_pieces, text);
     pl_prefix_sum(text->threads, pieces, text->before);
     return 1;
 }
 
-/* Number of tokens that start before at. */
+/** Number of tokens that start before at. */
 static int64_t token_rank(const io_text *text, const char *at) {
     int64_t piece = (at - text->begin) / PIECE;
     return text->before[piece] + count_tokens(text->begin, piece_begin(text, piece), at);
 }
 
-/* First byte of token number rank (from 0), or the end if there are not so many. */
+/** First byte of token number rank (from 0), or the end if there are not so many. */
 static const char *token_begin(const io_text *text, int64_t rank) {
     int64_t low = 0, high = piece_count(text); /* before[low] <= rank < before[high] */
     if (rank >= text->before[high])
@@ -120,7 +120,7 @@ static const char *token_begin(const io_text *text, int64_t rank) {
 
 /* ---- chunks of records -------------------------------------------------------------------- */
 
-struct job {
+typedef struct record_job {
     const io_text *text; /* NULL: binary */
     io_cursor from;
     int64_t size; /* tokens or bytes of a record */
@@ -128,10 +128,10 @@ struct job {
     io_records_fn *read;
     void *context;
     atomic_int failed;
-};
+} record_job;
 
 static void read_text_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    struct job *job = context;
+    record_job *job = context;
     (void)thread;
     if (atomic_load_explicit(&job->failed, memory_order_relaxed))
         return;
@@ -139,12 +139,12 @@ static void read_text_chunk(void *context, int64_t begin, int64_t end, int threa
     int status = job->read(job->context, &cursor, begin, end, NULL);
     /* Chunk after chunk must join without a gap, or reading in order would find something else. */
     io_skip_space(&cursor);
-    if (status != 0 || cursor.at != token_begin(job->text, job->rank + end * job->size))
+    if (status || cursor.at != token_begin(job->text, job->rank + end * job->size))
         atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
 }
 
-/* Read by threads: 0 if that was not to be, and nothing has been read for certain. */
-static int read_text_chunks(io_text *text, io_cursor *cursor, struct job *job, int64_t n) {
+/** Read by threads: 0 if that was not to be, and nothing has been read for certain. */
+static int read_text_chunks(io_text *text, io_cursor *cursor, record_job *job, int64_t n) {
     if (cursor->end != text->end || !index_tokens(text))
         return 0;
     job->rank = token_rank(text, cursor->at);
@@ -162,7 +162,7 @@ static int read_text_chunks(io_text *text, io_cursor *cursor, struct job *job, i
 
 int io_text_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens,
                     io_records_fn *read, void *context, planish_error *error) {
-    struct job job = {text, *cursor, tokens, 0, read, context, 0};
+    record_job job = {text, *cursor, tokens, 0, read, context, 0};
     /* A token is two bytes at least: with this n * tokens cannot overflow. */
     int many = text->threads > 1 && n <= io_left(cursor) / tokens &&
                n * tokens * 2 > WORTH_THREADS && n > RECORDS_AT_ONCE;
@@ -170,13 +170,13 @@ int io_text_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens,
     if (many && read_text_chunks(text, cursor, &job, n))
         return 0;
     int status = read(context, cursor, 0, n, error);
-    if (status == 0)
+    if (!status)
         io_skip_space(cursor);
     return status;
 }
 
 static void read_binary_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    struct job *job = context;
+    record_job *job = context;
     (void)thread;
     io_cursor cursor = {job->from.at + begin * job->size, job->from.end};
     if (job->read(job->context, &cursor, begin, end, NULL) != 0)
@@ -186,7 +186,7 @@ static void read_binary_chunk(void *context, int64_t begin, int64_t end, int thr
 int io_binary_records(int threads, io_cursor *cursor, int64_t n, int64_t size, io_records_fn *read,
                       void *context, planish_error *error) {
     if (threads > 1 && n * size > WORTH_THREADS) {
-        struct job job = {NULL, *cursor, size, 0, read, context, 0};
+        record_job job = {NULL, *cursor, size, 0, read, context, 0};
         pl_parallel_for(threads, n, RECORDS_AT_ONCE, read_binary_chunk, &job);
         if (!atomic_load(&job.failed)) {
             cursor->at += n * size;
@@ -204,7 +204,7 @@ int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_erro
     model->text_offset[node] = cursor->at - model->input.data;
     for (int i = 0; i < 3; i++) {
         double value;
-        if (io_real(cursor, &value) != 0)
+        if (io_real(cursor, &value))
             return io_fail_text(model, cursor->at, error,
                                 "node %lld: coordinate expected (the file may be cut short)",
                                 (long long)number);

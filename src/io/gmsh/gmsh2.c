@@ -5,7 +5,7 @@
  * a text file are of different lengths, so threads take chunks of lines; each chunk is read twice,
  * to count and to store.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_reader.h"
 
 #include <string.h>
 
@@ -30,12 +30,12 @@ static int read_text_nodes(void *context, io_cursor *cursor, int64_t begin, int6
     const gmsh_reader *reader = context;
     io_model *model = reader->model;
     for (int64_t node = begin; node < end; node++) {
-        if (io_integer(cursor, &model->node_number[node]) != 0)
+        if (io_integer(cursor, &model->node_number[node]))
             return gmsh_fail(reader, cursor->at, error,
                              "number of node %lld of %lld expected (the file may be cut short)",
                              (long long)node + 1, (long long)model->n_nodes);
         int status = io_read_point(model, cursor, node, error);
-        if (status != 0)
+        if (status)
             return status;
     }
     return 0;
@@ -47,7 +47,7 @@ static int read_binary_nodes(void *context, io_cursor *cursor, int64_t begin, in
     for (int64_t node = begin; node < end; node++, cursor->at += NODE_SIZE) {
         reader->model->node_number[node] = io_load_i32(cursor->at, reader->swapped);
         int status = gmsh_load_point(reader, cursor->at + 4, node, error);
-        if (status != 0)
+        if (status)
             return status;
     }
     return 0;
@@ -57,11 +57,11 @@ int gmsh2_nodes(gmsh_reader *reader) {
     io_model *model = reader->model;
     int64_t n;
     int status = gmsh_take_text(reader, &n, "number of nodes");
-    if (status == 0 && reader->binary)
+    if (!status && reader->binary)
         status = gmsh_end_line(reader);
-    if (status == 0)
+    if (!status)
         status = gmsh_make_nodes(reader, n, NODE_TEXT, NODE_SIZE);
-    if (status != 0)
+    if (status)
         return status;
     if (!reader->binary) {
         status = io_text_records(&reader->text, &reader->cursor, n, 4, read_text_nodes, reader,
@@ -73,33 +73,33 @@ int gmsh2_nodes(gmsh_reader *reader) {
                         .offset = reader->cursor.at - model->input.data + 4,
                         .stride = NODE_SIZE};
         status = io_model_span(model, span, reader->error);
-        if (status == 0)
+        if (!status)
             status = io_binary_records(model->threads, &reader->cursor, n, NODE_SIZE,
                                        read_binary_nodes, reader, reader->error);
     }
-    return status != 0 ? status : gmsh_index_nodes(reader);
+    return status ? status : gmsh_index_nodes(reader);
 }
 
 /* ---- one element -------------------------------------------------------------------------- */
 
-/* Where an element belongs. */
-struct owner {
+/** Where an element belongs. */
+typedef struct element_owner {
     int dim;
     int32_t physical, elementary;
-};
+} element_owner;
 
-struct element {
+typedef struct element_line {
     const char *at; /* where it stands, for messages */
     int64_t number;
-    gmsh_type type;
-    struct owner owner;
-};
+    const io_element_type *type;
+    element_owner owner;
+} element_line;
 
-static int same_owner(struct owner a, struct owner b) {
+static int same_owner(element_owner a, element_owner b) {
     return a.dim == b.dim && a.physical == b.physical && a.elementary == b.elementary;
 }
 
-static int32_t entity_of(io_model *model, struct owner owner, planish_error *error) {
+static int32_t entity_of(io_model *model, element_owner owner, planish_error *error) {
     return io_model_entity(model, owner.dim, owner.elementary, owner.physical != 0, &owner.physical,
                            error);
 }
@@ -110,39 +110,40 @@ static int fail_element(const gmsh_reader *reader, const char *at, planish_error
                      "or the number of elements is wrong)");
 }
 
-/* The tags of an element: their number and as many, or in MSH 1 two and the number of its nodes. */
-static int read_tags(const gmsh_reader *reader, io_cursor *cursor, struct element *element,
+/** The tags of an element: their number and as many, or in MSH 1 two and the number of its nodes.
+ */
+static int read_tags(const gmsh_reader *reader, io_cursor *cursor, element_line *element,
                      planish_error *error) {
     const int is_old = reader->version == 10;
     int64_t n_tags = 2, tag;
-    if (!is_old && (io_integer(cursor, &n_tags) != 0 || n_tags < 0))
+    if (!is_old && (io_integer(cursor, &n_tags) || n_tags < 0))
         return fail_element(reader, cursor->at, error);
     for (int64_t i = 0; i < n_tags; i++) {
-        if (io_integer(cursor, &tag) != 0 || tag < INT32_MIN || tag > INT32_MAX)
+        if (io_integer(cursor, &tag) || tag < INT32_MIN || tag > INT32_MAX)
             return fail_element(reader, cursor->at, error);
         if (i == 0)
             element->owner.physical = (int32_t)tag;
         else if (i == 1)
             element->owner.elementary = (int32_t)tag;
     }
-    if (is_old && (io_integer(cursor, &tag) != 0 || tag != element->type.nodes))
+    if (is_old && (io_integer(cursor, &tag) || tag != element->type->nodes))
         return fail_element(reader, cursor->at, error);
     return 0;
 }
 
-/* All of an element but its nodes. */
-static int read_element_text(const gmsh_reader *reader, io_cursor *cursor, struct element *element,
+/** All of an element but its nodes. */
+static int read_element_text(const gmsh_reader *reader, io_cursor *cursor, element_line *element,
                              planish_error *error) {
     int64_t type;
     io_skip_space(cursor);
     element->at = cursor->at;
-    element->owner = (struct owner){0, 0, 0};
-    if (io_integer(cursor, &element->number) != 0 || io_integer(cursor, &type) != 0)
+    element->owner = (element_owner){0, 0, 0};
+    if (io_integer(cursor, &element->number) || io_integer(cursor, &type))
         return fail_element(reader, cursor->at, error);
     int status = gmsh_find_type(reader, type, element->at, &element->type, error);
-    if (status != 0)
+    if (status)
         return status;
-    element->owner.dim = element->type.dim;
+    element->owner.dim = io_element_dim(element->type);
     return read_tags(reader, cursor, element, error);
 }
 
@@ -154,50 +155,48 @@ static int fail_node(const gmsh_reader *reader, const char *at, int64_t number, 
 
 /* ---- elements of text files --------------------------------------------------------------- */
 
-/* A run of lines, and what was counted in it. */
-struct chunk {
+/** A run of lines, and what was counted in it. */
+typedef struct element_chunk {
     io_cursor lines;
     int64_t limit;                        /* elements at most */
     int64_t n;                            /* elements; then those of each kind: */
     int64_t n_cells[4], n_lower, n_other; /* n_cells by dimension: those that are kept */
     int64_t first[4];                     /* by dimension: index of the first in the model */
-    struct owner *owner; /* [n_owners] one for each run of elements of the same owner */
-    int32_t *entity;     /* [n_owners] index into io_model.entity */
+    element_owner *owner; /* [n_owners] one for each run of elements of the same owner */
+    int32_t *entity;      /* [n_owners] index into io_model.entity */
     int64_t n_owners, owner_capacity;
     int status;
-};
+} element_chunk;
 
-struct element_job {
+typedef struct element_job {
     gmsh_reader *reader;
-    struct chunk *chunk; /* [n] */
+    element_chunk *chunk; /* [n] */
     int64_t n;
     const char *begin, *end;
     planish_error *error; /* NULL while several chunks are read */
-};
+} element_job;
 
-static int note_owner(struct chunk *chunk, struct owner owner, planish_error *error) {
+static int note_owner(element_chunk *chunk, element_owner owner, planish_error *error) {
     if (chunk->n_owners > 0 && same_owner(chunk->owner[chunk->n_owners - 1], owner))
         return 0;
     void *grown = pl_grow(chunk->owner, chunk->n_owners, chunk->n_owners + 1,
                           &chunk->owner_capacity, sizeof owner);
-    if (grown == NULL)
+    if (!grown)
         return pl_fail_memory(error, "the elements' tags");
     chunk->owner = grown;
     chunk->owner[chunk->n_owners++] = owner;
     return 0;
 }
 
-static void count_element(io_model *model, struct chunk *chunk, gmsh_type type) {
+static void count_element(io_model *model, element_chunk *chunk, const io_element_type *type) {
     chunk->n++;
-    if (gmsh_cells(model, type) != NULL)
-        chunk->n_cells[type.dim]++;
-    else if (type.dim < 2)
-        chunk->n_lower++;
+    if (io_element_cells(model, type))
+        chunk->n_cells[io_element_dim(type)]++;
     else
-        chunk->n_other++;
+        *(io_element_dim(type) < 2 ? &chunk->n_lower : &chunk->n_other) += 1;
 }
 
-/* Over n tokens that the second reading looks at; 0 if there are not so many. */
+/** Over n tokens that the second reading looks at; 0 if there are not so many. */
 static int skip_tokens(io_cursor *cursor, int n) {
     const char *at = cursor->at;
     for (int i = 0; i < n; i++) {
@@ -212,19 +211,19 @@ static int skip_tokens(io_cursor *cursor, int n) {
     return 1;
 }
 
-static int count_chunk(const gmsh_reader *reader, struct chunk *chunk, planish_error *error) {
+static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_error *error) {
     io_cursor cursor = chunk->lines;
-    struct element element;
+    element_line element;
     while (chunk->n < chunk->limit) {
         io_skip_space(&cursor);
         if (cursor.at == cursor.end)
             break;
         int status = read_element_text(reader, &cursor, &element, error);
-        if (status == 0)
+        if (!status)
             status = note_owner(chunk, element.owner, error);
-        if (status != 0)
+        if (status)
             return status;
-        if (!skip_tokens(&cursor, element.type.nodes))
+        if (!skip_tokens(&cursor, element.type->nodes))
             return fail_element(reader, element.at, error);
         count_element(reader->model, chunk, element.type);
     }
@@ -232,12 +231,12 @@ static int count_chunk(const gmsh_reader *reader, struct chunk *chunk, planish_e
     return 0;
 }
 
-static int store_cell(const gmsh_reader *reader, io_cursor *cursor, const struct element *element,
+static int store_cell(const gmsh_reader *reader, io_cursor *cursor, const element_line *element,
                       io_cells *cells, int64_t index, int32_t entity, planish_error *error) {
-    int corners = element->type.nodes;
+    int corners = element->type->nodes;
     for (int i = 0; i < corners; i++) {
         int64_t number;
-        if (io_integer(cursor, &number) != 0)
+        if (io_integer(cursor, &number))
             return fail_element(reader, element->at, error);
         int64_t node = gmsh_node(reader, number);
         if (node < 0)
@@ -249,12 +248,12 @@ static int store_cell(const gmsh_reader *reader, io_cursor *cursor, const struct
     return 0;
 }
 
-static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const struct element *element,
+static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const element_line *element,
                      planish_error *error) {
-    uint8_t reason = gmsh_hold_reason(element->type);
-    for (int i = 0; i < element->type.nodes; i++) {
+    uint8_t reason = io_element_reason(element->type);
+    for (int i = 0; i < element->type->nodes; i++) {
         int64_t number;
-        if (io_integer(cursor, &number) != 0)
+        if (io_integer(cursor, &number))
             return fail_element(reader, element->at, error);
         int64_t node = gmsh_node(reader, number);
         if (node < 0)
@@ -264,36 +263,37 @@ static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const struct 
     return 0;
 }
 
-/* Whether the element is one that was counted in the chunk: if not, a mapped file has changed
+/** Whether the element is one that was counted in the chunk: if not, a mapped file has changed
  * since. run: the run of elements of one owner that it is in. */
-static int was_counted(const struct chunk *chunk, const struct element *element, int64_t run,
+static int was_counted(const element_chunk *chunk, const element_line *element, int64_t run,
                        const int64_t next[4], int is_kept) {
-    const int dim = element->type.dim;
+    const int dim = io_element_dim(element->type);
     return run < chunk->n_owners && same_owner(chunk->owner[run], element->owner) &&
            (!is_kept || next[dim] < chunk->first[dim] + chunk->n_cells[dim]);
 }
 
-static int store_chunk(const gmsh_reader *reader, const struct chunk *chunk, planish_error *error) {
+static int store_chunk(const gmsh_reader *reader, const element_chunk *chunk,
+                       planish_error *error) {
     io_model *model = reader->model;
     io_cursor cursor = chunk->lines;
     int64_t run = 0, next[4];
-    struct element element;
+    element_line element;
     memcpy(next, chunk->first, sizeof next);
     for (int64_t i = 0; i < chunk->n; i++) {
         int status = read_element_text(reader, &cursor, &element, error);
-        if (status != 0)
+        if (status)
             return status;
         if (!same_owner(chunk->owner[run], element.owner))
             run++;
-        io_cells *cells = gmsh_cells(model, element.type);
+        io_cells *cells = io_element_cells(model, element.type);
         if (!was_counted(chunk, &element, run, next, cells != NULL))
             return io_bytes_fail_changed(&model->input, error);
-        if (cells == NULL)
+        if (!cells)
             status = hold_rest(reader, &cursor, &element, error);
         else
-            status = store_cell(reader, &cursor, &element, cells, next[element.type.dim]++,
-                                chunk->entity[run], error);
-        if (status != 0)
+            status = store_cell(reader, &cursor, &element, cells,
+                                next[io_element_dim(element.type)]++, chunk->entity[run], error);
+        if (status)
             return status;
     }
     for (int dim = 1; dim < 4; dim++)
@@ -303,43 +303,43 @@ static int store_chunk(const gmsh_reader *reader, const struct chunk *chunk, pla
 }
 
 static void count_chunks(void *context, int64_t begin, int64_t end, int thread) {
-    struct element_job *job = context;
+    element_job *job = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         job->chunk[i].status = count_chunk(job->reader, &job->chunk[i], job->error);
 }
 
 static void store_chunks(void *context, int64_t begin, int64_t end, int thread) {
-    struct element_job *job = context;
+    element_job *job = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         job->chunk[i].status = store_chunk(job->reader, &job->chunk[i], job->error);
 }
 
-static int run_chunks(struct element_job *job, pl_chunk_fn *body) {
+static int run_chunks(element_job *job, pl_chunk_fn *body) {
     pl_parallel_for(job->reader->text.threads, job->n, 1, body, job);
     for (int64_t i = 0; i < job->n; i++)
-        if (job->chunk[i].status != 0)
+        if (job->chunk[i].status)
             return job->chunk[i].status;
     return 0;
 }
 
-static const char *line_at_or_after(const struct element_job *job, int64_t offset) {
+static const char *line_at_or_after(const element_job *job, int64_t offset) {
     if (offset == 0)
         return job->begin;
     if (offset >= job->end - job->begin)
         return job->end;
     const char *at = job->begin + offset - 1;
     const char *newline = memchr(at, '\n', (size_t)(job->end - at));
-    return newline == NULL ? job->end : newline + 1;
+    return !newline ? job->end : newline + 1;
 }
 
-/* Chunks of whole lines, or one chunk of everything. */
-static int make_chunks(struct element_job *job, int64_t limit, int in_chunks) {
+/** Chunks of whole lines, or one chunk of everything. */
+static int make_chunks(element_job *job, int64_t limit, int in_chunks) {
     int64_t size = job->end - job->begin;
     job->n = in_chunks ? (size + LINES_AT_ONCE - 1) / LINES_AT_ONCE : 1;
     job->chunk = pl_alloc_zero(job->n, sizeof *job->chunk);
-    if (job->chunk == NULL)
+    if (!job->chunk)
         return pl_fail_memory(job->reader->error, "the elements");
     for (int64_t i = 0; i < job->n; i++) {
         job->chunk[i].lines.at = line_at_or_after(job, i * LINES_AT_ONCE);
@@ -350,18 +350,18 @@ static int make_chunks(struct element_job *job, int64_t limit, int in_chunks) {
     return 0;
 }
 
-static void release_chunks(struct element_job *job) {
-    for (int64_t i = 0; job->chunk != NULL && i < job->n; i++) {
+static void release_chunks(element_job *job) {
+    for (int64_t i = 0; job->chunk && i < job->n; i++) {
         pl_free(job->chunk[i].owner);
         pl_free(job->chunk[i].entity);
     }
     pl_free(job->chunk);
 }
 
-/* In the order of the file, so that entities are numbered alike for any number of threads. */
-static int find_entities(io_model *model, struct chunk *chunk, planish_error *error) {
+/** In the order of the file, so that entities are numbered alike for any number of threads. */
+static int find_entities(io_model *model, element_chunk *chunk, planish_error *error) {
     chunk->entity = pl_alloc(chunk->n_owners, sizeof *chunk->entity);
-    if (chunk->entity == NULL)
+    if (!chunk->entity)
         return pl_fail_memory(error, "the elements' tags");
     for (int64_t i = 0; i < chunk->n_owners; i++) {
         chunk->entity[i] = entity_of(model, chunk->owner[i], error);
@@ -371,16 +371,16 @@ static int find_entities(io_model *model, struct chunk *chunk, planish_error *er
     return 0;
 }
 
-/* Between counting and storing: entities, room, and where each chunk's cells go. */
-static int lay_out_chunks(struct element_job *job) {
+/** Between counting and storing: entities, room, and where each chunk's cells go. */
+static int lay_out_chunks(element_job *job) {
     io_model *model = job->reader->model;
     io_cells *cells[4] = {NULL, &model->line, &model->triangle, &model->tetrahedron};
     planish_error *error = job->reader->error;
     int64_t n[4] = {0, 0, 0, 0};
     for (int64_t i = 0; i < job->n; i++) {
-        struct chunk *chunk = &job->chunk[i];
+        element_chunk *chunk = &job->chunk[i];
         int status = find_entities(model, chunk, error);
-        if (status != 0)
+        if (status)
             return status;
         for (int dim = 1; dim < 4; dim++) {
             chunk->first[dim] = n[dim];
@@ -388,15 +388,15 @@ static int lay_out_chunks(struct element_job *job) {
         }
     }
     int status = 0;
-    for (int dim = 1; dim < 4 && status == 0; dim++)
+    for (int dim = 1; dim < 4 && !status; dim++)
         status = io_cells_reserve(cells[dim], dim, n[dim], 1, 1, error);
     return status;
 }
 
-static void finish_chunks(struct element_job *job) {
+static void finish_chunks(element_job *job) {
     io_model *model = job->reader->model;
     for (int64_t i = 0; i < job->n; i++) {
-        const struct chunk *chunk = &job->chunk[i];
+        const element_chunk *chunk = &job->chunk[i];
         model->line.n += chunk->n_cells[1];
         model->triangle.n += chunk->n_cells[2];
         model->tetrahedron.n += chunk->n_cells[3];
@@ -406,25 +406,25 @@ static void finish_chunks(struct element_job *job) {
     job->reader->cursor.at = job->chunk[job->n - 1].lines.end;
 }
 
-/* Read n elements up to end; in chunks, the caller reads once more should it fail. */
+/** Read n elements up to end; in chunks, the caller reads once more should it fail. */
 static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, int in_chunks) {
-    struct element_job job = {.reader = reader, .begin = reader->cursor.at, .end = end};
+    element_job job = {.reader = reader, .begin = reader->cursor.at, .end = end};
     job.error = in_chunks ? NULL : reader->error;
     int64_t found = 0;
     int status = make_chunks(&job, in_chunks ? INT64_MAX : n, in_chunks);
-    if (status == 0)
+    if (!status)
         status = run_chunks(&job, count_chunks);
-    for (int64_t i = 0; status == 0 && i < job.n; i++)
+    for (int64_t i = 0; !status && i < job.n; i++)
         found += job.chunk[i].n;
-    if (status == 0 && found != n)
+    if (!status && found != n)
         status = gmsh_fail(reader, end, job.error,
                            "%lld elements expected, %lld found: the file is cut short",
                            (long long)n, (long long)found);
-    if (status == 0)
+    if (!status)
         status = lay_out_chunks(&job);
-    if (status == 0)
+    if (!status)
         status = run_chunks(&job, store_chunks);
-    if (status == 0)
+    if (!status)
         finish_chunks(&job);
     release_chunks(&job);
     return status;
@@ -432,24 +432,24 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
 
 /* ---- elements of binary files ------------------------------------------------------------- */
 
-/* One element of a block: number, tags, nodes, all of them int32. */
-static int store_binary(gmsh_reader *reader, const char *at, const struct element *element,
+/** One element of a block: number, tags, nodes, all of them int32. */
+static int store_binary(gmsh_reader *reader, const char *at, const element_line *element,
                         int32_t entity, const char *nodes) {
     io_model *model = reader->model;
-    io_cells *cells = gmsh_cells(model, element->type);
-    int corners = element->type.nodes;
+    io_cells *cells = io_element_cells(model, element->type);
+    int corners = element->type->nodes;
     for (int i = 0; i < corners; i++) {
         int64_t number = io_load_i32(nodes + 4 * i, reader->swapped);
         int64_t node = gmsh_node(reader, number);
         if (node < 0)
             return fail_node(reader, at, element->number, number, reader->error);
-        if (cells == NULL)
-            io_hold_node(model, node, gmsh_hold_reason(element->type));
+        if (!cells)
+            io_hold_node(model, node, io_element_reason(element->type));
         else
             cells->nodes[cells->n * corners + i] = (int32_t)node;
     }
-    if (cells == NULL) {
-        gmsh_count_rest(model, element->type, 1);
+    if (!cells) {
+        io_element_count(model, element->type, 1);
         return 0;
     }
     cells->entity[cells->n] = entity;
@@ -457,43 +457,44 @@ static int store_binary(gmsh_reader *reader, const char *at, const struct elemen
     return 0;
 }
 
-struct block {
-    gmsh_type type;
+typedef struct binary_block {
+    const io_element_type *type;
     int32_t n, n_tags;
     int64_t size; /* bytes of an element */
-};
+} binary_block;
 
-static int read_block_header(gmsh_reader *reader, struct block *block) {
+static int read_block_header(gmsh_reader *reader, binary_block *block) {
     int32_t type;
     const char *at = reader->cursor.at;
-    if (gmsh_take_int(reader, &type, "element type") != 0 ||
-        gmsh_take_int(reader, &block->n, "number of elements of a block") != 0 ||
-        gmsh_take_int(reader, &block->n_tags, "number of tags") != 0)
+    if (gmsh_take_int(reader, &type, "element type") ||
+        gmsh_take_int(reader, &block->n, "number of elements of a block") ||
+        gmsh_take_int(reader, &block->n_tags, "number of tags"))
         return PLANISH_ERROR_FORMAT;
     int status = gmsh_find_type(reader, type, at, &block->type, reader->error);
-    if (status != 0)
+    if (status)
         return status;
-    block->size = 4 * (1 + (int64_t)block->n_tags + block->type.nodes);
+    block->size = 4 * (1 + (int64_t)block->n_tags + block->type->nodes);
     if (block->n < 0 || block->n_tags < 0 || block->n > io_left(&reader->cursor) / block->size)
         return gmsh_fail(reader, at, reader->error,
                          "a block of %d elements cannot be in the rest of the file", block->n);
     return 0;
 }
 
-static int read_block(gmsh_reader *reader, const struct block *block) {
-    io_cells *cells = gmsh_cells(reader->model, block->type);
-    struct element element = {.type = block->type};
-    struct owner last = {-1, 0, 0};
+static int read_block(gmsh_reader *reader, const binary_block *block) {
+    io_cells *cells = io_element_cells(reader->model, block->type);
+    element_line element = {.type = block->type};
+    element_owner last = {-1, 0, 0};
     int32_t entity = -1;
-    if (cells != NULL) {
-        int status = io_cells_reserve(cells, block->type.dim, block->n, 1, 1, reader->error);
-        if (status != 0)
+    if (cells) {
+        int status =
+            io_cells_reserve(cells, io_element_dim(block->type), block->n, 1, 1, reader->error);
+        if (status)
             return status;
     }
     for (int32_t i = 0; i < block->n; i++, reader->cursor.at += block->size) {
         const char *at = reader->cursor.at;
         element.number = io_load_i32(at, reader->swapped);
-        struct owner owner = {block->type.dim, 0, 0};
+        element_owner owner = {io_element_dim(block->type), 0, 0};
         if (block->n_tags > 0)
             owner.physical = io_load_i32(at + 4, reader->swapped);
         if (block->n_tags > 1)
@@ -506,7 +507,7 @@ static int read_block(gmsh_reader *reader, const struct block *block) {
         }
         int status =
             store_binary(reader, at, &element, entity, at + 4 + 4 * (int64_t)block->n_tags);
-        if (status != 0)
+        if (status)
             return status;
     }
     return 0;
@@ -514,15 +515,15 @@ static int read_block(gmsh_reader *reader, const struct block *block) {
 
 static int read_binary_elements(gmsh_reader *reader, int64_t n) {
     for (int64_t found = 0; found < n;) {
-        struct block block;
+        binary_block block;
         int status = read_block_header(reader, &block);
-        if (status == 0 && block.n > n - found)
+        if (!status && block.n > n - found)
             status = gmsh_fail(reader, reader->cursor.at, reader->error,
                                "the blocks have more elements than the %lld of the section",
                                (long long)n);
-        if (status == 0)
+        if (!status)
             status = read_block(reader, &block);
-        if (status != 0)
+        if (status)
             return status;
         found += block.n;
     }
@@ -547,44 +548,33 @@ static int read_elements(gmsh_reader *reader, int64_t n) {
 int gmsh2_elements(gmsh_reader *reader) {
     int64_t n;
     int status = gmsh_take_text(reader, &n, "number of elements");
-    if (status == 0 && reader->have_elements)
+    if (!status && reader->have_elements)
         status = gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Elements");
-    if (status == 0 && reader->binary)
+    if (!status && reader->binary)
         status = gmsh_end_line(reader);
-    if (status == 0)
+    if (!status)
         status = gmsh_check_count(reader, n, ELEMENT_TEXT, 2 * 4, "elements");
     reader->have_elements = 1;
-    if (status == 0)
+    if (!status)
         status = read_elements(reader, n);
-    return status != 0 ? status : gmsh2_merge_copies(reader);
-}
-
-/* The transform of a periodic pair stands between its tags and its nodes, where there is one. */
-void gmsh_skip_affine(gmsh_reader *reader) {
-    io_cursor ahead = reader->cursor;
-    int64_t length;
-    const char *word = io_word(&ahead, &length);
-    if (io_word_is(word, length, "Affine", 0)) {
-        io_skip_line(&ahead);
-        reader->cursor = ahead;
-    }
+    return status ? status : gmsh2_merge_copies(reader);
 }
 
 int gmsh2_periodic(gmsh_reader *reader) {
     int64_t links, value, n;
     int status = gmsh_take_text(reader, &links, "number of periodic entities");
-    for (int64_t i = 0; status == 0 && i < links; i++) {
-        for (int k = 0; status == 0 && k < 3; k++)
+    for (int64_t i = 0; !status && i < links; i++) {
+        for (int k = 0; !status && k < 3; k++)
             status = gmsh_take_text(reader, &value, "dimension and tags of a periodic entity");
-        if (status != 0)
+        if (status)
             return status;
         gmsh_skip_affine(reader);
         status = gmsh_take_text(reader, &n, "number of periodic nodes");
-        if (status == 0 && (n < 0 || n > io_left(&reader->cursor) / 4 + 1))
+        if (!status && (n < 0 || n > io_left(&reader->cursor) / 4 + 1))
             status =
                 gmsh_fail(reader, reader->cursor.at, reader->error,
                           "%lld periodic nodes cannot be in the rest of the file", (long long)n);
-        if (status == 0)
+        if (!status)
             status = gmsh_hold_pairs(reader, n, 0);
     }
     return status;

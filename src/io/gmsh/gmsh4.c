@@ -14,7 +14,7 @@
  * Those between parts, whose parent is of a higher dimension, are nothing of the geometry: their
  * elements hold no nodes.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_reader.h"
 
 #include <stdlib.h>
 
@@ -36,7 +36,7 @@ static int is_40(const gmsh_reader *reader) {
     return reader->version == 40;
 }
 
-/* A count or tag that is of 32 bits in binary files of MSH 4.0. */
+/** A count or tag that is of 32 bits in binary files of MSH 4.0. */
 static int take_short(gmsh_reader *reader, int64_t *value, const char *what) {
     int32_t narrow = 0;
     if (!is_40(reader))
@@ -67,44 +67,44 @@ static void sort_places(gmsh_reader *reader) {
         qsort(reader->place, (size_t)reader->n_places, sizeof *reader->place, compare_places);
 }
 
-/* A list of n int32 at the cursor, to be released by pl_free. */
+/** A list of n int32 at the cursor, to be released by pl_free. */
 static int take_list(gmsh_reader *reader, int64_t n, int32_t **list) {
     int status = gmsh_check_count(reader, n, 2, 4, "physical groups");
     *list = NULL;
-    if (status != 0)
+    if (status)
         return status;
     *list = pl_alloc(n, sizeof **list);
-    if (*list == NULL)
+    if (!*list)
         return pl_fail_memory(reader->error, "physical groups");
-    for (int64_t i = 0; status == 0 && i < n; i++) {
+    for (int64_t i = 0; !status && i < n; i++) {
         status = gmsh_take_int(reader, &(*list)[i], "physical group");
         /* The sign is the orientation of the entity in the group. */
-        if (status == 0 && (*list)[i] < 0 && (*list)[i] != INT32_MIN)
+        if (!status && (*list)[i] < 0 && (*list)[i] != INT32_MIN)
             (*list)[i] = -(*list)[i];
     }
     return status;
 }
 
-/* The box (a point: its coordinates), physical groups and boundary of an entity: *entity is the
+/** The box (a point: its coordinates), physical groups and boundary of an entity: *entity is the
  * model's entity of tag and these groups. */
 static int take_description(gmsh_reader *reader, int dim, int32_t tag, int32_t *entity) {
     int64_t n_physical, n_boundary;
     int32_t *physical, ignored;
     int status = gmsh_skip_reals(reader, dim == 0 && !is_40(reader) ? 3 : 6, "box of an entity");
-    if (status == 0)
+    if (!status)
         status = gmsh_take_size(reader, &n_physical, "number of physical groups");
-    if (status != 0)
+    if (status)
         return status;
     status = take_list(reader, n_physical, &physical);
-    if (status == 0) {
+    if (!status) {
         *entity =
             io_model_entity(reader->model, dim, tag, (int)n_physical, physical, reader->error);
         status = *entity < 0 ? *entity : 0;
     }
     pl_free(physical);
-    if (status == 0 && dim > 0) {
+    if (!status && dim > 0) {
         status = gmsh_take_size(reader, &n_boundary, "number of bounding entities");
-        for (int64_t i = 0; status == 0 && i < n_boundary; i++)
+        for (int64_t i = 0; !status && i < n_boundary; i++)
             status = gmsh_take_int(reader, &ignored, "bounding entity");
     }
     return status;
@@ -113,7 +113,7 @@ static int take_description(gmsh_reader *reader, int dim, int32_t tag, int32_t *
 static int add_place(gmsh_reader *reader, gmsh_place place) {
     void *grown = pl_grow(reader->place, reader->n_places, reader->n_places + 1,
                           &reader->place_capacity, sizeof place);
-    if (grown == NULL)
+    if (!grown)
         return pl_fail_memory(reader->error, "entities");
     reader->place = grown;
     reader->place[reader->n_places++] = place;
@@ -122,14 +122,14 @@ static int add_place(gmsh_reader *reader, gmsh_place place) {
 
 typedef int entity_fn(gmsh_reader *reader, int dim);
 
-/* The numbers of points, curves, surfaces and volumes, and then all of these. */
+/** The numbers of points, curves, surfaces and volumes, and then all of these. */
 static int read_entities(gmsh_reader *reader, entity_fn *read) {
     int64_t n[N_KINDS];
     int status = 0;
-    for (int dim = 0; status == 0 && dim < N_KINDS; dim++)
+    for (int dim = 0; !status && dim < N_KINDS; dim++)
         status = gmsh_take_size(reader, &n[dim], "number of entities");
-    for (int dim = 0; status == 0 && dim < N_KINDS; dim++)
-        for (int64_t i = 0; status == 0 && i < n[dim]; i++)
+    for (int dim = 0; !status && dim < N_KINDS; dim++)
+        for (int64_t i = 0; !status && i < n[dim]; i++)
             status = read(reader, dim);
     sort_places(reader);
     return status;
@@ -138,14 +138,14 @@ static int read_entities(gmsh_reader *reader, entity_fn *read) {
 static int read_entity(gmsh_reader *reader, int dim) {
     gmsh_place place = {.dim = dim};
     int status = gmsh_take_int(reader, &place.tag, "tag of an entity");
-    if (status == 0)
+    if (!status)
         status = take_description(reader, dim, place.tag, &place.entity);
-    return status != 0 ? status : add_place(reader, place);
+    return status ? status : add_place(reader, place);
 }
 
 int gmsh4_entities(gmsh_reader *reader) {
-    return reader->binary && gmsh_end_line(reader) != 0 ? PLANISH_ERROR_FORMAT
-                                                        : read_entities(reader, read_entity);
+    return reader->binary && gmsh_end_line(reader) ? PLANISH_ERROR_FORMAT
+                                                   : read_entities(reader, read_entity);
 }
 
 static int read_partitioned(gmsh_reader *reader, int dim) {
@@ -153,41 +153,41 @@ static int read_partitioned(gmsh_reader *reader, int dim) {
     int32_t parent_dim, parent_tag, part;
     int64_t n_parts;
     int status = gmsh_take_int(reader, &place.tag, "tag of a partitioned entity");
-    if (status == 0)
+    if (!status)
         status = gmsh_take_int(reader, &parent_dim, "dimension of a parent entity");
-    if (status == 0)
+    if (!status)
         status = gmsh_take_int(reader, &parent_tag, "tag of a parent entity");
-    if (status == 0)
+    if (!status)
         status = take_short(reader, &n_parts, "number of parts");
-    for (int64_t i = 0; status == 0 && i < n_parts; i++)
+    for (int64_t i = 0; !status && i < n_parts; i++)
         status = gmsh_take_int(reader, &part, "part");
-    if (status != 0)
+    if (status)
         return status;
     place.interface = parent_dim > dim;
     status = take_description(reader, dim, place.interface ? place.tag : parent_tag, &place.entity);
-    return status != 0 ? status : add_place(reader, place);
+    return status ? status : add_place(reader, place);
 }
 
-/* $PartitionedEntities: number of parts, ghost entities (tag and part of each), entities. */
+/** $PartitionedEntities: number of parts, ghost entities (tag and part of each), entities. */
 int gmsh4_partitioned_entities(gmsh_reader *reader) {
     int64_t n_parts, n_ghosts;
     int32_t ignored;
     int status = reader->binary ? gmsh_end_line(reader) : 0;
-    if (status == 0)
+    if (!status)
         status = take_short(reader, &n_parts, "number of parts");
-    if (status == 0)
+    if (!status)
         status = take_short(reader, &n_ghosts, "number of ghost entities");
-    for (int64_t i = 0; status == 0 && i < n_ghosts; i++) {
+    for (int64_t i = 0; !status && i < n_ghosts; i++) {
         status = gmsh_take_int(reader, &ignored, "tag of a ghost entity");
-        if (status == 0)
+        if (!status)
             status = gmsh_take_int(reader, &ignored, "part of a ghost entity");
     }
-    return status != 0 ? status : read_entities(reader, read_partitioned);
+    return status ? status : read_entities(reader, read_partitioned);
 }
 
 /* ---- blocks ------------------------------------------------------------------------------- */
 
-/* The head of a section and of each of its blocks. kind: parametric, or the element type. */
+/** The head of a section and of each of its blocks. kind: parametric, or the element type. */
 typedef struct section_head {
     int64_t n_blocks, n;
 } section_head;
@@ -201,18 +201,18 @@ typedef struct block_head {
 static int take_section_head(gmsh_reader *reader, section_head *head) {
     int64_t ignored;
     int status = reader->binary ? gmsh_end_line(reader) : 0;
-    if (status == 0)
+    if (!status)
         status = gmsh_take_size(reader, &head->n_blocks, "number of blocks");
-    if (status == 0)
+    if (!status)
         status = gmsh_take_size(reader, &head->n, "number of nodes or elements");
-    if (status == 0 && !is_40(reader))
+    if (!status && !is_40(reader))
         status = gmsh_take_size(reader, &ignored, "smallest tag");
-    if (status == 0 && !is_40(reader))
+    if (!status && !is_40(reader))
         status = gmsh_take_size(reader, &ignored, "largest tag");
     return status;
 }
 
-/* done: nodes or elements of the blocks before. */
+/** done: nodes or elements of the blocks before. */
 static int take_block_head(gmsh_reader *reader, const section_head *section, int64_t done,
                            block_head *head) {
     int status;
@@ -221,16 +221,16 @@ static int take_block_head(gmsh_reader *reader, const section_head *section, int
     head->at = reader->cursor.at;
     status = gmsh_take_int(reader, is_40(reader) ? &head->tag : &head->dim,
                            "dimension and entity of a block");
-    if (status == 0)
+    if (!status)
         status = gmsh_take_int(reader, is_40(reader) ? &head->dim : &head->tag,
                                "dimension and entity of a block");
-    if (status == 0)
+    if (!status)
         status = gmsh_take_int(reader, &head->kind, "kind of a block");
-    if (status == 0)
+    if (!status)
         status = gmsh_take_size(reader, &head->n, "size of a block");
-    if (status == 0 && (head->dim < 0 || head->dim > 3))
+    if (!status && (head->dim < 0 || head->dim > 3))
         return gmsh_fail(reader, head->at, reader->error, "block of dimension %d", head->dim);
-    if (status == 0 && (head->n < 0 || head->n > section->n - done))
+    if (!status && (head->n < 0 || head->n > section->n - done))
         return gmsh_fail(reader, head->at, reader->error,
                          "the blocks have more than the %lld nodes or elements of the section",
                          (long long)section->n);
@@ -258,7 +258,7 @@ static int read_text_tags(void *context, io_cursor *cursor, int64_t begin, int64
     const node_block *block = context;
     int64_t *number = block->reader->model->node_number + block->first;
     for (int64_t i = begin; i < end; i++)
-        if (io_integer(cursor, &number[i]) != 0)
+        if (io_integer(cursor, &number[i]))
             return gmsh_fail(block->reader, cursor->at, error,
                              "node tag expected (the file may be cut short)");
     return 0;
@@ -272,10 +272,10 @@ static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int
         if (is_40(block->reader) && read_text_tags(context, cursor, i, i + 1, error) != 0)
             return PLANISH_ERROR_FORMAT;
         int status = io_read_point(block->reader->model, cursor, block->first + i, error);
-        if (status != 0)
+        if (status)
             return status;
         for (int k = 0; k < block->extra; k++)
-            if (io_real(cursor, &ignored) != 0)
+            if (io_real(cursor, &ignored))
                 return gmsh_fail(block->reader, cursor->at, error,
                                  "parametric coordinate expected (the file may be cut short)");
     }
@@ -292,7 +292,7 @@ static int read_binary_tags(void *context, io_cursor *cursor, int64_t begin, int
     return 0;
 }
 
-/* Bytes before the coordinates of a node, and in all. */
+/** Bytes before the coordinates of a node, and in all. */
 static int64_t tag_size(const gmsh_reader *reader) {
     return is_40(reader) ? 4 : 0;
 }
@@ -310,7 +310,7 @@ static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, i
             reader->model->node_number[block->first + i] = io_load_i32(cursor->at, reader->swapped);
         int status =
             gmsh_load_point(reader, cursor->at + tag_size(reader), block->first + i, error);
-        if (status != 0)
+        if (status)
             return status;
     }
     return 0;
@@ -321,7 +321,7 @@ static int read_text_block(gmsh_reader *reader, node_block *block, int64_t n) {
     if (!is_40(reader))
         status = io_text_records(&reader->text, &reader->cursor, n, 1, read_text_tags, block,
                                  reader->error);
-    if (status == 0)
+    if (!status)
         status =
             io_text_records(&reader->text, &reader->cursor, n, is_40(reader) + 3 + block->extra,
                             read_text_points, block, reader->error);
@@ -341,7 +341,7 @@ static int read_binary_block(gmsh_reader *reader, node_block *block, int64_t n) 
     if (apart > 0)
         status = io_binary_records(model->threads, cursor, n, apart, read_binary_tags, block,
                                    reader->error);
-    if (status != 0)
+    if (status)
         return status;
     io_span span = {.first_node = block->first,
                     .n_nodes = n,
@@ -350,7 +350,7 @@ static int read_binary_block(gmsh_reader *reader, node_block *block, int64_t n) 
                     .offset = cursor->at - model->input.data + tag_size(reader),
                     .stride = size};
     status = io_model_span(model, span, reader->error);
-    if (status == 0)
+    if (!status)
         status = io_binary_records(model->threads, cursor, n, size, read_binary_points, block,
                                    reader->error);
     return status;
@@ -361,51 +361,51 @@ int gmsh4_nodes(gmsh_reader *reader) {
     block_head head;
     int64_t done = 0;
     int status = take_section_head(reader, &section);
-    if (status == 0)
+    if (!status)
         status =
             gmsh_make_nodes(reader, section.n, NODE_TEXT, is_40(reader) ? NODE_SIZE_40 : NODE_SIZE);
-    for (int64_t i = 0; status == 0 && i < section.n_blocks; i++) {
+    for (int64_t i = 0; !status && i < section.n_blocks; i++) {
         status = take_block_head(reader, &section, done, &head);
-        if (status != 0)
+        if (status)
             break;
         node_block block = {reader, done, head.kind != 0 ? head.dim : 0};
         status = reader->binary ? read_binary_block(reader, &block, head.n)
                                 : read_text_block(reader, &block, head.n);
-        for (int64_t k = 0; status == 0 && block.extra > 0 && k < head.n; k++)
+        for (int64_t k = 0; !status && block.extra > 0 && k < head.n; k++)
             io_hold_node(reader->model, (int32_t)(done + k), IO_HAS_PARAMETERS);
-        done += status == 0 ? head.n : 0;
+        done += !status ? head.n : 0;
     }
-    if (status == 0)
+    if (!status)
         status = check_total(reader, &section, done);
-    return status != 0 ? status : gmsh_index_nodes(reader);
+    return status ? status : gmsh_index_nodes(reader);
 }
 
 /* ---- elements ----------------------------------------------------------------------------- */
 
 typedef struct element_block {
     const gmsh_reader *reader;
-    gmsh_type type;
+    const io_element_type *type;
     io_cells *cells; /* NULL: nodes are held, not stored */
     int64_t first;   /* index of the block's first cell */
     uint8_t reason;  /* why nodes are held; 0: they are not */
     int32_t entity;
 } element_block;
 
-/* Node number i of the element that is put at index. */
+/** Node number i of the element that is put at index. */
 static int put_node(const element_block *block, const char *at, int64_t index, int i,
                     int64_t number, planish_error *error) {
     int64_t node = gmsh_node(block->reader, number);
     if (node < 0)
         return gmsh_fail(block->reader, at, error, "there is no node %lld", (long long)number);
-    if (block->cells != NULL)
-        block->cells->nodes[index * block->type.nodes + i] = (int32_t)node;
+    if (block->cells)
+        block->cells->nodes[index * block->type->nodes + i] = (int32_t)node;
     else if (block->reason != 0)
         io_hold_node(block->reader->model, node, block->reason);
     return 0;
 }
 
 static void put_number(const element_block *block, int64_t index, int64_t number) {
-    if (block->cells == NULL)
+    if (!block->cells)
         return;
     block->cells->number[index] = number;
     block->cells->entity[index] = block->entity;
@@ -416,20 +416,20 @@ static int read_text_elements(void *context, io_cursor *cursor, int64_t begin, i
     const element_block *block = context;
     int64_t number;
     for (int64_t index = block->first + begin; index < block->first + end; index++) {
-        for (int i = -1; i < block->type.nodes; i++) {
-            if (io_integer(cursor, &number) != 0)
+        for (int i = -1; i < block->type->nodes; i++) {
+            if (io_integer(cursor, &number))
                 return gmsh_fail(block->reader, cursor->at, error,
                                  "element tag or node expected (the file may be cut short)");
             if (i < 0)
                 put_number(block, index, number);
-            else if (put_node(block, cursor->at, index, i, number, error) != 0)
+            else if (put_node(block, cursor->at, index, i, number, error))
                 return PLANISH_ERROR_FORMAT;
         }
     }
     return 0;
 }
 
-/* Bytes of a tag among elements. */
+/** Bytes of a tag among elements. */
 static int64_t number_size(const gmsh_reader *reader) {
     return is_40(reader) ? 4 : 8;
 }
@@ -446,55 +446,55 @@ static int read_binary_elements(void *context, io_cursor *cursor, int64_t begin,
     for (int64_t index = block->first + begin; index < block->first + end; index++) {
         put_number(block, index, load_number(reader, cursor->at));
         cursor->at += size;
-        for (int i = 0; i < block->type.nodes; i++, cursor->at += size)
-            if (put_node(block, cursor->at, index, i, load_number(reader, cursor->at), error) != 0)
+        for (int i = 0; i < block->type->nodes; i++, cursor->at += size)
+            if (put_node(block, cursor->at, index, i, load_number(reader, cursor->at), error))
                 return PLANISH_ERROR_FORMAT;
     }
     return 0;
 }
 
-/* Where the elements of a block go and what they hold. */
+/** Where the elements of a block go and what they hold. */
 static int open_block(gmsh_reader *reader, const block_head *head, element_block *block) {
     io_model *model = reader->model;
     const gmsh_place *place = find_place(reader, head->dim, head->tag);
-    int interface = place != NULL && place->interface;
+    int interface = place && place->interface;
     int status = gmsh_find_type(reader, head->kind, head->at, &block->type, reader->error);
-    if (status == 0)
+    if (!status)
         status =
-            gmsh_check_count(reader, head->n, 2 * (1 + block->type.nodes),
-                             number_size(reader) * (1 + block->type.nodes), "elements of a block");
-    if (status != 0)
+            gmsh_check_count(reader, head->n, 2 * (1 + block->type->nodes),
+                             number_size(reader) * (1 + block->type->nodes), "elements of a block");
+    if (status)
         return status;
     block->reader = reader;
-    block->entity = place != NULL
-                        ? place->entity
-                        : io_model_entity(model, head->dim, head->tag, 0, NULL, reader->error);
+    block->entity = place ? place->entity
+                          : io_model_entity(model, head->dim, head->tag, 0, NULL, reader->error);
     if (block->entity < 0)
         return block->entity;
-    block->reason = interface ? 0 : gmsh_hold_reason(block->type);
-    block->cells = interface ? NULL : gmsh_cells(model, block->type);
+    block->reason = interface ? 0 : io_element_reason(block->type);
+    block->cells = interface ? NULL : io_element_cells(model, block->type);
     if (interface)
         model->n_lower += head->n;
-    else if (block->cells == NULL)
-        gmsh_count_rest(model, block->type, head->n);
-    if (block->cells == NULL)
+    else if (!block->cells)
+        io_element_count(model, block->type, head->n);
+    if (!block->cells)
         return 0;
     block->first = block->cells->n;
-    return io_cells_reserve(block->cells, block->type.dim, head->n, 1, 1, reader->error);
+    return io_cells_reserve(block->cells, io_element_dim(block->type), head->n, 1, 1,
+                            reader->error);
 }
 
 static int read_elements(gmsh_reader *reader, const block_head *head) {
     element_block block = {.first = 0};
     int status = open_block(reader, head, &block);
-    int width = 1 + block.type.nodes;
-    if (status == 0 && reader->binary)
+    int width = 1 + block.type->nodes;
+    if (!status && reader->binary)
         status = io_binary_records(reader->model->threads, &reader->cursor, head->n,
                                    number_size(reader) * width, read_binary_elements, &block,
                                    reader->error);
-    else if (status == 0)
+    else if (!status)
         status = io_text_records(&reader->text, &reader->cursor, head->n, width, read_text_elements,
                                  &block, reader->error);
-    if (status == 0 && block.cells != NULL)
+    if (!status && block.cells)
         block.cells->n += head->n;
     return status;
 }
@@ -504,63 +504,63 @@ int gmsh4_elements(gmsh_reader *reader) {
     block_head head;
     int64_t done = 0;
     int status = take_section_head(reader, &section);
-    if (status == 0 && reader->have_elements)
+    if (!status && reader->have_elements)
         status = gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Elements");
-    if (status == 0)
+    if (!status)
         status = gmsh_check_count(reader, section.n, ELEMENT_TEXT,
                                   is_40(reader) ? ELEMENT_SIZE_40 : ELEMENT_SIZE, "elements");
     reader->have_elements = 1;
-    for (int64_t i = 0; status == 0 && i < section.n_blocks; i++) {
+    for (int64_t i = 0; !status && i < section.n_blocks; i++) {
         status = take_block_head(reader, &section, done, &head);
-        if (status == 0)
+        if (!status)
             status = read_elements(reader, &head);
-        done += status == 0 ? head.n : 0;
+        done += !status ? head.n : 0;
     }
-    return status != 0 ? status : check_total(reader, &section, done);
+    return status ? status : check_total(reader, &section, done);
 }
 
 /* ---- periodic pairs ----------------------------------------------------------------------- */
 
-/* Over the transform; *n: the number of pairs, which follows. */
+/** Over the transform; *n: the number of pairs, which follows. */
 static int skip_transform(gmsh_reader *reader, int64_t *n) {
     int status = gmsh_take_size(reader, n, "size of a periodic transform");
-    if (status == 0)
+    if (!status)
         status = gmsh_skip_reals(reader, *n, "periodic transform");
-    return status != 0 ? status : gmsh_take_size(reader, n, "number of periodic nodes");
+    return status ? status : gmsh_take_size(reader, n, "number of periodic nodes");
 }
 
-/* The same in MSH 4.0: a word or a count below 0, and 16 numbers, where there is a transform. */
+/** The same in MSH 4.0: a word or a count below 0, and 16 numbers, where there is a transform. */
 static int skip_transform_40(gmsh_reader *reader, int64_t *n) {
     enum { TRANSFORM = 16 };
     gmsh_skip_affine(reader);
     int status = gmsh_take_size(reader, n, "number of periodic nodes");
-    if (status != 0 || *n >= 0 || !reader->binary)
+    if (status || *n >= 0 || !reader->binary)
         return status;
     status = gmsh_skip_reals(reader, TRANSFORM, "periodic transform");
-    return status != 0 ? status : gmsh_take_size(reader, n, "number of periodic nodes");
+    return status ? status : gmsh_take_size(reader, n, "number of periodic nodes");
 }
 
-/* One pair of entities: dimension and tags, transform, pairs of nodes. */
+/** One pair of entities: dimension and tags, transform, pairs of nodes. */
 static int read_link(gmsh_reader *reader) {
     const int number_bytes = !reader->binary ? 0 : is_40(reader) ? 4 : 8;
     int32_t ignored;
     int64_t n;
     int status = 0;
-    for (int i = 0; status == 0 && i < 3; i++)
+    for (int i = 0; !status && i < 3; i++)
         status = gmsh_take_int(reader, &ignored, "dimension and tags of a periodic entity");
-    if (status == 0)
+    if (!status)
         status = is_40(reader) ? skip_transform_40(reader, &n) : skip_transform(reader, &n);
-    if (status == 0)
+    if (!status)
         status = gmsh_check_count(reader, n, 4, 2 * number_size(reader), "periodic nodes");
-    return status != 0 ? status : gmsh_hold_pairs(reader, n, number_bytes);
+    return status ? status : gmsh_hold_pairs(reader, n, number_bytes);
 }
 
 int gmsh4_periodic(gmsh_reader *reader) {
     int64_t links;
     int status = reader->binary ? gmsh_end_line(reader) : 0;
-    if (status == 0)
+    if (!status)
         status = take_short(reader, &links, "number of periodic entities");
-    for (int64_t i = 0; status == 0 && i < links; i++)
+    for (int64_t i = 0; !status && i < links; i++)
         status = read_link(reader);
     return status;
 }

@@ -14,7 +14,7 @@
  * element that is smoothed has a value: parts of a partition write so. Numbers of other elements do
  * not matter.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_reader.h"
 
 #include <string.h>
 
@@ -35,21 +35,21 @@ enum {
 /* ---- what stands before the values ------------------------------------------------------------
  */
 
-/* What stands there. */
-struct head {
+/** What stands there. */
+typedef struct data_head {
     const char *name; /* [length] */
     int64_t length;
     int64_t step, width, count;
-};
+} data_head;
 
-/* The name in a line: what is in its quotes, or the line without blanks around it. */
-static void take_name(io_cursor *cursor, struct head *head) {
+/** The name in a line: what is in its quotes, or the line without blanks around it. */
+static void take_name(io_cursor *cursor, data_head *head) {
     const char *end, *begin = io_line(cursor, &end);
     const char *quote = memchr(begin, '"', (size_t)(end - begin));
-    if (quote != NULL) {
+    if (quote) {
         begin = quote + 1;
         quote = memchr(begin, '"', (size_t)(end - begin));
-        end = quote != NULL ? quote : end;
+        end = quote ? quote : end;
     }
     while (begin < end && (unsigned char)*begin <= ' ')
         begin++;
@@ -59,37 +59,37 @@ static void take_name(io_cursor *cursor, struct head *head) {
     head->length = end - begin;
 }
 
-/* Over the texts and reals before the whole numbers; 0 or -1. */
-static int take_tags(io_cursor *cursor, struct head *head) {
+/** Over the texts and reals before the whole numbers; 0 or -1. */
+static int take_tags(io_cursor *cursor, data_head *head) {
     int64_t n;
     double real;
-    if (io_integer(cursor, &n) != 0 || n < 0 || n > io_left(cursor))
+    if (io_integer(cursor, &n) || n < 0 || n > io_left(cursor))
         return -1;
     io_skip_line(cursor);
     if (n > 0)
         take_name(cursor, head);
     for (int64_t i = 1; i < n; i++)
         io_skip_line(cursor);
-    if (io_integer(cursor, &n) != 0)
+    if (io_integer(cursor, &n))
         return -1;
     for (int64_t i = 0; i < n; i++)
-        if (io_real(cursor, &real) != 0)
+        if (io_real(cursor, &real))
             return -1;
     return 0;
 }
 
-/* The cursor ends behind the last whole number, if the values are binary behind its line. 0 or -1.
+/** The cursor ends behind the last whole number, if the values are binary behind its line. 0 or -1.
  */
-static int take_head(io_cursor *cursor, int binary, struct head *head) {
+static int take_head(io_cursor *cursor, int binary, data_head *head) {
     int64_t n, number[N_WANTED] = {0}, value;
     io_cursor at = *cursor;
     if (io_left(&at) > LARGEST_HEAD)
         at.end = at.at + LARGEST_HEAD;
-    *head = (struct head){.name = "ElementData", .length = (int64_t)strlen("ElementData")};
-    if (take_tags(&at, head) != 0 || io_integer(&at, &n) != 0 || n < N_WANTED)
+    *head = (data_head){.name = "ElementData", .length = (int64_t)strlen("ElementData")};
+    if (take_tags(&at, head) || io_integer(&at, &n) || n < N_WANTED)
         return -1;
     for (int64_t i = 0; i < n; i++) {
-        if (io_integer(&at, &value) != 0)
+        if (io_integer(&at, &value))
             return -1;
         if (i < N_WANTED)
             number[i] = value;
@@ -106,7 +106,7 @@ static int take_head(io_cursor *cursor, int binary, struct head *head) {
 /* ---- over binary values -----------------------------------------------------------------------
  */
 
-/* Over as many bytes; 0 or -1. */
+/** Over as many bytes; 0 or -1. */
 static int skip_bytes(io_cursor *cursor, int64_t n) {
     if (n > io_left(cursor))
         return -1;
@@ -134,12 +134,12 @@ static int skip_values_of_nodes(io_cursor *cursor, int64_t width, int64_t count,
 
 int gmsh_skip_data(gmsh_reader *reader, int with_nodes) {
     io_cursor cursor = reader->cursor;
-    struct head head;
+    data_head head;
     int status = take_head(&cursor, 1, &head);
-    if (status == 0)
+    if (!status)
         status = with_nodes ? skip_values_of_nodes(&cursor, head.width, head.count, reader->swapped)
                             : skip_values(&cursor, head.width, head.count);
-    if (status == 0)
+    if (!status)
         reader->cursor = cursor;
     return status;
 }
@@ -151,7 +151,7 @@ static int is_same_name(const gmsh_data *a, const gmsh_data *b) {
     return a->length == b->length && memcmp(a->name, b->name, (size_t)a->length) == 0;
 }
 
-/* Whether a section of the same name, but of another time step, came before. */
+/** Whether a section of the same name, but of another time step, came before. */
 static int is_later_step(const gmsh_reader *reader, const gmsh_data *data) {
     for (int64_t i = 0; i < reader->n_data; i++)
         if (is_same_name(&reader->data[i], data))
@@ -161,8 +161,8 @@ static int is_later_step(const gmsh_reader *reader, const gmsh_data *data) {
 
 int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end) {
     io_cursor cursor = {begin, end};
-    struct head head;
-    if (take_head(&cursor, reader->binary, &head) != 0 || head.width != 1)
+    data_head head;
+    if (take_head(&cursor, reader->binary, &head) || head.width != 1)
         return 0;
     const gmsh_data data = {.name = head.name,
                             .length = head.length,
@@ -174,7 +174,7 @@ int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end) {
         return 0;
     gmsh_data *grown = pl_grow(reader->data, reader->n_data, reader->n_data + 1,
                                &reader->data_capacity, sizeof *grown);
-    if (grown == NULL)
+    if (!grown)
         return pl_fail_memory(reader->error, "the arrays of cells");
     reader->data = grown;
     reader->data[reader->n_data++] = data;
@@ -184,8 +184,8 @@ int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end) {
 /* ---- their values -----------------------------------------------------------------------------
  */
 
-/* A block of values, and what finds the elements that they are of. */
-struct values {
+/** A block of values, and what finds the elements that they are of. */
+typedef struct data_values {
     gmsh_reader *reader;
     const io_cells *elements;
     io_numbers *numbers; /* made when it is needed, owned */
@@ -193,21 +193,21 @@ struct values {
     int64_t *number;     /* [BLOCK], owned, of the element as the file has it, */
     int64_t *value;      /* [BLOCK], owned, */
     uint8_t *is_whole;   /* [BLOCK], owned */
-};
+} data_values;
 
 static int read_text(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                      planish_error *error) {
-    const struct values *v = context;
+    const data_values *v = context;
     double real;
     (void)error;
     for (int64_t i = begin; i < end; i++) {
         v->value[i] = 0;
         v->is_whole[i] = 1;
-        if (io_integer(cursor, &v->number[i]) != 0)
+        if (io_integer(cursor, &v->number[i]))
             return PLANISH_ERROR_FORMAT;
-        if (io_integer(cursor, &v->value[i]) == 0)
+        if (!io_integer(cursor, &v->value[i]))
             continue;
-        if (io_real(cursor, &real) != 0)
+        if (io_real(cursor, &real))
             return PLANISH_ERROR_FORMAT;
         v->is_whole[i] = (uint8_t)io_array_whole(real, &v->value[i]);
     }
@@ -216,7 +216,7 @@ static int read_text(void *context, io_cursor *cursor, int64_t begin, int64_t en
 
 static int read_binary(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                        planish_error *error) {
-    const struct values *v = context;
+    const data_values *v = context;
     const int swapped = v->reader->swapped;
     (void)error;
     for (int64_t i = begin; i < end; i++, cursor->at += BINARY_SIZE) {
@@ -228,7 +228,7 @@ static int read_binary(void *context, io_cursor *cursor, int64_t begin, int64_t 
     return 0;
 }
 
-static int read_block(const struct values *v, io_cursor *cursor, int64_t n) {
+static int read_block(const data_values *v, io_cursor *cursor, int64_t n) {
     gmsh_reader *reader = v->reader;
     void *context = (void *)(uintptr_t)v;
     return reader->binary ? io_binary_records(reader->model->threads, cursor, n, BINARY_SIZE,
@@ -236,20 +236,20 @@ static int read_block(const struct values *v, io_cursor *cursor, int64_t n) {
                           : io_text_records(&reader->text, cursor, n, 2, read_text, context, NULL);
 }
 
-/* The smoothed element of that number, or -1. Mostly values are in the order of the elements. */
-static int find_element(struct values *v, int64_t number, int64_t *element) {
+/** The smoothed element of that number, or -1. Mostly values are in the order of the elements. */
+static int find_element(data_values *v, int64_t number, int64_t *element) {
     const io_cells *cells = v->elements;
-    if (cells->number == NULL) {
+    if (!cells->number) {
         const uint64_t index = (uint64_t)number - (uint64_t)cells->first_number;
         *element = index < (uint64_t)cells->n ? (int64_t)index : -1;
         return 0;
     }
     if (v->next >= cells->n || cells->number[v->next] != number) {
         int status = 0;
-        if (v->numbers == NULL)
+        if (!v->numbers)
             status = io_numbers_create(v->reader->model->input.path, "element", cells->number,
                                        cells->n, &v->numbers, v->reader->error);
-        if (status != 0)
+        if (status)
             return status;
         *element = io_numbers_find(v->numbers, number);
     } else {
@@ -259,21 +259,21 @@ static int find_element(struct values *v, int64_t number, int64_t *element) {
     return 0;
 }
 
-static int put_block(struct values *v, int64_t n, io_array_filler *filler) {
+static int put_block(data_values *v, int64_t n, io_array_filler *filler) {
     int status = 0;
-    for (int64_t i = 0; i < n && status == 0; i++) {
+    for (int64_t i = 0; i < n && !status; i++) {
         int64_t element;
         status = find_element(v, v->number[i], &element);
-        if (status == 0 && element >= 0)
+        if (!status && element >= 0)
             status = io_array_put_element(filler, element, v->is_whole[i], v->value[i],
                                           v->reader->error);
     }
     return status;
 }
 
-/* Put the values of a section, up to a block with one that is not whole. _FORMAT: it is malformed.
+/** Put the values of a section, up to a block with one that is not whole. _FORMAT: it is malformed.
  */
-static int put_section(struct values *v, const gmsh_data *data, io_array_filler *filler) {
+static int put_section(data_values *v, const gmsh_data *data, io_array_filler *filler) {
     /* Text may be read by threads, which need all of the file before them; it ends at the mark. */
     io_cursor cursor = {data->values, v->reader->binary ? data->end : v->reader->text.end};
     const int64_t size = v->reader->binary ? BINARY_SIZE : TEXT_SIZE;
@@ -283,9 +283,9 @@ static int put_section(struct values *v, const gmsh_data *data, io_array_filler 
     for (int64_t done = 0; done < data->n && !filler->is_broken;) {
         const int64_t n = data->n - done < BLOCK ? data->n - done : BLOCK;
         int status = read_block(v, &cursor, n);
-        if (status == 0)
+        if (!status)
             status = put_block(v, n, filler);
-        if (status != 0)
+        if (status)
             return status;
         done += n;
     }
@@ -297,7 +297,7 @@ static int put_section(struct values *v, const gmsh_data *data, io_array_filler 
 
 static int begin_array(const gmsh_reader *reader, const gmsh_data *data, io_array_filler *filler) {
     char *name = pl_alloc(data->length + 1, 1);
-    if (name == NULL)
+    if (!name)
         return pl_fail_memory(reader->error, "the arrays of cells");
     memcpy(name, data->name, (size_t)data->length);
     name[data->length] = '\0';
@@ -306,16 +306,16 @@ static int begin_array(const gmsh_reader *reader, const gmsh_data *data, io_arra
     return status;
 }
 
-/* Put a section into the array that sections before it have begun, or into a new one. */
-static int add_section(struct values *v, const gmsh_data *data, io_array_filler *filler) {
+/** Put a section into the array that sections before it have begun, or into a new one. */
+static int add_section(data_values *v, const gmsh_data *data, io_array_filler *filler) {
     gmsh_reader *reader = v->reader;
     int status = 0;
-    if (filler->array.name != NULL && (filler->is_broken || io_array_is_full(filler)))
+    if (filler->array.name && (filler->is_broken || io_array_is_full(filler)))
         status = io_array_end(reader->model, filler, reader->error);
-    if (status == 0 && filler->array.name == NULL)
+    if (!status && !filler->array.name)
         status = begin_array(reader, data, filler);
     v->elements = filler->elements;
-    if (status == 0)
+    if (!status)
         status = put_section(v, data, filler);
     if (status != PLANISH_ERROR_FORMAT)
         return status;
@@ -323,17 +323,17 @@ static int add_section(struct values *v, const gmsh_data *data, io_array_filler 
     return 0;
 }
 
-/* The arrays of all sections that have the name of section first, which is the first such. */
-static int read_name(struct values *v, int64_t first) {
+/** The arrays of all sections that have the name of section first, which is the first such. */
+static int read_name(data_values *v, int64_t first) {
     gmsh_reader *reader = v->reader;
     io_array_filler filler = {.array = {.name = NULL}};
     int status = 0;
-    for (int64_t i = first; i < reader->n_data && status == 0; i++) {
+    for (int64_t i = first; i < reader->n_data && !status; i++) {
         if (!is_same_name(&reader->data[i], &reader->data[first]))
             continue;
         status = add_section(v, &reader->data[i], &filler);
     }
-    if (status == 0 && filler.array.name != NULL)
+    if (!status && filler.array.name)
         return io_array_end(reader->model, &filler, reader->error);
     io_array_drop(&filler);
     return status;
@@ -346,7 +346,7 @@ static int is_first(const gmsh_reader *reader, int64_t i) {
     return 1;
 }
 
-static int make_room(struct values *v) {
+static int make_room(data_values *v) {
     int64_t most = 0;
     for (int64_t i = 0; i < v->reader->n_data; i++)
         most = v->reader->data[i].n > most ? v->reader->data[i].n : most;
@@ -354,17 +354,17 @@ static int make_room(struct values *v) {
     v->number = pl_alloc(most, sizeof *v->number);
     v->value = pl_alloc(most, sizeof *v->value);
     v->is_whole = pl_alloc(most, sizeof *v->is_whole);
-    return v->number != NULL && v->value != NULL && v->is_whole != NULL
+    return v->number && v->value && v->is_whole
                ? 0
                : pl_fail_memory(v->reader->error, "the arrays of cells");
 }
 
 int gmsh_read_data(gmsh_reader *reader) {
-    struct values v = {.reader = reader};
+    data_values v = {.reader = reader};
     if (reader->n_data == 0)
         return 0;
     int status = make_room(&v);
-    for (int64_t i = 0; i < reader->n_data && status == 0; i++)
+    for (int64_t i = 0; i < reader->n_data && !status; i++)
         if (is_first(reader, i))
             status = read_name(&v, i);
     io_numbers_destroy(v.numbers);

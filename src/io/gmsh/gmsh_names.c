@@ -5,7 +5,7 @@
  * number in all dimensions, which are known when all is read. What stands behind a name says
  * nothing.
  */
-#include "io/gmsh/gmsh.h"
+#include "io/gmsh/gmsh_reader.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -17,9 +17,9 @@ enum { N_DIMS = 4, ANY = -1 };
 
 /* ---- lines -------------------------------------------------------------------------------- */
 
-struct line {
+typedef struct name_line {
     const char *begin, *end;
-};
+} name_line;
 
 static int fail_line(const gmsh_reader *reader, const char *at) {
     return gmsh_fail(reader, at, reader->error,
@@ -27,8 +27,8 @@ static int fail_line(const gmsh_reader *reader, const char *at) {
                      "or the number of names is wrong)");
 }
 
-/* The next line that is not empty; 0 at the end. */
-static int take_line(io_cursor *cursor, struct line *line) {
+/** The next line that is not empty; 0 at the end. */
+static int take_line(io_cursor *cursor, name_line *line) {
     io_skip_space(cursor);
     line->begin = cursor->at;
     if (cursor->at == cursor->end)
@@ -37,20 +37,20 @@ static int take_line(io_cursor *cursor, struct line *line) {
     return 1;
 }
 
-/* The numbers before the name: dimension and number, or the number alone. Returns how many there
+/** The numbers before the name: dimension and number, or the number alone. Returns how many there
  * are, 0 if they are none of these. *at: behind them. */
-static int take_numbers(const struct line *line, int64_t number[2], const char **at) {
+static int take_numbers(const name_line *line, int64_t number[2], const char **at) {
     io_cursor cursor = {line->begin, memchr(line->begin, '"', (size_t)(line->end - line->begin))};
-    if (cursor.end == NULL)
+    if (!cursor.end)
         cursor.end = line->end;
     int n = 0;
-    while (n < 2 && io_integer(&cursor, &number[n]) == 0)
+    while (n < 2 && !io_integer(&cursor, &number[n]))
         n++;
     *at = cursor.end;
     return n;
 }
 
-static int read_name(gmsh_reader *reader, const struct line *line) {
+static int read_name(gmsh_reader *reader, const name_line *line) {
     int64_t number[2];
     const char *open;
     const int n = take_numbers(line, number, &open);
@@ -65,7 +65,7 @@ static int read_name(gmsh_reader *reader, const struct line *line) {
         return 0;
     const char *begin = open + 1;
     const char *close = memchr(begin, '"', (size_t)(line->end - begin));
-    if (close == NULL)
+    if (!close)
         return gmsh_fail(reader, line->begin, reader->error,
                          "closing quote of a name expected (the file may be cut short)");
     return io_model_group(reader->model, (int)dim, (int32_t)tag, begin, close - begin,
@@ -74,9 +74,9 @@ static int read_name(gmsh_reader *reader, const struct line *line) {
 
 int gmsh_names(gmsh_reader *reader) {
     int64_t n;
-    struct line line;
+    name_line line;
     int status = gmsh_take_text(reader, &n, "number of names");
-    for (int64_t i = 0; status == 0 && i < n; i++) {
+    for (int64_t i = 0; !status && i < n; i++) {
         if (!take_line(&reader->cursor, &line) || *line.begin == '$')
             return fail_line(reader, line.begin);
         status = read_name(reader, &line);
@@ -86,14 +86,14 @@ int gmsh_names(gmsh_reader *reader) {
 
 /* ---- names without a dimension ------------------------------------------------------------ */
 
-/* A physical group that some entity is in. */
-struct used {
+/** A physical group that some entity is in. */
+typedef struct used_group {
     int32_t tag;
     int dim;
-};
+} used_group;
 
 static int compare_used(const void *left, const void *right) {
-    const struct used *a = left, *b = right;
+    const used_group *a = left, *b = right;
     if (a->tag != b->tag)
         return a->tag < b->tag ? -1 : 1;
     return (a->dim > b->dim) - (a->dim < b->dim);
@@ -106,35 +106,35 @@ static int has_names_of_any(const io_model *model) {
     return 0;
 }
 
-/* The groups of all entities, by number and dimension, each once: *n of them. */
-static struct used *list_used(const io_model *model, int64_t *n) {
+/** The groups of all entities, by number and dimension, each once: *n of them. */
+static used_group *list_used(const io_model *model, int64_t *n) {
     int64_t n_all = 0, kept = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
         n_all += model->entity[i].n_physical;
-    struct used *used = pl_alloc(n_all, sizeof *used);
-    if (used == NULL)
+    used_group *used = pl_alloc(n_all, sizeof *used);
+    if (!used)
         return NULL;
     n_all = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
         for (int k = 0; k < model->entity[i].n_physical; k++)
-            used[n_all++] = (struct used){model->entity[i].physical[k], model->entity[i].dim};
+            used[n_all++] = (used_group){model->entity[i].physical[k], model->entity[i].dim};
     if (n_all > 0)
         qsort(used, (size_t)n_all, sizeof *used, compare_used);
     for (int64_t i = 0; i < n_all; i++)
-        if (i == 0 || compare_used(&used[i], &used[i - 1]) != 0)
+        if (i == 0 || compare_used(&used[i], &used[i - 1]))
             used[kept++] = used[i];
     *n = kept;
     return used;
 }
 
-/* Give the name of group index the dimensions in which its number is used; where there is none,
+/** Give the name of group index the dimensions in which its number is used; where there is none,
  * that of the elements. */
-static int settle_name(io_model *model, int32_t index, const struct used *used, int64_t n,
+static int settle_name(io_model *model, int32_t index, const used_group *used, int64_t n,
                        planish_error *error) {
     const int32_t tag = model->group[index].tag;
     for (int dim = 0; dim < N_DIMS; dim++) {
-        const struct used key = {tag, dim};
-        if (n == 0 || bsearch(&key, used, (size_t)n, sizeof key, compare_used) == NULL)
+        const used_group key = {tag, dim};
+        if (n == 0 || !bsearch(&key, used, (size_t)n, sizeof key, compare_used))
             continue;
         const char *name = model->group[index].name;
         int status = 0;
@@ -142,7 +142,7 @@ static int settle_name(io_model *model, int32_t index, const struct used *used, 
             model->group[index].dim = dim;
         else
             status = io_model_group(model, dim, tag, name, (int64_t)strlen(name), error);
-        if (status != 0)
+        if (status)
             return status;
     }
     if (model->group[index].dim == ANY)
@@ -155,12 +155,12 @@ int gmsh_settle_names(gmsh_reader *reader) {
     if (!has_names_of_any(model))
         return 0;
     int64_t n_used;
-    struct used *used = list_used(model, &n_used);
-    if (used == NULL)
+    used_group *used = list_used(model, &n_used);
+    if (!used)
         return pl_fail_memory(reader->error, "the names of groups");
     int status = 0;
     const int32_t n = model->n_groups;
-    for (int32_t i = 0; status == 0 && i < n; i++)
+    for (int32_t i = 0; !status && i < n; i++)
         if (model->group[i].dim == ANY)
             status = settle_name(model, i, used, n_used, reader->error);
     pl_free(used);

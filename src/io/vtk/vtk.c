@@ -53,7 +53,7 @@ int vtk_fail_here(const vtk_reader *reader, const char *text) {
 
 void vtk_end_line(io_cursor *cursor) {
     const char *newline = memchr(cursor->at, '\n', (size_t)io_left(cursor));
-    cursor->at = newline == NULL ? cursor->end : newline + 1;
+    cursor->at = !newline ? cursor->end : newline + 1;
 }
 
 int vtk_take_words(io_cursor *cursor, vtk_word *words) {
@@ -104,12 +104,12 @@ static int read_dataset(vtk_reader *reader) {
                        "meshio convert IN.vtk OUT.msh");
 }
 
-struct keyword {
+typedef struct known_keyword {
     const char *name;
     int (*read)(vtk_reader *reader);
-};
+} known_keyword;
 
-static const struct keyword keywords[] = {
+static const known_keyword keywords[] = {
     {"DATASET", read_dataset},
     {"POINTS", vtk_points},
     {"CELLS", vtk_cells},
@@ -139,7 +139,7 @@ static int read_keyword(vtk_reader *reader, const char *at, int64_t length) {
     return vtk_stop(reader);
 }
 
-/* The first three lines: version, title, ASCII or BINARY. */
+/** The first three lines: version, title, ASCII or BINARY. */
 static int read_header(vtk_reader *reader) {
     int64_t length;
     vtk_end_line(&reader->cursor);
@@ -154,14 +154,14 @@ static int read_header(vtk_reader *reader) {
 
 static int read_keywords(vtk_reader *reader) {
     int status = read_header(reader);
-    while (status == 0 && !reader->done) {
+    while (!status && !reader->done) {
         int64_t length;
         const char *at = io_word(&reader->cursor, &length);
         if (length == 0)
             break;
         status = read_keyword(reader, at, length);
     }
-    if (status == 0 && !reader->have_types)
+    if (!status && !reader->have_types)
         return vtk_fail_here(reader, "the file ends before CELL_TYPES (it may be cut short)");
     return status;
 }

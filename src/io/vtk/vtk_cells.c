@@ -82,8 +82,8 @@ static cell_class class_of(int32_t type, int64_t n) {
     return !known ? CELL_OTHER : known->n == n ? known->simplex : known->class;
 }
 
-/* A walk over the cells; nodes and n are those of the cell that next_cell came to. */
-struct cell_walk {
+/** A walk over the cells; nodes and n are those of the cell that next_cell came to. */
+typedef struct cell_walk {
     const io_model *model;
     const vtk_grid *cells;
     planish_error *error;
@@ -91,17 +91,17 @@ struct cell_walk {
     int64_t place; /* of its nodes in connectivity */
     const int32_t *nodes;
     int64_t n;
-};
+} cell_walk;
 
-/* About the cell that next_cell came to. */
-static int fail_cell(const struct cell_walk *walk, const char *text) {
+/** About the cell that next_cell came to. */
+static int fail_cell(const cell_walk *walk, const char *text) {
     const int64_t cell = walk->cells->first_cell + walk->index - 1;
     return pl_fail_at(walk->error, PLANISH_ERROR_FORMAT, cell, -1, "%s: cell %lld (from 0): %s",
                       walk->model->input.path, (long long)cell, text);
 }
 
-/* The same with the cell's type. */
-static int fail_type(const struct cell_walk *walk, const char *text) {
+/** The same with the cell's type. */
+static int fail_type(const cell_walk *walk, const char *text) {
     const int32_t type = walk->cells->type[walk->index - 1];
     const struct simplex *known = find_simplex(type);
     char all[192];
@@ -110,10 +110,10 @@ static int fail_type(const struct cell_walk *walk, const char *text) {
     return fail_cell(walk, all);
 }
 
-static int next_cell(struct cell_walk *walk) {
+static int next_cell(cell_walk *walk) {
     const vtk_grid *cells = walk->cells;
     const int64_t cell = walk->index++;
-    if (cells->offset != NULL) {
+    if (cells->offset) {
         walk->nodes = cells->connectivity + cells->offset[cell];
         walk->n = cells->offset[cell + 1] - cells->offset[cell];
         return 0;
@@ -127,31 +127,31 @@ static int next_cell(struct cell_walk *walk) {
     return 0;
 }
 
-/* What was found of one class: how many, and the first and last of them. */
-struct tally {
+/** What was found of one class: how many, and the first and last of them. */
+typedef struct cell_tally {
     int64_t n, first, last;
-};
+} cell_tally;
 
-static cell_class class_at(const struct cell_walk *walk) {
+static cell_class class_at(const cell_walk *walk) {
     return class_of(walk->cells->type[walk->index - 1], walk->n);
 }
 
-static int is_point(const struct cell_walk *walk) {
+static int is_point(const cell_walk *walk) {
     const int32_t type = walk->cells->type[walk->index - 1];
     return type == VTK_VERTEX || type == VTK_POLY_VERTEX;
 }
 
-static void count_in(struct tally *tally, int64_t cell) {
+static void count_in(cell_tally *tally, int64_t cell) {
     if (tally->n++ == 0)
         tally->first = cell;
     tally->last = cell;
 }
 
-static int is_stream(const struct cell_walk *walk) {
+static int is_stream(const cell_walk *walk) {
     return walk->cells->has_streams && walk->cells->type[walk->index - 1] == VTK_POLYHEDRON;
 }
 
-static int check_cell(const struct cell_walk *walk) {
+static int check_cell(const cell_walk *walk) {
     const int32_t type = walk->cells->type[walk->index - 1];
     const cell_class class = class_at(walk);
     if (class == CELL_WRONG && type != VTK_TRIANGLE && type != VTK_TETRAHEDRON)
@@ -189,10 +189,10 @@ int vtk_faces_hold(io_model *model, const vtk_grid *cells, const int32_t *stream
     return at == n ? 0 : -1;
 }
 
-/* The nodes of a cell that is no simplex. */
-static int hold_cell(io_model *model, const struct cell_walk *walk) {
+/** The nodes of a cell that is no simplex. */
+static int hold_cell(io_model *model, const cell_walk *walk) {
     if (is_stream(walk))
-        return vtk_faces_hold(model, walk->cells, walk->nodes, walk->n) == 0
+        return !vtk_faces_hold(model, walk->cells, walk->nodes, walk->n)
                    ? 0
                    : fail_cell(walk,
                                "its faces are not what a polyhedron's list has: how many, and "
@@ -203,15 +203,15 @@ static int hold_cell(io_model *model, const struct cell_walk *walk) {
     return 0;
 }
 
-/* Check all cells, count the simplices, hold the nodes of all others. */
-static int survey_cells(io_model *model, struct cell_walk walk, struct tally *lines,
-                        struct tally *triangles, struct tally *tetrahedra) {
+/** Check all cells, count the simplices, hold the nodes of all others. */
+static int survey_cells(io_model *model, cell_walk walk, cell_tally *lines, cell_tally *triangles,
+                        cell_tally *tetrahedra) {
     while (walk.index < walk.cells->n) {
         const int64_t cell = walk.cells->first_cell + walk.index;
         int status = next_cell(&walk);
-        if (status == 0)
+        if (!status)
             status = check_cell(&walk);
-        if (status != 0)
+        if (status)
             return status;
         cell_class class = class_at(&walk);
         if (class == CELL_TETRAHEDRON) {
@@ -224,14 +224,14 @@ static int survey_cells(io_model *model, struct cell_walk walk, struct tally *li
             *(class == CELL_LOWER ? &model->n_lower : &model->n_other) += 1;
             status = hold_cell(model, &walk);
         }
-        if (status != 0)
+        if (status)
             return status;
     }
     return 0;
 }
 
-/* Room for the cells counted, numbered by VTK's count of all cells. */
-static int reserve(const vtk_grid *cells, io_cells *to, int dim, const struct tally *tally,
+/** Room for the cells counted, numbered by VTK's count of all cells. */
+static int reserve(const vtk_grid *cells, io_cells *to, int dim, const cell_tally *tally,
                    planish_error *error) {
     int gaps = tally->n > 0 && tally->last - tally->first + 1 != tally->n;
     if (to->n == 0)
@@ -239,33 +239,33 @@ static int reserve(const vtk_grid *cells, io_cells *to, int dim, const struct ta
     return io_cells_reserve(to, dim, tally->n, 0, gaps || cells->is_piece, error);
 }
 
-static void store(io_cells *to, int corners, const struct cell_walk *walk) {
+static void store(io_cells *to, int corners, const cell_walk *walk) {
     int32_t *nodes = to->nodes + to->n * corners;
     for (int k = 0; k < corners; k++)
         nodes[k] = (int32_t)(walk->cells->first_point + walk->nodes[k]);
-    if (to->number != NULL)
+    if (to->number)
         to->number[to->n] = walk->cells->first_cell + walk->index - 1;
     to->n++;
 }
 
 int vtk_cells_store(io_model *model, const vtk_grid *cells, planish_error *error) {
-    struct tally lines = {0, 0, 0}, triangles = {0, 0, 0}, tetrahedra = {0, 0, 0};
-    struct cell_walk walk = {.model = model, .cells = cells, .error = error};
+    cell_tally lines = {0, 0, 0}, triangles = {0, 0, 0}, tetrahedra = {0, 0, 0};
+    cell_walk walk = {.model = model, .cells = cells, .error = error};
     int status = survey_cells(model, walk, &lines, &triangles, &tetrahedra);
-    if (status == 0)
+    if (!status)
         status = reserve(cells, &model->line, 1, &lines, error);
-    if (status == 0)
+    if (!status)
         status = reserve(cells, &model->triangle, 2, &triangles, error);
-    if (status == 0)
+    if (!status)
         status = reserve(cells, &model->tetrahedron, 3, &tetrahedra, error);
-    while (status == 0 && walk.index < cells->n) {
+    while (!status && walk.index < cells->n) {
         status = next_cell(&walk);
         cell_class class = class_at(&walk);
-        if (status == 0 && class == CELL_TRIANGLE)
+        if (!status && class == CELL_TRIANGLE)
             store(&model->triangle, 3, &walk);
-        else if (status == 0 && class == CELL_LINE)
+        else if (!status && class == CELL_LINE)
             store(&model->line, 2, &walk);
-        else if (status == 0 && class == CELL_TETRAHEDRON)
+        else if (!status && class == CELL_TETRAHEDRON)
             store(&model->tetrahedron, 4, &walk);
     }
     return status;

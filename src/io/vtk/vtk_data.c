@@ -10,13 +10,13 @@
 #include "io/core/arrays.h"
 #include "io/core/binary.h"
 
-/* One array of attributes. */
-struct array {
+/** One array of attributes. */
+typedef struct value_array {
     vtk_reader *reader;
     const vtk_type *type;
     int64_t n;     /* tuples */
     int64_t width; /* numbers of a tuple */
-};
+} value_array;
 
 static double load_number(const char *at, const vtk_type *type, int swapped) {
     int is_signed = type->kind == VTK_SIGNED;
@@ -35,10 +35,10 @@ static double load_number(const char *at, const vtk_type *type, int swapped) {
     }
 }
 
-static int hold_text(const struct array *array) {
+static int hold_text(const value_array *array) {
     double value;
     for (int64_t i = 0; i < array->n * array->width; i++) {
-        if (io_real(&array->reader->cursor, &value) != 0)
+        if (io_real(&array->reader->cursor, &value))
             return vtk_fail_here(array->reader, "the array \"fixed\": number expected");
         if (value != 0)
             io_hold_node(array->reader->model, i / array->width, IO_HELD_MARKED);
@@ -46,7 +46,7 @@ static int hold_text(const struct array *array) {
     return 0;
 }
 
-static void hold_binary(const struct array *array) {
+static void hold_binary(const value_array *array) {
     const vtk_reader *reader = array->reader;
     const char *data = reader->cursor.at;
     for (int64_t i = 0; i < array->n * array->width; i++) {
@@ -65,7 +65,7 @@ static int skip_numbers(vtk_reader *reader, int64_t n) {
     return length > 0 ? 0 : vtk_fail_here(reader, "attributes are cut short");
 }
 
-/* Bytes of a string's length and text, or more than left: the two highest bits say how many bytes
+/** Bytes of a string's length and text, or more than left: the two highest bits say how many bytes
  * the length has. */
 static int64_t string_size(const char *at, int64_t left) {
     static const int bytes_of_length[4] = {8, 4, 2, 1};
@@ -93,11 +93,11 @@ static int skip_strings(vtk_reader *reader, int64_t n) {
     return 0;
 }
 
-/* What an array is to planish. */
+/** What an array is to planish. */
 typedef enum purpose { NOTHING, FIXES, MAY_TELL_REGIONS } purpose;
 
-/* Number i of a binary array as a whole number: 1, or 0 if it is none. */
-static int load_whole(const struct array *array, int64_t i, int64_t *value) {
+/** Number i of a binary array as a whole number: 1, or 0 if it is none. */
+static int load_whole(const value_array *array, int64_t i, int64_t *value) {
     const vtk_type *type = array->type;
     const int swapped = array->reader->swapped;
     const char *at = array->reader->cursor.at;
@@ -115,28 +115,28 @@ static int load_whole(const struct array *array, int64_t i, int64_t *value) {
     return 1;
 }
 
-/* The next number of text: 1 whole, 0 another one, -1 none. */
+/** The next number of text: 1 whole, 0 another one, -1 none. */
 static int take_whole(io_cursor *cursor, int64_t *value) {
     double real;
-    if (io_integer(cursor, value) == 0)
+    if (!io_integer(cursor, value))
         return 1;
-    return io_real(cursor, &real) == 0 ? io_array_whole(real, value) : -1;
+    return !io_real(cursor, &real) ? io_array_whole(real, value) : -1;
 }
 
-/* Number i of an array: as take_whole. */
-static int next_whole(const struct array *array, int64_t i, int64_t *value) {
+/** Number i of an array: as take_whole. */
+static int next_whole(const value_array *array, int64_t i, int64_t *value) {
     vtk_reader *reader = array->reader;
     return reader->binary ? load_whole(array, i, value) : take_whole(&reader->cursor, value);
 }
 
-/* What of text an array that is no candidate any more leaves. */
-static int skip_rest(const struct array *array, int64_t n_done) {
+/** What of text an array that is no candidate any more leaves. */
+static int skip_rest(const value_array *array, int64_t n_done) {
     vtk_reader *reader = array->reader;
     return reader->binary ? 0 : skip_numbers(reader, array->n - n_done);
 }
 
-/* One number for each cell, which may tell regions. name: as text. Binary: the cursor stays. */
-static int read_cells_array(const struct array *array, const char *name) {
+/** One number for each cell, which may tell regions. name: as text. Binary: the cursor stays. */
+static int read_cells_array(const value_array *array, const char *name) {
     vtk_reader *reader = array->reader;
     const int is_known = planish_region_name(name) > 0;
     io_array_filler filler;
@@ -162,15 +162,15 @@ static int read_cells_array(const struct array *array, const char *name) {
     return status;
 }
 
-/* The bytes of a binary array; more than are left on failure. */
-static int64_t bytes_of(const struct array *array) {
+/** The bytes of a binary array; more than are left on failure. */
+static int64_t bytes_of(const value_array *array) {
     const int64_t values = array->n * array->width;
     return array->type->kind == VTK_BIT ? (values + 7) / 8 : values * array->type->size;
 }
 
-/* The numbers of an array at the cursor: the nodes it fixes, regions, or nothing. name: of an array
- * that may tell regions. */
-static int read_array(const struct array *array, purpose use, const char *name) {
+/** The numbers of an array at the cursor: the nodes it fixes, regions, or nothing. name: of an
+ * array that may tell regions. */
+static int read_array(const value_array *array, purpose use, const char *name) {
     vtk_reader *reader = array->reader;
     int status = 0;
     if (array->n < 0 || array->width < 0 ||
@@ -192,7 +192,7 @@ static int read_array(const struct array *array, purpose use, const char *name) 
     return status;
 }
 
-/* Whether an array of n tuples called name fixes nodes. */
+/** Whether an array of n tuples called name fixes nodes. */
 static int is_fixed(const vtk_reader *reader, vtk_word name, int64_t n) {
     return reader->on_points && n == reader->model->n_nodes &&
            io_word_is(name.at, name.length, "fixed", 0);
@@ -205,7 +205,7 @@ static int hexadecimal(char c) {
                                   : -1;
 }
 
-/* The text of a name: VTK writes blanks and the like as %20. To be released by pl_free. */
+/** The text of a name: VTK writes blanks and the like as %20. To be released by pl_free. */
 static char *name_of(vtk_word name) {
     char *text = pl_alloc(name.length + 1, 1);
     int64_t n = 0;
@@ -222,8 +222,8 @@ static char *name_of(vtk_word name) {
     return text;
 }
 
-/* The same for an array called name: whether it fixes nodes, or may tell regions, is seen. */
-static int read_named_array(const struct array *array, vtk_word name) {
+/** The same for an array called name: whether it fixes nodes, or may tell regions, is seen. */
+static int read_named_array(const value_array *array, vtk_word name) {
     const vtk_reader *reader = array->reader;
     const int of_cells = !reader->on_points && reader->n_tuples >= 0 &&
                          array->n == reader->n_cells && array->width == 1 &&
@@ -231,27 +231,27 @@ static int read_named_array(const struct array *array, vtk_word name) {
     if (!of_cells)
         return read_array(array, is_fixed(reader, name, array->n) ? FIXES : NOTHING, NULL);
     char *text = name_of(name);
-    if (text == NULL)
+    if (!text)
         return pl_fail_memory(reader->error, "the name of an array");
     const int status = read_array(array, MAY_TELL_REGIONS, text);
     pl_free(text);
     return status;
 }
 
-/* Unknown: what follows cannot be understood, but the mesh is there. */
+/** Unknown: what follows cannot be understood, but the mesh is there. */
 int vtk_stop(vtk_reader *reader) {
     reader->done = reader->have_types;
     return reader->done ? 0
                         : vtk_fail_here(reader, "this is not understood, and no mesh came before");
 }
 
-/* An attribute of POINT_DATA or CELL_DATA whose line has words: name, type at type_word. */
+/** An attribute of POINT_DATA or CELL_DATA whose line has words: name, type at type_word. */
 static int read_attribute(vtk_reader *reader, const vtk_word *words, int n_words, int type_word,
                           int64_t width) {
     const vtk_type *type = type_word < n_words ? vtk_find_type(words[type_word]) : NULL;
-    if (type == NULL || reader->n_tuples < 0)
+    if (!type || reader->n_tuples < 0)
         return vtk_stop(reader);
-    struct array array = {reader, type, reader->n_tuples, width};
+    value_array array = {reader, type, reader->n_tuples, width};
     return read_named_array(&array, words[0]);
 }
 
@@ -259,7 +259,7 @@ int vtk_scalars(vtk_reader *reader) {
     vtk_word words[VTK_MAX_WORDS], ignored[VTK_MAX_WORDS];
     int64_t width = 1;
     int n = vtk_take_words(&reader->cursor, words);
-    if (n > 2 && vtk_word_number(words[2], &width) != 0)
+    if (n > 2 && vtk_word_number(words[2], &width))
         return vtk_stop(reader);
     if (vtk_take_if(reader, "LOOKUP_TABLE"))
         vtk_take_words(&reader->cursor, ignored);
@@ -294,15 +294,15 @@ int vtk_texture(vtk_reader *reader) {
     vtk_word words[VTK_MAX_WORDS];
     int64_t width;
     int n = vtk_take_words(&reader->cursor, words);
-    if (n < 3 || vtk_word_number(words[1], &width) != 0)
+    if (n < 3 || vtk_word_number(words[1], &width))
         return vtk_stop(reader);
     return read_attribute(reader, words, n, 2, width);
 }
 
-/* Colours have no type: bytes where binary. n tuples of width. */
+/** Colours have no type: bytes where binary. n tuples of width. */
 static int skip_colours(vtk_reader *reader, int64_t n, int64_t width) {
     static const vtk_type byte = {"unsigned_char", VTK_UNSIGNED, 1};
-    struct array array = {reader, &byte, n, width};
+    value_array array = {reader, &byte, n, width};
     return read_array(&array, NOTHING, NULL);
 }
 
@@ -310,7 +310,7 @@ int vtk_colours(vtk_reader *reader) {
     vtk_word words[VTK_MAX_WORDS];
     int64_t width;
     int n = vtk_take_words(&reader->cursor, words);
-    if (n < 2 || vtk_word_number(words[1], &width) != 0 || reader->n_tuples < 0)
+    if (n < 2 || vtk_word_number(words[1], &width) || reader->n_tuples < 0)
         return vtk_stop(reader);
     return skip_colours(reader, reader->n_tuples, width);
 }
@@ -319,12 +319,12 @@ int vtk_lookup_table(vtk_reader *reader) {
     vtk_word words[VTK_MAX_WORDS];
     int64_t size;
     int n = vtk_take_words(&reader->cursor, words);
-    if (n < 2 || vtk_word_number(words[1], &size) != 0)
+    if (n < 2 || vtk_word_number(words[1], &size))
         return vtk_stop(reader);
     return skip_colours(reader, size, 4);
 }
 
-/* To the empty line that ends a METADATA block. */
+/** To the empty line that ends a METADATA block. */
 int vtk_metadata(vtk_reader *reader) {
     vtk_word words[VTK_MAX_WORDS];
     vtk_end_line(&reader->cursor);
@@ -333,11 +333,11 @@ int vtk_metadata(vtk_reader *reader) {
     return 0;
 }
 
-/* FIELD name n, and n arrays: name, width, tuples, type, and the numbers. */
+/** FIELD name n, and n arrays: name, width, tuples, type, and the numbers. */
 int vtk_field(vtk_reader *reader) {
     vtk_word words[VTK_MAX_WORDS];
     int64_t n, width, tuples;
-    if (vtk_take_words(&reader->cursor, words) < 2 || vtk_word_number(words[1], &n) != 0)
+    if (vtk_take_words(&reader->cursor, words) < 2 || vtk_word_number(words[1], &n))
         return vtk_stop(reader);
     for (int64_t i = 0; i < n; i++) {
         io_skip_space(&reader->cursor);
@@ -349,12 +349,11 @@ int vtk_field(vtk_reader *reader) {
             continue;
         }
         const vtk_type *type = n_words < 4 ? NULL : vtk_find_type(words[3]);
-        if (type == NULL || vtk_word_number(words[1], &width) != 0 ||
-            vtk_word_number(words[2], &tuples) != 0)
+        if (!type || vtk_word_number(words[1], &width) || vtk_word_number(words[2], &tuples))
             return vtk_stop(reader);
-        struct array array = {reader, type, tuples, width};
+        value_array array = {reader, type, tuples, width};
         int status = read_named_array(&array, words[0]);
-        if (status != 0)
+        if (status)
             return status;
     }
     return 0;
@@ -364,7 +363,7 @@ static int begin_attributes(vtk_reader *reader, int on_points, int64_t n_expecte
     int64_t n;
     if (!reader->have_types)
         return vtk_fail_here(reader, "attributes stand before the mesh is complete");
-    if (io_integer(&reader->cursor, &n) != 0 || n != n_expected)
+    if (io_integer(&reader->cursor, &n) || n != n_expected)
         return vtk_fail_here(reader,
                              "POINT_DATA or CELL_DATA: as many as points or cells expected");
     vtk_end_line(&reader->cursor);

@@ -14,7 +14,7 @@
 #include "base/status.h"
 #include "io/core/binary.h"
 
-/* Refuse counts that the rest of the file cannot hold. In text a number is two bytes. */
+/** Refuse counts that the rest of the file cannot hold. In text a number is two bytes. */
 static int check_count(const vtk_reader *reader, int64_t n, int64_t numbers, int size) {
     int64_t bytes = reader->binary ? size * numbers : 2 * numbers;
     if (n < 0 || n > (io_left(&reader->cursor) + !reader->binary) / bytes)
@@ -25,23 +25,23 @@ static int check_count(const vtk_reader *reader, int64_t n, int64_t numbers, int
 
 /* ---- points ------------------------------------------------------------------------------- */
 
-struct points {
+typedef struct point_block {
     vtk_reader *reader;
     int size; /* bytes of a coordinate */
-};
+} point_block;
 
 static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                             planish_error *error) {
-    const struct points *points = context;
+    const point_block *points = context;
     int status = 0;
-    for (int64_t node = begin; status == 0 && node < end; node++)
+    for (int64_t node = begin; !status && node < end; node++)
         status = io_read_point(points->reader->model, cursor, node, error);
     return status;
 }
 
 static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                               planish_error *error) {
-    const struct points *points = context;
+    const point_block *points = context;
     io_model *model = points->reader->model;
     int swapped = points->reader->swapped;
     for (int64_t i = 3 * begin; i < 3 * end; i++, cursor->at += points->size) {
@@ -55,10 +55,10 @@ static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, i
     return 0;
 }
 
-/* The points behind their line, n of them of size bytes a coordinate. */
+/** The points behind their line, n of them of size bytes a coordinate. */
 static int read_points_data(vtk_reader *reader, int64_t n, int size) {
     io_model *model = reader->model;
-    struct points points = {reader, size};
+    point_block points = {reader, size};
     io_span span = {.n_nodes = n, .encoding = IO_TEXT};
     if (reader->binary)
         span = (io_span){.n_nodes = n,
@@ -67,12 +67,12 @@ static int read_points_data(vtk_reader *reader, int64_t n, int size) {
                          .offset = reader->cursor.at - model->input.data,
                          .stride = 3 * size};
     int status = io_model_nodes(model, n, !reader->binary, reader->error);
-    if (status == 0)
+    if (!status)
         status = io_model_span(model, span, reader->error);
-    if (status == 0 && reader->binary)
+    if (!status && reader->binary)
         status = io_binary_records(model->threads, &reader->cursor, n, 3 * size, read_binary_points,
                                    &points, reader->error);
-    else if (status == 0)
+    else if (!status)
         status = io_text_records(&reader->text, &reader->cursor, n, 3, read_text_points, &points,
                                  reader->error);
     return status;
@@ -83,17 +83,17 @@ int vtk_points(vtk_reader *reader) {
     vtk_word name;
     if (reader->have_points)
         return vtk_fail_here(reader, "there is a second POINTS");
-    if (io_integer(&reader->cursor, &n) != 0)
+    if (io_integer(&reader->cursor, &n))
         return vtk_fail_here(reader, "POINTS: number of points expected");
     name.at = io_word(&reader->cursor, &name.length);
     const vtk_type *type = vtk_find_type(name);
-    if (type == NULL || type->kind != VTK_REAL)
+    if (!type || type->kind != VTK_REAL)
         return vtk_fail_at(reader, name.at,
                            "POINTS of this type are not read: float or double expected");
     if (reader->binary)
         vtk_end_line(&reader->cursor);
     int status = check_count(reader, n, 3, type->size);
-    if (status != 0)
+    if (status)
         return status;
     reader->have_points = 1;
     reader->model->precision = type->size == 4 ? PLANISH_FLOAT : PLANISH_DOUBLE;
@@ -102,39 +102,39 @@ int vtk_points(vtk_reader *reader) {
 
 /* ---- lists of integers -------------------------------------------------------------------- */
 
-struct integers {
+typedef struct integer_list {
     vtk_reader *reader;
     int size;        /* bytes of a number in a binary file: 4 or 8 */
     int32_t *narrow; /* where numbers go: here (those that do not fit fail) */
     int64_t *wide;   /* or here */
-};
+} integer_list;
 
-static int put_integer(const struct integers *list, const char *at, int64_t index, int64_t value,
+static int put_integer(const integer_list *list, const char *at, int64_t index, int64_t value,
                        planish_error *error) {
-    if (list->wide != NULL) {
+    if (list->wide) {
         list->wide[index] = value;
         return 0;
     }
     list->narrow[index] = (int32_t)value;
     if (value >= INT32_MIN && value <= INT32_MAX)
         return 0;
-    if (error == NULL)
+    if (!error)
         return PLANISH_ERROR_FORMAT;
     return vtk_fail_at(list->reader, at, "an index or type is out of range");
 }
 
 static int read_text_integers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                               planish_error *error) {
-    const struct integers *list = context;
+    const integer_list *list = context;
     int64_t value;
     for (int64_t i = begin; i < end; i++) {
-        if (io_integer(cursor, &value) != 0)
-            return error == NULL
+        if (io_integer(cursor, &value))
+            return !error
                        ? PLANISH_ERROR_FORMAT
                        : vtk_fail_at(list->reader, cursor->at,
                                      "CELLS or CELL_TYPES: integer expected (the file may be cut "
                                      "short)");
-        if (put_integer(list, cursor->at, i, value, error) != 0)
+        if (put_integer(list, cursor->at, i, value, error))
             return PLANISH_ERROR_FORMAT;
     }
     return 0;
@@ -142,29 +142,29 @@ static int read_text_integers(void *context, io_cursor *cursor, int64_t begin, i
 
 static int read_binary_integers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
                                 planish_error *error) {
-    const struct integers *list = context;
+    const integer_list *list = context;
     int swapped = list->reader->swapped;
     for (int64_t i = begin; i < end; i++, cursor->at += list->size) {
         int64_t value =
             list->size == 4 ? io_load_i32(cursor->at, swapped) : io_load_i64(cursor->at, swapped);
-        if (put_integer(list, cursor->at, i, value, error) != 0)
+        if (put_integer(list, cursor->at, i, value, error))
             return PLANISH_ERROR_FORMAT;
     }
     return 0;
 }
 
-/* n integers from the cursor to a new array: *narrow or *wide, the other is NULL. */
+/** n integers from the cursor to a new array: *narrow or *wide, the other is NULL. */
 static int read_integers(vtk_reader *reader, int64_t n, int size, int32_t **narrow,
                          int64_t **wide) {
     int status = check_count(reader, n, 1, size);
-    if (status != 0)
+    if (status)
         return status;
-    struct integers list = {reader, size, NULL, NULL};
-    if (narrow != NULL)
+    integer_list list = {reader, size, NULL, NULL};
+    if (narrow)
         *narrow = list.narrow = pl_alloc(n, sizeof **narrow);
     else
         *wide = list.wide = pl_alloc(n, sizeof **wide);
-    if (list.narrow == NULL && list.wide == NULL)
+    if (!list.narrow && !list.wide)
         return pl_fail_memory(reader->error, "the cells");
     if (reader->binary)
         return io_binary_records(reader->model->threads, &reader->cursor, n, size,
@@ -175,12 +175,12 @@ static int read_integers(vtk_reader *reader, int64_t n, int size, int32_t **narr
 
 /* ---- cells -------------------------------------------------------------------------------- */
 
-/* Behind OFFSETS or CONNECTIVITY: the type of the numbers. */
+/** Behind OFFSETS or CONNECTIVITY: the type of the numbers. */
 static int take_list_type(vtk_reader *reader, int *size) {
     vtk_word name;
     name.at = io_word(&reader->cursor, &name.length);
     const vtk_type *type = vtk_find_type(name);
-    if (type == NULL || type->kind != VTK_SIGNED || type->size < 4)
+    if (!type || type->kind != VTK_SIGNED || type->size < 4)
         return vtk_fail_at(reader, name.at,
                            "OFFSETS and CONNECTIVITY of this type are not read: "
                            "vtktypeint64 or vtktypeint32 expected");
@@ -198,33 +198,32 @@ static int check_offsets(const vtk_reader *reader) {
     return ordered ? 0 : vtk_fail_here(reader, "OFFSETS do not rise from 0 to the size of CELLS");
 }
 
-/* CELLS of version 5, behind the word OFFSETS. */
+/** CELLS of version 5, behind the word OFFSETS. */
 static int read_offset_cells(vtk_reader *reader, int64_t n_offsets) {
     int size = 0; /* for compilers that do not see that a failure is not 0 */
     int64_t length;
     if (n_offsets < 1)
         return vtk_fail_here(reader, "CELLS: at least one offset expected");
     int status = take_list_type(reader, &size);
-    if (status == 0)
+    if (!status)
         status = read_integers(reader, n_offsets, size, NULL, &reader->offset);
-    if (status != 0)
+    if (status)
         return status;
     reader->n_cells = n_offsets - 1;
     const char *at = io_word(&reader->cursor, &length);
     if (!io_word_is(at, length, "CONNECTIVITY", 1))
         return vtk_fail_at(reader, at, "CONNECTIVITY expected");
     status = take_list_type(reader, &size);
-    if (status == 0)
+    if (!status)
         status = read_integers(reader, reader->n_connectivity, size, &reader->connectivity, NULL);
-    return status != 0 ? status : check_offsets(reader);
+    return status ? status : check_offsets(reader);
 }
 
 int vtk_cells(vtk_reader *reader) {
     int64_t n;
-    if (reader->connectivity != NULL || reader->offset != NULL)
+    if (reader->connectivity || reader->offset)
         return vtk_fail_here(reader, "there is a second CELLS");
-    if (io_integer(&reader->cursor, &n) != 0 ||
-        io_integer(&reader->cursor, &reader->n_connectivity) != 0)
+    if (io_integer(&reader->cursor, &n) || io_integer(&reader->cursor, &reader->n_connectivity))
         return vtk_fail_here(reader, "CELLS: number of cells and size of the list expected");
     if (reader->binary)
         vtk_end_line(&reader->cursor);
@@ -247,9 +246,9 @@ void vtk_release_lists(vtk_reader *reader) {
 
 int vtk_cell_types(vtk_reader *reader) {
     int64_t n;
-    if (reader->have_types || !reader->have_points || reader->connectivity == NULL)
+    if (reader->have_types || !reader->have_points || !reader->connectivity)
         return vtk_fail_here(reader, "CELL_TYPES must come once, behind POINTS and CELLS");
-    if (io_integer(&reader->cursor, &n) != 0 || n != reader->n_cells)
+    if (io_integer(&reader->cursor, &n) || n != reader->n_cells)
         return vtk_fail_here(reader, "CELL_TYPES: as many types as cells expected");
     if (reader->binary)
         vtk_end_line(&reader->cursor);
@@ -261,7 +260,7 @@ int vtk_cell_types(vtk_reader *reader) {
                             .type = reader->type,
                             .n_points = reader->model->n_nodes,
                             .has_streams = 1};
-    if (status == 0)
+    if (!status)
         status = vtk_cells_store(reader->model, &cells, reader->error);
     reader->have_types = 1;
     vtk_release_lists(reader);

@@ -1,22 +1,24 @@
-/* gmsh: what the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
+/* gmsh_reader: what the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
+ *
+ *   gmsh_reader, gmsh_place, gmsh_data   the state of a reader
+ *   gmsh_find_type, gmsh_node            element types and nodes by their numbers
+ *   gmsh_fail, gmsh_take_..., ...        errors and single numbers
+ *   gmsh_make_nodes, gmsh_hold_pairs ... nodes and periodic pairs
+ *   gmsh_names.c                         names of groups
+ *   gmsh_data.c                          values of elements that may tell regions
+ *   gmsh2.c, gmsh_copies.c, gmsh4.c      sections of MSH 1 and 2, and of MSH 4
  *
  * A reader stands with its cursor behind the name of a section and leaves it before the section's
  * end mark, which gmsh.c checks. Functions return 0 or a negative planish_status, *reader->error
  * filled in.
  */
-#ifndef PL_IO_GMSH_GMSH_H
-#define PL_IO_GMSH_GMSH_H
+#ifndef PL_IO_GMSH_GMSH_READER_H
+#define PL_IO_GMSH_GMSH_READER_H
 
 #include "base/printf.h"
 
+#include "io/core/elements.h"
 #include "io/core/records.h"
-
-/** A type of element. dim and nodes 0 and 0: none of that number, or one of variable size. */
-typedef struct gmsh_type {
-    uint8_t dim;
-    uint8_t simplex; /* not 0: triangle or tetrahedron of some order */
-    uint16_t nodes;
-} gmsh_type;
 
 /** MSH 4: an entity of the geometry, from $Entities and $PartitionedEntities. */
 typedef struct gmsh_place {
@@ -49,21 +51,11 @@ typedef struct gmsh_reader {
     int64_t n_data, data_capacity;
 } gmsh_reader;
 
-/** The element type of that number; fails (at a place in the file) for unknown ones and for
- *  triangles and tetrahedra of higher order. error may be NULL. */
-int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at, gmsh_type *type,
-                   planish_error *error);
-
-/** Where cells of type go: model->triangle, model->tetrahedron, or NULL for all other types. */
-io_cells *gmsh_cells(io_model *model, gmsh_type type);
-
-/** Count n elements that are not smoothed. */
-void gmsh_count_rest(io_model *model, gmsh_type type, int64_t n);
-
-/** Why elements that are not smoothed hold their nodes. */
-static inline uint8_t gmsh_hold_reason(gmsh_type type) {
-    return type.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER;
-}
+/** Find the row of an element type by its number, borrowed. Fail at a place in the file if the type
+ *  is unknown, or if planish refuses it (a triangle or tetrahedron of higher order). error may be
+ *  NULL. */
+int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
+                   const io_element_type **type, planish_error *error);
 
 /** Index of the node with that number in the file, or -1. */
 static inline int64_t gmsh_node(const gmsh_reader *reader, int64_t number) {
@@ -78,6 +70,9 @@ static inline int64_t gmsh_node(const gmsh_reader *reader, int64_t number) {
 /** An error at a place of the file: its line where it is text, its byte where it is binary. */
 int gmsh_fail(const gmsh_reader *reader, const char *at, planish_error *error, const char *format,
               ...) PL_PRINTF(4, 5);
+
+/** Fail at the cursor: what was expected there. */
+int gmsh_fail_expected(const gmsh_reader *reader, const char *what);
 
 /** The next number: text or binary (int32; size_t of 8 bytes; double). what: for the message. */
 int gmsh_take_int(gmsh_reader *reader, int32_t *value, const char *what);

@@ -1,0 +1,91 @@
+/* elements: the table of element types that each format fills in, and what follows from a row.
+ *
+ *   io_shape, io_element_type    a row: shape, order, number of nodes, order of the nodes
+ *   io_shape_dim                 dimension of a shape
+ *   io_element_find              the row of a name
+ *   io_element_use               whether planish keeps, holds or refuses elements of a type
+ *   io_element_cells             the cells of the model that elements of a type become
+ *   io_element_reason            why elements that are not kept hold their nodes
+ *   io_element_count             count elements that are not kept
+ *
+ * A reader says which elements its format has; only this file says what planish does with them. To
+ * smooth another type, change io_element_use and io_element_cells, and give its rows the order of
+ * nodes.
+ */
+#ifndef PL_IO_CORE_ELEMENTS_H
+#define PL_IO_CORE_ELEMENTS_H
+
+#include "io/core/model.h"
+
+typedef enum io_shape {
+    IO_NO_SHAPE, /* the table has no such type */
+    IO_POINT,
+    IO_LINE,
+    IO_TRIANGLE,
+    IO_QUADRILATERAL,
+    IO_POLYGON,
+    IO_TETRAHEDRON,
+    IO_PYRAMID,
+    IO_PRISM,
+    IO_HEXAHEDRON,
+    IO_POLYHEDRON,
+    IO_ANY_SHAPE /* of no known shape; it counts as one of three dimensions */
+} io_shape;
+
+/** Element type of a format. Tables by number have the row of type N at index N. */
+typedef struct io_element_type {
+    const char *name; /* in the file, where types have names, or for messages; or NULL */
+    uint8_t shape;    /* io_shape */
+    uint8_t order;    /* 1: straight, its nodes are its corners; 0: fewer nodes than corners */
+    uint16_t nodes;   /* 0: each element says how many */
+    /** [nodes] place in the file of each node of VTK's cell; NULL: the file has VTK's order. Rows
+     * of types that are not kept may leave it out. */
+    const uint8_t *vtk_order;
+} io_element_type;
+
+typedef enum io_element_treatment {
+    IO_HOLD,  /* hold the nodes, count the elements */
+    IO_KEEP,  /* a cell of the model */
+    IO_REFUSE /* fail: a curved triangle or tetrahedron, whose corners alone must not move */
+} io_element_treatment;
+
+/** Dimension of a shape, 0 to 3. */
+static inline int io_shape_dim(int shape) {
+    return shape >= IO_TETRAHEDRON ? 3 : shape >= IO_TRIANGLE ? 2 : shape == IO_LINE ? 1 : 0;
+}
+
+/** Dimension of the elements of a type, 0 to 3. */
+static inline int io_element_dim(const io_element_type *type) {
+    return io_shape_dim(type->shape);
+}
+
+/** Treatment of the elements of a type: lines, triangles and tetrahedra of first order are kept,
+ *  triangles and tetrahedra of higher order are refused, all others hold their nodes. */
+static inline io_element_treatment io_element_use(const io_element_type *type) {
+    if (type->shape == IO_LINE)
+        return type->order == 1 ? IO_KEEP : IO_HOLD;
+    if (type->shape != IO_TRIANGLE && type->shape != IO_TETRAHEDRON)
+        return IO_HOLD;
+    return type->order == 1 ? IO_KEEP : type->order > 1 ? IO_REFUSE : IO_HOLD;
+}
+
+/** Cells of the model that elements of a type become, borrowed; NULL: they are not kept. */
+static inline io_cells *io_element_cells(io_model *model, const io_element_type *type) {
+    return io_element_use(type) == IO_KEEP ? io_model_cells(model, io_element_dim(type)) : NULL;
+}
+
+/** Reason (an IO_HELD_ bit) why an element that is not kept holds its nodes. */
+static inline uint8_t io_element_reason(const io_element_type *type) {
+    return type->shape == IO_POINT ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER;
+}
+
+/** Count n elements that are not kept: among the lower ones (points, lines) or the others. */
+static inline void io_element_count(io_model *model, const io_element_type *type, int64_t n) {
+    *(type->shape == IO_POINT || type->shape == IO_LINE ? &model->n_lower : &model->n_other) += n;
+}
+
+/** Find the row of a name in table [n], letter case respected. Return NULL if there is none. */
+const io_element_type *io_element_find(const io_element_type *table, int n, const char *name,
+                                       int64_t length);
+
+#endif

@@ -1,0 +1,332 @@
+/* gmsh_reader: what the readers of MSH 1, 2 and 4 share: the table of element types, errors, single
+ * numbers, nodes and periodic pairs. */
+#include "io/gmsh/gmsh_reader.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/status.h"
+#include "io/core/binary.h"
+
+/* ---- element types ------------------------------------------------------------------------ */
+
+/** By Gmsh's number of the type. */
+static const io_element_type types[] = {
+    [1] = {NULL, IO_LINE, 1, 2, NULL},
+    [2] = {NULL, IO_TRIANGLE, 1, 3, NULL},
+    [3] = {NULL, IO_QUADRILATERAL, 1, 4, NULL},
+    [4] = {NULL, IO_TETRAHEDRON, 1, 4, NULL},
+    [5] = {NULL, IO_HEXAHEDRON, 1, 8, NULL},
+    [6] = {NULL, IO_PRISM, 1, 6, NULL},
+    [7] = {NULL, IO_PYRAMID, 1, 5, NULL},
+    [8] = {NULL, IO_LINE, 2, 3, NULL},
+    [9] = {NULL, IO_TRIANGLE, 2, 6, NULL},
+    [10] = {NULL, IO_QUADRILATERAL, 2, 9, NULL},
+    [11] = {NULL, IO_TETRAHEDRON, 2, 10, NULL},
+    [12] = {NULL, IO_HEXAHEDRON, 2, 27, NULL},
+    [13] = {NULL, IO_PRISM, 2, 18, NULL},
+    [14] = {NULL, IO_PYRAMID, 2, 14, NULL},
+    [15] = {NULL, IO_POINT, 1, 1, NULL},
+    [16] = {NULL, IO_QUADRILATERAL, 2, 8, NULL},
+    [17] = {NULL, IO_HEXAHEDRON, 2, 20, NULL},
+    [18] = {NULL, IO_PRISM, 2, 15, NULL},
+    [19] = {NULL, IO_PYRAMID, 2, 13, NULL},
+    [20] = {NULL, IO_TRIANGLE, 3, 9, NULL},
+    [21] = {NULL, IO_TRIANGLE, 3, 10, NULL},
+    [22] = {NULL, IO_TRIANGLE, 4, 12, NULL},
+    [23] = {NULL, IO_TRIANGLE, 4, 15, NULL},
+    [24] = {NULL, IO_TRIANGLE, 5, 15, NULL},
+    [25] = {NULL, IO_TRIANGLE, 5, 21, NULL},
+    [26] = {NULL, IO_LINE, 3, 4, NULL},
+    [27] = {NULL, IO_LINE, 4, 5, NULL},
+    [28] = {NULL, IO_LINE, 5, 6, NULL},
+    [29] = {NULL, IO_TETRAHEDRON, 3, 20, NULL},
+    [30] = {NULL, IO_TETRAHEDRON, 4, 35, NULL},
+    [31] = {NULL, IO_TETRAHEDRON, 5, 56, NULL},
+    [32] = {NULL, IO_TETRAHEDRON, 4, 22, NULL},
+    [33] = {NULL, IO_TETRAHEDRON, 5, 28, NULL},
+    [36] = {NULL, IO_QUADRILATERAL, 3, 16, NULL},
+    [37] = {NULL, IO_QUADRILATERAL, 4, 25, NULL},
+    [38] = {NULL, IO_QUADRILATERAL, 5, 36, NULL},
+    [39] = {NULL, IO_QUADRILATERAL, 3, 12, NULL},
+    [40] = {NULL, IO_QUADRILATERAL, 4, 16, NULL},
+    [41] = {NULL, IO_QUADRILATERAL, 5, 20, NULL},
+    [42] = {NULL, IO_TRIANGLE, 6, 28, NULL},
+    [43] = {NULL, IO_TRIANGLE, 7, 36, NULL},
+    [44] = {NULL, IO_TRIANGLE, 8, 45, NULL},
+    [45] = {NULL, IO_TRIANGLE, 9, 55, NULL},
+    [46] = {NULL, IO_TRIANGLE, 10, 66, NULL},
+    [47] = {NULL, IO_QUADRILATERAL, 6, 49, NULL},
+    [48] = {NULL, IO_QUADRILATERAL, 7, 64, NULL},
+    [49] = {NULL, IO_QUADRILATERAL, 8, 81, NULL},
+    [50] = {NULL, IO_QUADRILATERAL, 9, 100, NULL},
+    [51] = {NULL, IO_QUADRILATERAL, 10, 121, NULL},
+    [52] = {NULL, IO_TRIANGLE, 6, 18, NULL},
+    [53] = {NULL, IO_TRIANGLE, 7, 21, NULL},
+    [54] = {NULL, IO_TRIANGLE, 8, 24, NULL},
+    [55] = {NULL, IO_TRIANGLE, 9, 27, NULL},
+    [56] = {NULL, IO_TRIANGLE, 10, 30, NULL},
+    [57] = {NULL, IO_QUADRILATERAL, 6, 24, NULL},
+    [58] = {NULL, IO_QUADRILATERAL, 7, 28, NULL},
+    [59] = {NULL, IO_QUADRILATERAL, 8, 32, NULL},
+    [60] = {NULL, IO_QUADRILATERAL, 9, 36, NULL},
+    [61] = {NULL, IO_QUADRILATERAL, 10, 40, NULL},
+    [62] = {NULL, IO_LINE, 6, 7, NULL},
+    [63] = {NULL, IO_LINE, 7, 8, NULL},
+    [64] = {NULL, IO_LINE, 8, 9, NULL},
+    [65] = {NULL, IO_LINE, 9, 10, NULL},
+    [66] = {NULL, IO_LINE, 10, 11, NULL},
+    [71] = {NULL, IO_TETRAHEDRON, 6, 84, NULL},
+    [72] = {NULL, IO_TETRAHEDRON, 7, 120, NULL},
+    [73] = {NULL, IO_TETRAHEDRON, 8, 165, NULL},
+    [74] = {NULL, IO_TETRAHEDRON, 9, 220, NULL},
+    [75] = {NULL, IO_TETRAHEDRON, 10, 286, NULL},
+    [79] = {NULL, IO_TETRAHEDRON, 6, 34, NULL},
+    [80] = {NULL, IO_TETRAHEDRON, 7, 40, NULL},
+    [81] = {NULL, IO_TETRAHEDRON, 8, 46, NULL},
+    [82] = {NULL, IO_TETRAHEDRON, 9, 52, NULL},
+    [83] = {NULL, IO_TETRAHEDRON, 10, 58, NULL},
+    [84] = {NULL, IO_LINE, 0, 1, NULL},
+    [85] = {NULL, IO_TRIANGLE, 0, 1, NULL},
+    [86] = {NULL, IO_QUADRILATERAL, 0, 1, NULL},
+    [87] = {NULL, IO_TETRAHEDRON, 0, 1, NULL},
+    [88] = {NULL, IO_HEXAHEDRON, 0, 1, NULL},
+    [89] = {NULL, IO_PRISM, 0, 1, NULL},
+    [90] = {NULL, IO_PRISM, 3, 40, NULL},
+    [91] = {NULL, IO_PRISM, 4, 75, NULL},
+    [92] = {NULL, IO_HEXAHEDRON, 3, 64, NULL},
+    [93] = {NULL, IO_HEXAHEDRON, 4, 125, NULL},
+    [94] = {NULL, IO_HEXAHEDRON, 5, 216, NULL},
+    [95] = {NULL, IO_HEXAHEDRON, 6, 343, NULL},
+    [96] = {NULL, IO_HEXAHEDRON, 7, 512, NULL},
+    [97] = {NULL, IO_HEXAHEDRON, 8, 729, NULL},
+    [98] = {NULL, IO_HEXAHEDRON, 9, 1000, NULL},
+    [99] = {NULL, IO_HEXAHEDRON, 3, 32, NULL},
+    [100] = {NULL, IO_HEXAHEDRON, 4, 44, NULL},
+    [101] = {NULL, IO_HEXAHEDRON, 5, 56, NULL},
+    [102] = {NULL, IO_HEXAHEDRON, 6, 68, NULL},
+    [103] = {NULL, IO_HEXAHEDRON, 7, 80, NULL},
+    [104] = {NULL, IO_HEXAHEDRON, 8, 92, NULL},
+    [105] = {NULL, IO_HEXAHEDRON, 9, 104, NULL},
+    [106] = {NULL, IO_PRISM, 5, 126, NULL},
+    [107] = {NULL, IO_PRISM, 6, 196, NULL},
+    [108] = {NULL, IO_PRISM, 7, 288, NULL},
+    [109] = {NULL, IO_PRISM, 8, 405, NULL},
+    [110] = {NULL, IO_PRISM, 9, 550, NULL},
+    [111] = {NULL, IO_PRISM, 3, 24, NULL},
+    [112] = {NULL, IO_PRISM, 4, 33, NULL},
+    [113] = {NULL, IO_PRISM, 5, 42, NULL},
+    [114] = {NULL, IO_PRISM, 6, 51, NULL},
+    [115] = {NULL, IO_PRISM, 7, 60, NULL},
+    [116] = {NULL, IO_PRISM, 8, 69, NULL},
+    [117] = {NULL, IO_PRISM, 9, 78, NULL},
+    [118] = {NULL, IO_PYRAMID, 3, 30, NULL},
+    [119] = {NULL, IO_PYRAMID, 4, 55, NULL},
+    [120] = {NULL, IO_PYRAMID, 5, 91, NULL},
+    [121] = {NULL, IO_PYRAMID, 6, 140, NULL},
+    [122] = {NULL, IO_PYRAMID, 7, 204, NULL},
+    [123] = {NULL, IO_PYRAMID, 8, 285, NULL},
+    [124] = {NULL, IO_PYRAMID, 9, 385, NULL},
+    [125] = {NULL, IO_PYRAMID, 3, 21, NULL},
+    [126] = {NULL, IO_PYRAMID, 4, 29, NULL},
+    [127] = {NULL, IO_PYRAMID, 5, 37, NULL},
+    [128] = {NULL, IO_PYRAMID, 6, 45, NULL},
+    [129] = {NULL, IO_PYRAMID, 7, 53, NULL},
+    [130] = {NULL, IO_PYRAMID, 8, 61, NULL},
+    [131] = {NULL, IO_PYRAMID, 9, 69, NULL},
+    [132] = {NULL, IO_PYRAMID, 0, 1, NULL},
+    [137] = {NULL, IO_TETRAHEDRON, 3, 16, NULL},
+};
+
+int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
+                   const io_element_type **type, planish_error *error) {
+    const int is_known = number > 0 && number < (int64_t)(sizeof types / sizeof *types) &&
+                         types[number].shape != IO_NO_SHAPE;
+    if (!is_known)
+        return gmsh_fail(reader, at, error, "element type %lld is not known", (long long)number);
+    *type = &types[number];
+    if (io_element_use(*type) == IO_REFUSE)
+        return gmsh_fail(reader, at, error,
+                         "%s of %d nodes: only straight ones (first order) can be smoothed; mesh "
+                         "again with gmsh -order 1",
+                         (*type)->shape == IO_TRIANGLE ? "triangle" : "tetrahedron",
+                         (*type)->nodes);
+    return 0;
+}
+
+/* ---- errors and single numbers ------------------------------------------------------------ */
+
+int gmsh_fail(const gmsh_reader *reader, const char *at, planish_error *error, const char *format,
+              ...) {
+    char text[256];
+    va_list arguments;
+    if (!error)
+        return PLANISH_ERROR_FORMAT;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (reader->binary)
+        return io_fail_byte(reader->model, at, error, "%s", text);
+    return io_fail_text(reader->model, at, error, "%s", text);
+}
+
+int gmsh_fail_expected(const gmsh_reader *reader, const char *what) {
+    return gmsh_fail(reader, reader->cursor.at, reader->error,
+                     "%s expected (the file may be cut short)", what);
+}
+
+int gmsh_take_text(gmsh_reader *reader, int64_t *value, const char *what) {
+    return !io_integer(&reader->cursor, value) ? 0 : gmsh_fail_expected(reader, what);
+}
+
+int gmsh_take_int(gmsh_reader *reader, int32_t *value, const char *what) {
+    if (reader->binary) {
+        if (io_left(&reader->cursor) < 4)
+            return gmsh_fail_expected(reader, what);
+        *value = io_load_i32(reader->cursor.at, reader->swapped);
+        reader->cursor.at += 4;
+        return 0;
+    }
+    int64_t wide;
+    if (io_integer(&reader->cursor, &wide) || wide < INT32_MIN || wide > INT32_MAX)
+        return gmsh_fail_expected(reader, what);
+    *value = (int32_t)wide;
+    return 0;
+}
+
+int gmsh_take_size(gmsh_reader *reader, int64_t *value, const char *what) {
+    if (!reader->binary)
+        return gmsh_take_text(reader, value, what);
+    if (io_left(&reader->cursor) < 8)
+        return gmsh_fail_expected(reader, what);
+    *value = io_load_i64(reader->cursor.at, reader->swapped);
+    reader->cursor.at += 8;
+    return 0;
+}
+
+int gmsh_skip_reals(gmsh_reader *reader, int64_t n, const char *what) {
+    if (n < 0)
+        return gmsh_fail_expected(reader, what);
+    if (reader->binary) {
+        if (n > io_left(&reader->cursor) / 8)
+            return gmsh_fail_expected(reader, what);
+        reader->cursor.at += 8 * n;
+        return 0;
+    }
+    double value;
+    for (int64_t i = 0; i < n; i++)
+        if (io_real(&reader->cursor, &value))
+            return gmsh_fail_expected(reader, what);
+    return 0;
+}
+
+int gmsh_end_line(gmsh_reader *reader) {
+    io_cursor *cursor = &reader->cursor;
+    const char *newline = memchr(cursor->at, '\n', (size_t)io_left(cursor));
+    if (!newline)
+        return gmsh_fail_expected(reader, "end of line");
+    cursor->at = newline + 1;
+    return 0;
+}
+
+int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes,
+                     const char *what) {
+    int64_t bytes = reader->binary ? binary_bytes : text_bytes;
+    const char *at = reader->cursor.at;
+    if (n < 0)
+        return gmsh_fail(reader, at, reader->error, "number of %s is negative", what);
+    /* The last line of a text may lack its end. */
+    if (n > (io_left(&reader->cursor) + !reader->binary) / bytes)
+        return gmsh_fail(reader, at, reader->error,
+                         "%lld %s cannot be in the rest of the file (cut short, or a wrong count)",
+                         (long long)n, what);
+    if (n > INT32_MAX)
+        return gmsh_fail(reader, at, reader->error, "%lld %s: more than planish can number",
+                         (long long)n, what);
+    return 0;
+}
+
+/* ---- nodes and pairs ---------------------------------------------------------------------- */
+
+int gmsh_make_nodes(gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes) {
+    io_model *model = reader->model;
+    if (model->xyz)
+        return gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Nodes");
+    int status = gmsh_check_count(reader, n, text_bytes, binary_bytes, "nodes");
+    if (!status)
+        status = io_model_nodes(model, n, !reader->binary, reader->error);
+    if (status)
+        return status;
+    model->node_number = pl_alloc(n, sizeof *model->node_number);
+    if (!model->node_number)
+        return pl_fail_memory(reader->error, "the nodes' numbers");
+    const io_span text = {.n_nodes = n, .encoding = IO_TEXT};
+    return reader->binary ? 0 : io_model_span(model, text, reader->error);
+}
+
+int gmsh_load_point(const gmsh_reader *reader, const char *at, int64_t node, planish_error *error) {
+    double *xyz = reader->model->xyz + 3 * node;
+    for (int i = 0; i < 3; i++) {
+        xyz[i] = io_load_f64(at + 8 * i, reader->swapped);
+        if (!isfinite(xyz[i]))
+            return gmsh_fail(reader, at + 8 * i, error,
+                             "node %lld has a coordinate that is not finite", (long long)node + 1);
+    }
+    return 0;
+}
+
+int gmsh_index_nodes(gmsh_reader *reader) {
+    reader->have_nodes = 1;
+    return io_settle_node_numbers(reader->model, &reader->numbers, reader->error);
+}
+
+/** size: bytes of its number, 0: text. */
+static int take_periodic_node(gmsh_reader *reader, int size, int32_t *node) {
+    int64_t number;
+    int32_t narrow = 0;
+    int status;
+    if (size == 0)
+        status = gmsh_take_text(reader, &number, "node of a periodic pair");
+    else if (size == 8)
+        status = gmsh_take_size(reader, &number, "node of a periodic pair");
+    else {
+        status = gmsh_take_int(reader, &narrow, "node of a periodic pair");
+        number = narrow;
+    }
+    *node = !status ? (int32_t)gmsh_node(reader, number) : -1;
+    return status;
+}
+
+int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int size) {
+    for (int64_t i = 0; i < n; i++) {
+        int32_t pair[2];
+        int status = take_periodic_node(reader, size, &pair[0]);
+        if (!status)
+            status = take_periodic_node(reader, size, &pair[1]);
+        if (status)
+            return status;
+        /* Gmsh lists pairs of the whole geometry, also where only some groups were saved: a node
+         * whose partner is not there stays. */
+        const int is_whole = pair[0] >= 0 && pair[1] >= 0;
+        for (int j = 0; j < 2; j++)
+            if (pair[j] >= 0)
+                io_hold_node(reader->model, pair[j],
+                             is_whole ? IO_HELD_PERIODIC : IO_HELD_REQUIRED);
+        if (is_whole && io_model_pair(reader->model, pair, reader->error))
+            return PLANISH_ERROR_MEMORY;
+    }
+    return 0;
+}
+
+void gmsh_skip_affine(gmsh_reader *reader) {
+    io_cursor ahead = reader->cursor;
+    int64_t length;
+    const char *word = io_word(&ahead, &length);
+    if (io_word_is(word, length, "Affine", 0)) {
+        io_skip_line(&ahead);
+        reader->cursor = ahead;
+    }
+}
