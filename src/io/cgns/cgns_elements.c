@@ -4,6 +4,8 @@
 #ifdef PL_HDF5
 #include "io/cgns/cgns.h"
 
+#include "io/core/elements.h"
+
 #include "base/memory.h"
 #include "base/status.h"
 
@@ -12,56 +14,83 @@
 
 /* ---- types of elements -------------------------------------------------------------------- */
 
-typedef enum kind { UNKNOWN, KEPT, LOWER, OTHER, REFUSED, FACES } kind;
-
-typedef struct element_type {
-    kind kind;
-    int dim, nodes;
-} element_type;
-
 enum { CGNS_MIXED = 20 };
 
-/* By CGNS's numbers. */
-static const element_type types[] = {
-    [2] = {LOWER, 0, 1},     [3] = {KEPT, 1, 2},      [4] = {LOWER, 1, 3},
-    [5] = {KEPT, 2, 3},      [6] = {REFUSED, 2, 6},   [7] = {OTHER, 2, 4},
-    [8] = {OTHER, 2, 8},     [9] = {OTHER, 2, 9},     [10] = {KEPT, 3, 4},
-    [11] = {REFUSED, 3, 10}, [12] = {OTHER, 3, 5},    [13] = {OTHER, 3, 14},
-    [14] = {OTHER, 3, 6},    [15] = {OTHER, 3, 15},   [16] = {OTHER, 3, 18},
-    [17] = {OTHER, 3, 8},    [18] = {OTHER, 3, 20},   [19] = {OTHER, 3, 27},
-    [21] = {OTHER, 3, 13},   [22] = {FACES, 2, 0},    [23] = {FACES, 3, 0},
-    [24] = {LOWER, 1, 4},    [25] = {REFUSED, 2, 9},  [26] = {REFUSED, 2, 10},
-    [27] = {OTHER, 2, 12},   [28] = {OTHER, 2, 16},   [29] = {REFUSED, 3, 16},
-    [30] = {REFUSED, 3, 20}, [31] = {OTHER, 3, 21},   [32] = {OTHER, 3, 29},
-    [33] = {OTHER, 3, 30},   [34] = {OTHER, 3, 24},   [35] = {OTHER, 3, 38},
-    [36] = {OTHER, 3, 40},   [37] = {OTHER, 3, 32},   [38] = {OTHER, 3, 56},
-    [39] = {OTHER, 3, 64},   [40] = {LOWER, 1, 5},    [41] = {REFUSED, 2, 12},
-    [42] = {REFUSED, 2, 15}, [43] = {OTHER, 2, 16},   [44] = {OTHER, 2, 25},
-    [45] = {REFUSED, 3, 22}, [46] = {REFUSED, 3, 34}, [47] = {REFUSED, 3, 35},
-    [48] = {OTHER, 3, 29},   [49] = {OTHER, 3, 50},   [50] = {OTHER, 3, 55},
-    [51] = {OTHER, 3, 33},   [52] = {OTHER, 3, 66},   [53] = {OTHER, 3, 75},
-    [54] = {OTHER, 3, 44},   [55] = {OTHER, 3, 98},   [56] = {OTHER, 3, 125},
+/** By CGNS's numbers. */
+static const io_element_type types[] = {
+    [2] = {NULL, IO_POINT, 1, 1, NULL},
+    [3] = {NULL, IO_LINE, 1, 2, NULL},
+    [4] = {NULL, IO_LINE, 2, 3, NULL},
+    [5] = {NULL, IO_TRIANGLE, 1, 3, NULL},
+    [6] = {NULL, IO_TRIANGLE, 2, 6, NULL},
+    [7] = {NULL, IO_QUADRILATERAL, 1, 4, NULL},
+    [8] = {NULL, IO_QUADRILATERAL, 2, 8, NULL},
+    [9] = {NULL, IO_QUADRILATERAL, 2, 9, NULL},
+    [10] = {NULL, IO_TETRAHEDRON, 1, 4, NULL},
+    [11] = {NULL, IO_TETRAHEDRON, 2, 10, NULL},
+    [12] = {NULL, IO_PYRAMID, 1, 5, NULL},
+    [13] = {NULL, IO_PYRAMID, 2, 14, NULL},
+    [14] = {NULL, IO_PRISM, 1, 6, NULL},
+    [15] = {NULL, IO_PRISM, 2, 15, NULL},
+    [16] = {NULL, IO_PRISM, 2, 18, NULL},
+    [17] = {NULL, IO_HEXAHEDRON, 1, 8, NULL},
+    [18] = {NULL, IO_HEXAHEDRON, 2, 20, NULL},
+    [19] = {NULL, IO_HEXAHEDRON, 2, 27, NULL},
+    [21] = {NULL, IO_PYRAMID, 2, 13, NULL},
+    [22] = {NULL, IO_POLYGON, 1, 0, NULL},
+    [23] = {NULL, IO_POLYHEDRON, 1, 0, NULL},
+    [24] = {NULL, IO_LINE, 3, 4, NULL},
+    [25] = {NULL, IO_TRIANGLE, 3, 9, NULL},
+    [26] = {NULL, IO_TRIANGLE, 3, 10, NULL},
+    [27] = {NULL, IO_QUADRILATERAL, 3, 12, NULL},
+    [28] = {NULL, IO_QUADRILATERAL, 3, 16, NULL},
+    [29] = {NULL, IO_TETRAHEDRON, 3, 16, NULL},
+    [30] = {NULL, IO_TETRAHEDRON, 3, 20, NULL},
+    [31] = {NULL, IO_PYRAMID, 3, 21, NULL},
+    [32] = {NULL, IO_PYRAMID, 3, 29, NULL},
+    [33] = {NULL, IO_PYRAMID, 3, 30, NULL},
+    [34] = {NULL, IO_PRISM, 3, 24, NULL},
+    [35] = {NULL, IO_PRISM, 3, 38, NULL},
+    [36] = {NULL, IO_PRISM, 3, 40, NULL},
+    [37] = {NULL, IO_HEXAHEDRON, 3, 32, NULL},
+    [38] = {NULL, IO_HEXAHEDRON, 3, 56, NULL},
+    [39] = {NULL, IO_HEXAHEDRON, 3, 64, NULL},
+    [40] = {NULL, IO_LINE, 4, 5, NULL},
+    [41] = {NULL, IO_TRIANGLE, 4, 12, NULL},
+    [42] = {NULL, IO_TRIANGLE, 4, 15, NULL},
+    [43] = {NULL, IO_QUADRILATERAL, 4, 16, NULL},
+    [44] = {NULL, IO_QUADRILATERAL, 4, 25, NULL},
+    [45] = {NULL, IO_TETRAHEDRON, 4, 22, NULL},
+    [46] = {NULL, IO_TETRAHEDRON, 4, 34, NULL},
+    [47] = {NULL, IO_TETRAHEDRON, 4, 35, NULL},
+    [48] = {NULL, IO_PYRAMID, 4, 29, NULL},
+    [49] = {NULL, IO_PYRAMID, 4, 50, NULL},
+    [50] = {NULL, IO_PYRAMID, 4, 55, NULL},
+    [51] = {NULL, IO_PRISM, 4, 33, NULL},
+    [52] = {NULL, IO_PRISM, 4, 66, NULL},
+    [53] = {NULL, IO_PRISM, 4, 75, NULL},
+    [54] = {NULL, IO_HEXAHEDRON, 4, 44, NULL},
+    [55] = {NULL, IO_HEXAHEDRON, 4, 98, NULL},
+    [56] = {NULL, IO_HEXAHEDRON, 4, 125, NULL},
 };
 enum { N_TYPES = sizeof types / sizeof *types };
 
 /** The type of that number, which must be one of elements that can be read. */
-static int take_type(cgns_reader *r, const char *path, int64_t number, element_type *type) {
-    *type = number > 0 && number < N_TYPES ? types[number] : (element_type){UNKNOWN, 0, 0};
-    switch (type->kind) {
-    case UNKNOWN:
+static int take_type(cgns_reader *r, const char *path, int64_t number,
+                     const io_element_type **type) {
+    *type = &types[number > 0 && number < N_TYPES ? number : 0];
+    if ((*type)->shape == IO_NO_SHAPE)
         return io_hdf5_fail(r->file, path, "elements of type %lld are unknown", (long long)number);
-    case REFUSED:
+    if (io_element_use(*type) == IO_REFUSE)
         return io_hdf5_fail(r->file, path,
                             "triangles or tetrahedra of higher order (type %lld) cannot be "
                             "smoothed; export the mesh with straight elements of first order",
                             (long long)number);
-    case FACES:
+    if ((*type)->nodes == 0)
         return io_hdf5_fail(r->file, path,
                             "polygons and polyhedra (NGON_n, NFACE_n) are not read; export the "
                             "mesh with elements of fixed types, as TETRA_4");
-    default:
-        return PLANISH_OK;
-    }
+    return PLANISH_OK;
 }
 
 /* ---- a walk over the elements of a section ------------------------------------------------- */
@@ -73,14 +102,14 @@ typedef struct walk {
     io_hdf5_integers nodes, offsets;
     int64_t n, index; /* elements; the one that the walk came to, */
     int64_t at;       /* its nodes in the list, */
-    element_type type;
+    const io_element_type *type;
 } walk;
 
 /** Before the first element. */
 static int begin_walk(walk *w) {
     w->index = -1;
     w->at = 0;
-    w->type = (element_type){0};
+    w->type = &types[0];
     if (w->section->type != CGNS_MIXED)
         return take_type(w->r, w->path, w->section->type, &w->type);
     return PLANISH_OK;
@@ -100,7 +129,7 @@ static int take_mixed(walk *w) {
                             (long long)w->index + 1, (long long)w->n);
     int status = take_type(w->r, w->path, io_hdf5_integer(&w->nodes, w->at), &w->type);
     w->at++;
-    if (!status && w->type.nodes > w->nodes.n - w->at)
+    if (!status && w->type->nodes > w->nodes.n - w->at)
         status = io_hdf5_fail(file, w->path, "the list ends within element %lld of %lld",
                               (long long)w->index + 1, (long long)w->n);
     return status;
@@ -108,7 +137,7 @@ static int take_mixed(walk *w) {
 
 /** To the next element; not behind the last. */
 static int next_element(walk *w) {
-    w->at += w->index >= 0 ? w->type.nodes : 0;
+    w->at += w->index >= 0 ? w->type->nodes : 0;
     w->index++;
     return w->section->type == CGNS_MIXED ? take_mixed(w) : PLANISH_OK;
 }
@@ -120,14 +149,14 @@ static int count_kept(walk *w, int64_t kept[4]) {
     int status = begin_walk(w);
     memset(kept, 0, 4 * sizeof *kept);
     if (!status && w->section->type != CGNS_MIXED) {
-        kept[w->type.dim] = w->type.kind == KEPT ? w->n : 0;
+        kept[io_element_dim(w->type)] = io_element_use(w->type) == IO_KEEP ? w->n : 0;
         return PLANISH_OK;
     }
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
-        kept[w->type.dim] += !status && w->type.kind == KEPT;
+        kept[io_element_dim(w->type)] += !status && io_element_use(w->type) == IO_KEEP;
     }
-    const int64_t end = w->at + (w->n > 0 ? w->type.nodes : 0);
+    const int64_t end = w->at + (w->n > 0 ? w->type->nodes : 0);
     if (!status && end != w->nodes.n)
         status = io_hdf5_fail(w->r->file, w->path,
                               "%lld numbers are left behind the last of %lld elements",
@@ -148,22 +177,21 @@ static int take_node(walk *w, int64_t at, int32_t *node) {
 /** The element that the walk came to. */
 static int store_element(walk *w, int32_t section) {
     io_model *model = w->r->model;
-    const element_type t = w->type;
-    io_cells *cells = t.kind == KEPT ? io_model_cells(w->r->model, t.dim) : NULL;
+    const io_element_type *t = w->type;
+    io_cells *cells = io_element_cells(model, t);
     int32_t held;
     int status = PLANISH_OK;
-    for (int j = 0; j < t.nodes && !status; j++) {
-        status = take_node(w, w->at + j, cells ? &cells->nodes[cells->n * t.nodes + j] : &held);
+    for (int j = 0; j < t->nodes && !status; j++) {
+        status = take_node(w, w->at + j, cells ? &cells->nodes[cells->n * t->nodes + j] : &held);
         if (!status && !cells)
-            io_hold_node(model, held,
-                         t.kind == LOWER && t.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
+            io_hold_node(model, held, io_element_reason(t));
     }
     if (cells) {
         cells->entity[cells->n] = section;
         cells->number[cells->n] = w->section->start + w->index;
         cells->n += !status;
     } else {
-        *(t.kind == LOWER ? &model->n_lower : &model->n_other) += 1;
+        io_element_count(model, t, 1);
     }
     return status;
 }
@@ -199,11 +227,11 @@ static int check_length(walk *w) {
                    ? PLANISH_OK
                    : io_hdf5_fail(w->r->file, w->path, "%lld offsets for %lld elements",
                                   (long long)w->offsets.n, (long long)w->n);
-    element_type type;
+    const io_element_type *type;
     int status = take_type(w->r, w->path, w->section->type, &type);
-    if (!status && (w->nodes.n % type.nodes || w->nodes.n / type.nodes != w->n))
+    if (!status && (w->nodes.n % type->nodes || w->nodes.n / type->nodes != w->n))
         status = io_hdf5_fail(w->r->file, w->path, "%lld numbers for %lld elements of %d nodes",
-                              (long long)w->nodes.n, (long long)w->n, type.nodes);
+                              (long long)w->nodes.n, (long long)w->n, type->nodes);
     return status;
 }
 

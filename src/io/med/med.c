@@ -7,6 +7,7 @@
  * looked at.
  */
 #ifdef PL_HDF5
+#include "io/core/elements.h"
 #include "io/core/format.h"
 #include "io/hdf5/hdf5.h"
 #include "io/core/records.h"
@@ -29,25 +30,26 @@ typedef struct reader {
 
 /* ---- types of elements -------------------------------------------------------------------- */
 
-typedef enum kind { KEPT, LOWER, OTHER, REFUSED } kind;
-
-typedef struct element_type {
-    const char *name;
-    kind kind;
-    int dim;
-} element_type;
-
-static const element_type types[] = {
-    {"TE4", KEPT, 3},    {"TR3", KEPT, 2},    {"SE2", KEPT, 1},    {"PO1", LOWER, 0},
-    {"SE3", LOWER, 1},   {"SE4", LOWER, 1},   {"T10", REFUSED, 3}, {"TE10", REFUSED, 3},
-    {"TR6", REFUSED, 2}, {"TR7", REFUSED, 2},
+static const io_element_type types[] = {
+    {"TE4", IO_TETRAHEDRON, 1, 4, NULL},   {"TR3", IO_TRIANGLE, 1, 3, NULL},
+    {"SE2", IO_LINE, 1, 2, NULL},          {"PO1", IO_POINT, 1, 1, NULL},
+    {"SE3", IO_LINE, 2, 3, NULL},          {"SE4", IO_LINE, 3, 4, NULL},
+    {"T10", IO_TETRAHEDRON, 2, 10, NULL},  {"TE10", IO_TETRAHEDRON, 2, 10, NULL},
+    {"TR6", IO_TRIANGLE, 2, 6, NULL},      {"TR7", IO_TRIANGLE, 2, 7, NULL},
+    {"QU4", IO_QUADRILATERAL, 1, 4, NULL}, {"QU8", IO_QUADRILATERAL, 2, 8, NULL},
+    {"QU9", IO_QUADRILATERAL, 2, 9, NULL}, {"PY5", IO_PYRAMID, 1, 5, NULL},
+    {"P13", IO_PYRAMID, 2, 13, NULL},      {"PE6", IO_PRISM, 1, 6, NULL},
+    {"P15", IO_PRISM, 2, 15, NULL},        {"P18", IO_PRISM, 2, 18, NULL},
+    {"HE8", IO_HEXAHEDRON, 1, 8, NULL},    {"H20", IO_HEXAHEDRON, 2, 20, NULL},
+    {"H27", IO_HEXAHEDRON, 2, 27, NULL},
 };
+enum { N_TYPES = sizeof types / sizeof *types };
 
-static element_type type_of(const char *name) {
-    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
-        if (strcmp(types[i].name, name) == 0)
-            return types[i];
-    return (element_type){name, OTHER, 0};
+/** Find the row of a type by its name; a type that is not there is of any shape. */
+static const io_element_type *type_of(const char *name) {
+    static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0, NULL};
+    const io_element_type *type = io_element_find(types, N_TYPES, name, (int64_t)strlen(name));
+    return type ? type : &other;
 }
 
 /* ---- the mesh ----------------------------------------------------------------------------- */
@@ -231,7 +233,7 @@ static int read_nodes(reader *r) {
 /** Elements of one type: node j of element i is number j * n + i of the list. */
 typedef struct block {
     char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
-    element_type type;
+    const io_element_type *type;
     io_hdf5_integers nodes;
     int64_t n; /* elements */
 } block;
@@ -248,14 +250,14 @@ static void take_cell_numbers(io_cells *cells, const io_hdf5_integers *numbers) 
 }
 
 static int read_cells(reader *r, const block *b) {
-    const int corners = b->type.dim + 1;
-    io_cells *cells = io_model_cells(r->model, b->type.dim);
+    const int corners = io_element_dim(b->type) + 1;
+    io_cells *cells = io_model_cells(r->model, io_element_dim(b->type));
     io_hdf5_integers families = {0}, numbers = {0};
     int status = read_optional(r, b->group, "FAM", b->n, &families);
     if (!status)
         status = read_optional(r, b->group, "NUM", b->n, &numbers);
     if (!status)
-        status = io_cells_reserve(cells, b->type.dim, b->n, 1, numbers.n > 0, r->error);
+        status = io_cells_reserve(cells, io_element_dim(b->type), b->n, 1, numbers.n > 0, r->error);
     for (int64_t j = 0; j < corners && !status; j++) {
         for (int64_t i = 0; i < b->n; i++) {
             const int64_t node = io_hdf5_integer(&b->nodes, j * b->n + i);
@@ -269,7 +271,8 @@ static int read_cells(reader *r, const block *b) {
     if (!status) {
         cells->first_number = 1;
         take_cell_numbers(cells, &numbers);
-        status = take_families(r, b->group, b->type.dim, &families, b->n, 1, cells->entity);
+        status =
+            take_families(r, b->group, io_element_dim(b->type), &families, b->n, 1, cells->entity);
     }
     if (!status)
         cells->n = b->n;
@@ -280,14 +283,12 @@ static int read_cells(reader *r, const block *b) {
 
 /** Polygons and polyhedra list the nodes of one element after another; all are nodes. */
 static int hold_nodes(reader *r, const block *b) {
-    const int is_lower = b->type.kind == LOWER;
-    *(is_lower ? &r->model->n_lower : &r->model->n_other) += b->n;
+    io_element_count(r->model, b->type, b->n);
     for (int64_t i = 0; i < b->nodes.n; i++) {
         const int64_t node = io_hdf5_integer(&b->nodes, i);
         if (node < 1 || node > r->model->n_nodes)
             return fail_node(r, b, b->n > 0 ? i % b->n : 0, node);
-        io_hold_node(r->model, node - 1,
-                     is_lower && b->type.dim == 0 ? IO_HELD_BY_POINT : IO_HELD_BY_OTHER);
+        io_hold_node(r->model, node - 1, io_element_reason(b->type));
     }
     return PLANISH_OK;
 }
@@ -295,9 +296,9 @@ static int hold_nodes(reader *r, const block *b) {
 /** How many elements the block has: simplices by their nodes, others by what the file says. */
 static int count_elements(reader *r, block *b) {
     int found;
-    const int corners = b->type.dim + 1;
-    b->n = b->type.kind == KEPT ? b->nodes.n / corners : 0;
-    if (b->type.kind != KEPT) {
+    const int corners = io_element_dim(b->type) + 1;
+    b->n = io_element_use(b->type) == IO_KEEP ? b->nodes.n / corners : 0;
+    if (io_element_use(b->type) != IO_KEEP) {
         int status = io_hdf5_attribute(r->file, b->path, "NBR", &b->n, &found);
         if (!status && (b->n < 0 || b->n > b->nodes.n))
             b->n = 0; /* no more than a figure to be told */
@@ -314,7 +315,7 @@ static int read_block(reader *r, const char *name) {
     int status = io_hdf5_path(r->file, b.group, "%s/MAI/%s", r->step, name);
     if (!status)
         status = io_hdf5_path(r->file, b.path, "%s/NOD", b.group);
-    if (!status && b.type.kind == REFUSED)
+    if (!status && io_element_use(b.type) == IO_REFUSE)
         status = io_hdf5_fail(r->file, b.group,
                               "elements of second order cannot be smoothed; export the mesh with "
                               "straight elements of first order");
@@ -327,7 +328,7 @@ static int read_block(reader *r, const char *name) {
     if (!status)
         status = count_elements(r, &b);
     if (!status)
-        status = b.type.kind == KEPT ? read_cells(r, &b) : hold_nodes(r, &b);
+        status = io_element_use(b.type) == IO_KEEP ? read_cells(r, &b) : hold_nodes(r, &b);
     io_hdf5_integers_release(&b.nodes);
     return status;
 }

@@ -53,7 +53,7 @@ static int fail_card(const reader *r, const card *c, const char *what) {
 static int parse_number(span field, int64_t *value) {
     const char *at = field.begin;
     *value = 0;
-    if (is_empty(field))
+    if (is_empty_field(field))
         return 0;
     return io_parse_integer(&at, field.end, value) || at != field.end ? -1 : 0;
 }
@@ -62,7 +62,7 @@ static int parse_number(span field, int64_t *value) {
 static int take_number(const reader *r, card *c, const char *what, int64_t *value) {
     span field = {NULL, NULL};
     *value = 0;
-    if (!nastran_take_field(c, &field) || is_empty(field))
+    if (!nastran_take_field(c, &field) || is_empty_field(field))
         return io_fail_text(r->model, c->line.text.begin, r->error,
                             "%s: %s is missing (the file may be cut short)", c->name, what);
     if (parse_number(field, value) || *value < 0 || *value > INT32_MAX)
@@ -80,7 +80,7 @@ static int is_read(const char *name);
  *  of a card behind the blanks means something else. */
 static int check_indented(reader *r, io_cursor *cursor) {
     const line l = nastran_take_line(cursor);
-    const span text = trim(l.text);
+    const span text = nastran_trim(l.text);
     char name[NAME_SIZE];
     int n = 0;
     if (text.begin - l.text.begin >= NAME_COLUMNS)
@@ -88,7 +88,7 @@ static int check_indented(reader *r, io_cursor *cursor) {
     for (const char *at = text.begin; at < text.end && n < NAME_COLUMNS; at++) {
         if (is_blank(*at) || *at == '*' || *at == ',')
             break;
-        name[n++] = upper(*at);
+        name[n++] = nastran_upper(*at);
     }
     name[n] = '\0';
     if (!is_read(name))
@@ -107,7 +107,7 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
     card c;
     while (!status && cursor.at < cursor.end) {
         const char *end;
-        if (!*cursor.at || !strchr(letters, upper(*cursor.at)))
+        if (!*cursor.at || !strchr(letters, nastran_upper(*cursor.at)))
             io_line(&cursor, &end);
         else if (is_blank(*cursor.at))
             status = check_indented(r, &cursor);
@@ -175,7 +175,7 @@ static int read_system(reader *r, card *c) {
     int64_t system = 0;
     if (nastran_take_field(c, &field) && parse_number(field, &system))
         return fail_card(r, c, "the coordinate system is no whole number");
-    system = is_empty(field) ? r->default_system : system;
+    system = is_empty_field(field) ? r->default_system : system;
     if (r->model->n_nodes == 0)
         r->system = system;
     if (system == r->system)
@@ -201,7 +201,7 @@ static int read_grid(reader *r, card *c) {
         span field = {NULL, NULL};
         double *value = &model->xyz[3 * node + d];
         *value = 0;
-        if (!nastran_take_field(c, &field) || is_empty(field))
+        if (!nastran_take_field(c, &field) || is_empty_field(field))
             continue;
         if (io_parse_packed_real(field.begin, field.end, value) || !isfinite(*value))
             return io_fail_text(model, field.begin, r->error,
@@ -226,7 +226,7 @@ static int look_at_system(reader *r, card *c) {
     span field;
     int64_t number;
     while (c->n < (by_grids ? SHORT_FIELDS : 1) && nastran_take_field(c, &field))
-        if ((c->n - 1) % 4 == 0 && !is_empty(field) && !parse_number(field, &number))
+        if ((c->n - 1) % 4 == 0 && !is_empty_field(field) && !parse_number(field, &number))
             r->system_is_rectangular |= number == r->system;
     return PLANISH_OK;
 }
@@ -364,7 +364,7 @@ static int64_t find_grid(const reader *r, int64_t number) {
 static int check_first_order(const reader *r, const card_kind *k, card *c) {
     span field;
     while (c->n < k->first + k->most && nastran_take_field(c, &field))
-        if (!is_empty(field))
+        if (!is_empty_field(field))
             return fail_card(r, c,
                              "elements of second order cannot be smoothed; export the mesh with "
                              "straight elements of first order");
@@ -381,7 +381,7 @@ static int take_property(reader *r, const card_kind *k, card *c, int64_t *number
         return status;
     card peek = *c;
     span field;
-    if (nastran_take_field(&peek, &field) && is_empty(field)) {
+    if (nastran_take_field(&peek, &field) && is_empty_field(field)) {
         *c = peek;
         return PLANISH_OK;
     }
@@ -406,7 +406,7 @@ static int take_node(const reader *r, card *c, int64_t element, int32_t *node) {
  *  number, 0 if it is none. */
 static int64_t hold_field(reader *r, span field, uint8_t reason) {
     int64_t number;
-    if (is_empty(field) || parse_number(field, &number))
+    if (is_empty_field(field) || parse_number(field, &number))
         return 0;
     const int64_t index = find_grid(r, number);
     if (index >= 0)
@@ -528,7 +528,7 @@ static int hold_fields(reader *r, const card_kind *k, card *c) {
         is_thru = is_node && nastran_line_begins(field, "THRU");
         if (is_node && !is_thru)
             number = hold_field(r, field, reason);
-        follows_real = find(field, '.') < field.end;
+        follows_real = find_character(field, '.') < field.end;
     }
     r->model->n_other += is_element;
     return status;
@@ -555,12 +555,13 @@ static int read_name(reader *r, span text) {
     const int64_t length = sizeof mark - 1;
     if (text.end - text.begin < length || memcmp(text.begin, mark, (size_t)length) != 0)
         return PLANISH_OK;
-    const char *open = find(text, '"');
+    const char *open = find_character(text, '"');
     const span name = {open < text.end ? open + 1 : open,
-                       find((span){open + (open < text.end), text.end}, '"')};
+                       find_character((span){open + (open < text.end), text.end}, '"')};
     int64_t number;
-    if (name.end == text.end || parse_number(trim((span){text.begin + length, open}), &number) ||
-        number < 1 || number > INT32_MAX)
+    if (name.end == text.end ||
+        parse_number(nastran_trim((span){text.begin + length, open}), &number) || number < 1 ||
+        number > INT32_MAX)
         return PLANISH_OK;
     int status = PLANISH_OK;
     for (int dim = 1; dim <= 3 && !status; dim++)
@@ -648,20 +649,20 @@ static int nastran_recognise(const char *data, int64_t size) {
     io_cursor cursor = io_begin_text(data, size);
     while (cursor.at < cursor.end) {
         const line l = nastran_take_line(&cursor);
-        const span name = trim(l.name);
+        const span name = nastran_trim(l.name);
         if (name.begin == name.end)
             continue;
-        const char first = upper(*name.begin);
+        const char first = nastran_upper(*name.begin);
         if (first != 'G' && first != 'B')
             continue;
         if (memchr(data, '\0', (size_t)(name.begin - data)))
             return 0; /* not text, but bytes that spell a word */
-        span rest = trim((span){l.name.end, l.text.end});
+        span rest = nastran_trim((span){l.name.end, l.text.end});
         if ((nastran_line_begins(name, "GRID") || nastran_line_begins(name, "GRID*")) &&
             begins_with_number(rest))
             return 1;
-        if (nastran_line_begins(l.text, "BEGIN") && l.text.end - trim(l.text).begin > 5 &&
-            nastran_line_begins((span){trim(l.text).begin + 5, l.text.end}, "BULK"))
+        if (nastran_line_begins(l.text, "BEGIN") && l.text.end - nastran_trim(l.text).begin > 5 &&
+            nastran_line_begins((span){nastran_trim(l.text).begin + 5, l.text.end}, "BULK"))
             return 1;
     }
     return 0;

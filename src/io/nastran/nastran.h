@@ -48,11 +48,11 @@ static inline int is_blank(char c) {
     return c == ' ' || c == '\t';
 }
 
-static inline char upper(char c) {
+static inline char nastran_upper(char c) {
     return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
 }
 
-static inline span trim(span s) {
+static inline span nastran_trim(span s) {
     while (s.begin < s.end && is_blank(*s.begin))
         s.begin++;
     while (s.begin < s.end && is_blank(s.end[-1]))
@@ -61,13 +61,13 @@ static inline span trim(span s) {
 }
 
 /** The first place of what, or the end. */
-static inline const char *find(span s, char what) {
+static inline const char *find_character(span s, char what) {
     const char *found = s.begin < s.end ? memchr(s.begin, what, (size_t)(s.end - s.begin)) : NULL;
     return found ? found : s.end;
 }
 
 /** At most the first n bytes. */
-static inline span head(span s, int64_t n) {
+static inline span leading_part(span s, int64_t n) {
     return s.end - s.begin > n ? (span){s.begin, s.begin + n} : s;
 }
 
@@ -79,7 +79,7 @@ static inline int width_of(const line *l) {
     return l->is_long ? LONG_FIELD : SHORT_FIELD;
 }
 
-static inline int is_empty(span s) {
+static inline int is_empty_field(span s) {
     return s.begin == s.end;
 }
 

@@ -8,19 +8,19 @@
 line nastran_take_line(io_cursor *cursor) {
     line l = {.is_free = 0};
     l.text.begin = io_line(cursor, &l.text.end);
-    l.text.end = find(l.text, '$');
-    const span start = head(l.text, COMMA_BEFORE);
-    const char *comma = find(start, ',');
+    l.text.end = find_character(l.text, '$');
+    const span start = leading_part(l.text, COMMA_BEFORE);
+    const char *comma = find_character(start, ',');
     l.is_free = comma < start.end;
-    l.name = l.is_free ? (span){l.text.begin, comma} : head(l.text, NAME_COLUMNS);
-    l.is_long = find(l.name, '*') < l.name.end;
+    l.name = l.is_free ? (span){l.text.begin, comma} : leading_part(l.text, NAME_COLUMNS);
+    l.is_long = find_character(l.name, '*') < l.name.end;
     if (!l.is_free)
-        l.text = head(l.text, LAST_COLUMN);
+        l.text = leading_part(l.text, LAST_COLUMN);
     return l;
 }
 
 static int says_nothing(const line *l) {
-    const span s = trim(l->text);
+    const span s = nastran_trim(l->text);
     return s.begin == s.end;
 }
 
@@ -40,7 +40,7 @@ static void set_wrong(card *c, const char *at, const char *what) {
 }
 
 static void enter_line(card *c, line l) {
-    if (!l.is_free && find(l.text, '\t') < l.text.end)
+    if (!l.is_free && find_character(l.text, '\t') < l.text.end)
         set_wrong(
             c, l.text.begin,
             "a tab among fields of fixed columns; write tabs that part fields as commas "
@@ -58,7 +58,7 @@ int nastran_take_card(io_cursor *cursor, card *c) {
     for (const char *at = l.name.begin; at < l.name.end && n < NAME_COLUMNS; at++) {
         if (is_blank(*at) || *at == '*')
             break;
-        c->name[n++] = upper(*at);
+        c->name[n++] = nastran_upper(*at);
     }
     c->name[n] = '\0';
     c->n = 0;
@@ -71,9 +71,9 @@ int nastran_take_card(io_cursor *cursor, card *c) {
 /** Behind the last field of a free line stands the mark of the continuation, which is no number. */
 static void check_end_of_line(card *c) {
     while (c->line.is_free && c->at) {
-        const span text = nastran_line_field(c), field = trim(text);
+        const span text = nastran_line_field(c), field = nastran_trim(text);
         double value;
-        if (!is_empty(field) && *field.begin != '+' && *field.begin != '*' &&
+        if (!is_empty_field(field) && *field.begin != '+' && *field.begin != '*' &&
             !io_parse_packed_real(field.begin, field.end, &value))
             set_wrong(c, field.begin,
                       c->line.is_long ? "a number behind the four fields of a long line"
@@ -104,7 +104,7 @@ int nastran_continue_card(card *c) {
 span nastran_line_field(const card *c) {
     const span text = c->line.text;
     if (c->line.is_free)
-        return c->at ? (span){c->at, find((span){c->at, text.end}, ',')}
+        return c->at ? (span){c->at, find_character((span){c->at, text.end}, ',')}
                      : (span){text.end, text.end};
     const int64_t length = text.end - text.begin;
     const int64_t from = NAME_COLUMNS + c->n_of_line * width_of(&c->line);
@@ -140,8 +140,8 @@ static int is_replication(span field) {
 int nastran_take_field(card *c, span *field) {
     if (c->n_of_line == fields_of(&c->line) && !nastran_continue_card(c))
         return 0;
-    *field = trim(nastran_line_field(c));
-    if (!is_empty(*field) && is_replication(*field))
+    *field = nastran_trim(nastran_line_field(c));
+    if (!is_empty_field(*field) && is_replication(*field))
         set_wrong(c, field->begin,
                   "replication of the card before (=, *(1)) is not read; have the preprocessor "
                   "write every card in full");
@@ -153,10 +153,10 @@ int nastran_take_field(card *c, span *field) {
 
 /** Whether the text begins with that word, in any letter case. */
 int nastran_line_begins(span text, const char *name) {
-    const span s = trim(text);
+    const span s = nastran_trim(text);
     const int64_t length = (int64_t)strlen(name);
     for (int64_t i = 0; i < length; i++)
-        if (s.begin + i >= s.end || upper(s.begin[i]) != name[i])
+        if (s.begin + i >= s.end || nastran_upper(s.begin[i]) != name[i])
             return 0;
     return s.begin + length == s.end || is_blank(s.begin[length]);
 }
@@ -167,7 +167,8 @@ static const char *find_line(io_cursor cursor, const char *word, const char **af
         span text;
         text.begin = io_line(&cursor, &text.end);
         *after = cursor.at;
-        if (text.begin < text.end && (upper(*text.begin) == *word || is_blank(*text.begin)) &&
+        if (text.begin < text.end &&
+            (nastran_upper(*text.begin) == *word || is_blank(*text.begin)) &&
             nastran_line_begins(text, word))
             return text.begin;
     }

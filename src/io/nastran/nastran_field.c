@@ -28,7 +28,7 @@ static void field_of_columns(const card *c, int d, io_field *field) {
 /** absent: fields of the line that are not there before this one. */
 static void field_of_commas(const io_model *model, const card *c, int d, int absent,
                             io_field *field) {
-    const span text = trim((span){field->begin, field->end});
+    const span text = nastran_trim((span){field->begin, field->end});
     field->begin = text.begin;
     field->end = text.end;
     field->width = model->field_width;
@@ -40,12 +40,13 @@ static void field_of_commas(const io_model *model, const card *c, int d, int abs
 
 /** The mark in the last columns of a line, without the + or * that it may begin with. */
 static span mark_of(span whole) {
-    const span text = {whole.begin, find(head(whole, LAST_COLUMN + SHORT_FIELD), '$')};
+    const span text = {whole.begin,
+                       find_character(leading_part(whole, LAST_COLUMN + SHORT_FIELD), '$')};
     if (text.end - text.begin <= LAST_COLUMN)
         return (span){text.end, text.end};
-    const span mark = trim((span){text.begin + LAST_COLUMN, text.end});
-    const int is_signed = !is_empty(mark) && (*mark.begin == '+' || *mark.begin == '*');
-    return head(trim((span){mark.begin + is_signed, mark.end}), NAME_COLUMNS - 1);
+    const span mark = nastran_trim((span){text.begin + LAST_COLUMN, text.end});
+    const int is_signed = !is_empty_field(mark) && (*mark.begin == '+' || *mark.begin == '*');
+    return leading_part(nastran_trim((span){mark.begin + is_signed, mark.end}), NAME_COLUMNS - 1);
 }
 
 /** The third coordinate of a long GRID is in the next line; where there is none, it is made: behind
@@ -88,7 +89,7 @@ int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *fie
         cursor->at = field->end;
         return 0;
     }
-    const span text = nastran_line_field(&c), number = trim(text);
+    const span text = nastran_line_field(&c), number = nastran_trim(text);
     field->begin = text.begin;
     field->end = text.end;
     if (c.line.is_free)
@@ -96,5 +97,6 @@ int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *fie
     else
         field_of_columns(&c, d, field);
     cursor->at = field->end;
-    return is_empty(number) ? 0 : io_parse_packed_real(number.begin, number.end, &field->value);
+    return is_empty_field(number) ? 0
+                                  : io_parse_packed_real(number.begin, number.end, &field->value);
 }
