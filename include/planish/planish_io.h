@@ -123,13 +123,14 @@ PLANISH_API int planish_file_place(const planish_file *file, int64_t first, int6
                                    const double *coordinates, double *xyz, planish_error *error);
 
 /** Names of the arrays of one whole number per element that the file has (VTK's formats,
- *  Gmsh), in the file's order, NULL at the end; the file owns them. Values of other cells than the
- * elements that are smoothed do not matter. At most 256 arrays are looked at. */
+ *  Gmsh, CGNS), in the file's order, NULL at the end; the file owns them. Values of other cells
+ * than the elements that are smoothed do not matter. At most 256 arrays are looked at. */
 PLANISH_API const char *const *planish_file_cell_arrays(const planish_file *file);
 
 /** Names of those of these arrays that tell regions, NULL at the end; the file owns them. When the
  *  file is opened they are those that planish_find_regions finds; nodes between different values of
- *  any of them are held (planish_file_constraints). Entities of a Gmsh file tell regions besides.
+ *  any of them are held (planish_file_constraints). Entities of a Gmsh file and
+ *  sections of a CGNS file tell regions besides.
  */
 PLANISH_API const char *const *planish_file_region_arrays(const planish_file *file);
 

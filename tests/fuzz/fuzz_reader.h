@@ -138,6 +138,13 @@ static inline int fuzz_has_noise(const planish_file *file) {
     for (int64_t i = 1; z && i < file->model.n_nodes; i++)
         if (z[i] != z[0])
             return 1;
+    /* Of another plane parallel to two axes all three columns are kept. */
+    const double *across = file->model.dim == 2 && file->model.xyz
+                               ? file->model.xyz + file->model.plane.axis[2]
+                               : NULL;
+    for (int64_t i = 1; across && i < file->model.n_nodes; i++)
+        if (across[3 * i] != across[0])
+            return 1;
     return 0;
 }
 

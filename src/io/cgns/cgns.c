@@ -1,8 +1,8 @@
 /* cgns: CGNS files in HDF5: one base with one unstructured zone.
  *
- * Read are the coordinates, the sections of elements and the names of boundary conditions. All else
- * (solutions, descriptors) is not looked at. Nodes are numbered from 1, elements as their sections
- * say.
+ * Read are the coordinates, the sections of elements, the names of boundary conditions, and values
+ * of cells that may tell regions. All else (descriptors, say) is not looked at. Nodes are numbered
+ * from 1, elements as their sections say.
  */
 #ifdef PL_HDF5
 #include "io/core/format.h"
@@ -227,7 +227,9 @@ static int read_all(cgns_reader *r) {
         status = read_nodes(r, n_nodes);
     if (!status)
         status = cgns_read_elements(r);
-    return status ? status : cgns_read_groups(r);
+    if (!status)
+        status = cgns_read_groups(r);
+    return status ? status : cgns_read_data(r);
 }
 
 static int cgns_read(io_model *model, planish_error *error) {

@@ -1,5 +1,5 @@
-/* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c and
- * cgns_groups.c.
+/* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c,
+ * cgns_groups.c and cgns_data.c.
  *
  * A node of CGNS is a group of HDF5 with a label that tells what it is; its data are the array
  * " data" in it. All functions return 0 or a negative planish_status, *reader->error filled in.
@@ -51,5 +51,10 @@ void cgns_release_sections(cgns_reader *r);
 /** Sections and boundary conditions become entities and groups; what connects the zone with itself
  *  holds its nodes. */
 int cgns_read_groups(cgns_reader *r);
+
+/* ---- cgns_data.c --------------------------------------------------------------------------- */
+
+/** Values of cells in solutions become arrays (arrays.h); groups have been read. */
+int cgns_read_data(cgns_reader *r);
 
 #endif

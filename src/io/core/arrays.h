@@ -2,8 +2,8 @@
  *
  * A reader fills in those whose values are whole numbers at all elements that are smoothed. When
  * all has been read, planish_find_regions says which of them tell regions, or the user does. They
- * split the regions that the file's entities make, if it has entities of its own (Gmsh); a reader
- * that fills in io_cells.region itself has no arrays.
+ * split the regions that the file's entities make, if it has entities of its own (Gmsh, CGNS); a
+ * reader that fills in io_cells.region itself has no arrays.
  */
 #ifndef PL_IO_CORE_ARRAYS_H
 #define PL_IO_CORE_ARRAYS_H
