@@ -152,13 +152,6 @@ static int read_nodes(abaqus_reader *r) {
     return status ? status : io_settle_node_numbers(r->model, &r->numbers, r->error);
 }
 
-int64_t abaqus_node(const abaqus_reader *r, int64_t number) {
-    if (r->numbers)
-        return io_numbers_find(r->numbers, number);
-    const int64_t first = r->model->first_number; /* not negative */
-    return number >= first && number - first < r->model->n_nodes ? number - first : -1;
-}
-
 /* ---- types of elements -------------------------------------------------------------------- */
 
 /** Names of types begin so, and go on with the number of nodes. */
@@ -286,7 +279,7 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, abaqus_span line, int 
         abaqus_span item = {line.end, line.end};
         if (!element_item(cursor, &line, &item) || abaqus_integer(item, &number))
             return fail_item(r, item, "the number of a node");
-        const int64_t index = abaqus_node(r, number);
+        const int64_t index = io_node_index(r->model, r->numbers, number);
         if (index < 0)
             return io_fail_text(r->model, item.begin, r->error,
                                 "element %lld: there is no node %lld", (long long)label,
@@ -316,7 +309,7 @@ static void hold_element(abaqus_reader *r, const abaqus_block *b, io_cursor *cur
             break;
         if (!abaqus_local(r, b, &item) || abaqus_integer(item, &number))
             continue;
-        const int64_t index = abaqus_node(r, number);
+        const int64_t index = io_node_index(r->model, r->numbers, number);
         if (index >= 0)
             io_hold_node(r->model, index, IO_HELD_BY_OTHER);
     }

@@ -74,8 +74,6 @@ int abaqus_is_quoted(abaqus_span name);
 abaqus_span abaqus_unquoted(abaqus_span name);
 /** A whole number that is all of the item. 0 or -1. */
 int abaqus_integer(abaqus_span item, int64_t *value);
-/** Index of a node, or -1. */
-int64_t abaqus_node(const abaqus_reader *reader, int64_t number);
 /** What an item of a block names: INSTANCE.NAME without its instance. 0 if numbers there are of
  *  another numbering than the mesh's. */
 int abaqus_local(const abaqus_reader *reader, const abaqus_block *block, abaqus_span *item);

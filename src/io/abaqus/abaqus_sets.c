@@ -172,7 +172,8 @@ static int number_elements(sets *s) {
 
 /** Index of the thing of that number, or -1: there is none, or it is no cell that is kept. */
 static int64_t find_thing(const sets *s, set_kind things, int64_t number) {
-    return things == NODES ? abaqus_node(s->reader, number) : io_numbers_find(s->elements, number);
+    return things == NODES ? io_node_index(s->reader->model, s->reader->numbers, number)
+                           : io_numbers_find(s->elements, number);
 }
 
 /** A line at that place asks for n members. A few bytes can ask for all things that there are, and
@@ -380,7 +381,8 @@ static void hold_item(sets *s, const abaqus_block *b, abaqus_span item) {
     const int is_integer = abaqus_integer(local, &number) == 0;
     const int32_t set = is_integer ? -1 : find_named(s, b, NODES, item);
     if (is_integer || (set < 0 && whole_number(local, &number) == 0)) {
-        const int64_t node = is_here ? abaqus_node(s->reader, number) : -1;
+        const int64_t node =
+            is_here ? io_node_index(s->reader->model, s->reader->numbers, number) : -1;
         if (node >= 0)
             io_hold_node(model, node, IO_HELD_REQUIRED);
         return;

@@ -157,6 +157,7 @@ typedef struct io_model {
     io_bytes *companion; /* files beside the input, written along with it as they are (TetGen) */
     int n_companions, n_read; /* the first of these are read, too */
     int64_t largest_copy;     /* files of more bytes are mapped (bytes.h) */
+    int is_binary;            /* errors name bytes, not lines (io_fail_at) */
     int threads;
     double flatness; /* how far off their plane nodes may be, of the diagonal; 0: by the digits */
     int is_isolated; /* the HDF5 library is to be called where its crash does no harm (child.h) */
@@ -264,6 +265,17 @@ void io_settle_cell_numbers(io_cells *cells);
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);
 
+/** Return the index of the node with that number in the file, or -1. numbers: the table of
+ *  io_settle_node_numbers, or NULL: they are consecutive. */
+static inline int64_t io_node_index(const io_model *model, const io_numbers *numbers,
+                                    int64_t number) {
+    if (numbers)
+        return io_numbers_find(numbers, number);
+    /* unsigned: a number far below first_number must not overflow */
+    const uint64_t index = (uint64_t)number - (uint64_t)model->first_number;
+    return index < (uint64_t)model->n_nodes ? (int64_t)index : -1;
+}
+
 /** Release the arrays of cells; NULL then. */
 void io_cells_release(io_cells *cells);
 
@@ -272,6 +284,9 @@ void io_model_destroy(io_model *model);
 
 /* ---- errors --------------------------------------------------------------------------------- */
 
+/** Fail at a place of the file: io_fail_byte where model->is_binary, else io_fail_text. */
+int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format, ...)
+    PL_PRINTF(4, 5);
 /** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
 int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
                  ...) PL_PRINTF(4, 5);

@@ -42,8 +42,8 @@ static int read_byte_order(gmsh_reader *reader) {
     reader->swapped = 1;
     if (io_load_i32(reader->cursor.at - 4, 1) == 1)
         return 0;
-    return gmsh_fail(reader, reader->cursor.at - 4, reader->error,
-                     "byte order mark is not the integer 1");
+    return io_fail_at(reader->model, reader->cursor.at - 4, reader->error,
+                      "byte order mark is not the integer 1");
 }
 
 /** 10 to 22, 40 or 41; 0 for versions that are not read. */
@@ -65,16 +65,16 @@ static int read_header(gmsh_reader *reader) {
         return gmsh_fail_expected(reader, "$MeshFormat: version, file type and data size");
     reader->version = version_of(version);
     if (reader->version == 0)
-        return gmsh_fail(reader, at, reader->error,
-                         "MSH version %g: versions 1, 2.0 to 2.2, 4.0 and 4.1 are read; convert "
-                         "the file with gmsh IN.msh -0 -format msh41 -o OUT.msh",
-                         version);
+        return io_fail_at(reader->model, at, reader->error,
+                          "MSH version %g: versions 1, 2.0 to 2.2, 4.0 and 4.1 are read; convert "
+                          "the file with gmsh IN.msh -0 -format msh41 -o OUT.msh",
+                          version);
     if ((type != 0 && type != 1) || size != 8)
-        return gmsh_fail(reader, at, reader->error,
-                         "file type %lld and data size %lld: 0 or 1 and 8 expected",
-                         (long long)type, (long long)size);
-    reader->binary = type == 1;
-    return reader->binary ? read_byte_order(reader) : 0;
+        return io_fail_at(reader->model, at, reader->error,
+                          "file type %lld and data size %lld: 0 or 1 and 8 expected",
+                          (long long)type, (long long)size);
+    reader->model->is_binary = type == 1;
+    return reader->model->is_binary ? read_byte_order(reader) : 0;
 }
 
 /* ---- the sections ------------------------------------------------------------------------- */
@@ -88,9 +88,9 @@ typedef struct known_section {
 } known_section;
 
 static int refuse_parametric(gmsh_reader *reader) {
-    return gmsh_fail(reader, reader->cursor.at, reader->error,
-                     "$ParametricNodes are not read; convert the file with gmsh IN.msh -0 "
-                     "-format msh41 -o OUT.msh");
+    return io_fail_at(reader->model, reader->cursor.at, reader->error,
+                      "$ParametricNodes are not read; convert the file with gmsh IN.msh -0 "
+                      "-format msh41 -o OUT.msh");
 }
 
 /* The last ones are of MSH 1. */
@@ -131,14 +131,14 @@ static int skip_section(gmsh_reader *reader, const char *name, int64_t length) {
     io_cursor *cursor = &reader->cursor;
     int written = make_end_mark(name, length, end_mark, sizeof end_mark);
     if (written < 0 || written >= (int)sizeof end_mark)
-        return gmsh_fail(reader, name, reader->error, "section name is too long");
+        return io_fail_at(reader->model, name, reader->error, "section name is too long");
     const char *begin = cursor->at;
     for (;;) {
         int64_t found;
         cursor->at = io_find_line(cursor->at, cursor->end, end_mark);
         if (cursor->at == cursor->end)
-            return gmsh_fail(reader, begin, reader->error, "no %s (the file may be cut short)",
-                             end_mark);
+            return io_fail_at(reader->model, begin, reader->error,
+                              "no %s (the file may be cut short)", end_mark);
         const char *word = io_word(cursor, &found);
         if (io_word_is(word, found, end_mark, 0))
             return 0;
@@ -153,15 +153,15 @@ static int expect_end(gmsh_reader *reader, const char *name) {
     const char *word = io_word(&reader->cursor, &length);
     if (io_word_is(word, length, end_mark, 0))
         return 0;
-    return gmsh_fail(reader, word, reader->error,
-                     "%s expected: the file is cut short or a count is wrong", end_mark);
+    return io_fail_at(reader->model, word, reader->error,
+                      "%s expected: the file is cut short or a count is wrong", end_mark);
 }
 
 /** Data in a binary file by their count, if the end of the section is found behind them. */
 static int skip_data_section(gmsh_reader *reader, const char *name, int64_t length) {
     static const char *const data[] = {"NodeData", "ElementData", "ElementNodeData"};
     const io_cursor before = reader->cursor;
-    for (size_t i = 0; reader->binary && i < sizeof data / sizeof data[0]; i++) {
+    for (size_t i = 0; reader->model->is_binary && i < sizeof data / sizeof data[0]; i++) {
         if (!io_word_is(name, length, data[i], 0))
             continue;
         planish_error *error = reader->error, ignored;
@@ -192,7 +192,8 @@ static int read_section(gmsh_reader *reader, const char *name, int64_t length) {
     if (!read)
         return pass_over(reader, name, length);
     if (section->needs_nodes && !reader->have_nodes)
-        return gmsh_fail(reader, name, reader->error, "$%s stands before $Nodes", section->name);
+        return io_fail_at(reader->model, name, reader->error, "$%s stands before $Nodes",
+                          section->name);
     int status = read(reader);
     return status ? status : expect_end(reader, section->name);
 }
@@ -209,8 +210,8 @@ static const char *next_section(io_cursor *cursor, int64_t *length) {
 }
 
 static int fail_foreign(gmsh_reader *reader, const char *at) {
-    return gmsh_fail(
-        reader, at, reader->error,
+    return io_fail_at(
+        reader->model, at, reader->error,
         "no $MeshFormat: this is no mesh of Gmsh's (others call their files .msh, too)");
 }
 
@@ -225,7 +226,7 @@ static int read_any_section(gmsh_reader *reader, const char *name, int64_t lengt
     if (reader->version == 0 && is_old(name, length))
         reader->version = 10;
     if (reader->version == 0 && find_section(name, length))
-        return gmsh_fail(reader, name, reader->error, "no $MeshFormat before this section");
+        return io_fail_at(reader->model, name, reader->error, "no $MeshFormat before this section");
     const int status = read_section(reader, name, length);
     if (status == PLANISH_ERROR_FORMAT && reader->version == 0)
         return fail_foreign(reader, name);
@@ -245,9 +246,9 @@ static int read_sections(gmsh_reader *reader) {
     if (reader->version == 0)
         return fail_foreign(reader, reader->cursor.end);
     if (!reader->have_nodes || !reader->have_elements)
-        return gmsh_fail(reader, reader->cursor.end, reader->error,
-                         "the file ends without %s (it may be cut short)",
-                         reader->have_nodes ? "$Elements" : "$Nodes");
+        return io_fail_at(reader->model, reader->cursor.end, reader->error,
+                          "the file ends without %s (it may be cut short)",
+                          reader->have_nodes ? "$Elements" : "$Nodes");
     return 0;
 }
 

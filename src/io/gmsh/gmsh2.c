@@ -31,9 +31,9 @@ static int read_text_nodes(void *context, io_cursor *cursor, int64_t begin, int6
     io_model *model = reader->model;
     for (int64_t node = begin; node < end; node++) {
         if (io_integer(cursor, &model->node_number[node]))
-            return gmsh_fail(reader, cursor->at, error,
-                             "number of node %lld of %lld expected (the file may be cut short)",
-                             (long long)node + 1, (long long)model->n_nodes);
+            return io_fail_at(reader->model, cursor->at, error,
+                              "number of node %lld of %lld expected (the file may be cut short)",
+                              (long long)node + 1, (long long)model->n_nodes);
         int status = io_read_point(model, cursor, node, error);
         if (status)
             return status;
@@ -57,13 +57,13 @@ int gmsh2_nodes(gmsh_reader *reader) {
     io_model *model = reader->model;
     int64_t n;
     int status = gmsh_take_text(reader, &n, "number of nodes");
-    if (!status && reader->binary)
+    if (!status && reader->model->is_binary)
         status = gmsh_end_line(reader);
     if (!status)
         status = gmsh_make_nodes(reader, n, NODE_TEXT, NODE_SIZE);
     if (status)
         return status;
-    if (!reader->binary) {
+    if (!reader->model->is_binary) {
         status = io_text_records(&reader->text, &reader->cursor, n, 4, read_text_nodes, reader,
                                  reader->error);
     } else {
@@ -105,9 +105,9 @@ static int32_t entity_of(io_model *model, element_owner owner, planish_error *er
 }
 
 static int fail_element(const gmsh_reader *reader, const char *at, planish_error *error) {
-    return gmsh_fail(reader, at, error,
-                     "element: number, type, tags and nodes expected (the file may be cut short, "
-                     "or the number of elements is wrong)");
+    return io_fail_at(reader->model, at, error,
+                      "element: number, type, tags and nodes expected (the file may be cut short, "
+                      "or the number of elements is wrong)");
 }
 
 /** The tags of an element: their number and as many, or in MSH 1 two and the number of its nodes.
@@ -149,8 +149,8 @@ static int read_element_text(const gmsh_reader *reader, io_cursor *cursor, eleme
 
 static int fail_node(const gmsh_reader *reader, const char *at, int64_t number, int64_t node,
                      planish_error *error) {
-    return gmsh_fail(reader, at, error, "element %lld: there is no node %lld", (long long)number,
-                     (long long)node);
+    return io_fail_at(reader->model, at, error, "element %lld: there is no node %lld",
+                      (long long)number, (long long)node);
 }
 
 /* ---- elements of text files --------------------------------------------------------------- */
@@ -238,7 +238,7 @@ static int store_cell(const gmsh_reader *reader, io_cursor *cursor, const elemen
         int64_t number;
         if (io_integer(cursor, &number))
             return fail_element(reader, element->at, error);
-        int64_t node = gmsh_node(reader, number);
+        int64_t node = io_node_index(reader->model, reader->numbers, number);
         if (node < 0)
             return fail_node(reader, element->at, element->number, number, error);
         cells->nodes[index * corners + i] = (int32_t)node;
@@ -255,7 +255,7 @@ static int hold_rest(const gmsh_reader *reader, io_cursor *cursor, const element
         int64_t number;
         if (io_integer(cursor, &number))
             return fail_element(reader, element->at, error);
-        int64_t node = gmsh_node(reader, number);
+        int64_t node = io_node_index(reader->model, reader->numbers, number);
         if (node < 0)
             return fail_node(reader, element->at, element->number, number, error);
         io_hold_node(reader->model, node, reason);
@@ -417,9 +417,9 @@ static int read_text_elements(gmsh_reader *reader, int64_t n, const char *end, i
     for (int64_t i = 0; !status && i < job.n; i++)
         found += job.chunk[i].n;
     if (!status && found != n)
-        status = gmsh_fail(reader, end, job.error,
-                           "%lld elements expected, %lld found: the file is cut short",
-                           (long long)n, (long long)found);
+        status = io_fail_at(reader->model, end, job.error,
+                            "%lld elements expected, %lld found: the file is cut short",
+                            (long long)n, (long long)found);
     if (!status)
         status = lay_out_chunks(&job);
     if (!status)
@@ -440,7 +440,7 @@ static int store_binary(gmsh_reader *reader, const char *at, const element_line 
     int corners = element->type->nodes;
     for (int i = 0; i < corners; i++) {
         int64_t number = io_load_i32(nodes + 4 * i, reader->swapped);
-        int64_t node = gmsh_node(reader, number);
+        int64_t node = io_node_index(reader->model, reader->numbers, number);
         if (node < 0)
             return fail_node(reader, at, element->number, number, reader->error);
         if (!cells)
@@ -475,8 +475,8 @@ static int read_block_header(gmsh_reader *reader, binary_block *block) {
         return status;
     block->size = 4 * (1 + (int64_t)block->n_tags + block->type->nodes);
     if (block->n < 0 || block->n_tags < 0 || block->n > io_left(&reader->cursor) / block->size)
-        return gmsh_fail(reader, at, reader->error,
-                         "a block of %d elements cannot be in the rest of the file", block->n);
+        return io_fail_at(reader->model, at, reader->error,
+                          "a block of %d elements cannot be in the rest of the file", block->n);
     return 0;
 }
 
@@ -518,9 +518,9 @@ static int read_binary_elements(gmsh_reader *reader, int64_t n) {
         binary_block block;
         int status = read_block_header(reader, &block);
         if (!status && block.n > n - found)
-            status = gmsh_fail(reader, reader->cursor.at, reader->error,
-                               "the blocks have more elements than the %lld of the section",
-                               (long long)n);
+            status = io_fail_at(reader->model, reader->cursor.at, reader->error,
+                                "the blocks have more elements than the %lld of the section",
+                                (long long)n);
         if (!status)
             status = read_block(reader, &block);
         if (status)
@@ -533,7 +533,7 @@ static int read_binary_elements(gmsh_reader *reader, int64_t n) {
 /* ---- sections ----------------------------------------------------------------------------- */
 
 static int read_elements(gmsh_reader *reader, int64_t n) {
-    if (reader->binary)
+    if (reader->model->is_binary)
         return read_binary_elements(reader, n);
     const char *begin = reader->cursor.at;
     if (reader->text.threads > 1 && io_left(&reader->cursor) > WORTH_THREADS) {
@@ -549,8 +549,9 @@ int gmsh2_elements(gmsh_reader *reader) {
     int64_t n;
     int status = gmsh_take_text(reader, &n, "number of elements");
     if (!status && reader->have_elements)
-        status = gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Elements");
-    if (!status && reader->binary)
+        status = io_fail_at(reader->model, reader->cursor.at, reader->error,
+                            "there is a second $Elements");
+    if (!status && reader->model->is_binary)
         status = gmsh_end_line(reader);
     if (!status)
         status = gmsh_check_count(reader, n, ELEMENT_TEXT, 2 * 4, "elements");
@@ -572,8 +573,8 @@ int gmsh2_periodic(gmsh_reader *reader) {
         status = gmsh_take_text(reader, &n, "number of periodic nodes");
         if (!status && (n < 0 || n > io_left(&reader->cursor) / 4 + 1))
             status =
-                gmsh_fail(reader, reader->cursor.at, reader->error,
-                          "%lld periodic nodes cannot be in the rest of the file", (long long)n);
+                io_fail_at(reader->model, reader->cursor.at, reader->error,
+                           "%lld periodic nodes cannot be in the rest of the file", (long long)n);
         if (!status)
             status = gmsh_hold_pairs(reader, n, 0);
     }

@@ -144,8 +144,8 @@ static int read_entity(gmsh_reader *reader, int dim) {
 }
 
 int gmsh4_entities(gmsh_reader *reader) {
-    return reader->binary && gmsh_end_line(reader) ? PLANISH_ERROR_FORMAT
-                                                   : read_entities(reader, read_entity);
+    return reader->model->is_binary && gmsh_end_line(reader) ? PLANISH_ERROR_FORMAT
+                                                             : read_entities(reader, read_entity);
 }
 
 static int read_partitioned(gmsh_reader *reader, int dim) {
@@ -172,7 +172,7 @@ static int read_partitioned(gmsh_reader *reader, int dim) {
 int gmsh4_partitioned_entities(gmsh_reader *reader) {
     int64_t n_parts, n_ghosts;
     int32_t ignored;
-    int status = reader->binary ? gmsh_end_line(reader) : 0;
+    int status = reader->model->is_binary ? gmsh_end_line(reader) : 0;
     if (!status)
         status = take_short(reader, &n_parts, "number of parts");
     if (!status)
@@ -200,7 +200,7 @@ typedef struct block_head {
 
 static int take_section_head(gmsh_reader *reader, section_head *head) {
     int64_t ignored;
-    int status = reader->binary ? gmsh_end_line(reader) : 0;
+    int status = reader->model->is_binary ? gmsh_end_line(reader) : 0;
     if (!status)
         status = gmsh_take_size(reader, &head->n_blocks, "number of blocks");
     if (!status)
@@ -216,7 +216,7 @@ static int take_section_head(gmsh_reader *reader, section_head *head) {
 static int take_block_head(gmsh_reader *reader, const section_head *section, int64_t done,
                            block_head *head) {
     int status;
-    if (!reader->binary)
+    if (!reader->model->is_binary)
         io_skip_space(&reader->cursor);
     head->at = reader->cursor.at;
     status = gmsh_take_int(reader, is_40(reader) ? &head->tag : &head->dim,
@@ -229,20 +229,21 @@ static int take_block_head(gmsh_reader *reader, const section_head *section, int
     if (!status)
         status = gmsh_take_size(reader, &head->n, "size of a block");
     if (!status && (head->dim < 0 || head->dim > 3))
-        return gmsh_fail(reader, head->at, reader->error, "block of dimension %d", head->dim);
+        return io_fail_at(reader->model, head->at, reader->error, "block of dimension %d",
+                          head->dim);
     if (!status && (head->n < 0 || head->n > section->n - done))
-        return gmsh_fail(reader, head->at, reader->error,
-                         "the blocks have more than the %lld nodes or elements of the section",
-                         (long long)section->n);
+        return io_fail_at(reader->model, head->at, reader->error,
+                          "the blocks have more than the %lld nodes or elements of the section",
+                          (long long)section->n);
     return status;
 }
 
 static int check_total(const gmsh_reader *reader, const section_head *section, int64_t done) {
     if (done == section->n)
         return 0;
-    return gmsh_fail(reader, reader->cursor.at, reader->error,
-                     "the blocks have %lld of the %lld nodes or elements of the section",
-                     (long long)done, (long long)section->n);
+    return io_fail_at(reader->model, reader->cursor.at, reader->error,
+                      "the blocks have %lld of the %lld nodes or elements of the section",
+                      (long long)done, (long long)section->n);
 }
 
 /* ---- nodes -------------------------------------------------------------------------------- */
@@ -259,8 +260,8 @@ static int read_text_tags(void *context, io_cursor *cursor, int64_t begin, int64
     int64_t *number = block->reader->model->node_number + block->first;
     for (int64_t i = begin; i < end; i++)
         if (io_integer(cursor, &number[i]))
-            return gmsh_fail(block->reader, cursor->at, error,
-                             "node tag expected (the file may be cut short)");
+            return io_fail_at(block->reader->model, cursor->at, error,
+                              "node tag expected (the file may be cut short)");
     return 0;
 }
 
@@ -276,8 +277,8 @@ static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int
             return status;
         for (int k = 0; k < block->extra; k++)
             if (io_real(cursor, &ignored))
-                return gmsh_fail(block->reader, cursor->at, error,
-                                 "parametric coordinate expected (the file may be cut short)");
+                return io_fail_at(block->reader->model, cursor->at, error,
+                                  "parametric coordinate expected (the file may be cut short)");
     }
     return 0;
 }
@@ -335,8 +336,8 @@ static int read_binary_block(gmsh_reader *reader, node_block *block, int64_t n) 
     if (n == 0)
         return 0;
     if (n > io_left(cursor) / (apart + size))
-        return gmsh_fail(reader, cursor->at, reader->error,
-                         "%lld nodes cannot be in the rest of the file", (long long)n);
+        return io_fail_at(reader->model, cursor->at, reader->error,
+                          "%lld nodes cannot be in the rest of the file", (long long)n);
     int status = 0;
     if (apart > 0)
         status = io_binary_records(model->threads, cursor, n, apart, read_binary_tags, block,
@@ -369,8 +370,8 @@ int gmsh4_nodes(gmsh_reader *reader) {
         if (status)
             break;
         node_block block = {reader, done, head.kind != 0 ? head.dim : 0};
-        status = reader->binary ? read_binary_block(reader, &block, head.n)
-                                : read_text_block(reader, &block, head.n);
+        status = reader->model->is_binary ? read_binary_block(reader, &block, head.n)
+                                          : read_text_block(reader, &block, head.n);
         for (int64_t k = 0; !status && block.extra > 0 && k < head.n; k++)
             io_hold_node(reader->model, (int32_t)(done + k), IO_HAS_PARAMETERS);
         done += !status ? head.n : 0;
@@ -394,9 +395,10 @@ typedef struct element_block {
 /** Node number i of the element that is put at index. */
 static int put_node(const element_block *block, const char *at, int64_t index, int i,
                     int64_t number, planish_error *error) {
-    int64_t node = gmsh_node(block->reader, number);
+    int64_t node = io_node_index(block->reader->model, block->reader->numbers, number);
     if (node < 0)
-        return gmsh_fail(block->reader, at, error, "there is no node %lld", (long long)number);
+        return io_fail_at(block->reader->model, at, error, "there is no node %lld",
+                          (long long)number);
     if (block->cells)
         block->cells->nodes[index * block->type->nodes + i] = (int32_t)node;
     else if (block->reason != 0)
@@ -418,8 +420,8 @@ static int read_text_elements(void *context, io_cursor *cursor, int64_t begin, i
     for (int64_t index = block->first + begin; index < block->first + end; index++) {
         for (int i = -1; i < block->type->nodes; i++) {
             if (io_integer(cursor, &number))
-                return gmsh_fail(block->reader, cursor->at, error,
-                                 "element tag or node expected (the file may be cut short)");
+                return io_fail_at(block->reader->model, cursor->at, error,
+                                  "element tag or node expected (the file may be cut short)");
             if (i < 0)
                 put_number(block, index, number);
             else if (put_node(block, cursor->at, index, i, number, error))
@@ -487,7 +489,7 @@ static int read_elements(gmsh_reader *reader, const block_head *head) {
     element_block block = {.first = 0};
     int status = open_block(reader, head, &block);
     int width = 1 + block.type->nodes;
-    if (!status && reader->binary)
+    if (!status && reader->model->is_binary)
         status = io_binary_records(reader->model->threads, &reader->cursor, head->n,
                                    number_size(reader) * width, read_binary_elements, &block,
                                    reader->error);
@@ -505,7 +507,8 @@ int gmsh4_elements(gmsh_reader *reader) {
     int64_t done = 0;
     int status = take_section_head(reader, &section);
     if (!status && reader->have_elements)
-        status = gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Elements");
+        status = io_fail_at(reader->model, reader->cursor.at, reader->error,
+                            "there is a second $Elements");
     if (!status)
         status = gmsh_check_count(reader, section.n, ELEMENT_TEXT,
                                   is_40(reader) ? ELEMENT_SIZE_40 : ELEMENT_SIZE, "elements");
@@ -534,7 +537,7 @@ static int skip_transform_40(gmsh_reader *reader, int64_t *n) {
     enum { TRANSFORM = 16 };
     gmsh_skip_affine(reader);
     int status = gmsh_take_size(reader, n, "number of periodic nodes");
-    if (status || *n >= 0 || !reader->binary)
+    if (status || *n >= 0 || !reader->model->is_binary)
         return status;
     status = gmsh_skip_reals(reader, TRANSFORM, "periodic transform");
     return status ? status : gmsh_take_size(reader, n, "number of periodic nodes");
@@ -542,7 +545,7 @@ static int skip_transform_40(gmsh_reader *reader, int64_t *n) {
 
 /** One pair of entities: dimension and tags, transform, pairs of nodes. */
 static int read_link(gmsh_reader *reader) {
-    const int number_bytes = !reader->binary ? 0 : is_40(reader) ? 4 : 8;
+    const int number_bytes = !reader->model->is_binary ? 0 : is_40(reader) ? 4 : 8;
     int32_t ignored;
     int64_t n;
     int status = 0;
@@ -557,7 +560,7 @@ static int read_link(gmsh_reader *reader) {
 
 int gmsh4_periodic(gmsh_reader *reader) {
     int64_t links;
-    int status = reader->binary ? gmsh_end_line(reader) : 0;
+    int status = reader->model->is_binary ? gmsh_end_line(reader) : 0;
     if (!status)
         status = take_short(reader, &links, "number of periodic entities");
     for (int64_t i = 0; !status && i < links; i++)

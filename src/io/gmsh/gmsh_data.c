@@ -162,7 +162,7 @@ static int is_later_step(const gmsh_reader *reader, const gmsh_data *data) {
 int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end) {
     io_cursor cursor = {begin, end};
     data_head head;
-    if (take_head(&cursor, reader->binary, &head) || head.width != 1)
+    if (take_head(&cursor, reader->model->is_binary, &head) || head.width != 1)
         return 0;
     const gmsh_data data = {.name = head.name,
                             .length = head.length,
@@ -231,9 +231,10 @@ static int read_binary(void *context, io_cursor *cursor, int64_t begin, int64_t 
 static int read_block(const data_values *v, io_cursor *cursor, int64_t n) {
     gmsh_reader *reader = v->reader;
     void *context = (void *)(uintptr_t)v;
-    return reader->binary ? io_binary_records(reader->model->threads, cursor, n, BINARY_SIZE,
-                                              read_binary, context, NULL)
-                          : io_text_records(&reader->text, cursor, n, 2, read_text, context, NULL);
+    return reader->model->is_binary
+               ? io_binary_records(reader->model->threads, cursor, n, BINARY_SIZE, read_binary,
+                                   context, NULL)
+               : io_text_records(&reader->text, cursor, n, 2, read_text, context, NULL);
 }
 
 /** The smoothed element of that number, or -1. Mostly values are in the order of the elements. */
@@ -275,8 +276,9 @@ static int put_block(data_values *v, int64_t n, io_array_filler *filler) {
  */
 static int put_section(data_values *v, const gmsh_data *data, io_array_filler *filler) {
     /* Text may be read by threads, which need all of the file before them; it ends at the mark. */
-    io_cursor cursor = {data->values, v->reader->binary ? data->end : v->reader->text.end};
-    const int64_t size = v->reader->binary ? BINARY_SIZE : TEXT_SIZE;
+    io_cursor cursor = {data->values,
+                        v->reader->model->is_binary ? data->end : v->reader->text.end};
+    const int64_t size = v->reader->model->is_binary ? BINARY_SIZE : TEXT_SIZE;
     if (data->n > (data->end - data->values) / size)
         return PLANISH_ERROR_FORMAT;
     v->next = 0;

@@ -22,9 +22,9 @@ typedef struct name_line {
 } name_line;
 
 static int fail_line(const gmsh_reader *reader, const char *at) {
-    return gmsh_fail(reader, at, reader->error,
-                     "dimension, number and name of a group expected (the file may be cut short, "
-                     "or the number of names is wrong)");
+    return io_fail_at(reader->model, at, reader->error,
+                      "dimension, number and name of a group expected (the file may be cut short, "
+                      "or the number of names is wrong)");
 }
 
 /** The next line that is not empty; 0 at the end. */
@@ -58,16 +58,16 @@ static int read_name(gmsh_reader *reader, const name_line *line) {
         return fail_line(reader, line->begin);
     const int64_t dim = n == 2 ? number[0] : ANY, tag = number[n - 1];
     if (dim < ANY || dim >= N_DIMS || tag < INT32_MIN || tag > INT32_MAX)
-        return gmsh_fail(reader, line->begin, reader->error,
-                         "group %lld of dimension %lld: out of range", (long long)tag,
-                         (long long)dim);
+        return io_fail_at(reader->model, line->begin, reader->error,
+                          "group %lld of dimension %lld: out of range", (long long)tag,
+                          (long long)dim);
     if (open == line->end) /* nothing in quotes: no name */
         return 0;
     const char *begin = open + 1;
     const char *close = memchr(begin, '"', (size_t)(line->end - begin));
     if (!close)
-        return gmsh_fail(reader, line->begin, reader->error,
-                         "closing quote of a name expected (the file may be cut short)");
+        return io_fail_at(reader->model, line->begin, reader->error,
+                          "closing quote of a name expected (the file may be cut short)");
     return io_model_group(reader->model, (int)dim, (int32_t)tag, begin, close - begin,
                           reader->error);
 }

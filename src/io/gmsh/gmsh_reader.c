@@ -3,8 +3,6 @@
 #include "io/gmsh/gmsh_reader.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -146,36 +144,23 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
     const int is_known = number > 0 && number < (int64_t)(sizeof types / sizeof *types) &&
                          types[number].shape != IO_NO_SHAPE;
     if (!is_known)
-        return gmsh_fail(reader, at, error, "element type %lld is not known", (long long)number);
+        return io_fail_at(reader->model, at, error, "element type %lld is not known",
+                          (long long)number);
     *type = &types[number];
     if (io_element_use(*type) == IO_REFUSE)
-        return gmsh_fail(reader, at, error,
-                         "%s of %d nodes: only straight ones (first order) can be smoothed; mesh "
-                         "again with gmsh -order 1",
-                         (*type)->shape == IO_TRIANGLE ? "triangle" : "tetrahedron",
-                         (*type)->nodes);
+        return io_fail_at(reader->model, at, error,
+                          "%s of %d nodes: only straight ones (first order) can be smoothed; mesh "
+                          "again with gmsh -order 1",
+                          (*type)->shape == IO_TRIANGLE ? "triangle" : "tetrahedron",
+                          (*type)->nodes);
     return 0;
 }
 
 /* ---- errors and single numbers ------------------------------------------------------------ */
 
-int gmsh_fail(const gmsh_reader *reader, const char *at, planish_error *error, const char *format,
-              ...) {
-    char text[256];
-    va_list arguments;
-    if (!error)
-        return PLANISH_ERROR_FORMAT;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    if (reader->binary)
-        return io_fail_byte(reader->model, at, error, "%s", text);
-    return io_fail_text(reader->model, at, error, "%s", text);
-}
-
 int gmsh_fail_expected(const gmsh_reader *reader, const char *what) {
-    return gmsh_fail(reader, reader->cursor.at, reader->error,
-                     "%s expected (the file may be cut short)", what);
+    return io_fail_at(reader->model, reader->cursor.at, reader->error,
+                      "%s expected (the file may be cut short)", what);
 }
 
 int gmsh_take_text(gmsh_reader *reader, int64_t *value, const char *what) {
@@ -183,7 +168,7 @@ int gmsh_take_text(gmsh_reader *reader, int64_t *value, const char *what) {
 }
 
 int gmsh_take_int(gmsh_reader *reader, int32_t *value, const char *what) {
-    if (reader->binary) {
+    if (reader->model->is_binary) {
         if (io_left(&reader->cursor) < 4)
             return gmsh_fail_expected(reader, what);
         *value = io_load_i32(reader->cursor.at, reader->swapped);
@@ -198,7 +183,7 @@ int gmsh_take_int(gmsh_reader *reader, int32_t *value, const char *what) {
 }
 
 int gmsh_take_size(gmsh_reader *reader, int64_t *value, const char *what) {
-    if (!reader->binary)
+    if (!reader->model->is_binary)
         return gmsh_take_text(reader, value, what);
     if (io_left(&reader->cursor) < 8)
         return gmsh_fail_expected(reader, what);
@@ -210,7 +195,7 @@ int gmsh_take_size(gmsh_reader *reader, int64_t *value, const char *what) {
 int gmsh_skip_reals(gmsh_reader *reader, int64_t n, const char *what) {
     if (n < 0)
         return gmsh_fail_expected(reader, what);
-    if (reader->binary) {
+    if (reader->model->is_binary) {
         if (n > io_left(&reader->cursor) / 8)
             return gmsh_fail_expected(reader, what);
         reader->cursor.at += 8 * n;
@@ -234,18 +219,18 @@ int gmsh_end_line(gmsh_reader *reader) {
 
 int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes,
                      const char *what) {
-    int64_t bytes = reader->binary ? binary_bytes : text_bytes;
+    int64_t bytes = reader->model->is_binary ? binary_bytes : text_bytes;
     const char *at = reader->cursor.at;
     if (n < 0)
-        return gmsh_fail(reader, at, reader->error, "number of %s is negative", what);
+        return io_fail_at(reader->model, at, reader->error, "number of %s is negative", what);
     /* The last line of a text may lack its end. */
-    if (n > (io_left(&reader->cursor) + !reader->binary) / bytes)
-        return gmsh_fail(reader, at, reader->error,
-                         "%lld %s cannot be in the rest of the file (cut short, or a wrong count)",
-                         (long long)n, what);
+    if (n > (io_left(&reader->cursor) + !reader->model->is_binary) / bytes)
+        return io_fail_at(reader->model, at, reader->error,
+                          "%lld %s cannot be in the rest of the file (cut short, or a wrong count)",
+                          (long long)n, what);
     if (n > INT32_MAX)
-        return gmsh_fail(reader, at, reader->error, "%lld %s: more than planish can number",
-                         (long long)n, what);
+        return io_fail_at(reader->model, at, reader->error, "%lld %s: more than planish can number",
+                          (long long)n, what);
     return 0;
 }
 
@@ -254,17 +239,18 @@ int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, i
 int gmsh_make_nodes(gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes) {
     io_model *model = reader->model;
     if (model->xyz)
-        return gmsh_fail(reader, reader->cursor.at, reader->error, "there is a second $Nodes");
+        return io_fail_at(reader->model, reader->cursor.at, reader->error,
+                          "there is a second $Nodes");
     int status = gmsh_check_count(reader, n, text_bytes, binary_bytes, "nodes");
     if (!status)
-        status = io_model_nodes(model, n, !reader->binary, reader->error);
+        status = io_model_nodes(model, n, !reader->model->is_binary, reader->error);
     if (status)
         return status;
     model->node_number = pl_alloc(n, sizeof *model->node_number);
     if (!model->node_number)
         return pl_fail_memory(reader->error, "the nodes' numbers");
     const io_span text = {.n_nodes = n, .encoding = IO_TEXT};
-    return reader->binary ? 0 : io_model_span(model, text, reader->error);
+    return reader->model->is_binary ? 0 : io_model_span(model, text, reader->error);
 }
 
 int gmsh_load_point(const gmsh_reader *reader, const char *at, int64_t node, planish_error *error) {
@@ -272,8 +258,8 @@ int gmsh_load_point(const gmsh_reader *reader, const char *at, int64_t node, pla
     for (int i = 0; i < 3; i++) {
         xyz[i] = io_load_f64(at + 8 * i, reader->swapped);
         if (!isfinite(xyz[i]))
-            return gmsh_fail(reader, at + 8 * i, error,
-                             "node %lld has a coordinate that is not finite", (long long)node + 1);
+            return io_fail_at(reader->model, at + 8 * i, error,
+                              "node %lld has a coordinate that is not finite", (long long)node + 1);
     }
     return 0;
 }
@@ -296,7 +282,7 @@ static int take_periodic_node(gmsh_reader *reader, int size, int32_t *node) {
         status = gmsh_take_int(reader, &narrow, "node of a periodic pair");
         number = narrow;
     }
-    *node = !status ? (int32_t)gmsh_node(reader, number) : -1;
+    *node = !status ? (int32_t)io_node_index(reader->model, reader->numbers, number) : -1;
     return status;
 }
 

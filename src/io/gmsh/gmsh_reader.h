@@ -1,8 +1,8 @@
 /* gmsh_reader: what the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
  *
  *   gmsh_reader, gmsh_place, gmsh_data   the state of a reader
- *   gmsh_find_type, gmsh_node            element types and nodes by their numbers
- *   gmsh_fail, gmsh_take_..., ...        errors and single numbers
+ *   gmsh_find_type                       element types by their numbers
+ *   gmsh_fail_expected, gmsh_take_...    errors and single numbers
  *   gmsh_make_nodes, gmsh_hold_pairs ... nodes and periodic pairs
  *   gmsh_names.c                         names of groups
  *   gmsh_data.c                          values of elements that may tell regions
@@ -14,8 +14,6 @@
  */
 #ifndef PL_IO_GMSH_GMSH_READER_H
 #define PL_IO_GMSH_GMSH_READER_H
-
-#include "base/printf.h"
 
 #include "io/core/elements.h"
 #include "io/core/records.h"
@@ -41,8 +39,8 @@ typedef struct gmsh_reader {
     planish_error *error;
     io_cursor cursor;
     io_text text;
-    int binary, swapped; /* swapped: not this machine's byte order */
-    int version;         /* 10 to 22, 40, 41; 0: no header has been read */
+    int swapped; /* swapped: not this machine's byte order */
+    int version; /* 10 to 22, 40, 41; 0: no header has been read */
     int have_nodes, have_elements;
     io_numbers *numbers; /* of the nodes, or NULL: consecutive */
     gmsh_place *place;   /* [n_places], owned, by dim and tag once $Entities are read */
@@ -56,20 +54,6 @@ typedef struct gmsh_reader {
  *  NULL. */
 int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                    const io_element_type **type, planish_error *error);
-
-/** Index of the node with that number in the file, or -1. */
-static inline int64_t gmsh_node(const gmsh_reader *reader, int64_t number) {
-    const io_model *model = reader->model;
-    if (reader->numbers != NULL)
-        return io_numbers_find(reader->numbers, number);
-    /* unsigned: a number far below first_number must not overflow */
-    uint64_t index = (uint64_t)number - (uint64_t)model->first_number;
-    return index < (uint64_t)model->n_nodes ? (int64_t)index : -1;
-}
-
-/** An error at a place of the file: its line where it is text, its byte where it is binary. */
-int gmsh_fail(const gmsh_reader *reader, const char *at, planish_error *error, const char *format,
-              ...) PL_PRINTF(4, 5);
 
 /** Fail at the cursor: what was expected there. */
 int gmsh_fail_expected(const gmsh_reader *reader, const char *what);

@@ -16,8 +16,6 @@
 #include "io/core/binary.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <strings.h>
 
 /* ---- keywords ----------------------------------------------------------------------------- */
@@ -74,22 +72,11 @@ int medit_integers_of(const medit_keyword *k) {
     return k->kind == MEDIT_MARKED || k->kind == MEDIT_PAIRS ? k->nodes : k->nodes + 1;
 }
 
-int medit_fail(const medit_reader *r, const char *at, planish_error *error, const char *format,
-               ...) {
-    char text[384];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    return r->binary ? io_fail_byte(r->model, at, error, "%s", text)
-                     : io_fail_text(r->model, at, error, "%s", text);
-}
-
 /* ---- what the walks note ------------------------------------------------------------------ */
 
 int medit_set_version(medit_reader *r, const char *at, int64_t version) {
     if (version < 0 || version > 4)
-        return medit_fail(r, at, r->error,
+        return io_fail_at(r->model, at, r->error,
                           "MeshVersionFormatted %lld is unknown; 0 to 4 can be read",
                           (long long)version);
     /* Only texts have version 0: of programs that do not heed versions, and write doubles. */
@@ -99,7 +86,7 @@ int medit_set_version(medit_reader *r, const char *at, int64_t version) {
 
 int medit_set_dimension(medit_reader *r, const char *at, int64_t dim) {
     if (dim != 2 && dim != 3)
-        return medit_fail(r, at, r->error, "Dimension %lld is unknown; 2 and 3 can be read",
+        return io_fail_at(r->model, at, r->error, "Dimension %lld is unknown; 2 and 3 can be read",
                           (long long)dim);
     r->dim = (int)dim;
     return PLANISH_OK;
@@ -107,12 +94,12 @@ int medit_set_dimension(medit_reader *r, const char *at, int64_t dim) {
 
 int medit_check_keyword(const medit_reader *r, const char *at, const medit_keyword *k) {
     if (k->kind == MEDIT_REFUSED)
-        return medit_fail(r, at, r->error,
+        return io_fail_at(r->model, at, r->error,
                           "%s: elements of second or higher order cannot be smoothed; export the "
                           "mesh with straight elements of first order",
                           k->name);
     if (k->kind != MEDIT_VERTICES && !r->dim)
-        return medit_fail(r, at, r->error, "%s before Dimension", k->name);
+        return io_fail_at(r->model, at, r->error, "%s before Dimension", k->name);
     return PLANISH_OK;
 }
 
@@ -131,7 +118,7 @@ int medit_add_section(medit_reader *r, const medit_keyword *k, int64_t count, co
 
 /** The next whole number; -1 if there is none. */
 static inline int take_integer(const medit_reader *r, io_cursor *cursor, int64_t *value) {
-    if (r->binary) {
+    if (r->model->is_binary) {
         *value = r->integer_size == 4 ? io_load_i32(cursor->at, r->swapped)
                                       : io_load_i64(cursor->at, r->swapped);
         cursor->at += r->integer_size;
@@ -142,7 +129,7 @@ static inline int take_integer(const medit_reader *r, io_cursor *cursor, int64_t
 }
 
 static inline int take_real(const medit_reader *r, io_cursor *cursor, double *value) {
-    if (r->binary) {
+    if (r->model->is_binary) {
         *value = r->real_size == 4 ? (double)io_load_f32(cursor->at, r->swapped)
                                    : io_load_f64(cursor->at, r->swapped);
         cursor->at += r->real_size;
@@ -157,11 +144,11 @@ static int take_index(const medit_reader *r, io_cursor *cursor, int64_t limit, c
                       int64_t record, planish_error *error, int64_t *index) {
     const char *at = cursor->at;
     if (take_integer(r, cursor, index))
-        return medit_fail(r, cursor->at, error,
+        return io_fail_at(r->model, cursor->at, error,
                           "%s %lld: a whole number expected (the file may be cut short)", what,
                           (long long)record + 1);
     if (*index < 1 || *index > limit)
-        return medit_fail(r, r->binary ? at : cursor->at, error,
+        return io_fail_at(r->model, r->model->is_binary ? at : cursor->at, error,
                           "%s %lld: number %lld is not in 1 .. %lld", what, (long long)record + 1,
                           (long long)*index, (long long)limit);
     --*index;
@@ -172,7 +159,7 @@ static int take_reference(const medit_reader *r, io_cursor *cursor, const char *
                           int64_t record, planish_error *error, int32_t *reference) {
     int64_t value;
     if (take_integer(r, cursor, &value) || value < INT32_MIN || value > INT32_MAX)
-        return medit_fail(r, cursor->at, error,
+        return io_fail_at(r->model, cursor->at, error,
                           "%s %lld: a reference of 32 bits expected (the file may be cut short)",
                           what, (long long)record + 1);
     *reference = (int32_t)value;
@@ -187,7 +174,7 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
     io_model *model = r->model;
     for (int64_t i = begin; i < end; i++) {
         double *xyz = model->xyz + 3 * i;
-        if (!r->binary) {
+        if (!r->model->is_binary) {
             io_skip_space_comments(cursor, '#');
             model->text_offset[i] = cursor->at - model->input.data;
         }
@@ -196,12 +183,12 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
             const char *at = cursor->at;
             double value;
             if (take_real(r, cursor, &value))
-                return medit_fail(r, cursor->at, error,
+                return io_fail_at(r->model, cursor->at, error,
                                   "vertex %lld: a coordinate expected (the file may be cut short)",
                                   (long long)i + 1);
             xyz[d] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
             if (!isfinite(xyz[d]))
-                return medit_fail(r, r->binary ? at : cursor->at, error,
+                return io_fail_at(r->model, r->model->is_binary ? at : cursor->at, error,
                                   "vertex %lld has a coordinate that is not finite",
                                   (long long)i + 1);
         }
@@ -282,14 +269,14 @@ static int read_text_records(medit_reader *r, const medit_section *s, io_records
         return status;
     io_skip_space_comments(&cursor, '#');
     if (cursor.at < s->end)
-        return io_fail_text(r->model, cursor.at, r->error, "more than %lld %s follow",
-                            (long long)s->count, s->keyword->name);
+        return io_fail_at(r->model, cursor.at, r->error, "more than %lld %s follow",
+                          (long long)s->count, s->keyword->name);
     return PLANISH_OK;
 }
 
 static int read_records(medit_reader *r, const medit_section *s, io_records_fn *read) {
     r->current = s;
-    if (!r->binary)
+    if (!r->model->is_binary)
         return read_text_records(r, s, read);
     io_cursor cursor = {s->data, s->end};
     return io_binary_records(r->model->threads, &cursor, s->count, medit_binary_size(r, s->keyword),
@@ -298,7 +285,7 @@ static int read_records(medit_reader *r, const medit_section *s, io_records_fn *
 
 static io_span span_of(const medit_reader *r, const medit_section *s) {
     io_span span = {.n_nodes = s->count, .encoding = IO_TEXT};
-    if (r->binary)
+    if (r->model->is_binary)
         span = (io_span){.n_nodes = s->count,
                          .encoding = r->real_size == 4 ? IO_FLOAT32 : IO_FLOAT64,
                          .swapped = r->swapped,
@@ -310,8 +297,8 @@ static io_span span_of(const medit_reader *r, const medit_section *s) {
 static int read_vertex_section(medit_reader *r, const medit_section *s) {
     io_model *model = r->model;
     if (model->xyz)
-        return medit_fail(r, s->data, r->error, "Vertices for the second time");
-    int status = io_model_nodes(model, s->count, !r->binary, r->error);
+        return io_fail_at(r->model, s->data, r->error, "Vertices for the second time");
+    int status = io_model_nodes(model, s->count, !r->model->is_binary, r->error);
     if (status)
         return status;
     model->first_number = 1;
@@ -398,11 +385,11 @@ static int read_sections(medit_reader *r, medit_kind wanted) {
 }
 
 static int read_all(medit_reader *r) {
-    int status = r->binary ? medit_binary_walk(r) : medit_text_walk(r);
+    int status = r->model->is_binary ? medit_binary_walk(r) : medit_text_walk(r);
     if (!status)
         status = read_sections(r, MEDIT_VERTICES);
     if (!status && !r->model->xyz)
-        return medit_fail(r, r->model->input.data + r->model->input.size, r->error,
+        return io_fail_at(r->model, r->model->input.data + r->model->input.size, r->error,
                           "there are no Vertices (the file may be cut short)");
     if (!status)
         status = read_sections(r, MEDIT_CELLS);
@@ -416,9 +403,8 @@ static int read_all(medit_reader *r) {
 }
 
 static int medit_read(io_model *model, planish_error *error) {
-    medit_reader r = {.model = model,
-                      .error = error,
-                      .binary = medit_binary_recognise(model->input.data, model->input.size)};
+    medit_reader r = {.model = model, .error = error};
+    model->is_binary = medit_binary_recognise(model->input.data, model->input.size);
     io_text_init(&r.text, model);
     int status = read_all(&r);
     io_text_release(&r.text);

@@ -8,8 +8,6 @@
 #ifndef PL_IO_MEDIT_MEDIT_H
 #define PL_IO_MEDIT_MEDIT_H
 
-#include "base/printf.h"
-
 #include "io/core/records.h"
 
 typedef enum medit_kind {
@@ -40,7 +38,6 @@ typedef struct medit_reader {
     io_model *model;
     planish_error *error;
     io_text text;
-    int binary;       /* and then: */
     int swapped;      /* not this machine's byte order */
     int real_size;    /* bytes of a coordinate, */
     int integer_size; /* of an index, a reference and a count, */
@@ -57,10 +54,6 @@ typedef struct medit_reader {
 /** The keyword of that name or code, or NULL: it means nothing to planish. */
 const medit_keyword *medit_find_name(const char *word, int64_t length);
 const medit_keyword *medit_find_code(int64_t code);
-
-/** An error at a place of the file: its line where it is text, its byte where it is binary. */
-int medit_fail(const medit_reader *reader, const char *at, planish_error *error, const char *format,
-               ...) PL_PRINTF(4, 5);
 
 /** Refuse a version or dimension that is unknown, or note it. */
 int medit_set_version(medit_reader *reader, const char *at, int64_t version);

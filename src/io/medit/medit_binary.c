@@ -41,8 +41,8 @@ int64_t medit_binary_size(const medit_reader *r, const medit_keyword *k) {
 }
 
 static int fail_cut(const medit_reader *r, const char *at, const char *what) {
-    return io_fail_byte(r->model, at, r->error,
-                        "the file ends where %s should be (it is cut short)", what);
+    return io_fail_at(r->model, at, r->error, "the file ends where %s should be (it is cut short)",
+                      what);
 }
 
 /** The dimension stands right behind the version; the cursor goes behind it. */
@@ -67,16 +67,15 @@ static int read_header(medit_reader *r, io_cursor *cursor) {
 /** The count of a section and its records, from the cursor to next. */
 static int read_section(medit_reader *r, const medit_keyword *k, const char *at, const char *next) {
     if (next - at < r->integer_size)
-        return io_fail_byte(r->model, at, r->error,
-                            "there is no room for the number of %s before the next keyword",
-                            k->name);
+        return io_fail_at(r->model, at, r->error,
+                          "there is no room for the number of %s before the next keyword", k->name);
     int64_t count = load_integer(r, at, r->integer_size), size = medit_binary_size(r, k);
     const char *data = at + r->integer_size;
     if (count < 0 || count > (next - data) / size)
-        return io_fail_byte(r->model, at, r->error,
-                            "%lld %s cannot be in the %lld bytes before the next keyword; the "
-                            "count is wrong or the file is cut short",
-                            (long long)count, k->name, (long long)(next - data));
+        return io_fail_at(r->model, at, r->error,
+                          "%lld %s cannot be in the %lld bytes before the next keyword; the "
+                          "count is wrong or the file is cut short",
+                          (long long)count, k->name, (long long)(next - data));
     return medit_add_section(r, k, count, data, data + count * size);
 }
 
@@ -97,14 +96,14 @@ static int walk_keyword(medit_reader *r, io_cursor *cursor, int *done) {
     if (*done)
         next = r->model->input.size;
     if (next > r->model->input.size)
-        return io_fail_byte(r->model, at + WORD_SIZE, r->error,
-                            "the next keyword should be at byte %lld, behind the end of the file "
-                            "(it may be cut short)",
-                            (long long)next);
+        return io_fail_at(r->model, at + WORD_SIZE, r->error,
+                          "the next keyword should be at byte %lld, behind the end of the file "
+                          "(it may be cut short)",
+                          (long long)next);
     if (next < data - begin)
-        return io_fail_byte(r->model, at + WORD_SIZE, r->error,
-                            "the next keyword should be at byte %lld, which is not behind this one",
-                            (long long)next);
+        return io_fail_at(r->model, at + WORD_SIZE, r->error,
+                          "the next keyword should be at byte %lld, which is not behind this one",
+                          (long long)next);
     cursor->at = begin + next;
     const medit_keyword *k = medit_find_code(code);
     int status = k ? medit_check_keyword(r, at, k) : PLANISH_OK;

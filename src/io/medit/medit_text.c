@@ -6,8 +6,7 @@
 static int take_number(medit_reader *r, io_cursor *cursor, const char *name, int64_t *value) {
     io_skip_space_comments(cursor, '#');
     if (io_integer(cursor, value))
-        return io_fail_text(r->model, cursor->at, r->error, "a whole number expected after %s",
-                            name);
+        return io_fail_at(r->model, cursor->at, r->error, "a whole number expected after %s", name);
     return PLANISH_OK;
 }
 
@@ -23,10 +22,10 @@ static int check_count(const medit_reader *r, const medit_keyword *k, int64_t co
     /* The last number of a file needs no space behind it. */
     if (count >= 0 && count <= (left + 1) / least_bytes(r, k))
         return PLANISH_OK;
-    return io_fail_text(r->model, at, r->error,
-                        "%lld %s cannot be in the %lld bytes that are left; the count is wrong or "
-                        "the file is cut short",
-                        (long long)count, k->name, (long long)left);
+    return io_fail_at(r->model, at, r->error,
+                      "%lld %s cannot be in the %lld bytes that are left; the count is wrong or "
+                      "the file is cut short",
+                      (long long)count, k->name, (long long)left);
 }
 
 static int read_section(medit_reader *r, const medit_keyword *k, io_cursor *cursor) {
@@ -79,8 +78,8 @@ int medit_text_walk(medit_reader *r) {
     while (!status && !done && cursor.at < cursor.end)
         status = walk_keyword(r, &cursor, &done);
     if (!status && !r->version)
-        return io_fail_text(r->model, cursor.end, r->error,
-                            "no MeshVersionFormatted: this is no Medit mesh");
+        return io_fail_at(r->model, cursor.end, r->error,
+                          "no MeshVersionFormatted: this is no Medit mesh");
     /* Vertices may stand before the dimension, which says how long they are. */
     for (int64_t i = 0; i < r->n_sections && !status; i++)
         status = check_count(r, r->sections[i].keyword, r->sections[i].count, r->sections[i].data);

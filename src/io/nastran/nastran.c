@@ -352,14 +352,6 @@ static const card_kind *find_kind(const card *c) {
     return name[0] == 'C' ? &other_element : &other_rigid;
 }
 
-/** Index of a GRID, or -1. */
-static int64_t find_grid(const reader *r, int64_t number) {
-    if (r->numbers)
-        return io_numbers_find(r->numbers, number);
-    const uint64_t index = (uint64_t)number - (uint64_t)r->model->first_number;
-    return index < (uint64_t)r->model->n_nodes ? (int64_t)index : -1;
-}
-
 /** Nodes behind the corners. */
 static int check_first_order(const reader *r, const card_kind *k, card *c) {
     span field;
@@ -393,7 +385,7 @@ static int take_node(const reader *r, card *c, int64_t element, int32_t *node) {
     int status = take_number(r, c, "a node", &number);
     if (status)
         return status;
-    const int64_t index = find_grid(r, number);
+    const int64_t index = io_node_index(r->model, r->numbers, number);
     if (index < 0)
         return io_fail_text(r->model, c->line.text.begin, r->error,
                             "%s %lld: there is no GRID %lld", c->name, (long long)element,
@@ -408,7 +400,7 @@ static int64_t hold_field(reader *r, span field, uint8_t reason) {
     int64_t number;
     if (is_empty_field(field) || parse_number(field, &number))
         return 0;
-    const int64_t index = find_grid(r, number);
+    const int64_t index = io_node_index(r->model, r->numbers, number);
     if (index >= 0)
         io_hold_node(r->model, index, reason);
     return number;

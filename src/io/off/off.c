@@ -32,17 +32,12 @@ typedef struct reader {
     planish_error *error;
     io_text text;
     io_cursor cursor;
-    int binary, swapped;
+    int swapped;
     header header;
     int64_t n_faces;
     int64_t corners;              /* text: of all faces; 0: they differ */
     int64_t n_triangles, n_lines; /* kept so far, where they differ */
 } reader;
-
-static int fail_at(const reader *r, const char *at, const char *text) {
-    return r->binary ? io_fail_byte(r->model, at, r->error, "%s", text)
-                     : io_fail_text(r->model, at, r->error, "%s", text);
-}
 
 /* ---- the first line ----------------------------------------------------------------------- */
 
@@ -72,15 +67,17 @@ static int read_header(reader *r) {
     io_skip_space_comments(&r->cursor, '#');
     const char *word = io_word(&r->cursor, &length);
     if (!parse_header(word, length, &r->header))
-        return fail_at(r, word, "no OFF in the first line: this is no OFF file");
+        return io_fail_at(r->model, word, r->error,
+                          "no OFF in the first line: this is no OFF file");
     if (r->header.is_homogenous || r->header.is_any)
-        return fail_at(r, word,
-                       "4OFF and nOFF have vertices of other than three coordinates, which are not "
-                       "read; convert the file to OFF");
+        return io_fail_at(
+            r->model, word, r->error,
+            "4OFF and nOFF have vertices of other than three coordinates, which are not "
+            "read; convert the file to OFF");
     io_cursor ahead = r->cursor;
     word = io_word(&ahead, &length);
-    r->binary = io_word_is(word, length, "BINARY", 0);
-    if (!r->binary)
+    r->model->is_binary = io_word_is(word, length, "BINARY", 0);
+    if (!r->model->is_binary)
         return PLANISH_OK;
     r->swapped = io_machine_is_little();
     r->cursor = ahead;
@@ -94,24 +91,21 @@ static int read_header(reader *r) {
  *  space behind it. */
 static int check_count(const reader *r, const char *at, int64_t count, int64_t size,
                        const char *what) {
-    const int64_t left = io_left(&r->cursor) + !r->binary;
+    const int64_t left = io_left(&r->cursor) + !r->model->is_binary;
     if (count >= 0 && count <= left / size)
         return PLANISH_OK;
-    return r->binary ? io_fail_byte(r->model, at, r->error,
-                                    "%lld %s cannot be in the %lld bytes that are left; the count "
-                                    "is wrong or the file is cut short",
-                                    (long long)count, what, (long long)io_left(&r->cursor))
-                     : io_fail_text(r->model, at, r->error,
-                                    "%lld %s cannot be in the %lld bytes that are left; the count "
-                                    "is wrong or the file is cut short",
-                                    (long long)count, what, (long long)io_left(&r->cursor));
+    return io_fail_at(r->model, at, r->error,
+                      "%lld %s cannot be in the %lld bytes that are left; the count "
+                      "is wrong or the file is cut short",
+                      (long long)count, what, (long long)io_left(&r->cursor));
 }
 
 static int read_counts(reader *r, int64_t counts[2]) {
     io_cursor *cursor = &r->cursor;
-    if (r->binary) {
+    if (r->model->is_binary) {
         if (io_left(cursor) < N_COUNTS * WORD_SIZE)
-            return fail_at(r, cursor->at, "the numbers of vertices and faces are cut short");
+            return io_fail_at(r->model, cursor->at, r->error,
+                              "the numbers of vertices and faces are cut short");
         for (int i = 0; i < 2; i++)
             counts[i] = io_load_i32(cursor->at + i * WORD_SIZE, r->swapped);
         cursor->at += N_COUNTS * WORD_SIZE;
@@ -121,7 +115,8 @@ static int read_counts(reader *r, int64_t counts[2]) {
         int64_t count;
         io_skip_space_comments(cursor, '#');
         if (io_integer(cursor, &count))
-            return fail_at(r, cursor->at, "the numbers of vertices, faces and edges are expected");
+            return io_fail_at(r->model, cursor->at, r->error,
+                              "the numbers of vertices, faces and edges are expected");
         if (i < 2)
             counts[i] = count;
     }
@@ -159,9 +154,8 @@ static int read_text_vertices(void *context, io_cursor *cursor, int64_t begin, i
         if (status)
             return status;
         if (has_line_end(row, cursor->at))
-            return io_fail_text(r->model, row, error,
-                                "vertex %lld: three coordinates expected in one line",
-                                (long long)i);
+            return io_fail_at(r->model, row, error,
+                              "vertex %lld: three coordinates expected in one line", (long long)i);
         io_skip_line(cursor);
     }
     return PLANISH_OK;
@@ -175,9 +169,8 @@ static int read_binary_vertices(void *context, io_cursor *cursor, int64_t begin,
             double *x = &r->model->xyz[3 * i + d];
             *x = (double)io_load_f32(cursor->at, r->swapped);
             if (!isfinite(*x))
-                return io_fail_byte(r->model, cursor->at, error,
-                                    "vertex %lld has a coordinate that is not finite",
-                                    (long long)i);
+                return io_fail_at(r->model, cursor->at, error,
+                                  "vertex %lld has a coordinate that is not finite", (long long)i);
         }
         cursor->at += r->header.extra * WORD_SIZE;
     }
@@ -188,7 +181,7 @@ static int read_vertices(reader *r, int64_t n) {
     io_model *model = r->model;
     const int64_t stride = (3 + r->header.extra) * WORD_SIZE;
     io_span span = {.n_nodes = n, .encoding = IO_TEXT};
-    if (r->binary)
+    if (r->model->is_binary)
         span = (io_span){.n_nodes = n,
                          .encoding = IO_FLOAT32,
                          .swapped = r->swapped,
@@ -196,13 +189,13 @@ static int read_vertices(reader *r, int64_t n) {
                          .stride = stride};
     model->columns = 3;
     model->first_number = 0;
-    model->precision = r->binary ? PLANISH_FLOAT : PLANISH_DOUBLE;
-    int status = io_model_nodes(model, n, !r->binary, r->error);
+    model->precision = r->model->is_binary ? PLANISH_FLOAT : PLANISH_DOUBLE;
+    int status = io_model_nodes(model, n, !r->model->is_binary, r->error);
     if (!status)
         status = io_model_span(model, span, r->error);
     if (status)
         return status;
-    if (r->binary)
+    if (r->model->is_binary)
         return io_binary_records(model->threads, &r->cursor, n, stride, read_binary_vertices, r,
                                  r->error);
     io_skip_space_comments(&r->cursor, '#');
@@ -216,17 +209,17 @@ static int read_vertices(reader *r, int64_t n) {
 /** The next whole number of a face. */
 static int take_integer(const reader *r, io_cursor *cursor, int64_t face, planish_error *error,
                         int64_t *value) {
-    if (r->binary && io_left(cursor) >= WORD_SIZE) {
+    if (r->model->is_binary && io_left(cursor) >= WORD_SIZE) {
         *value = io_load_i32(cursor->at, r->swapped);
         cursor->at += WORD_SIZE;
         return PLANISH_OK;
     }
-    if (r->binary)
-        return io_fail_byte(r->model, cursor->at, error, "face %lld is cut short", (long long)face);
+    if (r->model->is_binary)
+        return io_fail_at(r->model, cursor->at, error, "face %lld is cut short", (long long)face);
     if (io_integer(cursor, value))
-        return io_fail_text(r->model, cursor->at, error,
-                            "face %lld: a whole number expected (the file may be cut short)",
-                            (long long)face);
+        return io_fail_at(r->model, cursor->at, error,
+                          "face %lld: a whole number expected (the file may be cut short)",
+                          (long long)face);
     return PLANISH_OK;
 }
 
@@ -238,11 +231,11 @@ static int take_node(const reader *r, io_cursor *cursor, int64_t face, planish_e
     *node = (int32_t)value;
     if (status || (value >= 0 && value < r->model->n_nodes))
         return status;
-    if (r->binary)
-        return io_fail_byte(r->model, at, error, "face %lld has vertex %lld of 0 .. %lld",
-                            (long long)face, (long long)value, (long long)r->model->n_nodes - 1);
-    return io_fail_text(r->model, cursor->at, error, "face %lld has vertex %lld of 0 .. %lld",
-                        (long long)face, (long long)value, (long long)r->model->n_nodes - 1);
+    if (r->model->is_binary)
+        return io_fail_at(r->model, at, error, "face %lld has vertex %lld of 0 .. %lld",
+                          (long long)face, (long long)value, (long long)r->model->n_nodes - 1);
+    return io_fail_at(r->model, cursor->at, error, "face %lld has vertex %lld of 0 .. %lld",
+                      (long long)face, (long long)value, (long long)r->model->n_nodes - 1);
 }
 
 /** How many vertices the next face has. */
@@ -252,11 +245,11 @@ static int take_corners(const reader *r, io_cursor *cursor, int64_t face, planis
     int status = take_integer(r, cursor, face, error, corners);
     if (status || (*corners >= 0 && *corners <= io_left(cursor)))
         return status;
-    if (r->binary)
-        return io_fail_byte(r->model, at, error, "face %lld cannot have %lld vertices",
-                            (long long)face, (long long)*corners);
-    return io_fail_text(r->model, cursor->at, error, "face %lld cannot have %lld vertices",
-                        (long long)face, (long long)*corners);
+    if (r->model->is_binary)
+        return io_fail_at(r->model, at, error, "face %lld cannot have %lld vertices",
+                          (long long)face, (long long)*corners);
+    return io_fail_at(r->model, cursor->at, error, "face %lld cannot have %lld vertices",
+                      (long long)face, (long long)*corners);
 }
 
 /** The vertices of a face go where it is kept, or are held. */
@@ -278,17 +271,17 @@ static int take_vertices(reader *r, io_cursor *cursor, int64_t face, int64_t cor
 
 /** Pass over the colour of a face. */
 static int skip_colour(const reader *r, io_cursor *cursor, int64_t face, planish_error *error) {
-    if (!r->binary) {
+    if (!r->model->is_binary) {
         io_skip_line(cursor);
         return PLANISH_OK;
     }
     int64_t n;
     int status = take_integer(r, cursor, face, error, &n);
     if (!status && (n < 0 || n > io_left(cursor) / WORD_SIZE))
-        return io_fail_byte(r->model, cursor->at - WORD_SIZE, error,
-                            "face %lld: a colour of %lld numbers cannot be in the %lld bytes that "
-                            "are left",
-                            (long long)face, (long long)n, (long long)io_left(cursor));
+        return io_fail_at(r->model, cursor->at - WORD_SIZE, error,
+                          "face %lld: a colour of %lld numbers cannot be in the %lld bytes that "
+                          "are left",
+                          (long long)face, (long long)n, (long long)io_left(cursor));
     cursor->at += status ? 0 : n * WORD_SIZE;
     return status;
 }
@@ -300,7 +293,7 @@ static int read_faces(void *context, io_cursor *cursor, int64_t begin, int64_t e
     io_cells *triangles = &r->model->triangle, *lines = &r->model->line;
     for (int64_t i = begin; i < end; i++) {
         int64_t corners;
-        if (!r->binary)
+        if (!r->model->is_binary)
             io_skip_space_comments(cursor, '#');
         int status = take_corners(r, cursor, i, error, &corners);
         if (!status && r->corners && corners != r->corners)
@@ -353,17 +346,18 @@ static int read_all_faces(reader *r) {
     int status = io_cells_reserve(triangles, 2, r->n_faces, 0, 1, r->error);
     if (status)
         return status;
-    if (r->binary || read_triangles(r)) {
+    if (r->model->is_binary || read_triangles(r)) {
         status = io_cells_reserve(lines, 1, r->n_faces, 0, 0, r->error);
         if (!status)
             status = read_faces(r, &r->cursor, 0, r->n_faces, r->error);
     }
     triangles->n = r->n_triangles;
     lines->n = r->n_lines;
-    if (!status && !r->binary)
+    if (!status && !r->model->is_binary)
         io_skip_space_comments(&r->cursor, '#');
-    if (!status && !r->binary && io_left(&r->cursor) > 0)
-        return fail_at(r, r->cursor.at, "more follows than the faces that the count says");
+    if (!status && !r->model->is_binary && io_left(&r->cursor) > 0)
+        return io_fail_at(r->model, r->cursor.at, r->error,
+                          "more follows than the faces that the count says");
     return status;
 }
 
@@ -375,13 +369,15 @@ static int read_all(reader *r) {
     const char *at = r->cursor.at;
     if (!status)
         status = check_count(r, at, counts[0],
-                             r->binary ? (3 + r->header.extra) * WORD_SIZE : 2 * 3, "vertices");
+                             r->model->is_binary ? (3 + r->header.extra) * WORD_SIZE : 2 * 3,
+                             "vertices");
     if (!status)
         status = read_vertices(r, counts[0]);
     if (status)
         return status;
     r->n_faces = counts[1];
-    status = check_count(r, r->cursor.at, r->n_faces, r->binary ? 2 * WORD_SIZE : 2, "faces");
+    status =
+        check_count(r, r->cursor.at, r->n_faces, r->model->is_binary ? 2 * WORD_SIZE : 2, "faces");
     return status ? status : read_all_faces(r);
 }
 
