@@ -1,6 +1,8 @@
 /* vtk_cells: the cells of VTK's grids, whatever file they stand in. */
 #include "io/vtk/vtk_cells.h"
 
+#include "io/core/elements.h"
+
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/records.h"
@@ -31,55 +33,55 @@ enum {
     VTK_LAST_TYPE = 255 /* VTK keeps types in bytes */
 };
 
-/* Types that are lines, triangles or tetrahedra if they have as many nodes; else of class. */
-static const struct simplex {
-    int type, n;
-    cell_class simplex, class;
-    const char *name;
-} simplices[] = {
-    {VTK_LINE, 2, CELL_LINE, CELL_LOWER, "line"},
-    {VTK_POLY_LINE, 2, CELL_LINE, CELL_LOWER, "polyline"},
-    {21, 2, CELL_LINE, CELL_LOWER, "quadratic edge"},
-    {35, 2, CELL_LINE, CELL_LOWER, "cubic line"},
-    {51, 2, CELL_LINE, CELL_LOWER, "parametric curve"},
-    {60, 2, CELL_LINE, CELL_LOWER, "higher order edge"},
-    {68, 2, CELL_LINE, CELL_LOWER, "Lagrange curve"},
-    {75, 2, CELL_LINE, CELL_LOWER, "Bezier curve"},
-    {VTK_TRIANGLE, 3, CELL_TRIANGLE, CELL_WRONG, "triangle"},
-    {VTK_TRIANGLE_STRIP, 3, CELL_TRIANGLE, CELL_OTHER, "triangle strip"},
-    {VTK_POLYGON, 3, CELL_TRIANGLE, CELL_OTHER, "polygon"},
-    {22, -1, CELL_REFUSED, CELL_REFUSED, "quadratic triangle"},
-    {34, -1, CELL_REFUSED, CELL_REFUSED, "biquadratic triangle"},
-    {61, -1, CELL_REFUSED, CELL_REFUSED, "higher order triangle"},
-    {69, 3, CELL_TRIANGLE, CELL_REFUSED, "Lagrange triangle"},
-    {76, 3, CELL_TRIANGLE, CELL_REFUSED, "Bezier triangle"},
-    {VTK_TETRAHEDRON, 4, CELL_TETRAHEDRON, CELL_WRONG, "tetrahedron"},
-    {24, -1, CELL_REFUSED, CELL_REFUSED, "quadratic tetrahedron"},
-    {64, -1, CELL_REFUSED, CELL_REFUSED, "higher order tetrahedron"},
-    {71, 4, CELL_TETRAHEDRON, CELL_REFUSED, "Lagrange tetrahedron"},
-    {78, 4, CELL_TETRAHEDRON, CELL_REFUSED, "Bezier tetrahedron"},
+/** By VTK's number of the type; nodes 0: cells say how many they have. A cell of any type that is
+ *  not here, known to VTK or not, holds its nodes. */
+static const io_element_type types[] = {
+    [VTK_VERTEX] = {"vertex", IO_POINT, 1, 1, NULL},
+    [VTK_POLY_VERTEX] = {"polyvertex", IO_POINT, 1, 0, NULL},
+    [VTK_LINE] = {"line", IO_LINE, 1, 2, NULL},
+    [VTK_POLY_LINE] = {"polyline", IO_LINE, 1, 0, NULL},
+    [VTK_TRIANGLE] = {"triangle", IO_TRIANGLE, 1, 3, NULL},
+    [VTK_TRIANGLE_STRIP] = {"triangle strip", IO_POLYGON, 1, 0, NULL},
+    [VTK_POLYGON] = {"polygon", IO_POLYGON, 1, 0, NULL},
+    [VTK_TETRAHEDRON] = {"tetrahedron", IO_TETRAHEDRON, 1, 4, NULL},
+    [21] = {"quadratic edge", IO_LINE, 2, 3, NULL},
+    [22] = {"quadratic triangle", IO_TRIANGLE, 2, 6, NULL},
+    [24] = {"quadratic tetrahedron", IO_TETRAHEDRON, 2, 10, NULL},
+    [34] = {"biquadratic triangle", IO_TRIANGLE, 2, 7, NULL},
+    [35] = {"cubic line", IO_LINE, 3, 4, NULL},
+    [51] = {"parametric curve", IO_LINE, 2, 0, NULL},
+    [60] = {"higher order edge", IO_LINE, 2, 0, NULL},
+    [61] = {"higher order triangle", IO_TRIANGLE, 3, 10, NULL},
+    [64] = {"higher order tetrahedron", IO_TETRAHEDRON, 3, 20, NULL},
+    [68] = {"Lagrange curve", IO_LINE, 2, 0, NULL},
+    [69] = {"Lagrange triangle", IO_TRIANGLE, 2, 0, NULL},
+    [71] = {"Lagrange tetrahedron", IO_TETRAHEDRON, 2, 0, NULL},
+    [75] = {"Bezier curve", IO_LINE, 2, 0, NULL},
+    [76] = {"Bezier triangle", IO_TRIANGLE, 2, 0, NULL},
+    [78] = {"Bezier tetrahedron", IO_TETRAHEDRON, 2, 0, NULL},
 };
-enum { N_SIMPLICES = sizeof simplices / sizeof *simplices };
+enum { N_TYPES = sizeof types / sizeof *types };
 
-/** What is known of a type; NULL: it is none of lines, triangles and tetrahedra. */
-static const struct simplex *find_simplex(int32_t type) {
-    for (int i = 0; i < N_SIMPLICES; i++)
-        if (simplices[i].type == type)
-            return &simplices[i];
-    return NULL;
+/** Find the row of a type, borrowed; NULL: the table has none. */
+static const io_element_type *find_type(int32_t type) {
+    return type >= 0 && type < N_TYPES && types[type].shape != IO_NO_SHAPE ? &types[type] : NULL;
 }
 
-/** Any other type, known or not, holds its nodes. */
+/** The class of a cell of n nodes. A type whose cells say how many nodes they have (and each line)
+ *  is straight if these are its corners. */
 static cell_class class_of(int32_t type, int64_t n) {
-    if (type == VTK_TETRAHEDRON || type == VTK_TRIANGLE) /* most often */
-        return type == VTK_TRIANGLE ? (n == 3 ? CELL_TRIANGLE : CELL_WRONG)
-                                    : (n == 4 ? CELL_TETRAHEDRON : CELL_WRONG);
-    if (type < 0 || type > VTK_LAST_TYPE)
-        return CELL_WRONG;
-    if (type == VTK_VERTEX || type == VTK_POLY_VERTEX)
-        return CELL_LOWER;
-    const struct simplex *known = find_simplex(type);
-    return !known ? CELL_OTHER : known->n == n ? known->simplex : known->class;
+    static const cell_class kept[] = {CELL_LOWER, CELL_LINE, CELL_TRIANGLE, CELL_TETRAHEDRON};
+    const io_element_type *row = find_type(type);
+    if (!row)
+        return type < 0 || type > VTK_LAST_TYPE ? CELL_WRONG : CELL_OTHER;
+    const int dim = io_element_dim(row), has_corners = n == dim + 1;
+    if (dim == 0 || row->shape == IO_LINE)
+        return dim == 1 && has_corners ? CELL_LINE : CELL_LOWER;
+    if (row->shape == IO_POLYGON)
+        return has_corners ? CELL_TRIANGLE : CELL_OTHER;
+    if (io_element_use(row) == IO_KEEP)
+        return has_corners ? kept[dim] : CELL_WRONG;
+    return has_corners && row->nodes == 0 ? kept[dim] : CELL_REFUSED;
 }
 
 /** A walk over the cells; nodes and n are those of the cell that next_cell came to. */
@@ -103,7 +105,7 @@ static int fail_cell(const cell_walk *walk, const char *text) {
 /** The same with the cell's type. */
 static int fail_type(const cell_walk *walk, const char *text) {
     const int32_t type = walk->cells->type[walk->index - 1];
-    const struct simplex *known = find_simplex(type);
+    const io_element_type *known = find_type(type);
     char all[192];
     snprintf(all, sizeof all, "type %d%s%s%s%s", (int)type, known ? " (" : "",
              known ? known->name : "", known ? ")" : "", text);
