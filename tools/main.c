@@ -1,10 +1,11 @@
 /* main: the program planish; finds the command and hands over. */
-#include "commands.h"
-#include "help.h"
-#include "message.h"
-#include "platform.h"
-#include "signals.h"
-#include "suggest.h"
+#include "commands/commands.h"
+#include "options/commands.h"
+#include "options/help.h"
+#include "terminal/message.h"
+#include "terminal/platform.h"
+#include "terminal/signals.h"
+#include "terminal/suggest.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -55,15 +56,27 @@ static int run_help(int argc, char **argv) {
     return print_help(command);
 }
 
+static const struct {
+    pl_command command;
+    int (*run)(const pl_arguments *arguments);
+} functions[] = {
+    {PL_COMMAND_SMOOTH, pl_smooth_command},
+    {PL_COMMAND_QUALITY, pl_quality_command},
+    {PL_COMMAND_REPORT, pl_report_command},
+};
+
+/** Run command on argv, argv[0] its name; return the exit status. */
 static int run_command(const pl_command_text *command, int argc, char **argv) {
     pl_arguments arguments;
     int status = pl_arguments_parse(&arguments, command->command, argc, argv);
+    const int is_work = !status && !arguments.help && !arguments.version;
     if (!status && arguments.help)
         status = print_help(command);
     else if (!status && arguments.version)
         status = print_version();
-    else if (!status)
-        status = command->run(&arguments);
+    for (size_t i = 0; i < sizeof functions / sizeof *functions && is_work; i++)
+        if (functions[i].command == command->command)
+            status = functions[i].run(&arguments);
     pl_arguments_free(&arguments);
     return status;
 }

@@ -1,6 +1,6 @@
 /* system: what operating systems do in ways of their own: memory, files and their names. One of
  * system_posix.c and system_windows.c is built; what the program alone needs is in
- * tools/platform.h.
+ * tools/terminal/platform.h.
  *
  * Paths are UTF-8 on Windows and bytes elsewhere. Files are descriptors of the C library, for its
  * read, write and close. What fails sets errno.

@@ -34,24 +34,25 @@ KNOWS = {
     "src/io/view": ["src/io/core", "src/io/vtk"],
     "src/io/file": ["src/io/view", "src/io/gmsh", "src/io/medit", "src/io/abaqus", "src/io/nastran", "src/io/netgen",
                     "src/io/off", "src/io/tetgen", "src/io/cgns", "src/io/med", "src/io/plex"],
-    "tools": ["src/base"],
-    "tools/report": ["tools", "src/base"],
-    "tools/mpi": ["tools", "src/base"],
+    "tools/terminal": ["src/base"],
+    "tools/options": ["tools/terminal"],
+    "tools/job": ["tools/options"],
+    "tools/report": ["tools/job"],
+    "tools/commands": ["tools/report"],
+    "tools": ["tools/commands"],
+    "tools/mpi": ["tools/commands"],
 }
 
 # Single arrows that are allowed beside these: from and to are beginnings of rooms.
 ALLOWED = [
-    ("tools/output", "src/io/", "the program writes its reports as io writes meshes"),
-    ("tools/output", "tools/", "the program writes its reports as io writes meshes"),
-    ("tools/worst_place", "src/geometry/", "angles"),
+    ("tools/job/output", "src/io/", "the program writes its reports as io writes meshes"),
+    ("tools/job/worst_place", "src/geometry/", "angles"),
     ("tools/report/surface", "src/topology/", "facets"),
     ("tools/report/markup", "src/io/", "base64"),
     ("tools/mpi/surface", "src/topology/", "facets"),
     ("tools/mpi/crew", "src/topology/", "an element's nodes are checked"),
     ("tools/mpi/plexrows", "src/io/", "writing HDF5"),
     ("tools/mpi/plexfile", "src/io/", "writing HDF5"),
-    ("tools/", "tools/report/", "a command makes the report"),
-    ("tools/", "tools/report", "a command makes the report"),
 ]
 
 

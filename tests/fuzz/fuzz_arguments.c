@@ -3,7 +3,7 @@
  */
 #include "fuzz_require.h"
 
-#include "options.h"
+#include "options/options.h"
 
 #include <getopt.h>
 #include <stdint.h>

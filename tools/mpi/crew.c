@@ -1,11 +1,11 @@
 /* crew: the work of planish-mpi in all its processes. */
-#include "crew.h"
+#include "mpi/crew.h"
 
-#include "plexfile.h"
+#include "mpi/plexfile.h"
 
-#include "commands.h"
-#include "message.h"
-#include "signals.h"
+#include "commands/commands.h"
+#include "terminal/message.h"
+#include "terminal/signals.h"
 
 #include "base/clock.h"
 #include "topology/topology.h"

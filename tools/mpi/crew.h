@@ -4,7 +4,7 @@
 #ifndef PL_TOOLS_MPI_CREW_H
 #define PL_TOOLS_MPI_CREW_H
 
-#include "share.h"
+#include "mpi/share.h"
 
 /** One process of them. */
 typedef struct pl_crew {

@@ -1,5 +1,5 @@
 /* exchange: values of ghosts, and sums, by MPI. */
-#include "exchange.h"
+#include "mpi/exchange.h"
 
 #include "base/clock.h"
 

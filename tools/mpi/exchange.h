@@ -4,7 +4,7 @@
 #ifndef PL_TOOLS_MPI_EXCHANGE_H
 #define PL_TOOLS_MPI_EXCHANGE_H
 
-#include "job.h"
+#include "job/job.h"
 
 #include <mpi.h>
 

@@ -1,19 +1,20 @@
 /* large: `planish smooth` on a mesh in PETSc's file, of which the program has no copy.
  *
- * The steps are those of tools/smooth.c; all processes take them, and the first one tells of them.
+ * The steps are those of tools/commands/smooth.c; all processes take them, and the first one tells
+ * of them.
  */
-#include "large.h"
+#include "mpi/large.h"
 
-#include "plexfile.h"
-#include "plexrows.h"
-#include "surface.h"
+#include "mpi/plexfile.h"
+#include "mpi/plexrows.h"
+#include "mpi/surface.h"
 
-#include "message.h"
-#include "output.h"
-#include "progress.h"
-#include "signals.h"
-#include "smooth.h"
-#include "text.h"
+#include "terminal/message.h"
+#include "job/output.h"
+#include "job/progress.h"
+#include "terminal/signals.h"
+#include "commands/smooth.h"
+#include "terminal/text.h"
 
 #include "base/clock.h"
 #include "base/system.h"

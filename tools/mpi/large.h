@@ -2,7 +2,7 @@
 #ifndef PL_TOOLS_MPI_LARGE_H
 #define PL_TOOLS_MPI_LARGE_H
 
-#include "crew.h"
+#include "mpi/crew.h"
 
 /** Whether the mesh is too large for one process, and processes can do what arguments say each with
  *  its part of the file. */

@@ -1,13 +1,13 @@
 /* main: planish-mpi, the program for meshes that MPI processes share. */
 #define _GNU_SOURCE /* affinity */
-#include "large.h"
+#include "mpi/large.h"
 
-#include "commands.h"
-#include "help.h"
-#include "message.h"
-#include "platform.h"
-#include "signals.h"
-#include "threads.h"
+#include "options/commands.h"
+#include "options/help.h"
+#include "terminal/message.h"
+#include "terminal/platform.h"
+#include "terminal/signals.h"
+#include "terminal/threads.h"
 
 #include "base/parallel.h"
 

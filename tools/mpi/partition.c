@@ -4,9 +4,9 @@
  * seconds with faces that it makes first. Here facets are sent to processes by their nodes: the two
  * sides of one meet there, and their elements are told of each other.
  */
-#include "partition.h"
+#include "mpi/partition.h"
 
-#include "piece.h"
+#include "mpi/piece.h"
 
 #include <limits.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* piece: a mesh is cut and handed out by DMPlex. */
-#include "piece.h"
+#include "mpi/piece.h"
 
-#include "partition.h"
+#include "mpi/partition.h"
 
 #include <petscsf.h>
 

@@ -1,9 +1,9 @@
 /* plexfile: meshes in PETSc's HDF5. */
-#include "plexfile.h"
+#include "mpi/plexfile.h"
 
-#include "partition.h"
-#include "plexrows.h"
-#include "signals.h"
+#include "mpi/partition.h"
+#include "mpi/plexrows.h"
+#include "terminal/signals.h"
 
 #include "base/system.h"
 

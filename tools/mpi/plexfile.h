@@ -4,7 +4,7 @@
 #ifndef PL_TOOLS_MPI_PLEXFILE_H
 #define PL_TOOLS_MPI_PLEXFILE_H
 
-#include "share.h"
+#include "mpi/share.h"
 
 #include "io/core/output.h"
 

@@ -4,7 +4,7 @@
  * writes them where they stand. That the rows are these is not taken for granted: they must be the
  * coordinates that the mesh was read with.
  */
-#include "plexrows.h"
+#include "mpi/plexrows.h"
 
 #include "base/checksum.h"
 #include "base/memory.h"

@@ -3,7 +3,7 @@
 #ifndef PL_TOOLS_MPI_PLEXROWS_H
 #define PL_TOOLS_MPI_PLEXROWS_H
 
-#include "plexfile.h"
+#include "mpi/plexfile.h"
 
 /** Why processes cannot read and write the file at path together: NULL, and form is filled in, if
  * they can; "" if it is no such file, or a damaged one, which its reader will say. */

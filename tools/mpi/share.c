@@ -1,5 +1,5 @@
 /* share: from what DMPlex hands out to what planish wants of a part. */
-#include "share.h"
+#include "mpi/share.h"
 
 #include <inttypes.h>
 #include <limits.h>

@@ -6,8 +6,8 @@
 #ifndef PL_TOOLS_MPI_SHARE_H
 #define PL_TOOLS_MPI_SHARE_H
 
-#include "exchange.h"
-#include "piece.h"
+#include "mpi/exchange.h"
+#include "mpi/piece.h"
 
 /** Numbers of what each process has, in the first one: to collect values there. */
 typedef struct pl_collection {

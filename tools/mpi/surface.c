@@ -4,7 +4,7 @@
  * at all of the surface. It gets the nodes there and the elements that have one of them: these have
  * all facets of the surface, and every other facet has a node that is known to be inside.
  */
-#include "surface.h"
+#include "mpi/surface.h"
 
 #include "topology/facets.h"
 

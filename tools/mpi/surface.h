@@ -2,7 +2,7 @@
 #ifndef PL_TOOLS_MPI_SURFACE_H
 #define PL_TOOLS_MPI_SURFACE_H
 
-#include "crew.h"
+#include "mpi/crew.h"
 
 /** What planish_find_slides finds for the whole mesh (whose region is share's), of which all nodes
  *  are free so far: constraint and direction of crew's share. tolerance: as in planish_surface.

@@ -2,7 +2,7 @@
  * the picture; the other parts are in page_tables.c, page_charts.c and page_run.c. */
 #include "report/page.h"
 
-#include "layers.h"
+#include "job/layers.h"
 #include "report/assets.h"
 
 #include "base/system.h"

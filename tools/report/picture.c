@@ -6,9 +6,9 @@
  */
 #include "report/picture.h"
 
-#include "message.h"
+#include "terminal/message.h"
 #include "report/surface.h"
-#include "worst.h"
+#include "job/worst.h"
 
 #include <inttypes.h>
 #include <math.h>

@@ -7,7 +7,7 @@
 #ifndef PL_REPORT_PICTURE_H
 #define PL_REPORT_PICTURE_H
 
-#include "job.h"
+#include "job/job.h"
 #include "report/markup.h"
 
 enum { PL_PICTURE_MOST_STATES = 2 };

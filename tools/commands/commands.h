@@ -1,0 +1,28 @@
+/* commands: one function and one file for each command of the program.
+ *
+ *     smooth.c     from mesh file to better mesh file
+ *     settle.c     smoothed meshes in tilted planes, as their files round them
+ *     quality.c    measures of one mesh or several
+ *     report.c     an HTML page from an earlier result
+ *
+ * Each function does what arguments ask for and returns the exit status of the program.
+ */
+#ifndef PL_TOOLS_COMMANDS_H
+#define PL_TOOLS_COMMANDS_H
+
+#include "job/engine.h"
+#include "options/options.h"
+
+/** Smooth arguments->input and write arguments->output. */
+int pl_smooth_command(const pl_arguments *arguments);
+
+/** Smooth as pl_smooth_command does, with another engine than this process. */
+int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine);
+
+/** Measure the inputs, and compare several. */
+int pl_quality_command(const pl_arguments *arguments);
+
+/** Make an HTML page from the JSON file arguments->input. */
+int pl_report_command(const pl_arguments *arguments);
+
+#endif

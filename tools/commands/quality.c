@@ -1,0 +1,230 @@
+/* quality: the command `planish quality`: what meshes are worth; nothing is changed.
+ *
+ * One mesh is told in full. Several are read, measured and released one after another, and compared
+ * in the end; one that cannot be measured has its message, and the others go on.
+ */
+#include "commands/commands.h"
+
+#include "report/comparison.h"
+#include "job/held.h"
+#include "job/job.h"
+#include "job/layers.h"
+#include "terminal/message.h"
+#include "job/output.h"
+#include "terminal/platform.h"
+#include "job/progress.h"
+#include "report/reports.h"
+#include "report/result.h"
+#include "report/table.h"
+#include "terminal/text.h"
+#include "job/volumes.h"
+#include "job/worst.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** What the meshes of a command line have in common. */
+typedef struct run {
+    const pl_arguments *arguments;
+    pl_progress progress;
+    pl_quality_report report;
+    pl_picture *picture; /* for a page, owned, or NULL */
+    FILE *stream;        /* for tables */
+    pl_compared *mesh;   /* [n] those that were measured; owned */
+    int n;
+} run;
+
+/** The least volume that the options ask for; total: the sum of the signed volumes. */
+static double least_volume(const planish_options *options, double total) {
+    const double fraction = options->min_volume_fraction;
+    return fraction > 0 ? fraction * fabs(total) : options->min_volume;
+}
+
+static int is_comparison(const run *r) {
+    return r->arguments->n_inputs > 1;
+}
+
+static void put_notes(FILE *stream, const pl_job *job, const planish_quality *quality) {
+    pl_table_oddities(stream, job);
+    pl_table_reversed(stream, quality);
+    pl_held_note(stream, job);
+    pl_layers_print(stream, job);
+}
+
+/** Keep the notes of a mesh until its row is printed. */
+static int keep_notes(const run *r, const pl_job *job, pl_compared *mesh) {
+    if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
+        return 0;
+    pl_memory_stream stream;
+    pl_memory_stream_open(&stream);
+    if (stream.file)
+        put_notes(stream.file, job, &mesh->measured.quality);
+    mesh->notes = pl_memory_stream_close(&stream);
+    if (!mesh->notes)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for the notes", mesh->name);
+    return 0;
+}
+
+/** "note: NAME: TEXT" for each. */
+static void print_notes(const pl_compared *mesh) {
+    static const char word[] = "note: ";
+    for (const char *line = mesh->notes; line && *line;) {
+        const int length = (int)strcspn(line, "\n"), skip = (int)strlen(word);
+        pl_note(stderr, "%s: %.*s", mesh->name, length - skip, line + skip);
+        line += length + (line[length] == '\n');
+    }
+}
+
+/** There is no memory for the meshes together. */
+static int complain_meshes(const pl_arguments *arguments, const char *what) {
+    return pl_complain(PL_EXIT_FAILED, "%s (and %d more): out of memory for %s",
+                       arguments->inputs[0], arguments->n_inputs - 1, what);
+}
+
+/** All of one mesh. */
+static void print_table(run *r, const pl_job *job, const pl_measured *measured) {
+    if (r->arguments->verbosity == PL_QUIET || is_comparison(r))
+        return;
+    pl_progress_clear(&r->progress);
+    pl_table_oddities(stderr, job);
+    pl_table_quality(r->stream, job, &measured->quality, &measured->volumes);
+    pl_worst_print(r->stream, &measured->worst, r->arguments->n_worst);
+    pl_volumes_print(stderr, job, &measured->volumes);
+    pl_reversed_print(stderr, job, measured->reversed, measured->quality.reversed);
+    pl_table_reversed(stderr, &measured->quality);
+    pl_layers_print(stderr, job);
+    pl_held_note(stderr, job);
+}
+
+static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
+    pl_measured *measured = &mesh->measured;
+    int status;
+    pl_progress_phase(&r->progress, PL_PHASE_PLANNING);
+    if ((status = pl_job_plan(job)))
+        return status;
+    pl_progress_phase(&r->progress, PL_PHASE_MEASURING);
+    if ((status = pl_job_count_parameters(job)))
+        return status;
+    if ((status = pl_held_count(job)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
+        return status;
+    if ((status = pl_job_measure(job, &measured->quality)))
+        return status;
+    if (pl_job_is_told(job) && (status = pl_layers_count(job, &measured->quality)))
+        return status;
+    const double least = least_volume(&job->options, measured->quality.total_volume);
+    if ((status = pl_volumes_find(job, least, NULL, &measured->volumes)))
+        return status;
+    if (pl_job_is_told(job) &&
+        (status = pl_reversed_find(job, measured->quality.reversed, &measured->reversed)))
+        return status;
+    if ((status = pl_worst_find_asked(job, &measured->worst)))
+        return status;
+    print_table(r, job, measured);
+    if ((status = keep_notes(r, job, mesh)))
+        return status;
+    if ((status = pl_report_draw(job, "mesh", &r->picture)))
+        return status;
+    if (r->arguments->json || r->arguments->report)
+        pl_quality_report_add(&r->report, job, measured);
+    return 0;
+}
+
+static void free_compared(pl_compared *mesh) {
+    pl_worst_free(&mesh->measured.worst);
+    free(mesh->notes);
+    mesh->notes = NULL;
+}
+
+/** One mesh, from its file to a row of the comparison. */
+static int measure_file(run *r, const char *input) {
+    pl_arguments arguments = *r->arguments;
+    pl_compared *mesh = &r->mesh[r->n];
+    pl_job job;
+    arguments.input = input;
+    mesh->name = input;
+    pl_progress_phase(&r->progress, PL_PHASE_READING);
+    int status = pl_job_read(&job, &arguments, &pl_engine_here);
+    if (!status)
+        status = measure_job(r, &job, mesh);
+    mesh->n_elements = job.mesh.n_elements;
+    pl_job_close(&job);
+    pl_volumes_free(&mesh->measured.volumes);
+    free(mesh->measured.reversed);
+    mesh->measured.reversed = NULL;
+    if (status)
+        free_compared(mesh);
+    else
+        r->n++;
+    return status;
+}
+
+static int print_comparison(const run *r) {
+    const int n_worst = r->arguments->n_worst;
+    if (r->arguments->verbosity == PL_QUIET || !is_comparison(r))
+        return 0;
+    if (pl_comparison_print(r->stream, r->mesh, r->n, pl_arguments_bound_volumes(r->arguments)))
+        return complain_meshes(r->arguments, "the table");
+    for (int i = 0; i < r->n && n_worst > 0; i++) {
+        fputc('\n', r->stream);
+        pl_text_put(r->stream, r->mesh[i].name);
+        fputs(":\n", r->stream);
+        pl_worst_print(r->stream, &r->mesh[i].measured.worst, n_worst);
+    }
+    fflush(r->stream); /* what is odd about a mesh comes behind its row */
+    for (int i = 0; i < r->n; i++)
+        print_notes(&r->mesh[i]);
+    return 0;
+}
+
+static int write_reports(run *r) {
+    const pl_arguments *arguments = r->arguments;
+    if ((!arguments->json && !arguments->report) || (r->n == 0 && !is_comparison(r)))
+        return 0;
+    char *text = pl_quality_report_finish(&r->report, is_comparison(r));
+    const int status = pl_reports_write(arguments, text, r->picture, PL_EXIT_FAILED);
+    free(text);
+    return status;
+}
+
+/** All meshes; the status is the worst of theirs. */
+static int measure_all(run *r) {
+    const pl_arguments *arguments = r->arguments;
+    int status = 0;
+    for (int i = 0; i < arguments->n_inputs; i++) {
+        r->progress.file = i;
+        const int of_file = measure_file(r, arguments->inputs[i]);
+        if (of_file && is_comparison(r))
+            status = PL_EXIT_FAILED;
+        else if (of_file)
+            status = of_file;
+    }
+    pl_progress_clear(&r->progress);
+    const int table = print_comparison(r), report = write_reports(r);
+    if (!status)
+        status = table ? table : report;
+    return pl_flush_stdout(status, PL_EXIT_FAILED);
+}
+
+int pl_quality_command(const pl_arguments *arguments) {
+    run r = {.arguments = arguments};
+    int status = pl_output_check_all(arguments);
+    if (status)
+        return status;
+    r.stream = pl_output_takes_stdout(arguments) ? stderr : stdout;
+    r.mesh = calloc((size_t)arguments->n_inputs, sizeof *r.mesh);
+    if (!r.mesh)
+        return complain_meshes(arguments, "the figures");
+    pl_progress_init(&r.progress, arguments);
+    pl_quality_report_begin(&r.report);
+    status = measure_all(&r);
+    pl_quality_report_free(&r.report);
+    pl_picture_free(r.picture);
+    for (int i = 0; i < r.n; i++)
+        free_compared(&r.mesh[i]);
+    pl_progress_free(&r.progress);
+    free(r.mesh);
+    return status;
+}

@@ -1,0 +1,303 @@
+/* report: the command `planish report`: a page for people from the JSON of an earlier run.
+ *
+ * The figures are all in the JSON. The picture is drawn from the mesh files that it names, if they
+ * are still there and have the coordinates that it says.
+ */
+#include "report/reports.h"
+
+#include "commands/commands.h"
+#include "terminal/message.h"
+#include "job/output.h"
+#include "report/page.h"
+#include "terminal/signals.h"
+#include "terminal/text.h"
+
+#include "base/system.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- the JSON ------------------------------------------------------------------------------- */
+
+/* A result of some million elements that fall short has hundreds of megabytes; more is none. */
+static const size_t LARGEST_JSON = (size_t)1 << 30;
+
+/** Read all of file into *text, to be freed, of *length; 0, or an errno that says what is wrong. */
+static int read_all(FILE *file, char **text, size_t *length) {
+    size_t capacity = 1 << 16;
+    *length = 0;
+    *text = malloc(capacity);
+    while (*text && !feof(file)) {
+        errno = 0;
+        *length += fread(*text + *length, 1, capacity - *length, file);
+        if (ferror(file) && errno != EINTR)
+            return errno ? errno : EIO;
+        if (ferror(file))
+            clearerr(file);
+        if (*length < capacity)
+            continue;
+        capacity *= 2;
+        char *longer = capacity <= LARGEST_JSON ? realloc(*text, capacity) : NULL;
+        if (!longer)
+            return capacity <= LARGEST_JSON ? ENOMEM : EFBIG;
+        *text = longer;
+    }
+    return *text ? 0 : ENOMEM;
+}
+
+/** The text of the file at path, to be freed, or NULL after a message. */
+static char *read_text(const char *path, size_t *length) {
+    const int fd = pl_file_open(path, PL_FILE_READ);
+    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    char *text = NULL;
+    const int wrong = file ? read_all(file, &text, length) : errno;
+    if (file)
+        fclose(file);
+    if (!wrong)
+        return text;
+    pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(wrong));
+    free(text);
+    return NULL;
+}
+
+/** Line of text, from 1, that the byte at belongs to. */
+static int64_t line_of(const char *text, const char *at) {
+    int64_t line = 1;
+    for (const char *c = text; c < at; c++)
+        line += *c == '\n';
+    return line;
+}
+
+/** Complain of text, which cJSON could not read from at on: for want of memory, or of JSON. */
+static void complain_json(const char *path, const char *text, const char *at) {
+    pl_complain(PL_EXIT_FAILED,
+                "%s, line %" PRId64 ": is no JSON (or too much for the memory); give the file that "
+                "'planish smooth --json' has written",
+                path, line_of(text, at ? at : text));
+}
+
+/** Whether nothing but white space is left of text [length] from at on. */
+static int is_end(const char *text, size_t length, const char *at) {
+    while (at < text + length && strchr(" \t\r\n", *at) && *at)
+        at++;
+    return at == text + length;
+}
+
+/** Parse the file; NULL after a message. */
+static cJSON *read_result(const char *path, pl_figures *figures) {
+    size_t length;
+    char *text = read_text(path, &length);
+    const char *end = NULL;
+    if (!text)
+        return NULL;
+    cJSON *result = cJSON_ParseWithLengthOpts(text, length, &end, 0);
+    const int is_json = result && is_end(text, length, end);
+    const char *flaw = is_json ? pl_figures_find(result, figures) : NULL;
+    if (!is_json)
+        complain_json(path, text, end);
+    else if (flaw)
+        pl_complain(
+            PL_EXIT_FAILED,
+            "%s: is no result of 'planish smooth --json' or 'planish quality --json': it %s", path,
+            flaw);
+    free(text);
+    if (is_json && !flaw)
+        return result;
+    cJSON_Delete(result);
+    return NULL;
+}
+
+/* ---- the picture ---------------------------------------------------------------------------- */
+
+/** A picture under way, and why it lacks something. */
+typedef struct drawing {
+    const char *json_path;
+    const pl_figures *figures;
+    pl_picture *picture;
+    char lacks[2048];
+} drawing;
+
+/** A state that is to be drawn. */
+typedef struct wanted {
+    const char *name;     /* "before" */
+    const char *file;     /* as the result names it */
+    const char *format;   /* or NULL: to be found out */
+    const char *checksum; /* of its coordinates */
+} wanted;
+
+/** The state is not drawn: why, of which file; once for a state. */
+static void lack(drawing *d, const wanted *w, const char *why) {
+    const size_t used = strlen(d->lacks);
+    char name[256];
+    pl_text_fit(w->file, 60, name, sizeof name);
+    snprintf(d->lacks + used, sizeof d->lacks - used, "%sThe mesh%s%s is not drawn: %s%s%s%s.",
+             used ? " " : "", d->figures->n_states == 2 ? " " : "",
+             d->figures->n_states == 2 ? w->name : "", w->file[0] ? "its file '" : "", name,
+             w->file[0] ? "' " : "", why);
+}
+
+enum { N_PLACES = 3 };
+
+/** Place i at which file may be: as it is named, from here or from the folder of the JSON; in that
+ *  folder. Whether there is a regular file. */
+static int find_place(const drawing *d, const char *file, int i, char *path, size_t size) {
+    const int folder = i > 0 ? (int)(pl_path_name(d->json_path) - d->json_path) : 0;
+    const char *name = i == 2 ? pl_path_name(file) : file;
+    pl_file_status status;
+    if (!file[0] || (i == 1 && pl_path_is_absolute(file)))
+        return 0;
+    const int length = snprintf(path, size, "%.*s%s", folder, d->json_path, name);
+    return length > 0 && (size_t)length < size && pl_file_find(path, &status) == 0 &&
+           status.kind == PL_FILE_REGULAR;
+}
+
+/** Whether the mesh has the coordinates that the result says. */
+static int is_same(const pl_job *job, const char *checksum) {
+    char text[17];
+    snprintf(text, sizeof text, "%016" PRIx64, pl_job_checksum(job));
+    return strcmp(text, checksum) == 0;
+}
+
+static int draw_job(drawing *d, pl_job *job, const wanted *w) {
+    planish_error error;
+    int status = 0;
+    const int code = job->engine->plan_create(job, &error);
+    if (code == PLANISH_ERROR_MEMORY)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (code) {
+        lack(d, w, error.text);
+        return 0;
+    }
+    if (!d->picture)
+        status = pl_picture_begin(job, &d->picture);
+    if (!status && !pl_picture_fits(d->picture, job))
+        lack(d, w, "has other elements");
+    else if (!status)
+        status = pl_picture_take(d->picture, job, w->name);
+    return status;
+}
+
+/** Draw the state from the file at path if it has the mesh; *why is set to why not, or to NULL.
+ *  Returns 0, or an exit status after a message. */
+static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
+    pl_arguments arguments = {.command = PL_COMMAND_REPORT, .input = path};
+    pl_job job = {.arguments = &arguments, .engine = &pl_engine_here};
+    planish_error error;
+    int status = 0;
+    *why = "cannot be read any more";
+    planish_options_init(&job.options);
+    pl_signals_set_input(path);
+    const planish_open_options how = {.format = w->format,
+                                      .threads = job.options.threads,
+                                      .isolated = 1,
+                                      .plane_tolerance = 1e-3}; /* whatever it was taken with */
+    const int code = planish_file_open_with(path, &how, &job.file, &error);
+    if (code)
+        return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
+    *why = "has other coordinates now";
+    job.mesh = planish_file_mesh(job.file);
+    if (is_same(&job, w->checksum)) {
+        *why = NULL;
+        status = draw_job(d, &job, w);
+    }
+    pl_job_close(&job);
+    pl_signals_set_input(NULL);
+    return status;
+}
+
+/** Draw a state from the first place that has its mesh. Returns 0, also where none has it any more,
+ *  or an exit status after a message. */
+static int draw_state(drawing *d, const wanted *w) {
+    const char *why = w->file[0] ? "is not there any more" : "no file is named";
+    int status = 0;
+    for (int i = 0; i < N_PLACES && !status && why; i++) {
+        char path[PATH_MAX];
+        if (find_place(d, w->file, i, path, sizeof path))
+            status = try_place(d, w, path, &why);
+    }
+    if (why)
+        lack(d, w, why);
+    return status;
+}
+
+static int draw(drawing *d) {
+    const cJSON *result = d->figures->result;
+    const char *format = pl_figure_text(result, "format");
+    wanted input = {"before", pl_figure_text(result, "input"), format[0] ? format : NULL,
+                    pl_figure_text(result, "input_checksum")};
+    const wanted output = {"after", pl_figure_text(result, "output"), NULL,
+                           pl_figure_text(result, "checksum")};
+    if (!pl_page_can_draw())
+        return 0;
+    if (d->figures->n_states == 1) {
+        input.name = "mesh";
+        input.checksum = output.checksum;
+        return draw_state(d, &input);
+    }
+    const int status = draw_state(d, &input);
+    return status ? status : draw_state(d, &output);
+}
+
+/* ---- the command ---------------------------------------------------------------------------- */
+
+/** Where the page goes: to output, or beside the JSON under its name. */
+static int find_output(const pl_arguments *arguments, char *path, size_t size) {
+    const char *json = arguments->input, *output = arguments->output;
+    const char *name = pl_path_name(json), *dot = strrchr(name, '.');
+    const int has_extension = dot && dot != name;
+    const int stem = (int)(has_extension ? (size_t)(dot - json) : strlen(json));
+    const int length =
+        output ? snprintf(path, size, "%s", output) : snprintf(path, size, "%.*s.html", stem, json);
+    if (length < 0 || (size_t)length >= size)
+        return pl_complain(PL_EXIT_FAILED, "%s: the name is too long", json);
+    if (!output && pl_output_is_stream(json))
+        return pl_complain_usage("report", "'%s' is no file to put a page beside; name one by -o",
+                                 json);
+    if (pl_output_same_file(path, json))
+        return pl_complain_usage("report", "the page would overwrite '%s'", json);
+    return pl_output_check(path);
+}
+
+/** The meshes are not to be lost by a slip. */
+static int check_meshes(const drawing *d, const char *output) {
+    static const char *const keys[] = {"input", "output"};
+    for (int i = 0; i < 2; i++) {
+        char path[PATH_MAX];
+        const char *file = pl_figure_text(d->figures->result, keys[i]);
+        for (int place = 0; place < N_PLACES; place++)
+            if (find_place(d, file, place, path, sizeof path) &&
+                pl_output_hits_mesh(output, path, NULL))
+                return pl_complain_usage("report", "the page would overwrite the mesh '%s'", path);
+    }
+    return 0;
+}
+
+static int report(drawing *d, const char *output, int is_quiet) {
+    int status = check_meshes(d, output);
+    if (!status)
+        status = draw(d);
+    if (!status && d->lacks[0] && !is_quiet)
+        pl_note(stderr, "%s", d->lacks);
+    if (!status)
+        status = pl_page_write(output, d->figures, d->picture, d->lacks, PL_EXIT_FAILED);
+    return status;
+}
+
+int pl_report_command(const pl_arguments *arguments) {
+    char output[PATH_MAX];
+    pl_figures figures;
+    drawing d = {.json_path = arguments->input, .figures = &figures};
+    cJSON *result = read_result(arguments->input, &figures); /* first: what is no JSON is that */
+    if (!result)
+        return PL_EXIT_FAILED;
+    int status = find_output(arguments, output, sizeof output);
+    if (!status)
+        status = report(&d, output, arguments->verbosity == PL_QUIET);
+    pl_picture_free(d.picture);
+    cJSON_Delete(result);
+    return status;
+}

@@ -1,0 +1,99 @@
+/* settle: what smoothing in a tilted plane becomes as it is written, in space.
+ *
+ * The library has rounded nothing to what the file holds, as no number of its coordinates is one of
+ * the file. So signs are made sure of (planish_file_settle), and the promises of planish_smooth are
+ * looked at again: elements that break them get their nodes back, and if that does not do, all.
+ */
+#include "commands/settle.h"
+
+#include "terminal/message.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As in smooth.c. */
+static const double F_ROUNDING = 1e-12;
+
+/** Whether the mesh was valid, so that its worst element counts. */
+static int was_valid(const pl_result *result) {
+    return result->before.inverted == 0 && result->below_before == 0;
+}
+
+static int is_worse(const pl_job *job, const pl_result *result, const planish_quality *after) {
+    const planish_quality *before = &result->before;
+    if (after->inverted > before->inverted)
+        return 1;
+    if (!was_valid(result) || job->options.method != PLANISH_METHOD_PLANISH)
+        return 0;
+    if (after->max_radius_ratio_movable > before->max_radius_ratio_movable)
+        return 1;
+    return !pl_arguments_change_objective(job->arguments) &&
+           (pl_angle_is_smaller(after->min_angle_deg_movable, before->min_angle_deg_movable) ||
+            after->rms_radius_ratio > before->rms_radius_ratio * (1 + F_ROUNDING));
+}
+
+/** Mark the nodes of elements that are worse than the worst was; not 0: there are any. */
+static int mark_worse(const pl_job *job, const pl_result *result, const double *ratio,
+                      uint8_t *back) {
+    const double most = result->before.max_radius_ratio_movable;
+    int any = 0;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++) {
+        if (ratio[i] > 0 && !(was_valid(result) && ratio[i] > most))
+            continue;
+        for (int k = 0; k < 3; k++) {
+            uint8_t *of_node = &back[job->mesh.elements[3 * i + k]];
+            any |= !*of_node;
+            *of_node = 1;
+        }
+    }
+    return any;
+}
+
+/** Settle until nothing is worse. */
+static int settle(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
+                  planish_error *error) {
+    enum { ROUNDS = 20 };
+    double *coordinates = planish_file_coordinates(job->file);
+    for (int round = 0;; round++) {
+        planish_quality after;
+        int64_t n = 0;
+        int code = planish_file_settle(job->file, coordinates, back, &n, error);
+        if (!code)
+            code = job->engine->measure(job, &after, error);
+        if (code)
+            return code;
+        result->returned_nodes += n;
+        if (!is_worse(job, result, &after) || round > ROUNDS)
+            return PLANISH_OK;
+        code = job->engine->measure_elements(job, ratio, error);
+        if (code)
+            return code;
+        if (round == ROUNDS || !mark_worse(job, result, ratio, back))
+            memset(back, 1, (size_t)job->mesh.n_nodes);
+    }
+}
+
+int pl_settle(pl_job *job, pl_result *result) {
+    planish_error error;
+    planish_plane plane;
+    if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
+        return 0;
+    uint8_t *back = calloc((size_t)job->mesh.n_nodes + 1, 1);
+    double *ratio = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *ratio);
+    int status = 0;
+    if (!back || !ratio)
+        status = pl_complain(PL_EXIT_FAILED, "%s: out of memory for the places of nodes",
+                             job->arguments->input);
+    else if (settle(job, result, back, ratio, &error))
+        status = pl_job_complain(job, PL_EXIT_FAILED, &error);
+    result->smooth.moved_nodes -= result->returned_nodes;
+    if (!status && result->returned_nodes > 0 && job->arguments->verbosity != PL_QUIET)
+        pl_note(stderr,
+                "%" PRId64 " nodes stay where they were: rounded to what the file holds, their new "
+                "places in the tilted plane would make elements worse, or inverted",
+                result->returned_nodes);
+    free(ratio);
+    free(back);
+    return status;
+}

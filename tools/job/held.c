@@ -1,0 +1,259 @@
+/* held: why nodes do not move: what the plan, the file and the options say, put together.
+ *
+ * A node may have several reasons. It is counted once, by the first of them in the order of
+ * pl_held_by.
+ */
+#include "job/held.h"
+
+#include "terminal/message.h"
+#include "terminal/text.h"
+
+#include "base/clock.h"
+
+#include <inttypes.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const names[PL_N_HELD_BY] = {
+    "boundary",  "lines_and_points", "faces_inside",   "interface",   "other_elements", "periodic",
+    "fix",       "required",         "doubled_points", "nonmanifold", "layers",         "wrapped",
+    "not_chosen"};
+
+/** Behind a number of nodes. */
+static const char *const words[PL_N_HELD_BY] = {"on the boundary",
+                                                "on lines or points of the file",
+                                                "on faces that the file lists inside the mesh",
+                                                "between regions",
+                                                "on elements of other types",
+                                                "on periodic sides",
+                                                "in groups of --fix",
+                                                "required by the file",
+                                                "at the place of other nodes",
+                                                "where the mesh is no manifold",
+                                                "on thin layers (--fix-layers)",
+                                                "on elements that wrap around the domain",
+                                                "not chosen by --only-worse-than"};
+
+const char *pl_held_name(int reason) {
+    return names[reason];
+}
+
+/* ---- finding -------------------------------------------------------------------------------- */
+
+/** The bits of one source for bits of the program. */
+typedef struct translation {
+    uint8_t from;
+    uint16_t to;
+} translation;
+
+static const translation of_plan[] = {{PLANISH_HELD_BOUNDARY, 1 << PL_HELD_BY_BOUNDARY},
+                                      {PLANISH_HELD_PERIODIC, 1 << PL_HELD_BY_PERIODIC},
+                                      {PLANISH_HELD_DOUBLED, 1 << PL_HELD_BY_DOUBLED},
+                                      {PLANISH_HELD_NONMANIFOLD, 1 << PL_HELD_BY_NONMANIFOLD},
+                                      {PLANISH_HELD_WRAPPED, 1 << PL_HELD_BY_WRAPPED},
+                                      {PLANISH_HELD_NOT_CHOSEN, 1 << PL_HELD_BY_NOT_CHOSEN},
+                                      {PLANISH_HELD_UNUSED, PL_HELD_NOT_USED}};
+
+static const translation of_file[] = {{PLANISH_FILE_LINE_OR_POINT, 1 << PL_HELD_BY_LINE},
+                                      {PLANISH_FILE_FACE, 1 << PL_HELD_BY_FACE},
+                                      {PLANISH_FILE_INTERFACE, 1 << PL_HELD_BY_INTERFACE},
+                                      {PLANISH_FILE_OTHER_ELEMENT, 1 << PL_HELD_BY_OTHER},
+                                      {PLANISH_FILE_PERIODIC, 1 << PL_HELD_BY_PERIODIC},
+                                      {PLANISH_FILE_FIX, 1 << PL_HELD_BY_FIX},
+                                      {PLANISH_FILE_REQUIRED, 1 << PL_HELD_BY_REQUIRED}};
+
+static uint16_t translate(const translation *table, size_t n, uint8_t bits) {
+    uint16_t result = 0;
+    for (size_t i = 0; i < n; i++)
+        result |= bits & table[i].from ? table[i].to : 0;
+    return result;
+}
+
+/** Add the file's reasons, and those of --fix-layers, to the nodes that the plan holds; scratch
+ *  [n_nodes]. */
+static int add_others(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
+    const planish_hold hold = pl_job_hold(job);
+    const int64_t n = job->mesh.n_nodes;
+    planish_error error;
+    if (planish_file_held(job->file, &hold, scratch, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    for (int64_t i = 0; i < n; i++)
+        if (bits[i])
+            bits[i] |= translate(of_file, sizeof of_file / sizeof *of_file, scratch[i]);
+    for (int64_t i = 0; i < n; i++)
+        scratch[i] = PLANISH_FREE;
+    pl_job_hold_layers(job, scratch);
+    for (int64_t i = 0; i < n; i++)
+        if (bits[i] && scratch[i] == PLANISH_FIXED)
+            bits[i] |= 1 << PL_HELD_BY_LAYERS;
+    return 0;
+}
+
+/** The plan's reasons; a node that it was told to fix has a mark, until others say why. */
+static int take_plan(const pl_job *job, uint8_t *scratch, uint16_t *bits) {
+    planish_error error;
+    if (job->engine->get_held(job, scratch, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
+        bits[i] = translate(of_plan, sizeof of_plan / sizeof *of_plan, scratch[i]);
+        if (scratch[i] & PLANISH_HELD_FIXED)
+            bits[i] |= PL_HELD_TOLD;
+    }
+    return 0;
+}
+
+/** Of nodes that nobody has a reason for. The slides hold some. */
+static void settle(const pl_job *job, uint16_t *bits) {
+    const uint16_t all = (1 << PL_N_HELD_BY) - 1;
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++) {
+        if ((bits[i] & PL_HELD_TOLD) && !(bits[i] & all))
+            bits[i] |= 1 << PL_HELD_BY_REQUIRED;
+        if (bits[i] & PL_HELD_NOT_USED)
+            bits[i] = PL_HELD_NOT_USED;
+        bits[i] &= (uint16_t)~PL_HELD_TOLD;
+    }
+}
+
+int pl_held_find(const pl_job *job, uint16_t **bits) {
+    const size_t n = (size_t)job->mesh.n_nodes;
+    *bits = NULL;
+    if (!job->engine->get_held)
+        return 0;
+    uint16_t *found = calloc(n + 1, sizeof *found);
+    uint8_t *scratch = malloc(n + 1);
+    int status = found && scratch
+                     ? take_plan(job, scratch, found)
+                     : pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
+                                   job->arguments->input, job->mesh.n_nodes);
+    if (!status)
+        status = add_others(job, scratch, found);
+    free(scratch);
+    if (status) {
+        free(found);
+        return status;
+    }
+    settle(job, found);
+    *bits = found;
+    return 0;
+}
+
+/* ---- counting ------------------------------------------------------------------------------- */
+
+static int is_asked(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    return arguments->json || arguments->report || arguments->verbosity >= PL_VERBOSE ||
+           job->plan_info.n_free + job->plan_info.n_sliding == 0;
+}
+
+static void count_node(uint16_t bits, pl_held *held) {
+    int reason = 0;
+    if (bits & PL_HELD_NOT_USED)
+        held->n_unused++;
+    if (!bits || bits & PL_HELD_NOT_USED)
+        return;
+    while (!(bits >> reason & 1))
+        reason++;
+    held->n[reason]++;
+    held->n_held++;
+    held->n_doubled += bits >> PL_HELD_BY_DOUBLED & 1;
+}
+
+int pl_held_count(pl_job *job) {
+    const double begin = pl_seconds();
+    uint16_t *bits;
+    job->held = (pl_held){.is_known = 0};
+    if (!is_asked(job))
+        return 0;
+    const int status = pl_held_find(job, &bits);
+    for (int64_t i = 0; bits && i < job->mesh.n_nodes; i++)
+        count_node(bits[i], &job->held);
+    job->held.is_known = bits != NULL;
+    free(bits);
+    job->shape_seconds += pl_seconds() - begin;
+    return status;
+}
+
+/* ---- saying --------------------------------------------------------------------------------- */
+
+static void add(char *text, size_t size, const char *format, ...) PL_PRINTF(3, 4);
+static void add(char *text, size_t size, const char *format, ...) {
+    const size_t used = strlen(text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text + used, size - used, format, arguments);
+    va_end(arguments);
+}
+
+/** "240 nodes are on the boundary, 12 between regions" behind text. */
+static void add_counts(const pl_held *held, char *text, size_t size) {
+    int listed = 0;
+    for (int i = 0; i < PL_N_HELD_BY; i++)
+        if (held->n[i] > 0) {
+            add(text, size, "%s%" PRId64 "%s %s", listed ? ", " : "", held->n[i],
+                listed           ? ""
+                : held->n[i] > 1 ? " nodes are"
+                                 : " node is",
+                words[i]);
+            listed++;
+        }
+}
+
+/** Whether no two elements share a node. */
+static int have_own_points(const pl_job *job) {
+    return job->mesh.n_nodes - job->held.n_unused == job->mesh.n_elements * (job->mesh.dim + 1);
+}
+
+static void add_doubled(const pl_job *job, char *text, size_t size) {
+    const int64_t n = job->held.n_doubled;
+    if (n > 0 && n != job->held.n[PL_HELD_BY_DOUBLED])
+        add(text, size, "; %" PRId64 " of them %s at the place of other nodes%s", n,
+            n == 1 ? "is" : "are",
+            have_own_points(job) ? " (each element has its own points)" : "");
+}
+
+void pl_held_print(FILE *stream, const pl_job *job) {
+    char text[1024] = "held: ";
+    if (!job->held.is_known)
+        return;
+    if (job->held.n_held == 0)
+        add(text, sizeof text, "no node");
+    add_counts(&job->held, text, sizeof text);
+    add_doubled(job, text, sizeof text);
+    if (job->held.n_unused > 0)
+        add(text, sizeof text, "; %" PRId64 " more %s in no element", job->held.n_unused,
+            job->held.n_unused == 1 ? "node is" : "nodes are");
+    pl_text_wrap(stream, text);
+}
+
+/** What would let nodes move. */
+static void add_advice(const pl_job *job, char *text, size_t size) {
+    const pl_held *held = &job->held;
+    if (held->n_doubled > held->n_held / 2)
+        add(text, size, ": merge equal points first");
+    else if (job->could_slide > 0)
+        add(text, size, ": --slide auto lets %" PRId64 " of them slide", job->could_slide);
+    else if (held->n[PL_HELD_BY_LAYERS] > 0)
+        add(text, size, ": do without --fix-layers");
+    else if (held->n[PL_HELD_BY_FIX] > 0)
+        add(text, size, ": name fewer groups in --fix");
+    else if (held->n[PL_HELD_BY_INTERFACE] > 0)
+        add(text, size, ": --ignore-regions lets nodes between regions move");
+}
+
+void pl_held_explain(const pl_job *job, char *text, size_t size) {
+    text[0] = '\0';
+    if (!job->held.is_known || job->held.n_held == 0)
+        return;
+    add_counts(&job->held, text, size);
+    add_doubled(job, text, size);
+    add_advice(job, text, size);
+}
+
+void pl_held_note(FILE *stream, const pl_job *job) {
+    char text[512];
+    if (job->plan_info.n_free + job->plan_info.n_sliding > 0)
+        return;
+    pl_held_explain(job, text, sizeof text);
+    pl_note(stream, "no node is free to move%s%s", text[0] ? ": " : "", text);
+}

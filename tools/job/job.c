@@ -1,0 +1,452 @@
+/* job: what smooth and quality have in common: a mesh file, the nodes it holds, and a plan for it.
+ */
+#include "job/job.h"
+
+#include "terminal/message.h"
+#include "terminal/signals.h"
+#include "terminal/threads.h"
+
+#include "base/clock.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+int pl_job_binds(const pl_arguments *arguments) {
+    return !arguments->leave_unbound && !getenv("OMP_PLACES") && !getenv("OMP_PROC_BIND") &&
+           !getenv("GOMP_CPU_AFFINITY");
+}
+
+const char *const *pl_job_region_arrays(const pl_job *job) {
+    return planish_file_region_arrays(job->arguments->ignore_regions ? NULL : job->file);
+}
+
+int64_t pl_job_element_number(const pl_job *job, int64_t element) {
+    return job->file ? planish_file_element_number(job->file, element) : element;
+}
+
+/** Whether that is what is wrong: an element with the same node at two corners. */
+static int is_collapsed(const pl_job *job, const planish_error *error) {
+    const int32_t *corner = job->mesh.elements + error->element * (job->mesh.dim + 1);
+    int n = 0;
+    for (int i = 0; i <= job->mesh.dim; i++)
+        n += corner[i] == error->node;
+    return n > 1;
+}
+
+int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
+    const char *input = job->arguments->input;
+    char where[64] = "";
+    /* The library's text has its own numbers. */
+    if (error->code == PLANISH_ERROR_MESH && job->file && error->element >= 0 &&
+        error->element < job->mesh.n_elements && is_collapsed(job, error))
+        return pl_complain(status,
+                           "%s: element %" PRId64 " has node %" PRId64
+                           " twice; remove the collapsed element",
+                           input, planish_file_element_number(job->file, error->element),
+                           planish_file_node_number(job->file, error->node));
+    if (error->element >= 0 && job->file)
+        snprintf(where, sizeof where, " (element %" PRId64 " of the file)",
+                 planish_file_element_number(job->file, error->element));
+    else if (error->node >= 0 && job->file)
+        snprintf(where, sizeof where, " (node %" PRId64 " of the file)",
+                 planish_file_node_number(job->file, error->node));
+    if (error->code == PLANISH_ERROR_FILE || error->code == PLANISH_ERROR_FORMAT)
+        return pl_complain(status, "%s", error->text);
+    return pl_complain(status, "%s: %s%s", input, error->text, where);
+}
+
+static planish_hold hold_of(const pl_arguments *arguments, int slide, int ignore_marks) {
+    return (planish_hold){.tags = arguments->fix,
+                          .n_tags = arguments->n_fix,
+                          .ignore_regions = arguments->ignore_regions,
+                          .ignore_marks = ignore_marks,
+                          .slide = slide,
+                          .slide_tags = arguments->slide_tag,
+                          .n_slide_tags = arguments->n_slide_tags};
+}
+
+planish_hold pl_job_hold(const pl_job *job) {
+    return hold_of(job->arguments, 0, 0);
+}
+
+static int complain_nodes(const pl_job *job) {
+    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
+                       job->arguments->input, job->mesh.n_nodes);
+}
+
+/** Fill constraint with what the file and hold say. */
+static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *constraint) {
+    planish_error error;
+    const int code = planish_file_constraints(job->file, hold, constraint, &error);
+    if (code == PLANISH_ERROR_ARGUMENT)
+        return pl_complain_usage(pl_command_name(job->arguments->command), "%s", error.text);
+    return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
+}
+
+int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
+    planish_error error;
+    *is_layer = malloc((size_t)job->mesh.n_elements + 1);
+    if (!*is_layer)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " elements",
+                           job->arguments->input, job->mesh.n_elements);
+    if (planish_find_layers(&job->mesh, job->options.threads, *is_layer, n, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    return 0;
+}
+
+void pl_job_hold_layers(const pl_job *job, uint8_t *constraint) {
+    const int corners = job->mesh.dim + 1;
+    for (int64_t i = 0; job->is_layer && i < job->mesh.n_elements; i++)
+        for (int j = 0; job->is_layer[i] && j < corners; j++)
+            constraint[job->mesh.elements[i * corners + j]] = PLANISH_FIXED;
+}
+
+static int find_constraints(pl_job *job) {
+    job->constraint = malloc(job->mesh.n_nodes ? (size_t)job->mesh.n_nodes : 1);
+    if (!job->constraint)
+        return complain_nodes(job);
+    const planish_hold hold = hold_of(job->arguments, job->arguments->slide, 0);
+    job->mesh.constraint = job->constraint;
+    int status = find_held(job, &hold, job->constraint);
+    if (!status && job->arguments->fix_layers)
+        status = pl_job_find_layers(job, &job->is_layer, &job->layers.n);
+    pl_job_hold_layers(job, job->constraint);
+    return status;
+}
+
+/** Area enters F as 1 - V/delta, so that with a weight every element needs its delta. */
+static int check_area_weight(const pl_job *job) {
+    const planish_options *options = &job->options;
+    if (options->area_weight == 0 || options->min_volume > 0 || options->min_volume_fraction > 0)
+        return 0;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++)
+        if (job->min_volume[i] == 0)
+            return pl_complain_usage(pl_command_name(job->arguments->command),
+                                     "--area-weight needs a least volume for every element, and "
+                                     "element %" PRId64 " is in none of the groups named",
+                                     planish_file_element_number(job->file, i));
+    return 0;
+}
+
+static int find_min_volumes(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_error error;
+    if (arguments->n_min_volumes == 0)
+        return 0;
+    job->min_volume = malloc((size_t)job->mesh.n_elements * sizeof *job->min_volume);
+    if (!job->min_volume)
+        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " elements",
+                           arguments->input, job->mesh.n_elements);
+    const int code = planish_file_min_volumes(
+        job->file, (const char *const *)arguments->min_volume_tag, arguments->min_volume_value,
+        arguments->n_min_volumes, job->min_volume, &error);
+    if (code == PLANISH_ERROR_ARGUMENT)
+        return pl_complain_usage(pl_command_name(arguments->command), "%s", error.text);
+    if (code)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    job->mesh.min_volume = job->min_volume;
+    return check_area_weight(job);
+}
+
+/** The bounds of a mesh of triangles are in the file's axes, in their order: x z of y = 0, which
+ * has z as its first coordinate. */
+static int find_box(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    const int dim = job->mesh.dim;
+    planish_plane plane;
+    planish_file_plane(job->file, &plane);
+    if (arguments->n_box > 0 && plane.is_tilted)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: --box is along the axes of the file, and the triangles are in a "
+                           "tilted plane: hold nodes by --fix, or turn the mesh into the plane of "
+                           "two axes",
+                           arguments->input);
+    if (arguments->n_box == 0)
+        return 0;
+    if (arguments->n_box != 2 * dim)
+        return pl_complain_usage(pl_command_name(arguments->command),
+                                 "--box has %d numbers, and a mesh of %s needs %d",
+                                 arguments->n_box, dim == 3 ? "tetrahedra" : "triangles", 2 * dim);
+    const int is_turned = dim == 2 && plane.axis[0] > plane.axis[1];
+    for (int d = 0; d < dim; d++) {
+        const int of_axis = is_turned ? 1 - d : d;
+        job->options.box_lower[d] = arguments->box[of_axis];
+        job->options.box_upper[d] = arguments->box[dim + of_axis];
+    }
+    return 0;
+}
+
+/** The tolerance is for nodes that slide, and for those of a tilted plane. */
+static int check_tolerance(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_plane plane;
+    planish_file_plane(job->file, &plane);
+    if (arguments->command != PL_COMMAND_SMOOTH || !(arguments->slide_tolerance > 0) ||
+        arguments->slide || plane.is_tilted)
+        return 0;
+    return pl_complain_usage(pl_command_name(arguments->command),
+                             "--slide-tolerance has no effect without --slide, but on triangles in "
+                             "a tilted plane");
+}
+
+int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine) {
+    planish_error error;
+    memset(job, 0, sizeof *job);
+    job->could_slide = job->layers.n = -1;
+    job->begin = pl_seconds();
+    job->arguments = arguments;
+    job->engine = engine;
+    job->options = arguments->library;
+    job->options.bind = pl_job_binds(arguments);
+    job->options.threads = pl_threads_to_use(arguments->library.threads);
+    if (strcmp(arguments->input, "-") == 0)
+        return pl_complain(PL_EXIT_USAGE, "'-' is no file; standard input is /dev/stdin");
+    pl_signals_set_input(arguments->input);
+    const planish_open_options how = {.format = arguments->format,
+                                      .threads = job->options.threads,
+                                      .isolated = 1,
+                                      .plane_tolerance = arguments->slide_tolerance};
+    if (planish_file_open_with(arguments->input, &how, &job->file, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (planish_file_choose_regions(job->file, arguments->regions, arguments->n_regions, &error))
+        return error.code == PLANISH_ERROR_ARGUMENT
+                   ? pl_complain_usage(pl_command_name(arguments->command), "%s", error.text)
+                   : pl_job_complain(job, PL_EXIT_FAILED, &error);
+    planish_file_get_info(job->file, &job->file_info);
+    job->options.precision = job->file_info.precision;
+    job->options.round = job->file_info.round;
+    job->options.round_user = job->file_info.round_user;
+    job->mesh = planish_file_mesh(job->file);
+    int status = check_tolerance(job);
+    if (!status)
+        status = find_constraints(job);
+    if (!status)
+        status = find_min_volumes(job);
+    if (!status)
+        status = find_box(job);
+    job->read_seconds = pl_seconds() - job->begin;
+    return status;
+}
+
+/** Let the library find what slides, once constraint is what hold says. is_inside: as in
+ *  planish_surface. */
+static int find_unheld(const pl_job *job, int ignore_marks, const uint8_t *is_inside,
+                       uint8_t *constraint, double *direction) {
+    const planish_hold hold = hold_of(job->arguments, 1, ignore_marks);
+    planish_error error;
+    planish_mesh mesh = job->mesh;
+    planish_surface surface = planish_file_surface(job->file, &hold);
+    const int status = find_held(job, &hold, constraint);
+    if (status)
+        return status;
+    mesh.constraint = constraint;
+    surface.is_inside = is_inside;
+    if (job->arguments->slide_tolerance > 0)
+        surface.tolerance = job->arguments->slide_tolerance;
+    if (planish_find_slides(&mesh, &surface, job->options.threads, constraint, direction, NULL,
+                            &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    return 0;
+}
+
+/** Where the file marks nodes: whether it marks all of the surface, which says no more than that
+ *  they are there; those inside are fixed then. constraint: found without heeding the marks. */
+static int marks_are_the_surface(const pl_job *job, const uint8_t *marked, uint8_t *constraint) {
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+        if (!marked[i] && constraint[i] != PLANISH_FREE)
+            return 0;
+    for (int64_t i = 0; i < job->mesh.n_nodes; i++)
+        if (marked[i] && constraint[i] == PLANISH_FREE)
+            constraint[i] = PLANISH_FIXED;
+    return 1;
+}
+
+/** What the file's marks, if it has any, leave to slide. */
+static int find_unmarked(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
+                         double *direction) {
+    if (planish_file_marks(job->file, NULL) == 0)
+        return find_unheld(job, 0, is_inside, constraint, direction);
+    uint8_t *marked = malloc((size_t)job->mesh.n_nodes);
+    if (!marked)
+        return complain_nodes(job);
+    planish_file_marks(job->file, marked);
+    int status = find_unheld(job, 1, is_inside, constraint, direction);
+    if (!status && !marks_are_the_surface(job, marked, constraint))
+        status = find_unheld(job, 0, is_inside, constraint, direction);
+    free(marked);
+    return status;
+}
+
+/** Find what slides: constraint [n_nodes] and direction [n_nodes][dim] are filled. */
+static int find_slides(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
+                       double *direction) {
+    const int status = find_unmarked(job, is_inside, constraint, direction);
+    pl_job_hold_layers(job, constraint);
+    return status;
+}
+
+static double *new_directions(const pl_job *job) {
+    const size_t n = (size_t)job->mesh.n_nodes * (size_t)job->mesh.dim;
+    return malloc(n ? n * sizeof(double) : 1);
+}
+
+int pl_job_find_slides(pl_job *job) {
+    const double begin = pl_seconds();
+    if (!job->arguments->slide)
+        return 0;
+    job->direction = new_directions(job);
+    const int status = job->direction ? find_slides(job, NULL, job->constraint, job->direction)
+                                      : complain_nodes(job);
+    job->mesh.direction = job->direction;
+    job->shape_seconds = pl_seconds() - begin;
+    return status;
+}
+
+int pl_job_is_told(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    return arguments->json || arguments->report || arguments->verbosity != PL_QUIET;
+}
+
+int pl_job_count_parameters(pl_job *job) {
+    const size_t n = (size_t)job->mesh.n_nodes + 1;
+    int status = 0;
+    if (planish_file_parameters(job->file, NULL) == 0)
+        return 0;
+    uint8_t *has = malloc(n), *is_free = malloc(n);
+    status = has && is_free ? pl_job_get_free(job, is_free) : complain_nodes(job);
+    if (!status)
+        planish_file_parameters(job->file, has);
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
+        job->n_with_parameters += has[i] && (is_free[i] || job->constraint[i] > PLANISH_FIXED);
+    free(has);
+    free(is_free);
+    return status;
+}
+
+int pl_job_count_slides(pl_job *job) {
+    const double begin = pl_seconds();
+    const size_t n = (size_t)job->mesh.n_nodes + 1;
+    int64_t n_sliding = 0;
+    int status = 0;
+    if (job->arguments->slide || job->options.only_worse_than > 0 ||
+        job->options.method != PLANISH_METHOD_PLANISH)
+        return 0;
+    uint8_t *constraint = malloc(n), *is_inside = malloc(n);
+    double *direction = new_directions(job);
+    if (!constraint || !is_inside || !direction)
+        status = complain_nodes(job);
+    if (!status)
+        status = pl_job_get_free(job, is_inside);
+    if (!status)
+        status = find_slides(job, is_inside, constraint, direction);
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
+        n_sliding += constraint[i] > PLANISH_FIXED;
+    if (!status)
+        job->could_slide = n_sliding;
+    free(constraint);
+    free(is_inside);
+    free(direction);
+    job->shape_seconds += pl_seconds() - begin;
+    return status;
+}
+
+/** Keep which elements wrap around, as the plan will be gone when that is told. */
+static int keep_wrapped(pl_job *job) {
+    if (job->plan_info.n_wrapped == 0)
+        return 0;
+    job->wrapped = calloc((size_t)job->mesh.n_elements, 1);
+    if (!job->wrapped)
+        return pl_complain(PL_EXIT_FAILED,
+                           "%s: out of memory for the states of %" PRId64 " elements",
+                           job->arguments->input, job->mesh.n_elements);
+    planish_find_wrapped(job->plan, job->wrapped, NULL);
+    return 0;
+}
+
+int pl_job_plan(pl_job *job) {
+    planish_error error;
+    const double begin = pl_seconds();
+    if (job->engine->plan_create(job, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    job->setup_seconds = pl_seconds() - begin;
+    snprintf(job->binding, sizeof job->binding, "%s", job->plan_info.binding);
+    job->plan_info.binding = job->binding;
+    return keep_wrapped(job);
+}
+
+uint64_t pl_job_checksum(const pl_job *job) {
+    planish_plane plane;
+    planish_mesh mesh = job->mesh;
+    if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
+        return planish_checksum(&mesh);
+    double *places = malloc(((size_t)mesh.n_nodes * 3 + 1) * sizeof *places);
+    const int is_placed =
+        places && !planish_file_place(job->file, 0, mesh.n_nodes, mesh.coordinates, places, NULL);
+    mesh.dim = 3;
+    mesh.coordinates = places;
+    const uint64_t checksum = is_placed ? planish_checksum(&mesh) : 0;
+    free(places);
+    return checksum;
+}
+
+int pl_job_get_free(const pl_job *job, uint8_t *is_free) {
+    planish_error error;
+    return job->engine->get_free(job, is_free, &error)
+               ? pl_job_complain(job, PL_EXIT_FAILED, &error)
+               : 0;
+}
+
+/** A ratio over no element has no value; 0 would read as better than perfect. */
+static void forget_if_none(double *ratio) {
+    if (*ratio == 0)
+        *ratio = NAN;
+}
+
+/** Without a valid element, no measure has a value. */
+static void forget_measures(planish_quality *quality) {
+    const planish_spread none = {NAN, NAN, NAN};
+    quality->radius_ratio = quality->circumradius_to_edge = quality->edge_to_inradius = none;
+    quality->edge_ratio = quality->mean_ratio = quality->scaled_jacobian = none;
+    quality->smallest_angle_deg = quality->largest_angle_deg = none;
+    quality->min_angle_deg = quality->max_angle_deg = NAN;
+}
+
+void pl_job_forget(planish_quality *quality) {
+    if (quality->max_radius_ratio == 0)
+        forget_measures(quality);
+    forget_if_none(&quality->rms_radius_ratio);
+    forget_if_none(&quality->rms_radius_ratio_movable);
+    forget_if_none(&quality->mean_radius_ratio);
+    forget_if_none(&quality->max_radius_ratio);
+    forget_if_none(&quality->fixed_rms_radius_ratio);
+    forget_if_none(&quality->fixed_max_radius_ratio);
+    forget_if_none(&quality->max_radius_ratio_movable);
+    forget_if_none(&quality->min_angle_deg_movable);
+}
+
+int pl_angle_is_smaller(double after, double before) {
+    static const double RELATIVE = 1e-9, ABSOLUTE = 1e-12; /* of degrees */
+    return after < before * (1 - RELATIVE) - ABSOLUTE;
+}
+
+int pl_job_measure(const pl_job *job, planish_quality *quality) {
+    planish_error error;
+    if (job->engine->measure(job, quality, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    pl_job_forget(quality);
+    return 0;
+}
+
+void pl_job_close(pl_job *job) {
+    if (job->engine)
+        job->engine->plan_destroy(job);
+    free(job->min_volume);
+    free(job->wrapped);
+    free(job->is_layer);
+    free(job->direction);
+    free(job->constraint);
+    planish_file_close(job->file);
+}

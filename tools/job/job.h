@@ -1,0 +1,147 @@
+/* job: what smooth and quality have in common: a mesh file, the nodes it holds, and a plan for it.
+ *
+ * Every function returns 0, or an exit status after a message.
+ */
+#ifndef PL_TOOLS_JOB_H
+#define PL_TOOLS_JOB_H
+
+#include "job/engine.h"
+#include "options/options.h"
+
+#include <planish/planish_io.h>
+
+/** Elements thin in layers (layers.h). */
+typedef struct pl_layers {
+    int64_t n;       /* in the input; -1: not looked for */
+    int64_t n_loose; /* those of them with a node that moves; 0 with --fix-layers */
+    char fix[256];   /* options that hold them by their groups, or "" */
+} pl_layers;
+
+/** Why a node is held, in the order in which reasons count. A node may have several; as bits they
+ * are 1 << pl_held_by. */
+typedef enum pl_held_by {
+    PL_HELD_BY_BOUNDARY,
+    PL_HELD_BY_LINE, /* or point, of the file */
+    PL_HELD_BY_FACE, /* of the file, inside the mesh */
+    PL_HELD_BY_INTERFACE,
+    PL_HELD_BY_OTHER, /* element, of a type that is not smoothed */
+    PL_HELD_BY_PERIODIC,
+    PL_HELD_BY_FIX,
+    PL_HELD_BY_REQUIRED,
+    PL_HELD_BY_DOUBLED,
+    PL_HELD_BY_NONMANIFOLD,
+    PL_HELD_BY_LAYERS,
+    PL_HELD_BY_WRAPPED,
+    PL_HELD_BY_NOT_CHOSEN,
+    PL_N_HELD_BY
+} pl_held_by;
+
+/* Bits beside those: the node is of no element; its constraint fixes it. */
+enum { PL_HELD_NOT_USED = 1 << 14, PL_HELD_TOLD = 1 << 15 };
+
+/** Held nodes: each is counted once in n. n_held + n_unused and the nodes that move or slide are
+ * all nodes. */
+typedef struct pl_held {
+    int is_known; /* 0: nobody asked, or several processes have the mesh */
+    int64_t n[PL_N_HELD_BY];
+    int64_t n_held;    /* their sum */
+    int64_t n_unused;  /* nodes of no element */
+    int64_t n_doubled; /* held nodes at the place of another one, whatever they count as */
+} pl_held;
+
+/** What several processes that share the mesh have sent to one another, all of them together. */
+typedef struct pl_traffic {
+    int n_processes;     /* 0: one process works by itself, and nothing else is set */
+    int in_parts;        /* 0: one has done it all, as the others could not help */
+    int64_t messages;    /* values of nodes, and sums */
+    int64_t nodes;       /* values of nodes in them */
+    int64_t bytes;       /* of all messages */
+    double wait_seconds; /* of the process that has waited longest for others */
+} pl_traffic;
+
+typedef struct pl_job {
+    const pl_arguments *arguments; /* the caller's */
+    const pl_engine *engine;       /* the caller's */
+    planish_options options;       /* those of the arguments, and what file and machine say */
+    planish_file *file;
+    planish_file_info file_info;
+    planish_mesh mesh;   /* its arrays are those of file, but for those that follow */
+    uint8_t *constraint; /* [mesh.n_nodes] of planish_constraint, owned */
+    double *direction;   /* [mesh.n_nodes][dim] of nodes that slide, owned, or NULL: none does */
+    uint8_t *is_layer; /* [mesh.n_elements] thin in layers, owned, or NULL: without --fix-layers */
+    pl_layers layers;
+    pl_held held;
+    int64_t could_slide;       /* nodes that would with --slide auto; -1: not looked for */
+    int64_t n_with_parameters; /* nodes that may move and have parameters of the geometry */
+    double *min_volume;        /* [mesh.n_elements] owned, or NULL: no group has one of its own */
+    planish_plan *plan;
+    planish_plan_info plan_info;
+    uint8_t *wrapped;     /* [mesh.n_elements] 1: wraps around; owned, or NULL: none does */
+    char binding[256];    /* its text, as the plan is gone when that is told */
+    pl_traffic traffic;   /* of smoothing */
+    double begin;         /* pl_seconds when the job began */
+    double read_seconds;  /* file and constraints */
+    double shape_seconds; /* nodes that slide, or could; layers, without --fix-layers */
+    double setup_seconds; /* plan */
+} pl_job;
+
+/** Whether threads are to be bound to cores: not if the user has told planish or OpenMP otherwise.
+ */
+int pl_job_binds(const pl_arguments *arguments);
+
+/** Read the file of arguments and find out which nodes it holds and what bounds there are. */
+int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine);
+
+/** Find the nodes that slide, if any shall. */
+int pl_job_find_slides(pl_job *job);
+
+/** How the options hold nodes of the file, without slides. */
+planish_hold pl_job_hold(const pl_job *job);
+
+/** Find the elements that are thin in layers: is_layer [mesh.n_elements], owned by the caller also
+ *  after an error, and their number *n. */
+int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n);
+
+/** Fix the nodes of the elements in job->is_layer, if there are any, in constraint [n_nodes]. */
+void pl_job_hold_layers(const pl_job *job, uint8_t *constraint);
+
+/** Names of the arrays between whose values nodes are held, NULL at the end. */
+const char *const *pl_job_region_arrays(const pl_job *job);
+
+/** The file's number of an element; without a file its index. */
+int64_t pl_job_element_number(const pl_job *job, int64_t element);
+
+/** Make the plan. */
+int pl_job_plan(pl_job *job);
+
+/** Whether anything is going to be said of the mesh: in a table, or a report. */
+int pl_job_is_told(const pl_job *job);
+
+/** Count, once there is a plan, the nodes that may move while parameters in the file do not. */
+int pl_job_count_parameters(pl_job *job);
+
+/** Where none shall, and any may move, count the nodes that could; there is a plan. */
+int pl_job_count_slides(pl_job *job);
+
+/** is_free [mesh.n_nodes] as planish_plan_get_free. */
+int pl_job_get_free(const pl_job *job, uint8_t *is_free);
+
+/** planish_checksum of the mesh as it is now; in a tilted plane, of its places in space. */
+uint64_t pl_job_checksum(const pl_job *job);
+
+/** Whether an angle in degrees is smaller than it was, by more than rounding explains: that of a
+ *  sliver's is that of its volume. */
+int pl_angle_is_smaller(double after, double before);
+
+/** Measure the mesh as it is now. */
+int pl_job_measure(const pl_job *job, planish_quality *quality);
+
+/** Measures over no element become no numbers. */
+void pl_job_forget(planish_quality *quality);
+
+/** Message for an error of the library: the text, and which file if it does not say so. */
+int pl_job_complain(const pl_job *job, int status, const planish_error *error);
+
+void pl_job_close(pl_job *job);
+
+#endif

@@ -1,0 +1,199 @@
+/* layers: elements thin in layers, which smoothing would make regular: held, or warned of. */
+#include "job/layers.h"
+
+#include "terminal/message.h"
+
+#include "base/clock.h"
+
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What is said of a mesh begins with so many of its elements, and with so many at least: of bad
+ * meshes one in a hundred looks like layers by chance. */
+static const double MANY = 0.02;
+enum { MANY_AT_LEAST = 100 };
+/* Thin elements have radius ratios above this, or are inverted: about 2.3 those of triangles that
+ * just count, more those of tetrahedra. Only a mesh with so many of them is looked at: their rows
+ * go on with as many better ones, or more. */
+static const double RATIO_OF_THIN = 2.5, MANY_OF_THIN = 0.01;
+/* Groups are made of layers if so much of them is, name the layers if they hold so much, but not if
+ * they leave less than the rest of the mesh. */
+static const double OF_GROUP = 0.8, OF_LAYERS = 0.9, OF_MESH = 0.95;
+enum { MOST_TAGS = 64, MOST_NAMED = 4, TAG_SIZE = 64 };
+
+static int complain_memory(const pl_job *job) {
+    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " elements",
+                       job->arguments->input, job->mesh.n_elements);
+}
+
+/* ---- groups that are made of layers --------------------------------------------------------- */
+
+/** A group of the file, by its tag. */
+typedef struct group {
+    char tag[TAG_SIZE];
+    int64_t n, n_loose; /* elements, thin ones that move */
+} group;
+
+typedef struct groups {
+    group group[MOST_TAGS];
+    int n;
+    int is_useless; /* there are more, or some have no tag */
+} groups;
+
+/** Index of the group of an element, made if it is new; -1 if there is none. */
+static int group_of(const pl_job *job, int64_t element, groups *g) {
+    char tag[TAG_SIZE];
+    const int length = planish_file_element_region(job->file, element, tag, sizeof tag);
+    int i = 0;
+    if (length <= 0 || length >= TAG_SIZE || strpbrk(tag, "'\n"))
+        return -1;
+    while (i < g->n && strcmp(g->group[i].tag, tag) != 0)
+        i++;
+    if (i == MOST_TAGS)
+        return -1;
+    if (i == g->n) {
+        g->group[g->n++] = (group){.n = 0};
+        memcpy(g->group[i].tag, tag, sizeof tag);
+    }
+    return i;
+}
+
+/** The groups, by the file's regions: elements of one region are in one group. */
+static void count_groups(const pl_job *job, const int32_t *region, const uint8_t *is_loose,
+                         int *group_of_region, groups *g) {
+    for (int64_t i = 0; i < job->mesh.n_elements && !g->is_useless; i++) {
+        int *index = &group_of_region[region[i]];
+        if (*index < 0)
+            *index = group_of(job, i, g);
+        g->is_useless = *index < 0;
+        if (g->is_useless)
+            break;
+        g->group[*index].n++;
+        g->group[*index].n_loose += is_loose[i];
+    }
+}
+
+/** " --fix TAG" behind text; whether there was room. */
+static int add_option(char *text, size_t size, const char *tag) {
+    const char *plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-:.,+";
+    const char *quote = tag[strspn(tag, plain)] ? "'" : "";
+    const size_t used = strlen(text);
+    const int more =
+        snprintf(text + used, size - used, "%s--fix %s%s%s", used ? " " : "", quote, tag, quote);
+    return used + (size_t)more < size;
+}
+
+/** The options that hold the layers by groups: in job->layers.fix, or "". */
+static void name_groups(pl_job *job, const groups *g) {
+    pl_layers *layers = &job->layers;
+    int64_t n_held = 0, n_in_groups = 0;
+    int n = 0, fits = !g->is_useless;
+    for (int i = 0; i < g->n && fits; i++)
+        if ((double)g->group[i].n_loose >= OF_GROUP * (double)g->group[i].n) {
+            n_held += g->group[i].n_loose;
+            n_in_groups += g->group[i].n;
+            fits =
+                ++n <= MOST_NAMED && add_option(layers->fix, sizeof layers->fix, g->group[i].tag);
+        }
+    if (!fits || (double)n_held < OF_LAYERS * (double)layers->n_loose ||
+        (double)n_in_groups > OF_MESH * (double)job->mesh.n_elements)
+        layers->fix[0] = '\0';
+}
+
+static int find_groups(pl_job *job, const uint8_t *is_loose) {
+    const int32_t *region = planish_file_surface(job->file, NULL).region;
+    int32_t last = 0;
+    groups g = {.n = 0};
+    for (int64_t i = 0; region && i < job->mesh.n_elements; i++)
+        last = region[i] > last ? region[i] : last;
+    int *group_of_region = malloc(((size_t)last + 1) * sizeof *group_of_region);
+    if (!group_of_region)
+        return complain_memory(job);
+    for (int32_t i = 0; i <= last; i++)
+        group_of_region[i] = -1;
+    if (region) {
+        count_groups(job, region, is_loose, group_of_region, &g);
+        name_groups(job, &g);
+    }
+    free(group_of_region);
+    return 0;
+}
+
+/* ---- counting ------------------------------------------------------------------------------- */
+
+static int may_have_many(const planish_quality *quality) {
+    int64_t n = quality->inverted; /* none of these is in the histogram */
+    for (int i = 0; i < PLANISH_HISTOGRAM_BINS; i++)
+        n += quality->histogram_edges[i] >= RATIO_OF_THIN ? quality->histogram_counts[i] : 0;
+    return (double)n >= MANY_OF_THIN * (double)quality->n_elements;
+}
+
+/** Of the marked elements only those keep their mark that have a node that moves. */
+static int keep_loose(pl_job *job, uint8_t *is_layer) {
+    const int corners = job->mesh.dim + 1;
+    uint8_t *moves = malloc((size_t)job->mesh.n_nodes + 1);
+    if (!moves)
+        return complain_memory(job);
+    const int status = pl_job_get_free(job, moves);
+    for (int64_t i = 0; !status && i < job->mesh.n_nodes; i++)
+        moves[i] |= job->constraint[i] > PLANISH_FIXED;
+    for (int64_t i = 0; !status && i < job->mesh.n_elements; i++) {
+        int is_loose = 0;
+        for (int j = 0; is_layer[i] && j < corners; j++)
+            is_loose |= moves[job->mesh.elements[i * corners + j]];
+        is_layer[i] = (uint8_t)is_loose;
+        job->layers.n_loose += is_loose;
+    }
+    free(moves);
+    return status;
+}
+
+int pl_layers_are_many(int64_t n, int64_t n_elements) {
+    return n >= MANY_AT_LEAST && (double)n >= MANY * (double)n_elements;
+}
+
+static int are_many(const pl_job *job) {
+    return pl_layers_are_many(job->layers.n_loose, job->mesh.n_elements);
+}
+
+int pl_layers_count(pl_job *job, const planish_quality *quality) {
+    const double begin = pl_seconds();
+    uint8_t *is_layer = NULL;
+    if (job->arguments->fix_layers || !may_have_many(quality))
+        return 0;
+    int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
+    if (!status && job->layers.n > 0)
+        status = keep_loose(job, is_layer);
+    if (!status && are_many(job))
+        status = find_groups(job, is_layer);
+    free(is_layer);
+    job->shape_seconds += pl_seconds() - begin;
+    return status;
+}
+
+/* ---- saying --------------------------------------------------------------------------------- */
+
+/** "23 %": in full only if it is all, and never as a power of ten. */
+static void format_part(char *text, size_t size, int64_t n, int64_t of) {
+    const double percent = of > 0 ? 100 * (double)n / (double)of : 0;
+    if (n > 0 && percent < 0.1)
+        snprintf(text, size, "< 0.1 %%");
+    else if (percent < 9.95)
+        snprintf(text, size, "%.2g %%", percent);
+    else
+        snprintf(text, size, "%.0f %%", n < of && percent > 99 ? 99 : percent);
+}
+
+void pl_layers_print(FILE *stream, const pl_job *job) {
+    const pl_layers *layers = &job->layers;
+    const int64_t n = job->arguments->fix_layers ? layers->n : layers->n_loose;
+    char part[16];
+    format_part(part, sizeof part, n, job->mesh.n_elements);
+    if (job->arguments->fix_layers)
+        pl_note(stream, "%" PRId64 " elements (%s) are thin in layers, and held", n, part);
+    else if (are_many(job))
+        pl_note(stream,
+                "%" PRId64 " elements (%s) are thin in layers (a boundary layer?): %s keeps them",
+                n, part, layers->fix[0] ? layers->fix : "--fix-layers");
+}

@@ -1,0 +1,164 @@
+/* output: the places that the program writes to. */
+#include "job/output.h"
+
+#include "terminal/message.h"
+
+#include "base/memory.h"
+#include "base/system.h"
+#include "io/file/companions.h"
+#include "io/core/output.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int pl_output_is_stdout(const char *path) {
+    pl_file_status named, standard;
+    if (strcmp(path, "/dev/stdout") == 0)
+        return 1;
+    return pl_file_find(path, &named) == 0 && pl_file_find_open(STDOUT_FILENO, &standard) == 0 &&
+           named.kind != PL_FILE_CHARACTERS && pl_file_is_same(&named, &standard);
+}
+
+int pl_output_is_stream(const char *path) {
+    return io_output_is_stream(path);
+}
+
+/** The folder that path is in, as folder [PATH_MAX], which is cut as no name of a file can be. */
+static void folder_of(const char *path, char *folder) {
+    const size_t length = (size_t)(pl_path_name(path) - path);
+    snprintf(folder, PATH_MAX, "%.*s", length ? (int)length : 1, length ? path : ".");
+}
+
+/** Whether two names of files that need not exist are of one file in one folder. */
+static int same_place(const char *a, const char *b) {
+    pl_file_status folder_a, folder_b;
+    char in_a[PATH_MAX], in_b[PATH_MAX];
+    folder_of(a, in_a);
+    folder_of(b, in_b);
+    return strcmp(pl_path_name(a), pl_path_name(b)) == 0 && pl_file_find(in_a, &folder_a) == 0 &&
+           pl_file_find(in_b, &folder_b) == 0 && pl_file_is_same(&folder_a, &folder_b);
+}
+
+/** The same of where links lead to, which need not be there yet either. */
+static int same_target(const char *a, const char *b) {
+    char *target_a = io_output_target(a), *target_b = io_output_target(b);
+    const int same = target_a && target_b && same_place(target_a, target_b);
+    pl_free(target_a);
+    pl_free(target_b);
+    return same;
+}
+
+int pl_output_same_file(const char *a, const char *b) {
+    pl_file_status status_a, status_b;
+    if (strcmp(a, b) == 0 || same_place(a, b) || same_target(a, b))
+        return 1;
+    return pl_file_find(a, &status_a) == 0 && pl_file_find(b, &status_b) == 0 &&
+           status_a.kind == PL_FILE_REGULAR && pl_file_is_same(&status_a, &status_b);
+}
+
+int pl_output_hits_mesh(const char *path, const char *mesh_path, const char *format) {
+    int hit = pl_output_same_file(path, mesh_path);
+    char *other;
+    for (int i = 0; !hit && (other = io_mesh_file(mesh_path, format, i)); i++) {
+        hit = pl_output_same_file(path, other);
+        pl_free(other);
+    }
+    return hit;
+}
+
+int pl_output_check(const char *path) {
+    pl_file_status status;
+    char link[2]; /* only whether it is one is asked */
+    char folder[PATH_MAX];
+    if (strcmp(path, "-") == 0)
+        return 0;
+    const int exists = pl_file_find(path, &status) == 0;
+    const int reason = exists ? 0 : errno;
+    const int is_link = pl_path_read_link(path, link, sizeof link) == 0;
+    if (reason == ENAMETOOLONG)
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(reason));
+    if (reason && reason != ENOENT && is_link)
+        return pl_complain(PL_EXIT_FAILED, "%s: this link cannot be followed: %s", path,
+                           strerror(reason));
+    if (exists && status.kind == PL_FILE_FOLDER)
+        return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
+    if (io_output_is_stream(path) || (!exists && is_link))
+        return 0; /* nothing is made beside it, or it is made where the link leads */
+    if (path[0] && !*pl_path_name(path))
+        return pl_complain(PL_EXIT_FAILED, "%s: is no name for a file", path);
+    char *target = exists ? pl_path_resolve(path) : NULL;
+    if (exists && !target)
+        return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));
+    folder_of(exists ? target : path, folder);
+    free(target);
+    if (pl_folder_check_writable(folder))
+        return pl_complain(PL_EXIT_FAILED, "%s: its folder cannot be written: %s", path,
+                           strerror(errno));
+    return 0;
+}
+
+/** Whether path, which may be NULL, is standard output. */
+static int is_stdout(const char *path) {
+    return path && (strcmp(path, "-") == 0 || pl_output_is_stdout(path));
+}
+
+int pl_output_takes_stdout(const pl_arguments *arguments) {
+    return is_stdout(arguments->output) || is_stdout(arguments->json) ||
+           is_stdout(arguments->report);
+}
+
+/** A report at path (NULL, "-": fine) may not be one of the files of a mesh. */
+static int check_report(const pl_arguments *arguments, const char *path) {
+    int hits = 0;
+    if (!path || strcmp(path, "-") == 0)
+        return 0;
+    for (int i = 0; i < arguments->n_inputs; i++)
+        hits |= pl_output_hits_mesh(path, arguments->inputs[i], arguments->format);
+    if (hits ||
+        (arguments->output && pl_output_hits_mesh(path, arguments->output, arguments->format)))
+        return pl_complain_usage(pl_command_name(arguments->command),
+                                 "the report would overwrite the mesh '%s'", path);
+    return pl_output_check(path);
+}
+
+int pl_output_check_all(const pl_arguments *arguments) {
+    const char *command = pl_command_name(arguments->command);
+    const char *output = arguments->output, *json = arguments->json, *report = arguments->report;
+    int status;
+    if (is_stdout(output) + is_stdout(json) + is_stdout(report) > 1)
+        return pl_complain_usage(
+            command, "mesh and report, or two reports, cannot all go to standard output");
+    if (json && report && pl_output_same_file(json, report))
+        return pl_complain_usage(command, "--json and --report name one file, '%s'", report);
+    if ((status = check_report(arguments, json)))
+        return status;
+    if ((status = check_report(arguments, report)))
+        return status;
+    return output ? pl_output_check(output) : 0;
+}
+
+int pl_output_write_text(const char *path, pl_temporary which, const char *text, size_t length,
+                         planish_error *error) {
+    if (strcmp(path, "-") == 0) {
+        if (fwrite(text, 1, length, stdout) == length && fflush(stdout) == 0)
+            return 0;
+        snprintf(error->text, sizeof error->text, "standard output: %s", strerror(errno));
+        clearerr(stdout); /* told once is enough */
+        return PLANISH_ERROR_FILE;
+    }
+    const io_temporaries temporaries = {pl_signals_temporary(which), PL_TEMPORARY_SIZE};
+    io_output output;
+    int status = io_output_open(path, temporaries, &output, error);
+    if (!status)
+        status = io_output_write(&output, text, (int64_t)length, error);
+    if (!status)
+        status = io_output_finish(&output, error);
+    if (!status)
+        status = io_output_commit(&output, temporaries, error);
+    io_output_release(&output, temporaries);
+    return status;
+}

@@ -1,0 +1,43 @@
+/* output: the places that the program writes to.
+ *
+ * The mesh itself is written by planish_file_write; here are the checks that can be made before the
+ * work begins, and the writing of the report.
+ */
+#ifndef PL_TOOLS_OUTPUT_H
+#define PL_TOOLS_OUTPUT_H
+
+#include "options/options.h"
+#include "terminal/signals.h"
+
+#include <stddef.h>
+
+/** Whether what is written to path ends up where standard output goes. */
+int pl_output_is_stdout(const char *path);
+
+/** Whether path is no regular file, but a pipe, a device or a name of an open file. */
+int pl_output_is_stream(const char *path);
+
+/** Whether the two paths name one file, which need not exist. */
+int pl_output_same_file(const char *a, const char *b);
+
+/** Whether writing to path would change a file that the mesh at mesh_path, of that format (NULL:
+ * told by its name), can have: itself, or, of TetGen's, those of the same base name beside it. */
+int pl_output_hits_mesh(const char *path, const char *mesh_path, const char *format);
+
+/** Whether a file can be made or replaced at path, which may be "-", standard output; 0, or an exit
+ * status after a message. */
+int pl_output_check(const char *path);
+
+/** Whether the outputs and reports that the command line names can be made, and none of them would
+ *  change a mesh that is read, or another one of them; 0, or an exit status after a message. */
+int pl_output_check_all(const pl_arguments *arguments);
+
+/** Whether one of them goes to standard output, so that tables must not. */
+int pl_output_takes_stdout(const pl_arguments *arguments);
+
+/** Write text [length] to path as planish_file_write does ("-": standard output); which: of the
+ *  temporary files. Returns 0, or a negative planish_status with *error filled in. */
+int pl_output_write_text(const char *path, pl_temporary which, const char *text, size_t length,
+                         planish_error *error);
+
+#endif

@@ -1,0 +1,52 @@
+/* progress: what is told while a command works: on standard error, and kept for the report. */
+#ifndef PL_TOOLS_PROGRESS_H
+#define PL_TOOLS_PROGRESS_H
+
+#include "job/estimate.h"
+#include "options/options.h"
+
+/** What a command is at. */
+typedef enum pl_phase {
+    PL_PHASE_READING,
+    PL_PHASE_PLANNING,
+    PL_PHASE_MEASURING,
+    PL_PHASE_SMOOTHING, /* told by the sweeps themselves */
+    PL_PHASE_CHECKING,
+    PL_PHASE_WRITING
+} pl_phase;
+
+typedef struct pl_progress {
+    enum { PL_SHOW_NOTHING, PL_SHOW_BAR, PL_SHOW_SWEEPS, PL_SHOW_COLOURS } show;
+    const pl_arguments *arguments; /* the caller's */
+    int file;                      /* which of their inputs, from 0 */
+    int plain;                     /* F is the RMS */
+    int has_volumes;               /* some elements have a least volume */
+    double begin;                  /* pl_seconds at the beginning */
+    double write_seconds;          /* that writing is going to take, about: those of reading */
+    double last_shown;             /* planish_progress.elapsed of the last update of the bar */
+    double share;                  /* of the whole that the bar shows as done: never falls */
+    double colour_seconds;         /* of the present sweep, when its last colour was done */
+    int last_colour;               /* of the present sweep that is done; 0: none */
+    int n_together;                /* calls of it that many nodes moved together before */
+    int has_head;                  /* the columns of the sweeps have been named */
+    pl_sweep *sweep;               /* [n_sweeps], owned */
+    int64_t n_sweeps, capacity;
+    int out_of_memory; /* a sweep could not be kept */
+} pl_progress;
+
+/** Quiet: nothing; verbose: a line per sweep, or colour, too; else a bar if standard error is a
+ *  terminal. arguments must live as long. */
+void pl_progress_init(pl_progress *progress, const pl_arguments *arguments);
+
+/** Tell what begins now. */
+void pl_progress_phase(pl_progress *progress, pl_phase phase);
+
+/** The callback for planish_options; user is the pl_progress. Stops when a signal asked to. */
+int pl_progress_step(const planish_progress *step, void *user);
+
+/** Take the bar away, so that other text can follow. */
+void pl_progress_clear(pl_progress *progress);
+
+void pl_progress_free(pl_progress *progress);
+
+#endif

@@ -1,0 +1,50 @@
+/* worst: the worst elements of a mesh, for lists and pictures. */
+#ifndef PL_TOOLS_WORST_H
+#define PL_TOOLS_WORST_H
+
+#include "job/job.h"
+
+#include <stdio.h>
+
+/** How many the reports name if --worst does not say. */
+enum { PL_USUAL_WORST = 10 };
+
+/** An element, what it is worth, and where it is: as it was when it was found. */
+typedef struct pl_bad_element {
+    int64_t element;                              /* index in job->mesh */
+    double radius_ratio;                          /* 0: inverted, or flat */
+    int64_t number;                               /* the file's */
+    double smallest_angle_deg, largest_angle_deg; /* dihedral in 3-D; NAN where it is too flat */
+    double place[3];                              /* [columns] its centroid in the file */
+    int64_t node[4];                              /* [dim + 1] the file's numbers */
+    const char *region; /* a tag of the file, of pl_worst.tag, or NULL: it has none */
+    int is_movable;     /* it has a node that may move */
+} pl_bad_element;
+
+typedef struct pl_worst {
+    pl_bad_element *bad; /* [n] owned; inverted ones first (in the file's order), then the largest
+                            radius ratios; equals in the file's order */
+    int64_t n;
+    int64_t n_inverted; /* in the mesh, also where these are fewer */
+    int dim;
+    int columns; /* of places: 2 in the plane of x and y, else 3 */
+    char **tag;  /* [n_tags] of the file's regions, owned; NULL: not looked for, or none */
+    int64_t n_tags;
+} pl_worst;
+
+/** Find the n worst elements of the mesh as it is now, or all if there are fewer; of each only
+ * which it is and its radius ratio. Returns 0, or an exit status after a message. */
+int pl_worst_select(const pl_job *job, int64_t n, pl_worst *worst);
+
+/** The same, and all that there is to say of them. */
+int pl_worst_find(const pl_job *job, int64_t n, pl_worst *worst);
+
+/** As many as --worst says, or as the reports name if one is asked for; else none. */
+int pl_worst_find_asked(const pl_job *job, pl_worst *worst);
+
+void pl_worst_free(pl_worst *worst);
+
+/** Print the first n of them, two lines each. */
+void pl_worst_print(FILE *stream, const pl_worst *worst, int64_t n);
+
+#endif

@@ -1,0 +1,44 @@
+/* commands: the names of the program's commands, and the texts about them.
+ *
+ * Help, manual page and completion are made from this table and that of the options (options.c). A
+ * new command is a row here, and one in main.c.
+ */
+#ifndef PL_TOOLS_OPTIONS_COMMANDS_H
+#define PL_TOOLS_OPTIONS_COMMANDS_H
+
+#include "options/options.h"
+
+#include <stddef.h>
+
+/** Print what the tables say as kind: man (a manual page), bash or zsh (completion). For the
+ *  installation. */
+int pl_generate_command(const char *kind);
+
+/** What the table says of a command. Texts are lines of 80 columns at most, separated by '\n'. */
+typedef struct pl_command_text {
+    pl_command command;
+    const char *name;
+    const char *operands;    /* "IN -o OUT" */
+    const char *operand;     /* what an operand is */
+    int takes_many;          /* more than one of them */
+    const char *summary;     /* a few words */
+    const char *description; /* what it does */
+    const char *exit_status; /* what its exit statuses mean */
+} pl_command_text;
+
+/** Row i, 0 and up, or NULL if there is none. */
+const pl_command_text *pl_command_at(int i);
+
+/** The row of command, and that of the word for it (NULL: there is none). */
+const pl_command_text *pl_command_row(pl_command command);
+const pl_command_text *pl_command_find(const char *word);
+
+/** The names of all commands with joint between them and last before the last one: "smooth, quality
+ *  or report". text [size] is filled in and returned. */
+const char *pl_command_list(const char *joint, const char *last, char *text, size_t size);
+
+/** What the program is, and what it reads; lines as above. */
+extern const char *const pl_program_summary;
+extern const char *const pl_program_formats;
+
+#endif

@@ -1,0 +1,691 @@
+/* options: the command lines of the program's commands. */
+#include "options/options.h"
+
+#include "options/commands.h"
+#include "terminal/message.h"
+#include "terminal/suggest.h"
+
+#include "base/parallel.h"
+
+#include <planish/planish_io.h>
+
+#include <errno.h>
+#include <getopt.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- words for choices ---------------------------------------------------------------------- */
+
+static const char *const method_names[] = {
+    [PLANISH_METHOD_PLANISH] = "planish",
+    [PLANISH_METHOD_LAPLACIAN] = "laplacian",
+    [PLANISH_METHOD_AREA_LAPLACIAN] = "area-laplacian",
+    [PLANISH_METHOD_LENGTH_LAPLACIAN] = "length-laplacian",
+};
+static const char *const objective_names[] = {
+    [PLANISH_RADIUS_RATIO] = "radius-ratio",
+    [PLANISH_MEAN_RATIO] = "mean-ratio",
+    [PLANISH_EDGE_RATIO] = "edge-ratio",
+};
+
+enum {
+    N_METHODS = sizeof method_names / sizeof method_names[0],
+    N_OBJECTIVES = sizeof objective_names / sizeof objective_names[0]
+};
+
+const char *pl_method_name(planish_method method) {
+    return method_names[method];
+}
+
+const char *pl_objective_name(planish_objective objective) {
+    return objective_names[objective];
+}
+
+const char *pl_worst_name(planish_worst worst) {
+    return worst == PLANISH_WORST_ANGLE ? "dihedral" : "radius-ratio";
+}
+
+/** Index of word among names [n], or -1. */
+static int find_name(const char *const *names, int n, const char *word) {
+    for (int i = 0; i < n; i++)
+        if (strcmp(names[i], word) == 0)
+            return i;
+    return -1;
+}
+
+/* ---- values: strictly the whole word, in range, finite ------------------------------------- */
+
+/** The whole of text as a decimal integer in low .. high; 0, or -1. */
+static int parse_integer(const char *text, int low, int high, int *value) {
+    if (text[0] == '\0' || text[strspn(text, "0123456789")] != '\0')
+        return -1;
+    errno = 0;
+    const long number = strtol(text, NULL, 10);
+    if (errno || number < low || number > high)
+        return -1;
+    *value = (int)number;
+    return 0;
+}
+
+/** The finite decimal number that text begins with; returns what is behind it, or NULL if there is
+ *  none. The program never leaves the C locale, so that the decimal point is a point. */
+static const char *take_real(const char *text, double *value) {
+    const size_t most = strspn(text, "0123456789+-.eE"); /* no spaces, no hexadecimals, no inf */
+    char *end = NULL;
+    const double number = strtod(text, &end);
+    if (end == text || end > text + most || !isfinite(number))
+        return NULL;
+    *value = number;
+    return end;
+}
+
+/** The whole of text as a finite decimal number; 0, or -1. */
+static int parse_real(const char *text, double *value) {
+    const char *end = take_real(text, value);
+    return end && *end == '\0' ? 0 : -1;
+}
+
+/** Numbers between commas, at most most of them; their number, or -1. */
+static int parse_reals(const char *text, int most, double *values) {
+    for (int n = 0; n < most; text++) {
+        text = take_real(text, &values[n++]);
+        if (!text || *text == '\0')
+            return text ? n : -1;
+        if (*text != ',')
+            return -1;
+    }
+    return -1;
+}
+
+/* ---- one setter per option: takes the value, or says what it must be ----------------------- */
+
+typedef const char *option_setter(pl_arguments *arguments, const char *value);
+
+static const char *set_output(pl_arguments *arguments, const char *value) {
+    arguments->output = value;
+    return value[0] ? NULL : "must be the name of a file";
+}
+
+static const char *set_format(pl_arguments *arguments, const char *value) {
+    for (const char *const *name = planish_file_formats(); *name; name++)
+        if (strcmp(*name, value) == 0) {
+            arguments->format = *name;
+            return NULL;
+        }
+    return "must be one of those that --help lists";
+}
+
+static const char *set_direction(pl_arguments *arguments, const char *value) {
+    if (strcmp(value, "newton") == 0)
+        arguments->library.direction = PLANISH_NEWTON;
+    else if (strcmp(value, "fletcher-reeves") == 0)
+        arguments->library.direction = PLANISH_FLETCHER_REEVES;
+    else
+        return "must be newton or fletcher-reeves";
+    return NULL;
+}
+
+static const char *set_method(pl_arguments *arguments, const char *value) {
+    const int i = find_name(method_names, N_METHODS, value);
+    if (i < 0)
+        return "must be planish, laplacian, area-laplacian or length-laplacian";
+    arguments->library.method = (planish_method)i;
+    return NULL;
+}
+
+static const char *set_objective(pl_arguments *arguments, const char *value) {
+    arguments->worst = strcmp(value, "worst") == 0;
+    const int i =
+        arguments->worst ? PLANISH_RADIUS_RATIO : find_name(objective_names, N_OBJECTIVES, value);
+    if (i < 0)
+        return "must be radius-ratio, mean-ratio, edge-ratio or worst";
+    arguments->library.objective = (planish_objective)i;
+    return NULL;
+}
+
+static const char *set_worst_measure(pl_arguments *arguments, const char *value) {
+    arguments->of_worst = "worst-measure";
+    if (strcmp(value, "radius-ratio") == 0)
+        arguments->worst_measure = PLANISH_WORST_RADIUS_RATIO;
+    else if (strcmp(value, "dihedral") == 0)
+        arguments->worst_measure = PLANISH_WORST_ANGLE;
+    else
+        return "must be radius-ratio or dihedral";
+    return NULL;
+}
+
+static const char *set_worst_rise(pl_arguments *arguments, const char *value) {
+    double *rise = &arguments->library.worst_rise;
+    arguments->of_worst = "worst-rise";
+    return parse_real(value, rise) || *rise < 0 || *rise > 1e6 ? "must be a number, 0 to 1e6"
+                                                               : NULL;
+}
+
+/** V for all elements; the last '=' ends a tag, which may have others in its name. */
+static const char *set_min_volume(pl_arguments *arguments, const char *value) {
+    const char *wanted = "must be a volume (area in 2-D) above 0, or TAG=V with such a V";
+    const char *sign = strrchr(value, '=');
+    double volume;
+    if (parse_real(sign ? sign + 1 : value, &volume) || volume <= 0 || sign == value)
+        return wanted;
+    if (!sign) {
+        if (arguments->library.min_volume > 0)
+            return "is a second volume for all elements; that for a group is TAG=V";
+        arguments->library.min_volume = volume;
+        return NULL;
+    }
+    char *tag = strdup(value);
+    if (!tag)
+        return "needs more memory than there is";
+    tag[sign - value] = '\0';
+    arguments->min_volume_tag[arguments->n_min_volumes] = tag;
+    arguments->min_volume_value[arguments->n_min_volumes++] = volume;
+    return NULL;
+}
+
+static const char *set_min_volume_fraction(pl_arguments *arguments, const char *value) {
+    double *fraction = &arguments->library.min_volume_fraction;
+    return parse_real(value, fraction) || *fraction <= 0 || *fraction >= 1
+               ? "must be a number between 0 and 1"
+               : NULL;
+}
+
+static const char *set_area_weight(pl_arguments *arguments, const char *value) {
+    double *weight = &arguments->library.area_weight;
+    return parse_real(value, weight) || *weight < 0 || *weight > 1 ? "must be a number from 0 to 1"
+                                                                   : NULL;
+}
+
+static const char *set_box(pl_arguments *arguments, const char *value) {
+    double *box = arguments->box;
+    const int n = parse_reals(value, 6, box), dim = n / 2;
+    if (n != 4 && n != 6)
+        return "must be X0,Y0,X1,Y1, in 3-D X0,Y0,Z0,X1,Y1,Z1";
+    for (int d = 0; d < dim; d++)
+        if (box[d] > box[dim + d])
+            return "must begin with the lower corner: X0 <= X1 and so on";
+    arguments->n_box = n;
+    return NULL;
+}
+
+static const char *set_max_displacement(pl_arguments *arguments, const char *value) {
+    double *distance = &arguments->library.max_displacement;
+    const char *unit = take_real(value, distance);
+    if (!unit || *distance <= 0 || (strcmp(unit, "") != 0 && strcmp(unit, "h") != 0))
+        return "must be a distance above 0, or a number and h for that many edge lengths";
+    arguments->library.displacement_unit = *unit ? PLANISH_UNIT_EDGE : PLANISH_UNIT_MESH;
+    return NULL;
+}
+
+static const char *set_no_untangle(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->library.untangle = 0;
+    return NULL;
+}
+
+static const char *set_max_sweeps(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 0, INT_MAX, &arguments->library.max_sweeps)
+               ? "must be a whole number, 0 or more"
+               : NULL;
+}
+
+static const char *set_tolerance(pl_arguments *arguments, const char *value) {
+    double *tolerance = &arguments->library.tolerance;
+    return parse_real(value, tolerance) || *tolerance < 0 || *tolerance >= 1
+               ? "must be a number from 0 to less than 1"
+               : NULL;
+}
+
+static const char *set_time_limit(pl_arguments *arguments, const char *value) {
+    double *limit = &arguments->library.time_limit;
+    return parse_real(value, limit) || *limit <= 0 ? "must be a number of seconds above 0" : NULL;
+}
+
+static const char *set_only_worse_than(pl_arguments *arguments, const char *value) {
+    double *ratio = &arguments->library.only_worse_than;
+    return parse_real(value, ratio) || *ratio < 1 ? "must be a radius ratio, 1 or more" : NULL;
+}
+
+static const char *set_rings(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 0, 100, &arguments->library.rings)
+               ? "must be a whole number, 0 to 100"
+               : NULL;
+}
+
+static const char *set_fix(pl_arguments *arguments, const char *value) {
+    arguments->fix[arguments->n_fix++] = value;
+    return value[0] ? NULL : "must be a group's NAME, N or DIM:N";
+}
+
+static const char *set_fix_layers(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->fix_layers = 1;
+    return NULL;
+}
+
+static const char *set_slide(pl_arguments *arguments, const char *value) {
+    const int is_none = strcmp(value, "none") == 0;
+    arguments->slide = !is_none;
+    if (is_none || strcmp(value, "auto") == 0)
+        arguments->n_slide_tags = 0;
+    else
+        arguments->slide_tag[arguments->n_slide_tags++] = value;
+    return value[0] ? NULL : "must be auto, none, or a group's NAME, N or DIM:N";
+}
+
+static const char *set_slide_tolerance(pl_arguments *arguments, const char *value) {
+    double *tolerance = &arguments->slide_tolerance;
+    return parse_real(value, tolerance) || *tolerance <= 0 || *tolerance > 1e-3
+               ? "must be a fraction above 0, up to 1e-3"
+               : NULL;
+}
+
+static const char *set_ignore_regions(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->ignore_regions = 1;
+    arguments->n_regions = 0;
+    return NULL;
+}
+
+static const char *set_regions(pl_arguments *arguments, const char *value) {
+    const int is_none = strcmp(value, "none") == 0;
+    arguments->ignore_regions = is_none;
+    if (is_none)
+        arguments->n_regions = 0;
+    else
+        arguments->regions[arguments->n_regions++] = value;
+    return value[0] ? NULL : "must be the name of an array of the file, or none";
+}
+
+static const char *set_threads(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 1, PL_MAX_THREADS, &arguments->library.threads)
+               ? "must be a whole number from 1 to 1024"
+               : NULL;
+}
+
+static const char *set_bind(pl_arguments *arguments, const char *value) {
+    arguments->leave_unbound = !strcmp(value, "none");
+    return arguments->leave_unbound || !strcmp(value, "auto") ? NULL : "must be auto or none";
+}
+
+static const char *set_json(pl_arguments *arguments, const char *value) {
+    arguments->json = value;
+    return value[0] ? NULL : "must be the name of a file, or - for standard output";
+}
+
+static const char *set_report(pl_arguments *arguments, const char *value) {
+    arguments->report = value;
+    return value[0] ? NULL : "must be the name of a file, or - for standard output";
+}
+
+static const char *set_n_worst(pl_arguments *arguments, const char *value) {
+    return parse_integer(value, 1, INT_MAX, &arguments->n_worst)
+               ? "must be a whole number, 1 or more"
+               : NULL;
+}
+
+static const char *set_verbose(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->verbosity = arguments->verbosity >= PL_VERBOSE ? PL_DETAILED : PL_VERBOSE;
+    return NULL;
+}
+
+static const char *set_quiet(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->verbosity = PL_QUIET;
+    return NULL;
+}
+
+static const char *set_help(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->help = 1;
+    return NULL;
+}
+
+static const char *set_version(pl_arguments *arguments, const char *value) {
+    (void)value;
+    arguments->version = 1;
+    return NULL;
+}
+
+/* ---- the table ------------------------------------------------------------------------------ */
+
+typedef struct option_row {
+    int letter;        /* short option, or 0 */
+    const char *name;  /* long option */
+    const char *value; /* what its value is called, or NULL: takes none */
+    unsigned commands; /* bits of pl_command, and OPTIMISES: heeded by no Laplacian method */
+    option_setter *set;
+    const char *help;   /* lines separated by '\n' */
+    const char *values; /* words that the value may be, separated by blanks; "file": a file's name;
+                           NULL: anything else */
+} option_row;
+
+enum {
+    SMOOTH = PL_COMMAND_SMOOTH,
+    QUALITY = PL_COMMAND_QUALITY,
+    REPORT = PL_COMMAND_REPORT,
+    BOTH = SMOOTH | QUALITY,
+    ALL = PL_COMMANDS_ALL,
+    OPTIMISES = 8
+};
+
+static const option_row option_table[] = {
+    {'o', "output", "OUT", SMOOTH, set_output,
+     "write the smoothed mesh to OUT, which may be IN; same\nformat as IN, only coordinates "
+     "change; with the\nextension .vtu or .vtk a copy for viewing",
+     "file"},
+    {'o', "output", "FILE", REPORT, set_output,
+     "write the page to FILE (default: beside RESULT.json,\ncalled RESULT.html); - is standard "
+     "output",
+     "file"},
+    {0, "format", "NAME", BOTH, set_format,
+     "format of the input: gmsh, medit, vtk, vtu, vtkhdf,\ntetgen, netgen, abaqus, nastran, cgns, "
+     "med,\ndmplex or off (default: told by its content, then\nits name)",
+     "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off"},
+    {0, "method", "NAME", SMOOTH, set_method,
+     "how nodes are moved: planish (default), or to compare\nwith laplacian, area-laplacian, "
+     "length-laplacian,\nwhich may invert elements",
+     "planish laplacian area-laplacian length-laplacian"},
+    {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective,
+     "what is made small, as RMS over the elements:\nradius-ratio (default), mean-ratio or "
+     "edge-ratio; or\nworst: radius-ratio, and then the worst elements",
+     "radius-ratio mean-ratio edge-ratio worst"},
+    {0, "worst-measure", "NAME", SMOOTH | OPTIMISES, set_worst_measure,
+     "what --objective worst improves in the end: dihedral\n(default; the smallest and largest "
+     "angles), or\nradius-ratio",
+     "dihedral radius-ratio"},
+    {0, "worst-rise", "R", SMOOTH | OPTIMISES, set_worst_rise,
+     "by how much of itself the RMS may rise for that\n(default 0.01)", NULL},
+    {0, "direction", "NAME", SMOOTH | OPTIMISES, set_direction,
+     "search direction: newton (default) or fletcher-reeves", "newton fletcher-reeves"},
+    {0, "min-volume", "[TAG=]V", BOTH, set_min_volume,
+     "no element (of group TAG) may have less volume (area\nin 2-D) than V; TAG=V may be given "
+     "more than once",
+     NULL},
+    {0, "min-volume-fraction", "F", BOTH, set_min_volume_fraction,
+     "the same with V = F times the volume of all elements", NULL},
+    {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_area_weight,
+     "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)", NULL},
+    {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box,
+     "keep free nodes in the box; those outside stay put", NULL},
+    {0, "max-displacement", "D", SMOOTH, set_max_displacement,
+     "move no node farther than D from where it was; Dh:\nthan D times the mean length of its "
+     "edges",
+     NULL},
+    {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_no_untangle,
+     "leave inverted elements alone (default: make them\nvalid first where that can be done)",
+     NULL},
+    {0, "max-sweeps", "N", SMOOTH, set_max_sweeps,
+     "at most N sweeps over the mesh once it is untangled,\nand N more where nodes have to go back "
+     "(default 200)",
+     NULL},
+    {0, "tolerance", "T", SMOOTH, set_tolerance,
+     "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)", NULL},
+    {0, "time-limit", "S", SMOOTH, set_time_limit,
+     "stop smoothing S seconds after it has begun (reading\nand set-up do not count); the mesh is "
+     "written and the\nexit status is 1",
+     NULL},
+    {0, "fix", "TAG", BOTH, set_fix,
+     "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once", NULL},
+    {0, "fix-layers", NULL, BOTH, set_fix_layers,
+     "hold all nodes of elements that are thin in layers,\nas those of a boundary layer are", NULL},
+    {0, "regions", "NAME", BOTH, set_regions,
+     "hold nodes between the values of array NAME (default:\nof all arrays that look like "
+     "regions); "
+     "may be given\nmore than once; none: let nodes between regions move",
+     "none"},
+    {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
+     "let nodes between regions (materials) move, as\n--regions none does", NULL},
+    {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,
+     "let boundary nodes slide where the shape stays what\nit is: auto (on planes and straight "
+     "edges), none\n(default), or on group TAG only (NAME, N or DIM:N;\nmay be given more than "
+     "once)",
+     "auto none"},
+    {0, "slide-tolerance", "T", BOTH, set_slide_tolerance,
+     "how far off a plane or line its nodes may be, times\nthe diagonal of the bounding box "
+     "(default 1e-8, more\nfor files of few digits); also of triangles in a\ntilted plane",
+     NULL},
+    {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
+     "move only nodes of elements whose radius ratio\nexceeds RR", NULL},
+    {0, "rings", "K", SMOOTH | OPTIMISES, set_rings,
+     "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
+    {'j', "threads", "N", BOTH, set_threads,
+     "run on N threads (default: OMP_NUM_THREADS, else one\nper core, of a small mesh fewer)",
+     NULL},
+    {0, "bind", "HOW", BOTH, set_bind,
+     "auto (default): bind one thread to each core if there\nare as many, and OpenMP's variables "
+     "say nothing;\n"
+     "none: leave them where the system puts them",
+     "auto none"},
+    {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output",
+     "file"},
+    {0, "report", "FILE.html", BOTH, set_report,
+     "write a page for people: tables, histograms,\nconvergence, a picture of the mesh; - is "
+     "standard\noutput",
+     "file"},
+    {0, "worst", "N", QUALITY, set_n_worst,
+     "list the N worst elements, here and in the reports\n(default: none here, 10 in the reports)",
+     NULL},
+    {'v', "verbose", NULL, SMOOTH, set_verbose,
+     "one line per sweep, and where the threads run; -vv:\none line per colour as well", NULL},
+    {'q', "quiet", NULL, ALL, set_quiet, "print nothing but errors", NULL},
+    {'h', "help", NULL, ALL, set_help, "show this help and exit", NULL},
+    {0, "version", NULL, ALL, set_version, "show the version and exit", NULL},
+};
+
+enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
+
+/* ---- parsing -------------------------------------------------------------------------------- */
+
+/** What getopt_long returns for row i: its letter, or a number that is no character. */
+static int option_code(int i) {
+    return option_table[i].letter ? option_table[i].letter : UCHAR_MAX + 1 + i;
+}
+
+/** The rows of command in getopt's terms: letters [3 * N_OPTIONS + 2], rows [N_OPTIONS + 1]. */
+static void make_getopt_table(pl_command command, char *letters, struct option *rows) {
+    *letters++ = ':'; /* tells a missing value from an unknown option */
+    for (int i = 0; i < N_OPTIONS; i++) {
+        const option_row *row = &option_table[i];
+        if (!(row->commands & command))
+            continue;
+        *rows++ = (struct option){row->name, row->value ? required_argument : no_argument, NULL,
+                                  option_code(i)};
+        if (row->letter) {
+            *letters++ = (char)row->letter;
+            if (row->value)
+                *letters++ = ':';
+        }
+    }
+    *letters = '\0';
+    *rows = (struct option){NULL, 0, NULL, 0};
+}
+
+static const option_row *find_row(pl_command command, int code) {
+    for (int i = 0; i < N_OPTIONS; i++)
+        if (option_code(i) == code && (option_table[i].commands & command))
+            return &option_table[i];
+    return NULL;
+}
+
+/** Message for an option --word (which may have "=VALUE" behind it) that getopt does not know. */
+static int complain_unknown(pl_command command, const char *name, const char *word) {
+    char typed[64], others[128] = "";
+    snprintf(typed, sizeof typed, "%.*s", (int)strcspn(word, "="), word);
+    pl_suggestion suggestion = {.typed = typed};
+    const option_row *elsewhere = NULL;
+    size_t used = 0;
+    for (int i = 0; i < N_OPTIONS; i++) {
+        const option_row *row = &option_table[i];
+        const int is_here = (row->commands & command) != 0;
+        if (is_here)
+            pl_suggest(&suggestion, row->name);
+        else if (strcmp(row->name, typed) == 0)
+            elsewhere = row;
+        if (is_here && typed[0] && strncmp(row->name, typed, strlen(typed)) == 0 &&
+            used < sizeof others)
+            used += (size_t)snprintf(others + used, sizeof others - used, "%s--%s",
+                                     used ? ", " : "", row->name);
+    }
+    if (strcmp(typed, "layers") == 0 && command == PL_COMMAND_SMOOTH)
+        return pl_complain_usage(name, "--layers is called --rings now");
+    if (used)
+        return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
+    if (elsewhere)
+        return pl_complain_usage(name, "option --%s is not one of planish %s", typed, name);
+    if (suggestion.nearest)
+        return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed,
+                                 suggestion.nearest);
+    return pl_complain_usage(name, "unknown option '--%s'", typed);
+}
+
+/** Message for what getopt refused; word: the argument it was looking at. */
+static int complain_option(pl_command command, const char *name, int refusal, int code,
+                           const char *word) {
+    const option_row *row = find_row(command, code);
+    if (refusal == ':' && row)
+        return pl_complain_usage(name, "option --%s needs a value (%s)", row->name, row->value);
+    if (row)
+        return pl_complain_usage(name, "option --%s takes no value", row->name);
+    if (code)
+        return pl_complain_usage(name, "unknown option '-%c'", code);
+    return complain_unknown(command, name, word + strspn(word, "-"));
+}
+
+/** Take the operands that stand at argv[optind ...] and check that all is there. */
+static int take_operands(pl_arguments *arguments, int argc, char **argv) {
+    const pl_command_text *command = pl_command_row(arguments->command);
+    if (optind == argc)
+        return pl_complain_usage(command->name, "no %s is named", command->operand);
+    if (optind + 1 < argc && !command->takes_many)
+        return pl_complain_usage(command->name, "one %s is expected, and '%s' is a second one",
+                                 command->operand, argv[optind + 1]);
+    for (int i = optind; i < argc; i++) {
+        if (argv[i][0] == '\0')
+            return pl_complain_usage(command->name, "the name of the %s is empty",
+                                     command->operand);
+        arguments->inputs[arguments->n_inputs++] = argv[i];
+    }
+    arguments->input = arguments->inputs[0];
+    if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
+        return pl_complain_usage(command->name, "no output is named (-o OUT)");
+    return 0;
+}
+
+int pl_arguments_bound_volumes(const pl_arguments *arguments) {
+    const planish_options *library = &arguments->library;
+    return library->min_volume > 0 || library->min_volume_fraction > 0 ||
+           arguments->n_min_volumes > 0;
+}
+
+int pl_arguments_change_objective(const pl_arguments *arguments) {
+    return arguments->library.objective != PLANISH_RADIUS_RATIO ||
+           arguments->library.area_weight > 0;
+}
+
+/** Options that exclude or need one another. */
+static int check_combinations(const pl_arguments *arguments) {
+    const planish_options *library = &arguments->library;
+    const char *command = pl_command_name(arguments->command);
+    if (library->min_volume > 0 && library->min_volume_fraction > 0)
+        return pl_complain_usage(command, "--min-volume for all elements and "
+                                          "--min-volume-fraction exclude one another");
+    if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
+        return pl_complain_usage(command, "--area-weight needs a least volume: --min-volume or "
+                                          "--min-volume-fraction");
+    if (library->rings > 0 && !(library->only_worse_than > 0))
+        return pl_complain_usage(command, "--rings has no effect without --only-worse-than");
+    if (arguments->of_worst && !arguments->worst)
+        return pl_complain_usage(command, "--%s has no effect without --objective worst",
+                                 arguments->of_worst);
+    if (arguments->report && arguments->n_inputs > 1)
+        return pl_complain_usage(command, "--report makes a page of one mesh, and %d are named",
+                                 arguments->n_inputs);
+    if (arguments->n_worst > 0 && arguments->verbosity == PL_QUIET && !arguments->json &&
+        !arguments->report)
+        return pl_complain_usage(command, "--worst has no effect with --quiet and no report");
+    if (library->method != PLANISH_METHOD_PLANISH && arguments->optimiser)
+        return pl_complain_usage(command, "--%s has no effect with --method %s",
+                                 arguments->optimiser, pl_method_name(library->method));
+    return 0;
+}
+
+/** Room for as many tags as there are words. */
+static int make_room(pl_arguments *arguments, int argc) {
+    const size_t n = (size_t)argc;
+    arguments->inputs = calloc(n, sizeof *arguments->inputs);
+    arguments->fix = calloc(n, sizeof *arguments->fix);
+    arguments->slide_tag = calloc(n, sizeof *arguments->slide_tag);
+    arguments->regions = calloc(n, sizeof *arguments->regions);
+    arguments->min_volume_tag = calloc(n, sizeof *arguments->min_volume_tag);
+    arguments->min_volume_value = calloc(n, sizeof *arguments->min_volume_value);
+    if (arguments->inputs && arguments->fix && arguments->slide_tag && arguments->regions &&
+        arguments->min_volume_tag && arguments->min_volume_value)
+        return 0;
+    return pl_complain(PL_EXIT_FAILED, "out of memory for the command line");
+}
+
+int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, char **argv) {
+    memset(arguments, 0, sizeof *arguments);
+    arguments->command = command;
+    planish_options_init(&arguments->library);
+    int status = make_room(arguments, argc);
+    if (status)
+        return status;
+
+    char letters[3 * N_OPTIONS + 2];
+    struct option rows[N_OPTIONS + 1];
+    make_getopt_table(command, letters, rows);
+    opterr = 0;
+    optind = 1;
+    int code;
+    while ((code = getopt_long(argc, argv, letters, rows, NULL)) != -1) {
+        if (code == '?' || code == ':')
+            return complain_option(command, argv[0], code, optopt, argv[optind - 1]);
+        const option_row *row = find_row(command, code);
+        const char *wanted = row->set(arguments, optarg);
+        if (wanted)
+            return pl_complain_usage(argv[0], "--%s '%s' %s", row->name, optarg, wanted);
+        if (row->commands & OPTIMISES)
+            arguments->optimiser = row->name;
+        if (arguments->help || arguments->version)
+            return 0;
+    }
+    status = take_operands(arguments, argc, argv);
+    if (arguments->worst)
+        arguments->library.worst = arguments->worst_measure != PLANISH_WORST_NONE
+                                       ? arguments->worst_measure
+                                       : PLANISH_WORST_ANGLE;
+    return status ? status : check_combinations(arguments);
+}
+
+void pl_arguments_free(pl_arguments *arguments) {
+    for (int i = 0; i < arguments->n_min_volumes; i++)
+        free(arguments->min_volume_tag[i]);
+    free(arguments->min_volume_tag);
+    free(arguments->min_volume_value);
+    free(arguments->regions);
+    free(arguments->slide_tag);
+    free(arguments->fix);
+    free(arguments->inputs);
+}
+
+/* ---- for the help and the manual ------------------------------------------------------------ */
+
+int pl_option_describe(int i, pl_option_text *text) {
+    if (i >= N_OPTIONS)
+        return 0;
+    const option_row *row = &option_table[i];
+    *text = (pl_option_text){.letter = row->letter,
+                             .name = row->name,
+                             .value = row->value,
+                             .commands = row->commands & ALL,
+                             .help = row->help,
+                             .values = row->values,
+                             .is_doubled = row->set == set_verbose};
+    return 1;
+}

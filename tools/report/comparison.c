@@ -1,0 +1,175 @@
+/* comparison: several meshes side by side, a row each. */
+#include "report/comparison.h"
+
+#include "terminal/terminal.h"
+#include "terminal/text.h"
+
+#include "base/system.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COUNT_WIDTH = 10, FAULT_WIDTH = 9, REAL_WIDTH = 10, N_COLUMNS = 7, BELOW = 2 };
+
+typedef struct column {
+    const char *head[2];
+    int width, is_count, more_is_better;
+} column;
+
+static const column columns[N_COLUMNS] = {
+    {{"", "elements"}, COUNT_WIDTH, 1, 0},     {{"", "inverted"}, FAULT_WIDTH, 1, 0},
+    {{"below", "minimum"}, FAULT_WIDTH, 1, 0}, {{"worst", "RR"}, REAL_WIDTH, 0, 0},
+    {{"smallest", "angle"}, REAL_WIDTH, 0, 1}, {{"RMS", "RR"}, REAL_WIDTH, 0, 0},
+    {{"mean", "RR"}, REAL_WIDTH, 0, 0},
+};
+
+static double value_of(const pl_compared *mesh, int c) {
+    const planish_quality *q = &mesh->measured.quality;
+    const double values[N_COLUMNS] = {
+        (double)mesh->n_elements, (double)q->inverted, (double)mesh->measured.volumes.n_below,
+        q->max_radius_ratio,      q->min_angle_deg,    q->rms_radius_ratio,
+        q->mean_radius_ratio};
+    return values[c];
+}
+
+/** The best value of a column, NAN if all are the same; that of c = 0 says nothing. */
+static double best_of(const pl_compared *mesh, int n, int c) {
+    double least = INFINITY, most = -INFINITY;
+    for (int i = 0; i < n; i++) {
+        const double value = value_of(&mesh[i], c);
+        if (isfinite(value)) {
+            least = fmin(least, value);
+            most = fmax(most, value);
+        }
+    }
+    if (c == 0 || !(least < most))
+        return NAN;
+    return columns[c].more_is_better ? most : least;
+}
+
+static void put_head(FILE *stream, int name_width, int has_volumes) {
+    for (int line = 0; line < 2; line++) {
+        fprintf(stream, "%s%-*s", pl_style_begin(stream, PL_STYLE_HEADING), name_width,
+                line ? "file" : "");
+        for (int c = 0; c < N_COLUMNS; c++)
+            if (c != BELOW || has_volumes)
+                fprintf(stream, "%*s", columns[c].width, columns[c].head[line]);
+        fprintf(stream, "%s\n", pl_style_end(stream, PL_STYLE_HEADING));
+    }
+}
+
+static void put_value(FILE *stream, int c, double value, double best) {
+    const pl_style style = value == best ? PL_STYLE_HEADING : PL_STYLE_PLAIN;
+    fputs(pl_style_begin(stream, style), stream);
+    if (columns[c].is_count)
+        fprintf(stream, "%*.0f", columns[c].width, value);
+    else if (isfinite(value))
+        fprintf(stream, "%*.4g", columns[c].width, value);
+    else
+        fprintf(stream, "%*s", columns[c].width, "-");
+    fputs(pl_style_end(stream, style), stream);
+}
+
+/* ---- names ----------------------------------------------------------------------------------- */
+
+/** Bytes that the names of mesh [n] begin with and that end a folder's name; 0 for "/" alone. */
+static size_t common_folder(const pl_compared *mesh, int n) {
+    size_t common = n > 1 ? strlen(mesh[0].name) : 0;
+    for (int i = 1; i < n; i++) {
+        size_t same = 0;
+        while (same < common && mesh[i].name[same] == mesh[0].name[same])
+            same++;
+        common = same;
+    }
+    while (common > 0 && !pl_path_is_separator(mesh[0].name[common - 1]))
+        common--;
+    return common > 1 ? common : 0;
+}
+
+/** The names of a comparison. */
+typedef struct names {
+    size_t folder; /* bytes of each that are left out */
+    int width;     /* columns of theirs */
+    char **shown;  /* [n] what fits there, owned */
+} names;
+
+static void free_names(names *of, int n) {
+    for (int i = 0; i < n && of->shown; i++)
+        free(of->shown[i]);
+    free(of->shown);
+}
+
+/** least, most: columns that the names may take. Returns 0, or -1 without memory. */
+static int make_names(const pl_compared *mesh, int n, int least, int most, names *of) {
+    int widest = least;
+    *of = (names){.folder = common_folder(mesh, n), .shown = calloc((size_t)n, sizeof *of->shown)};
+    for (int i = 0; i < n; i++) {
+        const int wanted = pl_text_columns(mesh[i].name + of->folder);
+        widest = wanted > widest ? wanted : widest;
+    }
+    of->width = widest < most ? widest : most;
+    for (int i = 0; i < n && of->shown; i++) {
+        const char *name = mesh[i].name + of->folder;
+        const size_t size = strlen(name) + 4;
+        of->shown[i] = malloc(size);
+        if (!of->shown[i])
+            return -1;
+        pl_text_fit(name, of->width, of->shown[i], size);
+    }
+    return of->shown ? 0 : -1;
+}
+
+/** Whether the name of row i was cut, and another one looks the same. */
+static int is_ambiguous(const pl_compared *mesh, int n, const names *of, int i) {
+    const char *name = mesh[i].name + of->folder;
+    if (pl_text_columns(name) <= of->width)
+        return 0;
+    for (int j = 0; j < n; j++)
+        if (strcmp(of->shown[j], of->shown[i]) == 0 && strcmp(mesh[j].name, mesh[i].name) != 0)
+            return 1;
+    return 0;
+}
+
+/** In its column, or, if it would say too little there, on a line before. */
+static void put_name(FILE *stream, const char *name, const names *of, const char *shown,
+                     int is_long) {
+    if (is_long) {
+        pl_text_put(stream, name + of->folder);
+        fputc('\n', stream);
+        shown = "";
+    }
+    fprintf(stream, "%s%*s", shown, of->width - pl_text_columns(shown), "");
+}
+
+/* ---- rows ------------------------------------------------------------------------------------ */
+
+static void put_values(FILE *stream, const pl_compared *mesh, const double *best, int has_volumes) {
+    for (int c = 0; c < N_COLUMNS; c++)
+        if (c != BELOW || has_volumes)
+            put_value(stream, c, value_of(mesh, c), best[c]);
+    fputc('\n', stream);
+}
+
+int pl_comparison_print(FILE *stream, const pl_compared *mesh, int n, int has_volumes) {
+    double best[N_COLUMNS];
+    int width = 0; /* of the values */
+    names of;
+    if (n == 0)
+        return 0;
+    for (int c = 0; c < N_COLUMNS; c++) {
+        best[c] = best_of(mesh, n, c);
+        width += c != BELOW || has_volumes ? columns[c].width : 0;
+    }
+    const int room = pl_terminal_room(stream), least = PL_TEXT_WIDTH - width;
+    const int status = make_names(mesh, n, least, room > PL_TEXT_WIDTH ? room - width : least, &of);
+    if (!status)
+        put_head(stream, of.width, has_volumes);
+    for (int i = 0; i < n && !status; i++) {
+        put_name(stream, mesh[i].name, &of, of.shown[i], is_ambiguous(mesh, n, &of, i));
+        put_values(stream, &mesh[i], best, has_volumes);
+    }
+    free_names(&of, n);
+    return status;
+}

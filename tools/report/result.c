@@ -1,0 +1,516 @@
+/* result: what a run has come to, and its report as JSON.
+ *
+ * Real numbers are written with the fewest digits that restore them, those that are not finite as
+ * null. The keys are a contract: they are only ever added.
+ */
+#include "report/result.h"
+
+#include "job/held.h"
+#include "terminal/platform.h"
+#include "terminal/text.h"
+#include "terminal/utf8.h"
+
+#include <cjson/cJSON.h>
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/** A document that is being made. cJSON calls may fail for want of memory; failed remembers. */
+typedef struct document {
+    int failed;
+} document;
+
+/** Add item to parent, which may be NULL for want of memory; item, or NULL if it was released. */
+static cJSON *add(document *json, cJSON *parent, const char *name, cJSON *item) {
+    const int done =
+        name ? cJSON_AddItemToObject(parent, name, item) : cJSON_AddItemToArray(parent, item);
+    if (done)
+        return item;
+    cJSON_Delete(item);
+    json->failed = 1;
+    return NULL;
+}
+
+static cJSON *new_object(document *json, cJSON *parent, const char *name) {
+    return add(json, parent, name, cJSON_CreateObject());
+}
+
+static cJSON *new_array(document *json, cJSON *parent, const char *name) {
+    return add(json, parent, name, cJSON_CreateArray());
+}
+
+static void add_integer(document *json, cJSON *parent, const char *name, int64_t value) {
+    char text[32]; /* as text: a double would lose digits above 2^53 */
+    snprintf(text, sizeof text, "%" PRId64, value);
+    add(json, parent, name, cJSON_CreateRaw(text));
+}
+
+static void add_real(document *json, cJSON *parent, const char *name, double value) {
+    char text[32];
+    if (!isfinite(value)) {
+        add(json, parent, name, cJSON_CreateNull());
+        return;
+    }
+    for (int digits = 15; digits <= 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, value);
+        if (strtod(text, NULL) == value)
+            break;
+    }
+    add(json, parent, name, cJSON_CreateRaw(text));
+}
+
+/** JSON is UTF-8, names of files are any bytes: what is no UTF-8 becomes U+FFFD. */
+static void add_text(document *json, cJSON *parent, const char *name, const char *text) {
+    char *clean = malloc(3 * strlen(text) + 1), *to = clean;
+    if (!clean) {
+        json->failed = 1;
+        return;
+    }
+    for (const char *from = text; *from;) {
+        const int length = pl_utf8_length(from);
+        const int n = length ? length : 3;
+        memcpy(to, length ? from : PL_UTF8_REPLACEMENT, (size_t)n);
+        to += n;
+        from += length ? length : 1;
+    }
+    *to = '\0';
+    add(json, parent, name, cJSON_CreateString(clean));
+    free(clean);
+}
+
+/** What slides, and what could (null: not looked for). */
+static void add_slides(document *json, cJSON *mesh, const pl_job *job) {
+    add_integer(json, mesh, "sliding_nodes", job->plan_info.n_sliding);
+    if (job->could_slide >= 0)
+        add_integer(json, mesh, "could_slide", job->could_slide);
+    else
+        add(json, mesh, "could_slide", cJSON_CreateNull());
+}
+
+/** Null: not looked for. */
+static void add_layers(document *json, cJSON *mesh, const pl_job *job) {
+    if (job->layers.n >= 0) {
+        add_integer(json, mesh, "layer_elements", job->layers.n);
+        add_integer(json, mesh, "free_layer_elements", job->layers.n_loose);
+    } else {
+        add(json, mesh, "layer_elements", cJSON_CreateNull());
+        add(json, mesh, "free_layer_elements", cJSON_CreateNull());
+    }
+}
+
+static void add_vector(document *json, cJSON *to, const char *name, const double *vector) {
+    cJSON *array = new_array(json, to, name);
+    for (int d = 0; d < 3; d++)
+        add_real(json, array, NULL, vector[d]);
+}
+
+/** The plane of triangles; null: that of x and y, or tetrahedra. */
+static void add_plane(document *json, cJSON *mesh, const pl_job *job) {
+    planish_plane plane;
+    if (!job->file || !planish_file_plane(job->file, &plane)) {
+        add(json, mesh, "plane", cJSON_CreateNull());
+        return;
+    }
+    cJSON *of = new_object(json, mesh, "plane");
+    add_vector(json, of, "normal", plane.normal);
+    add_vector(json, of, "origin", plane.origin);
+    cJSON *directions = new_array(json, of, "directions");
+    for (int d = 0; d < 2; d++)
+        add_vector(json, directions, NULL, plane.direction[d]);
+    add(json, of, "tilted", cJSON_CreateBool(plane.is_tilted));
+    add_real(json, of, "off", plane.off);
+}
+
+/** Why nodes are held. Null: not known. */
+static void add_held(document *json, cJSON *mesh, const pl_held *held) {
+    if (!held->is_known) {
+        add(json, mesh, "held", cJSON_CreateNull());
+        add(json, mesh, "unused_nodes", cJSON_CreateNull());
+        add(json, mesh, "doubled_nodes", cJSON_CreateNull());
+        return;
+    }
+    cJSON *object = new_object(json, mesh, "held");
+    for (int i = 0; i < PL_N_HELD_BY; i++)
+        add_integer(json, object, pl_held_name(i), held->n[i]);
+    add_integer(json, mesh, "unused_nodes", held->n_unused);
+    add_integer(json, mesh, "doubled_nodes", held->n_doubled);
+}
+
+/** The arrays that tell regions. */
+static void add_region_arrays(document *json, cJSON *mesh, const pl_job *job) {
+    cJSON *list = new_array(json, mesh, "region_arrays");
+    for (const char *const *name = pl_job_region_arrays(job); *name; name++)
+        add_text(json, list, NULL, *name);
+}
+
+/** n_reversed: as measured of the input. */
+static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_reversed) {
+    cJSON *mesh = new_object(json, root, "mesh");
+    add_integer(json, mesh, "dimension", job->mesh.dim);
+    add_plane(json, mesh, job);
+    add_integer(json, mesh, "nodes", job->mesh.n_nodes);
+    add_integer(json, mesh, "elements", job->mesh.n_elements);
+    add_integer(json, mesh, "free_nodes", job->plan_info.n_free);
+    add_slides(json, mesh, job);
+    add_held(json, mesh, &job->held);
+    add_layers(json, mesh, job);
+    add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
+    add_integer(json, mesh, "colours", job->plan_info.n_colours);
+    add_integer(json, mesh, "nodes_with_parameters", job->n_with_parameters);
+    add_integer(json, mesh, "reversed_elements", n_reversed);
+    add_region_arrays(json, mesh, job);
+    add_integer(json, mesh, "wrapped_elements", job->plan_info.n_wrapped);
+}
+
+static void add_spread(document *json, cJSON *quality, const char *name, const planish_spread *s) {
+    cJSON *spread = new_object(json, quality, name);
+    add_real(json, spread, "min", s->min);
+    add_real(json, spread, "mean", s->mean);
+    add_real(json, spread, "max", s->max);
+}
+
+static void add_spreads(document *json, cJSON *quality, const planish_quality *q) {
+    add_spread(json, quality, "radius_ratio", &q->radius_ratio);
+    add_spread(json, quality, "circumradius_to_edge", &q->circumradius_to_edge);
+    add_spread(json, quality, "edge_to_inradius", &q->edge_to_inradius);
+    add_spread(json, quality, "edge_ratio", &q->edge_ratio);
+    add_spread(json, quality, "mean_ratio", &q->mean_ratio);
+    add_spread(json, quality, "scaled_jacobian", &q->scaled_jacobian);
+    add_spread(json, quality, "smallest_angle_deg", &q->smallest_angle_deg);
+    add_spread(json, quality, "largest_angle_deg", &q->largest_angle_deg);
+}
+
+/** edge [n + 1], count [n]. */
+static void add_histogram(document *json, cJSON *quality, const char *name, int n,
+                          const double *edge, const int64_t *count) {
+    cJSON *histogram = new_object(json, quality, name);
+    cJSON *edges = new_array(json, histogram, "edges");
+    cJSON *counts = new_array(json, histogram, "counts");
+    for (int i = 0; i <= n; i++)
+        add_real(json, edges, NULL, edge[i]);
+    for (int i = 0; i < n; i++)
+        add_integer(json, counts, NULL, count[i]);
+}
+
+/** Null: not looked for, as this process has not all of the mesh. */
+static void add_worst_elements(document *json, cJSON *quality, const pl_job *job,
+                               const pl_worst *worst) {
+    if (!job->mesh.coordinates) {
+        add(json, quality, "worst_elements", cJSON_CreateNull());
+        return;
+    }
+    cJSON *list = new_array(json, quality, "worst_elements");
+    for (int64_t i = 0; i < worst->n && !json->failed; i++) {
+        const pl_bad_element *bad = &worst->bad[i];
+        cJSON *element = new_object(json, list, NULL);
+        add_integer(json, element, "element", bad->number);
+        add_real(json, element, "radius_ratio", bad->radius_ratio > 0 ? bad->radius_ratio : NAN);
+        add_real(json, element, "min_angle_deg", bad->smallest_angle_deg);
+        add_real(json, element, "max_angle_deg", bad->largest_angle_deg);
+        cJSON *place = new_array(json, element, "place");
+        for (int d = 0; d < worst->columns; d++)
+            add_real(json, place, NULL, bad->place[d]);
+        cJSON *nodes = new_array(json, element, "nodes");
+        for (int k = 0; k <= worst->dim; k++)
+            add_integer(json, nodes, NULL, bad->node[k]);
+        if (bad->region)
+            add_text(json, element, "region", bad->region);
+        else
+            add(json, element, "region", cJSON_CreateNull());
+        add(json, element, "movable", cJSON_CreateBool(bad->is_movable));
+    }
+}
+
+static void add_quality(document *json, cJSON *root, const char *name, const pl_job *job,
+                        const planish_quality *q, int64_t below_min_volume, const pl_worst *worst) {
+    cJSON *quality = new_object(json, root, name);
+    add_integer(json, quality, "inverted", q->inverted);
+    add_integer(json, quality, "reversed_elements", q->reversed);
+    add_integer(json, quality, "below_min_volume", below_min_volume);
+    add_real(json, quality, "min_volume", q->min_volume);
+    add_real(json, quality, "max_volume", q->max_volume);
+    add_real(json, quality, "total_volume", q->total_volume);
+    add_real(json, quality, "rms_radius_ratio", q->rms_radius_ratio);
+    add_real(json, quality, "rms_radius_ratio_movable", q->rms_radius_ratio_movable);
+    add_real(json, quality, "mean_radius_ratio", q->mean_radius_ratio);
+    add_real(json, quality, "max_radius_ratio", q->max_radius_ratio);
+    add_real(json, quality, "min_dihedral_deg", q->min_angle_deg);
+    add_real(json, quality, "max_dihedral_deg", q->max_angle_deg);
+    add_real(json, quality, "max_radius_ratio_movable", q->max_radius_ratio_movable);
+    add_real(json, quality, "min_dihedral_movable_deg", q->min_angle_deg_movable);
+    add_spreads(json, quality, q);
+    add_histogram(json, quality, "histogram", PLANISH_HISTOGRAM_BINS, q->histogram_edges,
+                  q->histogram_counts);
+    add_histogram(json, quality, "angle_histogram", PLANISH_ANGLE_BINS, q->angle_edges_deg,
+                  q->angle_counts);
+    add_worst_elements(json, quality, job, worst);
+}
+
+static void add_sweeps(document *json, cJSON *root, const pl_progress *progress) {
+    cJSON *sweeps = new_array(json, root, "sweeps");
+    for (int64_t i = 0; i < progress->n_sweeps; i++) {
+        const pl_sweep *done = &progress->sweep[i];
+        cJSON *sweep = new_object(json, sweeps, NULL);
+        add_text(json, sweep, "phase",
+                 done->restoring ? "untangle"
+                 : done->worst   ? "worst"
+                                 : "smooth");
+        add_real(json, sweep, "rms", done->rms);
+        add_real(json, sweep, "rms_movable", done->rms_movable);
+        add_real(json, sweep, "objective", done->objective);
+        add_integer(json, sweep, "inverted", done->inverted);
+        add_integer(json, sweep, "below_min_volume", done->below_min_volume);
+        add_integer(json, sweep, "visits", done->visits);
+        add_real(json, sweep, "seconds", done->seconds);
+    }
+}
+
+static const char *stop_name(planish_stop stop) {
+    switch (stop) {
+    case PLANISH_STOP_CONVERGED:
+        return "converged";
+    case PLANISH_STOP_MAX_SWEEPS:
+        return "max-sweeps";
+    case PLANISH_STOP_TIME_LIMIT:
+        return "time-limit";
+    case PLANISH_STOP_INTERRUPTED:
+        return "interrupted";
+    case PLANISH_STOP_INFEASIBLE:
+        return "infeasible";
+    }
+    return "unknown";
+}
+
+static void add_seconds(document *json, cJSON *root, const pl_job *job, const pl_result *result) {
+    cJSON *seconds = new_object(json, root, "seconds");
+    add_real(json, seconds, "read", job->read_seconds);
+    add_real(json, seconds, "shape", job->shape_seconds);
+    add_real(json, seconds, "setup", job->setup_seconds);
+    add_real(json, seconds, "smooth", result->smooth_seconds);
+    add_real(json, seconds, "write", result->write_seconds);
+    add_real(json, seconds, "total", result->total_seconds);
+}
+
+/** Of several processes. */
+static void add_traffic(document *json, cJSON *root, const pl_traffic *traffic) {
+    if (traffic->n_processes == 0)
+        return;
+    cJSON *processes = new_object(json, root, "processes");
+    add_integer(json, processes, "count", traffic->n_processes);
+    add(json, processes, "in_parts", cJSON_CreateBool(traffic->in_parts));
+    add_integer(json, processes, "messages", traffic->messages);
+    add_integer(json, processes, "node_values", traffic->nodes);
+    add_integer(json, processes, "bytes", traffic->bytes);
+    add_real(json, processes, "longest_wait_seconds", traffic->wait_seconds);
+}
+
+static void add_fixed(document *json, cJSON *root, const planish_quality *quality) {
+    cJSON *fixed = new_object(json, root, "fixed");
+    add_integer(json, fixed, "count", quality->n_fixed);
+    add_real(json, fixed, "rms_radius_ratio", quality->fixed_rms_radius_ratio);
+    add_real(json, fixed, "max_radius_ratio", quality->fixed_max_radius_ratio);
+}
+
+/** F over no valid element is 0, and has no value. */
+static double exists(double objective) {
+    return objective > 0 ? objective : NAN;
+}
+
+static void add_objective(document *json, cJSON *root, const pl_job *job,
+                          const planish_result *smooth) {
+    cJSON *objective = new_object(json, root, "objective");
+    add_text(json, objective, "name", pl_objective_name(job->options.objective));
+    add_real(json, objective, "area_weight", job->options.area_weight);
+    add_real(json, objective, "before", exists(smooth->objective_before));
+    add_real(json, objective, "after", exists(smooth->objective));
+}
+
+static void add_worst(document *json, cJSON *root, const pl_job *job,
+                      const planish_result *smooth) {
+    if (smooth->worst_sweeps == 0) {
+        add(json, root, "worst", cJSON_CreateNull());
+        return;
+    }
+    cJSON *worst = new_object(json, root, "worst");
+    add_text(json, worst, "measure", pl_worst_name(job->options.worst));
+    add_integer(json, worst, "sweeps", smooth->worst_sweeps);
+    add_real(json, worst, "before", smooth->worst_before);
+    add_real(json, worst, "after", smooth->worst_after);
+    add_real(json, worst, "objective_before", smooth->objective_of_worst);
+    add_real(json, worst, "objective_after", smooth->objective);
+    add_real(json, worst, "most_rise", job->options.worst_rise);
+}
+
+int pl_result_has_optimality(const pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    return job->options.method == PLANISH_METHOD_PLANISH &&
+           (pl_arguments_change_objective(arguments) || pl_arguments_bound_volumes(arguments) ||
+            arguments->n_box > 0 || job->options.max_displacement > 0);
+}
+
+static void add_optimality(document *json, cJSON *root, const pl_job *job,
+                           const planish_result *smooth) {
+    if (!pl_result_has_optimality(job)) {
+        add(json, root, "kkt", cJSON_CreateNull());
+        return;
+    }
+    cJSON *kkt = new_object(json, root, "kkt");
+    add_real(json, kkt, "residual", smooth->kkt_residual);
+    add_real(json, kkt, "rms", smooth->kkt_rms);
+    add_real(json, kkt, "max_multiplier", smooth->max_multiplier);
+    add_integer(json, kkt, "active", smooth->n_active);
+}
+
+/** The file's numbers of the elements whose state is at least least, or whose second state is not
+ *  0; either may be NULL. */
+static void add_elements(document *json, cJSON *root, const char *name, const pl_job *job,
+                         const uint8_t *state, planish_volume_state least, const uint8_t *second) {
+    cJSON *list = new_array(json, root, name);
+    for (int64_t i = 0; (state || second) && i < job->mesh.n_elements && !json->failed; i++)
+        if ((state && state[i] >= least) || (second && second[i]))
+            add_integer(json, list, NULL, pl_job_element_number(job, i));
+}
+
+/** unfixable [n_elements]: inverted elements that cannot be mended, or NULL. */
+static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl_volumes *volumes,
+                        const uint8_t *unfixable) {
+    const uint8_t *state = volumes->state;
+    add_real(json, root, "min_volume", volumes->least > 0 ? volumes->least : NAN);
+    add_elements(json, root, "unfixable", job, state, PLANISH_VOLUME_INFEASIBLE, unfixable);
+    add_elements(json, root, "below_min", job, state, PLANISH_VOLUME_BELOW, NULL);
+}
+
+/** A copy of JSON text with a line end, in which characters that a terminal may not get are written
+ *  by their numbers: cJSON does so with those below ' ' alone. NULL without memory. */
+static char *escape_controls(const char *text) {
+    enum { LENGTH = 6 }; /* of an escape */
+    uint32_t code;
+    size_t size = strlen(text) + 2;
+    for (const char *from = text; *from; from++)
+        size += pl_text_control(from, &code) ? LENGTH : 0;
+    char *line = malloc(size), *to = line;
+    for (const char *from = text; line && *from;) {
+        const int length = (unsigned char)*from > '~' ? pl_text_control(from, &code) : 0;
+        if (length > 0)
+            to += snprintf(to, LENGTH + 1, "\\u%04x", (unsigned)code);
+        else
+            *to++ = *from;
+        from += length > 0 ? length : 1;
+    }
+    if (line)
+        memcpy(to, "\n", 2);
+    return line;
+}
+
+/** How many inverted elements stay so because an option holds them. */
+static void add_inverted_held(document *json, cJSON *root, const pl_unfixable *unfixable) {
+    cJSON *held = new_object(json, root, "inverted_held");
+    add_integer(json, held, "fix_layers", unfixable->n_held[PL_HOLDER_LAYERS]);
+    add_integer(json, held, "fix", unfixable->n_held[PL_HOLDER_FIX]);
+    add_integer(json, held, "regions", unfixable->n_held[PL_HOLDER_REGIONS]);
+}
+
+/** The text of root with a line end, or NULL; root is released. */
+static char *finish(document *json, cJSON *root) {
+    char *text = json->failed ? NULL : cJSON_Print(root);
+    cJSON_Delete(root);
+    if (!text)
+        return NULL;
+    char *line = escape_controls(text);
+    cJSON_free(text);
+    return line;
+}
+
+/** Of coordinates as they are written, or read: in full, whatever the format's digits. */
+static void add_checksum(document *json, cJSON *root, const char *name, uint64_t checksum) {
+    char text[17];
+    snprintf(text, sizeof text, "%016" PRIx64, checksum);
+    add_text(json, root, name, text);
+}
+
+char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
+                            const pl_progress *progress) {
+    document json = {0};
+    cJSON *root = cJSON_CreateObject();
+    add_text(&json, root, "planish", planish_version());
+    add_text(&json, root, "input", job->arguments->input);
+    add_text(&json, root, "output", job->arguments->output);
+    add_text(&json, root, "format", job->file_info.format);
+    add_mesh(&json, root, job, result->before.reversed);
+    add_text(&json, root, "method", pl_method_name(job->options.method));
+    add_objective(&json, root, job, &result->smooth);
+    add_quality(&json, root, "before", job, &result->before, result->below_before,
+                &result->worst_before);
+    add_quality(&json, root, "after", job, &result->after, result->volumes.n_below,
+                &result->worst_after);
+    add_sweeps(&json, root, progress);
+    add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
+    add_text(&json, root, "stop", stop_name(result->smooth.stop));
+    add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
+    add_checksum(&json, root, "input_checksum", result->input_checksum);
+    add_checksum(&json, root, "checksum", result->checksum);
+    add_real(&json, root, "max_displacement", result->smooth.max_displacement);
+    add_integer(&json, root, "put_back", result->smooth.put_back);
+    add_integer(&json, root, "moved_nodes", result->smooth.moved_nodes);
+    add_integer(&json, root, "returned_nodes", result->returned_nodes);
+    add_integer(&json, root, "node_visits", result->smooth.visits);
+    add_integer(&json, root, "evaluations", result->smooth.evaluations);
+    add_integer(&json, root, "held_outside", result->smooth.held_outside);
+    add_worst(&json, root, job, &result->smooth);
+    add_optimality(&json, root, job, &result->smooth);
+    add_integer(&json, root, "threads", job->plan_info.threads);
+    add_text(&json, root, "binding", job->plan_info.binding);
+    add_text(&json, root, "isa", job->plan_info.isa);
+    add_traffic(&json, root, &job->traffic);
+    add_seconds(&json, root, job, result);
+    add_fixed(&json, root, &result->after);
+    add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
+    add_elements(&json, root, "reversed", job, NULL, PLANISH_VOLUME_MET, result->reversed.state);
+    add_elements(&json, root, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);
+    add_inverted_held(&json, root, &result->unfixable);
+    add_text(&json, root, "reason", result->reason);
+    add_integer(&json, root, "peak_memory_bytes", pl_peak_memory_bytes());
+    return finish(&json, root);
+}
+
+void pl_quality_report_begin(pl_quality_report *report) {
+    *report = (pl_quality_report){.meshes = cJSON_CreateArray()};
+}
+
+void pl_quality_report_add(pl_quality_report *report, const pl_job *job,
+                           const pl_measured *measured) {
+    document json = {report->failed};
+    cJSON *mesh = new_object(&json, report->meshes, NULL);
+    add_text(&json, mesh, "planish", planish_version());
+    add_text(&json, mesh, "input", job->arguments->input);
+    add_text(&json, mesh, "format", job->file_info.format);
+    add_mesh(&json, mesh, job, measured->quality.reversed);
+    add_quality(&json, mesh, "quality", job, &measured->quality, measured->volumes.n_below,
+                &measured->worst);
+    add_checksum(&json, mesh, "checksum", pl_job_checksum(job));
+    add_volumes(&json, mesh, job, &measured->volumes, NULL);
+    add_elements(&json, mesh, "reversed", job, NULL, PLANISH_VOLUME_MET, measured->reversed);
+    add_elements(&json, mesh, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);
+    report->failed = json.failed;
+}
+
+char *pl_quality_report_finish(pl_quality_report *report, int is_list) {
+    document json = {report->failed};
+    cJSON *root = NULL;
+    if (is_list) {
+        root = cJSON_CreateObject();
+        add(&json, root, "meshes", report->meshes);
+        report->meshes = NULL;
+    } else {
+        root = cJSON_DetachItemFromArray(report->meshes, 0);
+    }
+    return finish(&json, root);
+}
+
+void pl_quality_report_free(pl_quality_report *report) {
+    cJSON_Delete(report->meshes);
+    report->meshes = NULL;
+}

@@ -1,0 +1,427 @@
+/* table: what a mesh is worth, for people: what hurts most stands first.
+ *
+ * Both tables come from the same rows; before is NULL where there is but one state of the mesh.
+ */
+#include "report/table.h"
+
+#include "terminal/histogram.h"
+#include "terminal/message.h"
+#include "terminal/terminal.h"
+#include "terminal/text.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+enum { LABEL_WIDTH = 31, VALUE_WIDTH = 13, UNIT_WIDTH = 4, CHANGE_WIDTH = 11, SPREAD_WIDTH = 11 };
+
+/* Changes below this fraction of a value are not seen in the digits of it that are shown. */
+static const double INVISIBLE = 5e-6;
+
+/* Relative changes from this on are told by the two values, not as a percentage. */
+static const double MOST_TOLD = 0.5;
+
+/** What a row's number is: which way is better, and how a change of it is told. */
+typedef struct measure {
+    const char *unit;
+    enum { LESS_IS_BETTER, MORE_IS_BETTER } sense;
+    enum { RELATIVE, ABSOLUTE, COUNTED, NOT_COMPARED } change;
+} measure;
+
+static const measure ratio = {"", LESS_IS_BETTER, RELATIVE};
+static const measure small_angle = {" deg", MORE_IS_BETTER, ABSOLUTE};
+static const measure large_angle = {" deg", LESS_IS_BETTER, ABSOLUTE};
+static const measure volume = {"", MORE_IS_BETTER, RELATIVE};
+/* Of other elements before than after. */
+static const measure other_ratio = {"", LESS_IS_BETTER, NOT_COMPARED};
+static const measure other_small_angle = {" deg", MORE_IS_BETTER, NOT_COMPARED};
+static const measure other_large_angle = {" deg", LESS_IS_BETTER, NOT_COMPARED};
+static const measure fault = {"", LESS_IS_BETTER, COUNTED};
+
+static void put_label(FILE *stream, const char *label) {
+    fprintf(stream, "%-*s", LABEL_WIDTH, label);
+}
+
+static void put_real(FILE *stream, int width, double value) {
+    if (isfinite(value))
+        fprintf(stream, "%*.5g", width, value);
+    else
+        fprintf(stream, "%*s", width, "-");
+}
+
+/** Better or worse than before, beyond rounding; PL_STYLE_PLAIN: neither. */
+static pl_style style_of_change(const measure *m, double before, double after) {
+    const double change = m->sense == LESS_IS_BETTER ? before - after : after - before;
+    const double size = fmax(fabs(before), fabs(after));
+    if (m->change == NOT_COMPARED || !isfinite(change) || fabs(change) <= INVISIBLE * size)
+        return PL_STYLE_PLAIN;
+    return change > 0 ? PL_STYLE_BETTER : PL_STYLE_WORSE;
+}
+
+/** The change in its column, and a word for it. */
+static void put_change(FILE *stream, const measure *m, double before, double after) {
+    const pl_style style = style_of_change(m, before, after);
+    char change[32] = "";
+    if (style == PL_STYLE_PLAIN)
+        return;
+    if (m->change == ABSOLUTE)
+        snprintf(change, sizeof change, "%+.4g", after - before);
+    else if (m->change == COUNTED)
+        snprintf(change, sizeof change, "%+.0f", after - before);
+    else if (before > 0 && after >= 2 * before) /* no percentages above 100 */
+        snprintf(change, sizeof change, "x %.3g", after / before);
+    else if (before > 0 && after > 0)
+        snprintf(change, sizeof change, "%+.3g %%", 100 * (after / before - 1));
+    fprintf(stream, "%*s%s%*s  %s%s", UNIT_WIDTH - pl_text_columns(m->unit), "",
+            pl_style_begin(stream, style), CHANGE_WIDTH, change,
+            style == PL_STYLE_BETTER ? "better" : "worse", pl_style_end(stream, style));
+}
+
+static void row_real(FILE *stream, const char *label, const double *before, double after,
+                     const measure *m) {
+    const pl_style style = before ? style_of_change(m, *before, after) : PL_STYLE_PLAIN;
+    put_label(stream, label);
+    if (before)
+        put_real(stream, VALUE_WIDTH, *before);
+    fputs(pl_style_begin(stream, style), stream);
+    put_real(stream, VALUE_WIDTH, after);
+    fprintf(stream, "%s%s", pl_style_end(stream, style), isfinite(after) ? m->unit : "");
+    if (before)
+        put_change(stream, m, *before, after);
+    fputc('\n', stream);
+}
+
+static void row_count(FILE *stream, const char *label, const int64_t *before, int64_t after) {
+    pl_style style = after > 0 ? PL_STYLE_WORSE : PL_STYLE_PLAIN;
+    put_label(stream, label);
+    if (before) {
+        fprintf(stream, "%*" PRId64, VALUE_WIDTH, *before);
+        style = style_of_change(&fault, (double)*before, (double)after);
+    }
+    fprintf(stream, "%s%*" PRId64 "%s", pl_style_begin(stream, style), VALUE_WIDTH, after,
+            pl_style_end(stream, style));
+    if (before)
+        put_change(stream, &fault, (double)*before, (double)after);
+    fputc('\n', stream);
+}
+
+/** "1 node", "2 nodes": the number, and the word for so many. */
+static const char *word_for(int64_t n, const char *one, const char *many) {
+    return n == 1 ? one : many;
+}
+
+static void row_mesh(FILE *stream, const pl_job *job) {
+    char counts[128], name[4 * PL_TEXT_WIDTH + 1];
+    const int64_t n = job->mesh.n_elements;
+    const int width = snprintf(counts, sizeof counts, ": %s, %" PRId64 " %s, %" PRId64 " %s",
+                               job->file_info.format, n,
+                               job->mesh.dim == 3 ? word_for(n, "tetrahedron", "tetrahedra")
+                                                  : word_for(n, "triangle", "triangles"),
+                               job->mesh.n_nodes, word_for(job->mesh.n_nodes, "node", "nodes"));
+    fprintf(stream, "%s%s\n",
+            pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name), counts);
+}
+
+/** What may move, or could. */
+static void row_free(FILE *stream, const pl_job *job) {
+    const int64_t n = job->plan_info.n_free;
+    fprintf(stream, "%" PRId64 " of %" PRId64 " %s free to move", n, job->mesh.n_nodes,
+            word_for(n, "nodes is", "nodes are"));
+    if (job->arguments->slide)
+        fprintf(stream, ", %" PRId64 " to slide", job->plan_info.n_sliding);
+    else if (job->could_slide > 0)
+        fprintf(stream, ", %" PRId64 " could slide (--slide auto)", job->could_slide);
+    fputc('\n', stream);
+}
+
+/** The floor: elements whose nodes are all fixed stay as they are, whatever the others do. */
+static void row_floor(FILE *stream, const planish_quality *before, const planish_quality *after) {
+    const double floor = after->fixed_max_radius_ratio;
+    if (after->n_fixed == 0)
+        return;
+    row_real(stream, "  floor (no node free)", before ? &before->fixed_max_radius_ratio : NULL,
+             floor, &ratio);
+}
+
+/** Elements that are numbered the other way round than most, where there are any. */
+static void row_reversed(FILE *stream, const planish_quality *before,
+                         const planish_quality *after) {
+    if (after->reversed > 0 || (before && before->reversed > 0))
+        row_count(stream, "reversed in the file's order", before ? &before->reversed : NULL,
+                  after->reversed);
+}
+
+/** Whether ratios and angles are of the same elements before (NULL: no matter) and after: they are
+ *  those of the valid ones. */
+static int are_of_same(const planish_quality *before, const planish_quality *after) {
+    return !before || before->inverted == after->inverted;
+}
+
+static void rows_quality(FILE *stream, int dim, const planish_quality *before,
+                         const planish_quality *after) {
+    const int same = are_of_same(before, after);
+    const measure *of_ratio = same ? &ratio : &other_ratio;
+    const measure *of_small_angle = same ? &small_angle : &other_small_angle;
+    const measure *of_large_angle = same ? &large_angle : &other_large_angle;
+    row_real(stream, "worst radius ratio", before ? &before->max_radius_ratio : NULL,
+             after->max_radius_ratio, of_ratio);
+    row_floor(stream, before, after);
+    row_real(stream, dim == 3 ? "smallest dihedral angle" : "smallest angle",
+             before ? &before->min_angle_deg : NULL, after->min_angle_deg, of_small_angle);
+    if (after->n_fixed > 0)
+        row_real(stream, "  of elements with free nodes",
+                 before ? &before->min_angle_deg_movable : NULL, after->min_angle_deg_movable,
+                 of_small_angle);
+    row_real(stream, dim == 3 ? "largest dihedral angle" : "largest angle",
+             before ? &before->max_angle_deg : NULL, after->max_angle_deg, of_large_angle);
+    row_real(stream, "RMS radius ratio", before ? &before->rms_radius_ratio : NULL,
+             after->rms_radius_ratio, of_ratio);
+    row_real(stream, "  of elements with free nodes",
+             before ? &before->rms_radius_ratio_movable : NULL, after->rms_radius_ratio_movable,
+             of_ratio);
+    row_real(stream, "mean radius ratio", before ? &before->mean_radius_ratio : NULL,
+             after->mean_radius_ratio, of_ratio);
+    row_real(stream, dim == 3 ? "smallest volume" : "smallest area",
+             before ? &before->min_volume : NULL, after->min_volume, &volume);
+    row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
+    row_reversed(stream, before, after);
+}
+
+/** Elements below their least volume, where there is one. */
+static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, int64_t after) {
+    if (pl_arguments_bound_volumes(job->arguments))
+        row_count(stream, "elements below minimum volume", before, after);
+}
+
+/** What was minimised, where it is not one of the measures. */
+static void row_objective(FILE *stream, const pl_job *job, const pl_result *result) {
+    const planish_result *smooth = &result->smooth;
+    const int same = are_of_same(&result->before, &result->after);
+    char label[LABEL_WIDTH + 1];
+    const char *name = pl_objective_name(job->options.objective);
+    if (!pl_arguments_change_objective(job->arguments))
+        return;
+    if (job->options.area_weight > 0)
+        snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
+    else
+        snprintf(label, sizeof label, "F (%s)", name);
+    row_real(stream, label, &smooth->objective_before, smooth->objective,
+             same ? &ratio : &other_ratio);
+}
+
+static void put_held_outside(FILE *stream, int64_t n) {
+    if (n > 0)
+        pl_note(stream, "%" PRId64 " node%s outside of the bounds and stayed there", n,
+                n == 1 ? " was" : "s were");
+}
+
+static const char *stop_text(planish_stop stop) {
+    switch (stop) {
+    case PLANISH_STOP_CONVERGED:
+        return "converged";
+    case PLANISH_STOP_MAX_SWEEPS:
+        return "stopped at the most sweeps allowed";
+    case PLANISH_STOP_TIME_LIMIT:
+        return "stopped by the time limit";
+    case PLANISH_STOP_INTERRUPTED:
+        return "interrupted";
+    case PLANISH_STOP_INFEASIBLE:
+        return "converged, but for volumes that cannot be reached,";
+    }
+    return "ended";
+}
+
+static void put_end(FILE *stream, const planish_result *smooth) {
+    char text[256], untangling[64] = "";
+    const int sweeps = smooth->sweeps - smooth->worst_sweeps;
+    if (smooth->untangling_sweeps > 0)
+        snprintf(untangling, sizeof untangling, " (%d of them untangling)",
+                 smooth->untangling_sweeps);
+    snprintf(text, sizeof text, "%s after %d sweep%s%s, %" PRId64 " %s moved by up to %.3g",
+             stop_text(smooth->stop), sweeps, sweeps == 1 ? "" : "s", untangling,
+             smooth->moved_nodes, word_for(smooth->moved_nodes, "node", "nodes"),
+             smooth->max_displacement);
+    pl_text_wrap(stream, text);
+}
+
+/** What the sweeps for the worst elements brought, and what they cost. */
+static void put_worst(FILE *stream, const pl_job *job, const planish_result *smooth) {
+    char text[256];
+    const int of_angle = job->options.worst == PLANISH_WORST_ANGLE;
+    if (smooth->worst_sweeps == 0)
+        return;
+    const double rise = smooth->objective / smooth->objective_of_worst - 1;
+    const char *name = job->options.area_weight > 0 ? "F" : "the RMS";
+    const int n = snprintf(text, sizeof text,
+                           "and %d for the worst element with a free node: %s %.4g -> %.4g%s, ",
+                           smooth->worst_sweeps, of_angle ? "smallest angle" : "radius ratio",
+                           smooth->worst_before, smooth->worst_after, of_angle ? " deg" : "");
+    if (fabs(rise) < MOST_TOLD)
+        snprintf(text + n, sizeof text - (size_t)n, "while %s %s by %.2g %%", name,
+                 rise < 0 ? "fell" : "rose", fabs(100 * rise));
+    else
+        snprintf(text + n, sizeof text - (size_t)n, "while %s went from %.4g to %.4g", name,
+                 smooth->objective_of_worst, smooth->objective);
+    pl_text_wrap(stream, text);
+}
+
+static void put_back_note(FILE *stream, int64_t n) {
+    if (n > 0)
+        pl_note(stream, "%" PRId64 " node%s put back: the smallest angle was getting smaller", n,
+                n == 1 ? " was" : "s were");
+}
+
+static void put_seconds(FILE *stream, const pl_job *job, const pl_result *result) {
+    char text[256];
+    snprintf(text, sizeof text,
+             "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s",
+             result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
+             result->write_seconds, job->plan_info.threads, job->plan_info.threads == 1 ? "" : "s");
+    pl_text_wrap(stream, text);
+}
+
+/** Why ratios and angles are not compared. */
+static void put_validity(FILE *stream, const pl_result *result) {
+    char text[256];
+    if (are_of_same(&result->before, &result->after))
+        return;
+    snprintf(text, sizeof text,
+             "Ratios and angles are those of the valid elements, %" PRId64 " before and %" PRId64
+             " after, so they are not compared.",
+             result->before.n_elements - result->before.inverted,
+             result->after.n_elements - result->after.inverted);
+    pl_text_wrap(stream, text);
+}
+
+static void put_smooth_head(FILE *stream) {
+    fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
+            "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
+            pl_style_end(stream, PL_STYLE_HEADING));
+}
+
+void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
+    row_mesh(stream, job);
+    put_smooth_head(stream);
+    rows_quality(stream, job->mesh.dim, &result->before, &result->after);
+    row_volumes(stream, job, &result->below_before, result->volumes.n_below);
+    row_objective(stream, job, result);
+    put_validity(stream, result);
+    pl_histogram_print(stream, &result->before, &result->after);
+    put_held_outside(stream, result->smooth.held_outside);
+    put_back_note(stream, result->smooth.put_back);
+    row_free(stream, job);
+    put_end(stream, &result->smooth);
+    put_worst(stream, job, &result->smooth);
+    put_seconds(stream, job, result);
+}
+
+static void row_spread(FILE *stream, const char *label, const planish_spread *spread,
+                       const char *range) {
+    put_label(stream, label);
+    put_real(stream, SPREAD_WIDTH, spread->min);
+    put_real(stream, SPREAD_WIDTH, spread->mean);
+    put_real(stream, SPREAD_WIDTH, spread->max);
+    fprintf(stream, "  %s\n", range);
+}
+
+/** All measures of the elements (docs/measures.md); the range begins with the value of the regular
+ *  element, but for R / longest edge, where that is 1. */
+static void rows_measures(FILE *stream, int dim, const planish_quality *q) {
+    const int solid = dim == 3;
+    fprintf(stream, "%s%-*s%*s%*s%*s  %s%s\n", pl_style_begin(stream, PL_STYLE_HEADING),
+            LABEL_WIDTH, "over the elements", SPREAD_WIDTH, "smallest", SPREAD_WIDTH, "mean",
+            SPREAD_WIDTH, "largest", "best .. worst", pl_style_end(stream, PL_STYLE_HEADING));
+    row_spread(stream, solid ? "radius ratio R/(3r)" : "radius ratio R/(2r)", &q->radius_ratio,
+               "1 .. inf");
+    row_spread(stream, "R / longest edge (regular: 1)", &q->circumradius_to_edge,
+               solid ? "0.8165 .. inf" : "0.8660 .. inf");
+    row_spread(stream, "longest edge / r", &q->edge_to_inradius, "1 .. inf");
+    row_spread(stream, "longest edge / shortest", &q->edge_ratio, "1 .. inf");
+    row_spread(stream, "mean ratio", &q->mean_ratio, "1 .. 0");
+    row_spread(stream, "scaled Jacobian", &q->scaled_jacobian, "1 .. 0");
+    row_spread(stream, solid ? "smallest dihedral angle, deg" : "smallest angle, deg",
+               &q->smallest_angle_deg, solid ? "70.53 .. 0" : "60 .. 0");
+    row_spread(stream, solid ? "largest dihedral angle, deg" : "largest angle, deg",
+               &q->largest_angle_deg, solid ? "70.53 .. 180" : "60 .. 180");
+}
+
+void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality,
+                      const pl_volumes *volumes) {
+    row_mesh(stream, job);
+    rows_quality(stream, job->mesh.dim, NULL, quality);
+    row_volumes(stream, job, NULL, volumes->n_below);
+    if (quality->worst_element >= 0)
+        fprintf(stream, "the worst is element %" PRId64 "\n",
+                planish_file_element_number(job->file, quality->worst_element));
+    row_free(stream, job);
+    rows_measures(stream, job->mesh.dim, quality);
+    pl_histogram_print(stream, NULL, quality);
+}
+
+static void note_open_end(FILE *stream, const pl_job *job) {
+    const char *input = job->arguments->input, *open = planish_file_open_end(job->file);
+    /* Of several inputs the notes of each are named. */
+    const int is_named = job->arguments->n_inputs == 1 || strcmp(open, input) != 0;
+    pl_note(stream,
+            "the last line%s%s has no end: if the file was cut short there, its last number may be "
+            "wrong",
+            is_named ? " of " : "", is_named ? open : "");
+}
+
+/** Arrays that were taken for regions by their values: the user is told which. */
+static void note_regions(FILE *stream, const pl_job *job) {
+    const char *const *name = pl_job_region_arrays(job);
+    char list[256] = "";
+    size_t used = 0;
+    int n = 0, is_expected = 1;
+    for (; name[n]; n++) {
+        is_expected &= planish_region_name(name[n]) > 0;
+        if (used < sizeof list)
+            used +=
+                (size_t)snprintf(list + used, sizeof list - used, "%s'%s'", n ? ", " : "", name[n]);
+    }
+    if (n == 0 || (n == 1 && is_expected) || job->arguments->n_regions > 0)
+        return;
+    pl_note(stream,
+            "the values of %s %s are taken for regions, and nodes between them stay on the "
+            "interfaces; --regions NAME chooses, --regions none lifts that",
+            n == 1 ? "array" : "arrays", list);
+}
+
+void pl_table_oddities(FILE *stream, const pl_job *job) {
+    const planish_plan_info *info = &job->plan_info;
+    const int64_t facets = info->n_nonmanifold_facets, copies = info->n_duplicate_elements;
+    const int64_t others = job->file_info.n_other_elements;
+    if (facets > 0)
+        pl_note(stream, "%" PRId64 " %s to more than two elements; %s nodes are held", facets,
+                job->mesh.dim == 3 ? word_for(facets, "face belongs", "faces belong")
+                                   : word_for(facets, "edge belongs", "edges belong"),
+                word_for(facets, "its", "their"));
+    if (copies > 0)
+        pl_note(stream, "%" PRId64 " %s the nodes of another one; %s held", copies,
+                word_for(copies, "element has", "elements have"),
+                word_for(copies, "it is", "they are"));
+    if (info->n_wrapped > 0)
+        pl_note(stream,
+                "%" PRId64 " %s around a periodic domain, from one side to the other; %s "
+                "nodes are held",
+                info->n_wrapped, word_for(info->n_wrapped, "element wraps", "elements wrap"),
+                word_for(info->n_wrapped, "its", "their"));
+    if (others > 0)
+        pl_note(stream, "%" PRId64 " %s through; %s nodes are held", others,
+                word_for(others, "element of another type passes", "elements of other types pass"),
+                word_for(others, "its", "their"));
+    note_regions(stream, job);
+    if (job->file_info.ends_open)
+        note_open_end(stream, job);
+}
+
+void pl_table_reversed(FILE *stream, const planish_quality *quality) {
+    const int64_t n = quality->reversed;
+    if (n > 0 && n > quality->inverted)
+        pl_note(stream,
+                "%" PRId64
+                " %s numbered the other way round than most: planish finds the orientation "
+                "by itself and does not renumber them; a solver may take them for inverted",
+                n, word_for(n, "element is", "elements are"));
+}

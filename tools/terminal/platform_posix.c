@@ -1,0 +1,88 @@
+/* platform: as POSIX has it. */
+#include "terminal/platform.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <langinfo.h>
+#include <locale.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+/** A closed standard stream would give its number to the next file opened, and messages would then
+ *  go into a mesh. A closed standard output stays an error for what is meant for it. */
+static int open_standard_streams(void) {
+    for (int descriptor = 0; descriptor <= 2; descriptor++)
+        if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF &&
+            open("/dev/null", descriptor == STDOUT_FILENO ? O_RDONLY : O_RDWR) != descriptor)
+            return -1;
+    return 0;
+}
+
+char **pl_platform_begin(int argc, char **argv) {
+    (void)argc;
+    if (open_standard_streams())
+        return NULL;
+    /* hwloc would print what it does not find on odd machines; placement copes without. */
+    setenv("HWLOC_HIDE_ERRORS", "2", 0);
+    /* Its plug-ins know graphics cards and the like, which nobody asks for: loading them takes as
+     * long as smoothing some ten thousand elements. */
+    setenv("HWLOC_PLUGINS_PATH", "", 0);
+    return argv;
+}
+
+int pl_console_is(FILE *stream) {
+    return isatty(fileno(stream));
+}
+
+int pl_console_obeys(void) {
+    const char *kind = getenv("TERM");
+    return kind && kind[0] && strcmp(kind, "dumb") != 0;
+}
+
+int pl_console_is_utf8(void) {
+    locale_t locale = newlocale(LC_CTYPE_MASK, "", (locale_t)0); /* the program's own stays C */
+    if (!locale)
+        return 0;
+    const int is_utf8 = strcmp(nl_langinfo_l(CODESET, locale), "UTF-8") == 0;
+    freelocale(locale);
+    return is_utf8;
+}
+
+int pl_console_columns(FILE *stream) {
+    struct winsize size;
+    return ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 ? size.ws_col : 0;
+}
+
+/** Linux' own figure, in kilobytes: what getrusage says may be the peak of the process that began
+ *  this one. 0: there is none. */
+static int64_t high_water_mark(void) {
+    static const char key[] = "VmHWM:";
+    char line[256];
+    long long kilobytes = 0;
+    FILE *status = fopen("/proc/self/status", "r");
+    while (status && fgets(line, sizeof line, status))
+        if (strncmp(line, key, sizeof key - 1) == 0)
+            kilobytes = strtoll(line + sizeof key - 1, NULL, 10);
+    if (status)
+        fclose(status);
+    return kilobytes;
+}
+
+int64_t pl_peak_memory_bytes(void) {
+    struct rusage usage;
+    const int64_t mark = high_water_mark();
+    if (mark > 0)
+        return mark * 1024;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (int64_t)usage.ru_maxrss * 1024 : 0;
+}
+
+void pl_memory_stream_open(pl_memory_stream *stream) {
+    stream->file = open_memstream(&stream->text, &stream->length);
+}
+
+char *pl_memory_stream_close(pl_memory_stream *stream) {
+    return stream->file && fclose(stream->file) == 0 ? stream->text : NULL;
+}

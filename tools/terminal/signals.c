@@ -1,0 +1,102 @@
+/* signals: what the program does when it is told to stop; how it is told is in signals_posix.c and
+ * signals_windows.c. */
+#include "terminal/signals.h"
+
+#include "terminal/message.h"
+#include "terminal/text.h"
+
+#include "base/system.h"
+
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* The only changing globals of the program: a signal handler can reach nothing else. */
+static atomic_int stop_asked, line_is_shown, is_done;
+static atomic_int status_now = PL_EXIT_FAILED; /* if somebody else ends the program */
+static char temporary_paths[PL_N_TEMPORARIES][PL_TEMPORARY_SIZE];
+static char input_name[PL_INPUT_NAME_SIZE]; /* as it can be shown */
+static atomic_int input_is_named;
+
+static void clear_line(void) {
+    static const char text[] = "\r" PL_ERASE_TO_END;
+    if (!atomic_exchange(&line_is_shown, 0))
+        return;
+    const ssize_t written = write(STDERR_FILENO, text, sizeof text - 1);
+    (void)written;
+}
+
+void pl_signals_clean_up(void) {
+    clear_line();
+    for (int i = 0; i < PL_N_TEMPORARIES; i++)
+        for (const char *path = temporary_paths[i]; *path; path += strlen(path) + 1)
+            pl_file_remove(path);
+}
+
+static void say(const char *text) {
+    const ssize_t written = write(STDERR_FILENO, text, (unsigned)strlen(text));
+    (void)written;
+}
+
+void pl_signals_end(const char *text) {
+    pl_signals_clean_up();
+    say(text);
+    _exit(atomic_load(&status_now));
+}
+
+void pl_signals_set_input(const char *path) {
+    atomic_store(&input_is_named, 0);
+    if (!path)
+        return;
+    snprintf(input_name, sizeof input_name, "%s", path);
+    pl_text_clean(input_name);
+    atomic_store(&input_is_named, 1);
+}
+
+void pl_signals_end_shorter(void) {
+    pl_signals_clean_up();
+    say("planish: ");
+    say(atomic_load(&input_is_named) ? input_name : "the input");
+    pl_signals_end(": became shorter while it was in use; run again when it is complete\n");
+}
+
+/* libgomp ends the process with a line of its own and status 1 where it has no memory or no thread,
+ * HDF5 with 255. The first would say that there is a mesh. */
+static void on_exit_by_others(void) {
+    if (!atomic_load(&is_done))
+        pl_signals_end("planish: ended by a library that it uses, probably for want of memory or "
+                       "threads\n");
+}
+
+void pl_signals_install(void) {
+    atexit(on_exit_by_others);
+    pl_signals_install_ends();
+}
+
+int pl_signals_ask_stop(void) {
+    return atomic_exchange(&stop_asked, 1);
+}
+
+int pl_signals_stop_asked(void) {
+    return atomic_load(&stop_asked);
+}
+
+void pl_signals_set_written(void) {
+    atomic_store(&status_now, PL_EXIT_PARTLY);
+}
+
+int pl_signals_done(int status) {
+    atomic_store(&is_done, 1);
+    return status;
+}
+
+char *pl_signals_temporary(pl_temporary which) {
+    return temporary_paths[which];
+}
+
+int pl_signals_set_line(int is_shown) {
+    return atomic_exchange(&line_is_shown, is_shown);
+}

@@ -1,0 +1,63 @@
+/* terminal: what a stream can show: colours, blocks, and a line that is written over. */
+#include "terminal/terminal.h"
+
+#include "terminal/platform.h"
+#include "terminal/signals.h"
+
+#include <limits.h>
+#include <stdlib.h>
+
+enum { USUAL_COLUMNS = 80 };
+
+static int is_set(const char *name) {
+    const char *value = getenv(name);
+    return value && value[0];
+}
+
+int pl_terminal_is(FILE *stream) {
+    return pl_console_is(stream) && pl_console_obeys();
+}
+
+int pl_terminal_has_colours(FILE *stream) {
+    return !is_set("NO_COLOR") && pl_terminal_is(stream);
+}
+
+int pl_terminal_has_blocks(FILE *stream) {
+    return pl_terminal_is(stream) && pl_console_is_utf8();
+}
+
+int pl_terminal_columns(FILE *stream) {
+    const int columns = pl_console_columns(stream);
+    return columns > 0 ? columns : USUAL_COLUMNS;
+}
+
+int pl_terminal_room(FILE *stream) {
+    return pl_console_is(stream) ? pl_terminal_columns(stream) : INT_MAX;
+}
+
+const char *pl_style_begin(FILE *stream, pl_style style) {
+    static const char *const codes[] = {
+        [PL_STYLE_PLAIN] = "",          [PL_STYLE_HEADING] = "\033[1m",
+        [PL_STYLE_BETTER] = "\033[32m", [PL_STYLE_WORSE] = "\033[31m",
+        [PL_STYLE_NOTE] = "\033[33m",   [PL_STYLE_ERROR] = "\033[1;31m",
+    };
+    return pl_terminal_has_colours(stream) ? codes[style] : "";
+}
+
+const char *pl_style_end(FILE *stream, pl_style style) {
+    return style != PL_STYLE_PLAIN && pl_terminal_has_colours(stream) ? "\033[0m" : "";
+}
+
+void pl_line_show(const char *text) {
+    const int room = pl_terminal_columns(stderr) - 1; /* the last column would wrap on some */
+    pl_signals_set_line(1);
+    fprintf(stderr, "\r%.*s" PL_ERASE_TO_END, room > 0 ? room : 0, text);
+    fflush(stderr);
+}
+
+void pl_line_clear(void) {
+    if (!pl_signals_set_line(0))
+        return;
+    fputs("\r" PL_ERASE_TO_END, stderr);
+    fflush(stderr);
+}

@@ -1,0 +1,55 @@
+/* threads: how many threads the program can have. */
+#include "terminal/threads.h"
+
+#include "base/parallel.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+/** The number of threads that the user has told OpenMP, or 0. The library would take it as a bound
+ *  beside the number of cores; here it is as good as -j. */
+static int told_openmp(void) {
+    const char *text = getenv("OMP_NUM_THREADS");
+    const long threads = text ? strtol(text, NULL, 10) : 0; /* of "4,2" the outermost level */
+    return threads > 0 && threads <= PL_MAX_THREADS ? (int)threads : 0;
+}
+
+static void *wait_for_gate(void *gate) {
+    pthread_mutex_lock(gate);
+    pthread_mutex_unlock(gate);
+    return NULL;
+}
+
+/** Start threads - 1 threads beside this one, all alive at the same time, and end them again; how
+ *  many there were with this one. */
+static int count_startable(int threads) {
+    pthread_t started[PL_MAX_THREADS];
+    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+    int n = 0;
+    pthread_mutex_lock(&gate);
+    while (n < threads - 1 && pthread_create(&started[n], NULL, wait_for_gate, &gate) == 0)
+        n++;
+    pthread_mutex_unlock(&gate);
+    for (int i = 0; i < n; i++)
+        pthread_join(started[i], NULL);
+    return n + 1;
+}
+
+static void do_nothing(void *context, int64_t begin, int64_t end, int thread) {
+    (void)context;
+    (void)begin;
+    (void)end;
+    (void)thread;
+}
+
+int pl_threads_to_use(int wanted) {
+    if (wanted == 0)
+        wanted = told_openmp();
+    const int threads = pl_thread_count(wanted);
+    const int startable = count_startable(threads);
+    if (startable < threads)
+        wanted = startable;
+    pl_on_each_thread(pl_thread_count(wanted), do_nothing,
+                      NULL); /* OpenMP keeps them from now on */
+    return wanted;
+}
