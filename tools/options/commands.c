@@ -5,8 +5,8 @@
 #include <string.h>
 
 const char *const pl_program_summary =
-    "Smooth meshes of tetrahedra or triangles: move their interior nodes to where the\n"
-    "elements are best, and leave everything else as it is.";
+    "Smooth and untangle meshes of tetrahedra or triangles. planish moves interior\n"
+    "nodes to improve the elements, and keeps everything else as it is.";
 
 const char *const pl_program_formats =
     "Gmsh .msh, Medit .mesh and .meshb, VTK .vtk, .vtu and .vtkhdf, TetGen .node and\n"
@@ -15,25 +15,24 @@ const char *const pl_program_formats =
 
 static const pl_command_text command_table[] = {
     {PL_COMMAND_SMOOTH, "smooth", "IN -o OUT", "mesh file", 0, "smooth a mesh",
-     "Move the interior nodes of the mesh IN until its elements are best: until the\n"
-     "root mean square of their radius ratios is least. Inverted elements are mended\n"
-     "first; what is valid stays valid, and of the elements that change the worst gets\n"
-     "no worse and the smallest angle no smaller, unless options ask for what costs\n"
-     "that. The bits are the same on any number of threads. OUT is IN with the\n"
-     "coordinates of the moved nodes replaced, and every other byte as it was.",
+     "Move the interior nodes of the mesh IN to minimise the root mean square of the\n"
+     "radius ratios. Inverted elements are repaired first. Valid elements stay valid.\n"
+     "By default the worst element with a movable node never gets worse, and the\n"
+     "smallest angle never smaller; minimum volumes and other objectives relax this.\n"
+     "The result has the same bits on any number of threads. OUT differs from IN in\n"
+     "the coordinates of moved nodes only.",
      "0 done; 1 a usable mesh was written, but it has elements that are inverted or\n"
-     "below their least volume, smoothing was cut short, or a report could not be\n"
+     "below their minimum volume, smoothing stopped early, or a report could not be\n"
      "written; 2 failed, nothing was written; 64 bad usage."},
     {PL_COMMAND_QUALITY, "quality", "FILE...", "mesh file", 1, "measure meshes",
-     "Measure a mesh and print what it is worth; several are compared, a row each.\n"
-     "Nothing is changed.",
-     "0 if the files could be read; 2 if one could not, or a report could not be\n"
-     "written; 64 bad usage."},
+     "Report mesh quality; compare several files, one row each. No file is changed.",
+     "0 if all files were read; 2 if a file could not be read, or a report could not\n"
+     "be written; 64 bad usage."},
     {PL_COMMAND_REPORT, "report", "RESULT.json [-o FILE.html]", "result", 0,
-     "make a page for people of a result",
-     "Make a page for a browser from RESULT.json, which smooth or quality wrote with\n"
-     "--json: tables, histograms, how the sweeps converged, and the mesh if its files\n"
-     "are still as they were.",
+     "create an HTML report from a JSON result",
+     "Create an HTML report from RESULT.json, which smooth or quality wrote by --json.\n"
+     "The page has tables, histograms, the convergence of the sweeps, and a picture of\n"
+     "the mesh if its files are unchanged.",
      "0 if the page was written; 2 if not; 64 bad usage."},
 };
 

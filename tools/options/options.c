@@ -375,103 +375,137 @@ enum {
 
 static const option_row option_table[] = {
     {'o', "output", "OUT", SMOOTH, set_output,
-     "write the smoothed mesh to OUT, which may be IN; same\nformat as IN, only coordinates "
-     "change; with the\nextension .vtu or .vtk a copy for viewing",
+     "write the smoothed mesh to OUT, which may be IN; keep\n"
+     "the format of IN and change coordinates only; write\n"
+     "a copy for viewing if OUT ends in .vtu or .vtk",
      "file"},
     {'o', "output", "FILE", REPORT, set_output,
-     "write the page to FILE (default: beside RESULT.json,\ncalled RESULT.html); - is standard "
-     "output",
+     "write the page to FILE, - for standard output\n"
+     "(default: RESULT.html beside RESULT.json)",
      "file"},
     {0, "format", "NAME", BOTH, set_format,
-     "format of the input: gmsh, medit, vtk, vtu, vtkhdf,\ntetgen, netgen, abaqus, nastran, cgns, "
-     "med,\ndmplex or off (default: told by its content, then\nits name)",
+     "set the format of the input: gmsh, medit, vtk, vtu,\n"
+     "vtkhdf, tetgen, netgen, abaqus, nastran, cgns, med,\n"
+     "dmplex or off (default: detect it by content, then\n"
+     "by name)",
      "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off"},
     {0, "method", "NAME", SMOOTH, set_method,
-     "how nodes are moved: planish (default), or to compare\nwith laplacian, area-laplacian, "
-     "length-laplacian,\nwhich may invert elements",
+     "move nodes by planish (default) or, for comparison,\n"
+     "laplacian, area-laplacian or length-laplacian, which\n"
+     "may invert elements",
      "planish laplacian area-laplacian length-laplacian"},
     {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective,
-     "what is made small, as RMS over the elements:\nradius-ratio (default), mean-ratio or "
-     "edge-ratio; or\nworst: radius-ratio, and then the worst elements",
+     "minimise the RMS of radius-ratio (default),\n"
+     "mean-ratio or edge-ratio; or worst: minimise\n"
+     "radius-ratio, then improve the worst elements",
      "radius-ratio mean-ratio edge-ratio worst"},
     {0, "worst-measure", "NAME", SMOOTH | OPTIMISES, set_worst_measure,
-     "what --objective worst improves in the end: dihedral\n(default; the smallest and largest "
-     "angles), or\nradius-ratio",
+     "improve this with --objective worst: dihedral (the\n"
+     "smallest and largest angles, default) or\n"
+     "radius-ratio",
      "dihedral radius-ratio"},
     {0, "worst-rise", "R", SMOOTH | OPTIMISES, set_worst_rise,
-     "by how much of itself the RMS may rise for that\n(default 0.01)", NULL},
+     "allow a relative RMS increase of R for the worst\n"
+     "elements (default 0.01)",
+     NULL},
     {0, "direction", "NAME", SMOOTH | OPTIMISES, set_direction,
-     "search direction: newton (default) or fletcher-reeves", "newton fletcher-reeves"},
+     "use the search direction newton (default) or\n"
+     "fletcher-reeves",
+     "newton fletcher-reeves"},
     {0, "min-volume", "[TAG=]V", BOTH, set_min_volume,
-     "no element (of group TAG) may have less volume (area\nin 2-D) than V; TAG=V may be given "
-     "more than once",
+     "keep the volume (area in 2-D) of every element, or of\n"
+     "group TAG, at V or above (default: no minimum);\n"
+     "repeatable with a TAG",
      NULL},
     {0, "min-volume-fraction", "F", BOTH, set_min_volume_fraction,
-     "the same with V = F times the volume of all elements", NULL},
+     "set V to F times the volume of all elements", NULL},
     {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_area_weight,
      "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)", NULL},
     {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box,
-     "keep free nodes in the box; those outside stay put", NULL},
+     "keep movable nodes in the box; nodes outside stay", NULL},
     {0, "max-displacement", "D", SMOOTH, set_max_displacement,
-     "move no node farther than D from where it was; Dh:\nthan D times the mean length of its "
-     "edges",
+     "move no node farther than D from its place in IN, or\n"
+     "with Dh than D times the mean length of its edges\n"
+     "(default: no limit)",
      NULL},
     {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_no_untangle,
-     "leave inverted elements alone (default: make them\nvalid first where that can be done)",
+     "leave inverted elements alone (default: repair them\n"
+     "first if possible)",
      NULL},
     {0, "max-sweeps", "N", SMOOTH, set_max_sweeps,
-     "at most N sweeps over the mesh once it is untangled,\nand N more where nodes have to go back "
-     "(default 200)",
+     "stop after N sweeps of the untangled mesh, and N more\n"
+     "if nodes have to return (default 200)",
      NULL},
     {0, "tolerance", "T", SMOOTH, set_tolerance,
-     "converged when the RMS falls by less than T of itself\nper sweep (default 1e-5)", NULL},
+     "stop when the RMS falls by less than the fraction T\n"
+     "per sweep (default 1e-5)",
+     NULL},
     {0, "time-limit", "S", SMOOTH, set_time_limit,
-     "stop smoothing S seconds after it has begun (reading\nand set-up do not count); the mesh is "
-     "written and the\nexit status is 1",
+     "stop smoothing after S seconds (reading and set-up do\n"
+     "not count), write the mesh and exit with status 1\n"
+     "(default: no limit)",
      NULL},
     {0, "fix", "TAG", BOTH, set_fix,
-     "hold all nodes of group TAG: its NAME, N or DIM:N;\nmay be given more than once", NULL},
+     "hold all nodes of group TAG: its NAME, N or DIM:N;\n"
+     "repeatable",
+     NULL},
     {0, "fix-layers", NULL, BOTH, set_fix_layers,
-     "hold all nodes of elements that are thin in layers,\nas those of a boundary layer are", NULL},
+     "hold all nodes of boundary layers: elements that are\n"
+     "thin in layers",
+     NULL},
     {0, "regions", "NAME", BOTH, set_regions,
-     "hold nodes between the values of array NAME (default:\nof all arrays that look like "
-     "regions); "
-     "may be given\nmore than once; none: let nodes between regions move",
+     "hold nodes between the values of array NAME (default:\n"
+     "all arrays that look like regions); repeatable;\n"
+     "none: let nodes between regions move",
      "none"},
     {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
-     "let nodes between regions (materials) move, as\n--regions none does", NULL},
+     "let nodes between regions (materials) move; same as\n"
+     "--regions none",
+     NULL},
     {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,
-     "let boundary nodes slide where the shape stays what\nit is: auto (on planes and straight "
-     "edges), none\n(default), or on group TAG only (NAME, N or DIM:N;\nmay be given more than "
-     "once)",
+     "let boundary nodes slide where the shape stays the\n"
+     "same: auto (planes and straight edges), none\n"
+     "(default), or group TAG only (NAME, N or DIM:N;\n"
+     "repeatable)",
      "auto none"},
     {0, "slide-tolerance", "T", BOTH, set_slide_tolerance,
-     "how far off a plane or line its nodes may be, times\nthe diagonal of the bounding box "
-     "(default 1e-8, more\nfor files of few digits); also of triangles in a\ntilted plane",
+     "accept nodes up to T times the diagonal of the\n"
+     "bounding box off their plane or line (default 1e-8,\n"
+     "more for files of few digits); also for triangles in\n"
+     "a tilted plane",
      NULL},
     {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
-     "move only nodes of elements whose radius ratio\nexceeds RR", NULL},
+     "move only nodes of elements with a radius ratio above\n"
+     "RR (default: move all)",
+     NULL},
     {0, "rings", "K", SMOOTH | OPTIMISES, set_rings,
      "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
     {'j', "threads", "N", BOTH, set_threads,
-     "run on N threads (default: OMP_NUM_THREADS, else one\nper core, of a small mesh fewer)",
+     "run on N threads (default: OMP_NUM_THREADS, else one\n"
+     "for each core, fewer for a small mesh)",
      NULL},
     {0, "bind", "HOW", BOTH, set_bind,
-     "auto (default): bind one thread to each core if there\nare as many, and OpenMP's variables "
-     "say nothing;\n"
-     "none: leave them where the system puts them",
+     "bind one thread to each core if there are enough\n"
+     "cores and OpenMP's variables say nothing (auto,\n"
+     "default), or leave threads unbound (none)",
      "auto none"},
-    {0, "json", "FILE", BOTH, set_json, "write a report as JSON to FILE; - is standard output",
+    {0, "json", "FILE", BOTH, set_json,
+     "write the result as JSON to FILE, - for standard\n"
+     "output",
      "file"},
     {0, "report", "FILE.html", BOTH, set_report,
-     "write a page for people: tables, histograms,\nconvergence, a picture of the mesh; - is "
-     "standard\noutput",
+     "write an HTML report with tables, histograms,\n"
+     "convergence and a picture to FILE.html, - for\n"
+     "standard output",
      "file"},
     {0, "worst", "N", QUALITY, set_n_worst,
-     "list the N worst elements, here and in the reports\n(default: none here, 10 in the reports)",
+     "list the N worst elements, here and in the reports\n"
+     "(default: none here, 10 in the reports)",
      NULL},
     {'v', "verbose", NULL, SMOOTH, set_verbose,
-     "one line per sweep, and where the threads run; -vv:\none line per colour as well", NULL},
+     "print one line per sweep, and the placement of the\n"
+     "threads; -vv: one line per colour as well",
+     NULL},
     {'q', "quiet", NULL, ALL, set_quiet, "print nothing but errors", NULL},
     {'h', "help", NULL, ALL, set_help, "show this help and exit", NULL},
     {0, "version", NULL, ALL, set_version, "show the version and exit", NULL},
