@@ -57,7 +57,7 @@ static int check_system(const abaqus_reader *r, const abaqus_block *b) {
     if (!abaqus_parameter(b, "SYSTEM", &system))
         return PLANISH_OK;
     system = abaqus_unquoted(system);
-    if (abaqus_length(system) == 0 || abaqus_upper(*system.begin) == 'R')
+    if (abaqus_length(system) == 0 || io_upper(*system.begin) == 'R')
         return PLANISH_OK;
     return abaqus_fail(r, b,
                        "*NODE, SYSTEM=: cylindrical and spherical coordinates are not read; write "

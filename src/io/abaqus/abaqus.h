@@ -3,6 +3,7 @@
 #define PL_IO_ABAQUS_ABAQUS_H
 
 #include "io/core/model.h"
+#include "io/core/text.h"
 
 typedef struct abaqus_span {
     const char *begin, *end;
@@ -77,10 +78,6 @@ int abaqus_integer(abaqus_span item, int64_t *value);
 /** What an item of a block names: INSTANCE.NAME without its instance. 0 if numbers there are of
  *  another numbering than the mesh's. */
 int abaqus_local(const abaqus_reader *reader, const abaqus_block *block, abaqus_span *item);
-
-static inline char abaqus_upper(char c) {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
-}
 
 static inline int64_t abaqus_length(abaqus_span s) {
     return s.end - s.begin;

@@ -78,7 +78,7 @@ void abaqus_squeeze(abaqus_span item, char name[ABAQUS_NAME_SIZE]) {
             n = 0;
             break;
         }
-        name[n++] = abaqus_upper(*c);
+        name[n++] = io_upper(*c);
     }
     name[n] = '\0';
 }

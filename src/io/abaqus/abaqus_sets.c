@@ -20,7 +20,7 @@
 
 /** Letters in quotes are what they are; other names are read as if in capitals. fold: all are. */
 static char letter(const char *at, int is_quoted, int fold) {
-    return is_quoted && !fold ? *at : abaqus_upper(*at);
+    return is_quoted && !fold ? *at : io_upper(*at);
 }
 
 static int same_name(abaqus_span a, abaqus_span b, int fold) {

@@ -4,6 +4,16 @@
 
 #include "io/core/model.h"
 
+/** Whether c is a blank or a tab. */
+static inline int io_is_blank(char c) {
+    return c == ' ' || c == '\t';
+}
+
+/** The letter c as a capital, in ASCII; any other byte as it is. */
+static inline char io_upper(char c) {
+    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
+}
+
 /** A text of size bytes from behind the mark of UTF-8 that some editors put before it. */
 io_cursor io_begin_text(const char *data, int64_t size);
 /** Skip blanks, tabs, line ends (\n, \r\n, \r). */

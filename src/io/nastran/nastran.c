@@ -86,9 +86,9 @@ static int check_indented(reader *r, io_cursor *cursor) {
     if (text.begin - l.text.begin >= NAME_COLUMNS)
         return PLANISH_OK;
     for (const char *at = text.begin; at < text.end && n < NAME_COLUMNS; at++) {
-        if (is_blank(*at) || *at == '*' || *at == ',')
+        if (io_is_blank(*at) || *at == '*' || *at == ',')
             break;
-        name[n++] = nastran_upper(*at);
+        name[n++] = io_upper(*at);
     }
     name[n] = '\0';
     if (!is_read(name))
@@ -107,9 +107,9 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
     card c;
     while (!status && cursor.at < cursor.end) {
         const char *end;
-        if (!*cursor.at || !strchr(letters, nastran_upper(*cursor.at)))
+        if (!*cursor.at || !strchr(letters, io_upper(*cursor.at)))
             io_line(&cursor, &end);
-        else if (is_blank(*cursor.at))
+        else if (io_is_blank(*cursor.at))
             status = check_indented(r, &cursor);
         else if (nastran_take_card(&cursor, &c)) {
             status = visit(r, &c);
@@ -644,7 +644,7 @@ static int nastran_recognise(const char *data, int64_t size) {
         const span name = nastran_trim(l.name);
         if (name.begin == name.end)
             continue;
-        const char first = nastran_upper(*name.begin);
+        const char first = io_upper(*name.begin);
         if (first != 'G' && first != 'B')
             continue;
         if (memchr(data, '\0', (size_t)(name.begin - data)))

@@ -44,18 +44,10 @@ typedef struct card {
     const char *wrong_at; /* and where */
 } card;
 
-static inline int is_blank(char c) {
-    return c == ' ' || c == '\t';
-}
-
-static inline char nastran_upper(char c) {
-    return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
-}
-
 static inline span nastran_trim(span s) {
-    while (s.begin < s.end && is_blank(*s.begin))
+    while (s.begin < s.end && io_is_blank(*s.begin))
         s.begin++;
-    while (s.begin < s.end && is_blank(s.end[-1]))
+    while (s.begin < s.end && io_is_blank(s.end[-1]))
         s.end--;
     return s;
 }

@@ -27,7 +27,7 @@ static int says_nothing(const line *l) {
 /** Whether the line goes on with the card before it. */
 static int is_continuation(const line *l) {
     const char first = *l->text.begin;
-    return first == '+' || first == '*' || first == ',' || is_blank(first);
+    return first == '+' || first == '*' || first == ',' || io_is_blank(first);
 }
 
 /* ---- cards -------------------------------------------------------------------------------- */
@@ -56,9 +56,9 @@ int nastran_take_card(io_cursor *cursor, card *c) {
         return 0;
     int n = 0;
     for (const char *at = l.name.begin; at < l.name.end && n < NAME_COLUMNS; at++) {
-        if (is_blank(*at) || *at == '*')
+        if (io_is_blank(*at) || *at == '*')
             break;
-        c->name[n++] = nastran_upper(*at);
+        c->name[n++] = io_upper(*at);
     }
     c->name[n] = '\0';
     c->n = 0;
@@ -156,9 +156,9 @@ int nastran_line_begins(span text, const char *name) {
     const span s = nastran_trim(text);
     const int64_t length = (int64_t)strlen(name);
     for (int64_t i = 0; i < length; i++)
-        if (s.begin + i >= s.end || nastran_upper(s.begin[i]) != name[i])
+        if (s.begin + i >= s.end || io_upper(s.begin[i]) != name[i])
             return 0;
-    return s.begin + length == s.end || is_blank(s.begin[length]);
+    return s.begin + length == s.end || io_is_blank(s.begin[length]);
 }
 
 /** The next line that begins with word, or the end. *after: behind it. */
@@ -167,8 +167,7 @@ static const char *find_line(io_cursor cursor, const char *word, const char **af
         span text;
         text.begin = io_line(&cursor, &text.end);
         *after = cursor.at;
-        if (text.begin < text.end &&
-            (nastran_upper(*text.begin) == *word || is_blank(*text.begin)) &&
+        if (text.begin < text.end && (io_upper(*text.begin) == *word || io_is_blank(*text.begin)) &&
             nastran_line_begins(text, word))
             return text.begin;
     }

@@ -72,18 +72,14 @@ static int take_count(netgen_reader *r, io_cursor *cursor, const netgen_keyword 
     return status;
 }
 
-static int is_blank(char c) {
-    return c == ' ' || c == '\t';
-}
-
 /** The rest of the line as the name of group number of codimension. */
 static int take_name(netgen_reader *r, io_cursor *cursor, int codimension, int64_t number) {
     const char *begin = cursor->at, *end;
     io_skip_line(cursor);
     end = cursor->at;
-    while (begin < end && is_blank(*begin))
+    while (begin < end && io_is_blank(*begin))
         begin++;
-    while (end > begin && (is_blank(end[-1]) || end[-1] == '\n' || end[-1] == '\r'))
+    while (end > begin && (io_is_blank(end[-1]) || end[-1] == '\n' || end[-1] == '\r'))
         end--;
     if (begin == end || codimension > r->dim)
         return PLANISH_OK;
