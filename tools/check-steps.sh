@@ -5,11 +5,18 @@ passed=0 failed=0 skipped=0
 jobs=$(nproc)
 sample=docs/examples/bracket.msh
 
+# alone COMMAND...: print the command that runs a step alone, to be pasted into a shell. Functions of
+# this file print the commands that they call themselves.
+alone() {
+    [ "$(type -t "$1")" = function ] || echo "   alone: $(printf '%q ' "$@")"
+}
+
 # step NAME COMMAND ...: one thing that passes or fails.
 step() {
     local name=$1
     shift
     echo "== $name"
+    alone "$@"
     if "$@"; then
         passed=$((passed + 1))
     else
@@ -30,6 +37,10 @@ steps_side_by_side() {
     local folder=build-check/side-by-side name
     rm -rf $folder
     mkdir -p $folder
+    echo "== side by side: $*"
+    for name; do
+        alone "tools/reliability/$name" --short
+    done
     # shellcheck disable=SC2016 # it is for the inner shell
     printf '%s\n' "$@" | xargs -P "$jobs" -I{} bash -c \
         'tools/reliability/{} --short >"$0/{}.log" 2>&1; echo $? >"$0/{}.status"' $folder
@@ -45,6 +56,8 @@ build_tree() {
     # Only now, as tools/check may just have installed it; a tree that is there keeps its generator.
     ! command -v ninja >/dev/null || export CMAKE_GENERATOR=Ninja
     echo "== building $folder"
+    alone cmake -S . -B "$folder" "$@"
+    alone cmake --build "$folder" -j "$jobs"
     mkdir -p "$folder"
     log=$folder/build.log
     if ! { cmake -S . -B "$folder" "$@" && cmake --build "$folder" -j "$jobs"; } >"$log" 2>&1; then
@@ -66,6 +79,7 @@ run_tests() {
     local folder=$1 report=$1/tests.xml all good out
     shift
     echo "== testing $folder"
+    alone ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure "$@"
     rm -f "$report"
     ctest --test-dir "$folder" --parallel "$jobs" --output-on-failure --output-junit "$PWD/$report" "$@"
     all=$(count '<testcase ' "$report")
