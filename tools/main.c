@@ -50,7 +50,7 @@ static int run_help(int argc, char **argv) {
     const int names_one = argc > 1 && strcmp(argv[1], "help") != 0; /* "help help" is this help */
     const pl_command_text *command = names_one ? pl_command_find(argv[1]) : NULL;
     if (argc > 2)
-        return pl_complain_usage(NULL, "help is of one command, and '%s' is a second one", argv[2]);
+        return pl_complain_usage(NULL, "unexpected argument '%s': help takes one command", argv[2]);
     if (names_one && !command)
         return complain_command(argv[1]);
     return print_help(command);

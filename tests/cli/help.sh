@@ -122,9 +122,10 @@ mistyped "unknown command 'smoth'; did you mean smooth?" smoth in.msh
 mistyped "unknown command 'qualtiy'; did you mean quality?" help qualtiy
 mistyped "unknown command 'polish'; it must be smooth, quality or report" polish
 mistyped "smooth, quality or report"
-mistyped "'quality' is a second one" help smooth quality
+mistyped "unexpected argument 'quality': help takes one command" help smooth quality
 expect_status 0 "$program" help help
 grep -q "^Usage: planish COMMAND" out || fail "help of help"
 mistyped "no result is named" report
-mistyped "one result is expected" report a.json b.json
+mistyped "unexpected argument 'b.json': give one result" report a.json b.json
+mistyped "unexpected argument 'b.msh'; did you mean -o b.msh?" smooth a.msh b.msh
 finish

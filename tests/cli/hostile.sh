@@ -137,7 +137,7 @@ rm piped.msh taken.msh
     tame 2 $((n + 1)) bash -c "ulimit -v 400000; yes | \"$program\" smooth /dev/stdin -o result.msh"
 cp in.msh result.html && echo '<html>' >page.html
 expect_status 2 "$program" report page.html
-expect_text "page.html, line 1: is no JSON"
+expect_text "page.html, line 1: is not JSON"
 cd .. && rm -r things
 
 # ---- names --------------------------------------------------------------------------------------

@@ -106,8 +106,8 @@ cmp copy.html run.html || fail "the page beside the JSON"
 if [ -n "$picture" ]; then
     mv smooth.mesh gone.mesh
     expect_status 0 "$program" report run.json -o half.html
-    expect_text "'smooth.mesh' is not there any more"
-    grep -q "is not there any more" half.html || fail "what is not drawn should be said"
+    expect_text "'smooth.mesh' no longer exists"
+    grep -q "no longer exists" half.html || fail "what is not drawn should be said"
     cp tangled.mesh smooth.mesh
     expect_status 0 "$program" report run.json -o half.html
     expect_text "'smooth.mesh' has other coordinates now"
@@ -179,7 +179,7 @@ check_page odd.html odd.json
 printf '{"mesh": ' >broken.json
 expect_status 2 "$program" report broken.json
 expect_one_line
-expect_text "broken.json, line 1: is no JSON"
+expect_text "broken.json, line 1: is not JSON"
 head -c 3000 run.json >cut.json
 expect_status 2 "$program" report cut.json
 expect_one_line
@@ -189,7 +189,7 @@ expect_one_line
 printf '[1, 2]' >list.json
 expect_status 2 "$program" report list.json
 expect_one_line
-expect_text "is no JSON object"
+expect_text "is not a JSON object"
 printf '{"mesh": {"elements": 5}, "before": 3, "after": {}}' >other.json
 expect_status 2 "$program" report other.json
 expect_one_line

@@ -75,7 +75,8 @@ static int64_t line_of(const char *text, const char *at) {
 /** Complain of text, which cJSON could not read from at on: for want of memory, or of JSON. */
 static void complain_json(const char *path, const char *text, const char *at) {
     pl_complain(PL_EXIT_FAILED,
-                "%s, line %" PRId64 ": is no JSON (or too much for the memory); give the file that "
+                "%s, line %" PRId64
+                ": is not JSON (or too large for the memory); give the file that "
                 "'planish smooth --json' has written",
                 path, line_of(text, at ? at : text));
 }
@@ -102,8 +103,8 @@ static cJSON *read_result(const char *path, pl_figures *figures) {
     else if (flaw)
         pl_complain(
             PL_EXIT_FAILED,
-            "%s: is no result of 'planish smooth --json' or 'planish quality --json': it %s", path,
-            flaw);
+            "%s: is not a result of 'planish smooth --json' or 'planish quality --json': it %s",
+            path, flaw);
     free(text);
     if (is_json && !flaw)
         return result;
@@ -212,7 +213,7 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
 /** Draw a state from the first place that has its mesh. Returns 0, also where none has it any more,
  *  or an exit status after a message. */
 static int draw_state(drawing *d, const wanted *w) {
-    const char *why = w->file[0] ? "is not there any more" : "no file is named";
+    const char *why = w->file[0] ? "no longer exists" : "no file is named";
     int status = 0;
     for (int i = 0; i < N_PLACES && !status && why; i++) {
         char path[PATH_MAX];
@@ -255,8 +256,8 @@ static int find_output(const pl_arguments *arguments, char *path, size_t size) {
     if (length < 0 || (size_t)length >= size)
         return pl_complain(PL_EXIT_FAILED, "%s: the name is too long", json);
     if (!output && pl_output_is_stream(json))
-        return pl_complain_usage("report", "'%s' is no file to put a page beside; name one by -o",
-                                 json);
+        return pl_complain_usage("report",
+                                 "'%s' is not a file to put a page beside; name one by -o", json);
     if (pl_output_same_file(path, json))
         return pl_complain_usage("report", "the page would overwrite '%s'", json);
     return pl_output_check(path);

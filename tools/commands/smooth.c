@@ -54,7 +54,7 @@ static int check_output(const pl_job *job) {
     if (engine_writes(job) || planish_file_can_convert(job->file, output))
         return 0;
     if (strcmp(output, "-") == 0)
-        return pl_complain_usage("smooth", "'-' is no file; standard output is /dev/stdout");
+        return pl_complain_usage("smooth", "'-' is not a file; standard output is /dev/stdout");
     planish_file_check_output(job->file, output, &error); /* tells the extensions */
     return pl_complain_usage("smooth", "%s, and there is conversion to .vtu and .vtk only",
                              error.text);

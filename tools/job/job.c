@@ -203,7 +203,7 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     job->options.bind = pl_job_binds(arguments);
     job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (strcmp(arguments->input, "-") == 0)
-        return pl_complain(PL_EXIT_USAGE, "'-' is no file; standard input is /dev/stdin");
+        return pl_complain(PL_EXIT_USAGE, "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
     const planish_open_options how = {.format = arguments->format,
                                       .threads = job->options.threads,

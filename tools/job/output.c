@@ -89,7 +89,7 @@ int pl_output_check(const char *path) {
     if (io_output_is_stream(path) || (!exists && is_link))
         return 0; /* nothing is made beside it, or it is made where the link leads */
     if (path[0] && !*pl_path_name(path))
-        return pl_complain(PL_EXIT_FAILED, "%s: is no name for a file", path);
+        return pl_complain(PL_EXIT_FAILED, "%s: is not the name of a file", path);
     char *target = exists ? pl_path_resolve(path) : NULL;
     if (exists && !target)
         return pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(errno));

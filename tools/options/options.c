@@ -413,8 +413,8 @@ static const option_row option_table[] = {
      "fletcher-reeves",
      "newton fletcher-reeves"},
     {0, "min-volume", "[TAG=]V", BOTH, set_min_volume,
-     "keep the volume (area in 2-D) of every element, or of\n"
-     "group TAG, at V or above (default: no minimum);\n"
+     "require volume V (area in 2-D) or more of every\n"
+     "element, or of those of group TAG (default: none);\n"
      "repeatable with a TAG",
      NULL},
     {0, "min-volume-fraction", "F", BOTH, set_min_volume_fraction,
@@ -595,9 +595,14 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
     const pl_command_text *command = pl_command_row(arguments->command);
     if (optind == argc)
         return pl_complain_usage(command->name, "no %s is named", command->operand);
-    if (optind + 1 < argc && !command->takes_many)
-        return pl_complain_usage(command->name, "one %s is expected, and '%s' is a second one",
-                                 command->operand, argv[optind + 1]);
+    if (optind + 1 < argc && !command->takes_many) {
+        const char *second = argv[optind + 1];
+        if (!arguments->output && arguments->command == PL_COMMAND_SMOOTH)
+            return pl_complain_usage(command->name, "unexpected argument '%s'; did you mean -o %s?",
+                                     second, second);
+        return pl_complain_usage(command->name, "unexpected argument '%s': give one %s", second,
+                                 command->operand);
+    }
     for (int i = optind; i < argc; i++) {
         if (argv[i][0] == '\0')
             return pl_complain_usage(command->name, "the name of the %s is empty",
@@ -606,7 +611,7 @@ static int take_operands(pl_arguments *arguments, int argc, char **argv) {
     }
     arguments->input = arguments->inputs[0];
     if (arguments->command == PL_COMMAND_SMOOTH && !arguments->output)
-        return pl_complain_usage(command->name, "no output is named (-o OUT)");
+        return pl_complain_usage(command->name, "no output file is named: give -o OUT");
     return 0;
 }
 
@@ -626,8 +631,8 @@ static int check_combinations(const pl_arguments *arguments) {
     const planish_options *library = &arguments->library;
     const char *command = pl_command_name(arguments->command);
     if (library->min_volume > 0 && library->min_volume_fraction > 0)
-        return pl_complain_usage(command, "--min-volume for all elements and "
-                                          "--min-volume-fraction exclude one another");
+        return pl_complain_usage(command, "give --min-volume for all elements or "
+                                          "--min-volume-fraction, not both");
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
         return pl_complain_usage(command, "--area-weight needs a least volume: --min-volume or "
                                           "--min-volume-fraction");

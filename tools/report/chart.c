@@ -94,7 +94,7 @@ static void put_bar(pl_markup *page, const pl_histogram *h, int series, int bin,
         pl_markup_put(page, ", %.6g to %.6g: ", h->edges[bin], h->edges[bin + 1]);
     else
         pl_markup_put(page, ", %.6g and more: ", h->edges[bin]);
-    pl_markup_put_count(page, pl_whole(count));
+    pl_markup_put_count(page, pl_figure_whole(count));
     pl_markup_put(page, "</title></rect>\n");
 }
 

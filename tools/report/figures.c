@@ -23,7 +23,7 @@ const char *pl_figures_find(const cJSON *result, pl_figures *figures) {
     const cJSON *quality = cJSON_GetObjectItemCaseSensitive(result, "quality");
     *figures = (pl_figures){.result = result, .is_solid = pl_figure(mesh, "dimension") == 3};
     if (!cJSON_IsObject(result))
-        return "is no JSON object";
+        return "is not a JSON object";
     if (cJSON_IsArray(cJSON_GetObjectItemCaseSensitive(result, "meshes")))
         return "compares several meshes; a page is of one: make it with 'planish quality' of that";
     if (!cJSON_IsObject(mesh) || pl_figure_count(mesh, "elements") <= 0)
@@ -53,10 +53,10 @@ double pl_figure(const cJSON *object, const char *key) {
 }
 
 int64_t pl_figure_count(const cJSON *object, const char *key) {
-    return pl_whole(pl_figure(object, key));
+    return pl_figure_whole(pl_figure(object, key));
 }
 
-int64_t pl_whole(double value) {
+int64_t pl_figure_whole(double value) {
     const double largest = 9e18; /* that 64 bits hold */
     return value > 0 ? (int64_t)fmin(value, largest) : 0;
 }

@@ -27,7 +27,7 @@ const cJSON *pl_figures_last(const pl_figures *figures);
 double pl_figure(const cJSON *object, const char *key);
 
 /** value as a count: 0 for what is none, and no more than 64 bits hold. */
-int64_t pl_whole(double value);
+int64_t pl_figure_whole(double value);
 
 /** pl_figure as a count. */
 int64_t pl_figure_count(const cJSON *object, const char *key);

@@ -50,7 +50,7 @@ static void put_bins_table(pl_markup *page, const pl_figures *figures, const bin
         pl_markup_put(page, "</td>");
         for (int s = 0; s < figures->n_states; s++) {
             pl_markup_put(page, "<td>");
-            pl_markup_put_count(page, pl_whole(b->count[s][i]));
+            pl_markup_put_count(page, pl_figure_whole(b->count[s][i]));
             pl_markup_put(page, "</td>");
         }
         pl_markup_put(page, "</tr>\n");
@@ -212,7 +212,7 @@ static void put_history_table(pl_markup *page, const history *h) {
         pl_markup_put(page, "</td><td>");
         pl_markup_put_digits(page, h->movable[i], 8);
         pl_markup_put(page, "</td><td>");
-        pl_markup_put_count(page, pl_whole(h->inverted[i]));
+        pl_markup_put_count(page, pl_figure_whole(h->inverted[i]));
         pl_markup_put(page, "</td></tr>\n");
     }
     pl_markup_put(page, "</tbody></table></div></details>\n");
