@@ -124,7 +124,7 @@ typedef struct planish_mesh {
 
 /* ---- A mesh that several processes have ----------------------------------------------------- */
 
-/** What a node is to a process that has a part of the mesh. */
+/** Role of a node in a process that has a part of the mesh. */
 typedef enum planish_role {
     PLANISH_OWN = 0,    /* it moves it, and no other process has it */
     PLANISH_SHARED = 1, /* it moves it, and others have it as a ghost */
@@ -134,22 +134,24 @@ typedef enum planish_role {
 /** Called with the value of a ghost that has arrived. */
 typedef void planish_take_fn(int32_t ghost, const void *value, void *taker);
 
-/** What a process has of a mesh that several processes share, and how it reaches the others: for
- * MPI or the like (docs/distributed.md). Every node of the mesh is OWN or SHARED in one process.
- * That has all elements of the node, with all their nodes: those of other processes are its GHOSTs.
- *  Nodes and elements are in the order in which the whole mesh has them, here as there.
+/** Part of a mesh that several processes share, and how this process reaches the others: for MPI
+ *  or the like (docs/distributed.md). Every node of the mesh is OWN or SHARED in exactly one
+ *  process, its owner. The owner has all elements of the
+ *  node, with all their nodes; those of other processes are the owner's GHOSTs. The nodes and
+ *  elements of a part are in the order of the whole mesh.
  *
- *  All processes make the same calls on their plans, with the same options, at the same time; each
- *  call then does what it would do with the whole mesh in one process, to the last bit. Its results
- *  (planish_result, planish_quality, planish_progress but for colour_visits, planish_plan_info but
- * for threads and bytes) are those of the whole mesh; what is said of single nodes and elements,
- * and how many planish_check_volumes and planish_find_unfixable find, is of those that this process
- * has. What is given here stays until the plan is destroyed.
+ *  All processes make the same calls on their plans, with the same options, at the same time.
+ *  Each call then gives the result that it would give with the whole mesh in one process, to the
+ *  last bit. Its results (planish_result, planish_quality, planish_progress but for
+ *  colour_visits, planish_plan_info but for threads and bytes) are those of the whole mesh.
+ *  Results about single nodes and elements, and the counts of planish_check_volumes and
+ *  planish_find_unfixable, are those of this process. The arrays given here must stay until the
+ *  plan is destroyed.
  *
- *  The functions are called by the thread that called the library, on all processes in the same
- *  order; they return 0, or anything else if others were not reached: the call then fails with
- *  PLANISH_ERROR_PROCESS. If a call fails in one process only, the others wait for it in theirs: so
- *  end them all (MPI_Abort). */
+ *  The thread that called the library calls the functions, in the same order on all processes.
+ *  They return 0, or any other number if other processes were not reached: the call then fails
+ *  with PLANISH_ERROR_PROCESS. If a call fails in one process only, the others wait for it: end
+ *  them all (MPI_Abort). */
 typedef struct planish_part {
     const int64_t *node_number; /* [n_nodes] ascending: numbers of the nodes in the whole mesh */
     const uint8_t *node_role;   /* [n_nodes] of planish_role */
@@ -157,7 +159,7 @@ typedef struct planish_part {
                                   counts it; 0 in the others */
     /** Set values [n] to their sums over the processes. */
     int (*add)(int64_t *values, int n, void *user);
-    /** Likewise to the largest. */
+    /** Set each of values [n] to its largest over the processes. */
     int (*largest)(int64_t *values, int n, void *user);
     /** Send values [n][size] (bytes) of the n nodes node [n], all of them SHARED, to the processes
      *  that have them as ghosts, which are told of nothing else; no later send begins before
@@ -171,8 +173,8 @@ typedef struct planish_part {
 
 /* ---- Nodes that can slide ------------------------------------------------------------------- */
 
-/** What is known of the surface of a mesh besides its elements; may all be 0. Facets are triangles
- *  of tetrahedra, or edges of triangles. */
+/** Knowledge of the surface of a mesh besides its elements; all fields may be 0. Facets are
+ *  triangles of tetrahedra, or edges of triangles. */
 typedef struct planish_surface {
     const int32_t *region; /* [n_elements] numbers of regions; facets between two of them belong to
                               the surface. NULL: there is one region */
@@ -310,7 +312,8 @@ typedef enum planish_objective {
         2 /* longest edge to shortest, smoothed: 0.946 to 1 of it, see docs/algorithm.md */
 } planish_objective;
 
-/** What a last phase improves after the objective has converged: the worst there is. */
+/** Quantity that a last phase improves after the objective has converged: the worst value in the
+ *  mesh. */
 typedef enum planish_worst {
     PLANISH_WORST_NONE = 0,         /* no such phase */
     PLANISH_WORST_RADIUS_RATIO = 1, /* the largest radius ratios */
@@ -318,7 +321,7 @@ typedef enum planish_worst {
                                        sines */
 } planish_worst;
 
-/** What a length is given in. */
+/** Unit of a length. */
 typedef enum planish_length_unit {
     PLANISH_UNIT_MESH = 0, /* units of the coordinates */
     PLANISH_UNIT_EDGE = 1  /* mean length of the node's edges at the start */
@@ -333,9 +336,9 @@ typedef enum planish_direction {
  *  above it is violated. */
 #define PLANISH_VOLUME_TOLERANCE 0.003
 
-/** What a coordinate is stored as in the end: positions of nodes that move are rounded to it before
- *  they are judged. With PLANISH_FLOAT the coordinates given should be floats, too: those of nodes
- *  that do not move are taken as they are. */
+/** Format in which a coordinate is stored in the end. The positions of moving nodes are rounded
+ *  to this format before they are judged. With PLANISH_FLOAT the coordinates given should be
+ *  floats, too: fixed nodes keep their coordinates unrounded. */
 typedef enum planish_precision {
     PLANISH_DOUBLE = 0,
     PLANISH_FLOAT = 1,
@@ -401,8 +404,8 @@ typedef planish_constraint planish_project_fn(int64_t node, double *point, doubl
  */
 typedef double planish_round_fn(double value, void *user);
 
-/** Where a plan gets its memory, the system's by default. Called from any of the threads that work
- *  for the plan, several at a time. */
+/** Source of a plan's memory; by default the system's. Any of the threads that work for the plan
+ *  may call the functions, several at a time. */
 typedef struct planish_allocator {
     void *(*allocate)(size_t bytes, void *user); /* as malloc: NULL if there is none */
     void (*release)(void *block, void *user);    /* as free, but never of NULL */
@@ -555,7 +558,7 @@ PLANISH_API int planish_plan_create(const planish_mesh *mesh, const planish_opti
                                     planish_plan **plan, planish_error *error);
 /** plan may be NULL. */
 PLANISH_API void planish_plan_destroy(planish_plan *plan);
-/** Of no plan (NULL) all is 0. */
+/** Fill *info with the figures of plan. For NULL every field is 0. */
 PLANISH_API void planish_plan_get_info(const planish_plan *plan, planish_plan_info *info);
 /** is_free [n_nodes of the mesh] is filled with 1 for the nodes that may move anywhere, 0 for all
  *  others. */
@@ -606,9 +609,9 @@ typedef struct planish_spread {
     double min, mean, max;
 } planish_spread;
 
-/** What a mesh is worth. Definitions and sources: docs/measures.md. Ratios and angles are over the
- * valid elements (positive measure). An element with a free node is one with a node that may move,
- * anywhere or sliding; here and in planish_result. */
+/** Quality of a mesh. Definitions and sources: docs/measures.md. Ratios and angles are over the
+ *  valid elements (positive measure). Here and in planish_result a free node is a node that may
+ *  move, anywhere or sliding. */
 typedef struct planish_quality {
     int64_t n_elements;
     int64_t inverted;  /* elements whose measure is not positive, decided exactly */
@@ -673,8 +676,8 @@ PLANISH_API int planish_measure_elements(const planish_plan *plan, const double 
 PLANISH_API int planish_find_reversed(const planish_plan *plan, const double *coordinates,
                                       uint8_t *reversed, int64_t *n, planish_error *error);
 
-/** The same as planish_measure for mesh->coordinates, with a plan for the occasion, made with
- * options (NULL: defaults). Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Measure mesh->coordinates as planish_measure does, with a temporary plan that is made with
+ *  options (NULL: defaults). Errors: _ARGUMENT, _MESH, _MEMORY. */
 PLANISH_API int planish_measure_mesh(const planish_mesh *mesh, const planish_options *options,
                                      planish_quality *quality, planish_error *error);
 
@@ -754,7 +757,7 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
                                const planish_options *options, planish_result *result,
                                planish_error *error);
 
-/** What planish_check_volumes says of an element. */
+/** State of an element as planish_check_volumes reports it. */
 typedef enum planish_volume_state {
     PLANISH_VOLUME_MET = 0,   /* at least 0.997 of its least volume, or it has none */
     PLANISH_VOLUME_BELOW = 1, /* not so */

@@ -28,22 +28,24 @@ typedef struct planish_file planish_file;
 PLANISH_API int planish_file_open(const char *path, const char *format, int threads,
                                   planish_file **file, planish_error *error);
 
-/** The same for files of which nothing is known, in a process that must not die. The HDF5 library
- *  (1.10) crashes on some damaged files, and takes memory without end for others: such a file
- *  (CGNS, MED, VTKHDF, DMPlex) is first opened in a child process, and packed coordinates are later
- *  changed in one, so that either is a _FORMAT error. On Linux the child may take 1 GB, and 4 kB
- *  for each byte of the file, but no more than three quarters of the machine's memory.
- *  It takes twice the time to open these; others are opened as they are by planish_file_open. The
- *  child is a fork of the caller, of the calling thread alone: no other thread may be within the
- *  HDF5 library then, and if the caller ignores SIGCHLD or waits for any child elsewhere, the
- *  signal in the error's text is 0. Errors besides: _MEMORY: no process could be started. */
+/** Open an untrusted file as planish_file_open does, in a process that must not die. The HDF5
+ *  library (1.10) crashes on some damaged files, and takes memory without end for others. A file
+ *  that needs HDF5 (CGNS, MED, VTKHDF, DMPlex) is therefore first opened in a child process.
+ *  Packed coordinates are later changed in a child process, too. Either failure becomes a
+ *  _FORMAT error. On Linux the child may take 1 GB, and 4 kB for each byte of the file, but no
+ *  more than three quarters of the machine's memory.
+ *
+ *  Opening these files takes twice the time; planish_file_open opens all other files. The child
+ *  is a fork of the caller, of the calling thread alone: no other thread may be within the HDF5
+ *  library then. If the caller ignores SIGCHLD or waits for any child elsewhere, the signal in
+ *  the error's text is 0. Errors besides: _MEMORY: no process could be started. */
 PLANISH_API int planish_file_open_isolated(const char *path, const char *format, int threads,
                                            planish_file **file, planish_error *error);
 
 /** How a file is opened. */
 typedef struct planish_open_options {
     const char *format;     /* as for planish_file_open */
-    int threads;            /* likewise */
+    int threads;            /* as for planish_file_open */
     int isolated;           /* not 0: as planish_file_open_isolated does */
     double plane_tolerance; /* of triangles alone: how far off their plane nodes may be, as a
                                fraction of the diagonal of their bounding box, 0 .. 1e-3; 0: what
@@ -51,7 +53,8 @@ typedef struct planish_open_options {
     const void *reserved[6];
 } planish_open_options;
 
-/** The same with options (NULL: all 0). Errors besides: _ARGUMENT (plane_tolerance). */
+/** Open a file as planish_file_open does, with options (NULL: all 0). Errors besides: _ARGUMENT
+ *  (plane_tolerance). */
 PLANISH_API int planish_file_open_with(const char *path, const planish_open_options *options,
                                        planish_file **file, planish_error *error);
 
@@ -93,7 +96,7 @@ PLANISH_API int64_t planish_file_parameters(const planish_file *file, uint8_t *h
  *  planish_file_constraints fills in. */
 PLANISH_API planish_mesh planish_file_mesh(const planish_file *file);
 
-/** Those coordinates [n_nodes][dim], in the file's units, to be changed in place. */
+/** Coordinates [n_nodes][dim] of planish_file_mesh, in the file's units, to be changed in place. */
 PLANISH_API double *planish_file_coordinates(planish_file *file);
 
 /** The plane in which a mesh of triangles (dim 2) has its coordinates. Across an axis of the file
@@ -108,7 +111,7 @@ typedef struct planish_plane {
     int is_tilted;          /* 0: across an axis */
     double origin[3];       /* where both coordinates are 0 */
     double direction[2][3]; /* unit vectors of coordinates 0 and 1 */
-    double normal[3];       /* that of the plane, likewise */
+    double normal[3];       /* unit normal of the plane */
     double off;             /* how far off a tilted plane nodes of the file are, at most */
     const void *reserved[8];
 } planish_plane;
@@ -117,8 +120,9 @@ typedef struct planish_plane {
  *  of the file, else (tetrahedra, and triangles in the plane of x and y) 0. */
 PLANISH_API int planish_file_plane(const planish_file *file, planish_plane *plane);
 
-/** Where nodes first .. first + n - 1 are in space: xyz [n][3] for their coordinates [n][dim] (not
- *  those of the nodes before them), which need not be those of the file. Errors: _ARGUMENT. */
+/** Compute the places xyz [n][3] in space of nodes first .. first + n - 1 from their coordinates
+ *  [n][dim]. coordinates begins with node first, and may differ from the file's. Errors:
+ *  _ARGUMENT. */
 PLANISH_API int planish_file_place(const planish_file *file, int64_t first, int64_t n,
                                    const double *coordinates, double *xyz, planish_error *error);
 
@@ -184,10 +188,10 @@ PLANISH_API int planish_file_held(const planish_file *file, const planish_hold *
  *  say no more than where the boundary is. */
 PLANISH_API int64_t planish_file_marks(const planish_file *file, uint8_t *marked);
 
-/** What the file says of its surface, for planish_find_slides together with the constraints that
- *  planish_file_constraints finds for the same hold (with slide): regions, the triangles (2-D:
- *  lines) and lines with their groups as tags, and a tolerance that fits the digits of the file.
- * The arrays are the file's. */
+/** Return the file's surface for planish_find_slides: regions, the triangles (2-D: lines) and
+ *  lines with their groups as tags, and a tolerance that fits the digits of the file. Use it
+ *  together with the constraints that planish_file_constraints finds for the same hold (with
+ *  slide). The file owns the arrays. */
 PLANISH_API planish_surface planish_file_surface(const planish_file *file,
                                                  const planish_hold *hold);
 

@@ -105,7 +105,8 @@ static int look_at_places(search *s, planish_error *error) {
 
 /* ---- all of it ------------------------------------------------------------------------------ */
 
-/** What the plan was told of a node, by its number in the plan. */
+/** Reasons known to the plan why a node is held, as PLANISH_HELD_ bits; node is the plan's
+ *  number. */
 static uint8_t told(const planish_plan *plan, int64_t node) {
     const uint8_t use = plan->is_used[node];
     return (uint8_t)((use & PL_FIXED_BY_CALLER ? PLANISH_HELD_FIXED : 0) |
@@ -131,7 +132,7 @@ static void fill(const search *s, const uint8_t *by_plan, uint8_t *reason) {
         reason[s->node_of ? s->node_of[i] : i] = s->moves[i] ? 0 : reason_of(s, i, by_plan[i]);
 }
 
-/** What the plan knows of the nodes of the search: by_plan [n] and s->moves. */
+/** Copy the plan's facts about the nodes of the search to by_plan [n] and s->moves. */
 static void take_plan(search *s, uint8_t *by_plan) {
     const planish_plan *plan = s->plan;
     const int is_part = plan->all != &plan->work;

@@ -42,13 +42,13 @@ static int find_ratios(const planish_plan *plan, const double *coordinates, doub
     return PLANISH_OK;
 }
 
-/** What find_reversed has found; owned. */
+/** Result of find_reversed; owned. */
 typedef struct found {
     uint8_t *state; /* [n] of the elements that are measured */
     int64_t n;
 } found;
 
-/** Of all elements that the plan knows. */
+/** Find the reversed elements among all elements that the plan knows. Errors: _MEMORY. */
 static int find_reversed(const planish_plan *plan, const double *coordinates, found *f,
                          planish_error *error) {
     const int64_t n = plan->all->n_elements;
@@ -76,7 +76,7 @@ static void put_reversed(const planish_plan *plan, const found *f, uint8_t *reve
         reversed[pl_plan_element(plan, i)] = f->state[i];
 }
 
-/** What is asked for: one of these is not NULL. */
+/** Output that is asked for: one of these is not NULL. */
 typedef struct wanted {
     planish_quality *quality;
     double *ratio;

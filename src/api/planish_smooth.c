@@ -99,9 +99,9 @@ static void begin_sliding(planish_plan *plan) {
         begin_following(plan, &plan->sliding.follower[k]);
 }
 
-/** What no element may become worse than, to be looked at afterwards: as sweeps do not see to it
- *  that no angle becomes smaller than the smallest of the mesh as it came, where that is promised,
- *  nor to the elements of followers. */
+/** Note the limits that no element may end up worse than. The run compares them afterwards, as
+ *  sweeps guard neither the smallest angle of the input mesh, where that is promised, nor the
+ *  elements of followers. */
 static void note_start(pl_run *r) {
     const planish_options *o = r->options;
     r->inverted_at_start = pl_run_inverted(r);
@@ -130,7 +130,8 @@ static int begin(pl_run *r, const double *all, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** The same where all of the mesh is known, and measured. */
+/** Begin as begin does where all of the mesh is known, and measure the rest of the mesh. Errors:
+ *  those of begin, _MEMORY. */
 static int begin_with_all(pl_run *r, planish_error *error) {
     const pl_points points = pl_plan_all_points(r->plan, r->coordinates);
     double *all = pl_alloc(points.n * points.dim, sizeof *all);

@@ -96,7 +96,7 @@ typedef struct patience {
     double start; /* clock */
 } patience;
 
-/** What the caller says, or the time limit. */
+/** Ask the caller and the time limit; returns the planish_stop, or 0 to continue. */
 static int ask_caller(void *context) {
     const patience *p = context;
     const planish_progress progress = {.elapsed = pl_seconds() - p->start};
@@ -110,7 +110,7 @@ static int ask_caller(void *context) {
     return stops ? PLANISH_STOP_INTERRUPTED : 0;
 }
 
-/** What is asked for. */
+/** Input and outputs of a check of volumes. */
 typedef struct wanted {
     const planish_options *options; /* least volumes; NULL: elements are to be positive */
     pl_limit *limit;                /* or NULL */

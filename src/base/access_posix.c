@@ -18,7 +18,7 @@
 
 enum { SPECIAL = S_ISUID | S_ISGID | S_ISVTX };
 
-/** What the file could keep of the one that it replaces. */
+/** Owner and group: 1 where the new file has those of the file that it replaces. */
 typedef struct kept {
     int owner, group;
 } kept;
@@ -73,7 +73,7 @@ static unsigned char *find_rights(unsigned char *list, ssize_t size, int tag) {
     return NULL;
 }
 
-/** As allowed_mode does: 0, or -1 if it is no such list. */
+/** Restrict an access list as allowed_mode does. Returns 0, or -1 if list is not an access list. */
 static int restrict_list(unsigned char *list, ssize_t size) {
     unsigned char *group = find_rights(list, size, TAG_OWNING_GROUP);
     unsigned char *others = find_rights(list, size, TAG_OTHERS);
@@ -102,8 +102,8 @@ static int take_list(int fd, const char *path, kept k) {
 /* ---- extended attributes ----------------------------------------------------------------------
  */
 
-/** Those that belong to the file's content or say who may see it. Not the rights of programs
- *  (security.capability), nor sums over the old content. */
+/** Whether the attribute of this name belongs to the file's content or says who may see it.
+ *  Capabilities of programs (security.capability) and sums over the old content do not. */
 static int is_copied(const char *name) {
     static const char user[] = "user.";
     return strncmp(name, user, sizeof user - 1) == 0 || strcmp(name, "security.selinux") == 0;

@@ -8,7 +8,7 @@
 
 enum { ALIGNMENT = 64 };
 
-/** What stands before everything that is taken, in a cache line of its own. */
+/** Head of every array that is taken, in a cache line of its own. */
 typedef struct pl_span {
     char *end;
     struct pl_span *next;

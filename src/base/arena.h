@@ -18,8 +18,8 @@ typedef struct pl_arena {
     int lock;              /* see spin.h */
 } pl_arena;
 
-/** So many bytes, none of which is resident before it is taken, the first huge of them in huge
- *  pages if the system has any. There is none if there are no such bytes. */
+/** Reserve bytes of address space, the first huge of them in huge pages if the system has any.
+ *  No byte is resident before it is taken. If the system refuses, the arena is empty. */
 void pl_arena_begin(pl_arena *arena, size_t bytes, size_t huge);
 
 /** The end of all that was taken, too. */

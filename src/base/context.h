@@ -55,8 +55,8 @@ pl_context *pl_context_create(const planish_options *options);
  *  those of few elements, and not where memory is the caller's. */
 void pl_context_share_pages(pl_context *context, int64_t n_elements, int all);
 
-/** What was wanted is there: from now on arrays that are released are kept for later ones of their
- *  size, and nothing else is held. */
+/** Settle: from now on keep released arrays for later ones of their size, and hold nothing else.
+ *  Call it when the arrays that stay have been made. */
 void pl_context_settle(pl_context *context);
 
 /** After all that was allocated in it has been released. context may be NULL. */
@@ -66,7 +66,7 @@ void pl_context_destroy(pl_context *context);
  * Around every function of the caller's there is none. */
 pl_context *pl_context_enter(pl_context *context);
 
-/** What a thread was in before it worked for a call. */
+/** State of a thread before it worked for a call. */
 typedef struct pl_outside {
     pl_context *context;
     pl_arithmetic arithmetic;

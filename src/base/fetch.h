@@ -17,7 +17,7 @@ PL_AT_ONCE void pl_fetch_to_write(const void *place) {
     __builtin_prefetch(place, 1);
 }
 
-/** The same for all lines from begin to before end. */
+/** Fetch all lines from begin to before end, as pl_fetch_to_write does. */
 PL_AT_ONCE void pl_fetch_all_to_write(const void *begin, const void *end) {
     enum { CACHE_LINE = 64 };
     for (const char *line = begin; line < (const char *)end; line += CACHE_LINE)

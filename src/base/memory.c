@@ -19,7 +19,7 @@ static size_t round_up(size_t bytes, size_t unit) {
 /** Whom a block has its memory from. */
 typedef enum source { SYSTEM, CALLER, ARENA, PAGES } source;
 
-/** What stands before every array, in a cache line of its own. */
+/** Head of every array, in a cache line of its own. */
 typedef struct pl_block {
     pl_context *owner; /* NULL: nobody */
     void *start;       /* what the source has given */
@@ -35,7 +35,7 @@ static pl_block *block_of(void *array) {
     return (pl_block *)(void *)((char *)array - ALIGNMENT);
 }
 
-/** What the caller's allocator has. */
+/** Memory from the caller's allocator; NULL: it has none. */
 static void *ask(pl_context *owner, size_t bytes) {
     pl_context *before = pl_context_enter(NULL);
     void *start = owner->allocator.allocate(bytes, owner->allocator.user);
@@ -54,9 +54,9 @@ static void *pages_of(size_t bytes) {
     return start;
 }
 
-/** So many bytes of fresh memory, and whom they are from; NULL: there are none. Large arrays that
- *  share none have pages of their own, whose first touch is cheap if they are huge, and which go
- * back at once. */
+/** Return bytes of fresh memory, and its source in *from; NULL without memory. Large arrays
+ *  outside of the arena have pages of their own. The first touch of these is cheap if they are
+ *  huge, and they go back to the system at once. */
 static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
     void *start = NULL;
     if (owner && owner->allocator.allocate) {
@@ -77,7 +77,8 @@ static void *fresh_memory(pl_context *owner, size_t bytes, source *from) {
     return pl_system_allocate(ALIGNMENT, bytes);
 }
 
-/** The same for an array of bytes, a multiple of ALIGNMENT, and what stands before it. */
+/** Return a fresh block for an array of bytes, a multiple of ALIGNMENT, with its head; NULL
+ *  without memory. */
 static pl_block *fresh_block(pl_context *owner, size_t bytes) {
     source from;
     void *start = fresh_memory(owner, bytes + ALIGNMENT, &from);

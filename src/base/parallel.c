@@ -62,7 +62,7 @@ static void run_share(const loop *l, share *s, int thread) {
     }
 }
 
-/** What each thread does. */
+/** Run the share of one thread. */
 static void run_thread(void *a_loop, int thread) {
     loop *l = a_loop;
     const pl_outside outside = pl_call_enter(l->context);

@@ -24,8 +24,8 @@ typedef void pl_chunk_fn(void *context, int64_t begin, int64_t end, int thread);
  * before; when that is done it helps the others. Returns when all are done. */
 void pl_parallel_for(int threads, int64_t n, int64_t chunk, pl_chunk_fn *body, void *context);
 
-/** Of threads those that pay for a loop over n values which does little with each, or writes all
- * over the memory of n: of few values most lines would go to and fro between cores. */
+/** Number of threads worth using for a loop over n values which does little with each, or writes
+ *  all over the memory of n. With few values most cache lines would travel between cores. */
 static inline int pl_paying_threads(int threads, int64_t n) {
     enum { FEW = 1 << 16 };
     return n < FEW ? 1 : threads;
@@ -38,8 +38,8 @@ void pl_on_each_thread(int threads, pl_chunk_fn *body, void *context);
  *  entries), which is returned. */
 int64_t pl_prefix_sum(int threads, int64_t n, int64_t *values);
 
-/** Of a counting sort in chunks: where chunk k counts what it has of key, counts[k * row + key],
- * row at least n_keys so that chunks share no line of the cache. */
+/** Length of a row of a counting sort in chunks: chunk k counts its values of key in counts[k *
+ *  row + key]. row is at least n_keys, so that chunks share no line of the cache. */
 static inline int64_t pl_counts_row(int64_t n_keys) {
     enum { LINE = 64 / sizeof(int64_t) };
     return (n_keys + LINE - 1) / LINE * LINE;

@@ -142,7 +142,7 @@ int pl_parts_check(planish_error *error) {
                    "another process that has a part of the mesh was not reached");
 }
 
-/** Where the values of ghosts go. */
+/** Destination of the values of ghosts. */
 typedef struct arrival {
     const int32_t *inner;
     char *values;

@@ -6,7 +6,7 @@
 
 #include <math.h>
 
-/** What coordinates are stored as. */
+/** Format in which coordinates are stored. */
 typedef struct pl_storage {
     planish_precision precision;
     planish_round_fn *round; /* with PLANISH_ROUNDED */

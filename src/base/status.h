@@ -9,7 +9,7 @@
 /** Write code and text into *error (may be NULL), element and node as none; returns code. */
 int pl_fail(planish_error *error, planish_status code, const char *format, ...) PL_PRINTF(3, 4);
 
-/** The same for an error at an element and/or node (-1: none). */
+/** Fill *error as pl_fail does for an error at an element and/or node (-1: none); returns code. */
 int pl_fail_at(planish_error *error, planish_status code, int64_t element, int64_t node,
                const char *format, ...) PL_PRINTF(5, 6);
 
@@ -19,7 +19,8 @@ static inline int pl_fail_memory(planish_error *error, const char *what) {
     return PLANISH_ERROR_MEMORY;
 }
 
-/** What the system says (errno) of what was tried with the file of this path. */
+/** Fill *error from errno after an operation (what) on the file at path has failed; returns the
+ *  code. */
 int pl_fail_errno(planish_error *error, const char *path, const char *what);
 
 #endif

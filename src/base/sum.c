@@ -61,7 +61,7 @@ static double round_even(uint64_t bits, int more, int exponent) {
     return ldexp((double)mantissa, exponent + EXTRA); /* subnormal sums have no bits to lose */
 }
 
-/** Of digits of 32 bits, none negative. */
+/** Value of digits of 32 bits, none negative. */
 static double value_of_digits(const int64_t *digit) {
     int top = PL_SUM_DIGITS - 1;
     while (top > 0 && digit[top] == 0)

@@ -19,8 +19,8 @@ void pl_system_release(void *start);
 
 enum { PL_HUGE_PAGE = 1 << 21 };
 
-/** So many bytes of pages of their own, from a multiple of PL_HUGE_PAGE on, none of which is
- * resident before it is written; NULL: there are none. */
+/** Reserve bytes of pages of their own, from a multiple of PL_HUGE_PAGE on. No page is resident
+ *  before it is written. NULL if the system refuses. */
 void *pl_system_reserve(size_t bytes);
 void pl_system_unreserve(void *start, size_t bytes);
 
@@ -73,7 +73,8 @@ typedef struct pl_file_status {
     uint64_t device, number; /* both together are of one file alone */
 } pl_file_status;
 
-/** What is known of the file at path, links followed, or of an open one: 0, or not 0 and errno. */
+/** Find the status of the file at path, links followed, or of an open one. Returns 0, or not 0
+ *  and errno. */
 int pl_file_find(const char *path, pl_file_status *status);
 int pl_file_find_open(int fd, pl_file_status *status);
 
@@ -123,7 +124,8 @@ int pl_file_replace(const char *from, const char *to);
 /** Remove a file; a signal handler may. */
 int pl_file_remove(const char *path);
 
-/** What an errno means, in text [size]: strerror's own text may be of another thread by now. */
+/** Write the meaning of an errno to text [size]. strerror's own text may be another thread's by
+ *  now. */
 void pl_system_explain(int number, char *text, size_t size);
 
 /** A number that no other running process has. */

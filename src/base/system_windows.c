@@ -49,7 +49,7 @@ int64_t pl_system_memory(void) {
     return GlobalMemoryStatusEx(&status) ? (int64_t)status.ullTotalPhys : INT64_MAX;
 }
 
-/** What GetLastError says, as errno; -1. */
+/** Set errno from GetLastError; returns -1. */
 static int fail(void) {
     switch (GetLastError()) {
     case ERROR_FILE_NOT_FOUND:

@@ -118,7 +118,7 @@ PL_INLINE double pl_simplex_measure(int dim, const double *const vertex[]) {
 
 /* ---- Radius ratio ------------------------------------------------------------------------- */
 
-/** What the radius ratio and the angles of an element are made of. */
+/** Components of the radius ratio and the angles of an element. */
 typedef struct pl_shape {
     double determinant;         /* D */
     double circumradius_square; /* N = (2 R D)^2, R the circumradius; 0 only if edges are */
@@ -247,8 +247,8 @@ typedef struct pl_derivatives {
     double hessian[3][3]; /* [dim][dim], symmetric */
 } pl_derivatives;
 
-/** What is constant while x moves: D = n . a and the circumcentre p0 + alpha / (2 D) with
- *  alpha = |a|^2 n + M a, where a = x - p0. */
+/** Constants of a link facet while x moves: D = n . a and the circumcentre p0 + alpha / (2 D)
+ *  with alpha = |a|^2 n + M a, where a = x - p0. */
 typedef struct pl_opposite_facet {
     double n[3];    /* [dim] dD/dx */
     double m[3][3]; /* [dim][dim] M: [w]x in space, |b|^2 times a quarter turn in the plane */
@@ -390,7 +390,7 @@ static inline void pl_angle_cosines(int dim, const double *const vertex[], doubl
 
 /* ---- Other measures (docs/measures.md) ---------------------------------------------------- */
 
-/** Of the squares of all edges. */
+/** Squared edge lengths of an element. */
 typedef struct pl_edge_squares {
     double shortest, longest, sum;
     double corner; /* the largest product of those that meet in a vertex */
@@ -409,8 +409,8 @@ PL_INLINE void pl_take_edge(int dim, const double x[4][3], int i, int j, pl_edge
     corner[j] *= square;
 }
 
-/** Of the vertices x [dim + 1][dim]. Each edge is taken from its own two: as a difference of others
- *  a short one would cancel. */
+/** Return the squared edge lengths of vertices x [dim + 1][dim]. Each edge is computed from its
+ *  own two vertices: as a difference of other edges a short one would cancel. */
 PL_INLINE pl_edge_squares pl_edge_squares_of(int dim, const double x[4][3]) {
     pl_edge_squares of = {INFINITY, 0, 0, 0};
     double corner[4] = {1, 1, 1, 1};

@@ -13,9 +13,9 @@ typedef struct pl_lbfgs_pair {
     double sy; /* s . y */
 } pl_lbfgs_pair;
 
-/** What is minimised: its value where the plan's coordinates are, and slope [n_stars] of the
- * patch's stars. INFINITY, with no slopes, where the nodes must not be; from more than enough on
- * slopes are not needed either. */
+/** Function to minimise. Returns the value at the plan's coordinates, and fills slope [n_stars]
+ *  of the patch's stars. Returns INFINITY, with no slopes, where the nodes must not be. Above
+ *  enough the slopes need not be filled. */
 typedef double pl_lbfgs_function(void *context, double enough, pl_star_slope *slope);
 
 /** A minimisation under way; arrays are owned. */

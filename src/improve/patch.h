@@ -23,8 +23,8 @@ typedef struct pl_patch {
 
 enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */
 
-/** Of the nodes that in_patch [n_nodes] marks by inner numbers; NULL: of all free nodes. 0 without
- *  memory; to be destroyed in any case. */
+/** Make a patch of the nodes that in_patch [n_nodes] marks by inner numbers; NULL: of all free
+ *  nodes. Returns 0 without memory; destroy the patch in any case. */
 int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
                     int n_vectors, pl_patch *p);
 void pl_patch_destroy(pl_patch *p);
@@ -59,7 +59,7 @@ void pl_patch_put(const pl_patch *p, double *field, const double *a);
  *  start. x becomes where they are. */
 void pl_patch_admit(const pl_patch *p, double *x, const double *start);
 
-/** Where the nodes of elements are that are not free. */
+/** Bounding box of the held nodes of elements. */
 typedef struct pl_box {
     double lower[3], upper[3];
     double scale; /* a power of two: times it the box is about 1 wide */

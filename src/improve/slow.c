@@ -49,8 +49,8 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** As measured where the nodes are, if every element is positive beyond doubt and good enough. What
- *  the run says of the mesh changes with it only then. */
+/** Measure the mesh where the nodes are; INFINITY unless every element is surely positive and
+ *  good enough. The run's figures of the mesh change only if the value is at most enough. */
 static double evaluate(void *context, double enough, pl_star_slope *slope) {
     objective_of_all *f = context;
     pl_run *r = f->run;
@@ -131,7 +131,8 @@ static int try_centring(pl_lbfgs *m) {
     return stopped;
 }
 
-/** So many evaluations as sweeps; not 0 if it was cut short. *moved: it can go on. */
+/** Run at most that many evaluations, each counted as a sweep. Returns not 0 if the run was cut
+ *  short. *moved: descent can continue. */
 static int descend(pl_lbfgs *m, int most, int *moved) {
     pl_run *r = m->p.run;
     const int64_t end = m->evaluations + most;

@@ -51,7 +51,8 @@ static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, pl_
     return copy_min_volumes(plan, d->mesh, error);
 }
 
-/** What is not possible, so far, where other processes have parts of the mesh. */
+/** Refuse options that do not work, so far, where other processes have parts of the mesh.
+ *  Errors: _PARTS. */
 static int check_alone(const planish_mesh *mesh, const planish_options *options,
                        planish_error *error) {
     const char *what = options->around        ? "options.around"

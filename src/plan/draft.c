@@ -72,7 +72,7 @@ typedef struct candidacy {
     pl_draft *d;
 } candidacy;
 
-/** What is_used says of a node. */
+/** Bits of is_used for node i. */
 static uint8_t use_of(const pl_draft *d, int64_t i, int used) {
     const uint8_t *constraint = d->mesh->constraint;
     if (!used)
@@ -199,7 +199,7 @@ typedef struct arrangement {
     int64_t *next; /* [chunks][row] next visit of each group in each chunk; counts at first */
 } arrangement;
 
-/** Of the nodes of a colour those that other processes wait for come first. */
+/** Group of ring r: within a colour, nodes that other processes wait for come first. */
 static int group_of(const arrangement *a, int64_t r) {
     const planish_part *part = a->part;
     const int waits = !part || part->node_role[a->c->node[r]] != PLANISH_SHARED;

@@ -14,7 +14,7 @@ typedef struct pl_candidates {
     int32_t *star_of; /* [n] its place among the visits, colour by colour; -1: none */
 } pl_candidates;
 
-/** What plan creation needs only while it runs. */
+/** Working data of plan creation. */
 typedef struct pl_draft {
     pl_dense dense;           /* the caller's mesh, */
     pl_part part;             /* what of it is worked on, if not all, */
@@ -44,9 +44,9 @@ void pl_draft_destroy(pl_draft *d);
 /** Validate mesh, and begin with all of it, or with what is around options->around. */
 int pl_draft_begin(planish_plan *plan, const planish_mesh *mesh, pl_draft *d, planish_error *error);
 
-/** What the measures say of the orientation, and of which elements are bad, if that is asked for:
- *  most often all are positive as they stand, and one look is enough. Then what is not near a bad
- *  element need not be looked at again: the draft is for the part around these, if they are few. */
+/** Find the orientation and, if asked for, the bad elements from the measures. Most often all
+ *  elements are positive as they stand, and one look is enough. Elements far from a bad one are
+ *  then not looked at again: the draft is for the part around bad elements, if they are few. */
 int pl_draft_look_at_measures(planish_plan *plan, pl_draft *d, planish_error *error);
 
 /** Select the nodes that only_worse_than is about, with the boundary's sign. *all_positive: no

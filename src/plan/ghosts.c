@@ -134,7 +134,8 @@ void pl_ghosts_send(const planish_plan *plan, const pl_visits *visits, int64_t b
     pl_parts_send(g->moved, n, g->message, message_size(plan));
 }
 
-/** Of a ghost; others have no list of them. is_bad: as its star is (tell_neighbours). */
+/** Wake the neighbours of a ghost; other nodes have no list of neighbours. is_bad: its star is
+ *  bad (tell_neighbours). */
 static void wake_neighbours(const planish_plan *plan, int32_t ghost, int is_bad) {
     const pl_ghosts *g = &plan->ghosts;
     for (int64_t k = g->offset[ghost]; k < g->offset[ghost + 1]; k++)

@@ -8,7 +8,7 @@
 struct planish_plan;
 struct pl_visits;
 
-/** What a plan knows of its ghosts; inner numbers are those of the plan's arrays. Owned. */
+/** Ghosts of a plan, and their neighbours; inner numbers are those of the plan's arrays. Owned. */
 typedef struct pl_ghosts {
     int32_t *node;       /* [n_nodes] the mesh's number of each inner one */
     int64_t *offset;     /* [n_nodes + 1] by the mesh's numbers: where a ghost's neighbours begin */

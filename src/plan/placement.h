@@ -23,8 +23,8 @@ int pl_placement_cpu(const pl_placement *placement, int thread);
 /** Whether all memory is known to be as near to one thread as to another, so that it does not
  * matter which touches it first: there is one thread, or the cores of all are in one NUMA node. */
 int pl_placement_is_near(const pl_placement *placement);
-/** What was decided, for people: "one thread per core, on CPUs 0-1" or "not bound"; text of
- * placement. */
+/** Describe the decision for people: "one thread per core, on CPUs 0-1" or "not bound".
+ *  placement owns the text. */
 const char *pl_placement_text(const pl_placement *placement);
 
 /** Bind the threads; pl_placement_leave gives them back the places they had. */

@@ -107,7 +107,7 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->binding = pl_placement_text(plan->placement);
 }
 
-/** What this process has counted becomes what all have. */
+/** Sum the counts of this process over all processes. */
 static void fill_info_of_all(planish_plan *plan) {
     planish_plan_info *info = &plan->info;
     int64_t *const count[] = {&info->n_free,

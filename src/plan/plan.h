@@ -23,20 +23,20 @@ typedef struct pl_visits {
         *follower; /* nodes that move with those of the stars, and images: by inner numbers */
 } pl_visits;
 
-/** What is_free says of a node. */
+/** Values of is_free for a node. */
 enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
 
 /** Bits of is_used: the node is used by an element, and what else than its elements holds it. */
 enum { PL_USED = 1, PL_FIXED_BY_CALLER = 2, PL_IN_PAIR = 4, PL_NOT_CHOSEN = 8, PL_OF_WRAPPED = 16 };
 
-/** What a plan works on, and what is measured. */
+/** Scope of a plan, and of its measurements. */
 typedef enum pl_scope {
     PL_ALL,         /* all of the mesh */
     PL_PART_OF_ALL, /* a part, and all is measured */
     PL_PART_ALONE   /* a part, of which alone is known */
 } pl_scope;
 
-/** What a thread's visits of a sweep did; no line of the cache is shared with another's. */
+/** Tally of a thread's visits in a sweep; no line of the cache is shared with another thread's. */
 typedef struct pl_thread_tally {
     _Alignas(64) pl_star_tally of;
 } pl_thread_tally;

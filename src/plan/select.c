@@ -66,7 +66,7 @@ static void choose_ring(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Of nodes that others move not all elements are here. */
+/** Update the choices of ghosts: not all elements of a ghost are here. */
 static void hear_of_ghosts(const work *w) {
     pl_parts_update(NULL, w->of_node, sizeof *w->of_node);
 }
@@ -129,9 +129,9 @@ static int add_below(const planish_mesh *mesh, const int8_t *sign, const planish
     return PLANISH_OK;
 }
 
-/** Where the mesh has neighbours, and few elements are bad, one walks from these to what is around
- *  them: *part is found then, and is_selected filled. A walk looks at every element of each node,
- *  at some LOOKS times the cost of a look in passing. */
+/** Walk from the bad elements to the part around them, where the mesh has neighbours and few
+ *  elements are bad: *part is filled then, and is_selected. A walk looks at every element of
+ *  each node, at some LOOKS times the cost of a look in passing. */
 static int walk_from_bad(const work *w, const planish_options *options, uint8_t *is_selected,
                          pl_part *part, planish_error *error) {
     enum { LOOKS = 1000 };

@@ -13,7 +13,7 @@ int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_option
               int threads, uint8_t *is_selected, int *all_positive, pl_part *part,
               planish_error *error);
 
-/** The same for options->around; is_selected [n] is 0 before. */
+/** Choose the nodes that options->around is about; is_selected [n] is 0 before. */
 void pl_select_around(const planish_mesh *mesh, const planish_options *options, int threads,
                       uint8_t *is_selected);
 

@@ -193,7 +193,7 @@ static pl_ratio_sums total_of(const pass *p) {
     return sums;
 }
 
-/** What other processes have counted, and found the largest. */
+/** Add the counts of the other processes, and take the largest values of all. */
 static void add_parts(pl_ratio_sums *sums) {
     int64_t counts[] = {sums->n_movable, sums->n_fixed, sums->inverted};
     double most[] = {sums->max, sums->acuteness};
@@ -271,7 +271,7 @@ static planish_spread ratio_spread(int measure, int64_t n_valid, const pl_full_s
     return (planish_spread){full->min[measure], mean, full->max[measure]};
 }
 
-/** The same of angles, in degrees. */
+/** Spread of an angle over the valid elements, in degrees. */
 static planish_spread angle_spread(int measure, int64_t n_valid, const pl_full_sums *full) {
     const planish_spread radians = ratio_spread(measure, n_valid, full);
     return (planish_spread){radians.min * DEGREES, radians.mean * DEGREES, radians.max * DEGREES};
@@ -323,7 +323,7 @@ static void add_sums_of_parts(double *sums, int n) {
     }
 }
 
-/** What other processes have found. The worst element is told by those that have it. */
+/** Add the sums of the other processes. The processes that have the worst element report it. */
 static void add_full_parts(pl_full_sums *f) {
     const double worst_here = f->worst_ratio;
     double *const largest[] = {&f->largest_volume, &f->worst_ratio, &f->worst_fixed_ratio,

@@ -19,13 +19,13 @@ static const double PL_ANGLE_BIN_DEGREES = 5;
  * rounding, as in a structured mesh, are in one bin. */
 static const double PL_ANGLE_BIN_ROUNDING = 1e-9;
 
-/** What both passes accumulate, one column per lane. */
+/** Accumulators of both passes, one column per lane. */
 typedef struct pl_basic_lanes {
     double max[PL_LANES]; /* see pl_ratio_sums */
     double n_movable[PL_LANES], n_fixed[PL_LANES], inverted[PL_LANES];
 } pl_basic_lanes;
 
-/** What pl_measure accumulates besides. */
+/** Further accumulators of pl_measure. */
 typedef struct pl_full_lanes {
     double n_unmovable[PL_LANES]; /* elements without a free node, valid or not */
     double n_positive[PL_LANES], n_negative[PL_LANES]; /* in the listed order of their nodes */
@@ -97,7 +97,7 @@ PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
     }
 }
 
-/** Where the largest RR is, and the histogram. */
+/** Find the largest RR and its element, and fill the histogram. */
 PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *sums) {
     const double *ratios = b->measure[PL_RADIUS_RATIO];
     for (int l = 0; l < PL_LANES; l++) {

@@ -212,7 +212,7 @@ static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
     share(w, &sums);
 }
 
-/** What other processes have summed up. */
+/** Add the sums of the other processes. */
 static void add_parts(exact_sums *sums) {
     int64_t counts[] = {sums->n[0], sums->n[1], sums->inverted, sums->below};
     pl_parts_add_sums(sums->sum, N_SUMS);

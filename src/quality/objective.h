@@ -38,7 +38,9 @@ void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *su
 /** Fill state [m] with PLANISH_VOLUME_MET or _BELOW; returns how many are below. */
 int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state);
 
-/** The same, and elements that are not positive are below, too; or so only by rounding. */
+/** Fill state [m] as pl_find_below does, and count elements as below that are not positive
+ *  (pl_find_inverted), or are positive only by rounding, too (pl_find_tangled). Both return how
+ *  many are below. */
 int64_t pl_find_inverted(const pl_objective_problem *problem, uint8_t *state);
 int64_t pl_find_tangled(const pl_objective_problem *problem, uint8_t *state);
 

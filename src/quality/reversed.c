@@ -10,7 +10,7 @@
 
 enum { CHUNK = 4096 }; /* elements that one thread takes at a time */
 
-/** What the array holds between the passes. */
+/** Values of state between the passes. */
 enum { FLAT = 0, POSITIVE = 1, NEGATIVE = 2 };
 
 typedef struct work {

@@ -119,7 +119,7 @@ static inline edge edge_between(const search *s, ends at, const int dim) {
 
 /* ---- thin elements -------------------------------------------------------------------------- */
 
-/** What is known of an element. */
+/** Number of an element's shortest edge, with IS_THIN and IS_WIDE. */
 static inline uint8_t shortest_edge(const search *s, int64_t element, const int dim) {
     double least = INFINITY, second = INFINITY, most = 0;
     int shortest = 0;
@@ -342,7 +342,8 @@ static inline void go_on(search *s, int64_t element, const int dim) {
     }
 }
 
-/** What is found does not depend on who is first: all that can be reached is, whatever the way. */
+/** Follow a chunk of rows. All reachable elements are found, by any way: the result does not
+ *  depend on which thread comes first. */
 static void go_on_chunk(void *context, int64_t begin, int64_t end, int thread) {
     search *s = context;
     (void)thread;

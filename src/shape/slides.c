@@ -98,7 +98,8 @@ static planish_constraint decide(const decision *d, int32_t node, const double *
     return PLANISH_FIXED;
 }
 
-/** What the mesh says itself: nothing can fail any more. */
+/** Begin the outputs with the mesh's own constraints and directions, once nothing can fail any
+ *  more. */
 static void begin_outputs(const decision *d) {
     const planish_mesh *mesh = d->mesh;
     const size_t n = (size_t)mesh->n_nodes, size = n * (size_t)mesh->dim * sizeof *d->direction;

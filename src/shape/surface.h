@@ -8,7 +8,7 @@
 
 #include <planish/planish.h>
 
-/** What a facet lies between, and what it is called: where that changes the shape has an edge. */
+/** Regions on both sides of a facet, and its tag: the shape has an edge where these change. */
 typedef struct pl_label {
     int32_t n_elements; /* 1: of the boundary, 2: between elements, more: of a tangle */
     int32_t region[2];  /* of the first two elements, ascending; the same twice on the boundary */

@@ -23,7 +23,7 @@
 /* Stars of more link facets are searched in shares of at most so many at first. */
 enum { MANY_FACETS = 1024, FACETS_OF_SHARE = 128 };
 
-/** What is known of a link facet while the search goes on. */
+/** State of a link facet during the search. */
 enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
 
 /** Floors of elements without a least volume, with the node at x. */
@@ -140,7 +140,8 @@ static int64_t search_share(const local *here, share of, uint8_t *state, pl_limi
     return n_given_up;
 }
 
-/** The same of the star: of all at once, or from small shares to large ones. */
+/** Search the star: all facets at once, or from small shares to large ones. Returns how many are
+ *  given up. */
 static int64_t search_star(const local *here, uint8_t *state, pl_limit *limit, const int dim) {
     const int64_t n = here->s.n_facets;
     int64_t step = 1, n_given_up = 0;

@@ -43,7 +43,7 @@ typedef struct aspect {
     lanes l[3], h[6];       /* grad AR^2 and hess AR^2, divided by AR^2 */
 } aspect;
 
-/** What is asked of a star besides its position. */
+/** Objective of a star besides its position. */
 typedef struct question {
     int measure;          /* as that of pl_star_guard */
     double inverse_limit; /* 1 / worst_limit */
@@ -478,7 +478,7 @@ PL_INLINE lanes volume_constraint(const star *s, int64_t i, lanes D) {
 /* The fraction of the way to a barrier that is gone at most; a floor may be reached. */
 #define FLOOR_FRACTION 0.9
 
-/** What RATE holds: 1 / D, or FLOOR_FRACTION / (D - floor). */
+/** Value of RATE: 1 / D, or FLOOR_FRACTION / (D - floor). */
 PL_INLINE lanes feasible_rate(lanes D, lanes inverse_d, lanes floor) {
     lanes slack = lanes_max(D - floor, lanes_of(SLACK_LEAST) * floor);
     return lanes_select(lanes_greater(floor, lanes_of(0)), lanes_of(FLOOR_FRACTION) / slack,
@@ -504,9 +504,9 @@ PL_INLINE void guarded_init(guarded_accumulator *t) {
         t->worst[k] = lanes_of(NEVER_ACTIVE);
 }
 
-/** What the volumes of a pack add: to the function, and to its derivatives -slope n and bend n n^T.
- *  With a penalty rho, rho / 2 max(0, lambda / rho + g)^2 stands for the constraint g <= 0: its
- * value of g is then not looked at by anybody else. */
+/** Add the volumes of a pack to the function, and to its derivatives -slope n and bend n n^T.
+ *  With a penalty rho, rho / 2 max(0, lambda / rho + g)^2 stands for the constraint g <= 0:
+ *  nothing else reads its value of g then. */
 PL_INLINE void add_volumes(guarded_accumulator *t, int k, const star *s, int64_t i,
                            const question *q, lanes *g, lanes weight, lanes *slope, lanes *bend) {
     const lanes inverse = load(s, INVERSE_FLOOR, i), zero = lanes_of(0);

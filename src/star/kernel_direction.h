@@ -127,7 +127,7 @@ static inline int invert(const double *h, double *inverse) {
     return 1;
 }
 
-/** What conjugate directions remember from one iteration of a star to the next. */
+/** Memory of conjugate directions from one iteration of a star to the next. */
 typedef struct conjugate {
     double direction[3]; /* S^(q-1) */
     double gradient2;    /* |grad F|^2 of the last iteration, 0: none */

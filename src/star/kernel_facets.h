@@ -99,13 +99,13 @@ PL_INLINE double *in_block(double *block, const int n_columns, int column, int64
     const int64_t lane = i & (PL_LANES - 1);
     return block + (i - lane) * n_columns + (column * PL_LANES + lane);
 }
-/** The same of a pack that begins with i. */
+/** Entries of a column, in a block as for in_block, of the pack that begins with facet i. */
 PL_INLINE double *pack_in_block(double *block, const int n_columns, int column, int64_t i) {
     return PL_PACK == PL_LANES ? block + i * n_columns + column * PL_LANES
                                : in_block(block, n_columns, column, i);
 }
 
-/** That of facet i. */
+/** Entry of facet i in a column of the star. */
 PL_INLINE double *entry(const star *s, int column, int64_t i) {
     return in_block(s->column, COLUMNS_3D, column, i);
 }
@@ -165,8 +165,8 @@ PL_INLINE void store_point(const star *s, int cx, int cy, int cz, int64_t i, con
         store(s, cz, i, p[2]);
 }
 
-/** What is constant of the facets of a star of tetrahedra, from their nodes in ring [.][PL_ROW],
- * but for circles_3d; OX, OY, OZ are w until then. */
+/** Compute the constants of the facets of a star of tetrahedra, except circles_3d, from their
+ *  nodes in ring [.][PL_ROW]; OX, OY, OZ are w until then. */
 PL_INLINE void facets_3d(const star *s, const double *ring, const int guarded) {
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
         lanes p0[PL_ROW], p1[PL_ROW], p2[PL_ROW];
@@ -198,7 +198,7 @@ PL_INLINE void circles_3d(const star *s, int64_t i) {
     store(s, LENGTH, i, lanes_sqrt(nn));
 }
 
-/** The same of a star of triangles, whose facets are edges. */
+/** Compute the constants of the facets of a star of triangles; these facets are edges. */
 PL_INLINE void facets_2d(const star *s, const double *ring) {
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
         lanes p[PL_ROW], q[PL_ROW];

@@ -440,7 +440,7 @@ static inline int go_to_feasible(const local *here, const double *x, const objec
     return 0;
 }
 
-/** Where nothing is feasible: a Newton step of 1/2 sum max(0, g)^2. */
+/** Take a Newton step of 1/2 sum max(0, g)^2 where no position is feasible. */
 static inline int lessen_shortfall(const local *here, const double *x, const objective *now,
                                    double size, trial *best, const int dim) {
     const star *s = &here->s;

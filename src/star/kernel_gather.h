@@ -18,7 +18,7 @@ static inline double power_of_two(int exponent) {
     return power;
 }
 
-/** That of a normal double. */
+/** Exponent of a normal double. */
 static inline int exponent_of(double x) {
     uint64_t bits;
     memcpy(&bits, &x, sizeof bits);
@@ -131,7 +131,7 @@ static inline int64_t padded_to_lanes(int64_t n) {
     return (n + PL_LANES - 1) / PL_LANES * PL_LANES;
 }
 
-/** Of all columns, in 2-D, too, where the last are not used. */
+/** Size of all columns, in doubles; in 2-D the last columns are not used. */
 static inline int64_t column_doubles(int64_t padded) {
     return padded * COLUMNS_3D;
 }
@@ -146,7 +146,7 @@ static inline int64_t position_doubles(int64_t padded, int64_t padded_edges, int
     return padded_to_lanes(positions * (int64_t)sizeof(uint32_t) / (int64_t)sizeof(double) + 1);
 }
 
-/** What a star of so many neighbours and facets needs, in doubles. */
+/** Size of the scratch memory of a star with n_ring neighbours and n_facets facets, in doubles. */
 static inline int64_t scratch_doubles(int dim, int64_t n_ring, int64_t n_facets) {
     const int64_t padded = padded_to_lanes(n_facets);
     const int64_t padded_edges = padded_to_lanes(pl_link_edges(dim, n_facets));

@@ -120,7 +120,8 @@ static inline int guarded_steps(local *here, double *x, objective *now, derivati
     return moves;
 }
 
-/** What a visit brought, if it was for nothing but the objective. */
+/** Relative fall of the function by a visit, if the visit was for the objective alone; else
+ *  FALL_TOLD. */
 static inline double fall_to_tell(const local *here, int restored, double before, double after) {
     const int for_more =
         restored || here->constrained || here->q.volume_weight > 0 || here->q.penalty > 0;

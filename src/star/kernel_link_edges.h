@@ -37,7 +37,7 @@ PL_INLINE vec3 load_edge_vec3(const star *s, int cx, int64_t i) {
     return (vec3){load_edge(s, cx, i), load_edge(s, cx + 1, i), load_edge(s, cx + 2, i)};
 }
 
-/** What is constant of a pack of edges: their nodes are points of ring [.][PL_ROW]. */
+/** Compute the constants of a pack of edges; their nodes are points of ring [.][PL_ROW]. */
 PL_INLINE void gather_edges(const star *s, const uint32_t *node, const double *ring, int64_t i) {
     lanes p[PL_ROW], q[PL_ROW], e[3];
     points_to_columns(ring, node + 2 * i, 2, p);

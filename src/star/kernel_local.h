@@ -9,7 +9,7 @@
 #include "star/kernel_gather.h"
 #include "star/kernel_slide.h"
 
-/** Where the node may be, in the star's scale. */
+/** Bounds of the node's position, in the star's scale. */
 typedef struct bounds {
     int any; /* 0: nowhere in particular, and the rest is not set */
     double lower[3], upper[3];
@@ -129,7 +129,7 @@ static inline void to_star(const local *here, const double *place, double *x, co
         x[d] = place[d] * here->s.scale;
 }
 
-/** What the star is worth, in the mesh's scale. */
+/** Fill value with the star's function and derivatives, in the mesh's scale. */
 static inline void give_value(const local *here, const objective *f, const derivatives *derivative,
                               pl_star_value *value) {
     value->sum = f->sum;

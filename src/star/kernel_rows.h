@@ -17,7 +17,7 @@ PL_INLINE double *number_of_row(double *number, uint32_t row) {
     return (double *)(void *)((char *)number + sizeof *number / PL_ROW * row);
 }
 
-/** Those of the rows row[0], row[stride], ... */
+/** Numbers of the rows row[0], row[stride], ... */
 PL_INLINE lanes numbers_of_rows(double *number, const uint32_t *row, int stride) {
 #if PL_PACK == 4
     return (lanes){*number_of_row(number, row[0]), *number_of_row(number, row[stride]),

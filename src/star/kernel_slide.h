@@ -46,7 +46,8 @@ static inline void slide_along(const sliding *s, double *v, const int dim) {
     }
 }
 
-/** The same for a row of constraints, of unit length at first: 0 if nothing is left of it. */
+/** Project a row of constraints, of unit length at first, as slide_along does: 0 if nothing is
+ *  left of it. */
 static inline void slide_row(const sliding *s, double *row, const int dim) {
     if (!s || s->kind == PLANISH_FREE)
         return;

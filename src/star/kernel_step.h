@@ -98,7 +98,7 @@ static inline double blocking_rate(const star *s, const double *direction, const
     return lanes_largest(most);
 }
 
-/** The same with the bounds of the node. */
+/** Largest rate at which facets or the node's bounds block the direction. */
 static inline double limiting_rate(const local *here, const double *x, const double *direction,
                                    const int guarded, const int dim) {
     double rate = blocking_rate(&here->s, direction, guarded, dim);
@@ -108,7 +108,7 @@ static inline double limiting_rate(const local *here, const double *x, const dou
     return of_bounds > rate ? of_bounds : rate;
 }
 
-/** What a trial position is worth. */
+/** Trial position and the objective there. */
 typedef struct trial {
     double position[3];
     objective value;
@@ -136,7 +136,7 @@ static inline void place_along(const local *here, const double *x0, const double
         position[d] = as_stored(here->problem, &here->s, position[d]);
 }
 
-/** That position and its value. */
+/** Evaluate the star at the position step along direction from x0, as it will be stored. */
 PL_INLINE trial try_step(const local *here, const double *x0, const double *direction, double step,
                          const int guarded, const int dim) {
     trial t = {.position = {0}};

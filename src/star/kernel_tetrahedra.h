@@ -87,7 +87,7 @@ PL_INLINE vec3 half_gradient_of(const tetrahedra *t, vec3 S, lanes inverse_d2, l
                   factor * ((of_c * t->c.z + of_S * S.z) + of_n * t->n.z)};
 }
 
-/** What the derivatives of one pack are made of besides vectors. */
+/** Scalar coefficients of the derivatives of one pack. */
 typedef struct coefficients {
     lanes of_c, of_n;          /* of grad N / N - 4 n / D in c and n */
     lanes of_cc, of_cn, of_nn; /* of the Hessian's form of c and n, times weight, see below */

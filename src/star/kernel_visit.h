@@ -35,7 +35,7 @@ PL_INLINE int look(const local *here, state *now, objective *f, derivatives *der
     return f->positive && f->sum < INFINITY && f->max > here->problem->rr2_skip;
 }
 
-/** The same with the Hessian: seldom done, and out of the way of what is done often. */
+/** Look at the star with its Hessian: seldom called, so kept out of line of the frequent path. */
 PL_NOINLINE int look_closely(const local *here, state *now, objective *f, derivatives *derivative,
                              const int dim) {
     return look(here, now, f, derivative, 1, dim);

@@ -28,8 +28,8 @@ enum { PL_LANES = 4 };
  */
 enum pl_star_worst { PL_WORST_RATIO = PLANISH_EDGE_RATIO + 1, PL_WORST_ANGLE };
 
-/** What the guarded kernel looks at besides: it serves every objective, least volumes and bounds.
- * The arrays over nodes are by inner numbers; any array may be NULL: nothing asked. */
+/** Further input of the guarded kernel, which serves every objective, least volumes and bounds.
+ *  The arrays over nodes are by inner numbers; any array may be NULL: nothing asked. */
 typedef struct pl_star_guard {
     int measure;                        /* a planish_objective, or one of pl_star_worst */
     double worst_limit;                 /* for these: what no element shall have more of */
@@ -53,8 +53,8 @@ static inline int pl_star_is_held(const pl_star_guard *guard, int32_t node, int 
     return held;
 }
 
-/** What untangling asks (kernel_untangle.h): the regularised energy of the elements around the
- * nodes of a patch. Arrays over nodes are by inner numbers. */
+/** Input of untangling (kernel_untangle.h): the regularised energy of the elements around the
+ *  nodes of a patch. Arrays over nodes are by inner numbers. */
 typedef struct pl_star_untangling {
     const uint8_t *in_patch;  /* [n_nodes] 1: the node may move */
     const double *size;       /* [n_nodes] length of edges that is wanted there */
@@ -63,7 +63,7 @@ typedef struct pl_star_untangling {
     double epsilon;           /* of the regularisation */
 } pl_star_untangling;
 
-/** Where a node slides. */
+/** Plane or line on which a node slides. */
 typedef struct pl_star_slide {
     planish_constraint kind; /* PLANISH_ON_PLANE, _ON_LINE or _ON_SURFACE */
     int32_t node;            /* its number, the caller's */
@@ -82,8 +82,8 @@ static inline pl_star_limits pl_star_no_limits(void) {
     return (pl_star_limits){INFINITY, INFINITY, INFINITY};
 }
 
-/** What a star of tetrahedra keeps of its Hessian from one visit to the next: it changes little
- * once the star's function does. */
+/** Hessian that a star of tetrahedra keeps from one visit to the next: it changes little once
+ *  the star's function does. */
 typedef struct pl_star_kept {
     float inverse[6]; /* xx xy xz yy yz zz, in the scale that the star had */
     float sum; /* the star's function where it was that; 0: nothing is kept; PL_SCALE_ALONE */
@@ -93,7 +93,7 @@ typedef struct pl_star_kept {
 /* As sum: there is no Hessian, but the scale that the star had. */
 #define PL_SCALE_ALONE (-1)
 
-/** What the visits of one sweep share. Nodes are numbered along the plan's curve. */
+/** Data that all visits of one sweep share. Nodes are numbered along the plan's curve. */
 typedef struct pl_star_problem {
     double *coordinates;        /* [n_nodes][dim] */
     const int32_t *node;        /* [n_stars] the node of each star */
@@ -126,7 +126,7 @@ typedef struct pl_star_problem {
  *  moves not told of. */
 enum { PL_CHANGED = 1, PL_TOLD = 2, PL_BAD = 4 };
 
-/** What a range of visits did. */
+/** Tally of a range of visits. */
 typedef struct pl_star_tally {
     pl_sum decrease;     /* of the stars' functions, at least 0; by what restored nothing */
     int64_t visits;      /* stars looked at */
@@ -157,7 +157,8 @@ void pl_star_average(const pl_star_problem *problem, planish_method method, int 
  *  node has to stay. */
 int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double *x);
 
-/** What an element has to do with the proof that not all of a star can have what they need. */
+/** Part of an element in the proof that not all elements of a star can reach their least
+ *  volumes. */
 typedef enum pl_star_part {
     PL_PART_NONE = 0,
     PL_PART_OF_PROOF = 1, /* it contradicts others */

@@ -224,9 +224,9 @@ static int check_bounds(const planish_plan *plan, const planish_options *options
     return PLANISH_OK;
 }
 
-/** Where the bound (sign 1: the lower one, -1: the upper) of a follower is for the node that it
- *  follows: so that its place, rounded as pl_follow does, is never beyond it. Exact where it is at
- * its bound. */
+/** Translate the bound (sign 1: the lower one, -1: the upper) of a follower to the node that it
+ *  follows. The follower's place, rounded as pl_follow does, is then never beyond its bound, and
+ *  exact at the bound. */
 static double bound_of_leader(const pl_follower *f, int d, double bound, int sign) {
     enum { TRIES = 8 };
     double limit = f->origin[d] + (bound - f->start[d]);

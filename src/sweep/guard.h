@@ -25,7 +25,8 @@ typedef struct pl_guard {
  *  are. */
 double pl_least_volume(const planish_plan *plan, const planish_options *options, const double *all);
 
-/** What to sum over all of the mesh, or over the plan's part if no more is known, for options. */
+/** Return the sum over the mesh, or over the plan's part if no more is known, that options ask
+ *  for. */
 pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                              const planish_options *options, const double *all,
                                              double delta);

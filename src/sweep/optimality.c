@@ -33,7 +33,7 @@ static void add(pl_star_optimality *all, pl_star_optimality *part) {
     all->n_stars += part->n_stars;
 }
 
-/** What the processes have found, together. */
+/** Combine the figures of all processes. */
 static void add_parts(pl_star_optimality *o) {
     int64_t counts[] = {o->n_active, o->n_stars};
     double most[] = {o->residual, o->multiplier};

@@ -158,7 +158,8 @@ static void keep_track(pl_run *r, const pl_sweep_tally *tally) {
 
 /* ---- sweeps ------------------------------------------------------------------------------- */
 
-/** Of a trial nobody sees what it does: the mesh that stands is the one that would be returned. */
+/** Progress for the caller. A trial stays hidden: the figures are those of the mesh that would
+ *  be returned. */
 static planish_progress progress_of(const pl_run *r, int colour, int64_t visits) {
     double now = pl_seconds();
     pl_run seen = *r;
@@ -179,7 +180,7 @@ static planish_progress progress_of(const pl_run *r, int colour, int64_t visits)
                               .elapsed = now - r->start};
 }
 
-/** What the caller says; 0 if it is not asked. */
+/** Answer of the caller's progress function; 0 if there is none. */
 static int ask(const pl_run *r, const planish_progress *progress) {
     if (!r->options->progress)
         return 0;
@@ -327,7 +328,7 @@ static int is_slow(const pl_run *r, const pl_convergence *trend, int patience) {
            trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL && pl_remainder(trend) > SLOW_REMAINDER;
 }
 
-/** What is known of how the sweeps go. */
+/** History of the sweeps of a run. */
 typedef struct course {
     pl_convergence convergence; /* of sweeps that leave the stars calm */
     pl_convergence trend;       /* of all */

@@ -6,14 +6,15 @@
 #include "sweep/guard.h"
 #include "sweep/sweep.h"
 
-/** What does not change in a mesh of which the plan works on a part; 0 without one. */
+/** Sums that do not change, over elements that the plan does not move; all 0 if the plan works
+ *  on the whole mesh. */
 typedef struct pl_rest {
     double ratio, volume, n; /* of all elements without a free node, as of pl_objective_sums; ratio
                                 is of AR^2, or of RR^2 */
     int64_t inverted, below; /* elements outside of the part */
 } pl_rest;
 
-/** What the mesh is worth: sums of plain runs, totals of the others; movable, or ratio[1], is
+/** Quality of the mesh: sums of plain runs, totals of the others. movable, or ratio[1], is
  *  tracked between measurements. */
 typedef struct pl_worth {
     pl_ratio_sums sums;
@@ -22,7 +23,7 @@ typedef struct pl_worth {
 
 struct pl_run;
 
-/** What helps a mesh that sweeps would be slow with; all nodes move at once. */
+/** Methods that help a mesh on which sweeps are slow; all nodes move at once. */
 typedef enum pl_help { PL_CENTRING, PL_DESCENT } pl_help;
 
 /** Help by all nodes at once; see pl_run_help. */
@@ -81,7 +82,7 @@ double pl_run_rms_of_movable(const pl_run *r);
 /** The worst that there is, as measured last, times margin. */
 pl_star_limits pl_run_limits(const pl_run *r, double margin);
 
-/** What to sum over the mesh in plan->measured. */
+/** Return the problem of summing over the mesh in plan->measured. */
 pl_objective_problem pl_run_objective_problem(const pl_run *r);
 
 /** The problem of the nodes that slide, as the interior's is at present. It has a guard always. */
@@ -96,8 +97,8 @@ void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally);
 /** One sweep and what is to be said of it; not 0 if it was cut short. *visits are then its own. */
 int pl_run_sweep(pl_run *r, int64_t *visits);
 
-/** What every sweep begins and ends with, and is asked after each colour. The last two are not 0 if
- *  the run is to end here; r->stop says why after the end of the sweep. */
+/** Begin a sweep; end it; and ask the caller after each colour. The last two return not 0 if the
+ *  run is to end here; r->stop gives the reason after the end of the sweep. */
 void pl_run_begin_sweep(pl_run *r);
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
 int pl_run_after_colour(void *run, int colours_done, int64_t visits);

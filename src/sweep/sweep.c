@@ -34,7 +34,8 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
         visit(problem, begin, end, scratch, tally);
 }
 
-/** Where a follower is. What it follows may not have moved: then it is where it was, as it was. */
+/** Place a follower. If the node that it follows has not moved, the follower keeps its first
+ *  coordinates, unrounded. */
 static void place_follower(const planish_plan *plan, const pl_follower *f,
                            const pl_storage *storage) {
     const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
@@ -97,7 +98,7 @@ static int64_t count_visits(const planish_plan *plan) {
     return visits;
 }
 
-/** What the threads have done. */
+/** Add up the tallies of the threads. */
 static void add_threads(const planish_plan *plan, pl_sweep_tally *tally) {
     for (int t = 0; t < plan->threads; t++) {
         pl_star_tally *part = &plan->tally[t].of;
@@ -109,7 +110,7 @@ static void add_threads(const planish_plan *plan, pl_sweep_tally *tally) {
     }
 }
 
-/** What the processes have done, and said, together. */
+/** Combine the tallies and answers of all processes. */
 static void add_parts(pl_sweep_tally *tally) {
     int64_t counts[] = {tally->visits, tally->evaluations, tally->improved, tally->restored};
     double stopped = tally->stopped;

@@ -10,7 +10,7 @@
  * 0, a planish_stop, ends the sweep there; with other processes, all of it, when the sweep ends. */
 typedef int pl_after_colour_fn(void *context, int colours_done, int64_t visits);
 
-/** What one sweep did. */
+/** Tally of one sweep. */
 typedef struct pl_sweep_tally {
     pl_sum decrease; /* of the stars' functions, see pl_star_tally */
     int64_t visits, evaluations;

@@ -9,14 +9,13 @@
 #include "topology/local_map.h"
 #include "topology/orientation.h"
 
-/** What a thread counts; no line of the cache is shared with another's. */
+/** Counts of a thread; no line of the cache is shared with another thread's. */
 typedef struct counts {
     _Alignas(64) int64_t boundary_facets;
     int64_t nonmanifold_facets, duplicate_elements;
 } counts;
 
-/** What the facets are asked. Flags are written from several threads: the one value they can get.
- */
+/** Work on the facets. Several threads write flags, but only ever the same value. */
 typedef struct census {
     const planish_mesh *mesh;
     const pl_incidence *incidence;

@@ -300,7 +300,7 @@ static void find_priorities_of_ghosts(work *w) {
     }
 }
 
-/** Of ghosts that have no colour yet others still wait. */
+/** Fetch the colours of ghosts. Nodes next to ghosts without a colour still wait. */
 static void fetch_colours(work *w) {
     for (int64_t i = 0; i < w->n_nodes; i++)
         w->of_nodes[i] = w->ring_of[i] >= 0 ? w->colour[w->ring_of[i]] : UNCOLOURED;
@@ -312,7 +312,7 @@ static void fetch_colours(work *w) {
     }
 }
 
-/** Of the n rings held those that are blocked; how many. */
+/** Keep the blocked ones of the n rings in held; returns how many there are. */
 static int64_t hold_blocked(const work *w, int64_t n) {
     int64_t n_held = 0;
     for (int64_t k = 0; k < n; k++)

@@ -36,7 +36,7 @@ int64_t pl_element_id(const planish_mesh *mesh, int64_t element) {
 
 /* ---- elements that several processes have ---------------------------------------------------- */
 
-/** Such an element: one that has a ghost. */
+/** Element that has a ghost. */
 typedef struct border {
     int64_t id; /* of duplicates that of the first, and one more for each */
     int32_t element;
@@ -78,7 +78,7 @@ static border *list_borders(const planish_mesh *mesh, int64_t *n) {
 
 /* ---- what is told of them -------------------------------------------------------------------- */
 
-/** Of one element at a SHARED node, told to those that have the node as a ghost. */
+/** Message about one element at a SHARED node, to the processes that have the node as a ghost. */
 typedef struct news {
     int64_t id, label;
     int64_t flags; /* REVERSED, CONFLICT */
@@ -279,7 +279,7 @@ static int list_elements(const planish_mesh *mesh, const uint32_t *link, listing
     return done ? 0 : -1;
 }
 
-/** Of the elements of component c that this process counts. */
+/** Sum the measures of the elements of component c that this process counts. */
 static void sum_one(const planish_mesh *mesh, const listing *l, int64_t c, const double *measure,
                     pl_sum *sum) {
     const uint8_t *is_counted = mesh->part ? mesh->part->is_counted : NULL;
@@ -317,7 +317,7 @@ static int is_partial(const planish_mesh *mesh, const listing *l, int64_t c) {
     return any;
 }
 
-/** What is left to do of a slot, ascending. */
+/** Remaining entries of a slot, ascending. */
 typedef struct slot {
     partial *next, *end;
 } slot;

@@ -14,7 +14,8 @@
  * have the same if they are duplicates, or by one chance in 2^62. */
 int64_t pl_element_id(const planish_mesh *mesh, int64_t element);
 
-/** What processes tell each other of components. Arrays [m] of which entries of roots count. */
+/** Facts that processes exchange about components. In arrays [m] only the entries of roots
+ *  count. */
 typedef struct pl_settlement {
     int64_t *label;    /* the same of all roots of a component, and of no other one; owned */
     uint8_t *reversed; /* 1: parities here are opposite to those that all processes agree on: of the

@@ -69,9 +69,10 @@ static inline double measure_of(int dim, const planish_mesh *mesh, const pl_fram
     return measure_at(dim, frame, x);
 }
 
-/** The same with the interior nodes at the anchor, in units of the boundary's frame. The sum over a
- *  component does not depend on where they are, but its rounding does, and whether a measure is a
- *  number: they, and nodes of no element, may have been thrown far out of the domain. */
+/** Measure an element with the interior nodes at the anchor, in units of the boundary's frame.
+ *  The sum over a component does not depend on where interior nodes are, but its rounding does,
+ *  and whether a measure is a number: interior nodes, and nodes of no element, may have been
+ *  thrown far out of the domain. */
 static inline double anchored_measure_of(int dim, const work *w, int64_t element) {
     const int32_t *node = w->mesh->elements + element * (dim + 1);
     const double *x[4];

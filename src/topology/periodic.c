@@ -207,8 +207,8 @@ static int add_follower(pl_periodic *out, int64_t *capacity, pl_follower followe
     return 0;
 }
 
-/** Where node comes to, next to a follower as next to its leader: a node of the mesh, or an image;
- *  -1 without memory. */
+/** Find the node that stands next to a follower as node stands next to its leader: a node of the
+ *  mesh, or an image; -1 without memory. */
 static int32_t moved_node(work *w, int32_t node, int32_t follower, int s) {
     const int32_t same = partner(w, node, s);
     if (same >= 0)
@@ -273,7 +273,7 @@ static int copy_layer(work *w, const uint8_t *slides, int s) {
     return 0;
 }
 
-/** What every node moves with: its leader, images with the leader of what they are of. */
+/** Find the node that every node moves with: its leader; for an image, the leader of its source. */
 static int find_movers(const work *w) {
     pl_periodic *out = w->out;
     out->moves_with = pl_alloc(out->n_nodes, sizeof *out->moves_with);

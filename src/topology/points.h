@@ -14,7 +14,7 @@ typedef struct pl_points {
     const int32_t *node_of; /* [n] or NULL */
 } pl_points;
 
-/** Where coordinate d of point i is, in x. */
+/** Index in x of coordinate d of point i. */
 static inline int64_t pl_point_at(const pl_points *p, int64_t i, int d) {
     return (p->node_of ? p->node_of[i] : i) * p->step + d * p->apart;
 }

@@ -37,7 +37,7 @@ typedef struct work {
     int foretold_wrong;    /* a ring has another length than its room */
 } work;
 
-/** What is found at one node. */
+/** Result of the search at one node. */
 typedef struct star {
     int64_t length; /* of the ring; -1: not found */
     int is_sound;   /* the link: no facet at the node belongs to more than two elements, and these
@@ -243,8 +243,8 @@ static void leave_boundary(const work *w, const pl_small_ring *table, const uint
         }
 }
 
-/** The same as find_ring, faster, in 3-D where it is small and, if closed, one sphere. Of an open
- * one no ring is written, and what is in its link means nothing. */
+/** Find a ring as find_ring does, but faster: in 3-D where the ring is small and, if closed, one
+ *  sphere. For an open link no ring is written, and the content of link means nothing. */
 static star find_small_ring(const work *w, int thread, int32_t node, pl_link link, int32_t *ring,
                             int64_t room) {
     const int32_t *list = w->incidence->element + w->incidence->offset[node];
@@ -440,7 +440,7 @@ static int make_rings(work *w, int threads) {
     return pl_local_maps_failed(w->maps, threads) ? -1 : fill(w, threads);
 }
 
-/** Of the nodes that are not free nothing is left but the room of their rings. */
+/** Drop the nodes that are not free; only the room of their rings remains. */
 static void drop_open(void *context, int64_t begin, int64_t end, int thread) {
     work *w = context;
     int64_t n_free = 0;

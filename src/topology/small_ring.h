@@ -42,8 +42,8 @@ static inline void pl_small_ring_init(pl_small_ring *t) {
     memset(t->at, PL_SMALL_NONE, sizeof t->at);
 }
 
-/** What the i-th hash multiplies numbers with: odd, with bits all over (the golden ratio after
- *  Knuth, and one of MurmurHash3's). */
+/** Factor of the i-th hash: odd, with bits all over (the golden ratio after Knuth, and one of
+ *  MurmurHash3's). */
 static inline uint32_t pl_small_ring_factor(int i) {
     return i == 0 ? UINT32_C(0x9E3779B1) : UINT32_C(0x85EBCA6B);
 }

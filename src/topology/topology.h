@@ -23,15 +23,16 @@ typedef struct pl_dense {
 
 /** Check dim, counts and strides of mesh, and which arrays there are. */
 int pl_check_counts(const planish_mesh *mesh, planish_error *error);
-/** Of that what is about nodes alone. */
+/** Check the fields of mesh that concern nodes alone, as pl_check_counts does. */
 int pl_check_nodes(const planish_mesh *mesh, planish_error *error);
 
 /** Check mesh->part, if there is one: its functions, the numbers and roles of nodes, and that
  * elements have no ghosts alone. Errors: _ARGUMENT, _MESH. */
 int pl_check_part(const planish_mesh *mesh, planish_error *error);
 
-/** What pl_check_counts does, and indices, repeated nodes of an element and finite coordinates. The
- * lowest offending element or node is reported, whatever the number of threads. */
+/** Check counts as pl_check_counts does, and indices, repeated nodes of an element and finite
+ *  coordinates; then make *dense. The lowest offending element or node is reported, for any
+ *  number of threads. Errors: _ARGUMENT, _MESH, _MEMORY. */
 int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
 void pl_dense_destroy(pl_dense *dense);
 
@@ -59,7 +60,7 @@ void pl_incidence_destroy(pl_incidence *incidence);
 
 /* ---- boundary.c: facets, boundary nodes, orientation -------------------------------------- */
 
-/** What the facets say. */
+/** Result of the search of facets. */
 typedef struct pl_boundary {
     uint8_t *on_boundary; /* [n] 1: on a facet of one element or of more than two, of a duplicate
                              element, or on a facet that contradicts its component's order */

@@ -149,7 +149,8 @@ static int check_nodes_of_part(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** What is next to a ghost is another process's ghost. */
+/** Check that elements with a ghost have no OWN node: a process shares the nodes next to its
+ *  ghosts. */
 static int check_elements_of_part(const planish_mesh *mesh, planish_error *error) {
     const int corners = mesh->dim + 1;
     for (int64_t i = 0; i < mesh->n_elements; i++) {
@@ -190,7 +191,7 @@ typedef struct narrowing {
     int32_t *elements;
 } narrowing;
 
-/** What is no node becomes -1. */
+/** Copy node numbers to 32 bits; a number that is no node's becomes -1. */
 static void narrow_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const narrowing *w = context;
     const int corners = w->mesh->dim + 1;

@@ -31,7 +31,7 @@
 
 enum { FEWEST_ELEMENTS = 12, FEWEST_JUMPING = 2 };
 
-/** What is known of a component in one direction. */
+/** Facts about a component in one direction. */
 typedef struct direction {
     double low, high;   /* its extent; then the period in high */
     double sum;         /* of the extents of elements that do not jump */
@@ -268,8 +268,8 @@ static int sign_of(const work *w, const component *c, int64_t element, int unwra
     return w->link[element] & 1 ? -sign : sign;
 }
 
-/** What the elements that stay where they are have in common: sign, and how large they are, the
- *  mean extent in units of the component's. */
+/** Find the common sign of the elements that do not jump, and their mean extent in units of the
+ *  component's. */
 static void look_at_staying(work *w) {
     const int dim = w->mesh->dim;
     for (int64_t k = 0; k < w->n_components; k++) {

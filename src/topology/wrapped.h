@@ -5,7 +5,7 @@
 
 #include "topology/topology.h"
 
-/** What is known of an element, and at a root of its component. */
+/** Flags of an element, and at a root of its component. */
 enum { PL_HAS_WRAPPED = 2, PL_HAS_BOUNDARY = 4 }; /* beside PL_WRAPPED */
 
 /** Find the elements that wrap around. link [m]: as in components.h, of a whole mesh; conflict [m]:

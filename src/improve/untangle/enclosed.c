@@ -20,7 +20,7 @@
 #define MARGIN   1e-9
 #define ROUNDING 0x1p-48
 
-/** What is known of the elements that are joined, at the root of their free nodes. */
+/** Facts about elements that free nodes join, at the root of these nodes. */
 typedef struct enclosure {
     double sum, size, products; /* of the measures of their facets with the anchor */
     int32_t anchor;             /* a held node; -1: there is none */

@@ -4,7 +4,7 @@
 
 #include "plan/plan.h"
 
-/** What a search for proofs has come to. */
+/** Result of a search for proofs. */
 typedef struct pl_infeasible {
     int64_t n;           /* elements _INFEASIBLE */
     int64_t n_undecided; /* elements _BELOW of stars that the limit has kept from being searched */

@@ -7,13 +7,13 @@
 
 enum { PL_TANGLE_CHUNK = 256 }; /* stars that one thread takes at a time */
 
-/** What is known of an element that is not PLANISH_VOLUME_MET. */
+/** State of an element that is not PLANISH_VOLUME_MET. */
 typedef enum pl_tangle_state {
     PL_TANGLED = PLANISH_VOLUME_BELOW,
     PL_HOPELESS = 2 /* tangled, and given up */
 } pl_tangle_state;
 
-/** What untangling works on. Arrays are owned, and by inner numbers but for state. */
+/** Working state of untangling. Arrays are owned, and by inner numbers but for state. */
 typedef struct pl_tangle {
     pl_run *run;
     pl_star_problem problem;  /* of visits that untangle */
@@ -64,8 +64,8 @@ void pl_tangle_find_sizes(pl_tangle *t);
 /** The patch's energy with the present epsilon. */
 void pl_tangle_measure(pl_tangle *t);
 
-/** The same by add_chunk, which is called with context for chunks of PL_TANGLE_CHUNK stars and is
- * to hand what it finds to pl_tangle_add. */
+/** Sum the energies that add_chunk finds. add_chunk is called with context for chunks of
+ *  PL_TANGLE_CHUNK stars, and hands each energy to pl_tangle_add. */
 void pl_tangle_total(pl_tangle *t, pl_chunk_fn *add_chunk, void *context);
 void pl_tangle_add(pl_tangle *t, int thread, pl_star_energy *found);
 
@@ -74,16 +74,16 @@ double pl_tangle_energy(const pl_tangle *t);
 
 /* ---- hopeless.c ---------------------------------------------------------------------------- */
 
-/** Of a mesh in parts: make state [n_elements] PL_HOPELESS where it is PL_TANGLED and the star of a
- *  ghost has given the element up in its process; of_facet: pl_star_part of the stars here. Errors:
- *  _MEMORY. */
+/** Share given-up elements in a mesh in parts. state [n_elements] becomes PL_HOPELESS where it
+ *  is PL_TANGLED and the star of a ghost has given the element up in its process. of_facet:
+ *  pl_star_part of the stars here. Errors: _MEMORY. */
 int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
                       planish_error *error);
 
 /* ---- return.c ------------------------------------------------------------------------------ */
 
-/** Where untangling was in vain, put the nodes back to where they were when the call began, so that
- *  no more elements are tangled, or inverted, than are. Without memory it does nothing, nor for a
+/** Put nodes back to where they were when the call began, where untangling has failed, without
+ *  raising the number of tangled or inverted elements. Does nothing without memory, or for a
  *  mesh in parts. */
 void pl_tangle_return(pl_tangle *t);
 

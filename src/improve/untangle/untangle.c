@@ -214,7 +214,7 @@ static int climb(pl_tangle *t, const measures *rung) {
     return rung->solve == PL_NOT_AT_ALL ? 0 : solve(t, rung);
 }
 
-/** What the mesh was worth when a rung began. */
+/** Quality of the mesh when a rung began. */
 typedef struct standing {
     int64_t tangled, inverted;
     double rr2, objective;
