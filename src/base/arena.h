@@ -1,8 +1,16 @@
 /* arena: a stretch of memory that many arrays share.
  *
  * The first touch of a page of 4 kB takes as long as the rings of several nodes, and an array of a
- * megabyte is too small for a huge page of its own. Side by side arrays have some together; and
- * what one has given back the next finds there, resident.
+ * megabyte is too small for a huge page of its own. In an arena arrays lie side by side and share
+ * huge pages; an array finds the resident pages that an earlier array has given back.
+ *
+ * Without the arena the set-up of a million tetrahedra takes 17 % longer, of 100 000 40 % (two
+ * cores; planish smooth --json, best of 7 in turns).
+ *
+ *   pl_arena_begin, _end      reserve the memory, release it
+ *   pl_arena_take, _give      take memory for an array, give it back
+ *   pl_arena_settle           hold given-back pages no longer
+ *   pl_arena_has              whether a place is in the arena
  */
 #ifndef PL_BASE_ARENA_H
 #define PL_BASE_ARENA_H
@@ -36,6 +44,7 @@ void pl_arena_give(pl_arena *arena, void *taken);
 /** Hold no longer: what was held goes back. */
 void pl_arena_settle(pl_arena *arena);
 
+/** Whether place is in the arena. */
 int pl_arena_has(const pl_arena *arena, const void *place);
 
 #endif

@@ -23,6 +23,8 @@ typedef struct pl_arithmetic {
 
 /** Compute as usual on this thread from now on; the arithmetic before, to be set again. */
 pl_arithmetic pl_arithmetic_usual(void);
+
+/** Set the arithmetic that pl_arithmetic_usual returned. */
 void pl_arithmetic_set(const pl_arithmetic *arithmetic);
 
 #endif

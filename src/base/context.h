@@ -1,8 +1,28 @@
-/* context: who serves a call of the library: with memory, with threads, and who listens.
+/* context: the services that a call of the library uses: memory, threads, log and process share.
  *
- * A plan has one, and each call on the plan enters it: pl_alloc, pl_parallel_for and pl_log then go
- * by it, on the calling thread and on those that work for it, without being handed it all the way
- * down. Outside of any, as in the file formats, memory is the system's and threads are OpenMP's.
+ * Each plan owns a context, and each call on the plan enters it. The context is then *current*: a
+ * thread-local variable (context.c) names it, on the calling thread and on the threads that work
+ * for the call. Functions need not be handed the context. The current context decides
+ *
+ *   the allocator        pl_alloc and pl_free       memory.h, arena.h
+ *   the threads          pl_parallel_for            parallel.h
+ *   the log              pl_log                     below
+ *   the process share    pl_parts_*                 parts.h
+ *
+ * Without a current context, as in the file formats, memory is the system's, threads are OpenMP's,
+ * nobody listens, and the whole mesh is in this process. While the caller's functions run there is
+ * no current context.
+ *
+ * The library has no other hidden state that a result could depend on. One more variable is not
+ * constant: hwloc's description of the machine (plan/placement.c), which is loaded once and then
+ * only read; it decides on which cores threads run.
+ *
+ *   pl_context_create, _destroy              make and free a context
+ *   pl_context_share_pages, _settle          how its arrays share pages, and until when
+ *   pl_context_enter, pl_context_current     set and read the current context
+ *   pl_call_enter, _leave                    a thread works for a call
+ *   pl_context_begin, _end                   a call works on the plan
+ *   pl_log                                   tell the caller
  */
 #ifndef PL_BASE_CONTEXT_H
 #define PL_BASE_CONTEXT_H
@@ -75,11 +95,16 @@ typedef struct pl_outside {
 /** This thread begins to work for a call: it enters context (may be NULL), and computes as usual;
  * and ends: all is as it was outside. Functions of the caller's compute as usual, too. */
 pl_outside pl_call_enter(pl_context *context);
+
+/** End the work for a call: the thread's state is again as it was outside. */
 void pl_call_leave(const pl_outside *outside);
 
 /** A call that works on the plan begins; and ends: what it and the one before it did not want of
  * the kept blocks is released. */
 void pl_context_begin(pl_context *context);
+
+/** End the call on the plan. Kept blocks that neither this call nor the one before wanted are
+ *  released. */
 void pl_context_end(pl_context *context);
 
 /** The one that this thread is in, or NULL. */

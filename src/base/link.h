@@ -24,6 +24,7 @@ static inline int64_t pl_link_positions(int dim) {
     return dim == 3 ? 9 : 2;
 }
 
+/** Number of positions of a facet where a link is only kept, without the ends of edges. */
 static inline int64_t pl_link_positions_kept(int dim) {
     return dim == 3 ? 6 : 2;
 }
@@ -38,10 +39,12 @@ typedef struct pl_link {
     uint8_t *low, *high;
 } pl_link;
 
+/** Position i of a link. */
 static inline uint16_t pl_link_get(const pl_link *link, int64_t i) {
     return (uint16_t)(link->low[i] | (link->high ? link->high[i] << 8 : 0));
 }
 
+/** Set position i of a link. */
 static inline void pl_link_set(const pl_link *link, int64_t i, int32_t position) {
     link->low[i] = (uint8_t)position;
     if (link->high)
@@ -56,6 +59,7 @@ static inline int pl_link_alloc(pl_link *link, int64_t positions, int64_t n, int
     return link->low && (!wide || link->high) ? 0 : -1;
 }
 
+/** Free the arrays of a link. */
 static inline void pl_link_free(pl_link *link) {
     pl_free(link->low);
     pl_free(link->high);

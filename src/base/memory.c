@@ -119,7 +119,10 @@ static void release_block(pl_block *block) {
     }
 }
 
-/* ---- blocks that are kept: the next call wants the same again -------------------------------- */
+/* ---- blocks that are kept for the next call --------------------------------------------------
+ *
+ * Kept blocks change no time that was measured (below 1 %). They stay because docs/embedding.md
+ * promises that a repeated call allocates nothing. */
 
 /** bytes rounded up to one of a few sizes, an eighth apart at most. Only blocks of the very size
  *  are taken again: so a call that wants what the one before wanted finds it all. */

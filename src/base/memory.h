@@ -28,6 +28,7 @@ void *pl_grow(void *array, int64_t count, int64_t needed, int64_t *capacity, siz
 /** A copy of text, from pl_alloc; NULL without memory. */
 char *pl_copy_text(const char *text);
 
+/** Release array, from any function above; NULL: do nothing. */
 void pl_free(void *array);
 
 /** Say that array is context's. */
@@ -36,6 +37,8 @@ void pl_own_block(void *array, struct pl_context *context);
 /** Release what context has kept, and keep nothing more; or those blocks that no call since that
  * one has wanted. */
 void pl_forget_kept(struct pl_context *context);
+
+/** Release the kept blocks that no call since call has wanted. */
 void pl_forget_unwanted(struct pl_context *context, int call);
 
 #endif

@@ -59,7 +59,11 @@ static inline void pl_set_flag(uint8_t *flag, uint8_t value) {
 
 /** Raise *largest to value, or lower *lowest to it, whichever thread comes first. */
 void pl_raise_to(int64_t *largest, int64_t value);
+
+/** Raise *largest to value, as pl_raise_to does. */
 void pl_raise_double(double *largest, double value);
+
+/** Lower *lowest to value, whichever thread comes first. */
 void pl_lower_to(int64_t *lowest, int64_t value);
 
 #endif

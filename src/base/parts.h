@@ -17,10 +17,14 @@ const planish_part *pl_part_here(void);
 
 /** Sums over the processes, in place. */
 void pl_parts_add(int64_t *values, int n);
+
+/** Add sums [n] over the processes, in place, exactly. */
 void pl_parts_add_sums(pl_sum *sums, int n);
 
 /** Largest and smallest of the processes, in place; no NaN. */
 void pl_parts_largest(double *values, int n);
+
+/** Set values [n] to the smallest of the processes; no NaN. */
 void pl_parts_smallest(double *values, int n);
 
 /** The smallest of the processes, in place; no INT64_MIN. */
@@ -39,6 +43,8 @@ enum { PL_LARGEST_VALUE = 3 * sizeof(double) + 1 };
 /** Make ready for pl_parts_update in the context of this thread, whose part is set; n_nodes: its.
  * To be undone in any case. Errors: _MEMORY. */
 int pl_parts_begin(int64_t n_nodes, planish_error *error);
+
+/** Undo pl_parts_begin. */
 void pl_parts_end(pl_context *context);
 
 /** The ghosts of the part, 0 without one; n_nodes: its. */
@@ -50,6 +56,8 @@ void pl_parts_update(const int32_t *inner, void *values, int64_t size);
 
 /** planish_part.send, and .receive, if they are reached. */
 void pl_parts_send(const int32_t *node, int64_t n, const void *values, int64_t size);
+
+/** Call planish_part.receive, if the processes are reached. */
 void pl_parts_receive(planish_take_fn *take, void *taker);
 
 /** PLANISH_ERROR_PROCESS if another process was not reached since the context was made. */

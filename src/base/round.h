@@ -32,6 +32,7 @@ static inline double pl_store(const pl_storage *storage, double value) {
     return storage->precision == PLANISH_ROUNDED ? storage->round(value, storage->user) : value;
 }
 
+/** Storage that options ask for. */
 static inline pl_storage pl_storage_of(const planish_options *options) {
     return (pl_storage){options->precision, options->round, options->round_user};
 }

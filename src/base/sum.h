@@ -31,6 +31,7 @@ void pl_sum_carry(pl_sum *sum);
 /** Count a term that is not finite. */
 void pl_sum_add_special(pl_sum *sum, double term);
 
+/** Add a term to the sum, exactly. */
 static inline void pl_sum_add(pl_sum *sum, double term) {
     uint64_t bits;
     memcpy(&bits, &term, sizeof bits);

@@ -15,6 +15,8 @@
 
 /** bytes, a multiple of alignment; NULL: there are none. Released by pl_system_release alone. */
 void *pl_system_allocate(size_t alignment, size_t bytes);
+
+/** Release memory of pl_system_allocate; start may be NULL. */
 void pl_system_release(void *start);
 
 enum { PL_HUGE_PAGE = 1 << 21 };
@@ -22,11 +24,15 @@ enum { PL_HUGE_PAGE = 1 << 21 };
 /** Reserve bytes of pages of their own, from a multiple of PL_HUGE_PAGE on. No page is resident
  *  before it is written. NULL if the system refuses. */
 void *pl_system_reserve(size_t bytes);
+
+/** Release bytes of pages of pl_system_reserve. */
 void pl_system_unreserve(void *start, size_t bytes);
 
 /** Ask for huge pages where there is room for them within so many bytes; and give whole pages among
  *  them back, whose content nobody will read again. A refusal does no harm. */
 void pl_system_want_huge_pages(void *begin, size_t bytes);
+
+/** Give back whole pages whose content nobody will read again. */
 void pl_system_discard(void *begin, size_t bytes);
 
 /** Make the whole pages within so many bytes, 64 kB or more of which most will be written,
@@ -76,6 +82,8 @@ typedef struct pl_file_status {
 /** Find the status of the file at path, links followed, or of an open one. Returns 0, or not 0
  *  and errno. */
 int pl_file_find(const char *path, pl_file_status *status);
+
+/** Find the status of an open file, as pl_file_find does. */
 int pl_file_find_open(int fd, pl_file_status *status);
 
 /** Whether there is something at path, links followed. */
@@ -95,6 +103,8 @@ typedef enum pl_file_use {
 /** A descriptor that programs that are started do not inherit, or -1; and its end: 0, or errno.
  *  Signals do not interrupt them. */
 int pl_file_open(const char *path, pl_file_use use);
+
+/** Close a descriptor. Returns 0, or errno. */
 int pl_file_close(int fd);
 
 /** Whether a file that is open can be replaced by another one. */
@@ -106,7 +116,10 @@ int pl_file_duplicate(int fd);
 /** The size bytes of a regular file, which will be read in their order; NULL: it cannot be mapped,
  *  with errno ENOSYS where no file can, as one that is mapped could not be replaced. */
 const char *pl_file_map(int fd, int64_t size);
+
+/** Unmap a file of pl_file_map. */
 void pl_file_unmap(const char *data, int64_t size);
+
 /** A mapped file will not be read for some time: it need not be in memory until then. */
 void pl_file_rest(const char *data, int64_t size);
 
@@ -116,6 +129,8 @@ int pl_file_settle(int fd);
 /** Allow to read and write the file at path: what it was before, for pl_file_set_mode; -1: nothing
  * is to do, or can be done. */
 int pl_file_make_accessible(const char *path);
+
+/** Set the mode of the file at path to the result of pl_file_make_accessible. */
 void pl_file_set_mode(const char *path, int mode);
 
 /** Give the file at from the name to, in one step, whether or not there is one. 0, or errno. */

@@ -20,11 +20,13 @@
 
 /* ---- Vectors ------------------------------------------------------------------------------ */
 
+/** Scalar product of vectors a and b [dim]. */
 PL_INLINE double pl_dot(int dim, const double a[], const double b[]) {
     double sum = a[0] * b[0] + a[1] * b[1];
     return dim == 3 ? sum + a[2] * b[2] : sum;
 }
 
+/** Compute difference = a - b of vectors [dim]. */
 PL_INLINE void pl_subtract(int dim, const double a[], const double b[], double difference[]) {
     difference[0] = a[0] - b[0];
     difference[1] = a[1] - b[1];
@@ -41,6 +43,7 @@ PL_INLINE void pl_cross(const double a[], const double b[], double product[]) {
 
 /* ---- Measure ------------------------------------------------------------------------------ */
 
+/** Compute edges [dim][dim] from the vertices [dim + 1]: row j is v_{j+1} - v_0. */
 PL_INLINE void pl_edges(int dim, const double *const vertex[], double edges[3][3]) {
     for (int j = 0; j < dim; j++)
         pl_subtract(dim, vertex[j + 1], vertex[0], edges[j]);
@@ -213,6 +216,7 @@ PL_INLINE pl_shape pl_shape_of(int dim, const double edges[3][3], double determi
     return shape;
 }
 
+/** Return the shape of an element from its edges [dim][dim]. */
 PL_INLINE pl_shape pl_shape_of_edges(int dim, const double edges[3][3]) {
     return pl_shape_of(dim, edges, pl_determinant_of_edges(dim, edges));
 }
@@ -254,6 +258,7 @@ typedef struct pl_opposite_facet {
     double m[3][3]; /* [dim][dim] M: [w]x in space, |b|^2 times a quarter turn in the plane */
 } pl_opposite_facet;
 
+/** Return the constants of the link facet with vertices facet [dim]. */
 static inline pl_opposite_facet pl_facet_of(int dim, const double *const facet[]) {
     pl_opposite_facet f = {{0}, {{0}}};
     double b[3] = {0}, c[3] = {0}, w[3];
@@ -424,6 +429,7 @@ PL_INLINE pl_edge_squares pl_edge_squares_of(int dim, const double x[4][3]) {
     return of;
 }
 
+/** Return the squared edge lengths of an element, from pointers to its vertices [dim + 1]. */
 static inline pl_edge_squares pl_edge_squares_at(int dim, const double *const vertex[]) {
     double x[4][3] = {{0}};
     for (int j = 0; j <= dim; j++)

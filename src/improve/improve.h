@@ -27,6 +27,8 @@ int pl_run_help(pl_run *r, pl_help help, double fall);
  * _MEMORY.
  */
 int pl_run_untangle(pl_run *r, planish_error *error);
+
+/** Bring elements up to their least volumes, as described above. Errors: _MEMORY. */
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
 /* ---- angles.c -------------------------------------------------------------------------------- */

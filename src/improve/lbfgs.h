@@ -34,6 +34,8 @@ typedef struct pl_lbfgs {
 /** The patch as for pl_patch_create. 0 without memory; to be destroyed in any case. */
 int pl_lbfgs_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
                     pl_lbfgs_function *function, void *context, pl_lbfgs *m);
+
+/** Free the arrays of m. */
 void pl_lbfgs_destroy(pl_lbfgs *m);
 
 /** Look at the function where the nodes are; it has changed, or they have, and pairs are forgotten.

@@ -27,8 +27,11 @@ enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */
  *  nodes. Returns 0 without memory; destroy the patch in any case. */
 int pl_patch_create(pl_run *run, const pl_star_problem *problem, const uint8_t *in_patch,
                     int n_vectors, pl_patch *p);
+
+/** Free the arrays of p. */
 void pl_patch_destroy(pl_patch *p);
 
+/** Vector i of the patch, [n][dim]; the patch owns it. */
 static inline double *pl_patch_vector(const pl_patch *p, int i) {
     return p->vectors + p->n * p->dim * i;
 }
@@ -53,6 +56,8 @@ void pl_patch_scale(const pl_patch *p, double *a, double factor, const double *b
 
 /** a from an array [n_nodes][dim], and back. */
 void pl_patch_take(const pl_patch *p, double *a, const double *field);
+
+/** Copy a vector a of the patch to an array field [n_nodes][dim]. */
 void pl_patch_put(const pl_patch *p, double *field, const double *a);
 
 /** Put the nodes to x, or as near as their bounds let them, or where that is not to be stored to
@@ -65,6 +70,7 @@ typedef struct pl_box {
     double scale; /* a power of two: times it the box is about 1 wide */
 } pl_box;
 
+/** Return the bounding box of the held nodes of the plan's elements. */
 pl_box pl_box_of_fixed(const planish_plan *plan);
 
 /** Move the nodes to where each is at the mean of its neighbours, by conjugate gradients

@@ -37,6 +37,7 @@ typedef struct pl_draft {
     int32_t *number_of;   /* [its nodes] and their inner numbers */
 } pl_draft;
 
+/** Free the draft's arrays. */
 void pl_draft_destroy(pl_draft *d);
 
 /* ---- domain.c: the mesh, or the part of it, that the plan works on ------------------------- */

@@ -22,14 +22,20 @@ typedef struct pl_ghosts {
 /** order [n_nodes]: the mesh's numbers by inner ones. To be destroyed in any case. */
 int pl_ghosts_create(struct planish_plan *plan, const planish_mesh *mesh, const int32_t *order,
                      planish_error *error);
+
+/** Free the arrays of ghosts. */
 void pl_ghosts_destroy(pl_ghosts *ghosts);
 
 /** Before the SHARED stars begin .. end - 1 of visits are visited; after that: tell the others of
  *  those that have moved; and later: take what these have told. */
 void pl_ghosts_note(const struct planish_plan *plan, const struct pl_visits *visits, int64_t begin,
                     int64_t end);
+
+/** After the visit: tell the other processes which SHARED nodes have moved. */
 void pl_ghosts_send(const struct planish_plan *plan, const struct pl_visits *visits, int64_t begin,
                     int64_t end);
+
+/** Take the places of ghosts that the other processes have sent. */
 void pl_ghosts_receive(const struct planish_plan *plan);
 
 /** Wake the stars around ghosts that are not where they were before: [n_nodes][dim] by inner

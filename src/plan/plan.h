@@ -92,6 +92,9 @@ void pl_plan_destroy(planish_plan *plan);
 /** The local problem of the plan's interior (or sliding) stars in its arrays, with the first
  *  direction and no limits. */
 pl_star_problem pl_plan_problem(const planish_plan *plan);
+
+/** Return the local problem of the plan's sliding stars, as pl_plan_problem does for the
+ *  interior. */
 pl_star_problem pl_plan_sliding_problem(const planish_plan *plan);
 
 /** Colours of both. */
@@ -105,6 +108,8 @@ void pl_plan_number_stars(const planish_plan *plan, int32_t *star_of);
 
 /** The nodes of the plan, or of all of the mesh, in the caller's coordinates. */
 pl_points pl_plan_points(const planish_plan *plan, const double *coordinates);
+
+/** Return the coordinates of all nodes of the mesh that the plan knows, in the caller's array. */
 pl_points pl_plan_all_points(const planish_plan *plan, const double *coordinates);
 
 /** points as [n][dim]: where they are, or in room, which is needed if not pl_points_are_dense. */
@@ -115,6 +120,7 @@ static inline int64_t pl_plan_element(const planish_plan *plan, int64_t element)
     return plan->element_of ? plan->element_of[element] : element;
 }
 
+/** The caller's number of a node of the plan's mesh. */
 static inline int64_t pl_plan_node(const planish_plan *plan, int64_t node) {
     return plan->node_of ? plan->node_of[node] : node;
 }

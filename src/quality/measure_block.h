@@ -64,9 +64,12 @@ typedef struct pl_block {
     double measure[PL_N_MEASURES][PL_LANES]; /* angles in radians */
 } pl_block;
 
+/** Larger of a and b; b if either is NaN. */
 static inline double pl_larger(double a, double b) {
     return a > b ? a : b;
 }
+
+/** Smaller of a and b; b if either is NaN. */
 static inline double pl_smaller(double a, double b) {
     return a < b ? a : b;
 }
@@ -140,6 +143,7 @@ void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
 /** Acuteness of the smallest angle of lane l, of a valid element. */
 double pl_block_acuteness(const pl_block *b, int l, int dim);
 
+/** Largest RR^2 of the block's lanes. */
 static inline double pl_block_largest_square(const pl_block *b) {
     double largest = 0;
     for (int l = 0; l < PL_LANES; l++)
@@ -147,6 +151,7 @@ static inline double pl_block_largest_square(const pl_block *b) {
     return largest;
 }
 
+/** Whether all lanes of the block are certain. */
 static inline int pl_block_is_certain(const pl_block *b) {
     double n_certain = 0;
     for (int l = 0; l < PL_LANES; l++)

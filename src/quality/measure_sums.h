@@ -53,6 +53,7 @@ typedef struct pl_full_sums {
     int64_t by_angle[PLANISH_ANGLE_BINS];
 } pl_full_sums;
 
+/** Add the elements of a block to the sums of both passes. */
 PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
     for (int l = 0; l < PL_LANES; l++) {
         double square = b->valid[l] != 0 ? b->square[l] : 0;
@@ -85,6 +86,7 @@ PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
     }
 }
 
+/** Add the measures of a block's elements to sums, least and largest values. */
 PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
     for (int m = 0; m < PL_N_MEASURES; m++) {
         for (int l = 0; l < PL_LANES; l++) {
@@ -133,12 +135,19 @@ PL_INLINE void pl_add_angles(const pl_block *b, pl_full_lanes *sums) {
         sums->by_angle[bin[l]][l] += b->valid[l];
 }
 
+/** Set the accumulators to their values without any element. */
 void pl_clear_full(pl_full_lanes *lanes);
+
+/** Add up the lanes, in their order. */
 void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums);
+
+/** Add up the lanes of pl_measure, in their order. */
 void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums);
 
 /** Sums of the chunks part [n_chunks]. */
 pl_ratio_sums pl_total_basic(int64_t n_chunks, const pl_ratio_sums *part);
+
+/** Return the sums of pl_measure over the chunks part [n_chunks]. */
 pl_full_sums pl_total_full(int64_t n_chunks, const pl_full_sums *part);
 
 #endif

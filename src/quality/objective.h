@@ -33,6 +33,7 @@ typedef struct pl_objective_sums {
     double domain;    /* sum of the signed measures of all */
 } pl_objective_sums;
 
+/** Sum over all elements of the problem's mesh, and over all processes that have parts of it. */
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums);
 
 /** Fill state [m] with PLANISH_VOLUME_MET or _BELOW; returns how many are below. */
@@ -42,6 +43,9 @@ int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state);
  *  (pl_find_inverted), or are positive only by rounding, too (pl_find_tangled). Both return how
  *  many are below. */
 int64_t pl_find_inverted(const pl_objective_problem *problem, uint8_t *state);
+
+/** Fill state [m] as described above; elements that are positive only by rounding are below,
+ *  too. */
 int64_t pl_find_tangled(const pl_objective_problem *problem, uint8_t *state);
 
 #endif

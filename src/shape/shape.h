@@ -31,6 +31,8 @@ typedef struct pl_planes {
  * that are none of the surface. Errors: _MEMORY. ridges is to be released in any case. */
 int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
                      pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed, planish_error *error);
+
+/** Free the arrays of planes. */
 void pl_planes_destroy(pl_planes *planes);
 
 /** is_fixed [nodes of the mesh] becomes 1 for nodes of the surface at the place of another one.
@@ -52,6 +54,8 @@ typedef struct pl_lines {
  *  there, straight on. Errors: _MEMORY. */
 int pl_lines_create(const pl_surface *surface, const pl_ridges *ridges, double tolerance,
                     pl_lines *lines, planish_error *error);
+
+/** Free the arrays of lines. */
 void pl_lines_destroy(pl_lines *lines);
 
 #endif

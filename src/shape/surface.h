@@ -32,8 +32,11 @@ typedef struct pl_surface {
  *  mesh] becomes 1 for nodes of tagged facets that the mesh has not. Errors: _MEMORY. */
 int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int threads,
                       pl_surface *surface, uint8_t *is_fixed, planish_error *error);
+
+/** Free the arrays of surface. */
 void pl_surface_destroy(pl_surface *surface);
 
+/** Whether two facets have the same label. */
 static inline int pl_same_label(const pl_label *a, const pl_label *b) {
     return a->n_elements == b->n_elements && a->region[0] == b->region[0] &&
            a->region[1] == b->region[1] && a->is_tagged == b->is_tagged && a->tag == b->tag;

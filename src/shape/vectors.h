@@ -13,6 +13,7 @@ static inline void pl_from_to(int dim, const double *a, const double *b, double 
         v[d] = d < dim ? b[d] - a[d] : 0;
 }
 
+/** Length of v [3]. */
 static inline double pl_length(const double *v) {
     return sqrt(pl_dot(3, v, v));
 }
@@ -24,6 +25,7 @@ static inline int32_t pl_class_of(int32_t *parent, int32_t i) {
     return i;
 }
 
+/** Join the classes of i and j; the smallest index names a class. */
 static inline void pl_join(int32_t *parent, int32_t i, int32_t j) {
     const int32_t a = pl_class_of(parent, i), b = pl_class_of(parent, j);
     parent[a > b ? a : b] = a < b ? a : b;

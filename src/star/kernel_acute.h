@@ -25,6 +25,8 @@ PL_INLINE lanes_mask acute_between(lanes cosine, lanes of_one, lanes of_other, l
     return lanes_greater(cosine, lanes_of(0)) & lanes_greater(of_one * of_other, limit * square);
 }
 
+/** Mask of the tetrahedra of the pack at facet i that have too small an angle, with the node at
+ *  position. */
 PL_INLINE lanes_mask acute_3d(const star *s, int64_t i, const double *position, lanes limit,
                               const int guarded) {
     const vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
@@ -49,6 +51,8 @@ PL_INLINE lanes_mask acute_3d(const star *s, int64_t i, const double *position, 
     return any;
 }
 
+/** Mask of the triangles of the pack at facet i that have too small an angle, with the node at
+ *  position. */
 PL_INLINE lanes_mask acute_2d(const star *s, int64_t i, const double *position, lanes limit) {
     const lanes x = lanes_of(position[0]), y = lanes_of(position[1]), one = lanes_of(1);
     const lanes ax = x - load(s, P0X, i), ay = y - load(s, P0Y, i);

@@ -31,6 +31,7 @@ enum { WORST_POWER = 5 };
 /* An element that adds less than this to the sum has no part in its derivatives. */
 #define NEXT_TO_NOTHING 0x1p-900
 
+/** Whether measure is one of which only the worst counts. */
 static inline int is_of_worst(int measure) {
     return measure == PL_WORST_RATIO || measure == PL_WORST_ANGLE;
 }
@@ -59,6 +60,7 @@ typedef struct edges {
     lanes square[6]; /* of these, then of the link's own */
 } edges;
 
+/** Edges of the pack's elements at facet i, with the node at x [dim]. */
 PL_INLINE edges edges_at(const star *s, int64_t i, const lanes *x, const int dim) {
     static const uint8_t columns[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
     edges e;
@@ -94,6 +96,7 @@ PL_INLINE void sharpen_link(const star *s, int64_t i, edges *e, const int dim) {
         }
 }
 
+/** Number of edges of an element. */
 static inline int n_edges(const int dim) {
     return dim == 3 ? 6 : 3;
 }
@@ -142,12 +145,15 @@ PL_INLINE lanes sharpened(lanes a) {
         a *= a;
     return a;
 }
+
+/** Inverse of sharpened. */
 PL_INLINE lanes unsharpened(lanes a) {
     for (int i = 0; i < SHARPNESS; i++)
         a = lanes_sqrt(a);
     return a;
 }
 
+/** Sum of a [n]. */
 PL_INLINE lanes sum_of(const lanes *a, int n) {
     lanes sum = a[0];
     for (int k = 1; k < n; k++)
@@ -231,6 +237,7 @@ PL_INLINE void add_area(vec3 m, vec3 e, lanes inverse, vec3 *g, lanes h[6]) {
     h[5] += (ee - e.z * e.z - u.z * u.z) * inverse;
 }
 
+/** Compute RR^2 of a pack of tetrahedra, and with derive its derivatives. */
 PL_INLINE void radius_ratio_3d(const star *s, int64_t i, vec3 x, aspect *a, const int derive) {
     const lanes one = lanes_of(1);
     vec3 r[3], e[3], m[3];
@@ -259,6 +266,7 @@ PL_INLINE void radius_ratio_3d(const star *s, int64_t i, vec3 x, aspect *a, cons
     a->l[2] = l.z;
 }
 
+/** Compute RR^2 of a pack, and with derive its derivatives. */
 PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
                             const int dim) {
     if (dim == 3) {
@@ -274,6 +282,7 @@ PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
 
 /* ---- the worst ------------------------------------------------------------------------------- */
 
+/** Raise a to the power that makes the worst element dominate. */
 PL_INLINE lanes to_worst_power(lanes a) {
     for (int i = 0; i < WORST_POWER; i++)
         a *= a;
@@ -421,6 +430,7 @@ PL_INLINE void worst_angle_3d(const star *s, int64_t i, const lanes *x, aspect *
     finish_worst(part, 6, a, 3);
 }
 
+/** Compute the sum of powers over the angles of a pack, and with derive its derivatives. */
 PL_INLINE void worst_angle(const star *s, int64_t i, const lanes *x, aspect *a,
                            double inverse_limit, const int derive, const int dim) {
     if (dim == 3)
@@ -431,6 +441,7 @@ PL_INLINE void worst_angle(const star *s, int64_t i, const lanes *x, aspect *a,
 
 /* ---- one pack ------------------------------------------------------------------------------ */
 
+/** Compute D, its gradient and 1 / D of a pack, with the node at x [dim]. */
 PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, const int dim) {
     static const uint8_t first[3] = {P0X, P0Y, P0Z};
     if (dim == 3) {
@@ -451,6 +462,8 @@ PL_INLINE void measure_at(const star *s, int64_t i, const lanes *x, aspect *a, c
     a->inverse_d = lanes_of(1) / a->D;
 }
 
+/** Compute the measure of kind for a pack, with the node at x [dim], and with derive its
+ *  derivatives. */
 PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a, const question *q,
                          const int kind, const int derive, const int dim) {
     measure_at(s, i, x, a, dim);
@@ -497,6 +510,7 @@ typedef struct guarded_accumulator {
     lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
 } guarded_accumulator;
 
+/** Set the accumulators to 0. */
 PL_INLINE void guarded_init(guarded_accumulator *t) {
     memset(t, 0, sizeof *t);
     accumulator_init(&t->ratios);
@@ -544,6 +558,7 @@ PL_INLINE void add_guarded(guarded_accumulator *t, int k, const question *q, con
     t->size2[k] += a->aa * weight;
 }
 
+/** Return the objective from the accumulators. */
 PL_INLINE objective guarded_result(const guarded_accumulator *t, const question *q) {
     objective f = accumulator_result(&t->ratios, 1);
     f.error *= is_of_worst(q->measure) ? WORST_EXPONENT : 1;
@@ -605,11 +620,14 @@ PL_INLINE objective guarded_sums_of(const star *s, const question *q, const doub
 
 /* Values have a function of their own: in one with derivatives, what only these need would take the
  * registers of values, too. */
+/** Value of the objective with the node at position. */
 PL_NOINLINE objective guarded_value(const star *s, const question *q, const double *position,
                                     const int dim) {
     return dim == 3 ? guarded_sums_of(s, q, position, NULL, 0, 3)
                     : guarded_sums_of(s, q, position, NULL, 0, 2);
 }
+
+/** Value of the objective with the node at position; fills out with the derivatives. */
 PL_NOINLINE objective guarded_derivatives(const star *s, const question *q, const double *position,
                                           derivatives *out, const int dim) {
     return dim == 3 ? guarded_sums_of(s, q, position, out, 1, 3)

@@ -41,6 +41,7 @@ typedef struct cone {
     int n;
 } cone;
 
+/** Scalar product of a and b [n]. */
 static inline double cone_dot(const double *a, const double *b, int n) {
     double sum = a[0] * b[0];
     for (int i = 1; i < n; i++)
@@ -141,6 +142,7 @@ static inline int cone_settle(const cone *c, cone_point *out) {
     }
 }
 
+/** Project by Lawson and Hanson's active set. Returns not 0 if the set was found. */
 static inline int cone_active_set(const cone *c, double tolerance, cone_point *out) {
     out->n_active = 0;
     memcpy(out->point, c->p, (size_t)c->n * sizeof *c->p);

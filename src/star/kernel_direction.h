@@ -61,6 +61,7 @@ static inline void substitute_back(const factors *f, const double *y, double *x,
     }
 }
 
+/** Scalar product of a and b [dim]. */
 static inline double dot(const double *a, const double *b, const int dim) {
     double sum = a[0] * b[0];
     for (int d = 1; d < dim; d++)

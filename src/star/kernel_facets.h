@@ -99,6 +99,7 @@ PL_INLINE double *in_block(double *block, const int n_columns, int column, int64
     const int64_t lane = i & (PL_LANES - 1);
     return block + (i - lane) * n_columns + (column * PL_LANES + lane);
 }
+
 /** Entries of a column, in a block as for in_block, of the pack that begins with facet i. */
 PL_INLINE double *pack_in_block(double *block, const int n_columns, int column, int64_t i) {
     return PL_PACK == PL_LANES ? block + i * n_columns + column * PL_LANES
@@ -109,9 +110,13 @@ PL_INLINE double *pack_in_block(double *block, const int n_columns, int column, 
 PL_INLINE double *entry(const star *s, int column, int64_t i) {
     return in_block(s->column, COLUMNS_3D, column, i);
 }
+
+/** Load the pack at facet i from a column. */
 PL_INLINE lanes load(const star *s, int column, int64_t i) {
     return lanes_load(pack_in_block(s->column, COLUMNS_3D, column, i));
 }
+
+/** Store a pack at facet i in a column. */
 PL_INLINE void store(const star *s, int column, int64_t i, lanes a) {
     lanes_store(pack_in_block(s->column, COLUMNS_3D, column, i), a);
 }
@@ -120,26 +125,39 @@ typedef struct vec3 {
     lanes x, y, z;
 } vec3;
 
+/** Load the pack at facet i from three columns. */
 PL_INLINE vec3 vec3_load(const star *s, int cx, int cy, int cz, int64_t i) {
     return (vec3){load(s, cx, i), load(s, cy, i), load(s, cz, i)};
 }
+
+/** Store the pack at facet i in three columns from cx on. */
 PL_INLINE void vec3_store(const star *s, int cx, int64_t i, vec3 a) {
     store(s, cx, i, a.x);
     store(s, cx + 1, i, a.y);
     store(s, cx + 2, i, a.z);
 }
+
+/** Difference a - b. */
 PL_INLINE vec3 vec3_minus(vec3 a, vec3 b) {
     return (vec3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
+
+/** Vector a times f. */
 PL_INLINE vec3 vec3_scaled(vec3 a, lanes f) {
     return (vec3){a.x * f, a.y * f, a.z * f};
 }
+
+/** Sum a + b. */
 PL_INLINE vec3 vec3_plus(vec3 a, vec3 b) {
     return (vec3){a.x + b.x, a.y + b.y, a.z + b.z};
 }
+
+/** Scalar product of a and b. */
 PL_INLINE lanes vec3_dot(vec3 a, vec3 b) {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
+
+/** Vector product of a and b. */
 PL_INLINE vec3 vec3_cross(vec3 a, vec3 b) {
     return (vec3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }

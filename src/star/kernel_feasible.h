@@ -38,6 +38,7 @@ static inline double violated_above(const local *here) {
     return here->problem->guard->strict ? GRAZE : VIOLATED_ABOVE;
 }
 
+/** Margin above the least volume to which elements are brought up. */
 static inline double restore_margin(const local *here) {
     return here->problem->guard->strict ? RESTORE_MARGIN_LAST : RESTORE_MARGIN;
 }
@@ -71,10 +72,12 @@ typedef struct active {
     const sliding *slide;
 } active;
 
+/** Set of active constraints without any row. */
 static inline active active_none(const local *here) {
     return (active){(double(*)[ROW_LENGTH])(void *)here->s.spare, 0, &here->slide};
 }
 
+/** Add a constraint's gradient [dim] to the active set; returns its row. */
 static inline double *add_row(active *a, const double *gradient, const int dim) {
     double *row = a->rows[a->m++];
     for (int d = 0; d < ROW_LENGTH; d++)
@@ -160,6 +163,7 @@ static inline void to_metric(const factors *f, const double *b, double *y, const
         y[d] = z[d] / sqrt(f->pivot[d]);
 }
 
+/** Transform y from the metric of the Hessian back to x. */
 static inline void from_metric(const factors *f, const double *y, double *x, const int dim) {
     double z[3];
     for (int d = 0; d < dim; d++)
@@ -297,6 +301,8 @@ static inline int restores(const local *here, const trial *t, const objective *n
            keeps_positive(&here->s, x, t->position, size, dim);
 }
 
+/** Search along direction for a position that restores constraints; returns whether *best was
+ *  found. */
 static inline int restoring_search(const local *here, const double *x, const objective *now,
                                    const double *direction, double step, double size, trial *best,
                                    const int dim) {
@@ -308,6 +314,7 @@ static inline int restoring_search(const local *here, const double *x, const obj
     return 0;
 }
 
+/** Factor by which a constraint of value g pushes the direction off. */
 static inline double push_off_factor(double g) {
     double root = 1 - g / ACTIVE_ABOVE;
     double factor = root * root;
@@ -463,6 +470,7 @@ static inline int lessen_shortfall(const local *here, const double *x, const obj
            restoring_search(here, x, now, direction, 1, size, best, dim);
 }
 
+/** Find a position at which fewer constraints are violated; returns whether *best was found. */
 static inline int restore(const local *here, const double *x, const objective *now,
                           const derivatives *derivative, trial *best, const int dim) {
     const double size = sqrt(derivative->size2);

@@ -47,6 +47,7 @@ static inline void gather_targets(const pl_star_problem *problem, int64_t index,
     }
 }
 
+/** Return the star of index for untangling, with its node at place. */
 static inline local untangling_of(const pl_star_problem *problem, int64_t index,
                                   const double *place, double *scratch, int64_t *evaluations,
                                   const int dim) {

@@ -127,6 +127,7 @@ static inline void gather_floors(const pl_star_problem *problem, const star *s, 
 
 /* ---- scratch ------------------------------------------------------------------------------- */
 
+/** n rounded up to a multiple of PL_LANES. */
 static inline int64_t padded_to_lanes(int64_t n) {
     return (n + PL_LANES - 1) / PL_LANES * PL_LANES;
 }

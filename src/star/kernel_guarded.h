@@ -53,6 +53,7 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
     return value_at(&here->s, x, 1, dim).max > skip;
 }
 
+/** Move the node to the trial position. */
 static inline void take(const trial *t, double *x, objective *now, const int dim) {
     for (int d = 0; d < dim; d++)
         x[d] = t->position[d];
@@ -101,6 +102,7 @@ static inline int guarded_step(local *here, conjugate *memory, double *x, object
             step_by(here, PLANISH_FLETCHER_REEVES, &none, x, now, derivative, dim));
 }
 
+/** Step until nothing improves or the steps are used up; returns how many steps were taken. */
 static inline int guarded_steps(local *here, double *x, objective *now, derivatives *derivative,
                                 const int dim) {
     conjugate memory = {{0, 0, 0}, 0};
@@ -128,6 +130,7 @@ static inline double fall_to_tell(const local *here, int restored, double before
     return for_more ? FALL_TOLD : (before - after) / before;
 }
 
+/** Visit one star with a guard. */
 static inline void visit_star_guarded(const pl_star_problem *problem, int64_t index, int flags,
                                       double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
@@ -157,6 +160,7 @@ static inline void visit_star_guarded(const pl_star_problem *problem, int64_t in
 
 /* ---- ranges of stars ----------------------------------------------------------------------- */
 
+/** Visit stars begin .. end - 1. */
 static inline void visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
                                double *scratch, pl_star_tally *tally, const int dim) {
     for (int64_t i = begin; i < begin + AHEAD; i++)
@@ -206,6 +210,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     }
 }
 
+/** Evaluate the star of index where its node is. */
 static inline int evaluate(const pl_star_problem *problem, int64_t index, double *scratch,
                            int with_derivatives, pl_star_value *value, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
@@ -222,26 +227,31 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
 
 /* ---- the functions of a variant ------------------------------------------------------------ */
 
+/** Visit stars begin .. end - 1 of triangles. */
 static void visit_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
                             double *scratch, pl_star_tally *tally) {
     visit_range(problem, begin, end, scratch, tally, 2);
 }
 
+/** Visit stars begin .. end - 1 of tetrahedra. */
 static void visit_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
                              double *scratch, pl_star_tally *tally) {
     visit_range(problem, begin, end, scratch, tally, 3);
 }
 
+/** Evaluate a star of triangles. */
 static int evaluate_triangles(const pl_star_problem *problem, int64_t star_index, double *scratch,
                               int with_derivatives, pl_star_value *value) {
     return evaluate(problem, star_index, scratch, with_derivatives, value, 2);
 }
 
+/** Evaluate a star of tetrahedra. */
 static int evaluate_tetrahedra(const pl_star_problem *problem, int64_t star_index, double *scratch,
                                int with_derivatives, pl_star_value *value) {
     return evaluate(problem, star_index, scratch, with_derivatives, value, 3);
 }
 
+/** Add the optimality of stars begin .. end - 1 of triangles. */
 static void optimality_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
                                  double *scratch, pl_star_optimality *optimality) {
     for (int64_t i = begin; i < end; i++)
@@ -249,6 +259,7 @@ static void optimality_triangles(const pl_star_problem *problem, int64_t begin, 
             add_optimality(problem, i, scratch, optimality, 2);
 }
 
+/** Add the optimality of stars begin .. end - 1 of tetrahedra. */
 static void optimality_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
                                   double *scratch, pl_star_optimality *optimality) {
     for (int64_t i = begin; i < end; i++)

@@ -26,41 +26,62 @@ enum { PL_PACKS = PL_LANES / PL_PACK };
 typedef double lanes;
 typedef int64_t lanes_mask;
 
+/** Pack with x in every lane. */
 PL_INLINE lanes lanes_of(double x) {
     return x;
 }
+
+/** Square root of each lane. */
 PL_INLINE lanes lanes_sqrt(lanes a) {
     return sqrt(a);
 }
+
+/** Maximum of each lane; b if not a > b. */
 PL_INLINE lanes lanes_max(lanes a, lanes b) {
     return a > b ? a : b;
 }
+
+/** Absolute value of each lane. */
 PL_INLINE lanes lanes_abs(lanes a) {
     return fabs(a);
 }
+
+/** Mask of the lanes in which a > b: all bits set, or none. */
 PL_INLINE lanes_mask lanes_greater(lanes a, lanes b) {
     return -(lanes_mask)(a > b); /* all bits, as of vectors */
 }
+
+/** Lanes of a where mask is set, else of b. */
 PL_INLINE lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
     return mask ? a : b;
 }
+
+/** Bits of the doubles. */
 PL_INLINE lanes_mask lanes_bits(lanes a) {
     lanes_mask bits;
     memcpy(&bits, &a, sizeof bits);
     return bits;
 }
+
+/** Doubles of these bits. */
 PL_INLINE lanes lanes_of_bits(lanes_mask bits) {
     lanes a;
     memcpy(&a, &bits, sizeof a);
     return a;
 }
+
+/** Number in one lane. */
 PL_INLINE double lanes_get(lanes a, int lane) {
     (void)lane;
     return a;
 }
+
+/** Whether mask is set in all lanes. */
 PL_INLINE int lanes_all_set(lanes_mask mask) {
     return mask != 0;
 }
+
+/** Whether mask is set in any lane. */
 PL_INLINE int lanes_any_set(lanes_mask mask) {
     return mask != 0;
 }
@@ -70,12 +91,15 @@ PL_INLINE int lanes_any_set(lanes_mask mask) {
 typedef double lanes __attribute__((vector_size(PL_PACK * sizeof(double))));
 typedef int64_t lanes_mask __attribute__((vector_size(PL_PACK * sizeof(double))));
 
+/** Pack with x in every lane. */
 PL_INLINE lanes lanes_of(double x) {
     lanes a;
     for (int i = 0; i < PL_PACK; i++)
         a[i] = x;
     return a;
 }
+
+/** Square root of each lane. */
 PL_INLINE lanes lanes_sqrt(lanes a) {
 #if PL_PACK == 4 && defined(__AVX__)
     return _mm256_sqrt_pd(a);
@@ -87,16 +111,23 @@ PL_INLINE lanes lanes_sqrt(lanes a) {
     return (lanes){sqrt(a[0]), sqrt(a[1])};
 #endif
 }
+
 /** a where mask is set, else b. */
 PL_INLINE lanes lanes_select(lanes_mask mask, lanes a, lanes b) {
     return (lanes)(((lanes_mask)a & mask) | ((lanes_mask)b & ~mask));
 }
+
+/** Bits of the doubles. */
 PL_INLINE lanes_mask lanes_bits(lanes a) {
     return (lanes_mask)a;
 }
+
+/** Doubles of these bits. */
 PL_INLINE lanes lanes_of_bits(lanes_mask bits) {
     return (lanes)bits;
 }
+
+/** Maximum of each lane; b if not a > b. */
 PL_INLINE lanes lanes_max(lanes a, lanes b) {
 #if PL_PACK == 4 && defined(__AVX__)
     return _mm256_max_pd(a, b); /* a > b ? a : b, which the compiler does not see */
@@ -106,21 +137,31 @@ PL_INLINE lanes lanes_max(lanes a, lanes b) {
     return lanes_select(a > b, a, b);
 #endif
 }
+
+/** Absolute value of each lane. */
 PL_INLINE lanes lanes_abs(lanes a) {
     return (lanes)((lanes_mask)a & INT64_MAX);
 }
+
+/** Mask of the lanes in which a > b: all bits set, or none. */
 PL_INLINE lanes_mask lanes_greater(lanes a, lanes b) {
     return a > b;
 }
+
+/** Number in one lane. */
 PL_INLINE double lanes_get(lanes a, int lane) {
     return a[lane];
 }
+
+/** Whether mask is set in all lanes. */
 PL_INLINE int lanes_all_set(lanes_mask mask) {
     int64_t all = mask[0];
     for (int i = 1; i < PL_PACK; i++)
         all &= mask[i];
     return all != 0;
 }
+
+/** Whether mask is set in any lane. */
 PL_INLINE int lanes_any_set(lanes_mask mask) {
     int64_t any = mask[0];
     for (int i = 1; i < PL_PACK; i++)
@@ -134,10 +175,13 @@ PL_INLINE int lanes_any_set(lanes_mask mask) {
 PL_INLINE lanes lanes_load(const double *array) {
     return *(const lanes *)(const void *)array;
 }
+
+/** Store a pack to array. */
 PL_INLINE void lanes_store(double *array, lanes a) {
     *(lanes *)(void *)array = a;
 }
 
+/** Minimum of each lane; a if not a > b. */
 PL_INLINE lanes lanes_min(lanes a, lanes b) {
     return lanes_select(lanes_greater(a, b), b, a);
 }
@@ -164,6 +208,8 @@ PL_INLINE double lanes_sum(const lanes packs[PL_PACKS]) {
     return (lanes_lane(packs, 0) + lanes_lane(packs, 1)) +
            (lanes_lane(packs, 2) + lanes_lane(packs, 3));
 }
+
+/** Largest of the PL_LANES accumulators. */
 PL_INLINE double lanes_largest(const lanes packs[PL_PACKS]) {
     double a = lanes_lane(packs, 0), b = lanes_lane(packs, 1);
     double c = lanes_lane(packs, 2), d = lanes_lane(packs, 3);

@@ -27,12 +27,17 @@ enum {
     EDGE_COLUMNS
 };
 
+/** Load the pack at edge i from a column. */
 PL_INLINE lanes load_edge(const star *s, int column, int64_t i) {
     return lanes_load(pack_in_block(s->edge, EDGE_COLUMNS, column, i));
 }
+
+/** Store a pack at edge i in a column. */
 PL_INLINE void store_edge(const star *s, int column, int64_t i, lanes a) {
     lanes_store(pack_in_block(s->edge, EDGE_COLUMNS, column, i), a);
 }
+
+/** Load the pack at edge i from three columns from cx on. */
 PL_INLINE vec3 load_edge_vec3(const star *s, int cx, int64_t i) {
     return (vec3){load_edge(s, cx, i), load_edge(s, cx + 1, i), load_edge(s, cx + 2, i)};
 }
@@ -50,6 +55,7 @@ PL_INLINE void gather_edges(const star *s, const uint32_t *node, const double *r
     store_edge(s, EE, i, e[0] * e[0] + e[1] * e[1] + e[2] * e[2]);
 }
 
+/** Return m = e x r of the pack at edge i, with the node at x, and e. */
 PL_INLINE vec3 face_normal(const star *s, int64_t i, vec3 x, vec3 *e) {
     *e = load_edge_vec3(s, EX, i);
     return vec3_cross(*e, vec3_minus(x, load_edge_vec3(s, QX, i)));

@@ -40,6 +40,7 @@ typedef struct local {
 /* And is within it beyond doubt of rounding. */
 #define RADIUS_ROUNDING 0x1p-50
 
+/** Return the bounds of a node, in the star's scale. */
 static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, double scale,
                                const int dim) {
     const pl_star_guard *guard = problem->guard;
@@ -57,6 +58,7 @@ static inline bounds bounds_of(const pl_star_problem *problem, int32_t node, dou
     return b;
 }
 
+/** Gather the star of index into scratch, with its node at place. */
 PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const double *place,
                          const int *exponent, double *scratch, int64_t *evaluations,
                          const int guarded, const int dim) {
@@ -124,6 +126,7 @@ static inline void settle(const local *here, int32_t node, const double *x, doub
         acquit(here->problem, node);
 }
 
+/** Scale place [dim] of the mesh to x in the star. */
 static inline void to_star(const local *here, const double *place, double *x, const int dim) {
     for (int d = 0; d < dim; d++)
         x[d] = place[d] * here->s.scale;
@@ -148,6 +151,7 @@ static inline void give_value(const local *here, const objective *f, const deriv
 #define SQUARE_LEAST 0x1p-900
 #define SQUARE_MOST  0x1p1000
 
+/** Distance of x [dim] from where the node began, without under- or overflow. */
 static inline double distance_from_start(const bounds *b, const double *x, const int dim) {
     double square = 0;
     for (int d = 0; d < dim; d++)
@@ -156,6 +160,7 @@ static inline double distance_from_start(const bounds *b, const double *x, const
                                                          : pl_distance(dim, b->start, x);
 }
 
+/** Whether x [dim] is within the bounds. */
 static inline int within_bounds(const bounds *b, const double *x, const int dim) {
     int inside = 1;
     if (!b->any)

@@ -42,6 +42,7 @@ typedef struct accumulator {
     lanes_mask positive[PL_PACKS];
 } accumulator;
 
+/** Set the accumulators to 0, and all lanes to positive. */
 PL_INLINE void accumulator_init(accumulator *t) {
     for (int k = 0; k < PL_PACKS; k++) {
         t->sum[k] = t->max[k] = t->error2[k] = lanes_of(0);
@@ -58,6 +59,7 @@ PL_INLINE void accumulate(accumulator *t, int k, lanes rr2, lanes weight, lanes 
     t->positive[k] &= lanes_greater(D, lanes_of(0));
 }
 
+/** Return the objective from the accumulators, times factor. */
 static inline objective accumulator_result(const accumulator *t, double factor) {
     const double error2 = lanes_largest(t->error2);
     objective f = {lanes_sum(t->sum) * factor,
@@ -75,6 +77,7 @@ static inline objective accumulator_result(const accumulator *t, double factor) 
 
 /* ---- tetrahedra --------------------------------------------------------------------------- */
 
+/** Value of the objective of a star of tetrahedra with the node at position. */
 PL_INLINE objective value_3d(const star *s, const double *position, const int guarded) {
     vec3 x = {lanes_of(position[0]), lanes_of(position[1]), lanes_of(position[2])};
     accumulator total;
@@ -98,6 +101,7 @@ typedef struct sums_3d {
     lanes g[3][PL_PACKS], h[6][PL_PACKS], trace[PL_PACKS], size2[PL_PACKS];
 } sums_3d;
 
+/** Add g of a pack to the gradient. */
 PL_INLINE void add_gradient_3d(sums_3d *sums, int k, vec3 g) {
     sums->g[0][k] += g.x;
     sums->g[1][k] += g.y;
@@ -207,6 +211,7 @@ typedef struct triangles {
     lanes aa, bb, a, b, L, D; /* their squares and lengths, the facet's length, twice the area */
 } triangles;
 
+/** Compute the pack of triangles at facet i, with the node at (x, y). */
 PL_INLINE triangles triangles_at(const star *s, int64_t i, lanes x, lanes y) {
     triangles t;
     t.ax = x - load(s, P0X, i);
@@ -222,6 +227,7 @@ PL_INLINE triangles triangles_at(const star *s, int64_t i, lanes x, lanes y) {
     return t;
 }
 
+/** Value of the objective of a star of triangles with the node at position. */
 static inline objective value_2d(const star *s, const double *position) {
     lanes x = lanes_of(position[0]), y = lanes_of(position[1]);
     accumulator total;
@@ -265,6 +271,8 @@ PL_INLINE void log_derivatives_2d(const star *s, int64_t i, const triangles *t, 
 #undef LOG_HESSIAN
 }
 
+/** Value of the objective of a star of triangles with the node at position; fills out with the
+ *  derivatives. */
 static inline objective derivatives_2d(const star *s, const double *position, derivatives *out) {
     lanes x = lanes_of(position[0]), y = lanes_of(position[1]);
     accumulator total;

@@ -43,39 +43,54 @@ PL_INLINE point_row row_load(const double *p) {
         r.pack[k] = lanes_load(p + k * PL_PACK);
     return r;
 }
+
+/** Store a row at p [4]. */
 PL_INLINE void row_store(double *p, point_row r) {
     for (int k = 0; k < PL_PACKS; k++)
         lanes_store(p + k * PL_PACK, r.pack[k]);
 }
+
+/** Sum a + b. */
 PL_INLINE point_row row_plus(point_row a, point_row b) {
     for (int k = 0; k < PL_PACKS; k++)
         a.pack[k] += b.pack[k];
     return a;
 }
+
+/** Difference a - b. */
 PL_INLINE point_row row_minus(point_row a, point_row b) {
     for (int k = 0; k < PL_PACKS; k++)
         a.pack[k] -= b.pack[k];
     return a;
 }
 
+/** Row a times f. */
 PL_INLINE point_row row_scaled(point_row a, double f) {
     for (int k = 0; k < PL_PACKS; k++)
         a.pack[k] *= lanes_of(f);
     return a;
 }
+
+/** Half of a. */
 PL_INLINE point_row row_halved(point_row a) {
     return row_scaled(a, 0.5);
 }
+
+/** Absolute values of a. */
 PL_INLINE point_row row_abs(point_row a) {
     for (int k = 0; k < PL_PACKS; k++)
         a.pack[k] = lanes_abs(a.pack[k]);
     return a;
 }
+
+/** Larger numbers of a and b. */
 PL_INLINE point_row row_max(point_row a, point_row b) {
     for (int k = 0; k < PL_PACKS; k++)
         a.pack[k] = lanes_max(a.pack[k], b.pack[k]);
     return a;
 }
+
+/** Largest number of a. */
 PL_INLINE double row_largest(point_row a) {
     return lanes_largest(a.pack);
 }
@@ -110,6 +125,8 @@ PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_RO
     const lanes in[4] = {rows[0].pack[0], rows[1].pack[0], rows[2].pack[0], rows[3].pack[0]};
     exchange(in, column);
 }
+
+/** Exchange columns of lanes to the rows of PL_PACK points. */
 PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
     lanes out[4];
     exchange(column, out);
@@ -119,9 +136,12 @@ PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PAC
 
 #elif PL_PACK == 2
 
+/** Row of a point p [dim]; the rest is 0. */
 PL_INLINE point_row row_of(const double *p, const int dim) {
     return (point_row){{{p[0], p[1]}, {dim == 3 ? p[2] : 0, 0}}};
 }
+
+/** Exchange the rows of PL_PACK points to columns of lanes. */
 PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
     for (int k = 0; k < PL_PACKS; k++) {
         lanes a = rows[0].pack[k], b = rows[1].pack[k];
@@ -129,6 +149,8 @@ PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_RO
         column[2 * k + 1] = (lanes){a[1], b[1]};
     }
 }
+
+/** Exchange columns of lanes to the rows of PL_PACK points. */
 PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
     for (int k = 0; k < PL_PACKS; k++) {
         lanes a = column[2 * k], b = column[2 * k + 1];
@@ -139,13 +161,18 @@ PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PAC
 
 #else
 
+/** Row of a point p [dim]; the rest is 0. */
 PL_INLINE point_row row_of(const double *p, const int dim) {
     return (point_row){{p[0], p[1], dim == 3 ? p[2] : 0, 0}};
 }
+
+/** Exchange the rows of PL_PACK points to columns of lanes. */
 PL_INLINE void rows_to_columns(const point_row rows[PL_PACK], lanes column[PL_ROW]) {
     for (int k = 0; k < PL_ROW; k++)
         column[k] = rows[0].pack[k];
 }
+
+/** Exchange columns of lanes to the rows of PL_PACK points. */
 PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PACK]) {
     for (int k = 0; k < PL_ROW; k++)
         rows[0].pack[k] = column[k];

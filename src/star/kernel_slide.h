@@ -23,6 +23,7 @@ typedef struct sliding {
     double direction[3];     /* unit normal of the plane, or along the line */
 } sliding;
 
+/** Return the plane, line or surface of the star's node; kind PLANISH_FREE: none. */
 static inline sliding sliding_of(const pl_star_problem *problem, int64_t index, double scale,
                                  const int dim) {
     sliding s = {.kind = PLANISH_FREE};

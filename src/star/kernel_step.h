@@ -48,6 +48,7 @@ static inline int steps_of_visit(planish_direction direction, double fall, doubl
 /* No direction is longer than this many sizes (root mean square distance of the link) of a star. */
 #define STEP_LIMIT 2.0
 
+/** Shorten direction to STEP_LIMIT sizes of the star. */
 static inline void limit_length(double *direction, double size2, const int dim) {
     double length2 = dot(direction, direction, dim);
     double limit2 = STEP_LIMIT * STEP_LIMIT * size2;
@@ -58,6 +59,7 @@ static inline void limit_length(double *direction, double size2, const int dim) 
     }
 }
 
+/** Find a direction of descent; returns 0 if there is none. */
 static inline int find_direction(planish_direction kind, const derivatives *derivative,
                                  conjugate *memory, double *direction, const int dim) {
     int found = kind == PLANISH_NEWTON

@@ -39,6 +39,7 @@ PL_INLINE lanes areas_from(const vec3 r[3], const vec3 e[3], vec3 m[3], lanes ar
     return (area[0] + area[1]) + area[2];
 }
 
+/** Sum of the areas of the faces at the node, of the pack at facet i. */
 PL_INLINE lanes areas_at(const star *s, int64_t i, vec3 x) {
     vec3 r[3], e[3], m[3];
     lanes area[3];

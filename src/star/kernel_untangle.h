@@ -22,6 +22,7 @@ typedef struct attempt {
     regularised energy;
 } attempt;
 
+/** Evaluate the energy at the position step along direction from x. */
 static inline attempt attempt_at(const local *here, double epsilon, const double *x,
                                  const double *direction, double step, const int dim) {
     attempt t = {.position = {0}};
@@ -53,6 +54,7 @@ static inline int untangling_search(const local *here, double epsilon, const dou
     return within_bounds(&here->b, best->position, dim);
 }
 
+/** Visit one star to lower its energy. */
 static inline void untangle_star(const pl_star_problem *problem, int64_t index, double *scratch,
                                  pl_star_tally *tally, const int dim) {
     const int32_t node = problem->node[index];
@@ -84,10 +86,12 @@ static inline void untangle_star(const pl_star_problem *problem, int64_t index, 
     pl_sum_add(&tally->decrease, fall);
 }
 
+/** Whether the node of the star is in the patch. */
 static inline int may_move(const pl_star_problem *problem, int64_t index) {
     return problem->untangling->in_patch[problem->node[index]];
 }
 
+/** Visit stars begin .. end - 1 of the patch. */
 static inline void untangle_range(const pl_star_problem *problem, int64_t begin, int64_t end,
                                   double *scratch, pl_star_tally *tally, const int dim) {
     for (int64_t i = begin; i < end; i++) {
@@ -100,6 +104,7 @@ static inline void untangle_range(const pl_star_problem *problem, int64_t begin,
 
 /* ---- the energy of a range ------------------------------------------------------------------ */
 
+/** Fill slope with the derivatives, in the mesh's scale. */
 static inline void give_slope(const local *here, const derivatives *derivative,
                               pl_star_slope *slope) {
     for (int d = 0; d < 3; d++)
@@ -108,6 +113,7 @@ static inline void give_slope(const local *here, const derivatives *derivative,
         slope->hessian[d] = derivative->hessian[d] * here->s.scale * here->s.scale;
 }
 
+/** Sum the energy of stars begin .. end - 1; slope may be NULL. */
 static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_t begin,
                                           int64_t end, double *scratch, pl_star_slope *slope,
                                           const int dim) {
@@ -135,21 +141,25 @@ static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_
 
 /* ---- the functions of a variant ------------------------------------------------------------- */
 
+/** Untangle stars begin .. end - 1 of triangles. */
 static void untangle_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
                                double *scratch, pl_star_tally *tally) {
     untangle_range(problem, begin, end, scratch, tally, 2);
 }
 
+/** Untangle stars begin .. end - 1 of tetrahedra. */
 static void untangle_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
                                 double *scratch, pl_star_tally *tally) {
     untangle_range(problem, begin, end, scratch, tally, 3);
 }
 
+/** Sum the energy of stars begin .. end - 1 of triangles. */
 static pl_star_energy energy_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
                                        double *scratch, pl_star_slope *slope) {
     return energy_range(problem, begin, end, scratch, slope, 2);
 }
 
+/** Sum the energy of stars begin .. end - 1 of tetrahedra. */
 static pl_star_energy energy_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
                                         double *scratch, pl_star_slope *slope) {
     return energy_range(problem, begin, end, scratch, slope, 3);

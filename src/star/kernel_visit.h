@@ -185,6 +185,7 @@ static inline void visit_star(const pl_star_problem *problem, int64_t index, int
 
 /* ---- ranges of stars ----------------------------------------------------------------------- */
 
+/** Visit stars begin .. end - 1. */
 static inline void visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
                                double *scratch, pl_star_tally *tally, const int dim) {
     for (int64_t i = begin; i < begin + AHEAD; i++)
@@ -199,6 +200,7 @@ static inline void visit_range(const pl_star_problem *problem, int64_t begin, in
     }
 }
 
+/** Evaluate the star of index where its node is. */
 static inline int evaluate(const pl_star_problem *problem, int64_t index, double *scratch,
                            int with_derivatives, pl_star_value *value, const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
@@ -220,21 +222,25 @@ static inline int evaluate(const pl_star_problem *problem, int64_t index, double
 
 /* ---- the functions of a variant ------------------------------------------------------------ */
 
+/** Visit stars begin .. end - 1 of triangles. */
 static void visit_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
                             double *scratch, pl_star_tally *tally) {
     visit_range(problem, begin, end, scratch, tally, 2);
 }
 
+/** Visit stars begin .. end - 1 of tetrahedra. */
 static void visit_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
                              double *scratch, pl_star_tally *tally) {
     visit_range(problem, begin, end, scratch, tally, 3);
 }
 
+/** Evaluate a star of triangles. */
 static int evaluate_triangles(const pl_star_problem *problem, int64_t star_index, double *scratch,
                               int with_derivatives, pl_star_value *value) {
     return evaluate(problem, star_index, scratch, with_derivatives, value, 2);
 }
 
+/** Evaluate a star of tetrahedra. */
 static int evaluate_tetrahedra(const pl_star_problem *problem, int64_t star_index, double *scratch,
                                int with_derivatives, pl_star_value *value) {
     return evaluate(problem, star_index, scratch, with_derivatives, value, 3);

@@ -5,8 +5,14 @@
  * what is asked for, one step at a time, and never leaves the polytope in which every element is
  * positive (docs/algorithm.md).
  *
- * Pure: no threads, no allocation, no files. The same source is compiled for several instruction
- * sets (kernel_*.c); all of them, and the plain one, give the same bits.
+ * The kernel starts no thread, allocates no memory and opens no file: a visit works in the scratch
+ * memory that its caller gives. It has two effects besides moving its node. Threads visit stars of
+ * one colour at the same time, so the flags pl_star_problem.changed are read and written atomically
+ * (kernel_local.h, kernel_visit.h, kernel_guarded.h). A node that slides on the caller's surface
+ * calls the caller's function, outside of the context of the call (kernel_slide.h).
+ *
+ * The same source is compiled for several instruction sets (kernel_*.c); all of them, and the plain
+ * one, give the same bits.
  */
 #ifndef PL_STAR_H
 #define PL_STAR_H
@@ -78,6 +84,7 @@ typedef struct pl_star_limits {
     double rr2_blunt; /* RR^2 up to which no element has such an angle */
 } pl_star_limits;
 
+/** Limits that no star exceeds. */
 static inline pl_star_limits pl_star_no_limits(void) {
     return (pl_star_limits){INFINITY, INFINITY, INFINITY};
 }

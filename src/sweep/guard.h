@@ -40,10 +40,14 @@ int pl_check_delta(const planish_options *options, double delta, planish_error *
  *  _MEMORY. */
 int pl_guard_create(const planish_plan *plan, const planish_options *options,
                     const double *coordinates, double delta, pl_guard *guard, planish_error *error);
+
+/** Free the arrays of guard. */
 void pl_guard_destroy(pl_guard *guard);
 
 /** F = mu1 f1 + mu2 f2 of sums: over all valid elements, or over those with a free node. */
 double pl_objective_of_all(const planish_options *options, const pl_objective_sums *sums);
+
+/** F of the elements with a free node. */
 double pl_objective_of_movable(const planish_options *options, const pl_objective_sums *sums);
 
 /** Weigh sum AR^2 and sum g^2 of a star so that their sum, times the factor that is returned, is an

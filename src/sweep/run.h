@@ -70,9 +70,17 @@ void pl_run_measure_rest(pl_run *r, const double *all);
 
 /** F of all elements as measured or tracked last; how many are inverted or below. */
 double pl_run_objective(const pl_run *r);
+
+/** Number of inverted elements in the plan's part, as measured last. */
 int64_t pl_run_inverted(const pl_run *r);
+
+/** Number of elements below their least volume in the plan's part, as measured last. */
 int64_t pl_run_below(const pl_run *r);
+
+/** RMS of the ratio over all elements. */
 double pl_run_rms(const pl_run *r);
+
+/** RMS of the ratio over the elements with a free node. */
 double pl_run_rms_of_movable(const pl_run *r);
 
 /* What elements may become, relative to the worst there is: the margin is for the rounding of
@@ -100,7 +108,11 @@ int pl_run_sweep(pl_run *r, int64_t *visits);
 /** Begin a sweep; end it; and ask the caller after each colour. The last two return not 0 if the
  *  run is to end here; r->stop gives the reason after the end of the sweep. */
 void pl_run_begin_sweep(pl_run *r);
+
+/** End a sweep with its tally; returns not 0 if the run is to end. */
 int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally);
+
+/** Ask the caller after a colour of the sweep; returns not 0 if the run is to end. */
 int pl_run_after_colour(void *run, int colours_done, int64_t visits);
 
 /** A limit that asks pl_run_after_colour (colour 0), for long work between sweeps. */

@@ -26,6 +26,8 @@ typedef struct pl_settlement {
 /** Settle the components of a mesh in parts. s->conflict is given. Errors: _MEMORY. */
 int pl_components_settle(const planish_mesh *mesh, const pl_incidence *incidence,
                          const uint32_t *link, pl_settlement *s, planish_error *error);
+
+/** Free the arrays of s. */
 void pl_settlement_destroy(pl_settlement *s);
 
 /** Sum the measures of each component, exactly, rounded once: measure [m] of elements becomes, at

@@ -29,6 +29,8 @@ typedef struct pl_local_map {
 
 /** threads empty maps, or NULL. */
 pl_local_map *pl_local_maps_create(int threads);
+
+/** Free maps [threads]; NULL: do nothing. */
 void pl_local_maps_destroy(pl_local_map *maps, int threads);
 
 /** Release the entries of one map, which is {0} at first. */

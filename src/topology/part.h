@@ -31,6 +31,7 @@ typedef struct pl_seeds {
 int pl_part_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int layers, pl_part *part,
                     planish_error *error);
 
+/** Free the arrays of part. */
 void pl_part_destroy(pl_part *part);
 
 /** The part as a mesh, with what the mesh says of its nodes and elements but periodic pairs;
@@ -41,8 +42,11 @@ typedef struct pl_part_mesh {
     uint8_t *constraint;
 } pl_part_mesh;
 
+/** Make the mesh of a part of whole; *mesh owns its arrays. Errors: _MEMORY. */
 int pl_part_mesh_create(const planish_mesh *whole, const pl_part *part, int threads,
                         pl_part_mesh *mesh, planish_error *error);
+
+/** Free the arrays of mesh. */
 void pl_part_mesh_destroy(pl_part_mesh *mesh);
 
 /** Number here of a node of the mesh, or -1. */

@@ -48,6 +48,7 @@ static inline uint32_t pl_small_ring_factor(int i) {
     return i == 0 ? UINT32_C(0x9E3779B1) : UINT32_C(0x85EBCA6B);
 }
 
+/** Place of a node in the hash table. */
 static inline uint32_t pl_small_ring_place(int32_t node, uint32_t factor) {
     return (uint32_t)node * factor >> (32 - PL_SMALL_HASH_BITS);
 }

@@ -23,6 +23,7 @@ typedef struct pl_dense {
 
 /** Check dim, counts and strides of mesh, and which arrays there are. */
 int pl_check_counts(const planish_mesh *mesh, planish_error *error);
+
 /** Check the fields of mesh that concern nodes alone, as pl_check_counts does. */
 int pl_check_nodes(const planish_mesh *mesh, planish_error *error);
 
@@ -34,6 +35,8 @@ int pl_check_part(const planish_mesh *mesh, planish_error *error);
  *  coordinates; then make *dense. The lowest offending element or node is reported, for any
  *  number of threads. Errors: _ARGUMENT, _MESH, _MEMORY. */
 int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error);
+
+/** Free the copies of dense. */
 void pl_dense_destroy(pl_dense *dense);
 
 /** Check the nodes of one element. */
@@ -56,6 +59,8 @@ typedef struct pl_incidence {
 /** unasked [n]: not 0 for nodes whose list shall be empty; NULL: for none. */
 int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
                         pl_incidence *incidence, planish_error *error);
+
+/** Free the arrays of incidence. */
 void pl_incidence_destroy(pl_incidence *incidence);
 
 /* ---- boundary.c: facets, boundary nodes, orientation -------------------------------------- */
@@ -94,6 +99,8 @@ enum { PL_WRAPPED = 1 };
 int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
                      const uint8_t *is_inside, int threads, pl_boundary *boundary,
                      planish_error *error);
+
+/** Free the arrays of boundary. */
 void pl_boundary_destroy(pl_boundary *boundary);
 
 /* ---- ordering.c: nodes along a space-filling curve ---------------------------------------- */
@@ -125,6 +132,8 @@ typedef struct pl_rings {
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                     uint8_t *is_free, int32_t *node, int64_t n_rings, int open, int threads,
                     pl_rings *rings, planish_error *error);
+
+/** Free the arrays of rings. */
 void pl_rings_destroy(pl_rings *rings);
 
 /* ---- periodic.c: nodes that move together -------------------------------------------------- */
@@ -156,6 +165,8 @@ int pl_check_periodic(const planish_mesh *mesh, planish_error *error);
  *  that are no translations of one another, it becomes 0. Errors: _MEMORY. */
 int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                        uint8_t *slides, pl_periodic *periodic, planish_error *error);
+
+/** Free the arrays of periodic. */
 void pl_periodic_destroy(pl_periodic *periodic);
 
 /* ---- colouring.c: independent nodes ------------------------------------------------------- */
@@ -193,6 +204,8 @@ typedef struct pl_stars {
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
                     const int32_t *node, const int32_t *star_of, const int32_t *number_of,
                     int threads, pl_stars *stars, planish_error *error);
+
+/** Free the arrays of stars. */
 void pl_stars_destroy(pl_stars *stars);
 
 #endif

@@ -47,6 +47,8 @@ typedef struct pl_tangle {
  *  floors: elements are to be above their least volumes, else just positive. n_tangled 0: there is
  *  nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
 int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error);
+
+/** Free the arrays of t. */
 void pl_tangle_destroy(pl_tangle *t);
 
 /** Find the tangled elements of the mesh as measured last. */
@@ -67,6 +69,8 @@ void pl_tangle_measure(pl_tangle *t);
 /** Sum the energies that add_chunk finds. add_chunk is called with context for chunks of
  *  PL_TANGLE_CHUNK stars, and hands each energy to pl_tangle_add. */
 void pl_tangle_total(pl_tangle *t, pl_chunk_fn *add_chunk, void *context);
+
+/** Add an energy that a thread has found to the total. */
 void pl_tangle_add(pl_tangle *t, int thread, pl_star_energy *found);
 
 /** The sum of energies of the total. */
@@ -104,6 +108,8 @@ int pl_tangle_mend(pl_tangle *t);
 
 /** The epsilon to begin with, and the next one, from what the last one has reached. */
 double pl_first_epsilon(double least);
+
+/** Return the next epsilon, from the energies before and after the last one. */
 double pl_next_epsilon(double epsilon, double before, double after, double least);
 
 /** Begin a sweep that untangles. */
