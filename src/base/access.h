@@ -1,5 +1,5 @@
-/* access: who may do what with a file that replaces another one: no more people than before. One of
- * access_posix.c and access_windows.c is built.
+/* access: permissions of a file that replaces another one: no more people get access than before
+ * (pl_file_take_access). Either access_posix.c or access_windows.c is built.
  */
 #ifndef PL_BASE_ACCESS_H
 #define PL_BASE_ACCESS_H

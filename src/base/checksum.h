@@ -1,4 +1,5 @@
-/* checksum: of coordinates, one after another. */
+/* checksum: a checksum of coordinates, added one after another (pl_checksum_add).
+ */
 #ifndef PL_BASE_CHECKSUM_H
 #define PL_BASE_CHECKSUM_H
 

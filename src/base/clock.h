@@ -1,4 +1,8 @@
-/* clock: wall time. */
+/* clock: wall time.
+ *
+ *   pl_seconds                       the time
+ *   pl_limit_of, pl_limit_is_reached    a limit for long work
+ */
 #ifndef PL_BASE_CLOCK_H
 #define PL_BASE_CLOCK_H
 

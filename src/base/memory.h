@@ -1,4 +1,9 @@
-/* memory: arrays whose size cannot overflow. */
+/* memory: arrays whose size cannot overflow.
+ *
+ *   pl_alloc, pl_alloc_zero, pl_grow, pl_copy_text, pl_free    arrays
+ *   pl_own_block                                     give an array to a context
+ *   pl_forget_kept, pl_forget_unwanted               release blocks kept for the next call
+ */
 #ifndef PL_BASE_MEMORY_H
 #define PL_BASE_MEMORY_H
 

@@ -1,8 +1,13 @@
 /* parallel: the only loop that runs on several threads, and the scans built on it.
  *
- * All parallel work of the library and of the file formats goes through pl_parallel_for, so that
- * one place decides how chunks meet threads. Results never depend on the number of threads: sums of
+ * All parallel work of the library and of the file formats goes through pl_parallel_for: one
+ * place decides how chunks meet threads. Results never depend on the number of threads: sums of
  * chunks are exact (sum.h).
+ *
+ *   pl_parallel_for, pl_on_each_thread       run chunks, or a task per thread
+ *   pl_thread_count, pl_paying_threads       numbers of threads
+ *   pl_prefix_sum, pl_counts_row, pl_counts_to_places    scans and counting sorts
+ *   pl_set_flag, pl_raise_to, pl_raise_double, pl_lower_to    results shared by threads
  */
 #ifndef PL_BASE_PARALLEL_H
 #define PL_BASE_PARALLEL_H

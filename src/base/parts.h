@@ -1,8 +1,13 @@
-/* parts: what is asked of the other processes that have parts of the mesh (planish_part).
+/* parts: requests to the other processes that have parts of the mesh (planish_part).
  *
- * A call on a plan enters its context, which knows the part; where the whole mesh is in one process
- * these functions do nothing. With parts every process calls them in the same order: whether one is
- * called must be decided by what all of them know.
+ * A call on a plan enters its context, which knows the part. Where the whole mesh is in one
+ * process these functions do nothing. With parts every process calls them in the same order:
+ * facts that all processes know must decide whether a function is called.
+ *
+ *   pl_part_here, pl_is_own                          the part of this process
+ *   pl_parts_begin, _end, _check                     frame, and failures
+ *   pl_parts_add, _add_sums, _largest, _smallest, _smallest_integers, _any    combine numbers
+ *   pl_parts_ghosts, _update, _send, _receive        values of ghosts
  */
 #ifndef PL_BASE_PARTS_H
 #define PL_BASE_PARTS_H

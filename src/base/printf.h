@@ -1,5 +1,6 @@
-/* printf: functions whose arguments the compiler checks as printf's: argument number text is the
- * format, what it speaks of begins at number first. */
+/* printf: functions whose arguments the compiler checks as printf's. Argument number text is the
+ * format; the arguments of the format begin at number first.
+ */
 #ifndef PL_BASE_PRINTF_H
 #define PL_BASE_PRINTF_H
 

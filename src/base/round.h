@@ -1,4 +1,7 @@
-/* round: to what the caller can store. */
+/* round: round coordinates to the format that the caller stores.
+ *
+ *   pl_round_to_float, pl_store, pl_storage_of, pl_is_same
+ */
 #ifndef PL_BASE_ROUND_H
 #define PL_BASE_ROUND_H
 

@@ -1,4 +1,4 @@
-/* spin: a lock for what is done within microseconds, and seldom by two threads; 0: nobody has it.
+/* spin: a lock that is held for microseconds, and seldom wanted by two threads. 0: nobody has it.
  */
 #ifndef PL_BASE_SPIN_H
 #define PL_BASE_SPIN_H

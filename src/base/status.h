@@ -1,4 +1,8 @@
-/* status: fill in a planish_error in one line. */
+/* status: fill in a planish_error in one line.
+ *
+ *   pl_fail, pl_fail_at            any error; an error at an element or node
+ *   pl_fail_memory, pl_fail_errno  a failed allocation; a failed operation on a file
+ */
 #ifndef PL_BASE_STATUS_H
 #define PL_BASE_STATUS_H
 

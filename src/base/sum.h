@@ -1,9 +1,13 @@
 /* sum: exact sums of doubles.
  *
  * Every term is added to a number wide enough for all doubles, as in R. M. Neal, Fast exact
- * summation using small and large superaccumulators (2015); it is rounded once, at the end. So the
- * sum has the same bits in whatever order, by however many threads or processes, the terms are
- * added.
+ * summation using small and large superaccumulators (2015). The number is rounded once, at the
+ * end. The sum therefore has the same bits in any order of the terms, and for any number of
+ * threads or processes.
+ *
+ *   pl_sum_add, pl_sum_add_special, pl_sum_carry    add a term
+ *   pl_sum_share                                    add another sum
+ *   pl_sum_value                                    the rounded sum
  */
 #ifndef PL_BASE_SUM_H
 #define PL_BASE_SUM_H

@@ -1,9 +1,14 @@
-/* system: what operating systems do in ways of their own: memory, files and their names. One of
- * system_posix.c and system_windows.c is built; what the program alone needs is in
- * tools/terminal/platform.h.
+/* system: operating-system services: memory, files and their names. Either system_posix.c or
+ * system_windows.c is built; tools/terminal/platform.h has the services that only the program
+ * needs.
  *
  * Paths are UTF-8 on Windows and bytes elsewhere. Files are descriptors of the C library, for its
- * read, write and close. What fails sets errno.
+ * read, write and close. A function that fails sets errno.
+ *
+ *   pl_system_allocate, _reserve, _discard, _memory ...    memory and its pages
+ *   pl_path_*, pl_folder_check_writable                    names
+ *   pl_file_find, _open, _map, _replace, _remove ...       files
+ *   pl_system_explain, pl_process_number                   errors, and this process
  */
 #ifndef PL_BASE_SYSTEM_H
 #define PL_BASE_SYSTEM_H

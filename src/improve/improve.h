@@ -1,4 +1,12 @@
-/* improve: the phases of a call beside plain sweeps. */
+/* improve: the phases of a call beside plain sweeps.
+ *
+ *   phases.c               pl_run_prepare, pl_run_phases       all phases, in their order
+ *   slow.c                 pl_run_help                         centring and L-BFGS for slow meshes
+ *   untangle/untangle.c    pl_run_untangle, _raise_volumes     inverted or too small elements
+ *   angles.c               pl_run_has_followers, _put_back_angles   keep the smallest angle
+ *   worst.c                pl_run_worst                        improve the worst elements
+ *   augmented.c            pl_run_augmented                    least volumes by multipliers
+ */
 #ifndef PL_IMPROVE_IMPROVE_H
 #define PL_IMPROVE_IMPROVE_H
 

@@ -1,5 +1,9 @@
-/* lbfgs: lower a function of all nodes of a patch by L-BFGS (Nocedal 1980), with the nodes' own
- * Hessians as the first guess of the inverse one. */
+/* lbfgs: minimise a function of all nodes of a patch by L-BFGS (Nocedal 1980). The nodes' own
+ * Hessians are the first guess of the inverse one.
+ *
+ *   pl_lbfgs_create, _destroy     arrays of a minimisation
+ *   pl_lbfgs_begin, _iterate      evaluate at the start; one iteration
+ */
 #ifndef PL_IMPROVE_LBFGS_H
 #define PL_IMPROVE_LBFGS_H
 

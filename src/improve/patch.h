@@ -1,8 +1,13 @@
 /* patch: some nodes as one vector.
  *
- * Sweeps move one node at a time and even out what is wrong within a few elements; where much is
- * tangled, or a boundary has moved far, all nodes have to give way together. Vectors are over the
- * patch's nodes in visiting order, [n][dim]; their products are sums over the nodes, rounded once.
+ * Sweeps move one node at a time and repair errors within a few elements. Where much is tangled,
+ * or a boundary has moved far, all nodes must move together. Vectors are over the patch's nodes
+ * in visiting order, [n][dim]; their products are sums over the nodes, rounded once.
+ *
+ *   pl_patch_create, _destroy, _vector, _node         a patch, its vectors and nodes
+ *   pl_patch_for, _product, _combine, _scale          arithmetic of vectors
+ *   pl_patch_take, _put, _admit                       exchange with the mesh
+ *   pl_box_of_fixed, pl_patch_centre                  nodes to the mean of their neighbours
  */
 #ifndef PL_IMPROVE_PATCH_H
 #define PL_IMPROVE_PATCH_H

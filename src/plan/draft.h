@@ -1,4 +1,8 @@
-/* draft: what making a plan needs only while it is made. */
+/* draft: data that plan creation needs only while it runs.
+ *
+ *   domain.c    pl_draft_begin, _look_at_measures, _select    the mesh, or the part to work on
+ *   draft.c     pl_draft_finish, _destroy                     free nodes, their order and stars
+ */
 #ifndef PL_PLAN_DRAFT_H
 #define PL_PLAN_DRAFT_H
 

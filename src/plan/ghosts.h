@@ -1,5 +1,10 @@
-/* ghosts: nodes that other processes move, and what they are told of ours. All of it is empty where
- * the whole mesh is in one process. */
+/* ghosts: nodes that other processes move, and messages about this process's nodes. Everything is
+ * empty where the whole mesh is in one process.
+ *
+ *   pl_ghosts_create, _destroy            the ghosts of a plan
+ *   pl_ghosts_note, _send, _receive       before and after the visits of a colour
+ *   pl_ghosts_wake, _update               stars around ghosts that have moved
+ */
 #ifndef PL_PLAN_GHOSTS_H
 #define PL_PLAN_GHOSTS_H
 

@@ -1,4 +1,8 @@
-/* options: what every call checks before it works. */
+/* options: checks that every call makes before it works.
+ *
+ *   pl_options_check     the values of planish_options
+ *   pl_threads_for       number of threads
+ */
 #ifndef PL_PLAN_OPTIONS_H
 #define PL_PLAN_OPTIONS_H
 

@@ -1,4 +1,9 @@
-/* placement: how many threads, and on which cores. The only user of hwloc. */
+/* placement: the number of threads, and their cores. The only user of hwloc.
+ *
+ *   pl_placement_create, _destroy, _forget_machine    choose cores; forget the machine
+ *   pl_placement_threads, _cpu, _is_near, _text       the choice
+ *   pl_placement_enter, _leave                        bind the threads of a call
+ */
 #ifndef PL_PLAN_PLACEMENT_H
 #define PL_PLAN_PLACEMENT_H
 

@@ -1,4 +1,12 @@
-/* plan: all that smoothing needs to know of one connectivity, made once. */
+/* plan: all facts about one connectivity that smoothing needs, computed once.
+ *
+ *   pl_plan_make, _destroy                     a plan
+ *   pl_plan_problem, _sliding_problem          the local problems of its stars
+ *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
+ *   pl_plan_points, _all_points, _dense        the caller's coordinates
+ *   pl_plan_element, _node                     the caller's numbers
+ *   pl_view_of_all_elements, pl_plan_check_call    what measurements and calls need
+ */
 #ifndef PL_PLAN_PLAN_H
 #define PL_PLAN_PLAN_H
 

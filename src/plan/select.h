@@ -1,4 +1,8 @@
-/* select: the nodes that options.only_worse_than and options.around are about. */
+/* select: the nodes that options.only_worse_than and options.around select.
+ *
+ *   pl_select            nodes of bad elements, and rings of elements around them
+ *   pl_select_around     nodes around options->around
+ */
 #ifndef PL_PLAN_SELECT_H
 #define PL_PLAN_SELECT_H
 

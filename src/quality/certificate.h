@@ -1,7 +1,10 @@
 /* certificate: the exact sign of the measure of a simplex.
  *
- * Orientation convention: positive where det[v1 - v0, v2 - v0, v3 - v0] > 0, or in the plane
- * (v1 - v0) x (v2 - v0) > 0.
+ * Orientation convention: positive where det[v1 - v0, v2 - v0, v3 - v0] > 0, or in the plane (v1
+ * - v0) x (v2 - v0) > 0.
+ *
+ *   pl_measure_sign             the sign
+ *   pl_certified_determinant    the measure, with the exact sign
  */
 #ifndef PL_QUALITY_CERTIFICATE_H
 #define PL_QUALITY_CERTIFICATE_H

@@ -1,9 +1,13 @@
-/* measure: what a mesh is worth, in one pass over its elements.
+/* measure: the quality of a mesh, in one pass over its elements.
  *
- * The sums that RMS values come from are rounded once (base/sum.h); the others run over chunks that
- * depend on the mesh alone and are added in the chunks' order, with a fixed number of accumulators
- * in each: the same bits for any number of threads and instruction set. Which elements are valid is
- * decided exactly (certificate.h).
+ * The sums that RMS values come from are rounded once (base/sum.h). The other sums run over
+ * chunks that depend on the mesh alone, with a fixed number of accumulators in each, and are
+ * added in the chunks' order: the same bits for any number of threads and instruction set. The
+ * validity of elements is decided exactly (certificate.h).
+ *
+ *   pl_measure                       all measures
+ *   pl_sum_radius_ratio              the radius ratio alone, faster
+ *   pl_find_worse, pl_find_ratios    single elements
  */
 #ifndef PL_QUALITY_MEASURE_H
 #define PL_QUALITY_MEASURE_H

@@ -1,9 +1,12 @@
 /* measure_block: the measures of a few elements at once.
  *
- * Elements are taken in blocks of PL_LANES: gather the vertices, evaluate all lanes at once by the
- * plain formulas of geometry/simplex.h, which the compiler turns into vectors. Elements whose
- * orientation rounding could hide, or whose size could over- or underflow, are not certain and are
- * looked at again one by one (measure_block.c), scaled and with the exact sign.
+ * Elements are taken in blocks of PL_LANES. A block gathers its vertices and evaluates all lanes
+ * at once by the plain formulas of geometry/simplex.h, which the compiler turns into vectors.
+ * Elements whose orientation rounding could hide, or whose size could over- or underflow, are not
+ * certain. measure_block.c evaluates these one by one, scaled and with the exact sign.
+ *
+ *   pl_block_gather, _evaluate, _resolve      fill a block
+ *   pl_block_acuteness, _largest_square, _is_certain    read a block
  */
 #ifndef PL_QUALITY_MEASURE_BLOCK_H
 #define PL_QUALITY_MEASURE_BLOCK_H

@@ -1,7 +1,11 @@
-/* measure_sums: what the elements of a chunk, and of the mesh, come to.
+/* measure_sums: sums of measures over the elements of a chunk, and of the mesh.
  *
- * The sums of RR^2 are rounded once (base/sum.h). Of the others there is one accumulator per lane
- * while a chunk is gone through; then the lanes are added in their order, and the chunks in theirs.
+ * The sums of RR^2 are rounded once (base/sum.h). Every other sum has one accumulator per lane
+ * within a chunk; then the lanes are added in their order, and the chunks in theirs.
+ *
+ *   pl_add_basic, _squares, _volumes, _measures, _ratios, _angles    add a block
+ *   pl_clear_full, pl_reduce_basic, _full     begin and end a chunk
+ *   pl_total_basic, _full                     add up the chunks
  */
 #ifndef PL_QUALITY_MEASURE_SUMS_H
 #define PL_QUALITY_MEASURE_SUMS_H

@@ -1,7 +1,10 @@
-/* objective: the paper's F of a mesh and what it is made of: aspect ratios of the kind asked for,
- * and volumes against their least values. The guarded sweeps are judged by it; measure.h has the
+/* objective: the paper's F of a mesh and its terms: aspect ratios of the kind asked for, and
+ * volumes against their least values. The guarded sweeps are judged by F; measure.h has the
  * radius ratio alone, faster. Sums are rounded once (base/sum.h): the same bits for any number of
  * threads and order of the elements.
+ *
+ *   pl_sum_objective                                 the sums
+ *   pl_find_below, pl_find_inverted, _tangled        elements that miss their least volume
  */
 #ifndef PL_QUALITY_OBJECTIVE_H
 #define PL_QUALITY_OBJECTIVE_H

@@ -1,4 +1,8 @@
-/* reversed: the elements that are numbered the other way round than most, by exact signs. */
+/* reversed: elements whose numbering is opposite to that of most elements, by exact signs.
+ *
+ *   pl_count_reversed     how many there are
+ *   pl_find_reversed      which they are
+ */
 #ifndef PL_QUALITY_REVERSED_H
 #define PL_QUALITY_REVERSED_H
 

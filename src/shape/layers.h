@@ -1,4 +1,5 @@
-/* layers: the elements that are thin in layers. */
+/* layers: the thin elements that lie in layers (pl_find_layers).
+ */
 #ifndef PL_SHAPE_LAYERS_H
 #define PL_SHAPE_LAYERS_H
 

@@ -1,4 +1,9 @@
-/* regions: arrays of cells that tell regions, and the nodes between regions. */
+/* regions: arrays of cells that define regions, and the nodes between regions.
+ *
+ *   pl_check_cell_arrays, pl_region_name      the arrays
+ *   pl_find_regions, pl_combine_regions       regions of elements
+ *   pl_find_interfaces                        nodes between regions
+ */
 #ifndef PL_SHAPE_REGIONS_H
 #define PL_SHAPE_REGIONS_H
 

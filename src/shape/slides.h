@@ -1,4 +1,5 @@
-/* slides: which nodes can slide on the planes and lines of the surface. */
+/* slides: the nodes that can slide on the planes and lines of the surface (pl_find_slides).
+ */
 #ifndef PL_SHAPE_SLIDES_H
 #define PL_SHAPE_SLIDES_H
 

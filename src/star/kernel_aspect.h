@@ -1,9 +1,8 @@
-/* kernel_aspect: the objective of every kind, with least volumes: what the guarded kernel
- * minimises.
+/* kernel_aspect: the objective of every kind, with least volumes, for the guarded kernel.
  *
- * Over a star: f = ratio_weight sum AR^2 + volume_weight sum g^2, g = 1 - D / floor, its
- * derivatives, and how far elements are below their floor. One body for both dimensions and all
- * aspect ratios; kernel_objective.h has the radius ratio alone, faster. Formulas:
+ * Over a star: f = ratio_weight sum AR^2 + volume_weight sum g^2, g = 1 - D / floor; its
+ * derivatives; and how far elements are below their floor. One body serves both dimensions and
+ * all aspect ratios. kernel_objective.h has the radius ratio alone, faster. Formulas:
  * docs/algorithm.md.
  */
 #ifndef PL_STAR_KERNEL_ASPECT_H

@@ -1,4 +1,5 @@
-/* kernel_direction: where to go from the gradient and Hessian of a star. Plain scalar arithmetic.
+/* kernel_direction: a direction of descent from the gradient and Hessian of a star. Plain scalar
+ * arithmetic.
  */
 #ifndef PL_STAR_KERNEL_DIRECTION_H
 #define PL_STAR_KERNEL_DIRECTION_H

@@ -1,4 +1,9 @@
-/* guard: what options and plan ask of the guarded kernel: objective, least volumes, bounds. */
+/* guard: the guarded kernel's input from options and plan: objective, least volumes, bounds.
+ *
+ *   pl_guard_create, _destroy, _weigh             arrays and weights of the guarded kernel
+ *   pl_least_volume, pl_check_delta               options.min_volume as a volume
+ *   pl_objective_problem_of, pl_objective_of_all, _of_movable, pl_rms    the objective F
+ */
 #ifndef PL_SWEEP_GUARD_H
 #define PL_SWEEP_GUARD_H
 

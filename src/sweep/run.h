@@ -1,4 +1,14 @@
-/* run: one call of planish_smooth: what it works on, what the mesh is worth, its sweeps. */
+/* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps. All in run.c.
+ *
+ *   pl_run_measure, _measure_rest             measure the mesh
+ *   pl_run_objective, _inverted, _below       figures of the mesh as measured or tracked last
+ *   pl_run_rms, _rms_of_movable               RMS values
+ *   pl_run_limits                             the worst element's measures, as limits
+ *   pl_run_objective_problem, _sliding_problem, _begin_anew    set up measurements and visits
+ *   pl_run_sweeps, _sweep, _sweep_colours     sweep until convergence, once, or over the colours
+ *   pl_run_begin_sweep, _end_sweep            frame of a sweep
+ *   pl_run_after_colour, _limit, _ask_all, _sweeps_left        stop and limits
+ */
 #ifndef PL_SWEEP_RUN_H
 #define PL_SWEEP_RUN_H
 

@@ -1,4 +1,9 @@
-/* sweep: one pass over the colours of a plan, optimality, and convergence of passes. */
+/* sweep: one pass over the colours of a plan, optimality, and convergence of passes.
+ *
+ *   sweep.c          pl_sweep, pl_follow          visit all colours; place followers
+ *   optimality.c     pl_optimality                how far the stars are from a minimum
+ *   convergence.c    pl_remainder, pl_converged   what further sweeps promise
+ */
 #ifndef PL_SWEEP_SWEEP_H
 #define PL_SWEEP_SWEEP_H
 

@@ -1,7 +1,7 @@
-/* trial: change the mesh, and take the change or undo it.
+/* trial: change the mesh, and keep the change or undo it.
  *
- *   pl_trial_begin    keep what stands
- *   pl_trial_end      take the mesh as it is now, or bring back what stood
+ *   pl_trial_begin    keep a copy of the mesh
+ *   pl_trial_end      accept the mesh as it is now, or restore the copy
  */
 #ifndef PL_SWEEP_TRIAL_H
 #define PL_SWEEP_TRIAL_H

@@ -1,5 +1,9 @@
-/* facets: match the facets of the elements, each at its smallest node. For topology, shape, reports
- * and planish-mpi. */
+/* facets: match the facets of the elements, each at its smallest node. For topology, shape,
+ * reports and planish-mpi.
+ *
+ *   pl_facets_match, pl_facet_joins      match facets; whether a facet joins elements
+ *   pl_sort_element                      the nodes of an element, ascending
+ */
 #ifndef PL_TOPOLOGY_FACETS_H
 #define PL_TOPOLOGY_FACETS_H
 

@@ -1,4 +1,8 @@
-/* orientation: which order of its nodes each element has. Internal to topology. */
+/* orientation: the positive order of the nodes of each element. Internal to topology.
+ *
+ *   pl_orientation_guess      by the signs of the measures
+ *   pl_orientation_create     by the facets
+ */
 #ifndef PL_TOPOLOGY_ORIENTATION_H
 #define PL_TOPOLOGY_ORIENTATION_H
 

@@ -1,5 +1,9 @@
-/* part: the elements around some nodes, as a mesh of its own. What is done with it costs by its
- * size, not by that of the mesh. */
+/* part: the elements around some nodes, as a mesh of its own. The cost of work on a part depends
+ * on the part's size, not on the mesh's.
+ *
+ *   pl_part_by_marks, pl_part_by_walk, pl_part_destroy     the elements of a part
+ *   pl_part_mesh_create, _destroy, pl_part_find_node       the part as a mesh
+ */
 #ifndef PL_TOPOLOGY_PART_H
 #define PL_TOPOLOGY_PART_H
 

@@ -1,5 +1,6 @@
-/* wrapped: elements that reach around a periodic domain, from one side to the other. Internal to
- * topology. */
+/* wrapped: elements that reach around a periodic domain, from one side to the other
+ * (pl_wrapped_find). Internal to topology.
+ */
 #ifndef PL_TOPOLOGY_WRAPPED_H
 #define PL_TOPOLOGY_WRAPPED_H
 

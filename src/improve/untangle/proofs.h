@@ -1,4 +1,8 @@
-/* proofs: elements that no position of the free nodes can bring above their least volume. */
+/* proofs: elements that no position of the free nodes can bring above their least volume.
+ *
+ *   pl_mark_enclosed       elements inside a boundary of non-positive volume
+ *   pl_mark_infeasible     elements of a star that contradict one another
+ */
 #ifndef PL_IMPROVE_UNTANGLE_PROOFS_H
 #define PL_IMPROVE_UNTANGLE_PROOFS_H
 

@@ -1,4 +1,11 @@
-/* tangle: the elements that have to be untangled, and the patch of nodes that is moved for it. */
+/* tangle: the elements to untangle, and the patch of nodes that moves for them.
+ *
+ *   tangle.c      pl_tangle_create, _find, _mark, _measure ...    elements, patch and its energy
+ *   hopeless.c    pl_share_hopeless                    elements given up in another process
+ *   return.c      pl_tangle_return                     nodes back to where the call began
+ *   descent.c     pl_tangle_solve                      all nodes of the patch at once
+ *   untangle.c    pl_first_epsilon, pl_next_epsilon    the ladder of epsilons
+ */
 #ifndef PL_IMPROVE_UNTANGLE_TANGLE_H
 #define PL_IMPROVE_UNTANGLE_TANGLE_H
 
