@@ -366,7 +366,7 @@ typedef struct planish_progress {
     double rms_movable;       /* the same over the valid elements with a free node */
     double objective;         /* F over the valid elements after the last sweep; rms by default */
     int64_t inverted;         /* elements that are not positive, after the last sweep */
-    int64_t below_min_volume; /* elements below 0.997 of their least volume, likewise */
+    int64_t below_min_volume; /* elements below 0.997 of their least volume after it */
     int restoring;  /* not 0: this sweep, or the last one, untangled elements or brought them above
                        their least volume; F may have risen */
     int worst;      /* not 0: this sweep improves the worst elements (options.worst); the values
@@ -452,7 +452,7 @@ typedef struct planish_options {
     double max_displacement;     /* how far from its start a node may go; 0: any distance */
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* what coordinates are stored as in the end */
-    int untangle;           /* not 0 (the default): elements that are not positive are mended
+    int untangle;           /* not 0 (the default): elements that are not positive are repaired
                                first where that can be done, and those below their least
                                volume while it is smoothed; 0: they are left alone */
     planish_worst worst;    /* what is improved of the worst elements in the end, by sweeps
@@ -518,7 +518,7 @@ typedef struct planish_plan_info {
     int64_t n_boundary_facets; /* facets of one element; with only_worse_than or around, these and
                                   the next are 0 if they were not needed */
     int64_t n_nonmanifold_facets; /* facets of more than two elements; their nodes are fixed */
-    int64_t n_duplicate_elements; /* elements with the same nodes as an earlier one; likewise */
+    int64_t n_duplicate_elements; /* elements with the nodes of an earlier one; nodes fixed */
     int n_colours;
     int threads;
     const char *isa;     /* name of the kernel variant in use; static text */
@@ -627,7 +627,7 @@ typedef struct planish_quality {
     double min_angle_deg;  /* dihedral angles in 3-D, angles in 2-D */
     double max_angle_deg;
     double max_radius_ratio_movable;     /* over elements with a free node, */
-    double min_angle_deg_movable;        /* likewise; 0 without any */
+    double min_angle_deg_movable;        /* over these; 0 without any */
     int64_t n_fixed;                     /* elements all of whose nodes are fixed */
     double fixed_rms_radius_ratio;       /* 0 where there is none */
     double fixed_max_radius_ratio;       /* the floor of max_radius_ratio with these nodes fixed */

@@ -1,4 +1,4 @@
-/* measure: what a mesh is worth, for the caller: with a plan and without; its checksum. */
+/* measure: the quality of a mesh for the caller, with a plan and without; its checksum. */
 #include "sweep/sweep.h"
 
 #include "base/checksum.h"

@@ -143,7 +143,7 @@ void pl_run_augmented(pl_run *r) {
     double *before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *before);
     r->guard.star.link_shift = pl_alloc_zero(n_links, sizeof *r->guard.star.link_shift);
     if (before && r->guard.star.link_shift && try_augmented(r, before))
-        pl_run_sweeps(r); /* to show what was won */
+        pl_run_sweeps(r); /* to show the improvement */
     pl_free(before);
     pl_free(r->guard.star.link_shift);
     r->guard.star.link_shift = NULL;

@@ -243,7 +243,7 @@ planish_plan *pl_plan_make(const planish_mesh *mesh, const planish_options *opti
     return plan;
 }
 
-/* See pl_star_problem.still. Where only bad elements are mended, many of them stand at a boundary
+/* See pl_star_problem.still. Where only bad elements are repaired, many of them stand at a boundary
  * that cannot be: they are not looked at again for every tremor around. */
 #define STILL        1e-4
 #define STILL_OF_FEW 1e-2

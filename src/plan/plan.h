@@ -64,7 +64,7 @@ struct planish_plan {
     int32_t *inner;   /* [n] inner number of each node */
     int is_selective; /* only nodes of bad elements are free, see pl_select */
     int32_t *node_of; /* [n] the caller's number of each node of the plan's mesh; NULL: the same */
-    int32_t *element_of; /* [m] likewise of each element */
+    int32_t *element_of; /* [m] the caller's number of each element */
     pl_scope scope;
     int64_t node_stride, component_stride; /* of the caller's coordinates */
     pl_visits interior;                    /* of the nodes that may go anywhere, */

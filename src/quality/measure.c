@@ -1,4 +1,4 @@
-/* measure: what a mesh is worth, in one pass over its elements.
+/* measure: the quality of a mesh, in one pass over its elements.
  *
  * Chunks of elements are handed to threads, which go through them in blocks (measure_block.h) and
  * add these up (measure_sums.h); then the sums become the public figures.

@@ -76,7 +76,7 @@ typedef struct star {
                               guarded kernel */
     double *area, *shared; /* [padded_edges] of the faces at x, and the weights of their Hessians */
     double *edge_row;      /* [padded_edges][PL_ROW] likewise, while derivatives are computed */
-    int64_t padded_edges;  /* likewise */
+    int64_t padded_edges;  /* edges, padded to PL_LANES */
     const uint32_t *facet; /* [padded][dim] its nodes, as rows of the ring */
     const uint32_t *facet_edge; /* [padded][3] its edges, as rows of edges, 3-D */
     const int32_t *ring;        /* [n_ring] */

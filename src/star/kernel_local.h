@@ -96,7 +96,7 @@ static inline void acquit(const pl_star_problem *problem, int32_t node) {
 }
 
 /** Tell the nodes of the star, and its own, that their stars have changed: if it is bad. Else only
- *  those that are. Several threads may tell one node at the same time, the same. */
+ *  those that are. Several threads may tell one node at the same time; all write one value. */
 static inline void tell_neighbours(const pl_star_problem *problem, int32_t node, const star *s,
                                    int is_bad) {
     __atomic_store_n(&problem->changed[node], is_bad ? PL_CHANGED | PL_TOLD | PL_BAD : PL_TOLD,

@@ -169,7 +169,7 @@ int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double 
 typedef enum pl_star_part {
     PL_PART_NONE = 0,
     PL_PART_OF_PROOF = 1, /* it contradicts others */
-    PL_PART_GIVEN_UP = 2  /* likewise, and the others can have it without this one */
+    PL_PART_GIVEN_UP = 2  /* in a proof, and the others need not fail without it */
 } pl_star_part;
 
 /** How many elements of the star's fixed link facets are given up, one of each contradiction found,

@@ -1,4 +1,4 @@
-/* run: the sweeps of one call of planish_smooth, and what the mesh is worth meanwhile. */
+/* run: the sweeps of one call of planish_smooth, and the mesh quality meanwhile. */
 #include "sweep/run.h"
 
 #include "base/clock.h"
@@ -28,7 +28,7 @@ static void transfer_measured(void *context, int64_t begin, int64_t end, int thr
                 plan->coordinates[(int64_t)plan->inner[i] * dim + d] * r->unit;
 }
 
-/* ---- what the mesh is worth --------------------------------------------------------------- */
+/* ---- the quality of the mesh -------------------------------------------------------------- */
 
 double pl_run_rms(const pl_run *r) {
     const pl_objective_sums *t = &r->worth.totals;
@@ -289,7 +289,7 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
 }
 
 /* A sweep that improved more than this part of the stars is not calm, whatever F says: a few
- * elements that cannot be mended may be all that F shows. */
+ * elements that cannot be repaired may be all that F shows. */
 #define MANY_STARS 1e-3
 
 /** Take note of a sweep; not 0 if another one is not worth its time. The averages may raise F: for

@@ -48,11 +48,11 @@ typedef struct pl_run {
     pl_rest rest;
     pl_star_problem problem;
     pl_guard guard;
-    pl_star_guard sliding_guard; /* the same for the nodes that slide */
+    pl_star_guard sliding_guard; /* guard of the nodes that slide */
     int plain;                   /* the plain problem: worth.sums counts, else worth.totals */
     double unit; /* a power of two, times which coordinates are measured: ratios are then the same
                     bits at every scale; 1 where volumes count */
-    pl_worth worth;          /* as measured last, with what the sweeps have won since */
+    pl_worth worth;          /* as measured last, with the improvement by the sweeps since */
     double measured;         /* the sum that is tracked, as measured last */
     double factor;           /* from a star's function to F, of the last sweep's weights */
     const pl_worth *shown;   /* not NULL: the sweeps are a trial, and this is what stands */

@@ -23,7 +23,7 @@
 
 enum {
     CHUNK_NODES = 16384, /* mesh nodes that one thread takes at a time */
-    CHUNK_RINGS = 512,   /* rings, likewise */
+    CHUNK_RINGS = 512,   /* rings that one thread takes at a time */
     MIN_COLOURED = 512,  /* rings that it colours at a time, at least */
     MAX_COLOURED = 4096, /* and at most */
     AHEAD = 8,           /* rings whose neighbours are asked for before they are needed */

@@ -109,7 +109,7 @@ static int64_t flags_of(const work *w, int64_t element) {
     return (reversed ? REVERSED : 0) | (w->s->conflict[root] ? CONFLICT : 0);
 }
 
-/** Tell of the k-th element of each SHARED node that has so many. */
+/** Report the k-th element of each SHARED node that has so many. */
 static void tell(work *w, int64_t k) {
     const pl_context *context = pl_context_current();
     int64_t n = 0;

@@ -18,7 +18,7 @@
 typedef struct pl_dense {
     planish_mesh mesh;
     int32_t *elements;   /* copy or NULL */
-    double *coordinates; /* likewise */
+    double *coordinates; /* copy or NULL */
 } pl_dense;
 
 /** Check dim, counts and strides of mesh, and which arrays there are. */
@@ -152,7 +152,7 @@ typedef struct pl_periodic {
     int32_t *elements;           /* [n_elements][dim + 1] */
     int32_t *source;             /* [n_elements] element that each is a copy of, or itself */
     int8_t *sign;                /* [n_elements] or NULL, */
-    double *min_volume;          /* likewise */
+    double *min_volume;          /* [n_elements] or NULL */
     int32_t *moves_with;         /* [n_nodes] the leader of its group, or itself */
     int64_t n_followers;
     pl_follower *follower; /* nodes that follow their leaders, then images */

@@ -24,7 +24,7 @@ enum { CALM_ITERATIONS = 3 };
 enum { LEAST_EVALUATIONS = 100 };
 /* An epsilon this far below what is still inverted helps no more. */
 #define EPSILON_IN_VAIN 0.02
-/* Mending ends when an iteration brings less than this. */
+/* The repair ends when an iteration gains less than this. */
 enum { MENDING_ITERATIONS = 500 };
 #define MENDING_FALL    1e-4
 #define MENDING_EPSILON 1e-6

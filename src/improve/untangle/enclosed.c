@@ -26,7 +26,7 @@ typedef struct enclosure {
     int32_t anchor;             /* a held node; -1: there is none */
     int is_open;                /* a node around slides: nothing is proved */
     int64_t n_several;          /* elements with several free nodes; 0: one star, which is proved by
-                                   itself, as some of its elements may be mended */
+                                   itself, as some of its elements may be repaired */
 } enclosure;
 
 /** The work; nodes by inner numbers. Arrays are owned. */

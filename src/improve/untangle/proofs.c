@@ -20,7 +20,7 @@ typedef struct search {
     int32_t *star_of;    /* [n] by inner numbers: the star of a free node; -1: of a ghost */
     int32_t *next_facet; /* [n_stars] link facets of the star seen so far */
     uint8_t *is_fixed;   /* [n] by inner numbers */
-    uint8_t *is_wanted;  /* [n_stars] a proof at the star would tell of an element */
+    uint8_t *is_wanted;  /* [n_stars] a proof at the star would decide about an element */
     uint8_t *part;       /* [link facets of all stars] pl_star_part */
 } search;
 

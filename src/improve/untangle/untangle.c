@@ -49,7 +49,7 @@ static const measures LADDER_OF_VOLUMES[] = {
 };
 enum { N_RUNGS_OF_VOLUMES = sizeof LADDER_OF_VOLUMES / sizeof *LADDER_OF_VOLUMES };
 
-/* Layers of elements around tangled ones that are mended after these were solved. */
+/* Layers of elements around tangled ones that are repaired after these were solved. */
 enum { MENDED_LAYERS = 40 };
 /* Push-offs end when so many sweeps in a row have left no fewer elements tangled. */
 enum { VAIN_PUSH_OFFS = 3 };
