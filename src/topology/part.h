@@ -46,7 +46,8 @@ typedef struct pl_part_mesh {
     uint8_t *constraint;
 } pl_part_mesh;
 
-/** Make the mesh of a part of whole; elements stay part's, mesh owns the rest. Errors: _MEMORY. */
+/** Make the mesh of a part of whole; elements stay part's, mesh owns the rest. Errors: those of
+ *  pl_points_check, _MEMORY. */
 int pl_part_mesh_create(const planish_mesh *whole, const pl_part *part, int threads,
                         pl_part_mesh *mesh, planish_error *error);
 
