@@ -488,12 +488,14 @@ static int open_block(gmsh_reader *reader, const block_head *head, element_block
 static int read_elements(gmsh_reader *reader, const block_head *head) {
     element_block block = {.first = 0};
     int status = open_block(reader, head, &block);
-    int width = 1 + block.type->nodes;
-    if (!status && reader->model->is_binary)
+    if (status)
+        return status;
+    const int width = 1 + block.type->nodes;
+    if (reader->model->is_binary)
         status = io_binary_records(reader->model->threads, &reader->cursor, head->n,
                                    number_size(reader) * width, read_binary_elements, &block,
                                    reader->error);
-    else if (!status)
+    else
         status = io_text_records(&reader->text, &reader->cursor, head->n, width, read_text_elements,
                                  &block, reader->error);
     if (!status && block.cells)
