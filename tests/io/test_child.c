@@ -91,7 +91,8 @@ static void result_and_files_come_back(void **state) {
 }
 
 static void any_end_is_an_error(void **state) {
-    static const int signals[] = {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGKILL, SIGILL, SIGPIPE};
+    static const int signals[] = {SIGSEGV, SIGABRT, SIGBUS,  SIGFPE,
+                                  SIGKILL, SIGILL,  SIGPIPE, SIGXCPU};
     const int n = count_descriptors();
     (void)state;
     for (size_t i = 0; i < sizeof signals / sizeof *signals; i++) {
@@ -102,6 +103,7 @@ static void any_end_is_an_error(void **state) {
         snprintf(wanted, sizeof wanted, "(signal %d,", number);
         assert_non_null(strstr(error.text, wanted));
         assert_non_null(strstr(error.text, "a.med: "));
+        assert_int_equal(strstr(error.text, "did not come to an end") != NULL, number == SIGXCPU);
     }
     for (int status = 0; status < 2; status++)
         assert_int_equal(io_child_run(leave, &status, &a_med, NULL), PLANISH_ERROR_FORMAT);

@@ -11,7 +11,8 @@ typedef int io_child_fn(void *data, planish_error *error);
 
 /** Fork, and call function(data, error), which reads input, in the child: its result, with its
  *  error. Of what it does nothing but that and files come back; it has one thread, and prints
- *  nothing. On Linux it gets no more memory than any mesh in so many bytes can need. Errors
+ *  nothing. It gets a minute of CPU, more for large inputs; on
+ *  Linux no more memory than any mesh in so many bytes can need. Errors
  * besides: _FORMAT: it crashed, at the file that the input is of; _MEMORY: no process could be
  * started. */
 int io_child_run(io_child_fn *function, void *data, const io_bytes *input, planish_error *error);

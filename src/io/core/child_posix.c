@@ -92,6 +92,17 @@ static void limit_memory(int64_t size) {
 }
 #endif
 
+/** In damaged files the library may also turn in circles. Let it have a minute of CPU, and a second
+ *  more for each megabyte: a thousand times what it takes for a sound file. */
+static void limit_time(int64_t size) {
+    const rlim_t seconds = 60 + (rlim_t)(size >> 20);
+    struct rlimit limit;
+    if (!getrlimit(RLIMIT_CPU, &limit) && seconds < limit.rlim_cur) {
+        limit.rlim_cur = seconds;
+        setrlimit(RLIMIT_CPU, &limit);
+    }
+}
+
 /** A parent that is not told all of it takes it for a crash. */
 static void tell(int to_parent, const answer *a) {
     size_t n = 0;
@@ -109,6 +120,7 @@ static void be_child(io_child_fn *function, void *data, int64_t size, int to_par
     memset(&a, 0, sizeof a);
     become_quiet();
     limit_memory(size);
+    limit_time(size);
     a.status = function(data, &a.error);
     tell(to_parent, &a);
     _exit(0); /* nothing of the caller's is flushed or called */
@@ -172,6 +184,11 @@ int io_child_run(io_child_fn *function, void *data, const io_bytes *input, plani
     const int answered = hear(from_child, &a);
     const int signal_number = wait_for(child);
     close(from_child);
+    if (!answered && signal_number == SIGXCPU)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: the HDF5 library did not come to an end on it (signal %d, in a process "
+                       "of its own); the file is damaged",
+                       input->path, signal_number);
     if (!answered)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: the HDF5 library crashed on it (signal %d, in a process of its own); "
