@@ -1,5 +1,6 @@
 /* CGNS: values of cells in solutions, which of them tell regions beside the sections; what cannot
  * be read is passed over. */
+#include "support/square.h"
 #include "support/hdf5_builder.h"
 
 #include <math.h>
@@ -144,26 +145,6 @@ static planish_file *read_square(const file_builder *builder) {
     if (builder_read(builder, &io_format_cgns, 1, &file, &error))
         fail_msg("%s", error.text);
     return file;
-}
-
-/** Names, NULL-terminated, are these, apart by blanks. */
-static void expect_names(const char *const *names, const char *expected) {
-    char text[256] = "";
-    for (; *names; names++) {
-        strcat(text, text[0] ? " " : "");
-        strcat(text, *names);
-    }
-    assert_string_equal(text, expected);
-}
-
-/** Nodes off the boundary that are held: those of the middle column, of the middle row. */
-static void expect_held(const planish_file *file, int column, int row) {
-    uint8_t constraint[N_NODES];
-    assert_int_equal(planish_file_constraints(file, NULL, constraint, NULL), PLANISH_OK);
-    for (int y = 1; y < SIDE; y++)
-        for (int x = 1; x < SIDE; x++)
-            assert_int_equal(constraint[y * (SIDE + 1) + x] == PLANISH_FIXED,
-                             (column && x == SIDE / 2) || (row && y == SIDE / 2));
 }
 
 /** Names of all arrays, of those that tell regions, what is held; b is closed. */
