@@ -182,20 +182,21 @@ static void counts_beyond_int32_are_refused(void **state) {
     io_model_destroy(&model);
 }
 
-static void errors_name_the_line(void **state) {
+static void errors_name_the_place(void **state) {
     (void)state;
     static const char text[] = "a\nb\r\nc\rd";
     char path[] = "mesh";
     io_model model = {.input = {.path = path, .data = text, .size = (int64_t)strlen(text)}};
     planish_error error;
-    assert_int_equal(io_fail_text(&model, strchr(text, 'd'), &error, "bad %d", 7),
+    assert_int_equal(io_fail_at(&model, strchr(text, 'd'), &error, "bad %d", 7),
                      PLANISH_ERROR_FORMAT);
     assert_string_equal(error.text, "mesh:4: bad 7");
-    io_fail_text(&model, text, &error, "bad");
+    io_fail_at(&model, text, &error, "bad");
     assert_string_equal(error.text, "mesh:1: bad");
-    io_fail_byte(&model, text + 3, &error, "bad");
+    assert_int_equal(io_fail_at(&model, text, NULL, "bad"), PLANISH_ERROR_FORMAT);
+    model.is_binary = 1;
+    io_fail_at(&model, text + 3, &error, "bad");
     assert_string_equal(error.text, "mesh: byte 3: bad");
-    assert_int_equal(io_fail_text(&model, text, NULL, "bad"), PLANISH_ERROR_FORMAT);
 }
 
 int main(void) {
@@ -209,7 +210,7 @@ int main(void) {
         cmocka_unit_test(lines_and_triangles_hold),
         cmocka_unit_test(what_cannot_be_smoothed_is_refused),
         cmocka_unit_test(counts_beyond_int32_are_refused),
-        cmocka_unit_test(errors_name_the_line),
+        cmocka_unit_test(errors_name_the_place),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -79,8 +79,8 @@ static int64_t count_lines(const abaqus_block *b) {
 
 static int fail_item(const abaqus_reader *r, abaqus_span item, const char *expected) {
     const int64_t length = abaqus_length(item);
-    return io_fail_text(r->model, item.begin, r->error, "'%.*s' where %s was expected",
-                        (int)(length < 24 ? length : 24), item.begin, expected);
+    return io_fail_at(r->model, item.begin, r->error, "'%.*s' where %s was expected",
+                      (int)(length < 24 ? length : 24), item.begin, expected);
 }
 
 static int take_number(const abaqus_reader *r, abaqus_span *line, const char *what,
@@ -130,8 +130,8 @@ static int read_nodes(abaqus_reader *r) {
     for (int64_t i = 0; i < r->n_blocks; i++)
         n += is_node_block(r, &r->block[i]) ? count_lines(&r->block[i]) : 0;
     if (n == 0)
-        return io_fail_text(model, model->input.data + model->input.size, r->error,
-                            "there is no *NODE with nodes: this is no mesh, or it is cut short");
+        return io_fail_at(model, model->input.data + model->input.size, r->error,
+                          "there is no *NODE with nodes: this is no mesh, or it is cut short");
     int status = io_model_nodes(model, n, 1, r->error);
     if (status)
         return status;
@@ -281,17 +281,16 @@ static int read_cell(abaqus_reader *r, io_cursor *cursor, abaqus_span line, int 
             return fail_item(r, item, "the number of a node");
         const int64_t index = io_node_index(r->model, r->numbers, number);
         if (index < 0)
-            return io_fail_text(r->model, item.begin, r->error,
-                                "element %lld: there is no node %lld", (long long)label,
-                                (long long)number);
+            return io_fail_at(r->model, item.begin, r->error, "element %lld: there is no node %lld",
+                              (long long)label, (long long)number);
         nodes[i] = (int32_t)index;
     }
     abaqus_span more;
     while (dim > 1 && abaqus_item(&line, &more))
         if (abaqus_length(more) > 0)
-            return io_fail_text(r->model, more.begin, r->error,
-                                "element %lld has more than the %d nodes of its type",
-                                (long long)label, dim + 1);
+            return io_fail_at(r->model, more.begin, r->error,
+                              "element %lld has more than the %d nodes of its type",
+                              (long long)label, dim + 1);
     cells->number[cells->n] = label;
     cells->entity[cells->n++] = 0;
     return PLANISH_OK;
@@ -341,10 +340,10 @@ static int read_element_block(abaqus_reader *r, const abaqus_block *b) {
     const shape kind = shape_of(type, r->has_cavities);
     const int is_here = b->scope == r->scope;
     if (kind.is_second_order)
-        return io_fail_text(r->model, b->parameters.begin, r->error,
-                            "elements of second order (%s) cannot be smoothed; export the mesh "
-                            "with straight elements of first order",
-                            type);
+        return io_fail_at(r->model, b->parameters.begin, r->error,
+                          "elements of second order (%s) cannot be smoothed; export the mesh "
+                          "with straight elements of first order",
+                          type);
     const int64_t first = kind.dim ? io_model_cells(r->model, kind.dim)->n : 0;
     while (!status && abaqus_line(&cursor, &line)) {
         if (kind.dim && is_here)

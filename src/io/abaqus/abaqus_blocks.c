@@ -160,22 +160,22 @@ static abaqus_keyword find_keyword(const char *name) {
 }
 
 int abaqus_fail(const abaqus_reader *r, const abaqus_block *b, const char *text) {
-    return io_fail_text(r->model, b->parameters.begin, r->error, "%s", text);
+    return io_fail_at(r->model, b->parameters.begin, r->error, "%s", text);
 }
 
 static int refuse(const abaqus_reader *r, const char *at, const char *name) {
     if (strcmp(name, "INCLUDE") == 0)
-        return io_fail_text(r->model, at, r->error,
-                            "*INCLUDE: what it brings in may be part of the mesh; put that file's "
-                            "lines in its place, or smooth the file that has the mesh");
+        return io_fail_at(r->model, at, r->error,
+                          "*INCLUDE: what it brings in may be part of the mesh; put that file's "
+                          "lines in its place, or smooth the file that has the mesh");
     if (strcmp(name, "SYSTEM") == 0)
-        return io_fail_text(r->model, at, r->error,
-                            "*SYSTEM: the nodes behind it are in other coordinates; write all of "
-                            "them in the global system");
-    return io_fail_text(r->model, at, r->error,
-                        "*%s: nodes and elements that are made by rules are not read; write all of "
-                        "them as *NODE and *ELEMENT, as preprocessors do",
-                        name);
+        return io_fail_at(r->model, at, r->error,
+                          "*SYSTEM: the nodes behind it are in other coordinates; write all of "
+                          "them in the global system");
+    return io_fail_at(r->model, at, r->error,
+                      "*%s: nodes and elements that are made by rules are not read; write all of "
+                      "them as *NODE and *ELEMENT, as preprocessors do",
+                      name);
 }
 
 static int add_block(abaqus_reader *r, abaqus_block block) {

@@ -184,10 +184,10 @@ static int ask_for(sets *s, const char *at, int64_t n) {
     s->n_asked += n;
     if (s->n_asked <= most)
         return PLANISH_OK;
-    return io_fail_text(s->reader->model, at, s->reader->error,
-                        "the sets have more than %lld members, too many for a file of this size: "
-                        "sets or sequences stand in others over and over",
-                        (long long)most);
+    return io_fail_at(s->reader->model, at, s->reader->error,
+                      "the sets have more than %lld members, too many for a file of this size: "
+                      "sets or sequences stand in others over and over",
+                      (long long)most);
 }
 
 static int add_number(sets *s, int32_t set, int64_t number) {
@@ -210,8 +210,8 @@ static int add_set(sets *s, int32_t set, int32_t from, const char *at) {
 
 static int fail_item(const sets *s, abaqus_span item, const char *text) {
     const int64_t length = item.end - item.begin;
-    return io_fail_text(s->reader->model, item.begin, s->reader->error, "'%.*s': %s",
-                        (int)(length < 32 ? length : 32), item.begin, text);
+    return io_fail_at(s->reader->model, item.begin, s->reader->error, "'%.*s': %s",
+                      (int)(length < 32 ? length : 32), item.begin, text);
 }
 
 /** A whole number, also one that is written as a real one, as meshio does it. 0 or -1. */
@@ -293,9 +293,9 @@ static int add_nodes_of(sets *s, const abaqus_block *b, int32_t set, abaqus_span
 static int read_set(sets *s, const abaqus_block *b, set_kind things) {
     abaqus_span name = {NULL, NULL}, other, line, item;
     if (!abaqus_parameter(b, things == NODES ? "NSET" : "ELSET", &name))
-        return io_fail_text(s->reader->model, b->parameters.begin, s->reader->error,
-                            "a set without a name: %s= was expected",
-                            things == NODES ? "NSET" : "ELSET");
+        return io_fail_at(s->reader->model, b->parameters.begin, s->reader->error,
+                          "a set without a name: %s= was expected",
+                          things == NODES ? "NSET" : "ELSET");
     int status = things == ELEMENTS && !s->elements ? number_elements(s) : PLANISH_OK;
     const int32_t set = status ? status : make_set(s, things, b->scope, name);
     if (set < 0)

@@ -277,14 +277,16 @@ void io_model_destroy(io_model *model) {
 
 /* ---- errors ------------------------------------------------------------------------------- */
 
-/** "FILE:LINE: text" or "FILE: byte N: text". */
-static int fail(const io_model *model, const char *at, int is_binary, planish_error *error,
-                const char *format, va_list arguments) {
+int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format,
+               ...) {
     char text[384];
     if (!error)
         return PLANISH_ERROR_FORMAT;
+    va_list arguments;
+    va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
-    if (is_binary)
+    va_end(arguments);
+    if (model->is_binary)
         return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: byte %lld: %s", model->input.path,
                        (long long)(at - model->input.data), text);
     int64_t line = 1;
@@ -292,31 +294,4 @@ static int fail(const io_model *model, const char *at, int is_binary, planish_er
         line += *c == '\n' || (*c == '\r' && (c + 1 == at || c[1] != '\n'));
     return pl_fail(error, PLANISH_ERROR_FORMAT, "%s:%lld: %s", model->input.path, (long long)line,
                    text);
-}
-
-int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format,
-               ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    const int status = fail(model, at, model->is_binary, error, format, arguments);
-    va_end(arguments);
-    return status;
-}
-
-int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
-                 ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    const int status = fail(model, at, 0, error, format, arguments);
-    va_end(arguments);
-    return status;
-}
-
-int io_fail_byte(const io_model *model, const char *at, planish_error *error, const char *format,
-                 ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    const int status = fail(model, at, 1, error, format, arguments);
-    va_end(arguments);
-    return status;
 }

@@ -284,14 +284,9 @@ void io_model_destroy(io_model *model);
 
 /* ---- errors --------------------------------------------------------------------------------- */
 
-/** Fail at a place of the file: io_fail_byte where model->is_binary, else io_fail_text. */
+/** Fail with _FORMAT at a place of the file: "FILE:LINE: text", lines counted from the start, or
+ *  "FILE: byte N: text" where model->is_binary. error may be NULL: then nothing is written. */
 int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format, ...)
     PL_PRINTF(4, 5);
-/** "FILE:LINE: text" as a _FORMAT error; at: the byte where it is (line counted from the start). */
-int io_fail_text(const io_model *model, const char *at, planish_error *error, const char *format,
-                 ...) PL_PRINTF(4, 5);
-/** "FILE: byte N: text" for binary parts. */
-int io_fail_byte(const io_model *model, const char *at, planish_error *error, const char *format,
-                 ...) PL_PRINTF(4, 5);
 
 #endif

@@ -205,13 +205,13 @@ int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_erro
     for (int i = 0; i < 3; i++) {
         double value;
         if (io_real(cursor, &value))
-            return io_fail_text(model, cursor->at, error,
-                                "node %lld: coordinate expected (the file may be cut short)",
-                                (long long)number);
+            return io_fail_at(model, cursor->at, error,
+                              "node %lld: coordinate expected (the file may be cut short)",
+                              (long long)number);
         xyz[i] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
         if (!isfinite(xyz[i]))
-            return io_fail_text(model, cursor->at, error,
-                                "node %lld has a coordinate that is not finite", (long long)number);
+            return io_fail_at(model, cursor->at, error,
+                              "node %lld has a coordinate that is not finite", (long long)number);
     }
     return 0;
 }

@@ -151,6 +151,7 @@ static int has_user_block(hid_t id) {
 
 int io_hdf5_open(io_model *model, io_hdf5 **out, planish_error *error) {
     *out = NULL;
+    model->is_binary = 1;
     if (!io_is_hdf5(model->input.data, model->input.size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: this is no HDF5 file (its mark is not there), and the format is one "

@@ -165,9 +165,9 @@ int io_hdf5_coordinates_end(io_hdf5 *file) {
         qsort(file->span, (size_t)file->n_spans, sizeof *file->span, compare_spans);
     for (int64_t i = 0; i < file->n_spans && !status; i++) {
         if (i > 0 && span_end(&file->span[i - 1]) > file->span[i].offset)
-            return io_fail_byte(file->model, file->model->input.data + file->span[i].offset,
-                                file->error,
-                                "two arrays of coordinates share bytes; the file is damaged");
+            return io_fail_at(file->model, file->model->input.data + file->span[i].offset,
+                              file->error,
+                              "two arrays of coordinates share bytes; the file is damaged");
         status = io_model_span(file->model, file->span[i], file->error);
     }
     return status;

@@ -46,7 +46,7 @@ typedef struct reader {
 typedef int visit_fn(reader *r, card *c);
 
 static int fail_card(const reader *r, const card *c, const char *what) {
-    return io_fail_text(r->model, c->line.text.begin, r->error, "%s: %s", c->name, what);
+    return io_fail_at(r->model, c->line.text.begin, r->error, "%s: %s", c->name, what);
 }
 
 /** A whole number, 0 if the field is empty. */
@@ -63,13 +63,13 @@ static int take_number(const reader *r, card *c, const char *what, int64_t *valu
     span field = {NULL, NULL};
     *value = 0;
     if (!nastran_take_field(c, &field) || is_empty_field(field))
-        return io_fail_text(r->model, c->line.text.begin, r->error,
-                            "%s: %s is missing (the file may be cut short)", c->name, what);
+        return io_fail_at(r->model, c->line.text.begin, r->error,
+                          "%s: %s is missing (the file may be cut short)", c->name, what);
     if (parse_number(field, value) || *value < 0 || *value > INT32_MAX)
-        return io_fail_text(r->model, field.begin, r->error,
-                            "%s: %s is '%.*s', not a whole number from 0 to %d", c->name, what,
-                            (int)(field.end - field.begin < 24 ? field.end - field.begin : 24),
-                            field.begin, INT32_MAX);
+        return io_fail_at(r->model, field.begin, r->error,
+                          "%s: %s is '%.*s', not a whole number from 0 to %d", c->name, what,
+                          (int)(field.end - field.begin < 24 ? field.end - field.begin : 24),
+                          field.begin, INT32_MAX);
     return PLANISH_OK;
 }
 
@@ -93,10 +93,10 @@ static int check_indented(reader *r, io_cursor *cursor) {
     name[n] = '\0';
     if (!is_read(name))
         return PLANISH_OK;
-    return io_fail_text(r->model, text.begin, r->error,
-                        "%s behind blanks: a card begins in the first column of its line (take the "
-                        "blanks away)",
-                        name);
+    return io_fail_at(r->model, text.begin, r->error,
+                      "%s behind blanks: a card begins in the first column of its line (take the "
+                      "blanks away)",
+                      name);
 }
 
 /** Visit the cards whose names begin with one of the letters; a blank among these: check lines that
@@ -115,7 +115,7 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
             status = visit(r, &c);
             /* What a reader made of such fields, an error perhaps, says nothing. */
             if (c.n > 0 && c.wrong)
-                status = io_fail_text(r->model, c.wrong_at, r->error, "%s: %s", c.name, c.wrong);
+                status = io_fail_at(r->model, c.wrong_at, r->error, "%s: %s", c.name, c.wrong);
         }
     }
     return status;
@@ -180,10 +180,10 @@ static int read_system(reader *r, card *c) {
         r->system = system;
     if (system == r->system)
         return PLANISH_OK;
-    return io_fail_text(r->model, c->line.text.begin, r->error,
-                        "GRIDs are in coordinate systems %lld and %lld; write all of them in one, "
-                        "the basic system (0), as preprocessors can",
-                        (long long)r->system, (long long)system);
+    return io_fail_at(r->model, c->line.text.begin, r->error,
+                      "GRIDs are in coordinate systems %lld and %lld; write all of them in one, "
+                      "the basic system (0), as preprocessors can",
+                      (long long)r->system, (long long)system);
 }
 
 static int read_grid(reader *r, card *c) {
@@ -204,11 +204,11 @@ static int read_grid(reader *r, card *c) {
         if (!nastran_take_field(c, &field) || is_empty_field(field))
             continue;
         if (io_parse_packed_real(field.begin, field.end, value) || !isfinite(*value))
-            return io_fail_text(model, field.begin, r->error,
-                                "GRID %lld: '%.*s' is no coordinate (a finite real number)",
-                                (long long)model->node_number[node],
-                                (int)(field.end - field.begin < 24 ? field.end - field.begin : 24),
-                                field.begin);
+            return io_fail_at(model, field.begin, r->error,
+                              "GRID %lld: '%.*s' is no coordinate (a finite real number)",
+                              (long long)model->node_number[node],
+                              (int)(field.end - field.begin < 24 ? field.end - field.begin : 24),
+                              field.begin);
     }
     model->n_nodes++;
     return PLANISH_OK;
@@ -387,9 +387,8 @@ static int take_node(const reader *r, card *c, int64_t element, int32_t *node) {
         return status;
     const int64_t index = io_node_index(r->model, r->numbers, number);
     if (index < 0)
-        return io_fail_text(r->model, c->line.text.begin, r->error,
-                            "%s %lld: there is no GRID %lld", c->name, (long long)element,
-                            (long long)number);
+        return io_fail_at(r->model, c->line.text.begin, r->error, "%s %lld: there is no GRID %lld",
+                          c->name, (long long)element, (long long)number);
     *node = (int32_t)index;
     return PLANISH_OK;
 }
@@ -584,9 +583,9 @@ static int check_file_end(const reader *r) {
     const char *end = file->data + file->size;
     if (r->bulk.end < end || end[-1] == '\n' || end[-1] == '\r')
         return PLANISH_OK;
-    return io_fail_text(r->model, end, r->error,
-                        "no ENDDATA, and the last line has no end: the file is cut short most "
-                        "likely (if it is whole, add ENDDATA or a line end)");
+    return io_fail_at(r->model, end, r->error,
+                      "no ENDDATA, and the last line has no end: the file is cut short most "
+                      "likely (if it is whole, add ENDDATA or a line end)");
 }
 
 static int read_all(reader *r) {
@@ -595,8 +594,8 @@ static int read_all(reader *r) {
     if (status)
         return status;
     if (r->n_grids == 0)
-        return io_fail_text(model, r->bulk.end, r->error,
-                            "there is no GRID: this is no Nastran mesh, or it is cut short");
+        return io_fail_at(model, r->bulk.end, r->error,
+                          "there is no GRID: this is no Nastran mesh, or it is cut short");
     status = check_file_end(r);
     if (status)
         return status;

@@ -53,8 +53,7 @@ static const netgen_keyword *find_keyword(const char *word, int64_t length) {
 
 static int take_number(netgen_reader *r, io_cursor *cursor, const char *name, int64_t *value) {
     if (io_integer(cursor, value))
-        return io_fail_text(r->model, cursor->at, r->error, "a whole number expected after %s",
-                            name);
+        return io_fail_at(r->model, cursor->at, r->error, "a whole number expected after %s", name);
     return PLANISH_OK;
 }
 
@@ -65,10 +64,10 @@ static int take_count(netgen_reader *r, io_cursor *cursor, const netgen_keyword 
     const int64_t least = k->kind == NETGEN_LINES ? 1 : 2 * words; /* lines may be empty */
     int status = take_number(r, cursor, k->name, count);
     if (!status && (*count < 0 || *count > (io_left(cursor) + 1) / least))
-        return io_fail_text(r->model, cursor->at, r->error,
-                            "%lld %s cannot be in the %lld bytes that are left; the count is wrong "
-                            "or the file is cut short",
-                            (long long)*count, k->name, (long long)io_left(cursor));
+        return io_fail_at(r->model, cursor->at, r->error,
+                          "%lld %s cannot be in the %lld bytes that are left; the count is wrong "
+                          "or the file is cut short",
+                          (long long)*count, k->name, (long long)io_left(cursor));
     return status;
 }
 
@@ -84,8 +83,8 @@ static int take_name(netgen_reader *r, io_cursor *cursor, int codimension, int64
     if (begin == end || codimension > r->dim)
         return PLANISH_OK;
     if (number < INT32_MIN || number > INT32_MAX)
-        return io_fail_text(r->model, begin, r->error, "number %lld of a name is out of range",
-                            (long long)number);
+        return io_fail_at(r->model, begin, r->error, "number %lld of a name is out of range",
+                          (long long)number);
     return io_model_group(r->model, r->dim - codimension, (int32_t)number, begin, end - begin,
                           r->error);
 }
@@ -100,10 +99,10 @@ static int read_lines(netgen_reader *r, io_cursor *cursor, const netgen_keyword 
         if (k->kind == NETGEN_NAMES)
             io_skip_space(cursor);
         if (cursor->at == cursor->end || (k->kind == NETGEN_NAMES && io_integer(cursor, &number)))
-            return io_fail_text(r->model, cursor->at, r->error,
-                                "%s: line %lld of %lld expected%s (the file may be cut short)",
-                                k->name, (long long)i + 1, (long long)count,
-                                k->kind == NETGEN_NAMES ? ", which begins with a number" : "");
+            return io_fail_at(r->model, cursor->at, r->error,
+                              "%s: line %lld of %lld expected%s (the file may be cut short)",
+                              k->name, (long long)i + 1, (long long)count,
+                              k->kind == NETGEN_NAMES ? ", which begins with a number" : "");
         if (k->kind == NETGEN_NAMES)
             status = take_name(r, cursor, k->group, number);
         else
@@ -132,9 +131,9 @@ static int read_dimension(netgen_reader *r, io_cursor *cursor) {
     int64_t dim;
     int status = take_number(r, cursor, "dimension", &dim);
     if (!status && dim != 2 && dim != 3)
-        return io_fail_text(r->model, cursor->at, r->error,
-                            "dimension %lld: only meshes of 2 or 3 dimensions can be smoothed",
-                            (long long)dim);
+        return io_fail_at(r->model, cursor->at, r->error,
+                          "dimension %lld: only meshes of 2 or 3 dimensions can be smoothed",
+                          (long long)dim);
     r->dim = (int)dim;
     return status;
 }
@@ -149,9 +148,9 @@ static int read_keyword(netgen_reader *r, io_cursor *cursor, const char *word, i
         return PLANISH_OK;
     }
     if (k->kind == NETGEN_REFUSED)
-        return io_fail_text(r->model, word, r->error,
-                            "%s: curved elements cannot be smoothed; save the mesh before Curve()",
-                            k->name);
+        return io_fail_at(r->model, word, r->error,
+                          "%s: curved elements cannot be smoothed; save the mesh before Curve()",
+                          k->name);
     return k->kind == NETGEN_NAMES || k->kind == NETGEN_LINES ? read_lines(r, cursor, k)
                                                               : add_section(r, cursor, k);
 }
@@ -172,13 +171,13 @@ static int walk_file(netgen_reader *r) {
         io_skip_space_comments(&cursor, '#');
         const char *word = io_word(&cursor, &length);
         if (is_first && !io_word_is(word, length, "mesh3d", 0))
-            return io_fail_text(r->model, word, r->error,
-                                "no mesh3d in the first line: this is no mesh of Netgen's");
+            return io_fail_at(r->model, word, r->error,
+                              "no mesh3d in the first line: this is no mesh of Netgen's");
         if (io_word_is(word, length, "endmesh", 0) || (length == 0 && may_end(r)))
             break;
         if (length == 0)
-            return io_fail_text(r->model, word, r->error,
-                                "there is no endmesh (the file may be cut short)");
+            return io_fail_at(r->model, word, r->error,
+                              "there is no endmesh (the file may be cut short)");
         if (!is_first)
             status = read_keyword(r, &cursor, word, length);
     }
@@ -199,8 +198,8 @@ static int read_all(netgen_reader *r) {
     if (!status)
         status = read_sections(r, NETGEN_POINTS);
     if (!status && !r->model->xyz)
-        return io_fail_text(r->model, r->model->input.data + r->model->input.size, r->error,
-                            "there are no points (the file may be cut short)");
+        return io_fail_at(r->model, r->model->input.data + r->model->input.size, r->error,
+                          "there are no points (the file may be cut short)");
     for (netgen_kind k = NETGEN_ELEMENTS; k < NETGEN_N_READ && !status; k++)
         status = read_sections(r, k);
     return status;

@@ -13,9 +13,9 @@ enum { PERIODIC = 2 }; /* of Netgen's types of identifications */
 static int take_integer(const netgen_reader *r, io_cursor *cursor, int64_t record,
                         planish_error *error, int64_t *value) {
     if (io_integer(cursor, value))
-        return io_fail_text(r->model, cursor->at, error,
-                            "%s %lld: a whole number expected (the file may be cut short)",
-                            r->current->keyword->name, (long long)record + 1);
+        return io_fail_at(r->model, cursor->at, error,
+                          "%s %lld: a whole number expected (the file may be cut short)",
+                          r->current->keyword->name, (long long)record + 1);
     return PLANISH_OK;
 }
 
@@ -24,11 +24,11 @@ static int take_index(const netgen_reader *r, io_cursor *cursor, int64_t record,
                       int64_t last, planish_error *error, int64_t *index) {
     int status = take_integer(r, cursor, record, error, index);
     if (!status && (*index < first || *index > last))
-        return io_fail_text(r->model, cursor->at, error,
-                            "%s %lld: number %lld is not in %lld .. "
-                            "%lld",
-                            r->current->keyword->name, (long long)record + 1, (long long)*index,
-                            (long long)first, (long long)last);
+        return io_fail_at(r->model, cursor->at, error,
+                          "%s %lld: number %lld is not in %lld .. "
+                          "%lld",
+                          r->current->keyword->name, (long long)record + 1, (long long)*index,
+                          (long long)first, (long long)last);
     *index = status ? 0 : *index - first;
     return status;
 }
@@ -46,8 +46,8 @@ static int take_group(const netgen_reader *r, io_cursor *cursor, int64_t record,
     int64_t value;
     int status = take_integer(r, cursor, record, error, &value);
     if (!status && (value < INT32_MIN || value > INT32_MAX - 1))
-        return io_fail_text(r->model, cursor->at, error, "%s %lld: number %lld is out of range",
-                            r->current->keyword->name, (long long)record + 1, (long long)value);
+        return io_fail_at(r->model, cursor->at, error, "%s %lld: number %lld is out of range",
+                          r->current->keyword->name, (long long)record + 1, (long long)value);
     *group = status ? 0 : (int32_t)value;
     return status;
 }
@@ -58,8 +58,8 @@ static int skip_words(const netgen_reader *r, io_cursor *cursor, int64_t record,
     for (int i = 0; i < n; i++) {
         const char *word = io_word(cursor, &length);
         if (length == 0)
-            return io_fail_text(r->model, word, error, "%s %lld is cut short",
-                                r->current->keyword->name, (long long)record + 1);
+            return io_fail_at(r->model, word, error, "%s %lld is cut short",
+                              r->current->keyword->name, (long long)record + 1);
     }
     return PLANISH_OK;
 }
@@ -89,13 +89,13 @@ static int take_lead(const netgen_reader *r, io_cursor *cursor, int64_t record,
     const int64_t of_second_order = k->corner == 2 ? 6 : 10;
     *corners = *corners == 0 ? NETGEN_LEAST_CORNERS : *corners;
     if (*corners == of_second_order)
-        return io_fail_text(r->model, cursor->at, error,
-                            "%s %lld is of second order (%lld nodes): only linear elements can be "
-                            "smoothed; save the mesh before SecondOrder()",
-                            k->name, (long long)record + 1, (long long)*corners);
+        return io_fail_at(r->model, cursor->at, error,
+                          "%s %lld is of second order (%lld nodes): only linear elements can be "
+                          "smoothed; save the mesh before SecondOrder()",
+                          k->name, (long long)record + 1, (long long)*corners);
     if (*corners < NETGEN_LEAST_CORNERS || *corners > NETGEN_MOST_CORNERS)
-        return io_fail_text(r->model, cursor->at, error, "%s %lld: %lld nodes are unknown", k->name,
-                            (long long)record + 1, (long long)*corners);
+        return io_fail_at(r->model, cursor->at, error, "%s %lld: %lld nodes are unknown", k->name,
+                          (long long)record + 1, (long long)*corners);
     return PLANISH_OK;
 }
 
@@ -253,14 +253,14 @@ static int read_pairs(void *context, io_cursor *cursor, int64_t begin, int64_t e
  *  have been passed over, a part of the record. */
 static int check_end(const netgen_reader *r, const netgen_section *s, io_cursor *cursor) {
     if (cursor->at > s->end)
-        return io_fail_text(r->model, s->end, r->error,
-                            "the next section begins within the last of %lld %s (the file may be "
-                            "damaged)",
-                            (long long)s->count, s->keyword->name);
+        return io_fail_at(r->model, s->end, r->error,
+                          "the next section begins within the last of %lld %s (the file may be "
+                          "damaged)",
+                          (long long)s->count, s->keyword->name);
     io_skip_space_comments(cursor, '#');
     if (cursor->at < s->end)
-        return io_fail_text(r->model, cursor->at, r->error, "more than %lld %s follow",
-                            (long long)s->count, s->keyword->name);
+        return io_fail_at(r->model, cursor->at, r->error, "more than %lld %s follow",
+                          (long long)s->count, s->keyword->name);
     return PLANISH_OK;
 }
 
@@ -277,7 +277,7 @@ static int read_records(netgen_reader *r, const netgen_section *s, int64_t words
 static int read_point_section(netgen_reader *r, const netgen_section *s) {
     io_model *model = r->model;
     if (model->xyz)
-        return io_fail_text(model, s->data, r->error, "points for the second time");
+        return io_fail_at(model, s->data, r->error, "points for the second time");
     int status = io_model_nodes(model, s->count, 1, r->error);
     if (status)
         return status;

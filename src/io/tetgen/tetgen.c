@@ -76,24 +76,24 @@ static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
                 .cursor = io_begin_text(file->data, file->size)};
     io_skip_space_comments(&p->cursor, '#');
     if (line_integer(&p->cursor, &p->n) || p->n < 0)
-        return io_fail_text(&p->view, p->cursor.at, error, "a first line of counts was expected");
+        return io_fail_at(&p->view, p->cursor.at, error, "a first line of counts was expected");
     for (int i = 0; i < 3 && line_goes_on(&p->cursor); i++)
         if (io_integer(&p->cursor, &p->count[i]) || p->count[i] < 0)
-            return io_fail_text(&p->view, p->cursor.at, error, "a count was expected");
+            return io_fail_at(&p->view, p->cursor.at, error, "a count was expected");
     const char *counts = p->cursor.at;
     io_skip_line(&p->cursor);
     /* Every word takes two bytes at least, with what parts it from the next. */
     if (p->n > (io_left(&p->cursor) + 1) / (2 * words))
-        return io_fail_text(&p->view, counts, error,
-                            "%lld lines were promised, the file is too short for that",
-                            (long long)p->n);
+        return io_fail_at(&p->view, counts, error,
+                          "%lld lines were promised, the file is too short for that",
+                          (long long)p->n);
     io_cursor peek = p->cursor;
     io_skip_space_comments(&peek, '#');
     if (p->n > 0 && line_integer(&peek, &p->first))
-        return io_fail_text(&p->view, peek.at, error, "a number was expected");
+        return io_fail_at(&p->view, peek.at, error, "a number was expected");
     if (p->first > INT64_MAX - p->n)
-        return io_fail_text(&p->view, peek.at, error, "number %lld is out of range",
-                            (long long)p->first);
+        return io_fail_at(&p->view, peek.at, error, "number %lld is out of range",
+                          (long long)p->first);
     return PLANISH_OK;
 }
 
@@ -102,8 +102,8 @@ static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
 static int check_attributes(const part *p, int64_t promised, planish_error *error) {
     if (promised <= INT32_MAX)
         return PLANISH_OK;
-    return io_fail_text(&p->view, p->view.input.data, error,
-                        "%lld attributes were promised, no line has so many", (long long)promised);
+    return io_fail_at(&p->view, p->view.input.data, error,
+                      "%lld attributes were promised, no line has so many", (long long)promised);
 }
 
 /* ---- rows -------------------------------------------------------------------------------- */
@@ -114,13 +114,13 @@ static int read_number(const rows *r, io_cursor *cursor, int64_t row, planish_er
     int64_t number;
     io_skip_space_comments(cursor, '#');
     if (cursor->at == cursor->end)
-        return io_fail_text(&p->view, cursor->at, error,
-                            "the file ends after %lld of %lld %ss (it may be cut short)",
-                            (long long)row, (long long)p->n, r->what);
+        return io_fail_at(&p->view, cursor->at, error,
+                          "the file ends after %lld of %lld %ss (it may be cut short)",
+                          (long long)row, (long long)p->n, r->what);
     const char *at = cursor->at;
     if (io_integer(cursor, &number) || (uint64_t)number - (uint64_t)p->first != (uint64_t)row)
-        return io_fail_text(&p->view, at, error, "%s number %lld was expected", r->what,
-                            (long long)((uint64_t)p->first + (uint64_t)row));
+        return io_fail_at(&p->view, at, error, "%s number %lld was expected", r->what,
+                          (long long)((uint64_t)p->first + (uint64_t)row));
     return PLANISH_OK;
 }
 
@@ -141,18 +141,18 @@ static int read_tag(rows *r, io_cursor *cursor, int64_t row, planish_error *erro
     }
     if (failed) {
         const char *word = io_word(&found, &length);
-        return io_fail_text(&r->part->view, word, error, "a %s was expected, not '%.*s'",
-                            r->real_tag ? "region attribute (a number)"
-                                        : "boundary marker (a whole number)",
-                            (int)(length < 24 ? length : 24), word);
+        return io_fail_at(&r->part->view, word, error, "a %s was expected, not '%.*s'",
+                          r->real_tag ? "region attribute (a number)"
+                                      : "boundary marker (a whole number)",
+                          (int)(length < 24 ? length : 24), word);
     }
     if (r->real_tag && !(real >= INT32_MIN && real <= INT32_MAX && floor(real) == real))
         atomic_store_explicit(&r->fractional, 1, memory_order_relaxed);
     else if (r->real_tag)
         tag = (int64_t)real;
     if (tag < INT32_MIN || tag > INT32_MAX)
-        return io_fail_text(&r->part->view, cursor->at, error,
-                            "boundary marker %lld is out of range", (long long)tag);
+        return io_fail_at(&r->part->view, cursor->at, error, "boundary marker %lld is out of range",
+                          (long long)tag);
     r->tag[row] = (int32_t)tag;
     return PLANISH_OK;
 }
@@ -170,9 +170,9 @@ static int read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t e
         xyz[2] = 0;
         for (int i = 0; i < r->dim; i++)
             if (line_real(cursor, &xyz[i]) || !isfinite(xyz[i]))
-                return io_fail_text(&r->part->view, cursor->at, error,
-                                    "node %lld: a finite coordinate was expected",
-                                    (long long)(r->part->first + node));
+                return io_fail_at(&r->part->view, cursor->at, error,
+                                  "node %lld: a finite coordinate was expected",
+                                  (long long)(r->part->first + node));
         if (r->tag && (status = read_tag(r, cursor, node, error)))
             return status;
         io_skip_line(cursor);
@@ -186,15 +186,15 @@ static int read_corners(const rows *r, io_cursor *cursor, int64_t row, int32_t *
     int64_t number;
     for (int i = 0; i <= r->dim; i++) {
         if (line_integer(cursor, &number))
-            return io_fail_text(&r->part->view, cursor->at, error, "a node of %s %lld was expected",
-                                r->what, (long long)(r->part->first + row));
+            return io_fail_at(&r->part->view, cursor->at, error, "a node of %s %lld was expected",
+                              r->what, (long long)(r->part->first + row));
         uint64_t index = (uint64_t)number - (uint64_t)r->model->first_number;
         if (index >= (uint64_t)r->model->n_nodes)
-            return io_fail_text(&r->part->view, cursor->at, error,
-                                "%s %lld has node %lld, but there are nodes %lld to %lld only",
-                                r->what, (long long)(r->part->first + row), (long long)number,
-                                (long long)r->model->first_number,
-                                (long long)(r->model->first_number + r->model->n_nodes - 1));
+            return io_fail_at(&r->part->view, cursor->at, error,
+                              "%s %lld has node %lld, but there are nodes %lld to %lld only",
+                              r->what, (long long)(r->part->first + row), (long long)number,
+                              (long long)r->model->first_number,
+                              (long long)(r->model->first_number + r->model->n_nodes - 1));
         corner[i] = (int32_t)index;
     }
     return PLANISH_OK;
@@ -235,8 +235,8 @@ static int read_node_file(io_model *model, int *dim, planish_error *error) {
     if (status)
         return status;
     if (p.count[0] != 2 && p.count[0] != 3)
-        return io_fail_text(&p.view, model->input.data, error,
-                            "dimension %lld: 2 or 3 was expected", (long long)p.count[0]);
+        return io_fail_at(&p.view, model->input.data, error, "dimension %lld: 2 or 3 was expected",
+                          (long long)p.count[0]);
     *dim = (int)p.count[0];
     model->columns = *dim;
     model->first_number = p.first;
@@ -271,14 +271,14 @@ static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish
     if (status)
         return status;
     if (p.count[0] == (dim == 3 ? 10 : 6))
-        return io_fail_text(&p.view, file->data, error,
-                            "elements of second order (%lld nodes): only linear ones can be "
-                            "smoothed, write the mesh without -o2",
-                            (long long)p.count[0]);
+        return io_fail_at(&p.view, file->data, error,
+                          "elements of second order (%lld nodes): only linear ones can be "
+                          "smoothed, write the mesh without -o2",
+                          (long long)p.count[0]);
     if (p.count[0] != dim + 1)
-        return io_fail_text(&p.view, file->data, error,
-                            "elements of %lld nodes: %d were expected in %d dimensions",
-                            (long long)p.count[0], dim + 1, dim);
+        return io_fail_at(&p.view, file->data, error,
+                          "elements of %lld nodes: %d were expected in %d dimensions",
+                          (long long)p.count[0], dim + 1, dim);
     status = check_attributes(&p, p.count[1], error);
     if (!status)
         status = io_cells_reserve(cells, dim, p.n, p.count[1] > 0, 0, error);

@@ -41,14 +41,8 @@ static const vtk_type number_types[] = {
 
 /* ---- words and lines ---------------------------------------------------------------------- */
 
-int vtk_fail_at(const vtk_reader *reader, const char *at, const char *text) {
-    if (reader->binary)
-        return io_fail_byte(reader->model, at, reader->error, "%s", text);
-    return io_fail_text(reader->model, at, reader->error, "%s", text);
-}
-
 int vtk_fail_here(const vtk_reader *reader, const char *text) {
-    return vtk_fail_at(reader, reader->cursor.at, text);
+    return io_fail_at(reader->model, reader->cursor.at, reader->error, "%s", text);
 }
 
 void vtk_end_line(io_cursor *cursor) {
@@ -86,7 +80,7 @@ int vtk_take_if(vtk_reader *reader, const char *name) {
     io_cursor ahead = reader->cursor;
     int64_t length;
     const char *at = io_word(&ahead, &length);
-    if ((reader->binary && at != reader->cursor.at) || !io_word_is(at, length, name, 1))
+    if ((reader->model->is_binary && at != reader->cursor.at) || !io_word_is(at, length, name, 1))
         return 0;
     reader->cursor = ahead;
     return 1;
@@ -99,9 +93,9 @@ static int read_dataset(vtk_reader *reader) {
     const char *at = io_word(&reader->cursor, &length);
     if (io_word_is(at, length, "UNSTRUCTURED_GRID", 1))
         return 0;
-    return vtk_fail_at(reader, at,
-                       "DATASET is not an UNSTRUCTURED_GRID; convert the file, for instance with "
-                       "meshio convert IN.vtk OUT.msh");
+    return io_fail_at(reader->model, at, reader->error,
+                      "DATASET is not an UNSTRUCTURED_GRID; convert the file, for instance with "
+                      "meshio convert IN.vtk OUT.msh");
 }
 
 typedef struct known_keyword {
@@ -145,9 +139,10 @@ static int read_header(vtk_reader *reader) {
     vtk_end_line(&reader->cursor);
     vtk_end_line(&reader->cursor);
     const char *at = io_word(&reader->cursor, &length);
-    reader->binary = io_word_is(at, length, "BINARY", 1);
-    if (!reader->binary && !io_word_is(at, length, "ASCII", 1))
-        return vtk_fail_at(reader, at, "ASCII or BINARY expected in the third line");
+    reader->model->is_binary = io_word_is(at, length, "BINARY", 1);
+    if (!reader->model->is_binary && !io_word_is(at, length, "ASCII", 1))
+        return io_fail_at(reader->model, at, reader->error,
+                          "ASCII or BINARY expected in the third line");
     vtk_end_line(&reader->cursor);
     return 0;
 }

@@ -29,7 +29,7 @@ typedef struct vtk_reader {
     planish_error *error;
     io_cursor cursor;
     io_text text;
-    int binary, swapped; /* swapped: this machine is not big-endian */
+    int swapped; /* this machine is not big-endian */
     int have_points, have_types, done;
     int64_t n_cells;
     int32_t *connectivity; /* [n_connectivity], owned: nodes of the cells; before version 5 each
@@ -50,8 +50,7 @@ typedef struct vtk_word {
     int64_t length;
 } vtk_word;
 
-/** An error at a place of the file: its line where it is text, its byte where it is binary. */
-int vtk_fail_at(const vtk_reader *reader, const char *at, const char *text);
+/** Fail at the cursor. */
 int vtk_fail_here(const vtk_reader *reader, const char *text);
 
 /** Cursor to the start of the next line; data follow there. */

@@ -22,15 +22,15 @@ typedef struct vtk_grid {
     int has_streams;     /* a polyhedron's nodes are a stream of its faces (vtk_faces_hold) */
 } vtk_grid;
 
-/** Store the lines, triangles and tetrahedra, hold the nodes of all other cells, of whatever type. Called for each
- *  piece of a file. Error: _FORMAT, names the cell. */
+/** Store the lines, triangles and tetrahedra, hold the nodes of all other cells, of whatever type.
+ * Called for each piece of a file. Error: _FORMAT, names the cell. */
 int vtk_cells_store(io_model *model, const vtk_grid *cells, planish_error *error);
 
 /** Hold nodes [n] of the grid. 0; -1: one is not among its points. */
 int vtk_nodes_hold(io_model *model, const vtk_grid *cells, const int32_t *nodes, int64_t n);
 
-/** Hold the nodes of a polyhedron's faces, stream [n]: how many faces, and of each how many nodes it
- *  has, and which. 0; -1: that is not what the stream is. */
+/** Hold the nodes of a polyhedron's faces, stream [n]: how many faces, and of each how many nodes
+ * it has, and which. 0; -1: that is not what the stream is. */
 int vtk_faces_hold(io_model *model, const vtk_grid *cells, const int32_t *stream, int64_t n);
 
 #endif

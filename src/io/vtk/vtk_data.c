@@ -82,10 +82,10 @@ static int skip_strings(vtk_reader *reader, int64_t n) {
     io_cursor *cursor = &reader->cursor;
     for (int64_t i = 0; i < n; i++) {
         int64_t left = io_left(cursor);
-        int64_t size = reader->binary && left > 0 ? string_size(cursor->at, left) : 0;
+        int64_t size = reader->model->is_binary && left > 0 ? string_size(cursor->at, left) : 0;
         if (left == 0 || size > left)
             return vtk_fail_here(reader, "attributes are cut short");
-        if (reader->binary)
+        if (reader->model->is_binary)
             cursor->at += size;
         else
             vtk_end_line(cursor);
@@ -126,13 +126,14 @@ static int take_whole(io_cursor *cursor, int64_t *value) {
 /** Number i of an array: as take_whole. */
 static int next_whole(const value_array *array, int64_t i, int64_t *value) {
     vtk_reader *reader = array->reader;
-    return reader->binary ? load_whole(array, i, value) : take_whole(&reader->cursor, value);
+    return reader->model->is_binary ? load_whole(array, i, value)
+                                    : take_whole(&reader->cursor, value);
 }
 
 /** What of text an array that is no candidate any more leaves. */
 static int skip_rest(const value_array *array, int64_t n_done) {
     vtk_reader *reader = array->reader;
-    return reader->binary ? 0 : skip_numbers(reader, array->n - n_done);
+    return reader->model->is_binary ? 0 : skip_numbers(reader, array->n - n_done);
 }
 
 /** One number for each cell, which may tell regions. name: as text. Binary: the cursor stays. */
@@ -178,7 +179,7 @@ static int read_array(const value_array *array, purpose use, const char *name) {
         return vtk_fail_here(reader, "attributes: number of values is out of range");
     if (array->type->kind == VTK_STRING)
         return skip_strings(reader, array->n * array->width);
-    if (!reader->binary)
+    if (!reader->model->is_binary)
         return use == FIXES     ? hold_text(array)
                : use == NOTHING ? skip_numbers(reader, array->n * array->width)
                                 : read_cells_array(array, name);

@@ -16,8 +16,8 @@
 
 /** Refuse counts that the rest of the file cannot hold. In text a number is two bytes. */
 static int check_count(const vtk_reader *reader, int64_t n, int64_t numbers, int size) {
-    int64_t bytes = reader->binary ? size * numbers : 2 * numbers;
-    if (n < 0 || n > (io_left(&reader->cursor) + !reader->binary) / bytes)
+    int64_t bytes = reader->model->is_binary ? size * numbers : 2 * numbers;
+    if (n < 0 || n > (io_left(&reader->cursor) + !reader->model->is_binary) / bytes)
         return vtk_fail_here(
             reader, "the rest of the file cannot hold that many (cut short, or wrong count)");
     return 0;
@@ -48,9 +48,8 @@ static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, i
         model->xyz[i] = points->size == 4 ? (double)io_load_f32(cursor->at, swapped)
                                           : io_load_f64(cursor->at, swapped);
         if (!isfinite(model->xyz[i]))
-            return io_fail_byte(model, cursor->at, error,
-                                "point %lld has a coordinate that is not finite",
-                                (long long)(i / 3));
+            return io_fail_at(model, cursor->at, error,
+                              "point %lld has a coordinate that is not finite", (long long)(i / 3));
     }
     return 0;
 }
@@ -60,16 +59,16 @@ static int read_points_data(vtk_reader *reader, int64_t n, int size) {
     io_model *model = reader->model;
     point_block points = {reader, size};
     io_span span = {.n_nodes = n, .encoding = IO_TEXT};
-    if (reader->binary)
+    if (reader->model->is_binary)
         span = (io_span){.n_nodes = n,
                          .encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64,
                          .swapped = reader->swapped,
                          .offset = reader->cursor.at - model->input.data,
                          .stride = 3 * size};
-    int status = io_model_nodes(model, n, !reader->binary, reader->error);
+    int status = io_model_nodes(model, n, !reader->model->is_binary, reader->error);
     if (!status)
         status = io_model_span(model, span, reader->error);
-    if (!status && reader->binary)
+    if (!status && reader->model->is_binary)
         status = io_binary_records(model->threads, &reader->cursor, n, 3 * size, read_binary_points,
                                    &points, reader->error);
     else if (!status)
@@ -88,9 +87,9 @@ int vtk_points(vtk_reader *reader) {
     name.at = io_word(&reader->cursor, &name.length);
     const vtk_type *type = vtk_find_type(name);
     if (!type || type->kind != VTK_REAL)
-        return vtk_fail_at(reader, name.at,
-                           "POINTS of this type are not read: float or double expected");
-    if (reader->binary)
+        return io_fail_at(reader->model, name.at, reader->error,
+                          "POINTS of this type are not read: float or double expected");
+    if (reader->model->is_binary)
         vtk_end_line(&reader->cursor);
     int status = check_count(reader, n, 3, type->size);
     if (status)
@@ -118,9 +117,7 @@ static int put_integer(const integer_list *list, const char *at, int64_t index, 
     list->narrow[index] = (int32_t)value;
     if (value >= INT32_MIN && value <= INT32_MAX)
         return 0;
-    if (!error)
-        return PLANISH_ERROR_FORMAT;
-    return vtk_fail_at(list->reader, at, "an index or type is out of range");
+    return io_fail_at(list->reader->model, at, error, "an index or type is out of range");
 }
 
 static int read_text_integers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
@@ -129,11 +126,9 @@ static int read_text_integers(void *context, io_cursor *cursor, int64_t begin, i
     int64_t value;
     for (int64_t i = begin; i < end; i++) {
         if (io_integer(cursor, &value))
-            return !error
-                       ? PLANISH_ERROR_FORMAT
-                       : vtk_fail_at(list->reader, cursor->at,
-                                     "CELLS or CELL_TYPES: integer expected (the file may be cut "
-                                     "short)");
+            return io_fail_at(list->reader->model, cursor->at, error,
+                              "CELLS or CELL_TYPES: integer expected (the file may be cut "
+                              "short)");
         if (put_integer(list, cursor->at, i, value, error))
             return PLANISH_ERROR_FORMAT;
     }
@@ -166,7 +161,7 @@ static int read_integers(vtk_reader *reader, int64_t n, int size, int32_t **narr
         *wide = list.wide = pl_alloc(n, sizeof **wide);
     if (!list.narrow && !list.wide)
         return pl_fail_memory(reader->error, "the cells");
-    if (reader->binary)
+    if (reader->model->is_binary)
         return io_binary_records(reader->model->threads, &reader->cursor, n, size,
                                  read_binary_integers, &list, reader->error);
     return io_text_records(&reader->text, &reader->cursor, n, 1, read_text_integers, &list,
@@ -181,10 +176,10 @@ static int take_list_type(vtk_reader *reader, int *size) {
     name.at = io_word(&reader->cursor, &name.length);
     const vtk_type *type = vtk_find_type(name);
     if (!type || type->kind != VTK_SIGNED || type->size < 4)
-        return vtk_fail_at(reader, name.at,
-                           "OFFSETS and CONNECTIVITY of this type are not read: "
-                           "vtktypeint64 or vtktypeint32 expected");
-    if (reader->binary)
+        return io_fail_at(reader->model, name.at, reader->error,
+                          "OFFSETS and CONNECTIVITY of this type are not read: "
+                          "vtktypeint64 or vtktypeint32 expected");
+    if (reader->model->is_binary)
         vtk_end_line(&reader->cursor);
     *size = type->size;
     return 0;
@@ -212,7 +207,7 @@ static int read_offset_cells(vtk_reader *reader, int64_t n_offsets) {
     reader->n_cells = n_offsets - 1;
     const char *at = io_word(&reader->cursor, &length);
     if (!io_word_is(at, length, "CONNECTIVITY", 1))
-        return vtk_fail_at(reader, at, "CONNECTIVITY expected");
+        return io_fail_at(reader->model, at, reader->error, "CONNECTIVITY expected");
     status = take_list_type(reader, &size);
     if (!status)
         status = read_integers(reader, reader->n_connectivity, size, &reader->connectivity, NULL);
@@ -225,7 +220,7 @@ int vtk_cells(vtk_reader *reader) {
         return vtk_fail_here(reader, "there is a second CELLS");
     if (io_integer(&reader->cursor, &n) || io_integer(&reader->cursor, &reader->n_connectivity))
         return vtk_fail_here(reader, "CELLS: number of cells and size of the list expected");
-    if (reader->binary)
+    if (reader->model->is_binary)
         vtk_end_line(&reader->cursor);
     if (vtk_take_if(reader, "OFFSETS"))
         return read_offset_cells(reader, n);
@@ -250,7 +245,7 @@ int vtk_cell_types(vtk_reader *reader) {
         return vtk_fail_here(reader, "CELL_TYPES must come once, behind POINTS and CELLS");
     if (io_integer(&reader->cursor, &n) || n != reader->n_cells)
         return vtk_fail_here(reader, "CELL_TYPES: as many types as cells expected");
-    if (reader->binary)
+    if (reader->model->is_binary)
         vtk_end_line(&reader->cursor);
     int status = read_integers(reader, n, 4, &reader->type, NULL);
     const vtk_grid cells = {.n = reader->n_cells,

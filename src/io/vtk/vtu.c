@@ -150,9 +150,9 @@ static int read_piece_cells(io_model *model, vtu_document *document, int64_t ind
     if (piece->n_cells == 0)
         return PLANISH_OK;
     if (!connectivity || !offsets || !types)
-        return io_fail_text(model, model->input.data + model->input.size, error,
-                            "Cells must have connectivity, offsets and types (the file may be cut "
-                            "short)");
+        return io_fail_at(model, model->input.data + model->input.size, error,
+                          "Cells must have connectivity, offsets and types (the file may be cut "
+                          "short)");
     int status = read_offsets(model, document, offsets, &cells, error);
     if (!status)
         status = vtu_read_integers(model, document, connectivity, cells.n_connectivity, NULL,
@@ -271,8 +271,8 @@ static int read_cell_data(io_model *model, vtu_document *document, planish_error
 static int read_document(io_model *model, vtu_document *document, planish_error *error) {
     int status = vtu_read_markup(model, document, error);
     if (!status && document->n_pieces == 0)
-        status = io_fail_text(model, model->input.data + model->input.size, error,
-                              "there is no Piece (the file may be cut short)");
+        status = io_fail_at(model, model->input.data + model->input.size, error,
+                            "there is no Piece (the file may be cut short)");
     if (!status)
         status = vtu_read_points(model, document, error);
     for (int64_t i = 0; i < document->n_pieces && !status; i++)

@@ -39,8 +39,8 @@ int vtu_fail(const io_model *model, const vtu_array *array, planish_error *error
                                         "face_connectivity",
                                         "fixed",
                                         "cell data"};
-    return io_fail_text(model, model->input.data + array->tag, error, "%s: %s", names[array->role],
-                        text);
+    return io_fail_at(model, model->input.data + array->tag, error, "%s: %s", names[array->role],
+                      text);
 }
 
 static int fail_cut(const io_model *model, const vtu_array *array, planish_error *error) {
@@ -344,10 +344,10 @@ static int read_text(void *context, io_cursor *cursor, int64_t begin, int64_t en
         int64_t value;
         if (t->real ? io_real(cursor, &t->real[i])
                     : io_integer(cursor, &value) || put_integer(t, i, value))
-            return io_fail_text(t->model, cursor->at, error,
-                                t->real ? "a number expected (the file may be cut short)"
-                                        : "a whole number in range expected (the file may be cut "
-                                          "short)");
+            return io_fail_at(t->model, cursor->at, error,
+                              t->real ? "a number expected (the file may be cut short)"
+                                      : "a whole number in range expected (the file may be cut "
+                                        "short)");
     }
     return PLANISH_OK;
 }

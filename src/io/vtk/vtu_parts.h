@@ -26,7 +26,7 @@ typedef enum vtu_role {
     VTU_POLYHEDRON_TO_FACES,
     VTU_FACE_ENDS,
     VTU_FACE_NODES,
-    VTU_FIXED, /* point data called `fixed` */
+    VTU_FIXED,    /* point data called `fixed` */
     VTU_CELL_DATA /* cell data with a name */
 } vtu_role;
 
@@ -90,7 +90,7 @@ enum { VTU_HEADER_NUMBERS = 3 };
 /** Where the packed blocks of an array are. */
 typedef struct vtu_blocks {
     int64_t n, size, last_size; /* bytes of all blocks but the last, and of that, unpacked */
-    int64_t bytes;     /* of all, unpacked */
+    int64_t bytes;              /* of all, unpacked */
     int64_t last_told; /* the latter as the header has it: 0 if the last is whole, or not */
     int64_t *packed;   /* [n + 1] owned: where each begins among the packed bytes */
     const char *data;  /* packed bytes of all blocks */

@@ -138,8 +138,8 @@ int vtu_read_points(io_model *model, vtu_document *document, planish_error *erro
     if (!status && model->n_spans > 1)
         qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
     if (!status && found < document->n_pieces)
-        status = io_fail_text(model, model->input.data + model->input.size, error,
-                              "a Piece has no Points (the file may be cut short)");
+        status = io_fail_at(model, model->input.data + model->input.size, error,
+                            "a Piece has no Points (the file may be cut short)");
     return status;
 }
 

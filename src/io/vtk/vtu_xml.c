@@ -73,7 +73,7 @@ static void fail(walk *w, int status) {
 }
 
 static void fail_here(walk *w, const char *text) {
-    fail(w, io_fail_text(w->model, w->model->input.data + tag_begin(w), w->error, "%s", text));
+    fail(w, io_fail_at(w->model, w->model->input.data + tag_begin(w), w->error, "%s", text));
 }
 
 /** The byte of the next '<' from there on, or the end. */
@@ -394,8 +394,8 @@ static int fail_xml(walk *w) {
     int64_t at = XML_GetCurrentByteIndex(w->parser) + w->skipped;
     if (at < 0 || at > w->model->input.size)
         at = w->model->input.size;
-    return io_fail_text(w->model, w->model->input.data + at, w->error,
-                        "XML: %s (the file may be cut short)", XML_ErrorString(code));
+    return io_fail_at(w->model, w->model->input.data + at, w->error,
+                      "XML: %s (the file may be cut short)", XML_ErrorString(code));
 }
 
 /** Expat looks at bytes more than once: it is given a copy, which cannot change meanwhile. */
@@ -442,8 +442,8 @@ int vtu_read_markup(io_model *model, vtu_document *document, planish_error *erro
     int status = feed(&w);
     XML_ParserFree(w.parser);
     if (!status && !document->is_grid)
-        status = io_fail_text(model, model->input.data + model->input.size, error,
-                              "there is no UnstructuredGrid (the file may be cut short)");
+        status = io_fail_at(model, model->input.data + model->input.size, error,
+                            "there is no UnstructuredGrid (the file may be cut short)");
     for (int64_t i = 0; i < document->n_arrays && !status; i++) {
         vtu_array *array = &document->array[i];
         if (!array->is_appended)
