@@ -1,5 +1,6 @@
 /* What readers build on: numbers of nodes, entities, the mesh that comes of it. */
 #include "io/core/model.h"
+#include "io/core/records.h"
 #include "io/file/finish.h"
 
 #include "base/memory.h"
@@ -199,6 +200,46 @@ static void errors_name_the_place(void **state) {
     assert_string_equal(error.text, "mesh: byte 3: bad");
 }
 
+static void counts_are_compared_with_the_bytes(void **state) {
+    (void)state;
+    static const char text[] = "1 2 3";
+    char path[] = "mesh";
+    io_model model = {.input = {.path = path, .data = text, .size = (int64_t)strlen(text)}};
+    const io_cursor rest = {text, io_input_end(&model)};
+    planish_error error;
+    assert_int_equal(io_check_count(&model, rest, 3, 2, "nodes", &error), PLANISH_OK);
+    assert_int_equal(io_check_count(&model, rest, 4, 2, "nodes", &error), PLANISH_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "mesh:1: 4 nodes cannot be in the 5 bytes"));
+    assert_int_equal(io_check_room(&model, rest, -1, 2, "nodes", &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_check_room(&model, rest, INT64_MAX, 1, "a", NULL), PLANISH_ERROR_FORMAT);
+    model.is_binary = 1;
+    assert_int_equal(io_check_count(&model, rest, 3, 2, "nodes", &error), PLANISH_ERROR_FORMAT);
+    assert_int_equal(io_check_count(&model, rest, 2, 2, "nodes", &error), PLANISH_OK);
+    model.input.size = (int64_t)INT32_MAX + 2;
+    const io_cursor all = {text, (const char *)((uintptr_t)text + (uintptr_t)INT32_MAX + 2)};
+    assert_int_equal(io_check_room(&model, all, model.input.size, 1, "nodes", &error), PLANISH_OK);
+    assert_int_equal(io_check_count(&model, all, model.input.size, 1, "nodes", &error),
+                     PLANISH_ERROR_FORMAT);
+    assert_non_null(strstr(error.text, "more than planish can number"));
+}
+
+static void coordinates_are_finite(void **state) {
+    (void)state;
+    static const float xyz[] = {1, 2, 3, 4, NAN, 6};
+    double room[6];
+    char path[] = "mesh";
+    const char *data = (const char *)xyz;
+    const io_model model = {.input = {.path = path, .data = data, .size = sizeof xyz},
+                            .is_binary = 1,
+                            .first_number = 7,
+                            .xyz = room};
+    planish_error error;
+    assert_int_equal(io_load_point(&model, data, 4, 0, 0, &error), PLANISH_OK);
+    assert_true(room[2] == 3);
+    assert_int_equal(io_load_point(&model, data + 12, 4, 0, 1, &error), PLANISH_ERROR_FORMAT);
+    assert_string_equal(error.text, "mesh: byte 16: node 8 has a coordinate that is not finite");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(numbers_close_together),
@@ -211,6 +252,8 @@ int main(void) {
         cmocka_unit_test(what_cannot_be_smoothed_is_refused),
         cmocka_unit_test(counts_beyond_int32_are_refused),
         cmocka_unit_test(errors_name_the_place),
+        cmocka_unit_test(counts_are_compared_with_the_bytes),
+        cmocka_unit_test(coordinates_are_finite),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,6 +36,23 @@ static void words_are_compared_whole(void **state) {
     assert_false(io_word_is("", 0, "Vertices", 0));
 }
 
+static void slices_are_words_and_lines(void **state) {
+    (void)state;
+    static const char text[] = "\xef\xbb\xbf # a comment\n\n mesh3d\nb c \r\n";
+    io_cursor cursor = cursor_on("one  two\r\n 12 \n");
+    int64_t value;
+    assert_true(io_slice_is(io_first_word(text, (int64_t)strlen(text)), "mesh3d", 0));
+    assert_int_equal(io_slice_length(io_first_word(" # nothing", 10)), 0);
+    assert_true(io_slice_is(io_next_word(&cursor), "ONE", 1));
+    const io_slice line = io_next_line(&cursor);
+    assert_int_equal(io_slice_length(line), 5);
+    assert_true(io_slice_is(io_slice_trim(line), "two", 0));
+    assert_int_equal(io_slice_integer(line, &value), -1);
+    assert_int_equal(io_slice_integer(io_slice_trim(io_next_line(&cursor)), &value), 0);
+    assert_int_equal(value, 12);
+    assert_int_equal(io_slice_length(io_next_word(&cursor)), 0);
+}
+
 static void lines_end_in_three_ways(void **state) {
     (void)state;
     io_cursor cursor = cursor_on("a\nb\r\nc\rd");
@@ -129,6 +146,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_between_any_white_space),
         cmocka_unit_test(words_are_compared_whole),
+        cmocka_unit_test(slices_are_words_and_lines),
         cmocka_unit_test(lines_end_in_three_ways),
         cmocka_unit_test(lines_are_taken_without_their_ends),
         cmocka_unit_test(long_files_of_carriage_returns),

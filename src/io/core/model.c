@@ -40,6 +40,20 @@ int io_model_span(io_model *model, io_span span, planish_error *error) {
     return PLANISH_OK;
 }
 
+int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int swapped,
+                    const char *at, planish_error *error) {
+    io_span span = {.n_nodes = n, .encoding = IO_TEXT};
+    if (model->is_binary)
+        span = (io_span){.n_nodes = n,
+                         .encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64,
+                         .swapped = swapped,
+                         .offset = at - model->input.data,
+                         .stride = stride};
+    model->precision = size == 4 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+    const int status = io_model_nodes(model, n, !model->is_binary, error);
+    return status ? status : io_model_span(model, span, error);
+}
+
 int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error) {
     int32_t *grown = pl_grow(model->periodic, model->n_periodic, model->n_periodic + 1,
                              &model->periodic_capacity, sizeof pair[0] * 2);
@@ -275,7 +289,7 @@ void io_model_destroy(io_model *model) {
     memset(model, 0, sizeof *model);
 }
 
-/* ---- errors ------------------------------------------------------------------------------- */
+/* ---- checks and errors --------------------------------------------------------------------- */
 
 int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format,
                ...) {
@@ -294,4 +308,29 @@ int io_fail_at(const io_model *model, const char *at, planish_error *error, cons
         line += *c == '\n' || (*c == '\r' && (c + 1 == at || c[1] != '\n'));
     return pl_fail(error, PLANISH_ERROR_FORMAT, "%s:%lld: %s", model->input.path, (long long)line,
                    text);
+}
+
+int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
+                  planish_error *error) {
+    const int64_t left = rest.end - rest.at;
+    if (n >= 0 && n <= (left + !model->is_binary) / size)
+        return PLANISH_OK;
+    return io_fail_at(
+        model, rest.at, error,
+        "%lld %s cannot be in the %lld bytes that are left; the count is wrong or the "
+        "file is cut short",
+        (long long)n, what, (long long)left);
+}
+
+int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
+                   planish_error *error) {
+    if (n > INT32_MAX && io_check_room(model, rest, n, size, what, NULL) == PLANISH_OK)
+        return io_fail_at(model, rest.at, error, "%lld %s are more than planish can number",
+                          (long long)n, what);
+    return io_check_room(model, rest, n, size, what, error);
+}
+
+int io_fail_infinite(const io_model *model, int64_t node, const char *at, planish_error *error) {
+    return io_fail_at(model, at, error, "node %lld has a coordinate that is not finite",
+                      (long long)io_node_number(model, node));
 }

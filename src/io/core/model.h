@@ -14,6 +14,8 @@
 
 #include "io/core/output.h"
 
+#include <math.h>
+
 /** A position in the file; every function stops at end and never reads behind it. */
 typedef struct io_cursor {
     const char *at, *end;
@@ -216,6 +218,11 @@ int io_model_nodes(io_model *model, int64_t n_nodes, int text, planish_error *er
 
 int io_model_span(io_model *model, io_span span, planish_error *error);
 
+/** Make n nodes whose coordinates stand at at, size bytes (4, 8) each, a node every stride bytes,
+ * or in text (then stride, swapped and at do not matter); note their place and their precision. */
+int io_model_points(io_model *model, int64_t n, int size, int64_t stride, int swapped,
+                    const char *at, planish_error *error);
+
 /** A pair of periodic nodes. */
 int io_model_pair(io_model *model, const int32_t pair[2], planish_error *error);
 
@@ -265,6 +272,14 @@ void io_settle_cell_numbers(io_cells *cells);
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);
 
+/** Return the number in the file of node i, or of cell i of cells. */
+static inline int64_t io_node_number(const io_model *model, int64_t i) {
+    return model->node_number ? model->node_number[i] : model->first_number + i;
+}
+static inline int64_t io_cell_number(const io_cells *cells, int64_t i) {
+    return cells->number ? cells->number[i] : cells->first_number + i;
+}
+
 /** Return the index of the node with that number in the file, or -1. numbers: the table of
  *  io_settle_node_numbers, or NULL: they are consecutive. */
 static inline int64_t io_node_index(const io_model *model, const io_numbers *numbers,
@@ -276,17 +291,42 @@ static inline int64_t io_node_index(const io_model *model, const io_numbers *num
     return index < (uint64_t)model->n_nodes ? (int64_t)index : -1;
 }
 
+/** End of the input: behind its last byte. */
+static inline const char *io_input_end(const io_model *model) {
+    return model->input.data + model->input.size;
+}
+
 /** Release the arrays of cells; NULL then. */
 void io_cells_release(io_cells *cells);
 
 /** Release all that the model owns. */
 void io_model_destroy(io_model *model);
 
-/* ---- errors --------------------------------------------------------------------------------- */
+/* ---- checks and errors --------------------------------------------------------------------- */
 
 /** Fail with _FORMAT at a place of the file: "FILE:LINE: text", lines counted from the start, or
  *  "FILE: byte N: text" where model->is_binary. error may be NULL: then nothing is written. */
 int io_fail_at(const io_model *model, const char *at, planish_error *error, const char *format, ...)
     PL_PRINTF(4, 5);
+
+/** Check a declared count before anything is allocated: n things of size bytes each at least must
+ *  fit into rest, where the first of them stands. In text the last byte of the last thing may be
+ *  missing, as nothing need follow its last number. what: the things, for the message. */
+int io_check_room(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
+                  planish_error *error);
+
+/** Check the same, and that n is at most INT32_MAX: things that planish numbers. */
+int io_check_count(const io_model *model, io_cursor rest, int64_t n, int64_t size, const char *what,
+                   planish_error *error);
+
+/** Fail as io_check_finite does. */
+int io_fail_infinite(const io_model *model, int64_t node, const char *at, planish_error *error);
+
+/** Check that a coordinate of node, which stands at at, is finite: the error names the node by its
+ *  number, and the place. */
+static inline int io_check_finite(const io_model *model, double value, int64_t node, const char *at,
+                                  planish_error *error) {
+    return isfinite(value) ? PLANISH_OK : io_fail_infinite(model, node, at, error);
+}
 
 #endif

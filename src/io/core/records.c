@@ -1,13 +1,14 @@
 /* records: many records of numbers read by several threads, in text and in binary. */
 #include "io/core/records.h"
 
-#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/round.h"
+#include "base/status.h"
+#include "io/core/binary.h"
 
 enum {
     PIECE = 1 << 14,     /* bytes: what a thread scans to find a token */
@@ -18,8 +19,9 @@ enum {
 };
 
 void io_text_init(io_text *text, const io_model *model) {
+    text->model = model;
     text->begin = model->input.data;
-    text->end = model->input.data + model->input.size;
+    text->end = io_input_end(model);
     text->threads = pl_thread_count(model->threads);
     text->before = NULL;
 }
@@ -196,22 +198,80 @@ int io_binary_records(int threads, io_cursor *cursor, int64_t n, int64_t size, i
     return read(context, cursor, 0, n, error);
 }
 
+int io_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens, int64_t size,
+               io_records_fn *read, void *context, planish_error *error) {
+    return text->model->is_binary
+               ? io_binary_records(text->threads, cursor, n, size, read, context, error)
+               : io_text_records(text, cursor, n, tokens, read, context, error);
+}
+
+/* ---- sections ----------------------------------------------------------------------------- */
+
+int io_sections_add(io_sections *sections, io_section section, planish_error *error) {
+    io_section *grown = pl_grow(sections->section, sections->n, sections->n + 1,
+                                &sections->capacity, sizeof *grown);
+    if (!grown)
+        return pl_fail_memory(error, "the sections of the file");
+    sections->section = grown;
+    sections->section[sections->n++] = section;
+    return PLANISH_OK;
+}
+
+void io_sections_release(io_sections *sections) {
+    pl_free(sections->section);
+    *sections = (io_sections){.n = 0};
+}
+
+int io_section_records(io_text *text, const io_section *section, const char *name, int64_t tokens,
+                       int64_t size, io_records_fn *read, void *context, planish_error *error) {
+    const io_model *model = text->model;
+    io_cursor cursor = {section->data, model->is_binary ? section->end : io_input_end(model)};
+    const int status =
+        tokens || model->is_binary
+            ? io_records(text, &cursor, section->count, tokens, size, read, context, error)
+            : read(context, &cursor, 0, section->count, error);
+    if (status || model->is_binary)
+        return status;
+    if (cursor.at > section->end)
+        return io_fail_at(model, section->end, error,
+                          "the next section begins within the last of %lld %s (the file may be "
+                          "damaged)",
+                          (long long)section->count, name);
+    io_skip_space_comments(&cursor, '#');
+    if (cursor.at < section->end)
+        return io_fail_at(model, cursor.at, error, "more than %lld %s follow",
+                          (long long)section->count, name);
+    return PLANISH_OK;
+}
+
+/* ---- points ------------------------------------------------------------------------------- */
+
+int io_load_point(const io_model *model, const char *at, int size, int swapped, int64_t node,
+                  planish_error *error) {
+    for (int d = 0; d < 3; d++, at += size) {
+        double *x = &model->xyz[3 * node + d];
+        *x = size == 4 ? (double)io_load_f32(at, swapped) : io_load_f64(at, swapped);
+        const int status = io_check_finite(model, *x, node, at, error);
+        if (status)
+            return status;
+    }
+    return PLANISH_OK;
+}
+
 int io_read_point(io_model *model, io_cursor *cursor, int64_t node, planish_error *error) {
     double *xyz = model->xyz + 3 * node;
-    const int64_t number =
-        model->node_number ? model->node_number[node] : model->first_number + node;
     io_skip_space(cursor);
     model->text_offset[node] = cursor->at - model->input.data;
-    for (int i = 0; i < 3; i++) {
+    for (int d = 0; d < 3; d++) {
         double value;
         if (io_real(cursor, &value))
             return io_fail_at(model, cursor->at, error,
                               "node %lld: coordinate expected (the file may be cut short)",
-                              (long long)number);
-        xyz[i] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
-        if (!isfinite(xyz[i]))
-            return io_fail_at(model, cursor->at, error,
-                              "node %lld has a coordinate that is not finite", (long long)number);
+                              (long long)io_node_number(model, node));
+        xyz[d] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
+        const int status = io_check_finite(model, xyz[d], node, cursor->at, error);
+        if (status)
+            return status;
     }
-    return 0;
+    return PLANISH_OK;
 }

@@ -1,5 +1,12 @@
 /* records: many records of numbers read by several threads, in text and in binary.
  *
+ *   io_text, io_text_init, ...       a text and the index of its tokens
+ *   io_records                       read records of a text or binary file
+ *   io_text_records, io_binary_...   read records of the one or the other
+ *   io_section, io_sections_add ...  places of records that a first walk over a file notes
+ *   io_read_point, io_load_point     coordinates of a node from text or binary
+ *   io_left, io_hold_node            small helpers of readers
+ *
  * A reader gives a function that reads records begin .. end-1 from a cursor that stands on the
  * first of them. Where records are many, io_text_records finds the places between (by an index of
  * the file's tokens) and threads read chunks of them; otherwise, and when any chunk fails, the
@@ -20,11 +27,13 @@ typedef int io_records_fn(void *context, io_cursor *cursor, int64_t begin, int64
 
 /** A text file and, once a large section was met, the index of its tokens. */
 typedef struct io_text {
+    const io_model *model;
     const char *begin, *end;
     int threads;
     int64_t *before; /* [pieces + 1] tokens that start before each piece of bytes, or NULL */
 } io_text;
 
+/** The text of the whole input; released by io_text_release. */
 void io_text_init(io_text *text, const io_model *model);
 void io_text_release(io_text *text);
 
@@ -35,6 +44,38 @@ int io_text_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens,
 /** Read n records of size bytes each from *cursor; the caller has checked that they are there. */
 int io_binary_records(int threads, io_cursor *cursor, int64_t n, int64_t size, io_records_fn *read,
                       void *context, planish_error *error);
+
+/** Read n records from *cursor: of tokens tokens each, or of size bytes each where the model is
+ *  binary (the caller has checked that they are there). */
+int io_records(io_text *text, io_cursor *cursor, int64_t n, int64_t tokens, int64_t size,
+               io_records_fn *read, void *context, planish_error *error);
+
+/** Where the records of a section are, noted by a first walk over the file. */
+typedef struct io_section {
+    int keyword; /* its row in the reader's table of keywords */
+    int64_t count;
+    const char *data, *end; /* end: binary: behind the records; text: at the next keyword */
+} io_section;
+
+typedef struct io_sections {
+    io_section *section; /* [n] owned, in the file's order */
+    int64_t n, capacity;
+} io_sections;
+
+/** Note a section behind the others. Error: _MEMORY. */
+int io_sections_add(io_sections *sections, io_section section, planish_error *error);
+void io_sections_release(io_sections *sections);
+
+/** Read the records of a section as io_records does; tokens 0: in order, as records of text differ
+ *  or make a list. In text nothing but comments ('#') may be left before its end. name: for the
+ *  message. */
+int io_section_records(io_text *text, const io_section *section, const char *name, int64_t tokens,
+                       int64_t size, io_records_fn *read, void *context, planish_error *error);
+
+/** Read the three coordinates of node from binary reals at at, size bytes (4, 8) each, one behind
+ *  the other; an error if one is not finite. error may be NULL. */
+int io_load_point(const io_model *model, const char *at, int size, int swapped, int64_t node,
+                  planish_error *error);
 
 /** Read the three coordinates of node from text, note their place, round them to the model's
  *  precision; an error (of text) if they are no finite numbers. */

@@ -63,6 +63,24 @@ const char *io_line(io_cursor *cursor, const char **end) {
     return line;
 }
 
+io_slice io_next_line(io_cursor *cursor) {
+    io_slice line;
+    line.begin = io_line(cursor, &line.end);
+    return line;
+}
+
+io_slice io_next_word(io_cursor *cursor) {
+    int64_t length;
+    const char *word = io_word(cursor, &length);
+    return (io_slice){word, word + length};
+}
+
+io_slice io_first_word(const char *data, int64_t size) {
+    io_cursor cursor = io_begin_text(data, size);
+    io_skip_space_comments(&cursor, '#');
+    return io_next_word(&cursor);
+}
+
 const char *io_word(io_cursor *cursor, int64_t *length) {
     io_skip_space(cursor);
     const char *word = cursor->at;
@@ -77,6 +95,15 @@ int io_word_is(const char *word, int64_t length, const char *name, int fold) {
         if (name[i] == '\0' || (fold ? lower(word[i]) != lower(name[i]) : word[i] != name[i]))
             return 0;
     return name[length] == '\0';
+}
+
+int io_slice_is(io_slice s, const char *name, int fold) {
+    return io_word_is(s.begin, s.end - s.begin, name, fold);
+}
+
+int io_slice_integer(io_slice s, int64_t *value) {
+    io_cursor cursor = {s.begin, s.end};
+    return io_integer(&cursor, value) || cursor.at != s.end ? -1 : 0;
 }
 
 /** What follows a number must be white space or the end. */

@@ -1,4 +1,15 @@
-/* text: walk the bytes of an ASCII mesh file. */
+/* text: walk the bytes of an ASCII mesh file.
+ *
+ *   io_slice, io_slice_...          some bytes of the file: a name, a field, a line
+ *   io_is_blank, io_upper           characters
+ *   io_begin_text, io_first_word    the beginning of a text
+ *   io_skip_...                     skip white space, comments, a line, numbers
+ *   io_next_line, io_next_word      take a line or a word
+ *   io_integer, io_real             take a number
+ *   io_find_line                    find a line
+ *
+ * A cursor (model.h) stands in a text; functions that take something leave it behind that.
+ */
 #ifndef PL_IO_CORE_TEXT_H
 #define PL_IO_CORE_TEXT_H
 
@@ -14,8 +25,34 @@ static inline char io_upper(char c) {
     return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
 }
 
+/** Bytes of the file from begin to before end, borrowed: a name, a field, a line. */
+typedef struct io_slice {
+    const char *begin, *end;
+} io_slice;
+
+static inline int64_t io_slice_length(io_slice s) {
+    return s.end - s.begin;
+}
+
+/** Return s without the blanks and tabs around it. */
+static inline io_slice io_slice_trim(io_slice s) {
+    while (s.begin < s.end && io_is_blank(*s.begin))
+        s.begin++;
+    while (s.begin < s.end && io_is_blank(s.end[-1]))
+        s.end--;
+    return s;
+}
+
+/** Return whether s is name, letter case ignored if fold. */
+int io_slice_is(io_slice s, const char *name, int fold);
+/** Return the number that all of s is, white space before it aside: 0 or -1. */
+int io_slice_integer(io_slice s, int64_t *value);
+
 /** A text of size bytes from behind the mark of UTF-8 that some editors put before it. */
 io_cursor io_begin_text(const char *data, int64_t size);
+/** Return the first word of a file, behind that mark, white space and comments ('#'): what tells
+ * the format. Empty if there is none. */
+io_slice io_first_word(const char *data, int64_t size);
 /** Skip blanks, tabs, line ends (\n, \r\n, \r). */
 void io_skip_space(io_cursor *cursor);
 /** Skip the same and comments that run from mark ('#') to the end of the line. */
@@ -28,6 +65,10 @@ void io_skip_numbers(io_cursor *cursor);
 /** The line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes: its
  * first byte, *end behind its last. */
 const char *io_line(io_cursor *cursor, const char **end);
+/** Take the line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes. */
+io_slice io_next_line(io_cursor *cursor);
+/** Take the next word (no white space in it) after white space; empty at the end of the text. */
+io_slice io_next_word(io_cursor *cursor);
 /** The next word (no white space in it) after white space: its start, *length 0 at the end. */
 const char *io_word(io_cursor *cursor, int64_t *length);
 /** Whether the word is name, letter case ignored if fold. */

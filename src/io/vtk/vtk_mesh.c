@@ -7,21 +7,9 @@
 
 #include "io/vtk/vtk_cells.h"
 
-#include <math.h>
-#include <string.h>
-
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/binary.h"
-
-/** Refuse counts that the rest of the file cannot hold. In text a number is two bytes. */
-static int check_count(const vtk_reader *reader, int64_t n, int64_t numbers, int size) {
-    int64_t bytes = reader->model->is_binary ? size * numbers : 2 * numbers;
-    if (n < 0 || n > (io_left(&reader->cursor) + !reader->model->is_binary) / bytes)
-        return vtk_fail_here(
-            reader, "the rest of the file cannot hold that many (cut short, or wrong count)");
-    return 0;
-}
 
 /* ---- points ------------------------------------------------------------------------------- */
 
@@ -30,51 +18,23 @@ typedef struct point_block {
     int size; /* bytes of a coordinate */
 } point_block;
 
-static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                            planish_error *error) {
-    const point_block *points = context;
-    int status = 0;
-    for (int64_t node = begin; !status && node < end; node++)
-        status = io_read_point(points->reader->model, cursor, node, error);
-    return status;
-}
-
-static int read_binary_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                              planish_error *error) {
+static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
     const point_block *points = context;
     io_model *model = points->reader->model;
-    int swapped = points->reader->swapped;
-    for (int64_t i = 3 * begin; i < 3 * end; i++, cursor->at += points->size) {
-        model->xyz[i] = points->size == 4 ? (double)io_load_f32(cursor->at, swapped)
-                                          : io_load_f64(cursor->at, swapped);
-        if (!isfinite(model->xyz[i]))
-            return io_fail_at(model, cursor->at, error,
-                              "point %lld has a coordinate that is not finite", (long long)(i / 3));
+    for (int64_t node = begin; node < end; node++) {
+        int status;
+        if (model->is_binary) {
+            status = io_load_point(model, cursor->at, points->size, points->reader->swapped, node,
+                                   error);
+            cursor->at += 3 * points->size;
+        } else {
+            status = io_read_point(model, cursor, node, error);
+        }
+        if (status)
+            return status;
     }
-    return 0;
-}
-
-/** The points behind their line, n of them of size bytes a coordinate. */
-static int read_points_data(vtk_reader *reader, int64_t n, int size) {
-    io_model *model = reader->model;
-    point_block points = {reader, size};
-    io_span span = {.n_nodes = n, .encoding = IO_TEXT};
-    if (reader->model->is_binary)
-        span = (io_span){.n_nodes = n,
-                         .encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64,
-                         .swapped = reader->swapped,
-                         .offset = reader->cursor.at - model->input.data,
-                         .stride = 3 * size};
-    int status = io_model_nodes(model, n, !reader->model->is_binary, reader->error);
-    if (!status)
-        status = io_model_span(model, span, reader->error);
-    if (!status && reader->model->is_binary)
-        status = io_binary_records(model->threads, &reader->cursor, n, 3 * size, read_binary_points,
-                                   &points, reader->error);
-    else if (!status)
-        status = io_text_records(&reader->text, &reader->cursor, n, 3, read_text_points, &points,
-                                 reader->error);
-    return status;
+    return PLANISH_OK;
 }
 
 int vtk_points(vtk_reader *reader) {
@@ -91,12 +51,18 @@ int vtk_points(vtk_reader *reader) {
                           "POINTS of this type are not read: float or double expected");
     if (reader->model->is_binary)
         vtk_end_line(&reader->cursor);
-    int status = check_count(reader, n, 3, type->size);
+    const int stride = 3 * type->size;
+    int status = io_check_count(reader->model, reader->cursor, n,
+                                reader->model->is_binary ? stride : 6, "points", reader->error);
+    if (!status)
+        status = io_model_points(reader->model, n, type->size, stride, reader->swapped,
+                                 reader->cursor.at, reader->error);
     if (status)
         return status;
     reader->have_points = 1;
-    reader->model->precision = type->size == 4 ? PLANISH_FLOAT : PLANISH_DOUBLE;
-    return read_points_data(reader, n, type->size);
+    point_block points = {reader, type->size};
+    return io_records(&reader->text, &reader->cursor, n, 3, stride, read_points, &points,
+                      reader->error);
 }
 
 /* ---- lists of integers -------------------------------------------------------------------- */
@@ -108,50 +74,39 @@ typedef struct integer_list {
     int64_t *wide;   /* or here */
 } integer_list;
 
-static int put_integer(const integer_list *list, const char *at, int64_t index, int64_t value,
-                       planish_error *error) {
-    if (list->wide) {
-        list->wide[index] = value;
-        return 0;
-    }
-    list->narrow[index] = (int32_t)value;
-    if (value >= INT32_MIN && value <= INT32_MAX)
-        return 0;
-    return io_fail_at(list->reader->model, at, error, "an index or type is out of range");
-}
-
-static int read_text_integers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                              planish_error *error) {
+static int read_list(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                     planish_error *error) {
     const integer_list *list = context;
-    int64_t value;
+    const int swapped = list->reader->swapped;
+    const io_model *model = list->reader->model;
     for (int64_t i = begin; i < end; i++) {
-        if (io_integer(cursor, &value))
-            return io_fail_at(list->reader->model, cursor->at, error,
-                              "CELLS or CELL_TYPES: integer expected (the file may be cut "
-                              "short)");
-        if (put_integer(list, cursor->at, i, value, error))
-            return PLANISH_ERROR_FORMAT;
+        const char *at = cursor->at;
+        int64_t value;
+        if (model->is_binary) {
+            value = list->size == 4 ? io_load_i32(cursor->at, swapped)
+                                    : io_load_i64(cursor->at, swapped);
+            cursor->at += list->size;
+        } else if (io_integer(cursor, &value)) {
+            return io_fail_at(model, cursor->at, error,
+                              "CELLS or CELL_TYPES: integer expected (the file may be cut short)");
+        }
+        if (list->wide)
+            list->wide[i] = value;
+        else if (value >= INT32_MIN && value <= INT32_MAX)
+            list->narrow[i] = (int32_t)value;
+        else
+            return io_fail_at(model, model->is_binary ? at : cursor->at, error,
+                              "an index or type is out of range");
     }
-    return 0;
-}
-
-static int read_binary_integers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                                planish_error *error) {
-    const integer_list *list = context;
-    int swapped = list->reader->swapped;
-    for (int64_t i = begin; i < end; i++, cursor->at += list->size) {
-        int64_t value =
-            list->size == 4 ? io_load_i32(cursor->at, swapped) : io_load_i64(cursor->at, swapped);
-        if (put_integer(list, cursor->at, i, value, error))
-            return PLANISH_ERROR_FORMAT;
-    }
-    return 0;
+    return PLANISH_OK;
 }
 
 /** n integers from the cursor to a new array: *narrow or *wide, the other is NULL. */
 static int read_integers(vtk_reader *reader, int64_t n, int size, int32_t **narrow,
                          int64_t **wide) {
-    int status = check_count(reader, n, 1, size);
+    int status =
+        io_check_room(reader->model, reader->cursor, n, reader->model->is_binary ? size : 2,
+                      "numbers of CELLS or CELL_TYPES", reader->error);
     if (status)
         return status;
     integer_list list = {reader, size, NULL, NULL};
@@ -161,11 +116,7 @@ static int read_integers(vtk_reader *reader, int64_t n, int size, int32_t **narr
         *wide = list.wide = pl_alloc(n, sizeof **wide);
     if (!list.narrow && !list.wide)
         return pl_fail_memory(reader->error, "the cells");
-    if (reader->model->is_binary)
-        return io_binary_records(reader->model->threads, &reader->cursor, n, size,
-                                 read_binary_integers, &list, reader->error);
-    return io_text_records(&reader->text, &reader->cursor, n, 1, read_text_integers, &list,
-                           reader->error);
+    return io_records(&reader->text, &reader->cursor, n, 1, size, read_list, &list, reader->error);
 }
 
 /* ---- cells -------------------------------------------------------------------------------- */
