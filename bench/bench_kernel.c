@@ -5,7 +5,7 @@
  * value: gather a star and evaluate its sum of RR^2; derivatives: the same with gradient and
  * Hessian; visit: one whole visit (a Newton step with its search) of every star, on the mesh as it
  * is; later: the same in the sixth sweep, when most stars have kept their Hessian. First the plain
- * problem, then the guarded kernel with each objective and a least volume that is far away. One
+ * problem, then the guarded kernel with each objective and a minimum volume that is far away. One
  * thread; each figure is the best of the repeats. "check" must be the same for all variants of a
  * problem. bytes_per_star: of the plan, which a visit reads from one end to the other; coordinates,
  * which stars share, come on top.
@@ -120,7 +120,7 @@ static double time_sum(const double *terms, int64_t n, int is_exact, int repeat)
     return best;
 }
 
-/** A least volume that no element comes near to. */
+/** A minimum volume that no element comes near to. */
 static double far_volume(const planish_plan *plan, const planish_mesh *mesh) {
     planish_quality quality;
     planish_error error;

@@ -2,7 +2,7 @@
 
 A grid of 5^3 cells without 2^3, cut into five tetrahedra each, made irregular: one more free node,
 random flips of faces, nodes of the outer surface merged until the count is right. A change is kept
-if the free nodes can still give every element its least volume. Needs numpy and scipy.
+if the free nodes can still give every element its minimum volume. Needs numpy and scipy.
 """
 import numpy as np
 from scipy.optimize import minimize

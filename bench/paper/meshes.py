@@ -5,7 +5,7 @@
 
 Good meshes are made first (plane.py, cube.py), and then their free nodes are pushed about at random
 as far as gives the largest radius ratio that the paper states (spoil.py). Seeds are fixed: the same
-files each time. cube_feasible.msh is the good mesh in space before: it shows that all least volumes
+files each time. cube_feasible.msh is the good mesh in space before: it shows that all minimum volumes
 can be met. Needs numpy and scipy.
 """
 import sys

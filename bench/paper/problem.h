@@ -17,7 +17,7 @@ typedef struct problem {
     int *movable;        /* [n_movable] elements with a free node, ascending */
     int n_variables, n_movable;
     int n_jacobian, n_hessian; /* triplets of the derivatives; Hessian: lower triangle */
-    double delta;              /* least volume; 0: none, and no constraints */
+    double delta;              /* minimum volume; 0: none, and no constraints */
     double area_weight;        /* mu2 */
     double fixed_ratios;       /* sum of RR^2 over the elements that cannot change */
     double fixed_constraints;  /* and of g^2 */

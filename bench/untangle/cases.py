@@ -2,7 +2,7 @@
 
     box_asis_move-5-10        the box, 10 % of its inner nodes moved by 5 edge lengths
     bar_bend-80_left          the bar bent to 80 % of what it stands, its inner nodes left behind
-    box_flaw-ear_asis         the box with planted elements that nothing can mend (flaws.py)
+    box_flaw-ear_asis         the box with planted elements that nothing can repair (flaws.py)
 
 The random numbers are seeded by the name."""
 import zlib
@@ -33,7 +33,7 @@ FLAWED = ["asis", "move-1-10"]  # what else happens to a mesh with flaws
 RAISES = 8
 
 # points: tangled; valid: the known solution; fixed [n] of bool or None: held besides the boundary;
-# flaws: lists of elements that cannot be mended, none in a feasible case.
+# flaws: lists of elements that cannot be repaired, none in a feasible case.
 Case = namedtuple("Case", "name family points valid elements held fixed flaws")
 
 load = lru_cache(maxsize=4)(bases.load)

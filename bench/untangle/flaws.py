@@ -1,4 +1,4 @@
-"""flaws: plants elements that no position of the free nodes can mend, in a mesh that is valid
+"""flaws: plants elements that no position of the free nodes can repair, in a mesh that is valid
 otherwise.
 
     ear      a new element glued to a boundary facet, its tip inside instead of outside
@@ -8,7 +8,7 @@ otherwise.
              sees all of them
     island   such a fan as a component of its own beside the mesh
 
-And what looks like it but can be mended, for false reports:
+And what looks like it but can be repaired, for false reports:
 
     narrow   a free node and fixed ones around it that can be seen from a small place only"""
 import numpy as np

@@ -77,7 +77,7 @@ def show_deformed(real):
 
 
 def show_unfixable(real):
-    print_table("cannot be mended", [line for line in real if is_unfixable(line)])
+    print_table("cannot be repaired", [line for line in real if is_unfixable(line)])
 
 
 def show_lists(real, none):

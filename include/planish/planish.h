@@ -106,7 +106,7 @@ typedef struct planish_mesh {
                                   nodes of others are held, as are pairs with a node ON_SURFACE,
                                   groups of more than 64 nodes, and what is beyond the 64th
                                   translation. Coordinates to be smoothed fit the pairs, too */
-    const double *min_volume;  /* [n_elements] least volume (area in 2-D) of each element, finite;
+    const double *min_volume;  /* [n_elements] minimum volume (area in 2-D) of each element, finite;
                                   0: that of the options. NULL: 0 for all */
     const int64_t *elements64; /* [n_elements][dim + 1] in place of elements (which is NULL then);
                                   a plan keeps a copy of 32 bits of those that it works on */
@@ -332,8 +332,8 @@ typedef enum planish_direction {
     PLANISH_FLETCHER_REEVES = 1 /* conjugate directions, the paper's choice (its equation 3) */
 } planish_direction;
 
-/** Volumes are met from 1 minus this of the least volume on, the paper's threshold: g = 1 - V/delta
- *  above it is violated. */
+/** Volumes are met from 1 minus this of the minimum volume on, the paper's threshold: g = 1 -
+ * V/delta above it is violated. */
 #define PLANISH_VOLUME_TOLERANCE 0.003
 
 /** Format in which a coordinate is stored in the end. The positions of moving nodes are rounded
@@ -366,9 +366,9 @@ typedef struct planish_progress {
     double rms_movable;       /* the same over the valid elements with a free node */
     double objective;         /* F over the valid elements after the last sweep; rms by default */
     int64_t inverted;         /* elements that are not positive, after the last sweep */
-    int64_t below_min_volume; /* elements below 0.997 of their least volume after it */
+    int64_t below_min_volume; /* elements below 0.997 of their minimum volume after it */
     int restoring;  /* not 0: this sweep, or the last one, untangled elements or brought them above
-                       their least volume; F may have risen */
+                       their minimum volume; F may have risen */
     int worst;      /* not 0: this sweep improves the worst elements (options.worst); the values
                        are those from before it until they are known to stand */
     int64_t visits; /* nodes visited in this sweep; 0 until sweep_done */
@@ -441,7 +441,7 @@ typedef struct planish_options {
     planish_method method;       /* how nodes are moved */
     planish_objective objective; /* AR in F = mu1 RMS(AR) + mu2 RMS(g) */
     planish_direction direction; /* search direction of the local problem */
-    double min_volume;           /* delta, the least volume (area in 2-D) of every element, or */
+    double min_volume;           /* delta, the minimum volume (area in 2-D) of every element, or */
     double min_volume_fraction;  /* delta as a fraction of the domain's volume; 0: none, elements
                                     only stay positive. At most one of the two */
     double area_weight;          /* mu2 = 1 - mu1, 0 .. 1: weight of g = 1 - V/delta in F; above 0
@@ -453,7 +453,7 @@ typedef struct planish_options {
     planish_length_unit displacement_unit; /* of max_displacement */
     planish_precision precision;           /* what coordinates are stored as in the end */
     int untangle;           /* not 0 (the default): elements that are not positive are repaired
-                               first where that can be done, and those below their least
+                               first where that can be done, and those below their minimum
                                volume while it is smoothed; 0: they are left alone */
     planish_worst worst;    /* what is improved of the worst elements in the end, by sweeps
                                that max_sweeps does not count: 20 at most for each tenth of
@@ -466,7 +466,7 @@ typedef struct planish_options {
                                that fall by less than half do not set off visits around them */
     double time_limit;      /* seconds, 0: none */
     double only_worse_than; /* move only nodes of elements of RR above it, or below their
-                               least volume, or not positive; 0: all. In planish_smooth:
+                               minimum volume, or not positive; 0: all. In planish_smooth:
                                visit only stars with such an element. In planish_plan_create:
                                only nodes that have one there are free, which makes the plan
                                as cheap as they are few; sweeps end a little earlier then */
@@ -530,7 +530,7 @@ typedef struct planish_plan_info {
 
 /** Make a plan for mesh: validate it, find its orientation and its boundary, order and colour its
  *  free nodes. Uses threads, bind and isa of options (NULL: defaults), its allocator, parallel and
- *  log, and only_worse_than, around, rings and least volumes to choose the nodes. The plan refers
+ *  log, and only_worse_than, around, rings and minimum volumes to choose the nodes. The plan refers
  *  to mesh->elements (not to elements64), and to mesh->part with all that it points to: these must
  *  stay as they are until planish_plan_destroy; the other arrays are not read after the return.
  *  Which order of an element is the positive one is decided here, from these coordinates: for a
@@ -545,7 +545,7 @@ typedef struct planish_plan_info {
  *  made. Which order is the positive one is decided from the plan's elements, too: where all of
  *  them are inverted nobody sees it. Nodes of periodic pairs stay. around excludes only_worse_than
  *  and min_volume_fraction, which are about all of the mesh. The bits are those of a plan for all
- *  of it with its other nodes fixed, as long as nothing is untangled, raised to a least volume or
+ *  of it with its other nodes fixed, as long as nothing is untangled, raised to a minimum volume or
  *  done for options.worst.
  *
  *  With only_worse_than, neighbours save passes over the elements if few of them are bad; the bits
@@ -693,7 +693,8 @@ typedef enum planish_stop {
     PLANISH_STOP_MAX_SWEEPS = 1,
     PLANISH_STOP_TIME_LIMIT = 2,
     PLANISH_STOP_INTERRUPTED = 3, /* the progress callback said so */
-    PLANISH_STOP_INFEASIBLE = 4 /* converged, with elements that cannot reach their least volume */
+    PLANISH_STOP_INFEASIBLE =
+        4 /* converged, with elements that cannot reach their minimum volume */
 } planish_stop;
 
 typedef struct planish_result {
@@ -711,7 +712,7 @@ typedef struct planish_result {
     double rms;              /* RMS of AR over the valid elements at the end */
     double rms_movable;      /* the same over those with a free node */
     double min_volume; /* delta that was in force where the mesh has none of its own; 0: none */
-    int64_t below_min_volume;  /* elements below 0.997 of their least volume at the end */
+    int64_t below_min_volume;  /* elements below 0.997 of their minimum volume at the end */
     int64_t held_outside;      /* free nodes that started outside of their bounds and were held */
     double objective_before;   /* F over the valid elements at the start */
     double objective;          /* and at the end */
@@ -719,9 +720,9 @@ typedef struct planish_result {
     double worst_before; /* the worst with a free node then, by options.worst: RR, or degrees */
     double worst_after;  /* and at the end */
     int64_t evaluations; /* of the function of a star, with or without derivatives */
-    /* With a least volume, bounds or an objective other than the default: first-order optimality at
-       the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f on
-       the directions that no active constraint forbids, f the function of the node's star, h the
+    /* With a minimum volume, bounds or an objective other than the default: first-order optimality
+       at the end, over the nodes whose stars are feasible; else 0. P is the projection of -grad f
+       on the directions that no active constraint forbids, f the function of the node's star, h the
        star's size: |P| h / f is about the relative fall of f that a move by h still promises. */
     double kkt_residual;   /* largest |P| h / f of a node; not a number if no star is feasible */
     double kkt_rms;        /* root mean square of these */
@@ -739,14 +740,14 @@ typedef struct planish_result {
  *  Promised: only free nodes move, and within their bounds; no more elements are inverted than
  *  were; in a mesh without inverted elements none is, and no element gets a worse RR than the worst
  *  of those that had a free node, nor (with RR alone as objective) a smaller angle, dihedral in
- *  3-D, unless elements were brought above their least volume; F never rises (but for
+ *  3-D, unless elements were brought above their minimum volume; F never rises (but for
  *  options.worst, by at most worst_rise of what it had converged to) once no element is inverted or
- *  below its least volume; the same bits for any number of threads, any isa and compiler (gcc and
+ *  below its minimum volume; the same bits for any number of threads, any isa and compiler (gcc and
  *  clang are tested).
  *
  *  Not promised: that every mesh that could be made valid is. Stars with an element that is left
- *  not positive stay as they are; those with an element below its least volume are brought above it
- *  first where that can be done. Untangling ends by a bound on its work, which takes minutes on
+ *  not positive stay as they are; those with an element below its minimum volume are brought above
+ * it first where that can be done. Untangling ends by a bound on its work, which takes minutes on
  *  large meshes that cannot be helped: set time_limit if that matters.
  *
  *  options (NULL: defaults): threads, bind, isa, allocator, parallel and log are those of the plan.
@@ -759,14 +760,14 @@ PLANISH_API int planish_smooth(planish_plan *plan, double *coordinates,
 
 /** State of an element as planish_check_volumes reports it. */
 typedef enum planish_volume_state {
-    PLANISH_VOLUME_MET = 0,   /* at least 0.997 of its least volume, or it has none */
+    PLANISH_VOLUME_MET = 0,   /* at least 0.997 of its minimum volume, or it has none */
     PLANISH_VOLUME_BELOW = 1, /* not so */
     PLANISH_VOLUME_INFEASIBLE =
         2 /* not so, and it cannot be, wherever the free nodes are: by itself
              or together with the elements around its only free node */
 } planish_volume_state;
 
-/** Compare the elements of coordinates [n_nodes][dim] with their least volumes, those of options
+/** Compare the elements of coordinates [n_nodes][dim] with their minimum volumes, those of options
  * and of the plan's mesh; of elements that a plan with options.around does not know nothing is said
  * (MET). state [n_elements] (may be NULL) is filled with planish_volume_state;
  * *n_below counts those that are not MET. Errors: _ARGUMENT, _MESH, _MEMORY. */
@@ -788,7 +789,7 @@ PLANISH_API int planish_find_unfixable(const planish_plan *plan, const double *c
  * these) has the limits: time_limit in seconds of this call, and progress, which is called 20 times
  * a second with a planish_progress that has nothing but elapsed; a result other than 0 ends the
  * search. The search is never shorter than 0.05 seconds. *n_undecided is the number of elements
- * below their least volume (inverted elements) about which the search would have said more: their
+ * below their minimum volume (inverted elements) about which the search would have said more: their
  * state stays _BELOW (0), and all that is said of the others holds. Of a mesh in parts all
  * processes end the search, if one does. Arguments and errors besides: those of
  * planish_check_volumes and of planish_find_unfixable; n_undecided must not be NULL. */

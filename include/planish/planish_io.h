@@ -195,8 +195,8 @@ PLANISH_API int64_t planish_file_marks(const planish_file *file, uint8_t *marked
 PLANISH_API planish_surface planish_file_surface(const planish_file *file,
                                                  const planish_hold *hold);
 
-/** The least volumes of groups, for planish_mesh.min_volume: min_volume [n_elements] is filled with
- *  the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
+/** The minimum volumes of groups, for planish_mesh.min_volume: min_volume [n_elements] is filled
+ * with the largest of values [n_tags] (positive) whose group, named by tags [n_tags] as in
  *  planish_hold, has the element, and 0 for elements in none of these groups. Groups are those of
  *  the elements that are smoothed. Errors: _ARGUMENT (a tag that the file does not have; the text
  *  lists those it has), _MEMORY; min_volume is then untouched. */

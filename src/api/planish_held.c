@@ -120,7 +120,7 @@ static uint8_t told(const planish_plan *plan, int64_t node) {
 static uint8_t reason_of(const search *s, int64_t node, uint8_t by_plan) {
     if (!is_used(s, node))
         return PLANISH_HELD_UNUSED;
-    if (s->plan->scope == PL_PART_ALONE && (by_plan & PLANISH_HELD_NOT_CHOSEN))
+    if (s->plan->scope == PL_SUBSET_ALONE && (by_plan & PLANISH_HELD_NOT_CHOSEN))
         return PLANISH_HELD_NOT_CHOSEN; /* not all facets of it are known */
     const uint8_t reason = s->facts[node] | by_plan;
     return reason & (uint8_t)~PLANISH_HELD_DOUBLED ? reason : reason | PLANISH_HELD_NONMANIFOLD;
@@ -143,7 +143,7 @@ static void take_plan(search *s, uint8_t *by_plan) {
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int64_t node = is_part ? plan->node_of[i] : i;
         by_plan[node] = told(plan, i);
-        s->moves[node] = plan->work.is_free[i];
+        s->moves[node] = plan->work.mobility[i];
     }
 }
 
@@ -162,7 +162,7 @@ static int find_held(search *s, uint8_t *reason, planish_error *error) {
     }
     if (!status)
         status = look_at_places(s, error);
-    if (!status && s->plan->scope == PL_PART_ALONE)
+    if (!status && s->plan->scope == PL_SUBSET_ALONE)
         memset(reason, PLANISH_HELD_NOT_CHOSEN, (size_t)s->plan->whole.n_nodes);
     if (!status)
         fill(s, by_plan, reason);

@@ -26,7 +26,7 @@ static int measure(const planish_plan *plan, const double *coordinates, planish_
 static int find_ratios(const planish_plan *plan, const double *coordinates, double *ratio,
                        planish_error *error) {
     const pl_view all = pl_view_of_all_elements(plan->all);
-    if (plan->scope != PL_PART_ALONE) {
+    if (plan->scope != PL_SUBSET_ALONE) {
         pl_find_ratios(&all, coordinates, plan->threads, ratio);
         return PLANISH_OK;
     }
@@ -67,7 +67,7 @@ static void put_reversed(const planish_plan *plan, const found *f, uint8_t *reve
         *n = f->n;
     if (!reversed)
         return;
-    if (plan->scope != PL_PART_ALONE) {
+    if (plan->scope != PL_SUBSET_ALONE) {
         memcpy(reversed, f->state, (size_t)n_all);
         return;
     }

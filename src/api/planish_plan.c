@@ -97,7 +97,7 @@ void planish_plan_get_free(const planish_plan *plan, uint8_t *is_free) {
     if (plan->scope != PL_ALL)
         memset(is_free, 0, (size_t)plan->whole.n_nodes);
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        is_free[pl_plan_node(plan, i)] = plan->work.is_free[i] == PL_INTERIOR;
+        is_free[pl_plan_node(plan, i)] = plan->work.mobility[i] == PL_INTERIOR;
 }
 
 void planish_find_wrapped(const planish_plan *plan, uint8_t *wrapped, int64_t *n) {

@@ -37,7 +37,7 @@ static void transfer_chunk(void *context, int64_t begin, int64_t end, int thread
     for (int64_t i = begin; i < end; i++) {
         const double *start = t->run->outside + i * dim;
         const double *inside = plan->coordinates + (int64_t)plan->inner[i] * dim;
-        const double far = plan->work.is_free[i] ? pl_distance(dim, inside, start) : 0;
+        const double far = plan->work.mobility[i] ? pl_distance(dim, inside, start) : 0;
         if (!(far > 0))
             continue;
         moved += pl_is_own(pl_part_here(), i);
@@ -121,7 +121,7 @@ static int begin(pl_run *r, const double *all, planish_error *error) {
     planish_plan *plan = r->plan;
     pl_plan_order(plan, r->outside, plan->coordinates);
     begin_sliding(plan);
-    const double delta = pl_least_volume(plan, r->options, all);
+    const double delta = pl_minimum_volume(plan, r->options, all);
     int status = pl_guard_create(plan, r->options, r->outside, delta, &r->guard, error);
     if (status)
         return status;
@@ -152,11 +152,11 @@ static int smooth(pl_run *r, planish_error *error) {
     const pl_points points = pl_plan_points(plan, r->coordinates);
     r->outside = pl_plan_dense(plan, &points, plan->start);
     int status =
-        plan->scope == PL_PART_OF_ALL ? begin_with_all(r, error) : begin(r, r->outside, error);
+        plan->scope == PL_SUBSET_OF_ALL ? begin_with_all(r, error) : begin(r, r->outside, error);
     if (status)
         return status;
     pl_run_measure(r);
-    if (plan->scope == PL_PART_OF_ALL) {
+    if (plan->scope == PL_SUBSET_OF_ALL) {
         r->rest.inverted -= pl_run_inverted(r);
         r->rest.below -= pl_run_below(r);
     }
@@ -190,7 +190,7 @@ static void fill_result(const pl_run *r) {
 static void say_result(const planish_result *r) {
     static const char *const stops[] = {"converged", "reached max_sweeps", "reached time_limit",
                                         "was interrupted",
-                                        "converged, with least volumes that cannot be met"};
+                                        "converged, with minimum volumes that cannot be met"};
     pl_log(PLANISH_LOG_DETAIL,
            "%s after %d sweeps, %d of them untangling: F %.6g -> %.6g, %" PRId64
            " nodes moved, %.3g s",
@@ -199,7 +199,7 @@ static void say_result(const planish_result *r) {
     if (r->inverted > 0)
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are not positive", r->inverted);
     if (r->below_min_volume > 0)
-        pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are below their least volume",
+        pl_log(PLANISH_LOG_NOTE, "%" PRId64 " elements are below their minimum volume",
                r->below_min_volume);
     if (r->held_outside > 0)
         pl_log(PLANISH_LOG_NOTE, "%" PRId64 " nodes started outside of their bounds and stay",
@@ -216,7 +216,7 @@ static int smooth_in_context(planish_plan *plan, double *coordinates,
     pl_run r = {.plan = plan,
                 .coordinates = coordinates,
                 .options = options,
-                .help = pl_run_help,
+                .accelerate = pl_run_accelerate,
                 .start = pl_seconds(),
                 .result = found};
     pl_placement_enter(plan->placement);

@@ -31,7 +31,7 @@ static void room_destroy(room *r) {
 
 static int room_create(const planish_plan *plan, const double *coordinates, room *r,
                        planish_error *error) {
-    const int is_part = plan->scope == PL_PART_OF_ALL;
+    const int is_part = plan->scope == PL_SUBSET_OF_ALL;
     *r = (room){.plan = plan,
                 .all_points = pl_plan_all_points(plan, coordinates),
                 .points = pl_plan_points(plan, coordinates),
@@ -82,7 +82,7 @@ static int mark_states(room *r, const pl_star_guard *guard, pl_limit *limit, pl_
 /** The states as the caller wants them: of each element of the mesh. */
 static void hand_out(const room *r, int only_infeasible, uint8_t *out) {
     const planish_plan *plan = r->plan;
-    const int is_alone = plan->scope == PL_PART_ALONE;
+    const int is_alone = plan->scope == PL_SUBSET_ALONE;
     if (out && is_alone)
         memset(out, PLANISH_VOLUME_MET, (size_t)plan->whole.n_elements);
     for (int64_t i = 0; out && i < r->n_of_all; i++)
@@ -112,7 +112,7 @@ static int ask_caller(void *context) {
 
 /** Input and outputs of a check of volumes. */
 typedef struct wanted {
-    const planish_options *options; /* least volumes; NULL: elements are to be positive */
+    const planish_options *options; /* minimum volumes; NULL: elements are to be positive */
     pl_limit *limit;                /* or NULL */
     int is_asked;                   /* which elements: there are proofs to look for */
 } wanted;
@@ -121,7 +121,7 @@ static int check_volumes(room *r, const wanted *w, int64_t *n_below, pl_infeasib
                          planish_error *error) {
     const planish_plan *plan = r->plan;
     const double *all = pl_plan_dense(plan, &r->all_points, r->all);
-    const double delta = pl_least_volume(plan, w->options, all);
+    const double delta = pl_minimum_volume(plan, w->options, all);
     int status = pl_check_delta(w->options, delta, error);
     if (status)
         return status;
@@ -173,7 +173,7 @@ static int look(const planish_plan *plan, const double *coordinates, const wante
     return status;
 }
 
-/** Least volumes with is_volumes, else positive elements; has_limit: until options say so. */
+/** Minimum volumes with is_volumes, else positive elements; has_limit: until options say so. */
 static int find(const planish_plan *plan, const double *coordinates, const planish_options *options,
                 int is_volumes, int has_limit, answers *out, planish_error *error) {
     planish_options defaults;

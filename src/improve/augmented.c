@@ -1,11 +1,12 @@
-/* augmented: past the places where least volumes block every node by itself.
+/* augmented: past the places where minimum volumes block every node by itself.
  *
- * An element on its least volume belongs to several nodes. Each may be at its own constrained
+ * An element on its minimum volume belongs to several nodes. Each may be at its own constrained
  * optimum while all of them moving together could lower F: sweeps of feasible directions end there.
  * The augmented Lagrangian (Hestenes, Powell 1969; docs/algorithm.md) has no such places: volumes
- * may be below their least meanwhile, for a price that its multipliers raise from sweep to sweep.
- * So this is a trial: on the plan's coordinates, with the mesh as it stands put by. It ends with
- * ordinary sweeps, and the result is taken only if it is better in every respect that was promised.
+ * may be below their minimum volume meanwhile, for a price that its multipliers raise from sweep to
+ * sweep. So this is a trial: on the plan's coordinates, with the mesh as it stands put by. It ends
+ * with ordinary sweeps, and the result is taken only if it is better in every respect that was
+ * promised.
  */
 #include "improve/improve.h"
 #include "sweep/trial.h"
@@ -50,7 +51,7 @@ static double update_shifts(const pl_run *r, int wake) {
     return u.largest;
 }
 
-/** Sweeps of the augmented Lagrangian around where a least volume is in force; 0 if cut short. */
+/** Sweeps of the augmented Lagrangian around where a minimum volume is in force; 0 if cut short. */
 static int augmented_sweeps(pl_run *r) {
     const int first = r->sweep;
     int whole = 1;
@@ -125,7 +126,7 @@ static int try_augmented(pl_run *r, double *before) {
     return 0;
 }
 
-/** Whether a least volume holds F up somewhere. */
+/** Whether a minimum volume holds F up somewhere. */
 static int is_wanted(const pl_run *r) {
     pl_star_optimality optimality = {0};
     return r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH &&

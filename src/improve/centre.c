@@ -24,7 +24,7 @@ pl_box pl_box_of_fixed(const planish_plan *plan) {
         b.upper[d] = -INFINITY;
     }
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        for (int d = 0; d < dim && plan->is_used[i] && plan->work.is_free[i] != PL_INTERIOR; d++) {
+        for (int d = 0; d < dim && plan->is_used[i] && plan->work.mobility[i] != PL_INTERIOR; d++) {
             const double x = plan->coordinates[(int64_t)plan->inner[i] * dim + d];
             b.lower[d] = fmin(b.lower[d], x);
             b.upper[d] = fmax(b.upper[d], x);

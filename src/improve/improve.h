@@ -1,11 +1,11 @@
 /* improve: the phases of a call beside plain sweeps.
  *
  *   phases.c               pl_run_prepare, pl_run_phases       all phases, in their order
- *   slow.c                 pl_run_help                         centring and L-BFGS for slow meshes
- *   untangle/untangle.c    pl_run_untangle, _raise_volumes     inverted or too small elements
+ *   slow.c                 pl_run_accelerate                         centring and L-BFGS for slow
+ * meshes untangle/untangle.c    pl_run_untangle, _raise_volumes     inverted or too small elements
  *   angles.c               pl_run_has_followers, _put_back_angles   keep the smallest angle
  *   worst.c                pl_run_worst                        improve the worst elements
- *   augmented.c            pl_run_augmented                    least volumes by multipliers
+ *   augmented.c            pl_run_augmented                    minimum volumes by multipliers
  */
 #ifndef PL_IMPROVE_IMPROVE_H
 #define PL_IMPROVE_IMPROVE_H
@@ -26,17 +26,17 @@ int pl_run_phases(pl_run *r, planish_error *error);
  * does not rise. Not 0 if it was cut short; without memory it does nothing. For the plain problem
  * only.
  */
-int pl_run_help(pl_run *r, pl_help help, double fall);
+int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall);
 
 /* ---- untangle/untangle.c --------------------------------------------------------------------- */
 
 /** Untangle the mesh as measured last: what is inverted or flat; or bring up what is below its
- * least volume. If anything was done r->stop is _CONVERGED then, unless it was cut short. Errors:
+ * minimum volume. If anything was done r->stop is _CONVERGED then, unless it was cut short. Errors:
  * _MEMORY.
  */
 int pl_run_untangle(pl_run *r, planish_error *error);
 
-/** Bring elements up to their least volumes, as described above. Errors: _MEMORY. */
+/** Bring elements up to their minimum volumes, as described above. Errors: _MEMORY. */
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
 
 /* ---- angles.c -------------------------------------------------------------------------------- */
@@ -57,8 +57,8 @@ int pl_run_worst(pl_run *r, planish_error *error);
 
 /* ---- augmented.c ----------------------------------------------------------------------------- */
 
-/** After the sweeps have converged with least volumes in force: look for a better mesh by augmented
- *  Lagrangian, and take it if it is one. */
+/** After the sweeps have converged with minimum volumes in force: look for a better mesh by
+ * augmented Lagrangian, and take it if it is one. */
 void pl_run_augmented(pl_run *r);
 
 #endif

@@ -23,7 +23,7 @@ void pl_run_prepare(pl_run *r) {
     r->problem = pl_plan_problem(plan);
     r->problem.direction = r->options->direction;
     r->problem.limits.rr2 = pl_run_limits(r, PL_LIMIT_MARGIN).rr2;
-    /* In layers around bad elements good stars are meant, too. */
+    /* In rings around bad elements good stars are meant, too. */
     r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
     r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
     r->problem.storage = pl_storage_of(r->options);
@@ -56,7 +56,7 @@ static int judge(pl_run *r, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** Say so if it has converged with elements that cannot reach their least volume. */
+/** Say so if it has converged with elements that cannot reach their minimum volume. */
 static int look_for_infeasible(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
     if (r->stop == PLANISH_STOP_CONVERGED && r->rest.below > 0) /* no node of theirs is free */
@@ -84,7 +84,7 @@ static int was_cut_short(const pl_run *r) {
 
 /** If bringing elements up has left no fewer of them below, it has only made the mesh worse: once
  *  more from the start, without; or if there is no time for that and more are below, back to it. */
-static void give_up_in_vain(pl_run *r) {
+static void give_up_failed_raise(pl_run *r) {
     planish_plan *plan = r->plan;
     const pl_objective_sums *start = &r->worth_at_start.totals;
     const int over = was_cut_short(r) || pl_run_sweeps_left(r) <= 0;
@@ -124,7 +124,8 @@ static int untangle(pl_run *r, int (*what)(pl_run *, planish_error *), int *done
     return status;
 }
 
-/** Sweeps; and if they leave elements below their least volume, stronger means and sweeps again. */
+/** Sweeps; and if they leave elements below their minimum volume, stronger means and sweeps again.
+ */
 static int sweeps(pl_run *r, planish_error *error) {
     int done;
     pl_run_sweeps(r);
@@ -151,7 +152,7 @@ static int keep_angles(pl_run *r, planish_error *error) {
         !(r->at_start.acuteness < INFINITY))
         return status;
     pl_run_prepare(r);
-    r->in_vain = r->sweep;
+    r->uncounted_sweeps = r->sweep;
     r->problem.limits.acuteness = r->at_start.acuteness * PL_LIMIT_MARGIN;
     r->problem.limits.rr2_blunt = pl_blunt_ratio_square(r->plan->dim, r->problem.limits.acuteness);
     pl_run_sweeps(r);
@@ -176,7 +177,7 @@ static int has_time(const pl_run *r) {
 
 static int phase_give_up(pl_run *r, planish_error *error) {
     (void)error;
-    give_up_in_vain(r);
+    give_up_failed_raise(r);
     return PLANISH_OK;
 }
 

@@ -188,7 +188,7 @@ static void rescale(pl_run *r, double factor) {
     r->unit /= factor;
 }
 
-static int try_help(pl_run *r, pl_help help, double fall) {
+static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall) {
     objective_of_all f = {.run = r, .in_patch = pl_alloc_zero(r->plan->work.n_nodes, 1)};
     pl_lbfgs m;
     int stopped = 0;
@@ -198,7 +198,7 @@ static int try_help(pl_run *r, pl_help help, double fall) {
     if (pl_lbfgs_create(r, &r->problem, f.in_patch, evaluate, &f, &m)) {
         pl_lbfgs_begin(&m);
         if (m.value < INFINITY)
-            stopped = help == PL_CENTRING ? try_centring(&m) : try_descent(&m, fall);
+            stopped = acceleration == PL_CENTRING ? try_centring(&m) : try_descent(&m, fall);
         pl_run_begin_anew(r);
     }
     pl_lbfgs_destroy(&m);
@@ -215,19 +215,20 @@ enum { LARGEST = 1 << 21 };
 #define EXTREME 0x1p200
 #define TINY    0x1p900
 
-int pl_run_help(pl_run *r, pl_help help, double fall) {
+int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall) {
     const double unit = r->unit;
     const int is_extreme = unit > EXTREME || unit < 1 / EXTREME;
     const int has_size = r->plan->sliding.n_all > 0 || r->options->precision != PLANISH_DOUBLE;
     if (r->plan->interior.n_all > LARGEST || unit > TINY || (is_extreme && has_size) ||
-        (help == PL_CENTRING && pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
+        (acceleration == PL_CENTRING &&
+         pl_run_sweeps_left(r) <= SWEEPS_OF_TRIAL + 1)) /* one to show it */
         return 0;
     pl_log(PLANISH_LOG_DETAIL, "sweeps are slow: %s",
-           help == PL_CENTRING ? "nodes to the mean of their neighbours" : "L-BFGS");
+           acceleration == PL_CENTRING ? "nodes to the mean of their neighbours" : "L-BFGS");
     if (!is_extreme)
-        return try_help(r, help, fall);
+        return try_acceleration(r, acceleration, fall);
     rescale(r, unit);
-    const int stopped = try_help(r, help, fall);
+    const int stopped = try_acceleration(r, acceleration, fall);
     rescale(r, 1 / unit);
     return stopped;
 }

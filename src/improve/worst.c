@@ -46,7 +46,7 @@ static int64_t find_bad(const phase *p, double limit) {
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int is_free = 0;
         for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
-            is_free |= plan->work.is_free[plan->work.elements[i * corners + j]];
+            is_free |= plan->work.mobility[plan->work.elements[i * corners + j]];
         n += is_free && (!is_counted || is_counted[i]);
     }
     pl_parts_add(&n, 1);

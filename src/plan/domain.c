@@ -1,4 +1,4 @@
-/* domain: what a plan works on: all of the mesh, or the part of it around some nodes. */
+/* domain: what a plan works on: all of the mesh, or the subset of it around some nodes. */
 #include "plan/draft.h"
 #include "plan/select.h"
 
@@ -8,20 +8,21 @@
 #include <inttypes.h>
 #include <math.h>
 
-/** A copy of the elements' least volumes. */
+/** A copy of the elements' minimum volumes. */
 static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planish_error *error) {
     if (!mesh->min_volume)
         return PLANISH_OK;
     double *min_volume = pl_alloc(plan->work.n_elements, sizeof *min_volume);
     plan->work.min_volume = min_volume;
     if (!min_volume)
-        return pl_fail_memory(error, "the least volumes of the elements");
+        return pl_fail_memory(error, "the minimum volumes of the elements");
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         double least = mesh->min_volume[i];
         const int64_t element = pl_plan_element(plan, i);
         if (!(least >= 0) || !isfinite(least))
             return pl_fail_at(error, PLANISH_ERROR_MESH, element, -1,
-                              "element %" PRId64 " has the least volume %g; give a finite number, "
+                              "element %" PRId64
+                              " has the minimum volume %g; give a finite number, "
                               "0 for none",
                               element, least);
         min_volume[i] = least;
@@ -29,25 +30,25 @@ static int copy_min_volumes(planish_plan *plan, const planish_mesh *mesh, planis
     return PLANISH_OK;
 }
 
-/** From now on the plan is for the part of the mesh that has been found; of all of it is known what
- *  is in plan->whole. */
+/** From now on the plan is for the subset of the mesh that has been found; of all of it is known
+ * what is in plan->whole. */
 static int narrow(planish_plan *plan, pl_draft *d, const planish_mesh *mesh, pl_scope scope,
                   planish_error *error) {
     plan->whole.n_nodes = mesh->n_nodes;
     plan->whole.n_elements = mesh->n_elements;
-    int status = pl_part_mesh_create(mesh, &d->part, plan->threads, &d->part_mesh, error);
+    int status = pl_submesh_create(mesh, &d->subset, plan->threads, &d->submesh, error);
     if (status)
         return status;
-    d->mesh = &d->part_mesh.mesh;
+    d->mesh = &d->submesh.mesh;
     pl_free(d->is_selected);
-    d->is_selected = d->part.is_selected;
+    d->is_selected = d->subset.is_selected;
     plan->scope = scope;
-    plan->work.n_nodes = d->part.n_nodes;
-    plan->work.n_elements = d->part.n_elements;
-    plan->work.elements = plan->own_elements = d->part.elements;
-    plan->node_of = d->part.node;
-    plan->element_of = d->part.element;
-    d->part = (pl_part){0};
+    plan->work.n_nodes = d->subset.n_nodes;
+    plan->work.n_elements = d->subset.n_elements;
+    plan->work.elements = plan->own_elements = d->subset.elements;
+    plan->node_of = d->subset.node;
+    plan->element_of = d->subset.element;
+    d->subset = (pl_subset){0};
     return copy_min_volumes(plan, d->mesh, error);
 }
 
@@ -106,7 +107,7 @@ static int check_around(const planish_mesh *mesh, const planish_options *options
     return PLANISH_OK;
 }
 
-/** The part by passes over the mesh. */
+/** The subset by passes over the mesh. */
 static int find_around(const planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
                        planish_error *error) {
     const planish_options *options = d->options;
@@ -117,7 +118,7 @@ static int find_around(const planish_plan *plan, const planish_mesh *mesh, pl_dr
     uint8_t *selected = pl_alloc_zero(mesh->n_nodes, sizeof *selected);
     if (selected) {
         pl_select_around(&dense.mesh, options, plan->threads, selected);
-        status = pl_part_by_marks(&dense.mesh, selected, plan->threads, &d->part, error);
+        status = pl_subset_by_marks(&dense.mesh, selected, plan->threads, &d->subset, error);
     } else {
         status = pl_fail_memory(error, "the nodes that are worked on");
     }
@@ -126,20 +127,20 @@ static int find_around(const planish_plan *plan, const planish_mesh *mesh, pl_dr
     return status;
 }
 
-/** Nodes of periodic pairs stay: what is on the other side is not in the part. */
-static int hold_paired(const planish_mesh *mesh, const pl_part *part, pl_part_mesh *part_mesh,
+/** Nodes of periodic pairs stay: what is on the other side is not in the subset. */
+static int hold_paired(const planish_mesh *mesh, const pl_subset *subset, pl_submesh *submesh,
                        planish_error *error) {
     int status = pl_check_periodic(mesh, error);
     if (status || mesh->n_periodic == 0)
         return status;
-    if (!part_mesh->constraint)
-        part_mesh->mesh.constraint = part_mesh->constraint = pl_alloc_zero(part->n_nodes, 1);
-    if (!part_mesh->constraint)
+    if (!submesh->constraint)
+        submesh->mesh.constraint = submesh->constraint = pl_alloc_zero(subset->n_nodes, 1);
+    if (!submesh->constraint)
         return pl_fail_memory(error, "periodic nodes");
     for (int64_t i = 0; i < 2 * mesh->n_periodic; i++) {
-        const int64_t node = pl_part_find_node(part, mesh->periodic[i]);
+        const int64_t node = pl_subset_find_node(subset, mesh->periodic[i]);
         if (node >= 0)
-            part_mesh->constraint[node] = PLANISH_FIXED;
+            submesh->constraint[node] = PLANISH_FIXED;
     }
     return PLANISH_OK;
 }
@@ -153,14 +154,14 @@ static int take_around(planish_plan *plan, const planish_mesh *mesh, pl_draft *d
     if (!status)
         status = check_around(mesh, options, error);
     if (!status && seeds.element && (mesh->neighbours || mesh->neighbours64))
-        status = pl_part_by_walk(mesh, &seeds, options->rings, &d->part, error);
+        status = pl_subset_by_walk(mesh, &seeds, options->rings, &d->subset, error);
     else if (!status)
         status = find_around(plan, mesh, d, error);
     if (status)
         return status;
-    const pl_part part = d->part;
-    status = narrow(plan, d, mesh, PL_PART_ALONE, error);
-    return status ? status : hold_paired(mesh, &part, &d->part_mesh, error);
+    const pl_subset subset = d->subset;
+    status = narrow(plan, d, mesh, PL_SUBSET_ALONE, error);
+    return status ? status : hold_paired(mesh, &subset, &d->submesh, error);
 }
 
 /* ---- the beginning ------------------------------------------------------------------------ */
@@ -175,13 +176,13 @@ int pl_draft_begin(planish_plan *plan, const planish_mesh *mesh, pl_draft *d,
 
 /* ---- around bad elements ------------------------------------------------------------------ */
 
-/** The plan is then for the part around the nodes that are selected; all of the mesh is measured
+/** The plan is then for the subset around the nodes that are selected; all of the mesh is measured
  *  all the same. */
 static int narrow_to_bad(planish_plan *plan, pl_draft *d, planish_error *error) {
     const planish_mesh *mesh = d->mesh;
     int status = PLANISH_OK;
-    if (d->part.n_elements == 0)
-        status = pl_part_by_marks(mesh, d->is_selected, plan->threads, &d->part, error);
+    if (d->subset.n_elements == 0)
+        status = pl_subset_by_marks(mesh, d->is_selected, plan->threads, &d->subset, error);
     if (status)
         return status;
     plan->whole = plan->work;
@@ -190,13 +191,13 @@ static int narrow_to_bad(planish_plan *plan, pl_draft *d, planish_error *error) 
     plan->own_elements = NULL;
     plan->work.min_volume = NULL;
     d->boundary.sign = NULL;
-    plan->whole.is_free = d->whole_is_free = pl_alloc_zero(mesh->n_nodes, 1);
+    plan->whole.mobility = d->whole_mobility = pl_alloc_zero(mesh->n_nodes, 1);
     plan->is_movable = pl_alloc_zero(mesh->n_elements, 1);
     plan->all = &plan->whole;
-    if (!d->whole_is_free || !plan->is_movable)
-        return pl_fail_memory(error, "the part of the mesh that is worked on");
+    if (!d->whole_mobility || !plan->is_movable)
+        return pl_fail_memory(error, "the subset of the mesh that is worked on");
     plan->info.n_reversed = d->boundary.n_reversed;
-    return narrow(plan, d, mesh, PL_PART_OF_ALL, error);
+    return narrow(plan, d, mesh, PL_SUBSET_OF_ALL, error);
 }
 
 int pl_draft_select(planish_plan *plan, pl_draft *d, int *all_positive, planish_error *error) {
@@ -205,13 +206,13 @@ int pl_draft_select(planish_plan *plan, pl_draft *d, int *all_positive, planish_
     if (!d->is_selected)
         return pl_fail_memory(error, "the nodes of bad elements");
     plan->is_selective = 1;
-    pl_part_destroy(&d->part);
+    pl_subset_destroy(&d->subset);
     return pl_select(d->mesh, d->boundary.sign, d->options, plan->threads, d->is_selected,
-                     all_positive, &d->part, error);
+                     all_positive, &d->subset, error);
 }
 
-/** Whether so few nodes are selected that to work on their part of the mesh pays: each brings some
- *  20 elements along. */
+/** Whether so few nodes are selected that to work on their subset of the mesh pays: each brings
+ * some 20 elements along. */
 static int are_few(const pl_draft *d) {
     enum { SHARE = 4 };
     int64_t n = 0;

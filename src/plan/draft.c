@@ -25,8 +25,8 @@ static void candidates_destroy(pl_candidates *c) {
 
 void pl_draft_destroy(pl_draft *d) {
     pl_dense_destroy(&d->dense);
-    pl_part_destroy(&d->part);
-    pl_part_mesh_destroy(&d->part_mesh);
+    pl_subset_destroy(&d->subset);
+    pl_submesh_destroy(&d->submesh);
     pl_incidence_destroy(&d->incidence);
     pl_boundary_destroy(&d->boundary);
     candidates_destroy(&d->interior);
@@ -92,7 +92,7 @@ static void mark_candidates(void *context, int64_t begin, int64_t end, int threa
     for (int64_t node = begin; node < end; node++) {
         const int used = offset[node + 1] > offset[node];
         c->plan->is_used[node] = use_of(c->d, node, used);
-        c->d->is_free[node] = (uint8_t)can_be_free(c->d, node, used);
+        c->d->mobility[node] = (uint8_t)can_be_free(c->d, node, used);
         unused += !used;
     }
     __atomic_fetch_add(&c->plan->info.n_unused, unused, __ATOMIC_RELAXED);
@@ -109,7 +109,7 @@ static void number_nodes(void *context, int64_t begin, int64_t end, int thread) 
         if (i + AHEAD < end)
             pl_fetch_to_write(&c->plan->inner[order[i + AHEAD]]);
         c->plan->inner[order[i]] = (int32_t)i;
-        found += c->plan->work.is_free[order[i]];
+        found += c->plan->work.mobility[order[i]];
     }
     c->d->count[begin / CHUNK_NODES] = found;
 }
@@ -119,12 +119,12 @@ static void list_candidates(void *context, int64_t begin, int64_t end, int threa
     int64_t n = c->d->count[begin / CHUNK_NODES];
     (void)thread;
     for (int64_t i = begin; i < end; i++)
-        if (c->plan->work.is_free[c->d->order[i]])
+        if (c->plan->work.mobility[c->d->order[i]])
             c->d->interior.node[n++] = c->d->order[i];
 }
 
-/** inner, is_used of nodes whose elements are listed, and is_free of the interior's candidates; and
- *  these. */
+/** inner, is_used of nodes whose elements are listed, and mobility of the interior's candidates;
+ * and these. */
 static void find_candidates(planish_plan *plan, pl_draft *d) {
     candidacy c = {plan, d};
     plan->info.n_unused = 0;
@@ -139,9 +139,9 @@ static void find_candidates(planish_plan *plan, pl_draft *d) {
 static int make_rings(planish_plan *plan, pl_draft *d, planish_error *error) {
     find_candidates(plan, d);
     const int status =
-        pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, d->is_free, d->interior.node,
+        pl_rings_create(d->mesh, &d->incidence, d->boundary.sign, d->mobility, d->interior.node,
                         d->interior.n, 0, plan->threads, &d->interior.rings, error);
-    pl_parts_update(NULL, d->is_free, sizeof *d->is_free);
+    pl_parts_update(NULL, d->mobility, sizeof *d->mobility);
     return status ? status : pl_parts_check(error);
 }
 
@@ -171,8 +171,8 @@ static int find_free(planish_plan *plan, pl_draft *d, planish_error *error) {
     const int guessed = d->boundary.is_guess;
     if (guessed)
         status = make_rings(plan, d, error);
-    if (!status && !(guessed && d->is_selected)) /* of a part not all facets are known */
-        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->work.is_free : NULL,
+    if (!status && !(guessed && d->is_selected)) /* of a subset not all facets are known */
+        status = pl_boundary_find(d->mesh, &d->incidence, guessed ? plan->work.mobility : NULL,
                                   plan->threads, &d->boundary, error);
     if (!status && !d->boundary.is_guess) {
         pl_rings_destroy(&d->interior.rings);
@@ -380,7 +380,7 @@ static void settle_followers(planish_plan *plan, pl_draft *d) {
     for (int64_t k = 0; k < periodic->n_followers; k++) {
         pl_follower *f = &periodic->follower[k];
         if (f->node < plan->work.n_nodes)
-            d->is_free[f->node] = d->is_free[f->of];
+            d->mobility[f->node] = d->mobility[f->of];
         f->node = d->number_of[f->node];
         f->of = d->number_of[f->of];
         f->from = d->number_of[f->from];
@@ -406,12 +406,12 @@ static int prepare_sliding_stars(planish_plan *plan, pl_draft *d, uint8_t *slide
         if (!slides[node] || !pl_is_own(d->mesh->part, node) ||
             (periodic && periodic->moves_with[node] != node))
             continue;
-        d->is_free[node] = PL_SLIDES;
+        d->mobility[node] = PL_SLIDES;
         c->node[c->n++] = node;
     }
     status = pl_rings_create(&around, incidence, periodic ? periodic->sign : plan->work.sign,
-                             d->is_free, c->node, c->n, 1, plan->threads, &c->rings, error);
-    pl_parts_update(NULL, d->is_free, sizeof *d->is_free);
+                             d->mobility, c->node, c->n, 1, plan->threads, &c->rings, error);
+    pl_parts_update(NULL, d->mobility, sizeof *d->mobility);
     if (!status)
         status = order_visits(plan, periodic, c, &plan->sliding, error);
     if (!status)
@@ -458,13 +458,13 @@ static int find_paired(const planish_plan *plan, pl_draft *d, planish_error *err
 
 static int prepare_nodes(planish_plan *plan, pl_draft *d, planish_error *error) {
     const int64_t n = plan->work.n_nodes;
-    plan->work.is_free = d->is_free = pl_alloc(n, sizeof *d->is_free);
+    plan->work.mobility = d->mobility = pl_alloc(n, sizeof *d->mobility);
     plan->is_used = pl_alloc(n, sizeof *plan->is_used);
     plan->inner = pl_alloc(n, sizeof *plan->inner);
     d->order = pl_alloc(n, sizeof *d->order);
     d->interior.node = pl_alloc(n, sizeof *d->interior.node);
     d->count = pl_alloc(n / CHUNK_NODES + 2, sizeof *d->count);
-    if (!plan->work.is_free || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
+    if (!plan->work.mobility || !plan->is_used || !plan->inner || !d->order || !d->interior.node ||
         !d->count)
         return pl_fail_memory(error, "nodes");
     return PLANISH_OK;

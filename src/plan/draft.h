@@ -1,13 +1,13 @@
 /* draft: data that plan creation needs only while it runs.
  *
- *   domain.c    pl_draft_begin, _look_at_measures, _select    the mesh, or the part to work on
+ *   domain.c    pl_draft_begin, _look_at_measures, _select    the mesh, or the subset to work on
  *   draft.c     pl_draft_finish, _destroy                     free nodes, their order and stars
  */
 #ifndef PL_PLAN_DRAFT_H
 #define PL_PLAN_DRAFT_H
 
 #include "plan/plan.h"
-#include "topology/part.h"
+#include "topology/subset.h"
 
 /** Nodes that shall be visited, if their links allow it. */
 typedef struct pl_candidates {
@@ -21,14 +21,14 @@ typedef struct pl_candidates {
 /** Working data of plan creation. */
 typedef struct pl_draft {
     pl_dense dense;           /* the caller's mesh, */
-    pl_part part;             /* what of it is worked on, if not all, */
-    pl_part_mesh part_mesh;   /* as a mesh, */
+    pl_subset subset;         /* what of it is worked on, if not all, */
+    pl_submesh submesh;       /* as a mesh, */
     const planish_mesh *mesh; /* and the one of them that the plan is for */
     const planish_options *options;
-    uint8_t *is_free;       /* [n] of plan->work, while it is made */
-    uint8_t *whole_is_free; /* of plan->whole, or NULL */
-    uint8_t *is_selected;   /* [n] not 0: may be free; NULL: all may */
-    uint8_t *is_paired;     /* [n] 1: periodic, to slide or to stay; NULL: none is */
+    uint8_t *mobility;       /* [n] of plan->work, while it is made */
+    uint8_t *whole_mobility; /* of plan->whole, or NULL */
+    uint8_t *is_selected;    /* [n] not 0: may be free; NULL: all may */
+    uint8_t *is_paired;      /* [n] 1: periodic, to slide or to stay; NULL: none is */
     pl_incidence incidence;
     int is_partial; /* incidence has no elements of nodes that are not selected */
     pl_boundary boundary;
@@ -44,14 +44,14 @@ typedef struct pl_draft {
 /** Free the draft's arrays. */
 void pl_draft_destroy(pl_draft *d);
 
-/* ---- domain.c: the mesh, or the part of it, that the plan works on ------------------------- */
+/* ---- domain.c: the mesh, or the subset of it, that the plan works on ------------------------- */
 
 /** Validate mesh, and begin with all of it, or with what is around options->around. */
 int pl_draft_begin(planish_plan *plan, const planish_mesh *mesh, pl_draft *d, planish_error *error);
 
 /** Find the orientation and, if asked for, the bad elements from the measures. Most often all
  *  elements are positive as they stand, and one look is enough. Elements far from a bad one are
- *  then not looked at again: the draft is for the part around bad elements, if they are few. */
+ *  then not looked at again: the draft is for the subset around bad elements, if they are few. */
 int pl_draft_look_at_measures(planish_plan *plan, pl_draft *d, planish_error *error);
 
 /** Select the nodes that only_worse_than is about, with the boundary's sign. *all_positive: no

@@ -66,7 +66,7 @@ static void find_movable(const planish_plan *plan, const planish_mesh *mesh, uin
     for (int64_t i = 0; i < mesh->n_elements; i++) {
         int movable = 0;
         for (int j = 0; j < corners; j++)
-            movable |= plan->work.is_free[mesh->elements[i * corners + j]];
+            movable |= plan->work.mobility[mesh->elements[i * corners + j]];
         is_movable[i] = (uint8_t)(mesh->part->is_counted[i] ? movable != 0 : PL_ELSEWHERE);
     }
 }

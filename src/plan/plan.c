@@ -22,12 +22,12 @@ typedef struct look {
 /** How many elements have no free node. */
 static inline int64_t count_fixed(const planish_plan *plan, int dim, int64_t begin, int64_t end) {
     const int32_t *elements = plan->work.elements;
-    const uint8_t *is_free = plan->work.is_free, *is_counted = plan->work.is_counted;
+    const uint8_t *mobility = plan->work.mobility, *is_counted = plan->work.is_counted;
     int64_t n = 0;
     for (int64_t i = begin; i < end; i++) {
         int movable = 0;
         for (int j = 0; j <= dim; j++)
-            movable |= is_free[elements[i * (dim + 1) + j]];
+            movable |= mobility[elements[i * (dim + 1) + j]];
         n += !movable && (!is_counted || is_counted[i]);
     }
     return n;
@@ -79,7 +79,7 @@ static int prepare_scratch(planish_plan *plan, planish_error *error) {
 static int64_t count_followers(const planish_plan *plan) {
     int64_t n = 0;
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        n += plan->work.is_free[i] == PL_SLIDES && pl_is_own(pl_part_here(), i);
+        n += plan->work.mobility[i] == PL_SLIDES && pl_is_own(pl_part_here(), i);
     return n - plan->sliding.stars.n_stars;
 }
 
@@ -90,12 +90,12 @@ static void fill_info(planish_plan *plan, const pl_draft *d) {
     info->n_sliding = plan->sliding.stars.n_stars + count_followers(plan);
     info->n_fixed_elements = 0;
     pl_parallel_for(plan->threads, plan->work.n_elements, CHUNK_ELEMENTS, look_at_chunk, &l);
-    if (plan->scope == PL_PART_OF_ALL)
+    if (plan->scope == PL_SUBSET_OF_ALL)
         info->n_fixed_elements += plan->whole.n_elements - plan->work.n_elements;
     info->n_components = d->boundary.n_components;
-    if (plan->is_selective || plan->scope == PL_PART_ALONE) /* in a part nobody knows of them */
+    if (plan->is_selective || plan->scope == PL_SUBSET_ALONE) /* in a subset nobody knows of them */
         info->n_unused = 0;
-    if (plan->scope != PL_PART_OF_ALL)
+    if (plan->scope != PL_SUBSET_OF_ALL)
         info->n_reversed = d->boundary.n_reversed;
     info->n_boundary_facets = d->boundary.n_boundary_facets;
     info->n_nonmanifold_facets = d->boundary.n_nonmanifold_facets;
@@ -139,8 +139,8 @@ static int prepare(planish_plan *plan, pl_draft *d, planish_error *error) {
     fill_info(plan, d);
     fill_info_of_all(plan);
     /* What planish_measure tells of all of the mesh. */
-    for (int64_t i = 0; d->whole_is_free && i < plan->work.n_nodes; i++)
-        d->whole_is_free[plan->node_of[i]] = plan->work.is_free[i];
+    for (int64_t i = 0; d->whole_mobility && i < plan->work.n_nodes; i++)
+        d->whole_mobility[plan->node_of[i]] = plan->work.mobility[i];
     return pl_parts_check(error);
 }
 
@@ -168,7 +168,7 @@ static void visits_destroy(pl_visits *visits) {
 static void release_view(pl_view *view) {
     pl_free((void *)view->sign);
     pl_free((void *)view->min_volume);
-    pl_free((void *)view->is_free);
+    pl_free((void *)view->mobility);
 }
 
 void pl_plan_destroy(planish_plan *plan) {
@@ -327,7 +327,7 @@ int pl_plan_check_call(const planish_plan *plan, const double *coordinates,
     int status = pl_options_check(options, error);
     if (status)
         return status;
-    if (options->min_volume_fraction > 0 && plan->scope == PL_PART_ALONE)
+    if (options->min_volume_fraction > 0 && plan->scope == PL_SUBSET_ALONE)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "options.min_volume_fraction is of the domain's volume, which a plan made "
                        "with options.around does not know; give min_volume");

@@ -31,7 +31,7 @@ typedef struct pl_visits {
         *follower; /* nodes that move with those of the stars, and images: by inner numbers */
 } pl_visits;
 
-/** Values of is_free for a node. */
+/** Mobility of a node. */
 enum { PL_HELD = 0, PL_INTERIOR = 1, PL_SLIDES = 2 };
 
 /** Bits of is_used: the node is used by an element, and what else than its elements holds it. */
@@ -39,9 +39,9 @@ enum { PL_USED = 1, PL_FIXED_BY_CALLER = 2, PL_IN_PAIR = 4, PL_NOT_CHOSEN = 8, P
 
 /** Scope of a plan, and of its measurements. */
 typedef enum pl_scope {
-    PL_ALL,         /* all of the mesh */
-    PL_PART_OF_ALL, /* a part, and all is measured */
-    PL_PART_ALONE   /* a part, of which alone is known */
+    PL_ALL,           /* all of the mesh */
+    PL_SUBSET_OF_ALL, /* a subset, and all is measured */
+    PL_SUBSET_ALONE   /* a subset, of which alone is known */
 } pl_scope;
 
 /** Tally of a thread's visits in a sweep; no line of the cache is shared with another thread's. */
@@ -49,13 +49,13 @@ typedef struct pl_thread_tally {
     _Alignas(64) pl_star_tally of;
 } pl_thread_tally;
 
-/** n nodes, m elements: those of the mesh, or of the part of it that is worked on; "inner" numbers
- *  run along the space-filling curve. Everything is owned, with the arrays of the views, but
- * elements and is_counted. is_free is PL_HELD, PL_INTERIOR or PL_SLIDES. */
+/** n nodes, m elements: those of the mesh, or of the subset of it that is worked on; "inner"
+ * numbers run along the space-filling curve. Everything is owned, with the arrays of the views, but
+ * elements and is_counted. mobility is PL_HELD, PL_INTERIOR or PL_SLIDES. */
 struct planish_plan {
     int dim;
-    pl_view work;       /* the mesh, or the part of it that is worked on */
-    pl_view whole;      /* all of the mesh, for PL_PART_OF_ALL; else its counts alone */
+    pl_view work;       /* the mesh, or the subset of it that is worked on */
+    pl_view whole;      /* all of the mesh, for PL_SUBSET_OF_ALL; else its counts alone */
     const pl_view *all; /* all that is known: &work or &whole */
     int32_t *own_elements, *own_whole_elements; /* those of work and whole, or NULL: the caller's */
     int32_t *wrapped; /* [n_wrapped] elements that wrap around: their nodes are held */

@@ -14,7 +14,7 @@
 
 enum {
     CHUNK = 4096,
-    UNTANGLING_LAYERS = 4 /* around elements that are not positive: they need room */
+    UNTANGLING_RINGS = 4 /* around elements that are not positive: they need room */
 };
 
 /** The work on all elements. Levels are stored atomically: several threads may store the same. */
@@ -93,19 +93,19 @@ static int spread(work *w, int threads, int least, int rings) {
     return w->any;
 }
 
-/** The mesh with the nodes of is_free [n]. */
-static pl_view view_of(const planish_mesh *mesh, const int8_t *sign, const uint8_t *is_free) {
+/** The mesh with the nodes of mobility [n]. */
+static pl_view view_of(const planish_mesh *mesh, const int8_t *sign, const uint8_t *mobility) {
     return (pl_view){.dim = mesh->dim,
                      .n_nodes = mesh->n_nodes,
                      .n_elements = mesh->n_elements,
                      .elements = mesh->elements,
                      .sign = sign,
                      .min_volume = mesh->min_volume,
-                     .is_free = is_free,
+                     .mobility = mobility,
                      .is_counted = mesh->part ? mesh->part->is_counted : NULL};
 }
 
-/** Elements below their least volume are bad, too. */
+/** Elements below their minimum volume are bad, too. */
 static int add_below(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
                      const uint8_t *is_selected, int threads, uint8_t *state,
                      planish_error *error) {
@@ -129,11 +129,11 @@ static int add_below(const planish_mesh *mesh, const int8_t *sign, const planish
     return PLANISH_OK;
 }
 
-/** Walk from the bad elements to the part around them, where the mesh has neighbours and few
- *  elements are bad: *part is filled then, and is_selected. A walk looks at every element of
+/** Walk from the bad elements to the subset around them, where the mesh has neighbours and few
+ *  elements are bad: *subset is filled then, and is_selected. A walk looks at every element of
  *  each node, at some LOOKS times the cost of a look in passing. */
 static int walk_from_bad(const work *w, const planish_options *options, uint8_t *is_selected,
-                         pl_part *part, planish_error *error) {
+                         pl_subset *subset, planish_error *error) {
     enum { LOOKS = 1000 };
     const planish_mesh *mesh = w->mesh;
     const int corners = mesh->dim + 1;
@@ -155,11 +155,11 @@ static int walk_from_bad(const work *w, const planish_options *options, uint8_t 
         }
     const pl_seeds seeds = {n, node, element};
     if (!status)
-        status = pl_part_by_walk(mesh, &seeds, options->rings, part, error);
+        status = pl_subset_by_walk(mesh, &seeds, options->rings, subset, error);
     pl_free(node);
     pl_free(element);
-    for (int64_t i = 0; i < part->n_nodes; i++)
-        is_selected[part->node[i]] = part->is_selected[i];
+    for (int64_t i = 0; i < subset->n_nodes; i++)
+        is_selected[subset->node[i]] = subset->is_selected[i];
     return status;
 }
 
@@ -173,7 +173,7 @@ static int find_states(work *w, const int8_t *sign, const planish_options *optio
     pl_find_worse(&view, mesh->coordinates, options->only_worse_than, INFINITY, threads, w->state);
     if (options->min_volume > 0 || options->min_volume_fraction > 0 || mesh->min_volume)
         status = add_below(mesh, sign, options, w->of_node, threads, w->state, error);
-    *all_positive = !status && !spread(w, threads, PL_INVERTED, UNTANGLING_LAYERS);
+    *all_positive = !status && !spread(w, threads, PL_INVERTED, UNTANGLING_RINGS);
     return status;
 }
 
@@ -193,7 +193,7 @@ static int add_bad(work *w, const planish_options *options, int threads, planish
 }
 
 int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_options *options,
-              int threads, uint8_t *is_selected, int *all_positive, pl_part *part,
+              int threads, uint8_t *is_selected, int *all_positive, pl_subset *subset,
               planish_error *error) {
     uint8_t *state = pl_alloc(mesh->n_elements, sizeof *state);
     work w = {.mesh = mesh, .state = state, .of_node = is_selected};
@@ -203,8 +203,8 @@ int pl_select(const planish_mesh *mesh, const int8_t *sign, const planish_option
     if (!status && !*all_positive)
         status = add_bad(&w, options, threads, error);
     else if (!status && mesh->n_periodic == 0 && !mesh->part)
-        status = walk_from_bad(&w, options, is_selected, part, error);
-    if (!status && *all_positive && part->n_elements == 0)
+        status = walk_from_bad(&w, options, is_selected, subset, error);
+    if (!status && *all_positive && subset->n_elements == 0)
         spread(&w, threads, PL_WORSE, options->rings);
     pl_free(state);
     return status;

@@ -39,8 +39,8 @@ typedef struct pass {
 } pass;
 
 static pass begin_pass(const pl_mesh_state *mesh) {
-    int64_t blocks = mesh->of->n_elements / ((int64_t)PL_LANES * MAX_CHUNKS) + 1;
-    int64_t chunk = blocks * PL_LANES > MIN_CHUNK ? blocks * PL_LANES : MIN_CHUNK;
+    int64_t blocks = mesh->of->n_elements / ((int64_t)PL_SUM_LANES * MAX_CHUNKS) + 1;
+    int64_t chunk = blocks * PL_SUM_LANES > MIN_CHUNK ? blocks * PL_SUM_LANES : MIN_CHUNK;
     int64_t n_chunks = mesh->of->n_elements > 0 ? (mesh->of->n_elements - 1) / chunk + 1 : 0;
     return (pass){.mesh = mesh, .chunk = chunk, .n_chunks = n_chunks};
 }
@@ -57,7 +57,7 @@ static double largest_so_far(const pass *p) {
 /** Take in the angles of lanes whose RR^2 is above *blunt: the others have none smaller than the
  *  smallest so far. */
 static void take_angles(pass *p, const pl_block *b, double *blunt, const int dim) {
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         if (b->valid[l] == 0 || b->is_free[l] == 0 || b->square[l] <= *blunt)
             continue;
         const double acuteness = pl_block_acuteness(b, l, dim);
@@ -86,10 +86,10 @@ static inline void put_ratios(const pass *p, const pl_block *b, int64_t first, i
         p->ratio[first + l] = b->valid[l] != 0 ? sqrt(pl_larger(1, b->square[l])) : 0;
 }
 
-/** The elements from first on, at most PL_LANES; how many. */
+/** The elements from first on, at most PL_SUM_LANES; how many. */
 PL_INLINE int evaluate_block(const pass *p, int64_t first, int64_t end, pl_block *b, const int dim,
                              const int full) {
-    const int count = end - first < PL_LANES ? (int)(end - first) : PL_LANES;
+    const int count = end - first < PL_SUM_LANES ? (int)(end - first) : PL_SUM_LANES;
     pl_block_gather(p->mesh, first, count, b);
     pl_block_evaluate(b, dim, full);
     if (!pl_block_is_certain(b))
@@ -100,7 +100,7 @@ PL_INLINE int evaluate_block(const pass *p, int64_t first, int64_t end, pl_block
 /** The state, or the ratio, of each of elements begin .. end - 1. */
 PL_INLINE void tell_chunk(const pass *p, int64_t begin, int64_t end, const int dim) {
     pl_block b;
-    for (int64_t first = begin; first < end; first += PL_LANES) {
+    for (int64_t first = begin; first < end; first += PL_SUM_LANES) {
         const int count = evaluate_block(p, first, end, &b, dim, 0);
         if (p->state)
             put_states(p, &b, first, count, dim);
@@ -121,7 +121,7 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
     memset(&fixed, 0, sizeof fixed);
     if (full)
         pl_clear_full(&more);
-    for (int64_t first = begin; first < end; first += PL_LANES) {
+    for (int64_t first = begin; first < end; first += PL_SUM_LANES) {
         evaluate_block(p, first, end, &b, dim, full);
         pl_add_basic(&b, &basic);
         pl_add_squares(&b, &movable, &fixed);

@@ -15,21 +15,21 @@
 
 /* ---- Gathering ---------------------------------------------------------------------------- */
 
-enum { AHEAD = 3 * PL_LANES }; /* elements whose nodes are asked for before they are needed */
+enum { AHEAD = 3 * PL_SUM_LANES }; /* elements whose nodes are asked for before they are needed */
 
 PL_INLINE int has_free_node(const pl_mesh_state *mesh, const int32_t *node, const int dim) {
     int is_free = 0;
     for (int j = 0; j <= dim; j++)
-        is_free |= mesh->of->is_free[node[j]];
+        is_free |= mesh->of->mobility[node[j]];
     return is_free != 0;
 }
 
 PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b,
                       const int dim) {
-    const int32_t *node[PL_LANES];
-    for (int l = 0; l < PL_LANES && first + AHEAD + l < mesh->of->n_elements; l++)
+    const int32_t *node[PL_SUM_LANES];
+    for (int l = 0; l < PL_SUM_LANES && first + AHEAD + l < mesh->of->n_elements; l++)
         pl_fetch_nodes(dim, mesh->of->elements, mesh->coordinates, first + AHEAD + l);
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         const int64_t element = first + (l < count ? l : 0);
         node[l] = mesh->of->elements + element * (dim + 1);
         for (int j = 0; j <= dim; j++)
@@ -39,11 +39,11 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
         b->present[l] = l < count;
     }
     if (!mesh->of->is_movable) {
-        for (int l = 0; l < PL_LANES; l++)
+        for (int l = 0; l < PL_SUM_LANES; l++)
             b->is_free[l] = has_free_node(mesh, node[l], dim);
         return;
     }
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         const uint8_t movable = mesh->of->is_movable[first + (l < count ? l : 0)];
         b->is_free[l] = movable != 0;
         b->present[l] = l < count && movable != PL_ELSEWHERE;
@@ -86,8 +86,8 @@ static int scale_lane(pl_block *b, int l, int dim) {
  *  power of two have the same measures, bit for bit, whatever their size. */
 static void evaluate_scaled(pl_block *b, int dim) {
     const pl_block before = *b;
-    int exponent[PL_LANES] = {0}, n_scaled = 0;
-    for (int l = 0; l < PL_LANES; l++)
+    int exponent[PL_SUM_LANES] = {0}, n_scaled = 0;
+    for (int l = 0; l < PL_SUM_LANES; l++)
         if (b->certain[l] == 0 && is_out_of_range(b, l, dim)) {
             exponent[l] = scale_lane(b, l, dim);
             n_scaled++;
@@ -98,7 +98,7 @@ static void evaluate_scaled(pl_block *b, int dim) {
         pl_block_evaluate(b, 3, 1);
     else
         pl_block_evaluate(b, 2, 1);
-    for (int l = 0; l < PL_LANES; l++)
+    for (int l = 0; l < PL_SUM_LANES; l++)
         b->volume[l] = ldexp(b->volume[l], dim * exponent[l]);
     memcpy(b->x, before.x, sizeof b->x);
 }

@@ -1,7 +1,7 @@
 /* measure_block: the measures of a few elements at once.
  *
- * Elements are taken in blocks of PL_LANES. A block gathers its vertices and evaluates all lanes
- * at once by the plain formulas of geometry/simplex.h, which the compiler turns into vectors.
+ * Elements are taken in blocks of PL_SUM_LANES. A block gathers its vertices and evaluates all
+ * lanes at once by the plain formulas of geometry/simplex.h, which the compiler turns into vectors.
  * Elements whose orientation rounding could hide, or whose size could over- or underflow, are not
  * certain. measure_block.c evaluates these one by one, scaled and with the exact sign.
  *
@@ -17,7 +17,7 @@
 
 #include <stdint.h>
 
-enum { PL_LANES = 8 }; /* accumulators of a chunk: part of what fixes the bits of a sum */
+enum { PL_SUM_LANES = 8 }; /* accumulators of a chunk: part of what fixes the bits of a sum */
 
 /* |D| above this multiple of |e_1|_1 |e_2|_1 .. is certain to have the right sign: Shewchuk's bound
  * (certificate.c) with 8 for 7 and 4 for 3, which pays for the rounding of the product itself. */
@@ -51,20 +51,20 @@ typedef struct pl_mesh_state {
     const double *coordinates; /* [n][dim] */
 } pl_mesh_state;
 
-/** PL_LANES elements, one per lane; lanes past the last element, and those of elements that another
- * process counts, are not present. */
+/** PL_SUM_LANES elements, one per lane; lanes past the last element, and those of elements that
+ * another process counts, are not present. */
 typedef struct pl_block {
-    double x[4][3][PL_LANES]; /* [dim + 1][dim] the vertices' coordinates */
-    double sign[PL_LANES];    /* of the elements' orientation */
-    double is_free[PL_LANES]; /* 1: has a free node */
-    double present[PL_LANES]; /* 1, or 0 past the last element */
-    double certain[PL_LANES]; /* 1: what follows is right as it is */
-    double valid[PL_LANES];   /* 1: positive measure */
-    double square[PL_LANES];  /* RR^2; the rest is for pl_measure only */
-    double listed[PL_LANES];  /* +1, 0, -1: sign of the measure in the listed order of the nodes; 0
-                                 if not present */
-    double volume[PL_LANES];  /* signed measure in the mesh's orientation */
-    double measure[PL_N_MEASURES][PL_LANES]; /* angles in radians */
+    double x[4][3][PL_SUM_LANES]; /* [dim + 1][dim] the vertices' coordinates */
+    double sign[PL_SUM_LANES];    /* of the elements' orientation */
+    double is_free[PL_SUM_LANES]; /* 1: has a free node */
+    double present[PL_SUM_LANES]; /* 1, or 0 past the last element */
+    double certain[PL_SUM_LANES]; /* 1: what follows is right as it is */
+    double valid[PL_SUM_LANES];   /* 1: positive measure */
+    double square[PL_SUM_LANES];  /* RR^2; the rest is for pl_measure only */
+    double listed[PL_SUM_LANES]; /* +1, 0, -1: sign of the measure in the listed order of the nodes;
+                                0 if not present */
+    double volume[PL_SUM_LANES]; /* signed measure in the mesh's orientation */
+    double measure[PL_N_MEASURES][PL_SUM_LANES]; /* angles in radians */
 } pl_block;
 
 /** Larger of a and b; b if either is NaN. */
@@ -109,7 +109,7 @@ PL_INLINE void pl_block_put_shape(pl_block *b, int l, const pl_shape *shape, con
 
 /** Evaluate all lanes; full: what pl_measure wants as well. */
 PL_INLINE void pl_block_evaluate(pl_block *b, const int dim, const int full) {
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         double edges[3][3];
         for (int j = 0; j < dim; j++)
             for (int d = 0; d < dim; d++)
@@ -149,7 +149,7 @@ double pl_block_acuteness(const pl_block *b, int l, int dim);
 /** Largest RR^2 of the block's lanes. */
 static inline double pl_block_largest_square(const pl_block *b) {
     double largest = 0;
-    for (int l = 0; l < PL_LANES; l++)
+    for (int l = 0; l < PL_SUM_LANES; l++)
         largest = pl_larger(b->square[l], largest);
     return largest;
 }
@@ -157,9 +157,9 @@ static inline double pl_block_largest_square(const pl_block *b) {
 /** Whether all lanes of the block are certain. */
 static inline int pl_block_is_certain(const pl_block *b) {
     double n_certain = 0;
-    for (int l = 0; l < PL_LANES; l++)
+    for (int l = 0; l < PL_SUM_LANES; l++)
         n_certain += b->certain[l];
-    return n_certain == PL_LANES;
+    return n_certain == PL_SUM_LANES;
 }
 
 #endif

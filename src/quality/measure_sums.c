@@ -18,7 +18,7 @@ static pl_full_sums no_sums(void) {
 void pl_clear_full(pl_full_lanes *lanes) {
     const pl_full_sums none = no_sums();
     memset(lanes, 0, sizeof *lanes);
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         lanes->smallest_volume[l] = none.smallest_volume;
         lanes->largest_volume[l] = none.largest_volume;
         lanes->movable_angle[l] = none.movable_angle;
@@ -31,7 +31,7 @@ void pl_clear_full(pl_full_lanes *lanes) {
 
 void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums) {
     memset(sums, 0, sizeof *sums);
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         sums->max = pl_larger(lanes->max[l], sums->max);
         sums->n_movable += (int64_t)lanes->n_movable[l];
         sums->n_fixed += (int64_t)lanes->n_fixed[l];
@@ -95,7 +95,7 @@ static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
 
 void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums) {
     *sums = no_sums();
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         const pl_full_sums lane = sums_of_lane(lanes, l);
         add_sums(&lane, sums);
     }

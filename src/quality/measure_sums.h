@@ -25,24 +25,25 @@ static const double PL_ANGLE_BIN_ROUNDING = 1e-9;
 
 /** Accumulators of both passes, one column per lane. */
 typedef struct pl_basic_lanes {
-    double max[PL_LANES]; /* see pl_ratio_sums */
-    double n_movable[PL_LANES], n_fixed[PL_LANES], inverted[PL_LANES];
+    double max[PL_SUM_LANES]; /* see pl_ratio_sums */
+    double n_movable[PL_SUM_LANES], n_fixed[PL_SUM_LANES], inverted[PL_SUM_LANES];
 } pl_basic_lanes;
 
 /** Further accumulators of pl_measure. */
 typedef struct pl_full_lanes {
-    double n_unmovable[PL_LANES]; /* elements without a free node, valid or not */
-    double n_positive[PL_LANES], n_negative[PL_LANES]; /* in the listed order of their nodes */
-    double volume_sum[PL_LANES], smallest_volume[PL_LANES], largest_volume[PL_LANES];
-    double sum[PL_N_MEASURES][PL_LANES]; /* of angles in radians, here and below */
-    double min[PL_N_MEASURES][PL_LANES];
-    double max[PL_N_MEASURES][PL_LANES];
-    double worst_ratio[PL_LANES], worst_fixed_ratio[PL_LANES];
-    double movable_ratio[PL_LANES];                    /* largest with a free node, */
-    double movable_angle[PL_LANES];                    /* and smallest */
-    double worst_element[PL_LANES];                    /* exact: element numbers are below 2^53 */
-    double at_least[PLANISH_HISTOGRAM_BINS][PL_LANES]; /* elements of RR >= each edge */
-    double by_angle[PLANISH_ANGLE_BINS][PL_LANES];     /* elements by their smallest angle */
+    double n_unmovable[PL_SUM_LANES]; /* elements without a free node, valid or not */
+    double n_positive[PL_SUM_LANES],
+        n_negative[PL_SUM_LANES]; /* in the listed order of their nodes */
+    double volume_sum[PL_SUM_LANES], smallest_volume[PL_SUM_LANES], largest_volume[PL_SUM_LANES];
+    double sum[PL_N_MEASURES][PL_SUM_LANES]; /* of angles in radians, here and below */
+    double min[PL_N_MEASURES][PL_SUM_LANES];
+    double max[PL_N_MEASURES][PL_SUM_LANES];
+    double worst_ratio[PL_SUM_LANES], worst_fixed_ratio[PL_SUM_LANES];
+    double movable_ratio[PL_SUM_LANES]; /* largest with a free node, */
+    double movable_angle[PL_SUM_LANES]; /* and smallest */
+    double worst_element[PL_SUM_LANES]; /* exact: element numbers are below 2^53 */
+    double at_least[PLANISH_HISTOGRAM_BINS][PL_SUM_LANES]; /* elements of RR >= each edge */
+    double by_angle[PLANISH_ANGLE_BINS][PL_SUM_LANES];     /* elements by their smallest angle */
 } pl_full_lanes;
 
 /** Sums of a chunk, or of the mesh, besides pl_ratio_sums. */
@@ -59,7 +60,7 @@ typedef struct pl_full_sums {
 
 /** Add the elements of a block to the sums of both passes. */
 PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         double square = b->valid[l] != 0 ? b->square[l] : 0;
         sums->max[l] = pl_larger(b->is_free[l] != 0 ? square : 0, sums->max[l]);
         sums->n_movable[l] += b->is_free[l] != 0 ? b->valid[l] : 0;
@@ -70,14 +71,14 @@ PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
 
 /** RR^2 of the valid ones. */
 PL_INLINE void pl_add_squares(const pl_block *b, pl_sum *movable, pl_sum *fixed) {
-    for (int l = 0; l < PL_LANES; l++)
+    for (int l = 0; l < PL_SUM_LANES; l++)
         if (b->valid[l] != 0)
             pl_sum_add(b->is_free[l] != 0 ? movable : fixed, b->square[l]);
 }
 
 /** The volumes, of elements that are valid or not. */
 PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         double present = b->present[l];
         double low = present != 0 ? b->volume[l] : INFINITY;
         double high = present != 0 ? b->volume[l] : -INFINITY;
@@ -93,7 +94,7 @@ PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
 /** Add the measures of a block's elements to sums, least and largest values. */
 PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
     for (int m = 0; m < PL_N_MEASURES; m++) {
-        for (int l = 0; l < PL_LANES; l++) {
+        for (int l = 0; l < PL_SUM_LANES; l++) {
             double low = b->valid[l] != 0 ? b->measure[m][l] : INFINITY;
             double high = b->valid[l] != 0 ? b->measure[m][l] : -INFINITY;
             sums->sum[m][l] += b->valid[l] != 0 ? b->measure[m][l] : 0;
@@ -106,7 +107,7 @@ PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
 /** Find the largest RR and its element, and fill the histogram. */
 PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *sums) {
     const double *ratios = b->measure[PL_RADIUS_RATIO];
-    for (int l = 0; l < PL_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         double ratio = b->valid[l] != 0 ? ratios[l] : 0;
         double fixed_ratio = b->is_free[l] != 0 ? 0 : ratio;
         double element = (double)(first + l);
@@ -120,7 +121,7 @@ PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *su
                                             sums->movable_angle[l]);
     }
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
-        for (int l = 0; l < PL_LANES; l++)
+        for (int l = 0; l < PL_SUM_LANES; l++)
             sums->at_least[i][l] += ratios[l] >= PL_HISTOGRAM_EDGES[i] ? b->valid[l] : 0;
 }
 
@@ -130,12 +131,12 @@ PL_INLINE void pl_add_angles(const pl_block *b, pl_full_lanes *sums) {
     static const double BINS_PER_RADIAN = 11.4591559026164641754; /* 36 / pi */
     static const double LAST = PLANISH_ANGLE_BINS - 1;
     const double *angle = b->measure[PL_SMALLEST_ANGLE];
-    int bin[PL_LANES];
-    for (int l = 0; l < PL_LANES; l++) {
+    int bin[PL_SUM_LANES];
+    for (int l = 0; l < PL_SUM_LANES; l++) {
         const double place = angle[l] * BINS_PER_RADIAN + PL_ANGLE_BIN_ROUNDING;
         bin[l] = (int)pl_smaller(b->valid[l] != 0 ? place : 0, LAST);
     }
-    for (int l = 0; l < PL_LANES; l++)
+    for (int l = 0; l < PL_SUM_LANES; l++)
         sums->by_angle[bin[l]][l] += b->valid[l];
 }
 

@@ -109,7 +109,7 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
     return e;
 }
 
-static double least_volume(const pl_objective_problem *problem, int64_t index) {
+static double minimum_volume(const pl_objective_problem *problem, int64_t index) {
     double own = problem->mesh.min_volume ? problem->mesh.min_volume[index] : 0;
     return own > 0 ? own : problem->min_volume;
 }
@@ -117,7 +117,7 @@ static double least_volume(const pl_objective_problem *problem, int64_t index) {
 /* g of volumes that are huge multiples of delta: so that its square is finite. */
 static const double LOWEST_G = -1e100;
 
-/** g = 1 - V / delta, or -infinity for elements without a least volume. */
+/** g = 1 - V / delta, or -infinity for elements without a minimum volume. */
 static double volume_constraint(double least, const element *e) {
     return least > 0 ? fmax(1 - e->measure / least, LOWEST_G) : -INFINITY;
 }
@@ -136,7 +136,7 @@ static int has_free_node(const pl_objective_problem *problem, int64_t index, con
     if (problem->mesh.is_movable)
         return problem->mesh.is_movable[index] != 0;
     for (int j = 0; j <= dim; j++)
-        is_free |= problem->mesh.is_free[problem->mesh.elements[index * (dim + 1) + j]];
+        is_free |= problem->mesh.mobility[problem->mesh.elements[index * (dim + 1) + j]];
     return is_free != 0;
 }
 
@@ -159,7 +159,7 @@ static void take_angles(const element *e, const double *const x[], double radius
 static inline void add_element(const pl_objective_problem *problem, int64_t index, exact_sums *sums,
                                double *blunt, const int dim) {
     element e = element_at(problem, index, dim);
-    double g = volume_constraint(least_volume(problem, index), &e);
+    double g = volume_constraint(minimum_volume(problem, index), &e);
     pl_sum_add(&sums->sum[WHOLE], e.measure);
     sums->below += g > PLANISH_VOLUME_TOLERANCE;
     if (g > 0)
@@ -252,7 +252,7 @@ static void classify_chunk(void *context, int64_t begin, int64_t end, int thread
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         element e = element_at(w->problem, i, w->problem->mesh.dim);
-        int below = volume_constraint(least_volume(w->problem, i), &e) > PLANISH_VOLUME_TOLERANCE;
+        int below = volume_constraint(minimum_volume(w->problem, i), &e) > PLANISH_VOLUME_TOLERANCE;
         if (w->flat >= 0)
             below |= !(e.determinant > w->flat * permanent_bound(&e, w->problem->mesh.dim));
         w->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;

@@ -1,10 +1,10 @@
 /* objective: the paper's F of a mesh and its terms: aspect ratios of the kind asked for, and
- * volumes against their least values. The guarded sweeps are judged by F; measure.h has the
+ * volumes against their minimum values. The guarded sweeps are judged by F; measure.h has the
  * radius ratio alone, faster. Sums are rounded once (base/sum.h): the same bits for any number of
  * threads and order of the elements.
  *
  *   pl_sum_objective                                 the sums
- *   pl_find_below, pl_find_inverted, _tangled        elements that miss their least volume
+ *   pl_find_below, pl_find_inverted, _tangled        elements that miss their minimum volume
  */
 #ifndef PL_QUALITY_OBJECTIVE_H
 #define PL_QUALITY_OBJECTIVE_H
@@ -25,13 +25,13 @@ typedef struct pl_objective_problem {
 typedef struct pl_objective_sums {
     double ratio[2];   /* of AR^2 */
     double radius[2];  /* of RR^2 */
-    double volume[2];  /* of g^2, of elements with a least volume */
+    double volume[2];  /* of g^2, of elements with a minimum volume */
     double n[2];       /* how many there are */
     double radius_max; /* largest RR^2 of those with a free node */
     double acuteness;  /* of the smallest angle of these, see geometry/angle.h */
     double inverted;   /* elements that are not valid */
-    double
-        below; /* elements with a least volume and g above PLANISH_VOLUME_TOLERANCE, valid or not */
+    double below; /* elements with a minimum volume and g above PLANISH_VOLUME_TOLERANCE, valid or
+                     not */
     double shortfall; /* sum of max(0, g)^2, valid or not */
     double domain;    /* sum of the signed measures of all */
 } pl_objective_sums;

@@ -19,9 +19,9 @@ typedef struct pl_view {
     const int8_t *sign;       /* [m] +1 or -1: sign * measure is positive in a valid mesh; NULL: all
                                  +1 */
     const double *min_volume; /* [m] minimum volumes, 0: none; NULL: all 0 */
-    const uint8_t *is_free;   /* [n] not 0: the node may move */
+    const uint8_t *mobility;  /* [n] not 0: the node may move */
     const uint8_t *is_movable; /* [m] 1: the element has a free node; 0: it has none; PL_ELSEWHERE;
-                                  NULL: is_free says it */
+                                  NULL: mobility says it */
     const uint8_t *is_counted; /* [m] 0: another process counts the element; NULL: all 1 */
 } pl_view;
 

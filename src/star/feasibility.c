@@ -1,4 +1,5 @@
-/* feasibility: a proof that elements of a star cannot all have their least volume, or be positive.
+/* feasibility: a proof that elements of a star cannot all have their minimum volume, or be
+ * positive.
  *
  * By Farkas' lemma the elements of link facets whose nodes are fixed cannot have it, wherever their
  * free node x is, if there are weights lambda_j >= 0 with sum lambda_j n_j = 0 and
@@ -16,7 +17,7 @@
 
 /* The proof must hold within this many sizes of the star, whatever rounding did to it. */
 #define PROOF_REACH 1e6
-/* What an element without a least volume needs, by the mean measure of the star's elements; or,
+/* What an element without a minimum volume needs, by the mean measure of the star's elements; or,
  * with a small link facet or if all are flat, by that times the star's size. */
 #define PART_LEAST 1e-9
 
@@ -26,7 +27,7 @@ enum { MANY_FACETS = 1024, FACETS_OF_SHARE = 128 };
 /** State of a link facet during the search. */
 enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
 
-/** Floors of elements without a least volume, with the node at x. */
+/** Floors of elements without a minimum volume, with the node at x. */
 static void set_floors(const star *s, const double *x, const int dim) {
     const double place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
     double mean = 0, size2 = 0;
@@ -70,7 +71,7 @@ typedef struct share {
 static active rows_in_question(const local *here, const uint8_t *state, share part, const int dim) {
     active a = active_none(here);
     for (int64_t i = part.first; i < here->s.n_facets; i += part.step)
-        if (is_wanted(state[i])) /* its least volume is to be met, as it is counted */
+        if (is_wanted(state[i])) /* its minimum volume is to be met, as it is counted */
             add_homogeneous_row(here, i, -VIOLATED_ABOVE, 0, &a, dim);
     return a;
 }
@@ -170,9 +171,9 @@ static int64_t infeasible(const pl_star_problem *problem, int64_t star_index,
     find_candidates(&here, is_fixed, part, dim);
     const int64_t n_given_up = search_star(&here, part, limit, dim);
     for (int64_t i = 0; i < here.s.n_facets; i++)
-        part[i] = part[i] == MEMBER     ? PL_PART_OF_PROOF
-                  : part[i] == GIVEN_UP ? PL_PART_GIVEN_UP
-                                        : PL_PART_NONE;
+        part[i] = part[i] == MEMBER     ? PL_PROOF_MEMBER
+                  : part[i] == GIVEN_UP ? PL_PROOF_GIVEN_UP
+                                        : PL_PROOF_NONE;
     return n_given_up;
 }
 

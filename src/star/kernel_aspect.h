@@ -1,4 +1,4 @@
-/* kernel_aspect: the objective of every kind, with least volumes, for the guarded kernel.
+/* kernel_aspect: the objective of every kind, with minimum volumes, for the guarded kernel.
  *
  * Over a star: f = ratio_weight sum AR^2 + volume_weight sum g^2, g = 1 - D / floor; its
  * derivatives; and how far elements are below their floor. One body serves both dimensions and

@@ -38,13 +38,13 @@ static inline double violated_above(const local *here) {
     return here->problem->guard->strict ? GRAZE : VIOLATED_ABOVE;
 }
 
-/** Margin above the least volume to which elements are brought up. */
+/** Margin above the minimum volume to which elements are brought up. */
 static inline double restore_margin(const local *here) {
     return here->problem->guard->strict ? RESTORE_MARGIN_LAST : RESTORE_MARGIN;
 }
 
 /* Where elements are brought up they shall be sound, too: this high over their link facet, relative
- * to the star's size. A least volume may be next to nothing. */
+ * to the star's size. A minimum volume may be next to nothing. */
 #define SOUND_HEIGHT 0.02
 
 /** The D that element i is to have in the end, if it can be: above its floor by margin, and sound
@@ -292,7 +292,7 @@ static inline int keeps_positive(const star *s, const double *x, const double *p
     return kept;
 }
 
-/** Whether a trial brings the star nearer to its least volumes and breaks nothing. Volumes come
+/** Whether a trial brings the star nearer to its minimum volumes and breaks nothing. Volumes come
  *  first: the limit on the radius ratio does not count here. */
 static inline int restores(const local *here, const trial *t, const objective *now, const double *x,
                            double size, const int dim) {
@@ -418,7 +418,7 @@ static inline active homogeneous(const local *here, const double *x, double marg
     return a;
 }
 
-/** The shortest displacement to where all elements have their least volume; 0 if there is none:
+/** The shortest displacement to where all elements have their minimum volume; 0 if there is none:
  * then point holds the proof, rows with positive weights whose sum is (0, 1). */
 static inline int shortest_displacement(const active *a, double *displacement, cone_point *point,
                                         const int dim) {

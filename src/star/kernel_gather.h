@@ -91,7 +91,7 @@ static inline void gather_ring(const pl_star_problem *problem, star *s, const do
  * underflows, and which elements are above and below is the same. */
 #define FLOOR_LEAST 1e-100
 
-/** The least D of an element with its own least volume, or else the general one. Times scale dim
+/** The least D of an element with its own minimum volume, or else the general one. Times scale dim
  *  times, one by one: the volume is of the size of the star. */
 static inline double floor_of(const pl_star_problem *problem, const star *s, double own,
                               const int dim) {

@@ -1,4 +1,4 @@
-/* kernel_guarded: visits of stars with other objectives, least volumes and bounds.
+/* kernel_guarded: visits of stars with other objectives, minimum volumes and bounds.
  *
  * Included by every guarded_*.c after it has defined PL_PACK; see kernel.c. kernel_visit.h has the
  * plain problem alone, faster.

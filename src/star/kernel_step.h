@@ -13,7 +13,7 @@
 /* A Newton step is gone this far: neighbours that move one after the other spread a change of the
  * whole mesh sooner if each overshoots (successive over-relaxation). Farther where its slope is
  * less than so much of the sum: what is still wrong there is smooth over many stars. (Not while
- * multipliers stand for least volumes, or the sweeps end a little farther from the optimum.) */
+ * multipliers stand for minimum volumes, or the sweeps end a little farther from the optimum.) */
 #define STEP_OVER_RELAXATION      1.4
 #define STEP_OVER_RELAXATION_NEAR 1.7
 #define STEP_NEAR                 1e-3

@@ -1,11 +1,11 @@
-/* multipliers: those of the least volumes, between the sweeps of the augmented Lagrangian. Every
+/* multipliers: those of the minimum volumes, between the sweeps of the augmented Lagrangian. Every
  * star keeps those of its own elements; as all stars see the same volumes, they agree. */
 #define PL_PACK 1
 #include "star/kernel_local.h"
 
 /* A change of lambda / rho below this changes nothing for the star. */
 #define SHIFT_STILL 1e-4
-/* The shift of an element that was below its least volume to begin with: it keeps the penalty, or
+/* The shift of an element that was below its minimum volume to begin with: it keeps the penalty, or
  * it would sink, but the multiplier of what cannot be met would grow for ever. */
 #define GIVEN_UP (-0x1p-1000)
 /* Below by as much as this after everything else was tried: it cannot be met. */

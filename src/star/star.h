@@ -34,7 +34,7 @@ enum { PL_LANES = 4 };
  */
 enum pl_star_worst { PL_WORST_RATIO = PLANISH_EDGE_RATIO + 1, PL_WORST_ANGLE };
 
-/** Further input of the guarded kernel, which serves every objective, least volumes and bounds.
+/** Further input of the guarded kernel, which serves every objective, minimum volumes and bounds.
  *  The arrays over nodes are by inner numbers; any array may be NULL: nothing asked. */
 typedef struct pl_star_guard {
     int measure;                        /* a planish_objective, or one of pl_star_worst */
@@ -44,7 +44,7 @@ typedef struct pl_star_guard {
     int keep_below;                /* 1: violated elements are not brought up, but not lowered */
     int strict;                    /* 1: elements are violated as soon as they are below */
     const double *link_min_volume; /* [link_offset[n_stars]] of the facets' elements, 0: none */
-    double penalty;                /* rho, above 0: least volumes by augmented Lagrangian */
+    double penalty;                /* rho, above 0: minimum volumes by augmented Lagrangian */
     double *link_shift;            /* [link_offset[n_stars]] lambda / rho of the elements then */
     const double *lower, *upper;   /* [n_nodes][dim] */
     const double *start;           /* [n_nodes][dim] where the nodes were, */
@@ -139,7 +139,7 @@ typedef struct pl_star_tally {
     int64_t visits;      /* stars looked at */
     int64_t evaluations; /* of their function */
     int64_t improved;    /* stars whose function fell by more than a hundredth of itself */
-    int64_t restored;    /* stars in which elements were brought nearer to their least volume */
+    int64_t restored;    /* stars in which elements were brought nearer to their minimum volume */
 } pl_star_tally;
 
 /** First-order optimality of a range of stars. */
@@ -167,13 +167,13 @@ int pl_star_admit(const pl_star_problem *problem, int32_t node, int dim, double 
 /** Part of an element in the proof that not all elements of a star can reach their least
  *  volumes. */
 typedef enum pl_star_part {
-    PL_PART_NONE = 0,
-    PL_PART_OF_PROOF = 1, /* it contradicts others */
-    PL_PART_GIVEN_UP = 2  /* in a proof, and the others need not fail without it */
+    PL_PROOF_NONE = 0,
+    PL_PROOF_MEMBER = 1,  /* it contradicts others */
+    PL_PROOF_GIVEN_UP = 2 /* in a proof, and the others need not fail without it */
 } pl_star_part;
 
 /** How many elements of the star's fixed link facets are given up, one of each contradiction found,
- * so that the others can have their least volume (or be positive, without one) for some place of
+ * so that the others can have their minimum volume (or be positive, without one) for some place of
  * the node; 0 if there is no proof that any must be (feasibility.c). is_fixed [n_nodes] by inner
  * numbers; part [link facets of the star] is set to pl_star_part. scratch as for visits.
  * limit (may be NULL): if it is reached, the search ends there; what it has found is proved. */
@@ -182,7 +182,7 @@ int64_t pl_star_infeasible(const pl_star_problem *problem, int64_t star_index, i
                            pl_limit *limit);
 
 /** Raise the multipliers of the elements of stars begin .. end-1 to max(0, lambda + rho g), and
- * count the stars as changed where they change, or (if wake) where a least volume is in force
+ * count the stars as changed where they change, or (if wake) where a minimum volume is in force
  *  (multipliers.c). Returns the largest change of a shift. scratch as for visits. */
 double pl_star_update_shifts(const pl_star_problem *problem, int dim, int wake, int64_t begin,
                              int64_t end, double *scratch);

@@ -1,4 +1,4 @@
-/* guard: what options and plan ask of the guarded kernel: objective, least volumes, bounds. */
+/* guard: what options and plan ask of the guarded kernel: objective, minimum volumes, bounds. */
 #include "sweep/guard.h"
 
 #include "base/memory.h"
@@ -30,8 +30,8 @@ pl_objective_problem pl_objective_problem_of(const planish_plan *plan,
                                   .threads = plan->threads};
 }
 
-double pl_least_volume(const planish_plan *plan, const planish_options *options,
-                       const double *all) {
+double pl_minimum_volume(const planish_plan *plan, const planish_options *options,
+                         const double *all) {
     if (!(options->min_volume_fraction > 0))
         return options->min_volume;
     const pl_objective_problem problem =
@@ -75,7 +75,7 @@ typedef struct work {
     const double *coordinates;
     double *lower, *upper, *start, *radius; /* by inner numbers */
     uint8_t *group; /* likewise: of nodes that move together, and LEFT_ALONE */
-    uint8_t *is_free;
+    uint8_t *mobility;
     int64_t held, left_alone; /* shared */
 } work;
 
@@ -124,8 +124,8 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
         const int stays = outside || (w->group && w->group[w->plan->inner[i]] & LEFT_ALONE);
         for (int d = 0; stays && d < dim; d++)
             lower[d] = upper[d] = x[d];
-        w->is_free[i] = w->plan->work.is_free[i] && !stays;
-        held += outside && w->plan->work.is_free[i] && pl_is_own(pl_part_here(), i);
+        w->mobility[i] = w->plan->work.mobility[i] && !stays;
+        held += outside && w->plan->work.mobility[i] && pl_is_own(pl_part_here(), i);
     }
     __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
 }
@@ -265,8 +265,8 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
     if (memory && (has_box(plan, options) || w.left_alone > 0)) {
         guard->star.lower = w.lower = pl_alloc(values, sizeof *w.lower);
         guard->star.upper = w.upper = pl_alloc(values, sizeof *w.upper);
-        guard->is_free = w.is_free = pl_alloc(plan->work.n_nodes, sizeof *w.is_free);
-        memory = w.lower && w.upper && w.is_free;
+        guard->mobility = w.mobility = pl_alloc(plan->work.n_nodes, sizeof *w.mobility);
+        memory = w.lower && w.upper && w.mobility;
     }
     if (options->max_displacement > 0) {
         guard->star.start = w.start = pl_alloc(values, sizeof *w.start);
@@ -293,7 +293,7 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
 
 /* ---- the guard ----------------------------------------------------------------------------- */
 
-/** The first element without a least volume, by the caller's number, or -1. */
+/** The first element without a minimum volume, by the caller's number, or -1. */
 static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
     const double *least = plan->all->min_volume;
     for (int64_t i = 0; i < plan->all->n_elements && !(min_volume > 0); i++)
@@ -323,7 +323,7 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
     if (element >= 0)
         return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
                           "options.area_weight is %g, but element %" PRId64
-                          " has no least volume; give min_volume or min_volume_fraction",
+                          " has no minimum volume; give min_volume or min_volume_fraction",
                           options->area_weight, element);
     const pl_objective_problem problem = {.mesh = pl_view_of_all_elements(&plan->work),
                                           .coordinates = coordinates,
@@ -336,7 +336,7 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
     if (!(g2 < LARGEST_MULTIPLE * LARGEST_MULTIPLE))
         return pl_fail(
             error, PLANISH_ERROR_ARGUMENT,
-            "options.area_weight is %g, but volumes are %g times their least volume; give "
+            "options.area_weight is %g, but volumes are %g times their minimum volume; give "
             "one that is nearer to them",
             options->area_weight, sqrt(g2));
     return PLANISH_OK;
@@ -369,7 +369,7 @@ void pl_guard_destroy(pl_guard *guard) {
     pl_free((void *)guard->star.upper);
     pl_free((void *)guard->star.start);
     pl_free((void *)guard->star.radius);
-    pl_free(guard->is_free);
-    guard->is_free = NULL;
+    pl_free(guard->mobility);
+    guard->mobility = NULL;
     guard->star.lower = guard->star.upper = guard->star.start = guard->star.radius = NULL;
 }

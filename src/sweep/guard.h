@@ -1,7 +1,7 @@
-/* guard: the guarded kernel's input from options and plan: objective, least volumes, bounds.
+/* guard: the guarded kernel's input from options and plan: objective, minimum volumes, bounds.
  *
  *   pl_guard_create, _destroy, _weigh             arrays and weights of the guarded kernel
- *   pl_least_volume, pl_check_delta               options.min_volume as a volume
+ *   pl_minimum_volume, pl_check_delta               options.min_volume as a volume
  *   pl_objective_problem_of, pl_objective_of_all, _of_movable, pl_rms    the objective F
  */
 #ifndef PL_SWEEP_GUARD_H
@@ -22,13 +22,15 @@ typedef struct pl_guard {
     int wanted; /* 0: the plain problem will do */
     pl_star_guard star;
     double min_volume; /* delta */
-    uint8_t *is_free; /* [n] of the plan's mesh: the plan's, but for held ones; or NULL: the same */
+    uint8_t
+        *mobility; /* [n] of the plan's mesh: the plan's, but for held ones; or NULL: the same */
     int64_t held_outside;
 } pl_guard;
 
 /** delta of options: a fraction is of the volume of all of the mesh, whose coordinates all [.][dim]
  *  are. */
-double pl_least_volume(const planish_plan *plan, const planish_options *options, const double *all);
+double pl_minimum_volume(const planish_plan *plan, const planish_options *options,
+                         const double *all);
 
 /** Return the sum over the mesh, or over the plan's part if no more is known, that options ask
  *  for. */
@@ -41,7 +43,7 @@ int pl_check_delta(const planish_options *options, double delta, planish_error *
 
 /** Make the guard for coordinates [n][dim] and delta; the plan's own coordinates are already there.
  *  Errors: _ARGUMENT (an area weight without a
- *  fitting least volume for every element, a fraction of nothing),
+ *  fitting minimum volume for every element, a fraction of nothing),
  *  _MEMORY. */
 int pl_guard_create(const planish_plan *plan, const planish_options *options,
                     const double *coordinates, double delta, pl_guard *guard, planish_error *error);

@@ -80,8 +80,8 @@ static void measure_ratios(pl_run *r) {
 pl_objective_problem pl_run_objective_problem(const pl_run *r) {
     const planish_plan *plan = r->plan;
     pl_view mesh = pl_view_of_all_elements(&plan->work);
-    if (r->guard.is_free)
-        mesh.is_free = r->guard.is_free;
+    if (r->guard.mobility)
+        mesh.mobility = r->guard.mobility;
     return (pl_objective_problem){.mesh = mesh,
                                   .coordinates = plan->measured,
                                   .objective = r->options->objective,
@@ -109,11 +109,11 @@ void pl_run_measure(pl_run *r) {
 /** Which of all elements have a free node. */
 static void find_movable(const pl_run *r) {
     const planish_plan *plan = r->plan;
-    const uint8_t *is_free = r->guard.is_free ? r->guard.is_free : plan->work.is_free;
+    const uint8_t *mobility = r->guard.mobility ? r->guard.mobility : plan->work.mobility;
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int movable = 0;
         for (int j = 0; j <= plan->dim; j++)
-            movable |= is_free[plan->work.elements[i * (plan->dim + 1) + j]];
+            movable |= mobility[plan->work.elements[i * (plan->dim + 1) + j]];
         plan->is_movable[plan->element_of[i]] = movable != 0;
     }
 }
@@ -311,8 +311,9 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
 }
 
 int pl_run_sweeps_left(const pl_run *r) {
-    const int in_vain = r->in_vain > 0 ? r->in_vain : r->result->untangling_sweeps;
-    return r->options->max_sweeps - (r->sweep - in_vain);
+    const int uncounted =
+        r->uncounted_sweeps > 0 ? r->uncounted_sweeps : r->result->untangling_sweeps;
+    return r->options->max_sweeps - (r->sweep - uncounted);
 }
 
 /* A mesh whose sweeps bring less than the first of these after so many of them, and would bring
@@ -332,7 +333,7 @@ static int is_slow(const pl_run *r, const pl_convergence *trend, int patience) {
 typedef struct course {
     pl_convergence convergence; /* of sweeps that leave the stars calm */
     pl_convergence trend;       /* of all */
-    pl_help help;               /* the one that comes next */
+    pl_acceleration next;       /* the one that comes next */
     int patience;               /* sweeps until it comes */
     int polished;               /* that was slow, and L-BFGS has had the last word */
 } course;
@@ -340,26 +341,26 @@ typedef struct course {
 /** Whether sweeps that have converged still promise more than the tolerance: L-BFGS may bring it.
  */
 static int wants_polish(const pl_run *r, const course *c) {
-    return c->help == PL_DESCENT && !c->polished && pl_remainder(&c->trend) > r->options->tolerance;
+    return c->next == PL_DESCENT && !c->polished && pl_remainder(&c->trend) > r->options->tolerance;
 }
 
 /** Help if it is wanted; not 0 if it was cut short. */
-static int help_if_slow(pl_run *r, course *c, int converged) {
+static int accelerate_if_slow(pl_run *r, course *c, int converged) {
     const int slow = is_slow(r, &c->trend, c->patience);
     const int polish = converged && wants_polish(r, c);
     if (!slow && !polish)
         return 0;
     const double fall = c->trend.fall[PL_CALM_SWEEPS - 1];
-    int stopped = r->help(r, c->help, polish ? r->options->tolerance : fall);
+    int stopped = r->accelerate(r, c->next, polish ? r->options->tolerance : fall);
     c->polished |= polish;
-    c->patience *= c->help == PL_DESCENT ? 2 : 1;
-    c->help = PL_DESCENT;
+    c->patience *= c->next == PL_DESCENT ? 2 : 1;
+    c->next = PL_DESCENT;
     c->convergence = c->trend = (pl_convergence){{0}, 0};
     return stopped;
 }
 
 void pl_run_sweeps(pl_run *r) {
-    course c = {.help = PL_CENTRING, .patience = SWEEPS_UNTIL_SLOW};
+    course c = {.next = PL_CENTRING, .patience = SWEEPS_UNTIL_SLOW};
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
         double before = objective_of_movable(r);
@@ -372,7 +373,7 @@ void pl_run_sweeps(pl_run *r) {
             r->stop = PLANISH_STOP_CONVERGED;
             return;
         }
-        if (help_if_slow(r, &c, converged))
+        if (accelerate_if_slow(r, &c, converged))
             return;
     }
 }

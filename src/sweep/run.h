@@ -34,10 +34,10 @@ typedef struct pl_worth {
 struct pl_run;
 
 /** Methods that help a mesh on which sweeps are slow; all nodes move at once. */
-typedef enum pl_help { PL_CENTRING, PL_DESCENT } pl_help;
+typedef enum pl_acceleration { PL_CENTRING, PL_DESCENT } pl_acceleration;
 
-/** Help by all nodes at once; see pl_run_help. */
-typedef int pl_help_fn(struct pl_run *r, pl_help help, double fall);
+/** Help by all nodes at once; see pl_run_accelerate. */
+typedef int pl_accelerate_fn(struct pl_run *r, pl_acceleration acceleration, double fall);
 
 /** One call of planish_smooth. */
 typedef struct pl_run {
@@ -58,15 +58,16 @@ typedef struct pl_run {
     const pl_worth *shown;   /* not NULL: the sweeps are a trial, and this is what stands */
     int64_t improved;        /* stars that the last sweep improved by more than a hundredth */
     int is_for_worst;        /* sweeps are those of pl_run_worst */
-    int restoring;           /* the last sweep brought elements above their least volume */
+    int restoring;           /* the last sweep brought elements above their minimum volume */
     pl_star_limits at_start; /* the worst of the mesh as it came; infinite: nothing is promised */
     int64_t inverted_at_start, below_at_start;
     double start; /* clock */
     double sweep_start;
     int sweep;
-    int in_vain;      /* sweeps that max_sweeps does not count: those before nodes were put back */
-    pl_help_fn *help; /* what sweeps call where they are slow */
-    pl_worth worth_at_start; /* of the mesh as it came */
+    int uncounted_sweeps; /* sweeps that max_sweeps does not count: those before nodes were put back
+                           */
+    pl_accelerate_fn *accelerate; /* what sweeps call where they are slow */
+    pl_worth worth_at_start;      /* of the mesh as it came */
     planish_stop stop;
     planish_result *result;
 } pl_run;
@@ -84,7 +85,7 @@ double pl_run_objective(const pl_run *r);
 /** Number of inverted elements in the plan's part, as measured last. */
 int64_t pl_run_inverted(const pl_run *r);
 
-/** Number of elements below their least volume in the plan's part, as measured last. */
+/** Number of elements below their minimum volume in the plan's part, as measured last. */
 int64_t pl_run_below(const pl_run *r);
 
 /** RMS of the ratio over all elements. */

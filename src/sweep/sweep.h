@@ -20,7 +20,7 @@ typedef struct pl_sweep_tally {
     pl_sum decrease; /* of the stars' functions, see pl_star_tally */
     int64_t visits, evaluations;
     int64_t improved; /* stars whose function fell by more than a hundredth of itself */
-    int64_t restored; /* stars in which elements were brought nearer to their least volume */
+    int64_t restored; /* stars in which elements were brought nearer to their minimum volume */
     int colours;      /* done */
     int stopped;      /* what pl_after_colour_fn said; the largest of the processes */
 } pl_sweep_tally;

@@ -285,7 +285,7 @@ static int find_movers(const work *w) {
     return 0;
 }
 
-/** Signs and least volumes of the copies are those of their elements. */
+/** Signs and minimum volumes of the copies are those of their elements. */
 static int extend(const work *w, const int8_t *sign) {
     pl_periodic *out = w->out;
     const double *least = w->mesh->min_volume;

@@ -1,5 +1,5 @@
-/* walk: a part of a mesh, found from neighbour to neighbour. */
-#include "topology/part.h"
+/* walk: a subset of a mesh, found from neighbour to neighbour. */
+#include "topology/subset.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -160,50 +160,50 @@ static int32_t *sorted(const int32_t *item, int64_t n) {
     return copy;
 }
 
-/** The part of what was met; the first n_selected nodes are selected. */
-static int make_part(walk *w, int64_t n_selected, pl_part *part) {
+/** The subset of what was met; the first n_selected nodes are selected. */
+static int make_subset(walk *w, int64_t n_selected, pl_subset *subset) {
     const int corners = w->mesh->dim + 1;
-    part->n_nodes = w->nodes.map.count;
-    part->n_elements = w->elements.map.count;
-    part->node = sorted(w->nodes.item, part->n_nodes);
-    part->element = sorted(w->elements.item, part->n_elements);
-    part->elements = pl_alloc(part->n_elements * corners, sizeof *part->elements);
-    part->is_selected = pl_alloc_zero(part->n_nodes, sizeof *part->is_selected);
-    if (!part->node || !part->element || !part->elements || !part->is_selected)
+    subset->n_nodes = w->nodes.map.count;
+    subset->n_elements = w->elements.map.count;
+    subset->node = sorted(w->nodes.item, subset->n_nodes);
+    subset->element = sorted(w->elements.item, subset->n_elements);
+    subset->elements = pl_alloc(subset->n_elements * corners, sizeof *subset->elements);
+    subset->is_selected = pl_alloc_zero(subset->n_nodes, sizeof *subset->is_selected);
+    if (!subset->node || !subset->element || !subset->elements || !subset->is_selected)
         return -1;
     int32_t *number = w->nodes.other; /* by place in the list; elements are no longer wanted */
-    for (int64_t i = 0; i < part->n_nodes; i++) {
-        const int32_t place = pl_local_map_add(&w->nodes.map, (uint64_t)part->node[i]);
+    for (int64_t i = 0; i < subset->n_nodes; i++) {
+        const int32_t place = pl_local_map_add(&w->nodes.map, (uint64_t)subset->node[i]);
         number[place] = (int32_t)i;
-        part->is_selected[i] = place < n_selected;
+        subset->is_selected[i] = place < n_selected;
     }
-    for (int64_t i = 0; i < part->n_elements; i++)
+    for (int64_t i = 0; i < subset->n_elements; i++)
         for (int j = 0; j < corners; j++) {
-            const int64_t node = pl_corner(w->mesh, part->element[i], j);
-            part->elements[i * corners + j] =
+            const int64_t node = pl_corner(w->mesh, subset->element[i], j);
+            subset->elements[i * corners + j] =
                 number[pl_local_map_add(&w->nodes.map, (uint64_t)node)];
         }
     return 0;
 }
 
-int pl_part_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int layers, pl_part *part,
-                    planish_error *error) {
+int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings, pl_subset *subset,
+                      planish_error *error) {
     walk w = {.mesh = mesh, .error = error};
     int64_t done = 0, n_selected = 0;
-    *part = (pl_part){0};
+    *subset = (pl_subset){0};
     if (list_empty(&w.nodes) != 0 || list_empty(&w.elements) != 0)
         w.status = pl_fail_memory(error, "the elements around a node");
     else
         plant(&w, seeds);
-    for (int layer = 0; layer <= layers && !w.status; layer++) {
+    for (int ring = 0; ring <= rings && !w.status; ring++) {
         n_selected = w.nodes.map.count;
         for (; done < n_selected && !w.status; done++)
             visit_star(&w, w.nodes.item[done], w.nodes.other[done]);
     }
-    if (!w.status && w.elements.map.count > 0 && make_part(&w, n_selected, part) != 0)
-        w.status = pl_fail_memory(error, "the part of the mesh that is worked on");
+    if (!w.status && w.elements.map.count > 0 && make_subset(&w, n_selected, subset) != 0)
+        w.status = pl_fail_memory(error, "the subset of the mesh that is worked on");
     if (w.status)
-        pl_part_destroy(part);
+        pl_subset_destroy(subset);
     list_destroy(&w.nodes);
     list_destroy(&w.elements);
     list_destroy(&w.star);

@@ -1,4 +1,4 @@
-/* Least volumes that are absurd, and meshes that are nearly flat or of extreme size: nothing is
+/* Minimum volumes that are absurd, and meshes that are nearly flat or of extreme size: nothing is
  * broken for their sake. */
 #include "support/meshes.h"
 
@@ -187,7 +187,7 @@ static void averages_have_no_size(void **state) {
         }
 }
 
-/** A least volume decides only what of an average's result is reported as below. */
+/** A minimum volume decides only what of an average's result is reported as below. */
 static void averages_do_not_care_for_volumes(void **state) {
     int dim = *(int *)*state;
     for (int max_sweeps = 1; max_sweeps < 200; max_sweeps *= 4) {

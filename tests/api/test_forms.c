@@ -120,7 +120,7 @@ static void compare_before(const pair *t) {
         differ(t, "the quality", 0, 1);
 }
 
-/** Elements that are brought above their least volume may become worse than the worst. */
+/** Elements that are brought above their minimum volume may become worse than the worst. */
 static int asks_for_volumes(test_wish wish) {
     return wish == WISH_LEAST_VOLUME || wish == WISH_OWN_VOLUMES || wish == WISH_FRACTION;
 }
@@ -133,7 +133,7 @@ static double compare_after(const pair *t) {
         return 0;
     }
     expect_equal(t, "inverted in the end", t->a.after.inverted, q->inverted);
-    expect_equal(t, "below least volumes", t->a.below > 0, t->b.below > 0);
+    expect_equal(t, "below minimum volumes", t->a.below > 0, t->b.below > 0);
     expect_near(t, "the objective", t->a.result.objective, t->b.result.objective, APART);
     const int may_be_worse = t->wish >= WISH_LAPLACIAN || asks_for_volumes(t->wish);
     if (before->inverted == 0 && !may_be_worse && q->max_radius_ratio > before->max_radius_ratio)

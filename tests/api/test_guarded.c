@@ -1,4 +1,4 @@
-/* What planish_smooth promises with least volumes, other objectives, bounds and the rivals, and
+/* What planish_smooth promises with minimum volumes, other objectives, bounds and the rivals, and
  * what planish_check_volumes says: all by the public functions. */
 #include "support/allocations.h"
 #include "support/effort.h"
@@ -13,7 +13,7 @@
 
 #include <cmocka.h>
 
-/* A least volume counts as reached at this fraction of it. */
+/* A minimum volume counts as reached at this fraction of it. */
 #define MET 0.997
 
 typedef struct smoothed {
@@ -144,7 +144,7 @@ static void f_never_rises(void **state) {
             }
 }
 
-/** However soon it ends, no more elements are below their least volume than there were: many are,
+/** However soon it ends, no more elements are below their minimum volume than there were: many are,
  * in meshes with nodes far off their places, and sweeps bring up some at the cost of others. */
 static void fewer_are_below_whenever_it_ends(void **state) {
     int dim = *(int *)*state, n_back = 0;
@@ -189,12 +189,12 @@ static void f_is_the_weighted_sum(void **state) {
     test_mesh_destroy(&mesh);
 }
 
-/* ---- least volumes ------------------------------------------------------------------------- */
+/* ---- minimum volumes ------------------------------------------------------------------------- */
 
 enum { FOR_ALL, FRACTION, OWN, KINDS };
 
-/** Ask for a least volume of about part of the regular one, in one of the ways that there are; own
- *  [n_elements]. */
+/** Ask for a minimum volume of about part of the regular one, in one of the ways that there are;
+ * own [n_elements]. */
 static void ask_for_volume(test_mesh *mesh, planish_options *options, int kind, double part,
                            double *own) {
     double volume = part * regular_volume(mesh->mesh.dim), total = 0;
@@ -210,7 +210,7 @@ static void ask_for_volume(test_mesh *mesh, planish_options *options, int kind, 
         mesh->mesh.min_volume = own;
 }
 
-static void least_volumes_are_reached(void **state) {
+static void minimum_volumes_are_reached(void **state) {
     int dim = *(int *)*state;
     for (int kind = 0; kind < KINDS; kind++)
         for (int objective = 0; objective < 3; objective++) {
@@ -951,7 +951,7 @@ static void wrong_options_are_refused(void **state) {
         {"area_weight", weight_negative},
         {"area_weight", weight_large},
         {"area_weight", weight_nan},
-        {"least", weight_without_volume},
+        {"minimum volume", weight_without_volume},
         {"box_lower", box_nan},
         {"box", box_empty},
         {"max_displacement", distance_negative},
@@ -999,7 +999,7 @@ static void bounds_that_are_no_numbers_are_refused(void **state) {
     test_mesh_destroy(&mesh);
 }
 
-/** Elements without a least volume cannot have a weight; the message says which. */
+/** Elements without a minimum volume cannot have a weight; the message says which. */
 static void weights_need_volumes(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
@@ -1108,7 +1108,7 @@ static double to_multiple(double value, void *user) {
     return rint(value / unit) * unit;
 }
 
-/** Where elements below their least volume are left alone no other one comes below, whatever
+/** Where elements below their minimum volume are left alone no other one comes below, whatever
  *  coordinates are rounded to. */
 static void none_comes_below(void **state) {
     (void)state;
@@ -1159,7 +1159,7 @@ int main(void) {
         BOTH(f_never_rises),
         BOTH(fewer_are_below_whenever_it_ends),
         BOTH(f_is_the_weighted_sum),
-        BOTH(least_volumes_are_reached),
+        BOTH(minimum_volumes_are_reached),
         BOTH(the_check_agrees_with_the_volumes),
         BOTH(fixed_elements_are_infeasible),
         BOTH(crowded_stars_are_infeasible),

@@ -724,8 +724,8 @@ static void find_states_of_part(process *part, void *user) {
     free(mine.reversed);
 }
 
-/** What all processes together know of elements that are inverted, or below their least volume, is
- *  what one knows that has them all. */
+/** What all processes together know of elements that are inverted, or below their minimum volume,
+ * is what one knows that has them all. */
 static void bad_elements_are_found_together(void **state) {
     const int dim = *(int *)*state;
     int64_t n_infeasible = 0, n_unfixable = 0, n_reversed = 0;

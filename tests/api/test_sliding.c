@@ -288,7 +288,7 @@ static void sides_slide_alone(void **state) {
     box_destroy(&b);
 }
 
-/** A tangled interior is mended while the sides are held, and these slide afterwards. */
+/** A tangled interior is repaired while the sides are held, and these slide afterwards. */
 static void tangled_meshes_are_mended(void **state) {
     (void)state;
     sliding_box b;
@@ -584,7 +584,7 @@ static void separate_pieces_are_one_star(void **state) {
     }
 }
 
-/** While an element is not positive the node stays, least volume or not. */
+/** While an element is not positive the node stays, minimum volume or not. */
 static void nodes_of_inverted_elements_stay(void **state) {
     (void)state;
     static const double valid[] = {-1, 0, 1, 0, 0, 2, -3, 2, 3, 2, 0, -1};

@@ -45,11 +45,11 @@ expect_status 2 "$program" quality bracket.msh square.msh --fix bracket --json r
 expect_text "square.msh"
 expect_json "[m['mesh']['free_nodes'] for m in r['meshes']] == [0]"
 expect_status 0 "$program" quality bracket.msh pushed.mesh --min-volume 1e-3 --json report.json
-sed -n 1,2p out | tr '\n' ' ' | grep -q "below .* minimum" || fail "no column for least volumes: $(cat out)"
+sed -n 1,2p out | tr '\n' ' ' | grep -q "below .* minimum" || fail "no column for minimum volumes: $(cat out)"
 expect_json "r['meshes'][1]['quality']['below_min_volume'] > 0"
 [ "$(awk '/^pushed/ { print $4 }' out)" = \
     "$(python3 -c "import json; print(json.load(open('report.json'))['meshes'][1]['quality']['below_min_volume'])")" ] ||
-    fail "elements below their least volume: $(cat out)"
+    fail "elements below their minimum volume: $(cat out)"
 
 # What is odd about a mesh is a note with its name, behind the table; nothing is odd about the others.
 cp "$source_folder"/tests/data/tetgen.node cut.node

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Node by node as good as all nodes at once by IPOPT (bench/paper/global.c), from the same start, with
-# the least volume far away and with many elements on it.
+# the minimum volume far away and with many elements on it.
 . "$(dirname "$0")/common.sh"
 
 [ -x "${PLANISH_GLOBAL:-}" ] || { echo "paper_global was not built: IPOPT is missing"; exit 77; }

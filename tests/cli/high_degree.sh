@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A node of thousands of elements with a least volume that half of them cannot reach: limits and signals
+# A node of thousands of elements with a minimum volume that half of them cannot reach: limits and signals
 # hold, in the search for proofs and in the reports after it, and what was not decided is said.
 . "$(dirname "$0")/common.sh"
 

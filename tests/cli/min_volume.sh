@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Least volumes: reached where they can be, only where they are asked for, and where not: who, and why.
+# Minimum volumes: reached where they can be, only where they are asked for, and where not: who, and why.
 . "$(dirname "$0")/common.sh"
 
 python3 "$cli/make_mesh.py" 6 0.2 even.mesh
@@ -54,7 +54,7 @@ expect_json "abs(r['min_volume'] / 1.8e-4 - 1) < 1e-12"
 check cube.mesh out.mesh 1.8e-4
 expect_status 0 "$program" smooth square.mesh -o out.mesh --min-volume-fraction 1e-9 -q
 expect_status 0 "$program" smooth square.mesh -o plain.mesh -q
-cmp out.mesh plain.mesh || fail "a least volume that is far away changes the mesh"
+cmp out.mesh plain.mesh || fail "a minimum volume that is far away changes the mesh"
 
 # By region: only there. The second half of the cube has the larger elements.
 awk '/^Tetrahedra/ { inside = 1; getline; half = $1 / 2; print "Tetrahedra"; print; next }
@@ -87,7 +87,7 @@ expect_json "r['min_volume'] == 2.6e-4"
 # More than there is room for: a usable mesh, who is below, and who could not be helped.
 expect_status 1 "$program" smooth ascii22.msh -o out.msh --min-volume 3e-3 --json report.json -q
 expect_one_line
-expect_text "below the least volume"
+expect_text "below the minimum volume"
 check ascii22.msh out.msh 3e-3
 expect_json "r['stop'] == 'infeasible' and r['certified'] and len(r['unfixable']) > 0"
 expect_json "'%d elements are below' % len(r['below_min']) in r['reason']"
@@ -102,7 +102,7 @@ stuck = [number for nodes, number, v in zip(mesh.elements, mesh.numbers, mesh_fi
 assert stuck and set(stuck) <= set(report["unfixable"])
 END
 expect_status 1 "$program" smooth ascii22.msh -o out.msh --min-volume 3e-3 -v
-expect_text "below their least volume: elements"
+expect_text "below their minimum volume: elements"
 expect_text "cannot reach it wherever the free nodes are: elements"
 [ "$(grep '^below their' err | tr ',' '\n' | wc -l)" -eq 11 ] || fail "ten elements and dots expected"
 grep -q "^elements below minimum volume" out || fail "no row of elements below"
@@ -110,7 +110,7 @@ grep -q "^sweep .* below .* phase$" err || fail "no column for what is below"
 
 # quality counts and lists, and that is no failure.
 expect_status 0 "$program" quality ascii22.msh --min-volume-fraction 2e-3 --json report.json
-expect_text "below their least volume: elements"
+expect_text "below their minimum volume: elements"
 grep -q "^elements below minimum volume" out || fail "no row of elements below"
 python3 - <<'END' || fail "quality: elements below"
 import json

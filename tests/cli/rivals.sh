@@ -69,7 +69,7 @@ for node, neighbours in enumerate(around):
     assert node in held or math.dist(mean, mesh.points[node]) < 1e-4, node
 END
 
-# Fixed nodes are fixed for them, too, and a least volume is looked after.
+# Fixed nodes are fixed for them, too, and a minimum volume is looked after.
 expect_status 0 "$program" smooth square.mesh -o out.mesh --method laplacian --fix 1 -q
 cmp square.mesh out.mesh || fail "--fix does not hold with a Laplacian method"
 expect_status 1 "$program" smooth square.mesh -o out.mesh --method laplacian --min-volume 1 \

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Untangling: tangled meshes become valid and as good as if they had never been tangled, whatever cannot
-# be mended is named and does not keep the rest from it, and a run that is cut short makes nothing worse.
+# be repaired is named and does not keep the rest from it, and a run that is cut short makes nothing worse.
 . "$(dirname "$0")/common.sh"
 
 python3 "$cli/make_slow_mesh.py" 12 square.mesh
@@ -60,7 +60,7 @@ check cube.moved.mesh out.mesh smooth_cube.mesh left
 expect_json "r['after']['inverted'] == 0 and r['stop'] == 'max-sweeps' and r['certified']"
 expect_json "len(r['sweeps']) == r['untangling_sweeps'] > 0"
 
-# What cannot be mended is found and named, and does not keep the rest from it: an element without a free
+# What cannot be repaired is found and named, and does not keep the rest from it: an element without a free
 # node, which is known; and nodes that cannot see all of the fixed boundary around them.
 for mesh in square cube; do
     spoil $mesh.mesh flawed.mesh moved ear
@@ -97,14 +97,14 @@ END
     cmp out.mesh many.mesh || fail "$mesh with flaws: 3 threads give another mesh than 2"
 done
 
-# With a least volume: valid, and above it.
+# With a minimum volume: valid, and above it.
 expect_status 0 "$program" smooth cube.moved.mesh -o out.mesh --min-volume-fraction 2e-4 \
     --json report.json -q
 expect_json "r['before']['inverted'] > 0 == r['after']['below_min_volume'] and r['certified']"
 python3 -c "
 import mesh_file
 assert min(mesh_file.volumes(mesh_file.read('out.mesh'))) >= 0.997 * 2e-4" ||
-    fail "elements below the least volume"
+    fail "elements below the minimum volume"
 
 # Within bounds. They matter: without them nodes go farther.
 # within IN OUT DISTANCE LOW HIGH: no node has gone farther, and none that was in the box has left it.

@@ -139,7 +139,7 @@ static void look_at_elements(const work *w) {
                   &error)) {
         for (int64_t i = 0; i < n; i++)
             ones += state[i] != PLANISH_VOLUME_MET;
-        fuzz_require(ones == counted, "elements below their least volume are counted");
+        fuzz_require(ones == counted, "elements below their minimum volume are counted");
     }
     free(ratio);
     free(state);

@@ -19,7 +19,8 @@ static int cut(char *text, char **word) {
     return n;
 }
 
-/** A mesh without least volumes of its own has no use for some options; that is told elsewhere. */
+/** A mesh without minimum volumes of its own has no use for some options; that is told elsewhere.
+ */
 static void check_library(planish_options options) {
     static const double xyz[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
     static const int32_t nodes[] = {0, 1, 2, 3};
@@ -51,7 +52,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (status == 0 && !arguments.help && !arguments.version) {
         fuzz_require(arguments.n_inputs > 0 && arguments.input, "there is an input");
         for (int i = 0; i < arguments.n_min_volumes; i++)
-            fuzz_require(arguments.min_volume_value[i] > 0, "least volumes are positive");
+            fuzz_require(arguments.min_volume_value[i] > 0, "minimum volumes are positive");
         check_library(arguments.library);
     }
     pl_arguments_free(&arguments);

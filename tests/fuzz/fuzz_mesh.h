@@ -1,6 +1,6 @@
 /* fuzz_mesh: the mesh that bytes decide on, with all that planish_mesh may have: any connectivity,
- * coordinates in any order of memory, constraints, periodic pairs, least volumes, neighbours. Each
- * array is a block of its own that ends where the array does.
+ * coordinates in any order of memory, constraints, periodic pairs, minimum volumes, neighbours.
+ * Each array is a block of its own that ends where the array does.
  */
 #ifndef FUZZ_MESH_H
 #define FUZZ_MESH_H

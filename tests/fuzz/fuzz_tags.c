@@ -89,7 +89,7 @@ static void check_volumes(fuzz_bytes *bytes, const planish_file *file, const cha
     const int status = planish_file_min_volumes(file, tag, value, n, least, &error);
     for (int64_t i = 0; i < planish_file_mesh(file).n_elements; i++)
         fuzz_require(status ? least[i] == -1 : least[i] >= 0 && least[i] <= largest,
-                     "least volumes are those given");
+                     "minimum volumes are those given");
     told(status, &error);
 }
 

@@ -254,7 +254,7 @@ static void compare_report(const element *e, figures *seen) {
     for (int i = 0; i < dim * (dim + 1); i++)
         coordinates[i] = e->x[i / dim][i % dim];
     const pl_view view = {
-        .dim = dim, .n_nodes = dim + 1, .n_elements = 1, .elements = elements, .is_free = is_free};
+        .dim = dim, .n_nodes = dim + 1, .n_elements = 1, .elements = elements, .mobility = is_free};
     assert_int_equal(pl_measure(&view, coordinates, 1, &q, NULL), 0);
     const quad ratios[][2] = {{q.min_volume, e->determinant / (dim == 3 ? 6 : 2)},
                               {q.radius_ratio.min, r->radius_ratio},

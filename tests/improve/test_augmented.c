@@ -1,5 +1,5 @@
-/* Least volumes that several nodes share: the trial by augmented Lagrangian wins what single nodes
- * cannot, and nobody sees it before it has. */
+/* Minimum volumes that several nodes share: the trial by augmented Lagrangian wins what single
+ * nodes cannot, and nobody sees it before it has. */
 #include "support/meshes.h"
 
 #include <math.h>
@@ -38,7 +38,8 @@ static void graded_box(test_mesh *mesh, int dim) {
         mesh->coordinates[i] *= 0.5 + 0.5 * mesh->coordinates[i] / CELLS;
 }
 
-/** Smooth a copy of the mesh with many elements on their least volume; returns its coordinates. */
+/** Smooth a copy of the mesh with many elements on their minimum volume; returns its coordinates.
+ */
 static double *smooth(const test_mesh *mesh, int max_sweeps, history *h, planish_result *result) {
     planish_plan *plan;
     planish_options options;

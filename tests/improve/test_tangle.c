@@ -189,7 +189,8 @@ static int check_found(const held *h) {
     return impossible;
 }
 
-/* ---- what cannot be mended ------------------------------------------------------------------ */
+/* ---- what cannot be repaired ------------------------------------------------------------------
+ */
 
 static int32_t random_inner_node(const held *h, unsigned *random) {
     int32_t node;
@@ -263,7 +264,7 @@ static void check_rest(held *h) {
 }
 
 /** Elements without a free node, one of which was moved through the others; the rest is tangled,
- *  too, and can be mended. */
+ *  too, and can be repaired. */
 static void elements_without_free_nodes_are_unfixable(void **state) {
     int dim = *(int *)*state;
     for (unsigned seed = 0; seed < 10; seed++) {

@@ -505,7 +505,7 @@ static int64_t count_below(const test_tangle *t, const double *coordinates, doub
     return n;
 }
 
-static void least_volumes_are_reached(void **state) {
+static void minimum_volumes_are_reached(void **state) {
     int dim = *(int *)*state;
     for (int tangling = TEST_MOVED_FEW; tangling < TEST_TANGLINGS; tangling++)
         for (int weight = 0; weight < 2; weight++) {
@@ -678,7 +678,7 @@ int main(void) {
         BOTH(without_memory_nothing_is_spoilt),
         BOTH(every_objective_and_direction_untangles),
         BOTH(averages_do_not_untangle),
-        BOTH(least_volumes_are_reached),
+        BOTH(minimum_volumes_are_reached),
         BOTH(hopeless_volumes_come_to_an_end),
         BOTH(wide_bounds_leave_room),
         BOTH(narrow_bounds_are_kept),

@@ -219,7 +219,7 @@ static void powers_of_two_change_no_bit(void **state) {
     destroy(&box);
 }
 
-/** Other options hold in this phase, too: bounds, least volumes, other objectives' RR and angles,
+/** Other options hold in this phase, too: bounds, minimum volumes, other objectives' RR and angles,
  *  floats, nodes that slide, a selective plan. */
 static void other_options_hold(void **state) {
     enum { BOX, VOLUME, MEAN_RATIO, FLOATS, SLIDING, SELECTIVE, CASES };
@@ -316,7 +316,7 @@ static void any_call_can_stop(void **state) {
     destroy(&box);
 }
 
-/** An element that nothing can mend, as bad as can be said, does not keep the phase from its end,
+/** An element that nothing can repair, as bad as can be said, does not keep the phase from its end,
  * and without any sweep nothing is told. */
 static void what_cannot_be_mended_is_no_end(void **state) {
     (void)state;

@@ -80,7 +80,7 @@ static void files_do_not_depend_on_the_callers(void **state) {
     free(bytes);
 }
 
-/** Tolerances of digits, and least volumes next to nothing. */
+/** Tolerances of digits, and minimum volumes next to nothing. */
 static void groups_do_not_depend_on_the_callers(void **state) {
     const char *folder = *state;
     static const char text[] = "MeshVersionFormatted 2\nDimension 2\nVertices\n3\n0 0 1\n"

@@ -1,4 +1,4 @@
-/* Least volumes by group: which elements get which, in every format that has regions. */
+/* Minimum volumes by group: which elements get which, in every format that has regions. */
 #include "support/files.h"
 #include "support/reading.h"
 

@@ -399,7 +399,7 @@ static void forms_do_not_matter(void **state) {
         }
 }
 
-/** Least volumes, bounds and states are by the caller's numbers, whatever part is worked on. */
+/** Minimum volumes, bounds and states are by the caller's numbers, whatever part is worked on. */
 static void numbers_are_the_callers(void **state) {
     (void)state;
     for (int which = 0; which < 2; which++) {
@@ -473,7 +473,7 @@ static void numbers_are_the_callers(void **state) {
     }
 }
 
-/** What is outside of the part and below its least volume stays so, and smoothing says it. */
+/** What is outside of the part and below its minimum volume stays so, and smoothing says it. */
 static void what_is_outside_is_infeasible(void **state) {
     (void)state;
     test_mesh box;

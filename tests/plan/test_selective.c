@@ -155,7 +155,7 @@ static void orientation_does_not_matter(void **state) {
     test_mesh_destroy(&plain);
 }
 
-/** Tangled elements are mended, with four rings of room, where no ratio is bad. */
+/** Tangled elements are repaired, with four rings of room, where no ratio is bad. */
 static void tangles_are_chosen(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
@@ -180,7 +180,7 @@ static void tangles_are_chosen(void **state) {
     }
 }
 
-/** Elements below their least volume are bad as well, by whatever that is given. */
+/** Elements below their minimum volume are bad as well, by whatever that is given. */
 static void low_elements_are_chosen(void **state) {
     (void)state;
     test_mesh box;
@@ -206,7 +206,7 @@ static void low_elements_are_chosen(void **state) {
     test_mesh_destroy(&box);
 }
 
-/** Least volumes are compared in all of the mesh, as by a plan for all of it in which the same
+/** Minimum volumes are compared in all of the mesh, as by a plan for all of it in which the same
  * nodes are free. */
 static void judge_volumes(int dim) {
     planish_options options = defaults();

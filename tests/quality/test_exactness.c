@@ -1,6 +1,6 @@
 /* What is decided exactly, against integers of any length (GMP), on elements that are flat or
- * nearly so: signs, what planish_measure counts and calls the least volume, which elements have no
- * radius ratio, are below their least volume, or cannot be positive.
+ * nearly so: signs, what planish_measure counts and calls the minimum volume, which elements have
+ * no radius ratio, are below their minimum volume, or cannot be positive.
  *
  * An element counts as undecided if |D| is below Shewchuk's bound of the plain formula's rounding
  * error: at about so many the certificate needs its integers. */
@@ -227,7 +227,7 @@ static long double clamped(long double a) {
     return a < -DBL_MAX ? -INFINITY : a > DBL_MAX ? INFINITY : a;
 }
 
-/** The number of inverted elements, and the least volume. */
+/** The number of inverted elements, and the minimum volume. */
 static void check_measure(const batch *b) {
     planish_quality quality;
     long double least = INFINITY, most = INFINITY;
@@ -252,8 +252,8 @@ static void check_ratios(batch *b) {
                b->dim, b->x[i]);
 }
 
-/** Elements that are not positive are below any least volume; others as their volumes say, but for
- *  rounding. */
+/** Elements that are not positive are below any minimum volume; others as their volumes say, but
+ * for rounding. */
 static void check_volumes(batch *b) {
     static uint8_t state[BATCH];
     int64_t n_below, n = 0;
@@ -263,9 +263,9 @@ static void check_volumes(batch *b) {
         const long double doubt = tolerance(b, i), least = b->least[i];
         n += state[i] != PLANISH_VOLUME_MET;
         if (b->of[i].sign <= 0 || volume(b, i) + doubt < 0.996L * least)
-            expect(state[i] != PLANISH_VOLUME_MET, "not below its least volume", b->dim, b->x[i]);
+            expect(state[i] != PLANISH_VOLUME_MET, "not below its minimum volume", b->dim, b->x[i]);
         else if (volume(b, i) - doubt > 0.998L * least)
-            expect(state[i] == PLANISH_VOLUME_MET, "below its least volume", b->dim, b->x[i]);
+            expect(state[i] == PLANISH_VOLUME_MET, "below its minimum volume", b->dim, b->x[i]);
     }
     assert_int_equal(n, n_below);
 }

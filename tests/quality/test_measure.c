@@ -58,7 +58,7 @@ static pl_view view_of(const planish_mesh *mesh, const int8_t *sign, const uint8
                      .n_elements = mesh->n_elements,
                      .elements = mesh->elements,
                      .sign = sign,
-                     .is_free = is_free};
+                     .mobility = is_free};
 }
 
 static planish_quality measure(const measured_mesh *m, const int8_t *sign, int threads) {

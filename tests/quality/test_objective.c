@@ -1,4 +1,4 @@
-/* F's sums and the least volumes of random meshes against brute force in long double. */
+/* F's sums and the minimum volumes of random meshes against brute force in long double. */
 #include "quality/objective.h"
 #include "support/meshes.h"
 
@@ -112,7 +112,7 @@ typedef struct sample {
     pl_objective_problem problem;
 } sample;
 
-/** Random elements, about half of them inverted, signs of both kinds, own least volumes for some;
+/** Random elements, about half of them inverted, signs of both kinds, own minimum volumes for some;
  * the size is 2^exponent. */
 static void create(sample *s, int dim, unsigned seed, int exponent) {
     unsigned random = seed * 2654435761u + 7;
@@ -131,7 +131,7 @@ static void create(sample *s, int dim, unsigned seed, int exponent) {
                                         .mesh.n_elements = ELEMENTS,
                                         .mesh.elements = s->mesh.elements,
                                         .mesh.sign = s->sign,
-                                        .mesh.is_free = s->is_free,
+                                        .mesh.mobility = s->is_free,
                                         .coordinates = s->mesh.coordinates,
                                         .objective = (planish_objective)(seed % 3),
                                         .min_volume = ldexp(volume, dim * exponent),
@@ -166,7 +166,7 @@ static void add_element(const pl_objective_problem *p, int64_t index, reference 
     long double g = constraint(p, index, &e);
     int movable = 0;
     for (int j = 0; j <= p->mesh.dim; j++)
-        movable |= p->mesh.is_free[p->mesh.elements[index * (p->mesh.dim + 1) + j]];
+        movable |= p->mesh.mobility[p->mesh.elements[index * (p->mesh.dim + 1) + j]];
     sums->domain += e.measure;
     sums->below += g > PLANISH_VOLUME_TOLERANCE;
     sums->shortfall += g > 0 ? g * g : 0;
@@ -342,7 +342,7 @@ static void check_nearly_flat(const double *q, const double *r) {
     const pl_objective_problem problem = {.mesh.dim = 2,
                                           .mesh.n_elements = n,
                                           .mesh.elements = elements,
-                                          .mesh.is_free = is_free,
+                                          .mesh.mobility = is_free,
                                           .coordinates = coordinates,
                                           .min_volume = 1e-300, /* positive is enough */
                                           .threads = 1};
@@ -382,7 +382,7 @@ static void underflow_takes_nothing_from_volumes(void **state) {
         pl_objective_problem problem = {.mesh.dim = 2,
                                         .mesh.n_elements = 1,
                                         .mesh.elements = elements,
-                                        .mesh.is_free = is_free,
+                                        .mesh.mobility = is_free,
                                         .coordinates = x,
                                         .min_volume = area,
                                         .threads = 1};

@@ -26,7 +26,7 @@ static planish_quality measure(const planish_mesh *mesh, int threads) {
                           .n_nodes = mesh->n_nodes,
                           .n_elements = mesh->n_elements,
                           .elements = mesh->elements,
-                          .is_free = is_free};
+                          .mobility = is_free};
     assert_int_equal(pl_measure(&view, mesh->coordinates, pl_thread_count(threads), &q, NULL),
                      PLANISH_OK);
     free(is_free);

@@ -145,7 +145,7 @@ static void places_are_proved(void **state) {
 typedef struct star_case {
     hand_star s;
     pl_star_guard guard;
-    double own[HAND_STAR_MAX_FACETS]; /* least volumes */
+    double own[HAND_STAR_MAX_FACETS]; /* minimum volumes */
     uint8_t is_fixed[HAND_STAR_MAX_NODES], part[HAND_STAR_MAX_FACETS];
     mpq_t normal[HAND_STAR_MAX_FACETS][3], constant[HAND_STAR_MAX_FACETS];
     double length[HAND_STAR_MAX_FACETS]; /* of the normals */
@@ -236,8 +236,8 @@ static double measure_of(const star_case *k, int64_t f, const double *x) {
     return result;
 }
 
-/** The floors as feasibility.c says: the least volume, or a part of the mean measure or of that of
- *  the facet times the star's size. */
+/** The floors as feasibility.c says: the minimum volume, or a part of the mean measure or of that
+ * of the facet times the star's size. */
 static void find_floors(star_case *k) {
     const int dim = k->s.dim;
     const int64_t n = k->s.ring_offset[1];
@@ -323,7 +323,8 @@ static int has_place(const star_case *k, const uint8_t *wanted, double part, dou
 
 typedef struct verdicts {
     int64_t stars, proofs, given_up, missed;
-    int64_t inverted, thin; /* proofs without least volumes; with a place for very thin elements */
+    int64_t inverted,
+        thin; /* proofs without minimum volumes; with a place for very thin elements */
 } verdicts;
 
 /** What is part of a proof contradicts itself; the rest, where something was given up or not, does
@@ -332,10 +333,10 @@ static void judge(star_case *k, int n_given_up, rational_system *s, verdicts *v)
     uint8_t members[HAND_STAR_MAX_FACETS], rest[HAND_STAR_MAX_FACETS];
     int n = 0;
     for (int64_t f = 0; f < facets(k); f++) {
-        members[f] = k->part[f] != PL_PART_NONE;
-        rest[f] = k->floor[f] > 0 && k->part[f] != PL_PART_GIVEN_UP;
+        members[f] = k->part[f] != PL_PROOF_NONE;
+        rest[f] = k->floor[f] > 0 && k->part[f] != PL_PROOF_GIVEN_UP;
         assert_true(!members[f] || k->floor[f] > 0);
-        n += k->part[f] == PL_PART_GIVEN_UP;
+        n += k->part[f] == PL_PROOF_GIVEN_UP;
     }
     assert_int_equal(n, n_given_up);
     if (n > 0)
@@ -378,7 +379,7 @@ static void what_is_given_up_is_proved(void **state) {
     rational_system_clear(&s);
     figure(
         "stars in %d-D: %lld, %lld with a contradiction, %lld elements given up; of %lld without "
-        "least volumes %lld could have elements of 1e-18 of the mean; %lld "
+        "minimum volumes %lld could have elements of 1e-18 of the mean; %lld "
         "missed in flat ones",
         dim, (long long)v.stars, (long long)v.proofs, (long long)v.given_up, (long long)v.inverted,
         (long long)v.thin, (long long)v.missed);

@@ -532,7 +532,7 @@ static void visits_lower_the_energy(void **state) {
         n_mended += energy(&t, PLANISH_ISA_AUTO, NULL).tangled == 0;
         destroy(&t);
     }
-    /* Epsilons of all sizes, and no schedule: that most are mended will do here. */
+    /* Epsilons of all sizes, and no schedule: that most are repaired will do here. */
     assert_true(n_tangled >= 120);
     assert_true(n_mended > 120);
 }
@@ -662,7 +662,8 @@ static void patch_create(patch *p, int dim, unsigned seed) {
     p->in_patch = calloc((size_t)n, sizeof *p->in_patch);
     p->size = malloc((size_t)n * sizeof *p->size);
     for (int64_t i = 0; i < n; i++) {
-        p->in_patch[p->plan->inner[i]] = p->plan->work.is_free[i] && test_random(&seed) * every < 1;
+        p->in_patch[p->plan->inner[i]] =
+            p->plan->work.mobility[i] && test_random(&seed) * every < 1;
         p->size[p->plan->inner[i]] = 0.5 + test_random(&seed);
     }
     pl_plan_order(p->plan, p->box.coordinates, p->plan->coordinates);

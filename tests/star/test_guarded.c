@@ -571,10 +571,10 @@ static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
     assert_true(!(proof && feasible) && !(!proof && infeasible));
     int n = 0;
     for (int64_t f = 0; f < facets(g); f++) {
-        assert_true(part[f] == PL_PART_NONE || of_fixed[f]);
-        rest[f] = of_fixed[f] && part[f] != PL_PART_GIVEN_UP;
-        n += part[f] != PL_PART_NONE;
-        given_up -= part[f] == PL_PART_GIVEN_UP;
+        assert_true(part[f] == PL_PROOF_NONE || of_fixed[f]);
+        rest[f] = of_fixed[f] && part[f] != PL_PROOF_GIVEN_UP;
+        n += part[f] != PL_PROOF_NONE;
+        given_up -= part[f] == PL_PROOF_GIVEN_UP;
     }
     assert_true(proof ? n >= 2 : n == 0);
     assert_int_equal(given_up, 0);

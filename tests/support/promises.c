@@ -159,7 +159,7 @@ static int check_nodes(const trial *t) {
 
 /* ---- elements ------------------------------------------------------------------------------ */
 
-/** With untangle = 0 what is not positive, or below its least volume, is left alone. */
+/** With untangle = 0 what is not positive, or below its minimum volume, is left alone. */
 static int check_left_alone(const trial *t) {
     const int corners = t->mesh->dim + 1;
     for (int64_t i = 0; i < t->mesh->n_elements; i++) {
@@ -202,7 +202,7 @@ static int check_elements(const trial *t) {
         return promise_break(t->p, "%lld elements are inverted, %lld were",
                              (long long)t->is.inverted, (long long)t->was.inverted);
     if (t->is.below > t->was.nearly && t->is.inverted >= t->was.inverted)
-        return promise_break(t->p, "%lld elements are below their least volume, %lld were",
+        return promise_break(t->p, "%lld elements are below their minimum volume, %lld were",
                              (long long)t->is.below, (long long)t->was.nearly);
     if (!t->options->untangle && !check_left_alone(t))
         return 0;
@@ -252,7 +252,7 @@ static int check_result(const trial *t) {
     if (!(isnan(r->kkt_residual) || r->kkt_residual >= 0) || !(r->seconds >= 0) ||
         !(r->max_multiplier >= 0) || r->visits < 0 || r->evaluations < 0 || r->n_active < 0)
         return promise_break(t->p, "numbers of the result make no sense");
-    /* The least volume may be a fraction of what is left when volumes cancel. */
+    /* The minimum volume may be a fraction of what is left when volumes cancel. */
     const real least = o->area_weight > 0 && o->min_volume_fraction > 0 ? t->was.loss_domain : 0;
     return agree(t, "F before", t->was.objective, t->was.loss_objective + least,
                  r->objective_before) &&
@@ -262,8 +262,8 @@ static int check_result(const trial *t) {
             agree(t, "rms_movable", t->is.rms_movable, t->is.loss_movable, r->rms_movable));
 }
 
-/** Elements below their least volume, which is a fraction of the domain's as it is now: where nodes
- *  slide on what is not flat it is not what it was. */
+/** Elements below their minimum volume, which is a fraction of the domain's as it is now: where
+ * nodes slide on what is not flat it is not what it was. */
 static int check_volumes(const trial *t) {
     worth_problem problem = t->problem;
     int64_t n;

@@ -29,7 +29,7 @@ const pairs_factor random_factors[N_FACTORS] = {
     [OF_METHOD] = {"method", {12, 1, 1, 1}},
     [OF_OBJECTIVE] = {"objective", {2, 1, 1}},
     [OF_DIRECTION] = {"direction", {2, 1}},
-    [OF_LEAST] = {"least volume", {6, 1, 1, 1, 1, 1, 1}},
+    [OF_LEAST] = {"minimum volume", {6, 1, 1, 1, 1, 1, 1}},
     [OF_AREA_WEIGHT] = {"area_weight", {4, 1, 1}},
     [OF_LOWER] = {"lower", {3, 1}},
     [OF_UPPER] = {"upper", {3, 1}},
@@ -195,7 +195,7 @@ static void draw_constraints(random_call *call, uint64_t *state) {
     mesh->direction = direction;
 }
 
-static void draw_least_volumes(random_call *call, uint64_t *state) {
+static void draw_minimum_volumes(random_call *call, uint64_t *state) {
     planish_mesh *mesh = &call->dense;
     const int how = call->level[OF_LEAST];
     const double mean = pow(call->mesh.size, mesh->dim) / (double)mesh->n_elements;
@@ -380,7 +380,7 @@ void random_call_create(random_call *call, const int *level, int n_points, uint6
     planish_options_init(&call->options);
     draw_mesh(call, n_points, state);
     draw_constraints(call, state);
-    draw_least_volumes(call, state);
+    draw_minimum_volumes(call, state);
     lay_out(call);
     draw_choices(call);
     draw_limits(call, state);

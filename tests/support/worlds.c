@@ -47,7 +47,7 @@ static void min_volume(test_world *w) {
     w->options.area_weight = 0.3;
 }
 
-/** So many are on their least volume that the augmented Lagrangian has a go. */
+/** So many are on their minimum volume that the augmented Lagrangian has a go. */
 static void min_volume_fraction(test_world *w) {
     for (int64_t i = 0; i < w->n_doubles; i++)
         w->box.coordinates[i] *= 0.5 + 0.5 * w->box.coordinates[i] / CELLS;

@@ -21,7 +21,7 @@ typedef struct worth_problem {
 typedef struct worth {
     int64_t n_elements;                  /* known ones */
     int64_t inverted;                    /* decided exactly */
-    int64_t below;                       /* below 0.997 of the least volume, beyond rounding, */
+    int64_t below;                       /* below 0.997 of the minimum volume, beyond rounding, */
     int64_t nearly;                      /* and those and what may be so by rounding */
     real objective;                      /* F over the valid elements */
     real rms, rms_movable, rms_ratio;    /* of AR; of those with a movable node; of RR */
@@ -46,7 +46,7 @@ real worth_volume(const worth_problem *problem, const double *coordinates, int64
 /** Exactly: whether an element is positive. */
 int worth_is_positive(const worth_problem *problem, const double *coordinates, int64_t element);
 
-/** The least volume of an element; 0: none. */
+/** The minimum volume of an element; 0: none. */
 double worth_least(const worth_problem *problem, int64_t element);
 
 #endif

@@ -35,8 +35,8 @@ typedef struct run {
     int n;
 } run;
 
-/** The least volume that the options ask for; total: the sum of the signed volumes. */
-static double least_volume(const planish_options *options, double total) {
+/** The minimum volume that the options ask for; total: the sum of the signed volumes. */
+static double minimum_volume(const planish_options *options, double total) {
     const double fraction = options->min_volume_fraction;
     return fraction > 0 ? fraction * fabs(total) : options->min_volume;
 }
@@ -114,7 +114,7 @@ static int measure_job(run *r, pl_job *job, pl_compared *mesh) {
         return status;
     if (pl_job_is_told(job) && (status = pl_layers_count(job, &measured->quality)))
         return status;
-    const double least = least_volume(&job->options, measured->quality.total_volume);
+    const double least = minimum_volume(&job->options, measured->quality.total_volume);
     if ((status = pl_volumes_find(job, least, NULL, &measured->volumes)))
         return status;
     if (pl_job_is_told(job) &&

@@ -242,7 +242,7 @@ static void judge_volumes(pl_result *result) {
     const pl_volumes *volumes = &result->volumes;
     if (volumes->n_below == 0)
         return;
-    add_reason(result, "%" PRId64 " element%s below the least volume", volumes->n_below,
+    add_reason(result, "%" PRId64 " element%s below the minimum volume", volumes->n_below,
                is_or_are(volumes->n_below));
     if (volumes->n_infeasible > 0)
         add_reason(result, "%" PRId64 " of these cannot reach it wherever the free nodes are",

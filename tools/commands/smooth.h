@@ -7,7 +7,7 @@
 
 /** The library promises not to make anything worse; a mesh that says otherwise is not written.
  *  Laplacian methods promise nothing; F and the ratios are over the valid elements, and to untangle
- *  others, or bring them above their least volume, may cost both. Returns 0, or an exit status
+ *  others, or bring them above their minimum volume, may cost both. Returns 0, or an exit status
  *  after a message. */
 int pl_smooth_check(const pl_job *job, const pl_result *result);
 

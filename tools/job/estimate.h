@@ -13,7 +13,7 @@ typedef struct pl_sweep {
 
 /** How many sweeps of smoothing are still to come after sweep [n], by how their relative falls of F
  *  shrink; negative where that tells nothing: after fewer than three sweeps, while elements are
- *  mended, and where the falls do not shrink. plain: F is the RMS, of which the movable part
+ *  repaired, and where the falls do not shrink. plain: F is the RMS, of which the movable part
  *  counts. */
 double pl_estimate_sweeps(const pl_sweep *sweep, int64_t n, const planish_options *options,
                           int plain);

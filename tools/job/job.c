@@ -125,7 +125,7 @@ static int check_area_weight(const pl_job *job) {
     for (int64_t i = 0; i < job->mesh.n_elements; i++)
         if (job->min_volume[i] == 0)
             return pl_complain_usage(pl_command_name(job->arguments->command),
-                                     "--area-weight needs a least volume for every element, and "
+                                     "--area-weight needs a minimum volume for every element, and "
                                      "element %" PRId64 " is in none of the groups named",
                                      planish_file_element_number(job->file, i));
     return 0;

@@ -20,7 +20,7 @@ typedef struct pl_progress {
     const pl_arguments *arguments; /* the caller's */
     int file;                      /* which of their inputs, from 0 */
     int plain;                     /* F is the RMS */
-    int has_volumes;               /* some elements have a least volume */
+    int has_volumes;               /* some elements have a minimum volume */
     double begin;                  /* pl_seconds at the beginning */
     double write_seconds;          /* that writing is going to take, about: those of reading */
     double last_shown;             /* planish_progress.elapsed of the last update of the bar */

@@ -1,5 +1,5 @@
-/* volumes: which elements are below the least volume that the command line asks for, and which are
- * inverted for good. */
+/* volumes: which elements are below the minimum volume that the command line asks for, and which
+ * are inverted for good. */
 #include "job/volumes.h"
 
 #include "job/held.h"
@@ -95,7 +95,7 @@ void pl_elements_print(FILE *stream, const pl_job *job, const uint8_t *state, in
 void pl_volumes_print(FILE *stream, const pl_job *job, const pl_volumes *volumes) {
     if (volumes->state && volumes->n_below > 0)
         pl_elements_print(stream, job, volumes->state, PLANISH_VOLUME_BELOW, volumes->n_below,
-                          "below their least volume");
+                          "below their minimum volume");
     if (volumes->n_infeasible > 0)
         pl_elements_print(stream, job, volumes->state, PLANISH_VOLUME_INFEASIBLE,
                           volumes->n_infeasible, "cannot reach it wherever the free nodes are");

@@ -1,5 +1,5 @@
-/* volumes: which elements are below the least volume that the command line asks for, and which are
- * inverted for good. */
+/* volumes: which elements are below the minimum volume that the command line asks for, and which
+ * are inverted for good. */
 #ifndef PL_TOOLS_VOLUMES_H
 #define PL_TOOLS_VOLUMES_H
 
@@ -12,9 +12,9 @@
 void pl_elements_print(FILE *stream, const pl_job *job, const uint8_t *state, int least, int64_t n,
                        const char *text);
 
-/** What there is to say of the volumes of a mesh; all zero where no least volume is asked for. */
+/** What there is to say of the volumes of a mesh; all zero where no minimum volume is asked for. */
 typedef struct pl_volumes {
-    double least;         /* the least volume of elements without one of their own; 0: none */
+    double least;         /* the minimum volume of elements without one of their own; 0: none */
     int64_t n_below;      /* elements below 0.997 of theirs */
     int64_t n_infeasible; /* those of them that cannot reach it */
     int64_t n_undecided;  /* others that were not decided, as there was no time */

@@ -202,7 +202,7 @@ static uint8_t *make_states(work *w) {
     return pl_new_array(w->crew->share.mesh.n_elements, 1);
 }
 
-/** States of this process's elements, owned by the caller; NULL: no least volume was asked for.
+/** States of this process's elements, owned by the caller; NULL: no minimum volume was asked for.
  *  *n_undecided: of this process. */
 static int check_volumes(work *w, const planish_options *o, uint8_t **state, int64_t *n_undecided) {
     const pl_share *share = &w->crew->share;
@@ -218,7 +218,7 @@ static int check_volumes(work *w, const planish_options *o, uint8_t **state, int
     return pl_crew_agree(w->crew, code, &w->error);
 }
 
-/** Elements below their least volume, of all processes. */
+/** Elements below their minimum volume, of all processes. */
 static int count_below(work *w, int64_t *n_below) {
     const pl_share *share = &w->crew->share;
     uint8_t *state;
@@ -308,7 +308,7 @@ static int smooth(work *w) {
     return code;
 }
 
-/** Which elements are below their least volume in the end, as pl_volumes_find has it. */
+/** Which elements are below their minimum volume in the end, as pl_volumes_find has it. */
 static int find_volumes(work *w) {
     pl_volumes *volumes = &w->result.volumes;
     planish_options options = pl_options_after(&w->options, &w->result.smooth);
@@ -330,7 +330,7 @@ static int find_volumes(work *w) {
     return code;
 }
 
-/** Which inverted elements nothing can mend, as pl_unfixable_find has it. */
+/** Which inverted elements nothing can repair, as pl_unfixable_find has it. */
 static int find_unfixable(work *w) {
     pl_unfixable *unfixable = &w->result.unfixable;
     const pl_crew *crew = w->crew;

@@ -634,7 +634,7 @@ static int check_combinations(const pl_arguments *arguments) {
         return pl_complain_usage(command, "give --min-volume for all elements or "
                                           "--min-volume-fraction, not both");
     if (library->area_weight > 0 && !pl_arguments_bound_volumes(arguments))
-        return pl_complain_usage(command, "--area-weight needs a least volume: --min-volume or "
+        return pl_complain_usage(command, "--area-weight needs a minimum volume: --min-volume or "
                                           "--min-volume-fraction");
     if (library->rings > 0 && !(library->only_worse_than > 0))
         return pl_complain_usage(command, "--rings has no effect without --only-worse-than");

@@ -55,7 +55,7 @@ typedef struct pl_arguments {
     const char **regions; /* [n_regions] arrays that tell regions; none: found by the rule; owned */
     int n_regions;
     int leave_unbound;        /* threads stay where the system puts them */
-    char **min_volume_tag;    /* [n_min_volumes] groups with a least volume of their own, owned */
+    char **min_volume_tag;    /* [n_min_volumes] groups with a minimum volume of their own, owned */
     double *min_volume_value; /* [n_min_volumes] and that volume, owned */
     int n_min_volumes;
     double box[6];         /* the lower and then the upper corner */
@@ -66,7 +66,7 @@ typedef struct pl_arguments {
     planish_options library; /* what goes to the library as it is */
 } pl_arguments;
 
-/** Whether some elements have a least volume. */
+/** Whether some elements have a minimum volume. */
 int pl_arguments_bound_volumes(const pl_arguments *arguments);
 
 /** Whether F is another number than the RMS of the radius ratio. */

@@ -779,7 +779,7 @@ class Plan:
 
     points [n, 2 or 3] and cells [m, 3 or 4] are arrays of numpy, or points is a mesh of meshio or
     pyvista (cells is None then), whose nodes on cells of other kinds are held. fixed: numbers, or a
-    mask, of nodes that stay besides those of the boundary. min_volumes [m]: least volume of each
+    mask, of nodes that stay besides those of the boundary. min_volumes [m]: minimum volume of each
     cell, 0 for none.
     regions: nodes between regions (materials) are held. Left out: those of all arrays of the mesh's
     cell data that look like regions, by the program's rule (docs/algorithm.md). An array [m] of whole

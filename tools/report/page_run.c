@@ -155,13 +155,14 @@ static void put_claims(pl_markup *page, const pl_figures *figures) {
     put_claim(page, figures, "smallest angle of elements with a free node",
               "min_dihedral_movable_deg", 0);
     put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
-    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
-                  strcmp(method, "planish") == 0
-                      ? "planish promises all of these for a mesh that was valid and its default "
-                        "objective; mending inverted elements, least volumes and other objectives "
-                        "may cost the last three."
-                      : "The method is one that planish is compared with; it promises none of "
-                        "these.");
+    pl_markup_put(
+        page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
+        strcmp(method, "planish") == 0
+            ? "planish promises all of these for a mesh that was valid and its default "
+              "objective; repairing inverted elements, minimum volumes and other objectives "
+              "may cost the last three."
+            : "The method is one that planish is compared with; it promises none of "
+              "these.");
 }
 
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
@@ -179,10 +180,10 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
                   figures->n_states == 2 ? "written" : "in the file");
     if (figures->n_states == 2)
         put_claims(page, figures);
-    put_list(page, figures, "unfixable", "element cannot be mended wherever the free nodes are",
-             "elements cannot be mended wherever the free nodes are");
-    put_list(page, figures, "below_min", "element is below its least volume",
-             "elements are below their least volume");
+    put_list(page, figures, "unfixable", "element cannot be repaired wherever the free nodes are",
+             "elements cannot be repaired wherever the free nodes are");
+    put_list(page, figures, "below_min", "element is below its minimum volume",
+             "elements are below their minimum volume");
     pl_markup_put(page, "<div class=\"scroll\"><table><tbody>\n");
     put_fact(page, "checksum of the coordinates read", pl_figure_text(result, "input_checksum"));
     put_fact(page,

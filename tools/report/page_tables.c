@@ -25,8 +25,8 @@ static const measure measures[] = {
     {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
     {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
      LESS_IS_BETTER, "", 1},
-    {"below_min_volume", "elements below their least volume", "elements below their least area", "",
-     LESS_IS_BETTER, "", 1},
+    {"below_min_volume", "elements below their minimum volume", "elements below their least area",
+     "", LESS_IS_BETTER, "", 1},
     {"max_radius_ratio", "worst radius ratio", "worst radius ratio", "", LESS_IS_BETTER, "main", 0},
     {"max_radius_ratio_movable", "of elements with a free node", "of elements with a free node", "",
      LESS_IS_BETTER, "part", 0},
@@ -106,7 +106,8 @@ static void put_change(pl_markup *page, const measure *m, const pl_figures *figu
                   better ? "better" : "worse");
 }
 
-/** Least volumes have a row only where some were asked for, reversed elements where there are any.
+/** Minimum volumes have a row only where some were asked for, reversed elements where there are
+ * any.
  */
 static int is_asked(const pl_figures *figures, const measure *m) {
     const int is_volume = strcmp(m->key, "below_min_volume") == 0;

@@ -374,7 +374,7 @@ static void add_elements(document *json, cJSON *root, const char *name, const pl
             add_integer(json, list, NULL, pl_job_element_number(job, i));
 }
 
-/** unfixable [n_elements]: inverted elements that cannot be mended, or NULL. */
+/** unfixable [n_elements]: inverted elements that cannot be repaired, or NULL. */
 static void add_volumes(document *json, cJSON *root, const pl_job *job, const pl_volumes *volumes,
                         const uint8_t *unfixable) {
     const uint8_t *state = volumes->state;

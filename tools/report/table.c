@@ -187,7 +187,7 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
     row_reversed(stream, before, after);
 }
 
-/** Elements below their least volume, where there is one. */
+/** Elements below their minimum volume, where there is one. */
 static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, int64_t after) {
     if (pl_arguments_bound_volumes(job->arguments))
         row_count(stream, "elements below minimum volume", before, after);

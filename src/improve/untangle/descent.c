@@ -26,8 +26,8 @@ enum { LEAST_EVALUATIONS = 100 };
 #define EPSILON_IN_VAIN 0.02
 /* The repair ends when an iteration gains less than this. */
 enum { MENDING_ITERATIONS = 500 };
-#define MENDING_FALL    1e-4
-#define MENDING_EPSILON 1e-6
+#define MENDING_FALL   1e-4
+#define REPAIR_EPSILON 1e-6
 
 /** The minimisation under way. */
 typedef struct descent {
@@ -130,7 +130,7 @@ int pl_tangle_mend(pl_tangle *t) {
     int stopped = 0;
     if (pl_lbfgs_create(t->run, &t->problem, t->in_patch, energy_of_patch, &d, &d.m)) {
         d.most = evaluations_of(&d, PATIENCE[PL_QUICK].visits);
-        t->asked.epsilon = fmax(t->energy.least, MENDING_EPSILON);
+        t->asked.epsilon = fmax(t->energy.least, REPAIR_EPSILON);
         pl_lbfgs_begin(&d.m);
         stopped = descend(&d, MENDING_ITERATIONS, MENDING_FALL);
     }

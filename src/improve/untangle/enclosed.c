@@ -56,7 +56,7 @@ static int32_t root_of_element(const search *s, int64_t element, int *n) {
     *n = 0;
     for (int j = 0; j <= s->plan->dim; j++) {
         const int32_t node = corner(s, element, j);
-        if (s->plan->work.is_free[node] != PL_INTERIOR)
+        if (s->plan->work.mobility[node] != PL_INTERIOR)
             continue;
         root = *n == 0 ? root_of(s, s->plan->inner[node]) : root;
         ++*n;
@@ -74,7 +74,7 @@ static void join_elements(search *s) {
         const int32_t first = root_of_element(s, i, &n);
         for (int j = 0, root = first; j <= s->plan->dim && n > 1; j++) {
             const int32_t node = corner(s, i, j);
-            if (s->plan->work.is_free[node] != PL_INTERIOR)
+            if (s->plan->work.mobility[node] != PL_INTERIOR)
                 continue;
             const int32_t other = root_of(s, s->plan->inner[node]);
             const int32_t low = root < other ? root : other;
@@ -93,9 +93,9 @@ static void look_around(search *s) {
         const int32_t root = root_of_element(s, i, &n);
         for (int j = 0; j <= dim && root >= 0; j++) {
             const int32_t node = corner(s, i, j), inner = s->plan->inner[node];
-            if (s->plan->work.is_free[node] == PL_INTERIOR)
+            if (s->plan->work.mobility[node] == PL_INTERIOR)
                 continue;
-            s->of[root].is_open |= s->plan->work.is_free[node] != PL_HELD;
+            s->of[root].is_open |= s->plan->work.mobility[node] != PL_HELD;
             if (s->of[root].anchor < 0)
                 s->of[root].anchor = inner;
             for (int d = 0; d < dim; d++)
@@ -126,7 +126,7 @@ static void add_element(search *s, int64_t element, enclosure *of) {
     double e[3][3];
     for (int j = 0; j <= dim; j++) {
         const int32_t node = corner(s, element, j), inner = plan->inner[node];
-        const int is_free = plan->work.is_free[node] == PL_INTERIOR;
+        const int is_free = plan->work.mobility[node] == PL_INTERIOR;
         if (!is_free && inner == of->anchor)
             return;
         x[j] = s->x + (int64_t)(is_free ? of->anchor : inner) * dim;
@@ -166,7 +166,7 @@ static int64_t mark(const search *s, uint8_t *state, uint8_t *lost) {
         if (root < 0 || !is_lost(&s->of[root]))
             continue;
         for (int j = 0; j <= s->plan->dim && lost; j++)
-            if (s->plan->work.is_free[corner(s, i, j)] == PL_INTERIOR)
+            if (s->plan->work.mobility[corner(s, i, j)] == PL_INTERIOR)
                 lost[s->plan->inner[corner(s, i, j)]] = 1;
         if (state[i] != PLANISH_VOLUME_BELOW)
             continue;

@@ -48,11 +48,11 @@ static int32_t list_mine(work *w, const uint8_t *of_facet, const int32_t *star_o
         for (int j = 0; j <= plan->dim; j++) {
             const int32_t node = plan->work.elements[i * (plan->dim + 1) + j];
             const int32_t star =
-                plan->work.is_free[node] == PL_INTERIOR ? star_of[plan->inner[node]] : -1;
+                plan->work.mobility[node] == PL_INTERIOR ? star_of[plan->inner[node]] : -1;
             if (star < 0)
                 continue;
             const int64_t facet = plan->interior.stars.link_offset[star] + seen[star]++;
-            if (of_facet[facet] != PL_PART_GIVEN_UP || w->part->node_role[node] != PLANISH_SHARED)
+            if (of_facet[facet] != PL_PROOF_GIVEN_UP || w->part->node_role[node] != PLANISH_SHARED)
                 continue;
             w->mine[w->n_mine++] = (given_up){node, rounds[star]++, i};
             most = rounds[star] > most ? rounds[star] : most;
@@ -142,7 +142,7 @@ int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t
     if (!w.part)
         return PLANISH_OK;
     for (int64_t i = 0; i < plan->interior.stars.link_offset[n_stars]; i++)
-        most += of_facet[i] == PL_PART_GIVEN_UP;
+        most += of_facet[i] == PL_PROOF_GIVEN_UP;
     int32_t *star_of = pl_alloc(plan->work.n_nodes, sizeof *star_of);
     int32_t *seen = pl_alloc_zero(n_stars, sizeof *seen);
     int32_t *rounds = pl_alloc_zero(n_stars, sizeof *rounds);

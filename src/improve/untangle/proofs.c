@@ -1,4 +1,4 @@
-/* volumes: which elements are below their least volume, and which of these for ever. */
+/* volumes: which elements are below their minimum volume, and which of these for ever. */
 #include "improve/untangle/proofs.h"
 
 #include "sweep/guard.h"
@@ -49,7 +49,7 @@ static void search_destroy(search *s) {
 static void note_fixed(search *s) {
     const planish_plan *plan = s->plan;
     for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        s->is_fixed[plan->inner[i]] = !plan->work.is_free[i];
+        s->is_fixed[plan->inner[i]] = !plan->work.mobility[i];
 }
 
 /** The only free node of an element; -1: it has none, -2: it has several, or one that slides: of
@@ -58,8 +58,8 @@ static int64_t only_free_node(const planish_plan *plan, int64_t element) {
     int64_t node = -1;
     for (int j = 0; j <= plan->dim; j++) {
         int32_t other = plan->work.elements[element * (plan->dim + 1) + j];
-        if (plan->work.is_free[other])
-            node = node == -1 && plan->work.is_free[other] == PL_INTERIOR ? other : -2;
+        if (plan->work.mobility[other])
+            node = node == -1 && plan->work.mobility[other] == PL_INTERIOR ? other : -2;
     }
     return node;
 }
@@ -77,7 +77,7 @@ static int has_coincident_nodes(const search *s, int64_t element) {
         for (int k = 0; k < j; k++) {
             const double *x = s->problem.coordinates + (int64_t)plan->inner[node[j]] * dim;
             const double *y = s->problem.coordinates + (int64_t)plan->inner[node[k]] * dim;
-            int same = !plan->work.is_free[node[j]] && !plan->work.is_free[node[k]];
+            int same = !plan->work.mobility[node[j]] && !plan->work.mobility[node[k]];
             for (int d = 0; d < dim; d++)
                 same &= x[d] == y[d];
             if (same)
@@ -125,13 +125,13 @@ static int64_t mark_elements(search *s, int given_up) {
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         for (int j = 0; j <= plan->dim; j++) {
             int32_t node = plan->work.elements[i * (plan->dim + 1) + j];
-            if (plan->work.is_free[node] != PL_INTERIOR || star_of_node(s, node) < 0)
+            if (plan->work.mobility[node] != PL_INTERIOR || star_of_node(s, node) < 0)
                 continue;
             int32_t star = star_of_node(s, node);
             int64_t facet = plan->interior.stars.link_offset[star] + s->next_facet[star]++;
             int wanted =
-                given_up ? s->part[facet] == PL_PART_GIVEN_UP
-                         : s->part[facet] != PL_PART_NONE && s->state[i] == PLANISH_VOLUME_BELOW;
+                given_up ? s->part[facet] == PL_PROOF_GIVEN_UP
+                         : s->part[facet] != PL_PROOF_NONE && s->state[i] == PLANISH_VOLUME_BELOW;
             if (wanted)
                 s->state[i] = PLANISH_VOLUME_INFEASIBLE;
         }

@@ -1,4 +1,4 @@
-/* proofs: elements that no position of the free nodes can bring above their least volume.
+/* proofs: elements that no position of the free nodes can bring above their minimum volume.
  *
  *   pl_mark_enclosed       elements inside a boundary of non-positive volume
  *   pl_mark_infeasible     elements of a star that contradict one another
@@ -22,7 +22,7 @@ typedef struct pl_infeasible {
 int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *lost,
                      int64_t *n, planish_error *error);
 
-/** Turn _BELOW into _INFEASIBLE in state [m] where the element cannot reach its least volume: it
+/** Turn _BELOW into _INFEASIBLE in state [m] where the element cannot reach its minimum volume: it
  * has no free node, or it is part of a proof (pl_star_infeasible) at its only one. The coordinates,
  * and the guard, are the problem's. If part is not NULL only elements that have no free node or are
  * given up are marked, the latter whatever their state was, and *part becomes [link facets of all

@@ -1,9 +1,9 @@
 /* return: nodes that were moved for nothing go back to where they were.
  *
  * After the ladder some elements may still be tangled, and what is around them far worse than it
- * was. A patch is such elements, those that were tangled at first, and some layers around: where it
+ * was. A patch is such elements, those that were tangled at first, and some rings around: where it
  * has as many tangled elements as before, its nodes return, unless that tangles more with the
- * neighbours as they are now; then more layers are tried. With all layers that cannot be.
+ * neighbours as they are now; then more rings are tried. With all rings that cannot be.
  * In: the mesh after the ladder; out: with some nodes where they were. Whole meshes only.
  */
 #include "improve/untangle/tangle.h"
@@ -22,7 +22,7 @@ typedef struct work {
     uint8_t *before;     /* [n_elements] 1: was tangled, */
     uint8_t *after;      /* is, */
     uint8_t *trial;      /* or would be */
-    int32_t *layer;      /* [n_nodes] 0: in no patch, else the layer in which it was marked */
+    int32_t *ring;       /* [n_nodes] 0: in no patch, else the ring in which it was marked */
     int32_t *parent;     /* [n_nodes] of a union-find structure over nodes of patches */
     int32_t *n_before, *n_after, *n_trial; /* [n_nodes] tangled elements, at roots */
 } work;
@@ -51,31 +51,31 @@ static int has_moved(const work *w, int32_t node) {
                   (size_t)dim * sizeof *w->now) != 0;
 }
 
-/** Whether an element is in the patches, as far as their layers below layer go. */
-static int is_near(const work *w, int64_t element, int32_t layer) {
+/** Whether an element is in the patches, as far as their rings below ring go. */
+static int is_near(const work *w, int64_t element, int32_t ring) {
     const planish_plan *plan = w->t->run->plan;
     int any = 0;
     for (int j = 0; j <= plan->dim && !any; j++) {
-        const int32_t k = w->layer[inner(plan, element, j)];
-        any = k > 0 && k < layer;
+        const int32_t k = w->ring[inner(plan, element, j)];
+        any = k > 0 && k < ring;
     }
     return any;
 }
 
-/** Mark the nodes that have moved of elements that are or were tangled, and of layers around. */
-static void mark_patches(work *w, int32_t layers) {
+/** Mark the nodes that have moved of elements that are or were tangled, and of rings around. */
+static void mark_patches(work *w, int32_t rings) {
     const planish_plan *plan = w->t->run->plan;
-    memset(w->layer, 0, (size_t)plan->work.n_nodes * sizeof *w->layer);
-    for (int32_t i = 0; layers == PL_ALL_LAYERS && i < plan->work.n_nodes; i++)
-        w->layer[i] = has_moved(w, i);
-    for (int32_t layer = 1; layers < PL_ALL_LAYERS && layer <= layers + 1; layer++)
+    memset(w->ring, 0, (size_t)plan->work.n_nodes * sizeof *w->ring);
+    for (int32_t i = 0; rings == PL_ALL_RINGS && i < plan->work.n_nodes; i++)
+        w->ring[i] = has_moved(w, i);
+    for (int32_t ring = 1; rings < PL_ALL_RINGS && ring <= rings + 1; ring++)
         for (int64_t i = 0; i < plan->work.n_elements; i++) {
-            if (layer == 1 ? !(w->before[i] || w->after[i]) : !is_near(w, i, layer))
+            if (ring == 1 ? !(w->before[i] || w->after[i]) : !is_near(w, i, ring))
                 continue;
             for (int j = 0; j <= plan->dim; j++) {
                 const int32_t node = inner(plan, i, j);
-                if (w->layer[node] == 0 && has_moved(w, node))
-                    w->layer[node] = layer;
+                if (w->ring[node] == 0 && has_moved(w, node))
+                    w->ring[node] = ring;
             }
         }
 }
@@ -92,7 +92,7 @@ static int32_t root_of(const work *w, int32_t node) {
 static int32_t patch_of(const work *w, int64_t element) {
     const planish_plan *plan = w->t->run->plan;
     for (int j = 0; j <= plan->dim; j++)
-        if (w->layer[inner(plan, element, j)] > 0)
+        if (w->ring[inner(plan, element, j)] > 0)
             return root_of(w, inner(plan, element, j));
     return -1;
 }
@@ -104,7 +104,7 @@ static void join_patches(work *w) {
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         int32_t root = patch_of(w, i);
         for (int j = 0; j <= plan->dim && root >= 0; j++) {
-            if (w->layer[inner(plan, i, j)] == 0)
+            if (w->ring[inner(plan, i, j)] == 0)
                 continue;
             const int32_t other = root_of(w, inner(plan, i, j));
             const int32_t low = root < other ? root : other;
@@ -136,7 +136,7 @@ static int64_t put_back(const work *w, int is_final, double *x) {
     const int dim = plan->dim;
     int64_t n = 0;
     for (int32_t i = 0; i < plan->work.n_nodes; i++) {
-        if (w->layer[i] == 0 || !returns(w, root_of(w, i), is_final))
+        if (w->ring[i] == 0 || !returns(w, root_of(w, i), is_final))
             continue;
         memcpy(x + (int64_t)i * dim, w->start + (int64_t)i * dim, (size_t)dim * sizeof *x);
         n++;
@@ -144,10 +144,10 @@ static int64_t put_back(const work *w, int is_final, double *x) {
     return n;
 }
 
-/** Patches with so many layers; how many nodes return. */
-static int64_t return_patches(work *w, int32_t layers) {
+/** Patches with so many rings; how many nodes return. */
+static int64_t return_patches(work *w, int32_t rings) {
     double *x = w->t->best;
-    mark_patches(w, layers);
+    mark_patches(w, rings);
     join_patches(w);
     count(w, w->before, w->n_before);
     count(w, w->after, w->n_after);
@@ -169,15 +169,15 @@ static int64_t return_patches(work *w, int32_t layers) {
 }
 
 static void return_all(work *w) {
-    static const int32_t layers[] = {0, 1, 2, 4, 8, 16, PL_ALL_LAYERS};
+    static const int32_t rings[] = {0, 1, 2, 4, 8, 16, PL_ALL_RINGS};
     pl_run *r = w->t->run;
     int64_t n = 0;
     memcpy(w->now, r->plan->coordinates, bytes_of(w));
     pl_plan_order(r->plan, r->outside, w->start);
     look_at(w, w->start, w->before);
     look_at(w, w->now, w->after);
-    for (size_t i = 0; i < sizeof layers / sizeof *layers; i++)
-        n += return_patches(w, layers[i]);
+    for (size_t i = 0; i < sizeof rings / sizeof *rings; i++)
+        n += return_patches(w, rings[i]);
     look_at(w, w->now, w->after);
     memcpy(w->t->best, w->now, bytes_of(w));
     if (n > 0)
@@ -195,12 +195,12 @@ void pl_tangle_return(pl_tangle *t) {
     w.before = pl_alloc(m, 1);
     w.after = pl_alloc(m, 1);
     w.trial = pl_alloc(m, 1);
-    w.layer = pl_alloc(n, sizeof *w.layer);
+    w.ring = pl_alloc(n, sizeof *w.ring);
     w.parent = pl_alloc(n, sizeof *w.parent);
     w.n_before = pl_alloc(n, sizeof *w.n_before);
     w.n_after = pl_alloc(n, sizeof *w.n_after);
     w.n_trial = pl_alloc(n, sizeof *w.n_trial);
-    if (w.start && w.now && w.before && w.after && w.trial && w.layer && w.parent && w.n_before &&
+    if (w.start && w.now && w.before && w.after && w.trial && w.ring && w.parent && w.n_before &&
         w.n_after && w.n_trial)
         return_all(&w);
     pl_free(w.start);
@@ -208,7 +208,7 @@ void pl_tangle_return(pl_tangle *t) {
     pl_free(w.before);
     pl_free(w.after);
     pl_free(w.trial);
-    pl_free(w.layer);
+    pl_free(w.ring);
     pl_free(w.parent);
     pl_free(w.n_before);
     pl_free(w.n_after);

@@ -71,7 +71,7 @@ static int find_hopeless(pl_tangle *t, planish_error *error) {
     status = pl_share_hopeless(plan, part, t->state, error);
     t->link_skip = part;
     for (int64_t i = 0; i < plan->interior.stars.link_offset[plan->interior.stars.n_stars]; i++)
-        part[i] = part[i] == PL_PART_GIVEN_UP;
+        part[i] = part[i] == PL_PROOF_GIVEN_UP;
     t->is_hopeless = pl_alloc(plan->work.n_elements, sizeof *t->is_hopeless);
     if (!status && !t->is_hopeless)
         status = pl_fail_memory(error, "the elements that cannot be helped");
@@ -192,7 +192,7 @@ static int64_t find_levels(sizing *s) {
 }
 
 /** Nodes of which nothing is known take the mean level of those of their elements that are known,
- *  one layer of them at a time; returns how many this one had. */
+ *  one ring of them at a time; returns how many this one had. */
 static int64_t spread_levels(const sizing *s) {
     const planish_plan *plan = s->plan;
     int64_t grown = 0;
@@ -235,7 +235,7 @@ static void fill_levels(const sizing *s) {
         s->sum[i] = s->count[i] > 0 ? s->sum[i] : mean;
 }
 
-/* Each layer costs a look at all elements. */
+/* Each ring costs a look at all elements. */
 enum { MOST_SPREADS = 64 };
 
 void pl_tangle_find_sizes(pl_tangle *t) {
@@ -286,7 +286,7 @@ static void note_ghosts(pl_tangle *t) {
 }
 
 /** Mark the free neighbours of what is marked, and queue their stars. Returns how many they are. */
-static int64_t mark_first_layer(pl_tangle *t) {
+static int64_t mark_first_ring(pl_tangle *t) {
     const pl_stars *stars = &t->run->plan->interior.stars;
     const int32_t *centre = t->run->plan->interior.centre;
     int64_t n = 0;
@@ -313,7 +313,7 @@ static void mark_node(pl_tangle *t, int32_t node, int64_t *n) {
     t->queue[(*n)++] = t->star_of[node];
 }
 
-/** Mark the neighbours of ghosts that the last layer has marked in their processes. */
+/** Mark the neighbours of ghosts that the last ring has marked in their processes. */
 static void mark_around_ghosts(pl_tangle *t, int64_t *n) {
     const pl_ghosts *g = &t->run->plan->ghosts;
     for (int64_t i = 0; i < t->n_ghosts; i++) {
@@ -325,10 +325,10 @@ static void mark_around_ghosts(pl_tangle *t, int64_t *n) {
     }
 }
 
-/** The layers after the first, breadth first: the stars queue[0 .. n-1] are the first layer. */
-static void mark_layers(pl_tangle *t, int64_t n, int layers) {
+/** The rings after the first, breadth first: the stars queue[0 .. n-1] are the first ring. */
+static void mark_rings(pl_tangle *t, int64_t n, int rings) {
     const pl_stars *stars = &t->run->plan->interior.stars;
-    for (int64_t begin = 0, end = n; layers > 0 && pl_parts_any(begin < end); layers--) {
+    for (int64_t begin = 0, end = n; rings > 0 && pl_parts_any(begin < end); rings--) {
         for (int64_t k = begin; k < end; k++)
             for (int64_t i = stars->ring_offset[t->queue[k]];
                  i < stars->ring_offset[t->queue[k] + 1]; i++)
@@ -341,15 +341,15 @@ static void mark_layers(pl_tangle *t, int64_t n, int layers) {
     }
 }
 
-void pl_tangle_mark(pl_tangle *t, int layers) {
+void pl_tangle_mark(pl_tangle *t, int rings) {
     const planish_plan *plan = t->run->plan;
     mark_tangled(t);
-    if (layers > 0)
-        mark_layers(t, mark_first_layer(t), layers - 1);
+    if (rings > 0)
+        mark_rings(t, mark_first_ring(t), rings - 1);
     t->n_patch = 0;
     for (int64_t i = 0; i < plan->work.n_nodes; i++) {
         const int32_t node = plan->inner[i];
-        t->in_patch[node] = t->in_patch[node] && plan->work.is_free[i] == PL_INTERIOR &&
+        t->in_patch[node] = t->in_patch[node] && plan->work.mobility[i] == PL_INTERIOR &&
                             !pl_star_is_held(&t->guard, node, plan->dim) &&
                             !(t->is_lost && t->is_lost[node]);
         t->n_patch += t->in_patch[node] && !(t->is_ghost && t->is_ghost[node]);
@@ -420,7 +420,7 @@ static int list_ghosts(pl_tangle *t) {
         if (part->node_role[i] != PLANISH_GHOST)
             continue;
         t->is_ghost[plan->inner[i]] = 1;
-        if (plan->work.is_free[i] != PL_INTERIOR)
+        if (plan->work.mobility[i] != PL_INTERIOR)
             continue;
         t->ghost[t->n_ghosts] = plan->inner[i];
         t->ghost_node[t->n_ghosts++] = (int32_t)i;

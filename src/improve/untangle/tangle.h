@@ -36,7 +36,7 @@ typedef struct pl_tangle {
     uint8_t *is_ghost;        /* [n_nodes] of a mesh in parts; NULL: there are none */
     int32_t *ghost;           /* [n_ghosts] ghosts whose nodes may move, by inner numbers, */
     int32_t *ghost_node;      /* [n_ghosts] by their own, */
-    uint8_t *was_in_patch;    /* [n_ghosts] and whether they were in the patch a layer ago */
+    uint8_t *was_in_patch;    /* [n_ghosts] and whether they were in the patch a ring ago */
     int64_t n_ghosts;
     int32_t *star_of;          /* [n_nodes] the star of each free node; else -1 */
     int32_t *queue;            /* [n_stars] */
@@ -51,8 +51,8 @@ typedef struct pl_tangle {
 /* ---- tangle.c ------------------------------------------------------------------------------ */
 
 /** Look at the mesh as the run has measured it: what is tangled, and what of that cannot be helped?
- *  floors: elements are to be above their least volumes, else just positive. n_tangled 0: there is
- *  nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
+ *  floors: elements are to be above their minimum volumes, else just positive. n_tangled 0: there
+ * is nothing to be done, and nothing else is set. Errors: _MEMORY. To be destroyed in any case. */
 int pl_tangle_create(pl_run *r, int floors, pl_tangle *t, planish_error *error);
 
 /** Free the arrays of t. */
@@ -61,10 +61,10 @@ void pl_tangle_destroy(pl_tangle *t);
 /** Find the tangled elements of the mesh as measured last. */
 void pl_tangle_find(pl_tangle *t);
 
-enum { PL_ALL_LAYERS = INT32_MAX };
+enum { PL_ALL_RINGS = INT32_MAX };
 
-/** Make the patch: the free nodes of tangled elements, and of so many layers of elements around. */
-void pl_tangle_mark(pl_tangle *t, int layers);
+/** Make the patch: the free nodes of tangled elements, and of so many rings of elements around. */
+void pl_tangle_mark(pl_tangle *t, int rings);
 
 /** Find how large the elements should be around each node: as they are now on average, inverted
  * ones counting negative. Without memory they are what they were. */

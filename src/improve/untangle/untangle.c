@@ -17,7 +17,7 @@
 
 /** One rung: what is done about the elements that are still tangled. */
 typedef struct measures {
-    int layers;        /* of elements around the tangled ones, whose nodes may move too */
+    int rings;         /* of elements around the tangled ones, whose nodes may move too */
     int push_offs;     /* sweeps of the paper's push-off, at most */
     int centre;        /* 1: the patch's nodes go to the mean of their neighbours first */
     int sweeps;        /* of the regularised energy, at most */
@@ -27,33 +27,33 @@ typedef struct measures {
 /* Elements that are inverted, or flat. The first rung does it in most cases. A mesh that is valid
  * but for rounding gets the first ones only. */
 static const measures LADDER[] = {
-    {.layers = 0, .centre = 1, .sweeps = 1},
-    {.layers = 2, .sweeps = 10},
-    {.layers = 0, .push_offs = 10},
-    {.layers = 4, .centre = 1, .sweeps = 4},
-    {.layers = 16, .centre = 1, .sweeps = 4},
-    {.layers = PL_ALL_LAYERS, .centre = 1, .sweeps = 4},
-    {.layers = 8, .solve = PL_QUICK},
-    {.layers = PL_ALL_LAYERS, .centre = 1, .solve = PL_QUICK},
-    {.layers = PL_ALL_LAYERS, .solve = PL_QUICK},
-    {.layers = PL_ALL_LAYERS, .centre = 1, .solve = PL_PATIENT},
-    {.layers = PL_ALL_LAYERS, .solve = PL_PATIENT},
+    {.rings = 0, .centre = 1, .sweeps = 1},
+    {.rings = 2, .sweeps = 10},
+    {.rings = 0, .push_offs = 10},
+    {.rings = 4, .centre = 1, .sweeps = 4},
+    {.rings = 16, .centre = 1, .sweeps = 4},
+    {.rings = PL_ALL_RINGS, .centre = 1, .sweeps = 4},
+    {.rings = 8, .solve = PL_QUICK},
+    {.rings = PL_ALL_RINGS, .centre = 1, .solve = PL_QUICK},
+    {.rings = PL_ALL_RINGS, .solve = PL_QUICK},
+    {.rings = PL_ALL_RINGS, .centre = 1, .solve = PL_PATIENT},
+    {.rings = PL_ALL_RINGS, .solve = PL_PATIENT},
 };
 enum { N_RUNGS = sizeof LADDER / sizeof *LADDER, N_RUNGS_IF_VALID = 3 };
 
-/* Elements that the sweeps' push-offs have left below their least volume: it may be too much to ask
- * for. */
+/* Elements that the sweeps' push-offs have left below their minimum volume: it may be too much to
+ * ask for. */
 static const measures LADDER_OF_VOLUMES[] = {
-    {.layers = 2, .sweeps = 10},
-    {.layers = 8, .solve = PL_QUICK},
+    {.rings = 2, .sweeps = 10},
+    {.rings = 8, .solve = PL_QUICK},
 };
 enum { N_RUNGS_OF_VOLUMES = sizeof LADDER_OF_VOLUMES / sizeof *LADDER_OF_VOLUMES };
 
 /* Layers of elements around tangled ones that are repaired after these were solved. */
-enum { MENDED_LAYERS = 40 };
+enum { REPAIRED_RINGS = 40 };
 /* Push-offs end when so many sweeps in a row have left no fewer elements tangled. */
 enum { VAIN_PUSH_OFFS = 3 };
-/* What push-offs bring elements without a least volume to, relative to the volume wanted. */
+/* What push-offs bring elements without a minimum volume to, relative to the volume wanted. */
 #define PUSH_OFF_VOLUME 1e-6
 
 /* RR^2 above it: an element may be so flat that its sign is nothing but rounding. */
@@ -138,7 +138,7 @@ static int centre(pl_tangle *t) {
 
 /* ---- push-off ------------------------------------------------------------------------------ */
 
-/** The floors of elements without a least volume: next to nothing, by the sizes wanted. */
+/** The floors of elements without a minimum volume: next to nothing, by the sizes wanted. */
 typedef struct flooring {
     const pl_tangle *t;
     double *floor; /* [link facets of all stars] */
@@ -196,7 +196,7 @@ static int solve(pl_tangle *t, const measures *rung) {
         return 1;
     if (t->energy.tangled > 0)
         return 0;
-    pl_tangle_mark(t, rung->layers > MENDED_LAYERS ? rung->layers : MENDED_LAYERS);
+    pl_tangle_mark(t, rung->rings > REPAIRED_RINGS ? rung->rings : REPAIRED_RINGS);
     return pl_tangle_mend(t);
 }
 
@@ -205,7 +205,7 @@ static int climb(pl_tangle *t, const measures *rung) {
     pl_tangle_mark(t, 0);
     if (t->n_patch == 0) /* their nodes are all held */
         return 0;
-    pl_tangle_mark(t, rung->layers);
+    pl_tangle_mark(t, rung->rings);
     if (rung->centre && centre(t))
         return 1;
     pl_tangle_find_sizes(t);
@@ -288,7 +288,7 @@ int pl_run_untangle(pl_run *r, planish_error *error) {
 int pl_run_raise_volumes(pl_run *r, planish_error *error) {
     if (pl_run_below(r) == 0)
         return PLANISH_OK;
-    pl_log(PLANISH_LOG_DETAIL, "raising %" PRId64 " elements to their least volume",
+    pl_log(PLANISH_LOG_DETAIL, "raising %" PRId64 " elements to their minimum volume",
            pl_run_below(r));
     return untangle(r, 1, LADDER_OF_VOLUMES, N_RUNGS_OF_VOLUMES, error);
 }

@@ -1,5 +1,5 @@
 /* constraints: which nodes a file holds: on its lower elements, marked, between regions, named; and
- * the least volumes of the elements of named groups; and the tag by which an element's group is
+ * the minimum volumes of the elements of named groups; and the tag by which an element's group is
  * named.
  */
 #include "io/file/digits.h"
@@ -366,14 +366,14 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
     return surface;
 }
 
-/* ---- least volumes ------------------------------------------------------------------------ */
+/* ---- minimum volumes ------------------------------------------------------------------------ */
 
 /** Raise least [n_entities] of the entities of a group to value; chosen [n_entities] is scratch. */
 static int raise_group(const io_model *model, const char *text, double value, uint8_t *chosen,
                        double *least, planish_error *error) {
     if (!(value > 0 && value <= DBL_MAX))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "the least volume of group '%s' must be positive and finite", text);
+                       "the minimum volume of group '%s' must be positive and finite", text);
     memset(chosen, 0, (size_t)model->n_entities);
     const int status = choose_tag(model, text, model->dim, chosen, error);
     for (int32_t i = 0; i < model->n_entities && !status; i++)
@@ -393,7 +393,7 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
     const int32_t n_entities = file->model.n_entities;
     uint8_t *chosen = pl_alloc(n_entities, 1);
     double *least = pl_alloc_zero(n_entities, sizeof *least);
-    int status = chosen && least ? PLANISH_OK : pl_fail_memory(error, "least volumes of groups");
+    int status = chosen && least ? PLANISH_OK : pl_fail_memory(error, "minimum volumes of groups");
     for (int i = 0; i < n_tags && !status; i++)
         status = raise_group(&file->model, tags[i], values[i], chosen, least, error);
     for (int64_t i = 0; i < cells->n && !status; i++)

@@ -1,5 +1,5 @@
-/* part: the elements around some nodes, as a mesh of its own. */
-#include "topology/part.h"
+/* subset: the elements around some nodes, as a mesh of its own. */
+#include "topology/subset.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -16,10 +16,10 @@ enum { CHUNK = 8192 };
 typedef struct passes {
     const planish_mesh *mesh;
     const uint8_t *selected;
-    pl_part *part;
+    pl_subset *subset;
     int64_t *count;  /* [chunks + 1] of what is taken in each, then before it */
     uint8_t *is_in;  /* [n_nodes] 1: node of an element that is taken. Threads may store the same */
-    int32_t *number; /* [n_nodes] in the part, of these nodes */
+    int32_t *number; /* [n_nodes] in the subset, of these nodes */
 } passes;
 
 static int has_selected(const passes *p, int64_t element) {
@@ -55,7 +55,7 @@ static void list_elements(void *context, int64_t begin, int64_t end, int thread)
     (void)thread;
     for (int64_t i = begin; n < p->count[begin / CHUNK + 1] && i < end; i++)
         if (has_selected(p, i))
-            p->part->element[n++] = (int32_t)i;
+            p->subset->element[n++] = (int32_t)i;
 }
 
 static void count_nodes(void *context, int64_t begin, int64_t end, int thread) {
@@ -73,8 +73,8 @@ static void list_nodes(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         if (p->is_in[i]) {
-            p->part->node[n] = (int32_t)i;
-            p->part->is_selected[n] = p->selected[i] != 0;
+            p->subset->node[n] = (int32_t)i;
+            p->subset->is_selected[n] = p->selected[i] != 0;
             p->number[i] = (int32_t)n++;
         }
 }
@@ -85,59 +85,59 @@ static void number_corners(void *context, int64_t begin, int64_t end, int thread
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         for (int j = 0; j < corners; j++)
-            p->part->elements[i * corners + j] =
-                p->number[p->mesh->elements[(int64_t)p->part->element[i] * corners + j]];
+            p->subset->elements[i * corners + j] =
+                p->number[p->mesh->elements[(int64_t)p->subset->element[i] * corners + j]];
 }
 
-static int alloc_elements(pl_part *part, int dim, int64_t n) {
-    part->n_elements = n;
-    part->element = pl_alloc(n, sizeof *part->element);
-    part->elements = pl_alloc(n * (dim + 1), sizeof *part->elements);
-    return part->element && part->elements ? 0 : -1;
+static int alloc_elements(pl_subset *subset, int dim, int64_t n) {
+    subset->n_elements = n;
+    subset->element = pl_alloc(n, sizeof *subset->element);
+    subset->elements = pl_alloc(n * (dim + 1), sizeof *subset->elements);
+    return subset->element && subset->elements ? 0 : -1;
 }
 
-static int alloc_nodes(pl_part *part, int64_t n) {
-    part->n_nodes = n;
-    part->node = pl_alloc(n, sizeof *part->node);
-    part->is_selected = pl_alloc(n, sizeof *part->is_selected);
-    return part->node && part->is_selected ? 0 : -1;
+static int alloc_nodes(pl_subset *subset, int64_t n) {
+    subset->n_nodes = n;
+    subset->node = pl_alloc(n, sizeof *subset->node);
+    subset->is_selected = pl_alloc(n, sizeof *subset->is_selected);
+    return subset->node && subset->is_selected ? 0 : -1;
 }
 
-/** The passes, with room for them; -1 without memory for the part. */
+/** The passes, with room for them; -1 without memory for the subset. */
 static int pass(passes *p, int threads) {
     const planish_mesh *mesh = p->mesh;
     pl_parallel_for(threads, mesh->n_elements, CHUNK, count_elements, p);
     int64_t n = pl_prefix_sum(threads, (mesh->n_elements - 1) / CHUNK + 1, p->count);
-    if (alloc_elements(p->part, mesh->dim, n > 0 ? n : 1) != 0)
+    if (alloc_elements(p->subset, mesh->dim, n > 0 ? n : 1) != 0)
         return -1;
     pl_parallel_for(threads, mesh->n_elements, CHUNK, list_elements, p);
     for (int j = 0; n == 0 && j <= mesh->dim; j++) {
-        p->part->element[0] = 0;
+        p->subset->element[0] = 0;
         take_node(p, mesh->elements[j]);
     }
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, count_nodes, p);
     n = pl_prefix_sum(threads, (mesh->n_nodes - 1) / CHUNK + 1, p->count);
-    if (alloc_nodes(p->part, n) != 0)
+    if (alloc_nodes(p->subset, n) != 0)
         return -1;
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, list_nodes, p);
-    pl_parallel_for(threads, p->part->n_elements, CHUNK, number_corners, p);
+    pl_parallel_for(threads, p->subset->n_elements, CHUNK, number_corners, p);
     return 0;
 }
 
-int pl_part_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads, pl_part *part,
-                     planish_error *error) {
+int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads,
+                       pl_subset *subset, planish_error *error) {
     const int64_t most = mesh->n_elements > mesh->n_nodes ? mesh->n_elements : mesh->n_nodes;
     passes p = {.mesh = mesh,
                 .selected = selected,
-                .part = part,
+                .subset = subset,
                 .count = pl_alloc(most / CHUNK + 2, sizeof *p.count),
                 .is_in = pl_alloc_zero(mesh->n_nodes, sizeof *p.is_in),
                 .number = pl_alloc(mesh->n_nodes, sizeof *p.number)};
-    *part = (pl_part){0};
+    *subset = (pl_subset){0};
     int status = PLANISH_OK;
     if (!p.count || !p.is_in || !p.number || pass(&p, threads) != 0) {
-        pl_part_destroy(part);
-        status = pl_fail_memory(error, "the part of the mesh that is worked on");
+        pl_subset_destroy(subset);
+        status = pl_fail_memory(error, "the subset of the mesh that is worked on");
     }
     pl_free(p.count);
     pl_free(p.is_in);
@@ -145,29 +145,29 @@ int pl_part_by_marks(const planish_mesh *mesh, const uint8_t *selected, int thre
     return status;
 }
 
-void pl_part_destroy(pl_part *part) {
-    pl_free(part->node);
-    pl_free(part->element);
-    pl_free(part->elements);
-    pl_free(part->is_selected);
-    *part = (pl_part){0};
+void pl_subset_destroy(pl_subset *subset) {
+    pl_free(subset->node);
+    pl_free(subset->element);
+    pl_free(subset->elements);
+    pl_free(subset->is_selected);
+    *subset = (pl_subset){0};
 }
 
-int64_t pl_part_find_node(const pl_part *part, int64_t node) {
-    int64_t begin = 0, end = part->n_nodes;
+int64_t pl_subset_find_node(const pl_subset *subset, int64_t node) {
+    int64_t begin = 0, end = subset->n_nodes;
     while (begin < end) {
         const int64_t middle = begin + (end - begin) / 2;
-        if (part->node[middle] < node)
+        if (subset->node[middle] < node)
             begin = middle + 1;
         else
             end = middle;
     }
-    return begin < part->n_nodes && part->node[begin] == node ? begin : -1;
+    return begin < subset->n_nodes && subset->node[begin] == node ? begin : -1;
 }
 
 /* ---- as a mesh ----------------------------------------------------------------------------- */
 
-/** The work on the part's nodes or elements: rows of size bytes from one array to another. */
+/** The work on the subset's nodes or elements: rows of size bytes from one array to another. */
 typedef struct copying {
     const int32_t *from_row;
     const char *from;
@@ -195,43 +195,43 @@ static void *rows(const void *from, const int32_t *from_row, int64_t n, size_t s
     return c.to;
 }
 
-int pl_part_mesh_create(const planish_mesh *whole, const pl_part *part, int threads,
-                        pl_part_mesh *mesh, planish_error *error) {
+int pl_submesh_create(const planish_mesh *whole, const pl_subset *subset, int threads,
+                      pl_submesh *mesh, planish_error *error) {
     const size_t point = (size_t)whole->dim * sizeof(double);
-    const int32_t *node = part->node, *element = part->element;
+    const int32_t *node = subset->node, *element = subset->element;
     pl_points points = pl_points_of(whole, whole->coordinates);
     int failed = 0;
-    points.n = part->n_nodes;
+    points.n = subset->n_nodes;
     points.node_of = node;
     mesh->constraint = rows(whole->constraint, node, points.n, 1, threads, &failed);
     mesh->direction = rows(whole->direction, node, points.n, point, threads, &failed);
     mesh->min_volume =
-        rows(whole->min_volume, element, part->n_elements, sizeof(double), threads, &failed);
+        rows(whole->min_volume, element, subset->n_elements, sizeof(double), threads, &failed);
     mesh->coordinates = pl_alloc(points.n, point);
     mesh->mesh = (planish_mesh){.dim = whole->dim,
-                                .n_nodes = part->n_nodes,
-                                .n_elements = part->n_elements,
+                                .n_nodes = subset->n_nodes,
+                                .n_elements = subset->n_elements,
                                 .coordinates = mesh->coordinates,
-                                .elements = part->elements,
+                                .elements = subset->elements,
                                 .constraint = mesh->constraint,
                                 .direction = mesh->direction,
                                 .min_volume = mesh->min_volume};
     if (!mesh->coordinates || failed) {
-        pl_part_mesh_destroy(mesh);
-        return pl_fail_memory(error, "the part of the mesh that is worked on");
+        pl_submesh_destroy(mesh);
+        return pl_fail_memory(error, "the subset of the mesh that is worked on");
     }
     const int status = pl_points_check(&points, threads, error);
     if (status)
-        pl_part_mesh_destroy(mesh);
+        pl_submesh_destroy(mesh);
     else
         pl_points_gather(&points, threads, mesh->coordinates);
     return status;
 }
 
-void pl_part_mesh_destroy(pl_part_mesh *mesh) {
+void pl_submesh_destroy(pl_submesh *mesh) {
     pl_free(mesh->coordinates);
     pl_free(mesh->direction);
     pl_free(mesh->min_volume);
     pl_free(mesh->constraint);
-    *mesh = (pl_part_mesh){0};
+    *mesh = (pl_submesh){0};
 }

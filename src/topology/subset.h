@@ -1,0 +1,60 @@
+/* subset: the elements around some nodes, as a mesh of its own. The cost of work on a subset
+ * depends on the subset's size, not on the mesh's.
+ *
+ *   pl_subset_by_marks, pl_subset_by_walk, pl_subset_destroy     the elements of a subset
+ *   pl_submesh_create, _destroy, pl_subset_find_node       the subset as a mesh
+ */
+#ifndef PL_TOPOLOGY_SUBSET_H
+#define PL_TOPOLOGY_SUBSET_H
+
+#include "topology/topology.h"
+
+/** The elements that have a selected node (the mesh's first one if none has), and their nodes. */
+typedef struct pl_subset {
+    int64_t n_nodes, n_elements;
+    int32_t *node;        /* [n_nodes] number in the mesh, ascending */
+    int32_t *element;     /* [n_elements] likewise */
+    int32_t *elements;    /* [n_elements][dim + 1] nodes by their numbers here */
+    uint8_t *is_selected; /* [n_nodes] */
+} pl_subset;
+
+/** By a pass over the mesh, which is dense: selected [n_nodes], not 0 for the nodes. */
+int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads,
+                       pl_subset *subset, planish_error *error);
+
+/** Nodes from which to walk, and an element of each. */
+typedef struct pl_seeds {
+    int64_t n;
+    const int64_t *node, *element; /* [n] */
+} pl_seeds;
+
+/** From neighbour to neighbour, which mesh has: the nodes of seeds are selected, and those of so
+ *  many rings of elements around. Of the mesh, which need not be dense, no more is looked at than
+ *  the subset, and that is checked; and of a node no more elements than it has together with its
+ *  seed, by facets at it. Errors: _ARGUMENT, _MESH, _MEMORY. */
+int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings, pl_subset *subset,
+                      planish_error *error);
+
+/** Free the arrays of subset. */
+void pl_subset_destroy(pl_subset *subset);
+
+/** The subset as a mesh, with what the mesh says of its nodes and elements but periodic pairs;
+ *  elements are subset's. */
+typedef struct pl_submesh {
+    planish_mesh mesh;
+    double *coordinates, *direction, *min_volume; /* of the mesh, or NULL */
+    uint8_t *constraint;
+} pl_submesh;
+
+/** Make the mesh of a subset of whole; elements stay subset's, mesh owns the rest. Errors: those of
+ *  pl_points_check, _MEMORY. */
+int pl_submesh_create(const planish_mesh *whole, const pl_subset *subset, int threads,
+                      pl_submesh *mesh, planish_error *error);
+
+/** Free the arrays of mesh. */
+void pl_submesh_destroy(pl_submesh *mesh);
+
+/** Number here of a node of the mesh, or -1. */
+int64_t pl_subset_find_node(const pl_subset *subset, int64_t node);
+
+#endif
