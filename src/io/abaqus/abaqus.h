@@ -1,16 +1,19 @@
-/* abaqus: what the reader of Abaqus input files and its sets share. */
+/* abaqus: what the files of the reader of Abaqus input files share; for abaqus*.c only.
+ *
+ *   abaqus_reader                            a file while it is read
+ *   abaqus_line, abaqus_item, ...            lines, items and blocks (abaqus_blocks.c)
+ *   abaqus_read_sets, abaqus_find_set        sets of nodes and of elements (abaqus_sets.c)
+ *   abaqus_make_entities, abaqus_make_groups what sets become in the model (abaqus_groups.c)
+ */
 #ifndef PL_IO_ABAQUS_ABAQUS_H
 #define PL_IO_ABAQUS_ABAQUS_H
 
 #include "io/core/model.h"
 #include "io/core/text.h"
 
-typedef struct abaqus_span {
-    const char *begin, *end;
-} abaqus_span;
-
 enum { ABAQUS_NAME_SIZE = 32 };
 
+/** Meaning of a keyword; blocks are kept of those up to ABAQUS_MPC. */
 typedef enum abaqus_keyword {
     ABAQUS_NODE,
     ABAQUS_ELEMENT,
@@ -19,24 +22,20 @@ typedef enum abaqus_keyword {
     ABAQUS_SECTION, /* gives a material to an ELSET */
     ABAQUS_EQUATION,
     ABAQUS_MPC,
-    ABAQUS_PART,
-    ABAQUS_END_PART,
-    ABAQUS_INSTANCE,
-    ABAQUS_END_INSTANCE,
-    ABAQUS_ASSEMBLY,
-    ABAQUS_END_ASSEMBLY,
-    ABAQUS_REFUSED,
+    ABAQUS_IN_PART,    /* a part or instance begins, */
+    ABAQUS_IN_OTHERS,  /* the assembly begins, or an instance in it ends, */
+    ABAQUS_IN_NO_PART, /* a part or the assembly ends */
     ABAQUS_OTHER
 } abaqus_keyword;
 
-/** Where nodes and elements are numbered: outside of parts, in a part or instance (1, 2, ..), or:
- */
+/** Scope of numbers and names: 0 outside of parts, in a part or instance 1, 2, ..., or: */
 enum { ABAQUS_IN_ASSEMBLY = -1 };
 
 /** A keyword line, which may be several, and its data lines. */
 typedef struct abaqus_block {
     abaqus_keyword keyword;
-    abaqus_span parameters, data;
+    io_slice parameters;
+    io_cursor data;
     int32_t scope;
     int has_instance; /* INSTANCE= says whose numbers they are */
 } abaqus_block;
@@ -45,8 +44,22 @@ typedef struct abaqus_block {
 typedef struct abaqus_range {
     int dim;
     int64_t begin, end; /* in the cells of dim */
-    abaqus_span set;    /* name as it stands there, empty: none */
+    io_slice set;       /* name as it stands there, empty: none */
 } abaqus_range;
+
+/** Things that sets have: nodes; or cells, first lines, then triangles, then tetrahedra. */
+typedef enum abaqus_things { NODES, ELEMENTS } abaqus_things;
+
+typedef struct abaqus_set {
+    abaqus_things things;
+    int32_t scope; /* of the name */
+    io_slice name;
+    int32_t *member; /* [n] owned */
+    int64_t n, capacity;
+    int32_t last_into;          /* 1 + the set that this one was put into last, */
+    int64_t last_n;             /* and its number of members then */
+    int is_held, is_of_section; /* its members have been told so */
+} abaqus_set;
 
 typedef struct abaqus_reader {
     io_model *model;
@@ -59,43 +72,76 @@ typedef struct abaqus_reader {
     int32_t scope;       /* of the mesh */
     int has_cavities;    /* *FLUID PROPERTY is there: what F3D4 is (abaqus.c) */
     io_numbers *numbers; /* of nodes; NULL: consecutive */
+    /* Of abaqus_read_sets: */
+    abaqus_set *set; /* [n_sets] */
+    int64_t n_sets, set_capacity;
+    int32_t *slot[2]; /* [n_slots] hash tables of the names: index or -1; of names with fold the
+                         first set that has it */
+    int64_t n_slots;
+    int64_t n[2];          /* nodes, cells */
+    int64_t first_cell[4]; /* of each dimension among the cells */
+    int32_t *stamp[2];     /* [n] 1 + the set that had the thing last */
+    io_numbers *elements;  /* numbers of cells; NULL until a set is read that names them */
+    int64_t n_asked; /* members that sequences and sets of sets asked for, those included that were
+                        there already */
 } abaqus_reader;
 
-/** The next line of data that is neither empty nor a comment, without blanks around it; 0 at the
- *  end. */
-int abaqus_line(io_cursor *cursor, abaqus_span *line);
-/** The next item of a line, up to a comma that is not between quotes, without blanks around it;
- *  line->begin is NULL behind the last. 0 at the end. */
-int abaqus_item(abaqus_span *line, abaqus_span *item);
-/** The value of the parameter name of a keyword line, as it stands there; 0 if it has none of that
- *  name. */
-int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value);
-/** Whether a name is in quotes, which keep the case of its letters. */
-int abaqus_is_quoted(abaqus_span name);
-abaqus_span abaqus_unquoted(abaqus_span name);
-/** A whole number that is all of the item. 0 or -1. */
-int abaqus_integer(abaqus_span item, int64_t *value);
-/** What an item of a block names: INSTANCE.NAME without its instance. 0 if numbers there are of
+/* ---- lines, items and blocks --------------------------------------------------------------- */
+
+/** Take the next line of data that is neither empty nor a comment, without blanks around it; return
+ *  0 at the end. */
+int abaqus_line(io_cursor *cursor, io_slice *line);
+
+/** Take the next item of a line, up to a comma that is not between quotes, without blanks around
+ *  it; line->begin is NULL behind the last. Return 0 at the end. */
+int abaqus_item(io_slice *line, io_slice *item);
+
+/** Find the value of a parameter of a keyword line, as it stands there; return 0 if there is no
+ *  parameter of that name. */
+int abaqus_parameter(const abaqus_block *block, const char *name, io_slice *value);
+
+/** Return whether a name is in quotes, which keep the case of its letters. */
+int abaqus_is_quoted(io_slice name);
+
+/** Return a name without its quotes. */
+io_slice abaqus_unquoted(io_slice name);
+
+/** Strip the instance from an item of a block: INSTANCE.NAME. Return 0 if numbers there are of
  *  another numbering than the mesh's. */
-int abaqus_local(const abaqus_reader *reader, const abaqus_block *block, abaqus_span *item);
+int abaqus_local(const abaqus_reader *reader, const abaqus_block *block, io_slice *item);
 
-static inline int64_t abaqus_length(abaqus_span s) {
-    return s.end - s.begin;
-}
+/** Copy the item in capitals without blanks; "" if it is too long for any name that is known. */
+void abaqus_squeeze(io_slice item, char name[ABAQUS_NAME_SIZE]);
 
-/** Without blanks around it. */
-abaqus_span abaqus_trim(abaqus_span s);
-/** The item in capitals without blanks in it; "" if it is too long for any name that is known. */
-void abaqus_squeeze(abaqus_span item, char name[ABAQUS_NAME_SIZE]);
-/** The blocks of the file; what cannot be read is an error. */
+/** Find the blocks of the file. Error: a keyword that planish does not read. */
 int abaqus_find_blocks(abaqus_reader *r);
-/** Refuse a block that takes its data from another file. */
-int abaqus_check_input(const abaqus_reader *r, const abaqus_block *b);
-/** "FILE:LINE: text" about a block. */
+
+/** Fail at a block: "FILE:LINE: text". */
 int abaqus_fail(const abaqus_reader *r, const abaqus_block *b, const char *text);
 
-/** Sets of elements and nodes: entities, regions and groups of the model; nodes of equations are
- *  held. Everything else has been read. */
-int abaqus_read_sets(abaqus_reader *reader);
+/** Fail at an item: "FILE:LINE: 'item' text". */
+int abaqus_fail_item(const abaqus_reader *r, io_slice item, const char *text);
+
+/* ---- sets ----------------------------------------------------------------------------------- */
+
+/** Read sets of elements and nodes into entities, regions and groups of the model, and hold nodes
+ *  of equations. Everything else has been read. */
+int abaqus_read_sets(abaqus_reader *r);
+
+/** Release what abaqus_read_sets has made. */
+void abaqus_release_sets(abaqus_reader *r);
+
+/** Return the index of the set of that name in a scope, or of one that differs by the case of its
+ *  letters; or -1. */
+int32_t abaqus_find_set(const abaqus_reader *r, abaqus_things things, int32_t scope, io_slice name);
+
+/** Return the dimension of a cell; *local: its index among the cells of that dimension. */
+int abaqus_dim_of(const abaqus_reader *r, int64_t cell, int64_t *local);
+
+/** Make entities of nodes or cells, by the sets that each is in, and regions of cells. */
+int abaqus_make_entities(abaqus_reader *r, abaqus_things things);
+
+/** Make a group of each set and each dimension that its members have. */
+int abaqus_make_groups(abaqus_reader *r);
 
 #endif

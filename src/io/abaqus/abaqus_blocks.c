@@ -1,10 +1,7 @@
 /* abaqus_blocks: the lines of Abaqus input files: keywords with their parameters, and the items of
- * the data behind them. What cannot be read is refused here.
+ * the data behind them. Keywords that planish cannot read are refused here.
  */
 #include "io/abaqus/abaqus.h"
-
-#include "io/core/number.h"
-#include "io/core/text.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -13,66 +10,42 @@
 
 /* ---- items -------------------------------------------------------------------------------- */
 
-static int is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+static int is_comment(io_slice line) {
+    return io_slice_length(line) > 1 && line.begin[0] == '*' && line.begin[1] == '*';
 }
 
-abaqus_span abaqus_trim(abaqus_span s) {
-    while (s.begin < s.end && is_blank(*s.begin))
-        s.begin++;
-    while (s.begin < s.end && is_blank(s.end[-1]))
-        s.end--;
-    return s;
-}
-
-static int is_comment(abaqus_span line) {
-    return abaqus_length(line) > 1 && line.begin[0] == '*' && line.begin[1] == '*';
-}
-
-int abaqus_line(io_cursor *cursor, abaqus_span *line) {
+int abaqus_line(io_cursor *cursor, io_slice *line) {
     while (cursor->at < cursor->end) {
-        line->begin = io_line(cursor, &line->end);
-        *line = abaqus_trim(*line);
-        if (abaqus_length(*line) > 0 && !is_comment(*line))
+        *line = io_slice_trim(io_next_line(cursor));
+        if (io_slice_length(*line) > 0 && !is_comment(*line))
             return 1;
     }
     return 0;
 }
 
-/** The first comma that is not between quotes, or NULL. */
-static const char *find_comma(abaqus_span line) {
-    const char *at = line.begin;
-    const char *comma = memchr(at, ',', (size_t)(line.end - at));
-    while (comma) {
+int abaqus_item(io_slice *line, io_slice *item) {
+    const char *at = line->begin;
+    if (!at)
+        return 0;
+    const char *comma = memchr(at, ',', (size_t)(line->end - at));
+    while (comma) { /* to the first one that is not between quotes */
         const char *open = memchr(at, '"', (size_t)(comma - at));
-        const char *close = open ? memchr(open + 1, '"', (size_t)(line.end - open - 1)) : NULL;
+        const char *close = open ? memchr(open + 1, '"', (size_t)(line->end - open - 1)) : NULL;
         if (!close)
-            return comma;
+            break;
         at = close + 1;
         if (comma < at)
-            comma = memchr(at, ',', (size_t)(line.end - at));
+            comma = memchr(at, ',', (size_t)(line->end - at));
     }
-    return NULL;
-}
-
-int abaqus_item(abaqus_span *line, abaqus_span *item) {
-    if (!line->begin)
-        return 0;
-    const char *comma = find_comma(*line);
-    *item = abaqus_trim((abaqus_span){line->begin, comma ? comma : line->end});
+    *item = io_slice_trim((io_slice){line->begin, comma ? comma : line->end});
     line->begin = comma ? comma + 1 : NULL;
     return 1;
 }
 
-int abaqus_integer(abaqus_span item, int64_t *value) {
-    const char *at = item.begin;
-    return io_parse_integer(&at, item.end, value) || at != item.end ? -1 : 0;
-}
-
-void abaqus_squeeze(abaqus_span item, char name[ABAQUS_NAME_SIZE]) {
+void abaqus_squeeze(io_slice item, char name[ABAQUS_NAME_SIZE]) {
     int n = 0;
     for (const char *c = item.begin; c < item.end; c++) {
-        if (is_blank(*c))
+        if (io_is_blank(*c))
             continue;
         if (n == ABAQUS_NAME_SIZE - 1) {
             n = 0;
@@ -83,36 +56,59 @@ void abaqus_squeeze(abaqus_span item, char name[ABAQUS_NAME_SIZE]) {
     name[n] = '\0';
 }
 
-int abaqus_is_quoted(abaqus_span s) {
-    return abaqus_length(s) > 1 && *s.begin == '"' && s.end[-1] == '"';
+int abaqus_is_quoted(io_slice s) {
+    return io_slice_length(s) > 1 && *s.begin == '"' && s.end[-1] == '"';
 }
 
-abaqus_span abaqus_unquoted(abaqus_span s) {
-    return abaqus_is_quoted(s) ? (abaqus_span){s.begin + 1, s.end - 1} : s;
+io_slice abaqus_unquoted(io_slice s) {
+    return abaqus_is_quoted(s) ? (io_slice){s.begin + 1, s.end - 1} : s;
 }
 
-static int parameter_of_line(abaqus_span line, const char *name, abaqus_span *value) {
-    abaqus_span item;
-    char found[ABAQUS_NAME_SIZE];
-    while (abaqus_item(&line, &item)) {
-        const char *equals = memchr(item.begin, '=', (size_t)abaqus_length(item));
-        abaqus_squeeze((abaqus_span){item.begin, equals ? equals : item.end}, found);
-        if (strcmp(found, name) != 0)
-            continue;
-        *value = equals ? abaqus_trim((abaqus_span){equals + 1, item.end})
-                        : (abaqus_span){item.end, item.end};
-        return 1;
-    }
-    return 0;
-}
-
-int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *value) {
+int abaqus_parameter(const abaqus_block *block, const char *name, io_slice *value) {
     io_cursor cursor = {block->parameters.begin, block->parameters.end};
-    abaqus_span line; /* comments may stand between those of a keyword */
+    io_slice line, item; /* comments may stand between the lines of a keyword */
     while (abaqus_line(&cursor, &line))
-        if (parameter_of_line(line, name, value))
+        while (abaqus_item(&line, &item)) {
+            char found[ABAQUS_NAME_SIZE];
+            const char *equals = memchr(item.begin, '=', (size_t)io_slice_length(item));
+            abaqus_squeeze((io_slice){item.begin, equals ? equals : item.end}, found);
+            if (strcmp(found, name) != 0)
+                continue;
+            *value = io_slice_trim((io_slice){equals ? equals + 1 : item.end, item.end});
             return 1;
+        }
     return 0;
+}
+
+int abaqus_local(const abaqus_reader *r, const abaqus_block *b, io_slice *item) {
+    if (b->scope == r->scope)
+        return 1;
+    /* The last point between INSTANCE and NAME: none that is in quotes or behind nothing but
+     * digits, as in a real number. */
+    const char *point = NULL;
+    int is_quoted = 0, is_number = 0;
+    for (const char *c = item->begin; c < item->end; c++) {
+        is_quoted ^= *c == '"';
+        if (*c == '.' && !is_quoted && !is_number)
+            point = c;
+        const int begins = c == item->begin || c[-1] == '.';
+        is_number = *c >= '0' && *c <= '9' && (is_number || begins);
+    }
+    if (point)
+        item->begin = point + 1;
+    return point != NULL || b->has_instance;
+}
+
+/* ---- errors ------------------------------------------------------------------------------- */
+
+int abaqus_fail(const abaqus_reader *r, const abaqus_block *b, const char *text) {
+    return io_fail_at(r->model, b->parameters.begin, r->error, "%s", text);
+}
+
+int abaqus_fail_item(const abaqus_reader *r, io_slice item, const char *text) {
+    const int64_t length = io_slice_length(item);
+    return io_fail_at(r->model, item.begin, r->error, "'%.*s' %s", (int)(length < 32 ? length : 32),
+                      item.begin, text);
 }
 
 /* ---- blocks ------------------------------------------------------------------------------- */
@@ -120,151 +116,98 @@ int abaqus_parameter(const abaqus_block *block, const char *name, abaqus_span *v
 typedef struct known_keyword {
     const char *name; /* without blanks */
     abaqus_keyword keyword;
+    const char *refusal; /* why planish cannot read the file, or NULL */
 } known_keyword;
 
+static const char by_rules[] = "nodes and elements that are made by rules are not read; write all "
+                               "of them as *NODE and *ELEMENT, as preprocessors do";
+
 static const known_keyword keywords[] = {
-    {"NODE", ABAQUS_NODE},
-    {"ELEMENT", ABAQUS_ELEMENT},
-    {"NSET", ABAQUS_NSET},
-    {"ELSET", ABAQUS_ELSET},
-    {"SOLIDSECTION", ABAQUS_SECTION},
-    {"SHELLSECTION", ABAQUS_SECTION},
-    {"SHELLGENERALSECTION", ABAQUS_SECTION},
-    {"MEMBRANESECTION", ABAQUS_SECTION},
-    {"SURFACESECTION", ABAQUS_SECTION},
-    {"EULERIANSECTION", ABAQUS_SECTION},
-    {"EQUATION", ABAQUS_EQUATION},
-    {"MPC", ABAQUS_MPC},
-    {"PART", ABAQUS_PART},
-    {"ENDPART", ABAQUS_END_PART},
-    {"INSTANCE", ABAQUS_INSTANCE},
-    {"ENDINSTANCE", ABAQUS_END_INSTANCE},
-    {"ASSEMBLY", ABAQUS_ASSEMBLY},
-    {"ENDASSEMBLY", ABAQUS_END_ASSEMBLY},
-    {"INCLUDE", ABAQUS_REFUSED},
-    {"SYSTEM", ABAQUS_REFUSED},
-    {"NGEN", ABAQUS_REFUSED},
-    {"NFILL", ABAQUS_REFUSED},
-    {"NCOPY", ABAQUS_REFUSED},
-    {"NMAP", ABAQUS_REFUSED},
-    {"ELGEN", ABAQUS_REFUSED},
-    {"ELCOPY", ABAQUS_REFUSED},
-    {"IMPORT", ABAQUS_REFUSED},
+    {"NODE", ABAQUS_NODE, NULL},
+    {"ELEMENT", ABAQUS_ELEMENT, NULL},
+    {"NSET", ABAQUS_NSET, NULL},
+    {"ELSET", ABAQUS_ELSET, NULL},
+    {"SOLIDSECTION", ABAQUS_SECTION, NULL},
+    {"SHELLSECTION", ABAQUS_SECTION, NULL},
+    {"SHELLGENERALSECTION", ABAQUS_SECTION, NULL},
+    {"MEMBRANESECTION", ABAQUS_SECTION, NULL},
+    {"SURFACESECTION", ABAQUS_SECTION, NULL},
+    {"EULERIANSECTION", ABAQUS_SECTION, NULL},
+    {"EQUATION", ABAQUS_EQUATION, NULL},
+    {"MPC", ABAQUS_MPC, NULL},
+    {"PART", ABAQUS_IN_PART, NULL},
+    {"ENDPART", ABAQUS_IN_NO_PART, NULL},
+    {"INSTANCE", ABAQUS_IN_PART, NULL},
+    {"ENDINSTANCE", ABAQUS_IN_OTHERS, NULL},
+    {"ASSEMBLY", ABAQUS_IN_OTHERS, NULL},
+    {"ENDASSEMBLY", ABAQUS_IN_NO_PART, NULL},
+    {"INCLUDE", ABAQUS_OTHER,
+     "what it brings in may be part of the mesh; put that file's lines in its place, or smooth the "
+     "file that has the mesh"},
+    {"SYSTEM", ABAQUS_OTHER,
+     "the nodes behind it are in other coordinates; write all of them in the global system"},
+    {"NGEN", ABAQUS_OTHER, by_rules},
+    {"NFILL", ABAQUS_OTHER, by_rules},
+    {"NCOPY", ABAQUS_OTHER, by_rules},
+    {"NMAP", ABAQUS_OTHER, by_rules},
+    {"ELGEN", ABAQUS_OTHER, by_rules},
+    {"ELCOPY", ABAQUS_OTHER, by_rules},
+    {"IMPORT", ABAQUS_OTHER, by_rules},
+    {NULL, ABAQUS_OTHER, NULL},
 };
 
-static abaqus_keyword find_keyword(const char *name) {
-    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
-        if (strcmp(name, keywords[i].name) == 0)
-            return keywords[i].keyword;
-    return ABAQUS_OTHER;
-}
-
-int abaqus_fail(const abaqus_reader *r, const abaqus_block *b, const char *text) {
-    return io_fail_at(r->model, b->parameters.begin, r->error, "%s", text);
-}
-
-static int refuse(const abaqus_reader *r, const char *at, const char *name) {
-    if (strcmp(name, "INCLUDE") == 0)
-        return io_fail_at(r->model, at, r->error,
-                          "*INCLUDE: what it brings in may be part of the mesh; put that file's "
-                          "lines in its place, or smooth the file that has the mesh");
-    if (strcmp(name, "SYSTEM") == 0)
-        return io_fail_at(r->model, at, r->error,
-                          "*SYSTEM: the nodes behind it are in other coordinates; write all of "
-                          "them in the global system");
-    return io_fail_at(r->model, at, r->error,
-                      "*%s: nodes and elements that are made by rules are not read; write all of "
-                      "them as *NODE and *ELEMENT, as preprocessors do",
-                      name);
-}
-
-static int add_block(abaqus_reader *r, abaqus_block block) {
-    abaqus_block *grown =
-        pl_grow(r->block, r->n_blocks, r->n_blocks + 1, &r->block_capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(r->error, "the keywords of the file");
-    r->block = grown;
-    abaqus_span instance;
-    block.has_instance = abaqus_parameter(&block, "INSTANCE", &instance);
-    r->block[r->n_blocks++] = block;
-    return PLANISH_OK;
-}
-
-/** The keyword line at line, with the lines that it goes on in behind a comma at its end. */
-static abaqus_span whole_keyword_line(io_cursor *cursor, abaqus_span line) {
-    io_cursor ahead = *cursor;
-    abaqus_span next;
-    while (line.end[-1] == ',' && abaqus_line(&ahead, &next) && *next.begin != '*') {
-        line.end = next.end;
-        *cursor = ahead;
-    }
-    return line;
-}
-
-/** Parts have numbers of their own, and so have instances that have a mesh of theirs, and the
- *  assembly. */
-static int32_t scope_behind(abaqus_keyword keyword, int32_t scope, int32_t *n_parts) {
-    switch (keyword) {
-    case ABAQUS_PART:
-    case ABAQUS_INSTANCE:
-        return ++*n_parts;
-    case ABAQUS_ASSEMBLY:
-    case ABAQUS_END_INSTANCE:
-        return ABAQUS_IN_ASSEMBLY;
-    case ABAQUS_END_PART:
-    case ABAQUS_END_ASSEMBLY:
-        return 0;
-    default:
-        return scope;
-    }
-}
-
-static int is_of_mesh(abaqus_keyword keyword) {
-    return keyword <= ABAQUS_MPC;
-}
-
 int abaqus_find_blocks(abaqus_reader *r) {
-    const char *data = r->model->input.data, *end = data + r->model->input.size;
-    io_cursor cursor = io_begin_text(data, r->model->input.size);
-    int status = PLANISH_OK;
+    const io_bytes *input = &r->model->input;
+    io_cursor cursor = io_begin_text(input->data, input->size);
     int32_t scope = 0, n_parts = 0;
     abaqus_block *open = NULL;
-    while (!status && cursor.at < cursor.end) {
+    while (cursor.at < cursor.end) {
         const char *begin = cursor.at;
-        abaqus_span line, name_item;
-        line.begin = io_line(&cursor, &line.end);
-        line = abaqus_trim(line);
-        if (abaqus_length(line) == 0 || *line.begin != '*' || is_comment(line))
+        io_slice next, item, line = io_slice_trim(io_next_line(&cursor));
+        if (io_slice_length(line) == 0 || *line.begin != '*' || is_comment(line))
             continue;
         if (open)
             open->data.end = begin;
         open = NULL;
-        abaqus_span rest = whole_keyword_line(&cursor, line);
-        rest.begin++;
+        /* A keyword line goes on in the next one behind a comma at its end. */
+        io_cursor ahead = cursor;
+        while (line.end[-1] == ',' && abaqus_line(&ahead, &next) && *next.begin != '*') {
+            line.end = next.end;
+            cursor = ahead;
+        }
+        io_slice rest = {line.begin + 1, line.end};
         char name[ABAQUS_NAME_SIZE];
-        abaqus_item(&rest, &name_item);
-        abaqus_squeeze(name_item, name);
-        const abaqus_keyword keyword = find_keyword(name);
+        abaqus_item(&rest, &item);
+        abaqus_squeeze(item, name);
+        const known_keyword *known = keywords;
+        while (known->name && strcmp(name, known->name) != 0)
+            known++;
+        if (known->refusal)
+            return io_fail_at(r->model, line.begin, r->error, "*%s: %s", name, known->refusal);
         r->has_cavities |= strcmp(name, "FLUIDPROPERTY") == 0;
-        scope = scope_behind(keyword, scope, &n_parts);
-        if (keyword == ABAQUS_REFUSED)
-            return refuse(r, line.begin, name);
-        if (!is_of_mesh(keyword))
+        /* Parts have numbers of their own, and so have instances that have a mesh of theirs, and
+         * the assembly. */
+        const abaqus_keyword keyword = known->keyword;
+        if (keyword == ABAQUS_IN_PART)
+            scope = ++n_parts;
+        else if (keyword == ABAQUS_IN_OTHERS)
+            scope = ABAQUS_IN_ASSEMBLY;
+        else if (keyword == ABAQUS_IN_NO_PART)
+            scope = 0;
+        if (keyword > ABAQUS_MPC)
             continue;
-        if (!rest.begin)
-            rest.begin = rest.end;
-        status = add_block(r, (abaqus_block){keyword, rest, {cursor.at, end}, scope, 0});
-        open = status ? NULL : &r->block[r->n_blocks - 1];
+        abaqus_block *grown =
+            pl_grow(r->block, r->n_blocks, r->n_blocks + 1, &r->block_capacity, sizeof *grown);
+        if (!grown)
+            return pl_fail_memory(r->error, "the keywords of the file");
+        r->block = grown;
+        open = &r->block[r->n_blocks++];
+        *open = (abaqus_block){keyword,
+                               {rest.begin ? rest.begin : rest.end, rest.end},
+                               {cursor.at, input->data + input->size},
+                               scope,
+                               0};
+        open->has_instance = abaqus_parameter(open, "INSTANCE", &item);
     }
-    return status;
-}
-
-int abaqus_check_input(const abaqus_reader *r, const abaqus_block *b) {
-    abaqus_span value;
-    if (!abaqus_parameter(b, "INPUT", &value))
-        return PLANISH_OK;
-    return abaqus_fail(
-        r, b,
-        "INPUT=: the data are in another file; put that file's lines in place of the "
-        "parameter");
+    return PLANISH_OK;
 }

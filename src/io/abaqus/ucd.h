@@ -4,7 +4,7 @@
 
 #include <stdint.h>
 
-/** Whether data [size] are a text file of AVS UCD: 1 or 0. */
+/** Return whether data [size] are a text file of AVS UCD. */
 int io_is_ucd(const char *data, int64_t size);
 
 #endif
