@@ -50,7 +50,6 @@ ALLOWED = [
     ("tools/report/surface", "src/topology/", "facets"),
     ("tools/report/markup", "src/io/", "base64"),
     ("tools/mpi/surface", "src/topology/", "facets"),
-    ("tools/mpi/crew", "src/topology/", "an element's nodes are checked"),
     ("tools/mpi/plexrows", "src/io/", "writing HDF5"),
     ("tools/mpi/plexfile", "src/io/", "writing HDF5"),
 ]

@@ -17,7 +17,7 @@
 #include "report/result.h"
 #include "report/table.h"
 #include "terminal/text.h"
-#include "job/volumes.h"
+#include "job/states.h"
 #include "job/worst.h"
 
 #include <math.h>

@@ -4,10 +4,9 @@
  *
  * Every step returns 0, or an exit status after a message; the first that fails ends the run.
  */
-#include "commands/smooth.h"
-
 #include "commands/commands.h"
 
+#include "commands/promises.h"
 #include "job/held.h"
 #include "job/job.h"
 #include "job/layers.h"
@@ -16,11 +15,10 @@
 #include "job/progress.h"
 #include "report/reports.h"
 #include "report/result.h"
-#include "commands/settle.h"
 #include "terminal/signals.h"
 #include "report/table.h"
 #include "terminal/text.h"
-#include "job/volumes.h"
+#include "job/states.h"
 
 #include "base/clock.h"
 #include "base/printf.h"
@@ -31,15 +29,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* F before and after is summed over the same elements, most of which are unchanged: a rise
- * within the rounding of such a sum says nothing. Relative. */
-static const double F_ROUNDING = 1e-12;
+/* ---- the mesh that is written --------------------------------------------------------------- */
 
-/** Whether the output is a file that only the engine can write: of coordinates as they are. */
+/** Whether the engine writes the output: of a mesh that it has read, or one that no format of
+ *  planish_io writes, of coordinates as they are. */
 static int engine_writes(const pl_job *job) {
     const char *output = job->arguments->output;
-    return !planish_file_can_write(job->file, output) && job->engine->can_write &&
-           job->engine->can_write(output) && !planish_file_plane(job->file, NULL);
+    return !job->file || (!planish_file_can_write(job->file, output) && job->engine->can_write &&
+                          job->engine->can_write(output) && !planish_file_plane(job->file, NULL));
 }
 
 /** What can be known of writing before the work. Another extension than the input's asks for a
@@ -47,72 +44,19 @@ static int engine_writes(const pl_job *job) {
 static int check_output(const pl_job *job) {
     const char *output = job->arguments->output;
     planish_error error;
+    if (engine_writes(job))
+        return 0;
     if (planish_file_can_write(job->file, output))
         return planish_file_check_output(job->file, output, &error)
                    ? pl_job_complain(job, PL_EXIT_FAILED, &error)
                    : 0;
-    if (engine_writes(job) || planish_file_can_convert(job->file, output))
+    if (planish_file_can_convert(job->file, output))
         return 0;
     if (strcmp(output, "-") == 0)
         return pl_complain_usage("smooth", "'-' is not a file; standard output is /dev/stdout");
     planish_file_check_output(job->file, output, &error); /* tells the extensions */
     return pl_complain_usage("smooth", "%s, and there is conversion to .vtu and .vtk only",
                              error.text);
-}
-
-static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
-    planish_error error;
-    const double begin = pl_seconds();
-    pl_signals_install_stop(); /* before, there is nothing to save: a signal just ends the program
-                                */
-    job->options.progress = pl_progress_step;
-    job->options.progress_user = progress;
-    const int code = job->engine->smooth(job, &result->smooth, &error);
-    result->smooth_seconds = pl_seconds() - begin;
-    if (code)
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    pl_progress_clear(progress);
-    if (progress->out_of_memory) /* no reason to lose the mesh */
-        pl_note(stderr, "%s: out of memory for the history of the sweeps; the report lacks some",
-                job->arguments->output);
-    return 0;
-}
-
-/** A promise of the library was broken: value went from before to after. */
-static int complain_promise(const pl_job *job, const char *value, double before, double after) {
-    return pl_complain(PL_EXIT_FAILED,
-                       "%s: internal error: %s went from %.17g to %.17g; nothing was written, "
-                       "please report this",
-                       job->arguments->input, value, before, after);
-}
-
-int pl_smooth_check(const pl_job *job, const pl_result *result) {
-    const planish_quality *before = &result->before, *after = &result->after;
-    const planish_result *smooth = &result->smooth;
-    if (job->options.method != PLANISH_METHOD_PLANISH)
-        return 0;
-    if (after->inverted > before->inverted)
-        return complain_promise(job, "the number of inverted elements", (double)before->inverted,
-                                (double)after->inverted);
-    if (before->inverted > 0 || result->below_before > 0)
-        return 0;
-    if (after->max_radius_ratio_movable > before->max_radius_ratio_movable)
-        return complain_promise(job, "the worst radius ratio of elements with a free node",
-                                before->max_radius_ratio_movable, after->max_radius_ratio_movable);
-    const int is_default = !pl_arguments_change_objective(job->arguments);
-    if (is_default &&
-        pl_angle_is_smaller(after->min_angle_deg_movable, before->min_angle_deg_movable))
-        return complain_promise(job, "the smallest angle of elements with a free node",
-                                before->min_angle_deg_movable, after->min_angle_deg_movable);
-    const int has_worst = smooth->objective_of_worst > 0;
-    const double most = has_worst ? smooth->objective_of_worst * (1 + job->options.worst_rise)
-                                  : smooth->objective_before;
-    if (smooth->objective > most * (1 + F_ROUNDING))
-        return complain_promise(job, "F", most, smooth->objective);
-    if (is_default && !has_worst &&
-        after->rms_radius_ratio > before->rms_radius_ratio * (1 + F_ROUNDING))
-        return complain_promise(job, "the RMS", before->rms_radius_ratio, after->rms_radius_ratio);
-    return 0;
 }
 
 /** To another format: what is left out is said. */
@@ -122,8 +66,9 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
     char lost[512];
     double *ratio = malloc(((size_t)job->mesh.n_elements + 1) * sizeof *ratio);
     if (!ratio) {
-        snprintf(error->text, sizeof error->text, "out of memory for the radius ratios");
-        return error->code = PLANISH_ERROR_MEMORY;
+        *error =
+            (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for the radius ratios"};
+        return error->code;
     }
     int code = job->engine->measure_elements(job, ratio, error);
     if (!code)
@@ -136,27 +81,31 @@ static int convert_mesh(const pl_job *job, planish_error *error) {
     return code;
 }
 
-static int write_file(pl_job *job, planish_error *error) {
-    const char *output = job->arguments->output;
-    const int is_own = planish_file_can_write(job->file, output);
-    if (!is_own && !engine_writes(job))
-        return convert_mesh(job, error);
-    /* Its memory is better used for the file's pages: what is written to fresh ones takes longer.
-     */
-    job->engine->plan_destroy(job);
-    if (!is_own)
-        return job->engine->write(job, output, error);
-    return planish_file_write(job->file, output, job->mesh.coordinates, job->options.threads,
-                              pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, error);
-}
-
 static int write_mesh(pl_job *job, pl_result *result) {
+    const char *output = job->arguments->output;
+    uint64_t checksums[] = {result->input_checksum, result->checksum};
     planish_error error;
+    int code;
     const double begin = pl_seconds();
-    const int code = write_file(job, &error);
+    const int by_engine = engine_writes(job);
+    if (!by_engine && !planish_file_can_write(job->file, output)) {
+        code = convert_mesh(job, &error);
+    } else {
+        /* Its memory is better used for the file's pages: what is written to fresh ones takes
+         * longer. */
+        job->engine->plan_destroy(job);
+        code = by_engine ? job->engine->write(job, output, checksums, &error)
+                         : planish_file_write(
+                               job->file, output, job->mesh.coordinates, job->options.threads,
+                               pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE, &error);
+    }
+    result->input_checksum = checksums[0];
+    result->checksum = checksums[1];
     result->write_seconds = pl_seconds() - begin;
     return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
 }
+
+/* ---- whether all was reached ---------------------------------------------------------------- */
 
 /** Add a part to the reason, after "; " if it is not the first. */
 static void add_reason(pl_result *result, const char *format, ...) PL_PRINTF(2, 3);
@@ -177,25 +126,14 @@ static const char *is_or_are(int64_t n) {
     return n == 1 ? " is" : "s are";
 }
 
-/** Inverted elements that cannot be repaired: which options hold them. */
-static void judge_unfixable(const pl_unfixable *unfixable, pl_result *result) {
+/** Add why inverted elements are left, and which options hold them. */
+static void judge_inverted(const pl_job *job, pl_result *result) {
     static const char *const advice[PL_N_HOLDERS] = {"run without it to repair them",
                                                      "hold fewer groups to repair them",
                                                      "--ignore-regions lets them move"};
-    const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
-    for (int i = 0; i < PL_N_HOLDERS; i++)
-        if (unfixable->n_held[i] > 0)
-            add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
-                       unfixable->n_held[i], unfixable->n_held[i] == 1 ? "s" : "",
-                       pl_holder_option((pl_holder)i),
-                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their", advice[i]);
-    if (n_others > 0)
-        add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
-                   n_others);
-}
-
-static void judge_inverted(const pl_job *job, pl_result *result) {
+    const pl_unfixable *unfixable = &result->unfixable;
     const int64_t inverted = result->after.inverted;
+    const int64_t n_others = unfixable->n - pl_unfixable_held(unfixable);
     const planish_method method = job->options.method;
     if (inverted == 0)
         return;
@@ -206,13 +144,21 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
                    inverted, is_or_are(inverted), result->before.inverted, pl_method_name(method));
     else
         add_reason(result, "%" PRId64 " inverted element%s left", inverted, is_or_are(inverted));
-    judge_unfixable(&result->unfixable, result);
+    for (int i = 0; i < PL_N_HOLDERS; i++)
+        if (unfixable->n_held[i] > 0)
+            add_reason(result, "%" PRId64 " of these stay%s inverted because %s %s nodes: %s",
+                       unfixable->n_held[i], unfixable->n_held[i] == 1 ? "s" : "",
+                       pl_holder_option((pl_holder)i),
+                       i == PL_HOLDER_REGIONS ? "hold their" : "holds their", advice[i]);
+    if (n_others > 0)
+        add_reason(result, "%" PRId64 " of these cannot be made valid wherever the free nodes are",
+                   n_others);
     if (job->plan_info.n_wrapped > 0)
         add_reason(result,
                    "elements that wrap around a periodic domain (%" PRId64
                    ") are inverted as they are drawn",
                    job->plan_info.n_wrapped);
-    if (result->unfixable.n_undecided > 0)
+    if (unfixable->n_undecided > 0)
         add_reason(result, "not all inverted elements were checked for that: there was no time");
     if (result->smooth.not_enclosed > 0)
         add_reason(result,
@@ -223,47 +169,37 @@ static void judge_inverted(const pl_job *job, pl_result *result) {
         add_reason(result, "untangling was switched off by --no-untangle");
 }
 
-/** Elements whose nodes are listed in the wrong order: repaired, they are negative to a solver. */
-static void judge_reversed(pl_result *result) {
-    const int64_t n = result->reversed.n_new;
-    if (n == 0)
-        return;
-    add_reason(result,
-               "%" PRId64 " element%s reversed in the order in which the file lists %s nodes, and "
-               "%s not before: %s measure has the other sign than most elements', so a solver may "
-               "reject %s. planish does not renumber elements, because loads and surfaces address "
-               "the faces of elements by number; swap two nodes of each in the program that made "
-               "the mesh, or mesh that region anew",
-               n, is_or_are(n), n == 1 ? "its" : "their", n == 1 ? "was" : "were",
-               n == 1 ? "its" : "their", n == 1 ? "it" : "them");
-}
-
-static void judge_volumes(pl_result *result) {
+/** Add how many elements are below their minimum volume, and how many are newly reversed: repaired
+ *  ones whose nodes are listed in the wrong order are negative to a solver. */
+static void judge_others(pl_result *result) {
     const pl_volumes *volumes = &result->volumes;
-    if (volumes->n_below == 0)
-        return;
-    add_reason(result, "%" PRId64 " element%s below the minimum volume", volumes->n_below,
-               is_or_are(volumes->n_below));
+    const int64_t n = result->reversed.n_new;
+    if (volumes->n_below > 0)
+        add_reason(result, "%" PRId64 " element%s below the minimum volume", volumes->n_below,
+                   is_or_are(volumes->n_below));
     if (volumes->n_infeasible > 0)
         add_reason(result, "%" PRId64 " of these cannot reach it wherever the free nodes are",
                    volumes->n_infeasible);
-    if (volumes->n_undecided > 0)
+    if (volumes->n_below > 0 && volumes->n_undecided > 0)
         add_reason(result, "not all elements below it were checked for that: there was no time");
+    if (n > 0)
+        add_reason(
+            result,
+            "%" PRId64 " element%s reversed in the order in which the file lists %s nodes, and "
+            "%s not before: %s measure has the other sign than most elements', so a solver may "
+            "reject %s. planish does not renumber elements, because loads and surfaces address "
+            "the faces of elements by number; swap two nodes of each in the program that made "
+            "the mesh, or mesh that region anew",
+            n, is_or_are(n), n == 1 ? "its" : "their", n == 1 ? "was" : "were",
+            n == 1 ? "its" : "their", n == 1 ? "it" : "them");
 }
 
-/** Nothing can move: why. */
-static void judge_held(const pl_job *job, pl_result *result) {
-    char text[sizeof result->reason];
-    pl_held_explain(job, text, sizeof text);
-    add_reason(result, "no node is free to move%s%s; the mesh is written back as it was",
-               text[0] ? ": " : "", text);
-}
-
-/** Whether all that was asked for was reached, and if not (or if there was nothing to do) why. */
+/** Find out whether all that was asked for was reached, and if not (or if there was nothing to do)
+ *  why. */
 static int judge(const pl_job *job, pl_result *result) {
+    char text[sizeof result->reason];
     judge_inverted(job, result);
-    judge_volumes(result);
-    judge_reversed(result);
+    judge_others(result);
     if (result->smooth.stop == PLANISH_STOP_TIME_LIMIT)
         add_reason(result, "stopped by the time limit of %g s before convergence",
                    job->options.time_limit);
@@ -271,65 +207,38 @@ static int judge(const pl_job *job, pl_result *result) {
         add_reason(result, "interrupted by a signal before convergence");
     if (result->reason[0])
         return PL_EXIT_PARTLY;
-    if (job->plan_info.n_free + job->plan_info.n_sliding == 0)
-        judge_held(job, result);
+    if (job->plan_info.n_free + job->plan_info.n_sliding == 0) {
+        pl_held_explain(job, text, sizeof text);
+        add_reason(result, "no node is free to move%s%s; the mesh is written back as it was",
+                   text[0] ? ": " : "", text);
+    }
     return PL_EXIT_DONE;
 }
 
-/** The mesh is already written, so a failure makes the run a partial one. */
-static int write_reports(const pl_job *job, const pl_result *result, const pl_progress *progress) {
-    const pl_arguments *arguments = job->arguments;
-    if (!arguments->json && !arguments->report)
-        return 0;
-    char *text = pl_result_smooth_json(job, result, progress);
-    const int status = pl_reports_write(arguments, text, result->picture, PL_EXIT_PARTLY);
-    free(text);
-    return status;
-}
+/* ---- what is told --------------------------------------------------------------------------- */
 
-/** The elements that fall short of what was asked for. */
-static void print_lists(const pl_job *job, const pl_result *result) {
-    pl_volumes_print(stderr, job, &result->volumes);
-    pl_unfixable_print(stderr, job, &result->unfixable);
-    pl_reversed_print(stderr, job, result->reversed.state, result->after.reversed);
-    if (result->reversed.n_new == 0)
-        pl_table_reversed(stderr, &result->after);
-}
-
-/** Table and reason; the table gives way to standard error if standard output carries data. */
+/** Print the table, the elements that fall short, and the reason; the table gives way to standard
+ *  error if standard output carries data. */
 static void print_table(const pl_job *job, const pl_result *result, int status) {
     const pl_arguments *arguments = job->arguments;
-    if (arguments->verbosity != PL_QUIET)
+    if (arguments->verbosity != PL_QUIET) {
         pl_table_smooth(pl_output_takes_stdout(arguments) ? stderr : stdout, job, result);
-    if (arguments->verbosity != PL_QUIET)
-        print_lists(job, result);
+        pl_volumes_print(stderr, job, &result->volumes);
+        pl_unfixable_print(stderr, job, &result->unfixable);
+        pl_reversed_print(stderr, job, result->reversed.state, result->after.reversed);
+        if (result->reversed.n_new == 0)
+            pl_table_reversed(stderr, &result->after);
+    }
     if (result->reason[0] && status)
         pl_complain(status, "%s: %s", arguments->output, result->reason);
     else if (result->reason[0] && arguments->verbosity != PL_QUIET)
         pl_note(stderr, "%s: %s", arguments->output, result->reason);
 }
 
-void pl_smooth_tell_end(const pl_job *job, const planish_result *smooth) {
-    char text[256];
-    if (job->arguments->verbosity < PL_VERBOSE || !pl_result_has_optimality(job))
-        return;
-    snprintf(text, sizeof text,
-             "KKT residual: largest %.3g, RMS %.3g; %" PRId64
-             " active constraints, largest multiplier %.3g",
-             smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
-    pl_text_wrap(stderr, text);
-}
-
-static void print_threads(const planish_plan_info *info) {
-    char text[512];
-    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
-             info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
-             info->n_colours, info->n_colours == 1 ? "" : "s", (double)info->bytes / 1e6);
-    pl_text_wrap(stderr, text);
-}
-
-void pl_smooth_tell_plan(const pl_job *job) {
+/** Print what is odd about the mesh, and with -v how it is worked on. */
+static void print_plan(const pl_job *job) {
     const planish_plan_info *info = &job->plan_info;
+    char text[512];
     if (job->arguments->verbosity != PL_QUIET)
         pl_table_oddities(stderr, job);
     if (job->arguments->verbosity != PL_QUIET && job->n_with_parameters > 0)
@@ -339,39 +248,31 @@ void pl_smooth_tell_plan(const pl_job *job) {
             "file (u, v), which stay as they are and will not fit: refine such a mesh, or curve "
             "its elements, only after they are left out (docs/formats.md)",
             job->n_with_parameters);
-    if (job->arguments->verbosity >= PL_VERBOSE)
-        print_threads(info);
-    if (job->arguments->verbosity >= PL_VERBOSE)
-        pl_held_print(stderr, job);
+    if (job->arguments->verbosity < PL_VERBOSE)
+        return;
+    snprintf(text, sizeof text, "%d thread%s (%s), kernel %s, %d colour%s, plan of %.1f MB",
+             info->threads, info->threads == 1 ? "" : "s", info->binding, info->isa,
+             info->n_colours, info->n_colours == 1 ? "" : "s", (double)info->bytes / 1e6);
+    pl_text_wrap(stderr, text);
+    pl_held_print(stderr, job);
 }
 
-/** What the reports want of the mesh before it is smoothed. */
-static int take_before(const pl_job *job, pl_result *result) {
-    const pl_arguments *arguments = job->arguments;
-    int status = pl_worst_find_asked(job, &result->worst_before);
-    if (arguments->json || arguments->report)
-        result->input_checksum = pl_job_checksum(job);
-    return status ? status : pl_report_draw(job, "before", &result->picture);
-}
-
-/** And of the result. */
-static int take_after(const pl_job *job, pl_result *result) {
+/** What the reports want of the mesh as it is now, called name. */
+static int take_for_reports(const pl_job *job, const char *name, uint64_t *checksum,
+                            pl_worst *worst, pl_picture **picture) {
+    if (!job->mesh.coordinates)
+        return 0; /* the engine has the mesh */
     if (job->arguments->json || job->arguments->report)
-        result->checksum = pl_job_checksum(job);
-    const int status = pl_worst_find_asked(job, &result->worst_after);
-    return status ? status : pl_report_draw(job, "after", &result->picture);
+        *checksum = pl_job_checksum(job);
+    const int status = pl_worst_find_asked(job, worst);
+    return status ? status : pl_report_draw(job, name, picture);
 }
 
-int pl_smooth_tell(const pl_job *job, pl_result *result, const pl_progress *progress, int report) {
-    result->total_seconds = pl_seconds() - job->begin;
-    const int status = judge(job, result);
-    print_table(job, result, status);
-    if (!report)
-        report = write_reports(job, result, progress);
-    return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
-}
+/* ---- the steps ------------------------------------------------------------------------------ */
 
-static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
+/** From the mesh that was read to the sweeps: plan and measure. */
+static int prepare(pl_job *job, pl_result *result, pl_progress *progress) {
+    const int is_told = pl_job_is_told(job);
     int status;
     pl_progress_phase(progress, PL_PHASE_PLANNING);
     if ((status = pl_job_find_slides(job)))
@@ -383,12 +284,12 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_held_count(job)))
         return status;
-    pl_smooth_tell_plan(job);
-    if (pl_job_is_told(job) && (status = pl_job_count_slides(job)))
+    print_plan(job);
+    if (is_told && (status = pl_job_count_slides(job)))
         return status;
     if ((status = pl_job_measure(job, &result->before)))
         return status;
-    if (pl_job_is_told(job) && (status = pl_layers_count(job, &result->before)))
+    if (is_told && (status = pl_layers_count(job, &result->before)))
         return status;
     if (job->arguments->verbosity != PL_QUIET)
         pl_layers_print(stderr, job);
@@ -396,37 +297,94 @@ static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
         return status;
     if ((status = pl_reversed_find(job, result->before.reversed, &result->reversed.before)))
         return status;
-    if ((status = take_before(job, result)))
-        return status;
-    if ((status = run_sweeps(job, result, progress)))
-        return status;
-    pl_smooth_tell_end(job, &result->smooth);
-    pl_progress_phase(progress, PL_PHASE_CHECKING);
-    if ((status = pl_settle(job, result)))
+    return take_for_reports(job, "before", &result->input_checksum, &result->worst_before,
+                            &result->picture);
+}
+
+static int run_sweeps(pl_job *job, pl_result *result, pl_progress *progress) {
+    const planish_result *smooth = &result->smooth;
+    planish_error error;
+    char text[256];
+    const double begin = pl_seconds();
+    pl_signals_install_stop(); /* before, there is nothing to save: a signal just ends the program
+                                */
+    job->options.progress = pl_progress_step;
+    job->options.progress_user = progress;
+    const int code = job->engine->smooth(job, &result->smooth, &error);
+    result->smooth_seconds = pl_seconds() - begin;
+    if (code)
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    pl_progress_clear(progress);
+    if (progress->out_of_memory) /* no reason to lose the mesh */
+        pl_note(stderr, "%s: out of memory for the history of the sweeps; the report lacks some",
+                job->arguments->output);
+    if (job->arguments->verbosity >= PL_VERBOSE && pl_result_has_optimality(job)) {
+        snprintf(text, sizeof text,
+                 "KKT residual: largest %.3g, RMS %.3g; %" PRId64
+                 " active constraints, largest multiplier %.3g",
+                 smooth->kkt_residual, smooth->kkt_rms, smooth->n_active, smooth->max_multiplier);
+        pl_text_wrap(stderr, text);
+    }
+    return 0;
+}
+
+/** Find out what came of the sweeps, and whether it may be written. */
+static int check_result(pl_job *job, pl_result *result) {
+    const planish_result *smooth = &result->smooth;
+    int status;
+    if ((status = pl_promises_settle(job, result)))
         return status;
     if ((status = pl_job_measure(job, &result->after)))
         return status;
-    const planish_result *smooth = &result->smooth;
     if ((status = pl_volumes_find(job, smooth->min_volume, smooth, &result->volumes)))
         return status;
     if ((status = pl_unfixable_find(job, result->after.inverted, smooth, &result->unfixable)))
         return status;
     if ((status = pl_reversed_compare(job, &result->after, &result->reversed)))
         return status;
-    if ((status = pl_smooth_check(job, result)))
+    return pl_promises_check(job, result);
+}
+
+/** Tell what came of it, once the mesh is written: table, JSON and page. report: 0, or the exit
+ *  status if what they need is not there. */
+static int report_result(const pl_job *job, pl_result *result, const pl_progress *progress,
+                         int report) {
+    const pl_arguments *arguments = job->arguments;
+    result->total_seconds = pl_seconds() - job->begin;
+    const int status = judge(job, result);
+    print_table(job, result, status);
+    /* The mesh is already written, so a failure makes the run a partial one. */
+    if (!report && (arguments->json || arguments->report)) {
+        char *text = pl_result_smooth_json(job, result, progress);
+        report = pl_reports_write(arguments, text, result->picture, PL_EXIT_PARTLY);
+        free(text);
+    }
+    return pl_flush_stdout(status ? status : report, PL_EXIT_PARTLY);
+}
+
+static int smooth_job(pl_job *job, pl_result *result, pl_progress *progress) {
+    int status;
+    if ((status = check_output(job)))
         return status;
-    /* That takes no more memory than take_before has, and is no reason to lose the mesh. */
-    const int report = take_after(job, result) ? PL_EXIT_PARTLY : 0;
+    if ((status = prepare(job, result, progress)))
+        return status;
+    if ((status = run_sweeps(job, result, progress)))
+        return status;
+    pl_progress_phase(progress, PL_PHASE_CHECKING);
+    if ((status = check_result(job, result)))
+        return status;
+    /* That takes no more memory than it did before the sweeps, and is no reason to lose the mesh.
+     */
+    const int report =
+        take_for_reports(job, "after", &result->checksum, &result->worst_after, &result->picture)
+            ? PL_EXIT_PARTLY
+            : 0;
     pl_progress_phase(progress, PL_PHASE_WRITING);
     if ((status = write_mesh(job, result)))
         return status;
     pl_signals_set_written();
     pl_progress_clear(progress);
-    return pl_smooth_tell(job, result, progress, report);
-}
-
-int pl_smooth_command(const pl_arguments *arguments) {
-    return pl_smooth_by(arguments, &pl_engine_here);
+    return report_result(job, result, progress, report);
 }
 
 int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
@@ -440,8 +398,6 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     pl_progress_phase(&progress, PL_PHASE_READING);
     status = pl_job_read(&job, arguments, engine);
     if (!status)
-        status = check_output(&job);
-    if (!status)
         status = smooth_job(&job, &result, &progress);
     pl_progress_free(&progress);
     pl_volumes_free(&result.volumes);
@@ -452,4 +408,8 @@ int pl_smooth_by(const pl_arguments *arguments, const pl_engine *engine) {
     pl_picture_free(result.picture);
     pl_job_close(&job);
     return status;
+}
+
+int pl_smooth_command(const pl_arguments *arguments) {
+    return pl_smooth_by(arguments, &pl_engine_here);
 }

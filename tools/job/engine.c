@@ -3,6 +3,49 @@
 
 #include "job/job.h"
 
+#include <stdlib.h>
+
+static int fail_memory(planish_error *error) {
+    *error = (planish_error){PLANISH_ERROR_MEMORY, -1, -1, "out of memory for states of elements"};
+    return error->code;
+}
+
+/** Mark the elements without a radius ratio. */
+static int find_inverted(const planish_plan *plan, const planish_mesh *mesh, uint8_t *state,
+                         int64_t *n, planish_error *error) {
+    double *ratio = malloc(((size_t)mesh->n_elements + 1) * sizeof *ratio);
+    if (!ratio)
+        return fail_memory(error);
+    const int code = planish_measure_elements(plan, mesh->coordinates, ratio, error);
+    *n = 0;
+    for (int64_t i = 0; !code && i < mesh->n_elements; i++) {
+        state[i] = ratio[i] == 0;
+        *n += state[i];
+    }
+    free(ratio);
+    return code;
+}
+
+int pl_states_find(const planish_plan *plan, const planish_mesh *mesh, pl_state_kind kind,
+                   const planish_options *options, uint8_t *state, pl_states *found,
+                   planish_error *error) {
+    const double *x = mesh->coordinates;
+    found->n = found->n_undecided = 0;
+    switch (kind) {
+    case PL_STATE_VOLUME:
+        return planish_check_volumes_until(plan, x, options, state, &found->n, &found->n_undecided,
+                                           error);
+    case PL_STATE_UNFIXABLE:
+        return planish_find_unfixable_until(plan, x, options, state, &found->n, &found->n_undecided,
+                                            error);
+    case PL_STATE_REVERSED:
+        return planish_find_reversed(plan, x, state, &found->n, error);
+    case PL_STATE_INVERTED:
+        break;
+    }
+    return find_inverted(plan, mesh, state, &found->n, error);
+}
+
 static int plan_create(pl_job *job, planish_error *error) {
     const int code = planish_plan_create(&job->mesh, &job->options, &job->plan, error);
     if (!code)
@@ -33,20 +76,18 @@ static int measure_elements(const pl_job *job, double *ratio, planish_error *err
     return planish_measure_elements(job->plan, job->mesh.coordinates, ratio, error);
 }
 
-static int check_volumes(const pl_job *job, const planish_options *options, uint8_t *state,
-                         int64_t *n_below, int64_t *n_undecided, planish_error *error) {
-    return planish_check_volumes_until(job->plan, job->mesh.coordinates, options, state, n_below,
-                                       n_undecided, error);
-}
-
-static int find_unfixable(const pl_job *job, const planish_options *options, uint8_t *state,
-                          int64_t *n, int64_t *n_undecided, planish_error *error) {
-    return planish_find_unfixable_until(job->plan, job->mesh.coordinates, options, state, n,
-                                        n_undecided, error);
-}
-
-static int find_reversed(const pl_job *job, uint8_t *state, int64_t *n, planish_error *error) {
-    return planish_find_reversed(job->plan, job->mesh.coordinates, state, n, error);
+static int find_states(const pl_job *job, pl_state_kind kind, const planish_options *options,
+                       int with_state, pl_states *found, planish_error *error) {
+    uint8_t *state = with_state ? malloc((size_t)job->mesh.n_elements + 1) : NULL;
+    *found = (pl_states){.state = NULL};
+    if (with_state && !state)
+        return fail_memory(error);
+    const int code = pl_states_find(job->plan, &job->mesh, kind, options, state, found, error);
+    if (!code && found->n > 0)
+        found->state = state;
+    else
+        free(state);
+    return code;
 }
 
 static int smooth(pl_job *job, planish_result *result, planish_error *error) {
@@ -60,7 +101,5 @@ const pl_engine pl_engine_here = {.plan_create = plan_create,
                                   .get_held = get_held,
                                   .measure = measure,
                                   .measure_elements = measure_elements,
-                                  .check_volumes = check_volumes,
-                                  .find_unfixable = find_unfixable,
-                                  .find_reversed = find_reversed,
+                                  .find_states = find_states,
                                   .smooth = smooth};

@@ -14,11 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-int pl_job_binds(const pl_arguments *arguments) {
-    return !arguments->leave_unbound && !getenv("OMP_PLACES") && !getenv("OMP_PROC_BIND") &&
-           !getenv("GOMP_CPU_AFFINITY");
-}
-
 const char *const *pl_job_region_arrays(const pl_job *job) {
     return planish_file_region_arrays(job->arguments->ignore_regions ? NULL : job->file);
 }
@@ -27,8 +22,11 @@ int64_t pl_job_element_number(const pl_job *job, int64_t element) {
     return job->file ? planish_file_element_number(job->file, element) : element;
 }
 
-/** Whether that is what is wrong: an element with the same node at two corners. */
+/** Whether the error is an element with the same node at two corners. */
 static int is_collapsed(const pl_job *job, const planish_error *error) {
+    if (error->code != PLANISH_ERROR_MESH || !job->file || error->element < 0 ||
+        error->element >= job->mesh.n_elements)
+        return 0;
     const int32_t *corner = job->mesh.elements + error->element * (job->mesh.dim + 1);
     int n = 0;
     for (int i = 0; i <= job->mesh.dim; i++)
@@ -40,8 +38,7 @@ int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
     const char *input = job->arguments->input;
     char where[64] = "";
     /* The library's text has its own numbers. */
-    if (error->code == PLANISH_ERROR_MESH && job->file && error->element >= 0 &&
-        error->element < job->mesh.n_elements && is_collapsed(job, error))
+    if (is_collapsed(job, error))
         return pl_complain(status,
                            "%s: element %" PRId64 " has node %" PRId64
                            " twice; remove the collapsed element",
@@ -58,6 +55,24 @@ int pl_job_complain(const pl_job *job, int status, const planish_error *error) {
     return pl_complain(status, "%s: %s%s", input, error->text, where);
 }
 
+/** As pl_job_complain, where a wrong argument is one of the command line. */
+static int complain_of_arguments(const pl_job *job, const planish_error *error) {
+    if (error->code == PLANISH_ERROR_ARGUMENT)
+        return pl_complain_usage(pl_command_name(job->arguments->command), "%s", error->text);
+    return pl_job_complain(job, PL_EXIT_FAILED, error);
+}
+
+static int complain_memory(const pl_job *job, int64_t n, const char *of) {
+    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " %s",
+                       job->arguments->input, n, of);
+}
+
+static int complain_nodes(const pl_job *job) {
+    return complain_memory(job, job->mesh.n_nodes, "nodes");
+}
+
+/* ---- reading -------------------------------------------------------------------------------- */
+
 static planish_hold hold_of(const pl_arguments *arguments, int slide, int ignore_marks) {
     return (planish_hold){.tags = arguments->fix,
                           .n_tags = arguments->n_fix,
@@ -72,26 +87,19 @@ planish_hold pl_job_hold(const pl_job *job) {
     return hold_of(job->arguments, 0, 0);
 }
 
-static int complain_nodes(const pl_job *job) {
-    return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " nodes",
-                       job->arguments->input, job->mesh.n_nodes);
-}
-
 /** Fill constraint with what the file and hold say. */
 static int find_held(const pl_job *job, const planish_hold *hold, uint8_t *constraint) {
     planish_error error;
-    const int code = planish_file_constraints(job->file, hold, constraint, &error);
-    if (code == PLANISH_ERROR_ARGUMENT)
-        return pl_complain_usage(pl_command_name(job->arguments->command), "%s", error.text);
-    return code ? pl_job_complain(job, PL_EXIT_FAILED, &error) : 0;
+    return planish_file_constraints(job->file, hold, constraint, &error)
+               ? complain_of_arguments(job, &error)
+               : 0;
 }
 
 int pl_job_find_layers(const pl_job *job, uint8_t **is_layer, int64_t *n) {
     planish_error error;
     *is_layer = malloc((size_t)job->mesh.n_elements + 1);
     if (!*is_layer)
-        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " elements",
-                           job->arguments->input, job->mesh.n_elements);
+        return complain_memory(job, job->mesh.n_elements, "elements");
     if (planish_find_layers(&job->mesh, job->options.threads, *is_layer, n, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
     return 0;
@@ -117,38 +125,30 @@ static int find_constraints(pl_job *job) {
     return status;
 }
 
-/** Area enters F as 1 - V/delta, so that with a weight every element needs its delta. */
-static int check_area_weight(const pl_job *job) {
-    const planish_options *options = &job->options;
-    if (options->area_weight == 0 || options->min_volume > 0 || options->min_volume_fraction > 0)
-        return 0;
-    for (int64_t i = 0; i < job->mesh.n_elements; i++)
-        if (job->min_volume[i] == 0)
-            return pl_complain_usage(pl_command_name(job->arguments->command),
-                                     "--area-weight needs a minimum volume for every element, and "
-                                     "element %" PRId64 " is in none of the groups named",
-                                     planish_file_element_number(job->file, i));
-    return 0;
-}
-
 static int find_min_volumes(pl_job *job) {
     const pl_arguments *arguments = job->arguments;
+    const planish_options *options = &job->options;
     planish_error error;
     if (arguments->n_min_volumes == 0)
         return 0;
     job->min_volume = malloc((size_t)job->mesh.n_elements * sizeof *job->min_volume);
     if (!job->min_volume)
-        return pl_complain(PL_EXIT_FAILED, "%s: out of memory for %" PRId64 " elements",
-                           arguments->input, job->mesh.n_elements);
-    const int code = planish_file_min_volumes(
-        job->file, (const char *const *)arguments->min_volume_tag, arguments->min_volume_value,
-        arguments->n_min_volumes, job->min_volume, &error);
-    if (code == PLANISH_ERROR_ARGUMENT)
-        return pl_complain_usage(pl_command_name(arguments->command), "%s", error.text);
-    if (code)
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+        return complain_memory(job, job->mesh.n_elements, "elements");
+    if (planish_file_min_volumes(job->file, (const char *const *)arguments->min_volume_tag,
+                                 arguments->min_volume_value, arguments->n_min_volumes,
+                                 job->min_volume, &error))
+        return complain_of_arguments(job, &error);
     job->mesh.min_volume = job->min_volume;
-    return check_area_weight(job);
+    /* Area enters F as 1 - V/delta, so that with a weight every element needs its delta. */
+    if (options->area_weight == 0 || options->min_volume > 0 || options->min_volume_fraction > 0)
+        return 0;
+    for (int64_t i = 0; i < job->mesh.n_elements; i++)
+        if (job->min_volume[i] == 0)
+            return pl_complain_usage(pl_command_name(arguments->command),
+                                     "--area-weight needs a minimum volume for every element, and "
+                                     "element %" PRId64 " is in none of the groups named",
+                                     planish_file_element_number(job->file, i));
+    return 0;
 }
 
 /** The bounds of a mesh of triangles are in the file's axes, in their order: x z of y = 0, which
@@ -192,6 +192,31 @@ static int check_tolerance(const pl_job *job) {
                              "a tilted plane");
 }
 
+/** Open the file, and find out what it says of nodes and elements. */
+static int open_file(pl_job *job) {
+    const pl_arguments *arguments = job->arguments;
+    planish_error error;
+    int status;
+    const planish_open_options how = {.format = arguments->format,
+                                      .threads = job->options.threads,
+                                      .isolated = 1,
+                                      .plane_tolerance = arguments->slide_tolerance};
+    if (planish_file_open_with(arguments->input, &how, &job->file, &error))
+        return pl_job_complain(job, PL_EXIT_FAILED, &error);
+    if (planish_file_choose_regions(job->file, arguments->regions, arguments->n_regions, &error))
+        return complain_of_arguments(job, &error);
+    planish_file_get_info(job->file, &job->file_info);
+    job->options.precision = job->file_info.precision;
+    job->options.round = job->file_info.round;
+    job->options.round_user = job->file_info.round_user;
+    job->mesh = planish_file_mesh(job->file);
+    if ((status = check_tolerance(job)))
+        return status;
+    if ((status = find_constraints(job)))
+        return status;
+    return find_min_volumes(job);
+}
+
 int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine) {
     planish_error error;
     memset(job, 0, sizeof *job);
@@ -200,36 +225,25 @@ int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *eng
     job->arguments = arguments;
     job->engine = engine;
     job->options = arguments->library;
-    job->options.bind = pl_job_binds(arguments);
+    /* The user may have told planish or OpenMP otherwise. */
+    job->options.bind = !arguments->leave_unbound && !getenv("OMP_PLACES") &&
+                        !getenv("OMP_PROC_BIND") && !getenv("GOMP_CPU_AFFINITY");
     job->options.threads = pl_threads_to_use(arguments->library.threads);
     if (strcmp(arguments->input, "-") == 0)
         return pl_complain(PL_EXIT_USAGE, "'-' is not a file; standard input is /dev/stdin");
     pl_signals_set_input(arguments->input);
-    const planish_open_options how = {.format = arguments->format,
-                                      .threads = job->options.threads,
-                                      .isolated = 1,
-                                      .plane_tolerance = arguments->slide_tolerance};
-    if (planish_file_open_with(arguments->input, &how, &job->file, &error))
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    if (planish_file_choose_regions(job->file, arguments->regions, arguments->n_regions, &error))
-        return error.code == PLANISH_ERROR_ARGUMENT
-                   ? pl_complain_usage(pl_command_name(arguments->command), "%s", error.text)
-                   : pl_job_complain(job, PL_EXIT_FAILED, &error);
-    planish_file_get_info(job->file, &job->file_info);
-    job->options.precision = job->file_info.precision;
-    job->options.round = job->file_info.round;
-    job->options.round_user = job->file_info.round_user;
-    job->mesh = planish_file_mesh(job->file);
-    int status = check_tolerance(job);
-    if (!status)
-        status = find_constraints(job);
-    if (!status)
-        status = find_min_volumes(job);
+    int status = 0;
+    if (!engine->read)
+        status = open_file(job);
+    else if (engine->read(job, &error))
+        status = pl_job_complain(job, PL_EXIT_FAILED, &error);
     if (!status)
         status = find_box(job);
     job->read_seconds = pl_seconds() - job->begin;
     return status;
 }
+
+/* ---- nodes that slide ----------------------------------------------------------------------- */
 
 /** Let the library find what slides, once constraint is what hold says. is_inside: as in
  *  planish_surface. */
@@ -264,26 +278,22 @@ static int marks_are_the_surface(const pl_job *job, const uint8_t *marked, uint8
     return 1;
 }
 
-/** What the file's marks, if it has any, leave to slide. */
-static int find_unmarked(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
-                         double *direction) {
-    if (planish_file_marks(job->file, NULL) == 0)
-        return find_unheld(job, 0, is_inside, constraint, direction);
-    uint8_t *marked = malloc((size_t)job->mesh.n_nodes);
-    if (!marked)
-        return complain_nodes(job);
-    planish_file_marks(job->file, marked);
-    int status = find_unheld(job, 1, is_inside, constraint, direction);
-    if (!status && !marks_are_the_surface(job, marked, constraint))
-        status = find_unheld(job, 0, is_inside, constraint, direction);
-    free(marked);
-    return status;
-}
-
-/** Find what slides: constraint [n_nodes] and direction [n_nodes][dim] are filled. */
+/** Find what slides, and what the file's marks, if it has any, leave to slide: constraint [n_nodes]
+ *  and direction [n_nodes][dim] are filled. */
 static int find_slides(const pl_job *job, const uint8_t *is_inside, uint8_t *constraint,
                        double *direction) {
-    const int status = find_unmarked(job, is_inside, constraint, direction);
+    int status = 0, is_found = 0;
+    if (planish_file_marks(job->file, NULL) > 0) {
+        uint8_t *marked = malloc((size_t)job->mesh.n_nodes);
+        if (!marked)
+            return complain_nodes(job);
+        planish_file_marks(job->file, marked);
+        status = find_unheld(job, 1, is_inside, constraint, direction);
+        is_found = status || marks_are_the_surface(job, marked, constraint);
+        free(marked);
+    }
+    if (!is_found)
+        status = find_unheld(job, 0, is_inside, constraint, direction);
     pl_job_hold_layers(job, constraint);
     return status;
 }
@@ -295,7 +305,7 @@ static double *new_directions(const pl_job *job) {
 
 int pl_job_find_slides(pl_job *job) {
     const double begin = pl_seconds();
-    if (!job->arguments->slide)
+    if (!job->arguments->slide || !job->file)
         return 0;
     job->direction = new_directions(job);
     const int status = job->direction ? find_slides(job, NULL, job->constraint, job->direction)
@@ -331,7 +341,7 @@ int pl_job_count_slides(pl_job *job) {
     const size_t n = (size_t)job->mesh.n_nodes + 1;
     int64_t n_sliding = 0;
     int status = 0;
-    if (job->arguments->slide || job->options.only_worse_than > 0 ||
+    if (job->arguments->slide || !job->file || job->options.only_worse_than > 0 ||
         job->options.method != PLANISH_METHOD_PLANISH)
         return 0;
     uint8_t *constraint = malloc(n), *is_inside = malloc(n);
@@ -353,18 +363,7 @@ int pl_job_count_slides(pl_job *job) {
     return status;
 }
 
-/** Keep which elements wrap around, as the plan will be gone when that is told. */
-static int keep_wrapped(pl_job *job) {
-    if (job->plan_info.n_wrapped == 0)
-        return 0;
-    job->wrapped = calloc((size_t)job->mesh.n_elements, 1);
-    if (!job->wrapped)
-        return pl_complain(PL_EXIT_FAILED,
-                           "%s: out of memory for the states of %" PRId64 " elements",
-                           job->arguments->input, job->mesh.n_elements);
-    planish_find_wrapped(job->plan, job->wrapped, NULL);
-    return 0;
-}
+/* ---- the plan, and measures ----------------------------------------------------------------- */
 
 int pl_job_plan(pl_job *job) {
     planish_error error;
@@ -374,7 +373,14 @@ int pl_job_plan(pl_job *job) {
     job->setup_seconds = pl_seconds() - begin;
     snprintf(job->binding, sizeof job->binding, "%s", job->plan_info.binding);
     job->plan_info.binding = job->binding;
-    return keep_wrapped(job);
+    if (job->plan_info.n_wrapped == 0)
+        return 0;
+    /* Kept, as the plan will be gone when that is told. */
+    job->wrapped = calloc((size_t)job->mesh.n_elements, 1);
+    if (!job->wrapped)
+        return complain_memory(job, job->mesh.n_elements, "states of elements");
+    planish_find_wrapped(job->plan, job->wrapped, NULL);
+    return 0;
 }
 
 uint64_t pl_job_checksum(const pl_job *job) {
@@ -399,34 +405,6 @@ int pl_job_get_free(const pl_job *job, uint8_t *is_free) {
                : 0;
 }
 
-/** A ratio over no element has no value; 0 would read as better than perfect. */
-static void forget_if_none(double *ratio) {
-    if (*ratio == 0)
-        *ratio = NAN;
-}
-
-/** Without a valid element, no measure has a value. */
-static void forget_measures(planish_quality *quality) {
-    const planish_spread none = {NAN, NAN, NAN};
-    quality->radius_ratio = quality->circumradius_to_edge = quality->edge_to_inradius = none;
-    quality->edge_ratio = quality->mean_ratio = quality->scaled_jacobian = none;
-    quality->smallest_angle_deg = quality->largest_angle_deg = none;
-    quality->min_angle_deg = quality->max_angle_deg = NAN;
-}
-
-void pl_job_forget(planish_quality *quality) {
-    if (quality->max_radius_ratio == 0)
-        forget_measures(quality);
-    forget_if_none(&quality->rms_radius_ratio);
-    forget_if_none(&quality->rms_radius_ratio_movable);
-    forget_if_none(&quality->mean_radius_ratio);
-    forget_if_none(&quality->max_radius_ratio);
-    forget_if_none(&quality->fixed_rms_radius_ratio);
-    forget_if_none(&quality->fixed_max_radius_ratio);
-    forget_if_none(&quality->max_radius_ratio_movable);
-    forget_if_none(&quality->min_angle_deg_movable);
-}
-
 int pl_angle_is_smaller(double after, double before) {
     static const double RELATIVE = 1e-9, ABSOLUTE = 1e-12; /* of degrees */
     return after < before * (1 - RELATIVE) - ABSOLUTE;
@@ -436,7 +414,22 @@ int pl_job_measure(const pl_job *job, planish_quality *quality) {
     planish_error error;
     if (job->engine->measure(job, quality, &error))
         return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    pl_job_forget(quality);
+    /* A measure over no element has no value; 0 would read as better than perfect. */
+    if (quality->max_radius_ratio == 0) {
+        const planish_spread none = {NAN, NAN, NAN};
+        quality->radius_ratio = quality->circumradius_to_edge = quality->edge_to_inradius = none;
+        quality->edge_ratio = quality->mean_ratio = quality->scaled_jacobian = none;
+        quality->smallest_angle_deg = quality->largest_angle_deg = none;
+        quality->min_angle_deg = quality->max_angle_deg = NAN;
+    }
+    double *const ratios[] = {
+        &quality->rms_radius_ratio,         &quality->rms_radius_ratio_movable,
+        &quality->mean_radius_ratio,        &quality->max_radius_ratio,
+        &quality->fixed_rms_radius_ratio,   &quality->fixed_max_radius_ratio,
+        &quality->max_radius_ratio_movable, &quality->min_angle_deg_movable};
+    for (size_t i = 0; i < sizeof ratios / sizeof *ratios; i++)
+        if (*ratios[i] == 0)
+            *ratios[i] = NAN;
     return 0;
 }
 

@@ -85,10 +85,6 @@ typedef struct pl_job {
     double setup_seconds; /* plan */
 } pl_job;
 
-/** Whether threads are to be bound to cores: not if the user has told planish or OpenMP otherwise.
- */
-int pl_job_binds(const pl_arguments *arguments);
-
 /** Read the file of arguments and find out which nodes it holds and what bounds there are. */
 int pl_job_read(pl_job *job, const pl_arguments *arguments, const pl_engine *engine);
 
@@ -133,11 +129,8 @@ uint64_t pl_job_checksum(const pl_job *job);
  *  sliver's is that of its volume. */
 int pl_angle_is_smaller(double after, double before);
 
-/** Measure the mesh as it is now. */
+/** Measure the mesh as it is now; measures over no element are NAN. */
 int pl_job_measure(const pl_job *job, planish_quality *quality);
-
-/** Measures over no element become no numbers. */
-void pl_job_forget(planish_quality *quality);
 
 /** Message for an error of the library: the text, and which file if it does not say so. */
 int pl_job_complain(const pl_job *job, int status, const planish_error *error);

@@ -160,7 +160,7 @@ static int are_many(const pl_job *job) {
 int pl_layers_count(pl_job *job, const planish_quality *quality) {
     const double begin = pl_seconds();
     uint8_t *is_layer = NULL;
-    if (job->arguments->fix_layers || !may_have_many(quality))
+    if (job->arguments->fix_layers || !job->file || !may_have_many(quality))
         return 0;
     int status = pl_job_find_layers(job, &is_layer, &job->layers.n);
     if (!status && job->layers.n > 0)

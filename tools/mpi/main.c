@@ -1,6 +1,6 @@
 /* main: planish-mpi, the program for meshes that MPI processes share. */
 #define _GNU_SOURCE /* affinity */
-#include "mpi/large.h"
+#include "mpi/lead.h"
 
 #include "options/commands.h"
 #include "options/help.h"
@@ -22,9 +22,8 @@
 
 /** What the first process tells the others before there is a crew. */
 typedef struct start {
-    int status;   /* of a command line that asks for no work, else -1 */
-    int threads;  /* that the command line asks for, for each process, or 0 */
-    int is_large; /* no process needs to have all of the mesh */
+    int status;  /* of a command line that asks for no work, else -1 */
+    int threads; /* that the command line asks for, for each process, or 0 */
 } start;
 
 static int print_version(void) {
@@ -58,7 +57,6 @@ static start read_arguments(int argc, char **argv, pl_arguments *arguments) {
     else if (!s.status)
         s.status = -1;
     s.threads = arguments->library.threads;
-    s.is_large = s.status < 0 && pl_large_can(arguments);
     return s;
 }
 
@@ -110,9 +108,7 @@ static int work(int rank, const start *s, pl_arguments *arguments) {
     pl_crew_create(&crew, threads, bind);
     arguments->library.threads = crew.threads;
     arguments->leave_unbound |= !bind;
-    const int status = s->is_large ? pl_large_smooth(&crew, rank == 0 ? arguments : NULL)
-                       : rank == 0 ? pl_crew_lead(&crew, arguments)
-                                   : pl_crew_follow(&crew);
+    const int status = rank == 0 ? pl_crew_lead(&crew, arguments) : pl_crew_follow(&crew);
     pl_crew_destroy(&crew, status);
     return status;
 }

@@ -331,7 +331,7 @@ static int start_collection(pl_collection *c, MPI_Comm comm, const int64_t *numb
     int32_t *mine = pl_new_array(n, sizeof *mine);
     *c = (pl_collection){.comm = comm};
     for (int64_t i = 0; mine && i < n; i++)
-        if (!out || out[i] != without)
+        if (out[i] != without)
             mine[c->n++] = (int32_t)number[i];
     if (rank == 0) {
         c->count = pl_new_array(n_ranks, sizeof *c->count);
@@ -377,9 +377,7 @@ static int start_collections(pl_share *share, MPI_Comm comm) {
     return start_collection(&share->own_nodes, comm, share->node_number, share->role, PLANISH_GHOST,
                             mesh->n_nodes) ||
            start_collection(&share->counted_elements, comm, share->element_number,
-                            share->is_counted, 0, mesh->n_elements) ||
-           start_collection(&share->all_elements, comm, share->element_number, NULL, 0,
-                            mesh->n_elements);
+                            share->is_counted, 0, mesh->n_elements);
 }
 
 int pl_share_create(pl_share *share, MPI_Comm comm, const planish_mesh *whole,
@@ -426,7 +424,6 @@ void pl_share_destroy(pl_share *share) {
     pl_exchange_destroy(&share->exchange);
     destroy_collection(&share->own_nodes);
     destroy_collection(&share->counted_elements);
-    destroy_collection(&share->all_elements);
     free(share->coordinates);
     free(share->direction);
     free(share->min_volume);
@@ -472,9 +469,6 @@ void pl_collect(const pl_collection *c, const void *values, int size, void *room
     MPI_Type_commit(&row);
     MPI_Gatherv(values, c->n, row, all, c->count, c->at, row, 0, c->comm);
     MPI_Type_free(&row);
-    for (int64_t i = 0; i < n; i++) {
-        char *place = to + (int64_t)c->number[i] * size;
-        if (size > 1 || (uint8_t)all[i] > (uint8_t)*place)
-            memcpy(place, all + i * size, (size_t)size);
-    }
+    for (int64_t i = 0; i < n; i++)
+        memcpy(to + (int64_t)c->number[i] * size, all + i * size, (size_t)size);
 }

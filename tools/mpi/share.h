@@ -26,7 +26,7 @@ typedef struct pl_share {
     uint8_t *constraint, *role, *is_counted;
     int64_t *node_number, *element_number; /* in the whole mesh */
     pl_exchange exchange;
-    pl_collection own_nodes, counted_elements, all_elements;
+    pl_collection own_nodes, counted_elements;
 } pl_share;
 
 /** Share whole, which the first process has (the others: NULL). Collective. Returns 0, or a
@@ -50,8 +50,7 @@ int pl_fail_petsc(planish_error *error, PetscErrorCode code);
 int64_t pl_collected(const pl_collection *collection);
 
 /** Collect values [n][size] of all processes: the first one puts them to whole [.][size], in the
- * order of the whole mesh; where several have the same number the larger one is taken, of values of
- * one byte. room: for pl_collected of them. */
+ * order of the whole mesh. room: for pl_collected of them. */
 void pl_collect(const pl_collection *collection, const void *values, int size, void *room,
                 void *whole);
 

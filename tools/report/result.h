@@ -5,8 +5,7 @@
 #include "job/job.h"
 #include "job/progress.h"
 #include "report/picture.h"
-#include "job/reversed.h"
-#include "job/volumes.h"
+#include "job/states.h"
 #include "job/worst.h"
 
 /** Everything that smooth can say about a run. */

@@ -1,10 +1,10 @@
-/* settle: what smoothing in a tilted plane becomes as it is written, in space.
+/* promises: what planish_smooth promises of a result, kept where the file rounds it, and checked.
  *
- * The library has rounded nothing to what the file holds, as no number of its coordinates is one of
- * the file. So signs are made sure of (planish_file_settle), and the promises of planish_smooth are
- * looked at again: elements that break them get their nodes back, and if that does not do, all.
+ * In a tilted plane the library has rounded nothing to what the file holds, as no number of its
+ * coordinates is one of the file. So signs are made sure of (planish_file_settle), and the promises
+ * are looked at again: elements that break them get their nodes back, and if that does not do, all.
  */
-#include "commands/settle.h"
+#include "commands/promises.h"
 
 #include "terminal/message.h"
 
@@ -12,7 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As in smooth.c. */
+/* F before and after is summed over the same elements, most of which are unchanged: a rise
+ * within the rounding of such a sum says nothing. Relative. */
 static const double F_ROUNDING = 1e-12;
 
 /** Whether the mesh was valid, so that its worst element counts. */
@@ -20,17 +21,52 @@ static int was_valid(const pl_result *result) {
     return result->before.inverted == 0 && result->below_before == 0;
 }
 
-static int is_worse(const pl_job *job, const pl_result *result, const planish_quality *after) {
+/** Name of the first measure that after has worse than the promises allow, or NULL; its values
+ *  *from and *to. */
+static const char *find_broken(const pl_job *job, const pl_result *result,
+                               const planish_quality *after, double *from, double *to) {
     const planish_quality *before = &result->before;
+    *from = (double)before->inverted;
+    *to = (double)after->inverted;
     if (after->inverted > before->inverted)
-        return 1;
+        return "the number of inverted elements";
     if (!was_valid(result) || job->options.method != PLANISH_METHOD_PLANISH)
+        return NULL;
+    *from = before->max_radius_ratio_movable;
+    *to = after->max_radius_ratio_movable;
+    if (*to > *from)
+        return "the worst radius ratio of elements with a free node";
+    if (pl_arguments_change_objective(job->arguments))
+        return NULL;
+    *from = before->min_angle_deg_movable;
+    *to = after->min_angle_deg_movable;
+    if (pl_angle_is_smaller(*to, *from))
+        return "the smallest angle of elements with a free node";
+    if (result->smooth.objective_of_worst > 0) /* the RMS may rise for the worst elements */
+        return NULL;
+    *from = before->rms_radius_ratio;
+    *to = after->rms_radius_ratio;
+    return *to > *from * (1 + F_ROUNDING) ? "the RMS" : NULL;
+}
+
+int pl_promises_check(const pl_job *job, const pl_result *result) {
+    const planish_result *smooth = &result->smooth;
+    double from, to;
+    if (job->options.method != PLANISH_METHOD_PLANISH)
         return 0;
-    if (after->max_radius_ratio_movable > before->max_radius_ratio_movable)
-        return 1;
-    return !pl_arguments_change_objective(job->arguments) &&
-           (pl_angle_is_smaller(after->min_angle_deg_movable, before->min_angle_deg_movable) ||
-            after->rms_radius_ratio > before->rms_radius_ratio * (1 + F_ROUNDING));
+    const char *broken = find_broken(job, result, &result->after, &from, &to);
+    if (!broken && was_valid(result)) {
+        from = smooth->objective_of_worst > 0
+                   ? smooth->objective_of_worst * (1 + job->options.worst_rise)
+                   : smooth->objective_before;
+        to = smooth->objective;
+        broken = to > from * (1 + F_ROUNDING) ? "F" : NULL;
+    }
+    return broken ? pl_complain(PL_EXIT_FAILED,
+                                "%s: internal error: %s went from %.17g to %.17g; nothing was "
+                                "written, please report this",
+                                job->arguments->input, broken, from, to)
+                  : 0;
 }
 
 /** Mark the nodes of elements that are worse than the worst was; not 0: there are any. */
@@ -50,11 +86,11 @@ static int mark_worse(const pl_job *job, const pl_result *result, const double *
     return any;
 }
 
-/** Settle until nothing is worse. */
+/** Settle until nothing is worse. back [n_nodes], ratio [n_elements]: working space. */
 static int settle(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
                   planish_error *error) {
     enum { ROUNDS = 20 };
-    double *coordinates = planish_file_coordinates(job->file);
+    double *coordinates = planish_file_coordinates(job->file), from, to;
     for (int round = 0;; round++) {
         planish_quality after;
         int64_t n = 0;
@@ -64,7 +100,7 @@ static int settle(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
         if (code)
             return code;
         result->returned_nodes += n;
-        if (!is_worse(job, result, &after) || round > ROUNDS)
+        if (!find_broken(job, result, &after, &from, &to) || round > ROUNDS)
             return PLANISH_OK;
         code = job->engine->measure_elements(job, ratio, error);
         if (code)
@@ -74,7 +110,7 @@ static int settle(pl_job *job, pl_result *result, uint8_t *back, double *ratio,
     }
 }
 
-int pl_settle(pl_job *job, pl_result *result) {
+int pl_promises_settle(pl_job *job, pl_result *result) {
     planish_error error;
     planish_plane plane;
     if (!job->file || !planish_file_plane(job->file, &plane) || !plane.is_tilted)
