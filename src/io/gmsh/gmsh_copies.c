@@ -34,10 +34,6 @@ static int compare_candidates(const void *left, const void *right) {
     return (a->cell > b->cell) - (a->cell < b->cell);
 }
 
-static int same_element(const copy_candidate *a, const copy_candidate *b) {
-    return a->tag == b->tag && memcmp(a->corner, b->corner, sizeof a->corner) == 0;
-}
-
 static copy_candidate make_candidate(const io_model *model, const io_cells *cells, int corners,
                                      int64_t cell) {
     const io_entity *entity = &model->entity[cells->entity[cell]];
@@ -55,48 +51,39 @@ static copy_candidate make_candidate(const io_model *model, const io_cells *cell
 
 /* ---- entities in several groups ----------------------------------------------------------- */
 
-typedef struct named_entity {
-    int dim;
-    int32_t tag, entity;
-} named_entity;
-
-static int compare_entities(const void *left, const void *right) {
-    const named_entity *a = left, *b = right;
-    if (a->dim != b->dim)
-        return a->dim < b->dim ? -1 : 1;
-    return (a->tag > b->tag) - (a->tag < b->tag);
-}
-
 /** shared [n_entities]: 1 where another entity has the same dimension and tag; *any: whether one
  * is.
  */
 static int find_shared(const io_model *model, uint8_t *shared, int *any, planish_error *error) {
     int32_t n = model->n_entities;
-    named_entity *list = pl_alloc(n, sizeof *list);
+    gmsh_place *list = pl_alloc(n, sizeof *list);
     if (!list)
         return pl_fail_memory(error, "the elements' tags");
     for (int32_t i = 0; i < n; i++)
-        list[i] = (named_entity){model->entity[i].dim, model->entity[i].tag, i};
+        list[i] = (gmsh_place){model->entity[i].dim, model->entity[i].tag, i, 0};
     if (n > 0)
-        qsort(list, (size_t)n, sizeof *list, compare_entities);
+        qsort(list, (size_t)n, sizeof *list, gmsh_compare_places);
     *any = 0;
     for (int32_t i = 1; i < n; i++) {
-        if (compare_entities(&list[i - 1], &list[i]))
+        if (gmsh_compare_places(&list[i - 1], &list[i]))
             continue;
         shared[list[i - 1].entity] = shared[list[i].entity] = 1;
         *any = 1;
     }
     pl_free(list);
-    return 0;
+    return PLANISH_OK;
 }
 
 /* ---- copies ------------------------------------------------------------------------------- */
 
-/** The physical groups of n candidates (one element and its copies): rising, and the number of them
- * returned. Of each group the first cell is dropped, but for the first cell of all. */
-static int gather_groups(io_cells *cells, const copy_candidate *copy, int64_t n, int32_t *group) {
+/** Make one element of n candidates with the same nodes, in all their physical groups. Of each
+ *  group the first cell is dropped, but for the first cell of all. group: room for n numbers. */
+static int merge_copies(io_model *model, io_cells *cells, int dim, const copy_candidate *copy,
+                        int64_t n, int32_t *group, planish_error *error) {
     int n_groups = 0;
     int32_t first = copy[0].cell;
+    if (copy[0].physical == copy[n - 1].physical)
+        return PLANISH_OK;
     for (int64_t i = 1; i < n; i++)
         first = copy[i].cell < first ? copy[i].cell : first;
     for (int64_t i = 0; i < n; i++) {
@@ -107,35 +94,11 @@ static int gather_groups(io_cells *cells, const copy_candidate *copy, int64_t n,
         if (copy[i].cell != first)
             cells->entity[copy[i].cell] = DROPPED;
     }
-    return n_groups;
-}
-
-/** Make one element of n candidates with the same nodes. group: room for n numbers. */
-static int merge(io_model *model, io_cells *cells, int dim, const copy_candidate *copy, int64_t n,
-                 int32_t *group, planish_error *error) {
-    if (copy[0].physical == copy[n - 1].physical)
-        return 0;
-    int n_groups = gather_groups(cells, copy, n, group);
-    int32_t entity = io_model_entity(model, dim, copy[0].tag, n_groups, group, error);
-    if (entity < 0)
-        return entity;
-    for (int64_t i = 0; i < n; i++)
+    const int32_t entity = io_model_entity(model, dim, copy[0].tag, n_groups, group, error);
+    for (int64_t i = 0; i < n && entity >= 0; i++)
         if (cells->entity[copy[i].cell] != DROPPED)
             cells->entity[copy[i].cell] = entity;
-    return 0;
-}
-
-static int merge_all(io_model *model, io_cells *cells, int dim, copy_candidate *candidate,
-                     int64_t n, int32_t *group, planish_error *error) {
-    int status = 0;
-    qsort(candidate, (size_t)n, sizeof *candidate, compare_candidates);
-    for (int64_t begin = 0, end; !status && begin < n; begin = end) {
-        for (end = begin + 1; end < n && same_element(&candidate[begin], &candidate[end]);)
-            end++;
-        if (end - begin > 1)
-            status = merge(model, cells, dim, candidate + begin, end - begin, group, error);
-    }
-    return status;
+    return entity < 0 ? entity : PLANISH_OK;
 }
 
 /** Close the gaps that dropped cells leave. */
@@ -159,16 +122,25 @@ static int merge_cells(io_model *model, io_cells *cells, int dim, const uint8_t 
     for (int64_t i = 0; i < cells->n; i++)
         n += shared[cells->entity[i]];
     if (n == 0)
-        return 0;
+        return PLANISH_OK;
     copy_candidate *candidate = pl_alloc(n, sizeof *candidate);
     int32_t *group = pl_alloc(n, sizeof *group);
-    int status = !candidate || !group ? pl_fail_memory(error, "the elements") : 0;
+    int status = candidate && group ? PLANISH_OK : pl_fail_memory(error, "the elements");
     if (!status) {
         int64_t filled = 0;
         for (int64_t i = 0; i < cells->n; i++)
             if (shared[cells->entity[i]])
                 candidate[filled++] = make_candidate(model, cells, dim + 1, i);
-        status = merge_all(model, cells, dim, candidate, n, group, error);
+        qsort(candidate, (size_t)n, sizeof *candidate, compare_candidates);
+        for (int64_t begin = 0, end; !status && begin < n; begin = end) {
+            const copy_candidate *first = &candidate[begin];
+            for (end = begin + 1;
+                 end < n && candidate[end].tag == first->tag &&
+                 memcmp(candidate[end].corner, first->corner, sizeof first->corner) == 0;)
+                end++;
+            if (end - begin > 1)
+                status = merge_copies(model, cells, dim, first, end - begin, group, error);
+        }
         compact(cells, dim + 1);
     }
     pl_free(candidate);

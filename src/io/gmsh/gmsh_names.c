@@ -15,72 +15,41 @@
 
 enum { N_DIMS = 4, ANY = -1 };
 
-/* ---- lines -------------------------------------------------------------------------------- */
-
-typedef struct name_line {
-    const char *begin, *end;
-} name_line;
-
-static int fail_line(const gmsh_reader *reader, const char *at) {
-    return io_fail_at(reader->model, at, reader->error,
-                      "dimension, number and name of a group expected (the file may be cut short, "
-                      "or the number of names is wrong)");
-}
-
-/** The next line that is not empty; 0 at the end. */
-static int take_line(io_cursor *cursor, name_line *line) {
-    io_skip_space(cursor);
-    line->begin = cursor->at;
-    if (cursor->at == cursor->end)
-        return 0;
-    io_line(cursor, &line->end);
-    return 1;
-}
-
-/** The numbers before the name: dimension and number, or the number alone. Returns how many there
- * are, 0 if they are none of these. *at: behind them. */
-static int take_numbers(const name_line *line, int64_t number[2], const char **at) {
-    io_cursor cursor = {line->begin, memchr(line->begin, '"', (size_t)(line->end - line->begin))};
-    if (!cursor.end)
-        cursor.end = line->end;
+/** Read the line of a name. */
+static int read_name(gmsh_reader *reader) {
+    int64_t number[2];
+    const char *end;
+    io_skip_space(&reader->cursor);
+    const char *begin = io_line(&reader->cursor, &end);
+    const char *open = memchr(begin, '"', (size_t)(end - begin));
+    /* Before the name: dimension and number, or the number alone. */
+    io_cursor cursor = {begin, open ? open : end};
     int n = 0;
     while (n < 2 && !io_integer(&cursor, &number[n]))
         n++;
-    *at = cursor.end;
-    return n;
-}
-
-static int read_name(gmsh_reader *reader, const name_line *line) {
-    int64_t number[2];
-    const char *open;
-    const int n = take_numbers(line, number, &open);
     if (n == 0)
-        return fail_line(reader, line->begin);
+        return io_fail_at(reader->model, begin, reader->error,
+                          "dimension, number and name of a group expected (the file may be cut "
+                          "short, or the number of names is wrong)");
     const int64_t dim = n == 2 ? number[0] : ANY, tag = number[n - 1];
     if (dim < ANY || dim >= N_DIMS || tag < INT32_MIN || tag > INT32_MAX)
-        return io_fail_at(reader->model, line->begin, reader->error,
+        return io_fail_at(reader->model, begin, reader->error,
                           "group %lld of dimension %lld: out of range", (long long)tag,
                           (long long)dim);
-    if (open == line->end) /* nothing in quotes: no name */
-        return 0;
-    const char *begin = open + 1;
-    const char *close = memchr(begin, '"', (size_t)(line->end - begin));
+    if (!open) /* nothing in quotes: no name */
+        return PLANISH_OK;
+    const char *name = open + 1, *close = memchr(name, '"', (size_t)(end - name));
     if (!close)
-        return io_fail_at(reader->model, line->begin, reader->error,
+        return io_fail_at(reader->model, begin, reader->error,
                           "closing quote of a name expected (the file may be cut short)");
-    return io_model_group(reader->model, (int)dim, (int32_t)tag, begin, close - begin,
-                          reader->error);
+    return io_model_group(reader->model, (int)dim, (int32_t)tag, name, close - name, reader->error);
 }
 
 int gmsh_names(gmsh_reader *reader) {
     int64_t n;
-    name_line line;
-    int status = gmsh_take_text(reader, &n, "number of names");
-    for (int64_t i = 0; !status && i < n; i++) {
-        if (!take_line(&reader->cursor, &line) || *line.begin == '$')
-            return fail_line(reader, line.begin);
-        status = read_name(reader, &line);
-    }
+    int status = gmsh_take(reader, 0, &n, "number of names");
+    for (int64_t i = 0; !status && i < n; i++)
+        status = read_name(reader);
     return status;
 }
 
@@ -99,14 +68,7 @@ static int compare_used(const void *left, const void *right) {
     return (a->dim > b->dim) - (a->dim < b->dim);
 }
 
-static int has_names_of_any(const io_model *model) {
-    for (int32_t i = 0; i < model->n_groups; i++)
-        if (model->group[i].dim == ANY)
-            return 1;
-    return 0;
-}
-
-/** The groups of all entities, by number and dimension, each once: *n of them. */
+/** List the groups of all entities, by number and dimension, each once: *n of them. */
 static used_group *list_used(const io_model *model, int64_t *n) {
     int64_t n_all = 0, kept = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
@@ -137,7 +99,7 @@ static int settle_name(io_model *model, int32_t index, const used_group *used, i
         if (n == 0 || !bsearch(&key, used, (size_t)n, sizeof key, compare_used))
             continue;
         const char *name = model->group[index].name;
-        int status = 0;
+        int status = PLANISH_OK;
         if (model->group[index].dim == ANY)
             model->group[index].dim = dim;
         else
@@ -147,22 +109,22 @@ static int settle_name(io_model *model, int32_t index, const used_group *used, i
     }
     if (model->group[index].dim == ANY)
         model->group[index].dim = model->tetrahedron.n > 0 ? 3 : 2;
-    return 0;
+    return PLANISH_OK;
 }
 
 int gmsh_settle_names(gmsh_reader *reader) {
     io_model *model = reader->model;
-    if (!has_names_of_any(model))
-        return 0;
-    int64_t n_used;
-    used_group *used = list_used(model, &n_used);
-    if (!used)
-        return pl_fail_memory(reader->error, "the names of groups");
-    int status = 0;
+    used_group *used = NULL;
+    int64_t n_used = 0;
+    int status = PLANISH_OK;
     const int32_t n = model->n_groups;
-    for (int32_t i = 0; !status && i < n; i++)
-        if (model->group[i].dim == ANY)
-            status = settle_name(model, i, used, n_used, reader->error);
+    for (int32_t i = 0; !status && i < n; i++) {
+        if (model->group[i].dim != ANY)
+            continue;
+        if (!used && !(used = list_used(model, &n_used)))
+            return pl_fail_memory(reader->error, "the names of groups");
+        status = settle_name(model, i, used, n_used, reader->error);
+    }
     pl_free(used);
     return status;
 }

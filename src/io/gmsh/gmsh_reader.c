@@ -1,5 +1,5 @@
-/* gmsh_reader: what the readers of MSH 1, 2 and 4 share: the table of element types, errors, single
- * numbers, nodes and periodic pairs. */
+/* gmsh_reader: what the readers of MSH 1, 2 and 4 share: the table of element types, single
+ * numbers, nodes, elements and periodic pairs. */
 #include "io/gmsh/gmsh_reader.h"
 
 #include <math.h>
@@ -7,7 +7,6 @@
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "io/core/binary.h"
 
 /* ---- element types ------------------------------------------------------------------------ */
 
@@ -153,68 +152,55 @@ int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                           "again with gmsh -order 1",
                           (*type)->shape == IO_TRIANGLE ? "triangle" : "tetrahedron",
                           (*type)->nodes);
-    return 0;
+    return PLANISH_OK;
 }
 
-/* ---- errors and single numbers ------------------------------------------------------------ */
+/* ---- single numbers and counts ------------------------------------------------------------ */
 
 int gmsh_fail_expected(const gmsh_reader *reader, const char *what) {
     return io_fail_at(reader->model, reader->cursor.at, reader->error,
                       "%s expected (the file may be cut short)", what);
 }
 
-int gmsh_take_text(gmsh_reader *reader, int64_t *value, const char *what) {
-    return !io_integer(&reader->cursor, value) ? 0 : gmsh_fail_expected(reader, what);
-}
-
-int gmsh_take_int(gmsh_reader *reader, int32_t *value, const char *what) {
-    if (reader->model->is_binary) {
-        if (io_left(&reader->cursor) < 4)
-            return gmsh_fail_expected(reader, what);
-        *value = io_load_i32(reader->cursor.at, reader->swapped);
-        reader->cursor.at += 4;
-        return 0;
-    }
-    int64_t wide;
-    if (io_integer(&reader->cursor, &wide) || wide < INT32_MIN || wide > INT32_MAX)
+int gmsh_take(gmsh_reader *reader, int bytes, int64_t *value, const char *what) {
+    if (gmsh_number(reader, &reader->cursor, reader->model->is_binary ? bytes : 0, value) ||
+        (bytes == 4 && (*value < INT32_MIN || *value > INT32_MAX)))
         return gmsh_fail_expected(reader, what);
-    *value = (int32_t)wide;
-    return 0;
-}
-
-int gmsh_take_size(gmsh_reader *reader, int64_t *value, const char *what) {
-    if (!reader->model->is_binary)
-        return gmsh_take_text(reader, value, what);
-    if (io_left(&reader->cursor) < 8)
-        return gmsh_fail_expected(reader, what);
-    *value = io_load_i64(reader->cursor.at, reader->swapped);
-    reader->cursor.at += 8;
-    return 0;
+    return PLANISH_OK;
 }
 
 int gmsh_skip_reals(gmsh_reader *reader, int64_t n, const char *what) {
-    if (n < 0)
-        return gmsh_fail_expected(reader, what);
-    if (reader->model->is_binary) {
-        if (n > io_left(&reader->cursor) / 8)
-            return gmsh_fail_expected(reader, what);
-        reader->cursor.at += 8 * n;
-        return 0;
-    }
+    const int is_binary = reader->model->is_binary;
     double value;
-    for (int64_t i = 0; i < n; i++)
+    if (n < 0 || (is_binary && n > io_left(&reader->cursor) / 8))
+        return gmsh_fail_expected(reader, what);
+    if (is_binary)
+        reader->cursor.at += 8 * n;
+    for (int64_t i = 0; !is_binary && i < n; i++)
         if (io_real(&reader->cursor, &value))
             return gmsh_fail_expected(reader, what);
-    return 0;
+    return PLANISH_OK;
 }
 
 int gmsh_end_line(gmsh_reader *reader) {
     io_cursor *cursor = &reader->cursor;
+    if (!reader->model->is_binary)
+        return PLANISH_OK;
     const char *newline = memchr(cursor->at, '\n', (size_t)io_left(cursor));
     if (!newline)
         return gmsh_fail_expected(reader, "end of line");
     cursor->at = newline + 1;
-    return 0;
+    return PLANISH_OK;
+}
+
+void gmsh_skip_affine(gmsh_reader *reader) {
+    io_cursor ahead = reader->cursor;
+    int64_t length;
+    const char *word = io_word(&ahead, &length);
+    if (io_word_is(word, length, "Affine", 0)) {
+        io_skip_line(&ahead);
+        reader->cursor = ahead;
+    }
 }
 
 int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes,
@@ -231,69 +217,158 @@ int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, i
     if (n > INT32_MAX)
         return io_fail_at(reader->model, at, reader->error, "%lld %s: more than planish can number",
                           (long long)n, what);
-    return 0;
+    return PLANISH_OK;
 }
 
-/* ---- nodes and pairs ---------------------------------------------------------------------- */
+/* ---- nodes -------------------------------------------------------------------------------- */
 
-int gmsh_make_nodes(gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes) {
+typedef struct node_block {
+    const gmsh_reader *reader;
+    int64_t first; /* index of the block's first node */
+    int extra;     /* parametric coordinates of a node */
+    int is_apart;  /* the numbers of all nodes stand before the coordinates: MSH 4.1 */
+    int bytes;     /* of a number; 0: text */
+} node_block;
+
+static int read_numbers(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                        planish_error *error) {
+    const node_block *block = context;
+    const io_model *model = block->reader->model;
+    for (int64_t node = block->first + begin; node < block->first + end; node++)
+        if (gmsh_number(block->reader, cursor, block->bytes, &model->node_number[node]))
+            return io_fail_at(model, cursor->at, error,
+                              "number of node %lld of %lld expected (the file may be cut short)",
+                              (long long)node + 1, (long long)model->n_nodes);
+    return PLANISH_OK;
+}
+
+static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
+    const node_block *block = context;
+    io_model *model = block->reader->model;
+    double ignored;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t node = block->first + i;
+        if (!block->is_apart && read_numbers(context, cursor, i, i + 1, error))
+            return PLANISH_ERROR_FORMAT;
+        if (!model->is_binary && io_read_point(model, cursor, node, error))
+            return PLANISH_ERROR_FORMAT;
+        for (int d = 0; model->is_binary && d < 3; d++, cursor->at += 8) {
+            model->xyz[3 * node + d] = io_load_f64(cursor->at, block->reader->swapped);
+            if (!isfinite(model->xyz[3 * node + d]))
+                return io_fail_at(model, cursor->at, error,
+                                  "node %lld has a coordinate that is not finite",
+                                  (long long)model->node_number[node]);
+        }
+        if (model->is_binary)
+            cursor->at += 8 * block->extra;
+        for (int k = 0; !model->is_binary && k < block->extra; k++)
+            if (io_real(cursor, &ignored))
+                return io_fail_at(model, cursor->at, error,
+                                  "parametric coordinate expected (the file may be cut short)");
+    }
+    return PLANISH_OK;
+}
+
+int gmsh_make_nodes(gmsh_reader *reader, int64_t n) {
+    enum { TEXT_SIZE = 7 }; /* the shortest node: a number and three coordinates */
     io_model *model = reader->model;
     if (model->xyz)
-        return io_fail_at(reader->model, reader->cursor.at, reader->error,
-                          "there is a second $Nodes");
-    int status = gmsh_check_count(reader, n, text_bytes, binary_bytes, "nodes");
+        return io_fail_at(model, reader->cursor.at, reader->error, "there is a second $Nodes");
+    int status =
+        gmsh_check_count(reader, n, TEXT_SIZE, (reader->version == 41 ? 8 : 4) + 3 * 8, "nodes");
     if (!status)
-        status = io_model_nodes(model, n, !reader->model->is_binary, reader->error);
+        status = io_model_nodes(model, n, !model->is_binary, reader->error);
     if (status)
         return status;
     model->node_number = pl_alloc(n, sizeof *model->node_number);
     if (!model->node_number)
         return pl_fail_memory(reader->error, "the nodes' numbers");
     const io_span text = {.n_nodes = n, .encoding = IO_TEXT};
-    return reader->model->is_binary ? 0 : io_model_span(model, text, reader->error);
+    return model->is_binary ? PLANISH_OK : io_model_span(model, text, reader->error);
 }
 
-int gmsh_load_point(const gmsh_reader *reader, const char *at, int64_t node, planish_error *error) {
-    double *xyz = reader->model->xyz + 3 * node;
-    for (int i = 0; i < 3; i++) {
-        xyz[i] = io_load_f64(at + 8 * i, reader->swapped);
-        if (!isfinite(xyz[i]))
-            return io_fail_at(reader->model, at + 8 * i, error,
-                              "node %lld has a coordinate that is not finite", (long long)node + 1);
+int gmsh_read_records(gmsh_reader *reader, int64_t n, int64_t tokens, int64_t bytes,
+                      io_records_fn *read, void *context) {
+    return reader->model->is_binary ? io_binary_records(reader->model->threads, &reader->cursor, n,
+                                                        bytes, read, context, reader->error)
+                                    : io_text_records(&reader->text, &reader->cursor, n, tokens,
+                                                      read, context, reader->error);
+}
+
+int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra) {
+    io_model *model = reader->model;
+    const int is_apart = reader->version == 41, number_bytes = is_apart ? 8 : 4;
+    const int64_t stride = (is_apart ? 0 : number_bytes) + 8 * (3 + extra);
+    node_block block = {reader, first, extra, is_apart, model->is_binary ? number_bytes : 0};
+    if (n == 0)
+        return PLANISH_OK;
+    if (model->is_binary && n > io_left(&reader->cursor) / (number_bytes + 8 * (3 + extra)))
+        return io_fail_at(model, reader->cursor.at, reader->error,
+                          "%lld nodes cannot be in the rest of the file", (long long)n);
+    if (is_apart) {
+        const int status = gmsh_read_records(reader, n, 1, number_bytes, read_numbers, &block);
+        if (status)
+            return status;
     }
-    return 0;
+    if (model->is_binary) {
+        const io_span span = {.first_node = first,
+                              .n_nodes = n,
+                              .encoding = IO_FLOAT64,
+                              .swapped = reader->swapped,
+                              .offset = reader->cursor.at - model->input.data +
+                                        (is_apart ? 0 : number_bytes),
+                              .stride = stride};
+        const int status = io_model_span(model, span, reader->error);
+        if (status)
+            return status;
+    }
+    return gmsh_read_records(reader, n, !is_apart + 3 + extra, stride, read_points, &block);
 }
 
-int gmsh_index_nodes(gmsh_reader *reader) {
+int gmsh_end_nodes(gmsh_reader *reader) {
     reader->have_nodes = 1;
     return io_settle_node_numbers(reader->model, &reader->numbers, reader->error);
 }
 
-/** size: bytes of its number, 0: text. */
-static int take_periodic_node(gmsh_reader *reader, int size, int32_t *node) {
-    int64_t number;
-    int32_t narrow = 0;
-    int status;
-    if (size == 0)
-        status = gmsh_take_text(reader, &number, "node of a periodic pair");
-    else if (size == 8)
-        status = gmsh_take_size(reader, &number, "node of a periodic pair");
-    else {
-        status = gmsh_take_int(reader, &narrow, "node of a periodic pair");
-        number = narrow;
+/* ---- elements and pairs ------------------------------------------------------------------- */
+
+int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at, int64_t number,
+                      int64_t index, planish_error *error) {
+    const gmsh_reader *reader = block->reader;
+    const int n = block->type->nodes;
+    int64_t node_number;
+    for (int i = 0; i < n; i++) {
+        if (gmsh_number(reader, cursor, block->bytes, &node_number))
+            return io_fail_at(reader->model, at, error,
+                              "element %lld: node expected (the file may be cut short, or the "
+                              "number of elements is wrong)",
+                              (long long)number);
+        const int64_t node = io_node_index(reader->model, reader->numbers, node_number);
+        if (node < 0)
+            return io_fail_at(reader->model, at, error, "element %lld: there is no node %lld",
+                              (long long)number, (long long)node_number);
+        if (block->cells)
+            block->cells->nodes[index * n + i] = (int32_t)node;
+        else if (block->reason != 0)
+            io_hold_node(reader->model, node, block->reason);
     }
-    *node = !status ? (int32_t)io_node_index(reader->model, reader->numbers, number) : -1;
-    return status;
+    if (block->cells) {
+        block->cells->number[index] = number;
+        block->cells->entity[index] = block->entity;
+    }
+    return PLANISH_OK;
 }
 
-int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int size) {
+int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int bytes) {
     for (int64_t i = 0; i < n; i++) {
         int32_t pair[2];
-        int status = take_periodic_node(reader, size, &pair[0]);
-        if (!status)
-            status = take_periodic_node(reader, size, &pair[1]);
-        if (status)
-            return status;
+        for (int j = 0; j < 2; j++) {
+            int64_t number;
+            if (gmsh_take(reader, bytes, &number, "node of a periodic pair"))
+                return PLANISH_ERROR_FORMAT;
+            pair[j] = (int32_t)io_node_index(reader->model, reader->numbers, number);
+        }
         /* Gmsh lists pairs of the whole geometry, also where only some groups were saved: a node
          * whose partner is not there stays. */
         const int is_whole = pair[0] >= 0 && pair[1] >= 0;
@@ -304,15 +379,5 @@ int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int size) {
         if (is_whole && io_model_pair(reader->model, pair, reader->error))
             return PLANISH_ERROR_MEMORY;
     }
-    return 0;
-}
-
-void gmsh_skip_affine(gmsh_reader *reader) {
-    io_cursor ahead = reader->cursor;
-    int64_t length;
-    const char *word = io_word(&ahead, &length);
-    if (io_word_is(word, length, "Affine", 0)) {
-        io_skip_line(&ahead);
-        reader->cursor = ahead;
-    }
+    return PLANISH_OK;
 }

@@ -1,12 +1,16 @@
 /* gmsh_reader: what the readers of MSH 1, 2 and 4 share; for gmsh*.c only.
  *
- *   gmsh_reader, gmsh_place, gmsh_data   the state of a reader
- *   gmsh_find_type                       element types by their numbers
- *   gmsh_fail_expected, gmsh_take_...    errors and single numbers
- *   gmsh_make_nodes, gmsh_hold_pairs ... nodes and periodic pairs
- *   gmsh_names.c                         names of groups
- *   gmsh_data.c                          values of elements that may tell regions
- *   gmsh2.c, gmsh_copies.c, gmsh4.c      sections of MSH 1 and 2, and of MSH 4
+ *   gmsh_place, gmsh_data, gmsh_reader    the state of a reader
+ *   gmsh_find_type                        element types by their numbers
+ *   gmsh_number, gmsh_take, gmsh_skip_... single numbers
+ *   gmsh_check_count                      counts that the file can hold
+ *   gmsh_read_records                     records of text or binary
+ *   gmsh_make_nodes, gmsh_read_nodes      nodes of all versions
+ *   gmsh_block, gmsh_read_element         elements of all versions
+ *   gmsh_hold_pairs                       periodic pairs
+ *   gmsh_names.c                          names of groups
+ *   gmsh_data.c                           values of elements that may tell regions
+ *   gmsh2.c, gmsh_copies.c, gmsh4.c       sections of MSH 1 and 2, and of MSH 4
  *
  * A reader stands with its cursor behind the name of a section and leaves it before the section's
  * end mark, which gmsh.c checks. Functions return 0 or a negative planish_status, *reader->error
@@ -15,6 +19,7 @@
 #ifndef PL_IO_GMSH_GMSH_READER_H
 #define PL_IO_GMSH_GMSH_READER_H
 
+#include "io/core/binary.h"
 #include "io/core/elements.h"
 #include "io/core/records.h"
 
@@ -26,12 +31,13 @@ typedef struct gmsh_place {
     int interface;  /* between parts of a partition: nothing of the geometry */
 } gmsh_place;
 
-/** A section $ElementData of one number per element. */
+/** A section of values, as $ElementData is. */
 typedef struct gmsh_data {
     const char *name; /* [length] in the file, without quotes */
     int64_t length;
-    int64_t step, n;          /* of time; values */
+    int64_t step, width, n;   /* of time; numbers of a value; values */
     const char *values, *end; /* where they begin, and the section's end mark */
+    int is_read;              /* by gmsh_read_data */
 } gmsh_data;
 
 typedef struct gmsh_reader {
@@ -49,64 +55,100 @@ typedef struct gmsh_reader {
     int64_t n_data, data_capacity;
 } gmsh_reader;
 
+/** Elements of one type and entity, and where they go. */
+typedef struct gmsh_block {
+    const gmsh_reader *reader;
+    const io_element_type *type;
+    io_cells *cells; /* NULL: nodes are held, not stored */
+    int64_t first;   /* index of the first cell */
+    int32_t entity;
+    uint8_t reason; /* why nodes are held; 0: they are not */
+    int bytes;      /* of a number; 0: text */
+} gmsh_block;
+
 /** Find the row of an element type by its number, borrowed. Fail at a place in the file if the type
  *  is unknown, or if planish refuses it (a triangle or tetrahedron of higher order). error may be
  *  NULL. */
 int gmsh_find_type(const gmsh_reader *reader, int64_t number, const char *at,
                    const io_element_type **type, planish_error *error);
 
-/** Fail at the cursor: what was expected there. */
-int gmsh_fail_expected(const gmsh_reader *reader, const char *what);
+/** Compare two gmsh_place by dimension and tag, for qsort and bsearch. */
+int gmsh_compare_places(const void *left, const void *right);
 
-/** The next number: text or binary (int32; size_t of 8 bytes; double). what: for the message. */
-int gmsh_take_int(gmsh_reader *reader, int32_t *value, const char *what);
-int gmsh_take_size(gmsh_reader *reader, int64_t *value, const char *what);
+/** Read the number at the cursor, of 4 or 8 bytes, or text (bytes 0). Return 0 or -1. */
+static inline int gmsh_number(const gmsh_reader *reader, io_cursor *cursor, int bytes,
+                              int64_t *value) {
+    if (bytes == 0)
+        return io_integer(cursor, value);
+    if (io_left(cursor) < bytes)
+        return -1;
+    *value = bytes == 4 ? io_load_i32(cursor->at, reader->swapped)
+                        : io_load_i64(cursor->at, reader->swapped);
+    cursor->at += bytes;
+    return 0;
+}
+
+/** Take the reader's next number, of 4 or 8 bytes in binary files; 0: of a section that is text
+ *  there, too. Numbers of 4 bytes must fit into 32 bits in text. what: for the message. */
+int gmsh_take(gmsh_reader *reader, int bytes, int64_t *value, const char *what);
+
+/** Skip n reals. */
 int gmsh_skip_reals(gmsh_reader *reader, int64_t n, const char *what);
 
-/** The next number of a section that is text in binary files, too. */
-int gmsh_take_text(gmsh_reader *reader, int64_t *value, const char *what);
-
-/** Binary: the data begin behind the end of this line. */
+/** Skip the end of this line, behind which binary data begin. Nothing in text. */
 int gmsh_end_line(gmsh_reader *reader);
+
+/** Skip the line with the transform of a periodic pair, where there is one (text). */
+void gmsh_skip_affine(gmsh_reader *reader);
+
+/** Fail at the cursor: what was expected there. */
+int gmsh_fail_expected(const gmsh_reader *reader, const char *what);
 
 /** Refuse counts that the rest of the file cannot hold (text and binary bytes of one record), or
  *  that are too many for the library; before anything is allocated. */
 int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes,
                      const char *what);
 
-/** Room for n nodes and their numbers (model->node_number), and the span of a text file. */
-int gmsh_make_nodes(gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes);
+/** Make room for n nodes and their numbers (model->node_number). */
+int gmsh_make_nodes(gmsh_reader *reader, int64_t n);
 
-/** The coordinates of node from the three doubles at a place of a binary file. */
-int gmsh_load_point(const gmsh_reader *reader, const char *at, int64_t node, planish_error *error);
+/** Read n records of a block: text of so many tokens, or binary of so many bytes each. */
+int gmsh_read_records(gmsh_reader *reader, int64_t n, int64_t tokens, int64_t bytes,
+                      io_records_fn *read, void *context);
 
-/** Nodes are read, their numbers in model->node_number: make them findable. */
-int gmsh_index_nodes(gmsh_reader *reader);
+/** Read a block of n nodes from index first on. extra: parametric coordinates of a node, which are
+ *  passed over. */
+int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra);
+
+/** Make the nodes, which have all been read, findable by their numbers. */
+int gmsh_end_nodes(gmsh_reader *reader);
+
+/** Read the nodes of the element with that number at the cursor, into cell index of the block; or
+ *  hold them. at: where the element begins, for messages. */
+int gmsh_read_element(const gmsh_block *block, io_cursor *cursor, const char *at, int64_t number,
+                      int64_t index, planish_error *error);
 
 /** Hold both nodes of n periodic pairs, numbers of so many bytes; 0: text. */
-int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int size);
+int gmsh_hold_pairs(gmsh_reader *reader, int64_t n, int bytes);
 
-/** Text: over the line with the transform of a periodic pair, where there is one. */
-void gmsh_skip_affine(gmsh_reader *reader);
-
-/** $PhysicalNames, and what becomes of names without a dimension when all is read. */
+/** Read $PhysicalNames; and, when all is read, give names without a dimension theirs. */
 int gmsh_names(gmsh_reader *reader);
 int gmsh_settle_names(gmsh_reader *reader);
 
-/** Binary: over the values of $NodeData and the like, by their count. with_nodes: each value is
- *  of as many nodes as it says. 0, or -1: they are not what they should be; the cursor has not
- * moved then. */
+/** Skip the binary values of $NodeData and the like, by their count. with_nodes: each value is of
+ *  as many nodes as it says. Return 0, or -1: they are not what they should be; the cursor has not
+ *  moved then. */
 int gmsh_skip_data(gmsh_reader *reader, int with_nodes);
 
-/** Keep in mind the section $ElementData behind whose name head is, and whose end mark is at end,
- * if it may tell regions. Only a lack of memory is an error. */
-int gmsh_note_data(gmsh_reader *reader, const char *head, const char *end);
+/** Note the section $ElementData behind whose name begin is, and whose end mark is at end, if it
+ *  may tell regions. Only a lack of memory is an error. */
+int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end);
 
-/** When all has been read and the elements' numbers are settled: make arrays (arrays.h) of the
- *  sections that gmsh_note_data has kept. What is malformed is passed over. */
+/** Make arrays (arrays.h) of the sections that gmsh_note_data has kept, when all has been read and
+ *  the elements' numbers are settled. What is malformed is passed over. */
 int gmsh_read_data(gmsh_reader *reader);
 
-/** Sections of MSH 1 and 2, and of MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
+/** Read sections of MSH 1 and 2, and of MSH 4; gmsh2_merge_copies follows the elements of MSH 2. */
 int gmsh2_nodes(gmsh_reader *reader);
 int gmsh2_elements(gmsh_reader *reader);
 int gmsh2_merge_copies(gmsh_reader *reader);
