@@ -1,33 +1,56 @@
-/* nastran_card: lines, cards and fields of bulk data. */
+/* nastran_card: lines, cards and fields of bulk data; where the coordinates of a GRID stand, and
+ * what may take their place. */
 #include "io/nastran/nastran.h"
 
 #include "io/core/number.h"
 
+enum {
+    LONG_FIELDS = 4,  /* two such lines are a row */
+    LAST_COLUMN = 72, /* behind it stands the mark of the continuation */
+    COMMA_BEFORE = 10 /* a line with a comma in its first columns is of free fields */
+};
+
+/** Return the first n bytes, or all if there are fewer. */
+static io_slice leading_part(io_slice s, int64_t n) {
+    return s.end - s.begin > n ? (io_slice){s.begin, s.begin + n} : s;
+}
+
+static int fields_of(const line *l) {
+    return l->is_long ? LONG_FIELDS : SHORT_FIELDS;
+}
+
+static int width_of(const line *l) {
+    return l->is_long ? LONG_FIELD : SHORT_FIELD;
+}
+
 /* ---- lines -------------------------------------------------------------------------------- */
 
 line nastran_take_line(io_cursor *cursor) {
-    line l = {.is_free = 0};
-    l.text.begin = io_line(cursor, &l.text.end);
+    line l = {.text = io_next_line(cursor)};
     l.text.end = find_character(l.text, '$');
-    const span start = leading_part(l.text, COMMA_BEFORE);
+    const io_slice start = leading_part(l.text, COMMA_BEFORE);
     const char *comma = find_character(start, ',');
     l.is_free = comma < start.end;
-    l.name = l.is_free ? (span){l.text.begin, comma} : leading_part(l.text, NAME_COLUMNS);
+    l.name = l.is_free ? (io_slice){l.text.begin, comma} : leading_part(l.text, NAME_COLUMNS);
     l.is_long = find_character(l.name, '*') < l.name.end;
     if (!l.is_free)
         l.text = leading_part(l.text, LAST_COLUMN);
     return l;
 }
 
-static int says_nothing(const line *l) {
-    const span s = nastran_trim(l->text);
-    return s.begin == s.end;
-}
-
-/** Whether the line goes on with the card before it. */
+/** Return whether the line goes on with the card before it. */
 static int is_continuation(const line *l) {
     const char first = *l->text.begin;
     return first == '+' || first == '*' || first == ',' || io_is_blank(first);
+}
+
+int nastran_line_begins(io_slice text, const char *name) {
+    const io_slice s = io_slice_trim(text);
+    const int64_t length = (int64_t)strlen(name);
+    for (int64_t i = 0; i < length; i++)
+        if (s.begin + i >= s.end || io_upper(s.begin[i]) != name[i])
+            return 0;
+    return s.begin + length == s.end || io_is_blank(s.begin[length]);
 }
 
 /* ---- cards -------------------------------------------------------------------------------- */
@@ -50,17 +73,21 @@ static void enter_line(card *c, line l) {
     c->n_of_line = 0;
 }
 
+void nastran_take_name(io_slice s, char name[NAME_SIZE]) {
+    int n = 0;
+    for (const char *at = s.begin; at < s.end && n < NAME_COLUMNS; at++) {
+        if (io_is_blank(*at) || *at == '*' || *at == ',')
+            break;
+        name[n++] = io_upper(*at);
+    }
+    name[n] = '\0';
+}
+
 int nastran_take_card(io_cursor *cursor, card *c) {
     const line l = nastran_take_line(cursor);
     if (l.text.begin == l.text.end || is_continuation(&l))
         return 0;
-    int n = 0;
-    for (const char *at = l.name.begin; at < l.name.end && n < NAME_COLUMNS; at++) {
-        if (io_is_blank(*at) || *at == '*')
-            break;
-        c->name[n++] = io_upper(*at);
-    }
-    c->name[n] = '\0';
+    nastran_take_name(l.name, c->name);
     c->n = 0;
     c->wrong = c->wrong_at = NULL;
     c->rest = *cursor;
@@ -68,30 +95,38 @@ int nastran_take_card(io_cursor *cursor, card *c) {
     return 1;
 }
 
-/** Behind the last field of a free line stands the mark of the continuation, which is no number. */
-static void check_end_of_line(card *c) {
+io_slice nastran_line_field(const card *c) {
+    const io_slice text = c->line.text;
+    if (c->line.is_free)
+        return c->at ? (io_slice){c->at, find_character((io_slice){c->at, text.end}, ',')}
+                     : (io_slice){text.end, text.end};
+    const int64_t length = text.end - text.begin;
+    const int64_t from = NAME_COLUMNS + c->n_of_line * width_of(&c->line);
+    const int64_t to = from + width_of(&c->line);
+    return (io_slice){text.begin + (from < length ? from : length),
+                      text.begin + (to < length ? to : length)};
+}
+
+/** Go to the line that the card goes on with; return 0 if there is none. */
+static int continue_card(card *c) {
+    /* Behind the last field of a free line stands the mark of the continuation: no number. */
     while (c->line.is_free && c->at) {
-        const span text = nastran_line_field(c), field = nastran_trim(text);
+        const io_slice text = nastran_line_field(c), field = io_slice_trim(text);
         double value;
-        if (!is_empty_field(field) && *field.begin != '+' && *field.begin != '*' &&
+        if (field.begin < field.end && *field.begin != '+' && *field.begin != '*' &&
             !io_parse_packed_real(field.begin, field.end, &value))
             set_wrong(c, field.begin,
                       c->line.is_long ? "a number behind the four fields of a long line"
                                       : "a number behind the eight fields of a line");
         c->at = text.end < c->line.text.end ? text.end + 1 : NULL;
     }
-}
-
-/** To the next line, if it goes on with the card. */
-int nastran_continue_card(card *c) {
-    check_end_of_line(c);
     io_cursor cursor = c->rest;
     line l;
-    do {
+    do { /* over lines that say nothing */
         if (cursor.at == cursor.end)
             return 0;
         l = nastran_take_line(&cursor);
-    } while (says_nothing(&l));
+    } while (io_slice_length(io_slice_trim(l.text)) == 0);
     if (!is_continuation(&l))
         return 0;
     c->rest = cursor;
@@ -99,87 +134,103 @@ int nastran_continue_card(card *c) {
     return 1;
 }
 
-/** The next field of the line with the blanks around it; where the line ends before, the line's
- *  end. */
-span nastran_line_field(const card *c) {
-    const span text = c->line.text;
-    if (c->line.is_free)
-        return c->at ? (span){c->at, find_character((span){c->at, text.end}, ',')}
-                     : (span){text.end, text.end};
-    const int64_t length = text.end - text.begin;
-    const int64_t from = NAME_COLUMNS + c->n_of_line * width_of(&c->line);
-    const int64_t to = from + width_of(&c->line);
-    return (span){text.begin + (from < length ? from : length),
-                  text.begin + (to < length ? to : length)};
-}
-
-/** Whether the line has the next field, be it empty. */
-int nastran_has_field(const card *c) {
-    const span text = c->line.text;
-    return c->line.is_free
-               ? c->at != NULL
-               : text.end - text.begin > NAME_COLUMNS + c->n_of_line * width_of(&c->line);
-}
-
-static void pass_field(card *c) {
-    if (c->at) {
-        const char *end = nastran_line_field(c).end;
-        c->at = end < c->line.text.end ? end + 1 : NULL;
-    }
-    c->n_of_line++;
-    c->n++;
-}
-
-/** = and == stand for the fields of the card before, *(1) for the number that follows there. */
-static int is_replication(span field) {
-    return *field.begin == '=' ||
-           (*field.begin == '*' && field.end - field.begin > 1 && field.begin[1] == '(');
-}
-
-/** The card's next field without blanks; 0 where the card ends. */
-int nastran_take_field(card *c, span *field) {
-    if (c->n_of_line == fields_of(&c->line) && !nastran_continue_card(c))
+int nastran_take_field(card *c, io_slice *field) {
+    if (c->n_of_line == fields_of(&c->line) && !continue_card(c))
         return 0;
-    *field = nastran_trim(nastran_line_field(c));
-    if (!is_empty_field(*field) && is_replication(*field))
-        set_wrong(c, field->begin,
+    const io_slice text = nastran_line_field(c), s = io_slice_trim(text);
+    /* = and == stand for the fields of the card before, *(1) for the number that follows there. */
+    if (s.begin < s.end &&
+        (*s.begin == '=' || (*s.begin == '*' && io_slice_length(s) > 1 && s.begin[1] == '(')))
+        set_wrong(c, s.begin,
                   "replication of the card before (=, *(1)) is not read; have the preprocessor "
                   "write every card in full");
-    pass_field(c);
+    if (c->at)
+        c->at = text.end < c->line.text.end ? text.end + 1 : NULL;
+    c->n_of_line++;
+    c->n++;
+    *field = s;
     return 1;
 }
 
-/* ---- where bulk data are ------------------------------------------------------------------ */
+/* ---- places of coordinates ------------------------------------------------------------------ */
 
-/** Whether the text begins with that word, in any letter case. */
-int nastran_line_begins(span text, const char *name) {
-    const span s = nastran_trim(text);
-    const int64_t length = (int64_t)strlen(name);
-    for (int64_t i = 0; i < length; i++)
-        if (s.begin + i >= s.end || io_upper(s.begin[i]) != name[i])
-            return 0;
-    return s.begin + length == s.end || io_is_blank(s.begin[length]);
+/** Return whether the line has the next field, be it empty. */
+static int has_field(const card *c) {
+    const int64_t length = io_slice_length(c->line.text);
+    return c->line.is_free ? c->at != NULL
+                           : length > NAME_COLUMNS + c->n_of_line * width_of(&c->line);
 }
 
-/** The next line that begins with word, or the end. *after: behind it. */
-static const char *find_line(io_cursor cursor, const char *word, const char **after) {
-    while (cursor.at < cursor.end) {
-        span text;
-        text.begin = io_line(&cursor, &text.end);
-        *after = cursor.at;
-        if (text.begin < text.end && (io_upper(*text.begin) == *word || io_is_blank(*text.begin)) &&
-            nastran_line_begins(text, word))
-            return text.begin;
+/** Make the field of the third coordinate of a long GRID, which is in the next line, where there is
+ *  none: behind a line end as the file has them, with the mark of the line before. */
+static void field_of_next_line(const card *c, io_field *field) {
+    enum { LINE_END = 2 }; /* characters of one, at most */
+    io_cursor from = {c->line.text.begin, c->rest.end};
+    const io_slice whole = io_next_line(&from);
+    /* The mark stands in the last columns, behind a + or * perhaps, which it is kept without. */
+    io_slice mark = leading_part(whole, LAST_COLUMN + SHORT_FIELD);
+    mark.end = find_character(mark, '$');
+    mark.begin = io_slice_length(mark) > LAST_COLUMN ? mark.begin + LAST_COLUMN : mark.end;
+    mark = io_slice_trim(mark);
+    mark.begin += mark.begin < mark.end && (*mark.begin == '+' || *mark.begin == '*');
+    mark = io_slice_trim(mark);
+    char *to = field->made;
+    for (int i = 0; i < LINE_END && whole.end + i < from.at; i++)
+        *to++ = whole.end[i];
+    *to++ = '*';
+    if (c->line.is_free)
+        *to++ = ',';
+    for (int i = 0; i < NAME_COLUMNS - 1 && !c->line.is_free; i++)
+        *to++ = i < mark.end - mark.begin ? mark.begin[i] : ' ';
+    field->begin = field->end = whole.end;
+    field->width = LONG_FIELD;
+    field->is_fixed = !c->line.is_free;
+    field->lead = field->made;
+    field->n_lead = (int)(to - field->made);
+}
+
+int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *field) {
+    static const char blanks[IO_LEAD_SIZE + 1] =
+        "                                                                ";
+    io_cursor from = io_begin_text(model->input.data, model->input.size);
+    const char *data = from.at; /* back to where the line begins */
+    for (from = *cursor; from.at > data && from.at[-1] != '\n' && from.at[-1] != '\r';)
+        from.at--;
+    card c;
+    io_slice skipped;
+    int absent = 0; /* fields that the line does not have before this one */
+    *field = (io_field){.width = 0};
+    if (!nastran_take_card(&from, &c))
+        return -1;
+    for (int i = 0; i < FIRST_COORDINATE + d; i++) {
+        absent += !has_field(&c);
+        nastran_take_field(&c, &skipped);
     }
-    return *after = cursor.end;
-}
-
-/** The lines between BEGIN BULK, if there is one, and ENDDATA. */
-io_cursor nastran_find_bulk(const char *data, int64_t size) {
-    io_cursor bulk = io_begin_text(data, size);
-    const char *after, *begin = find_line(bulk, "BEGIN", &after);
-    if (begin < bulk.end)
-        bulk.at = after;
-    bulk.end = find_line(bulk, "ENDDATA", &after);
-    return bulk;
+    if (c.n_of_line == fields_of(&c.line) && !continue_card(&c)) {
+        field_of_next_line(&c, field);
+        cursor->at = field->end;
+        return 0;
+    }
+    const io_slice text = nastran_line_field(&c), number = io_slice_trim(text);
+    if (c.line.is_free) {
+        *field = (io_field){.begin = number.begin, .end = number.end, .width = model->field_width};
+        if (!has_field(&c)) {
+            field->lead = ",,,";
+            field->n_lead = d == 0 ? absent + 1 : 1;
+        }
+    } else {
+        *field = (io_field){
+            .begin = text.begin, .end = text.end, .width = width_of(&c.line), .is_fixed = 1};
+        if (!has_field(&c)) {
+            /* Coordinates before it in the line are written in full width. */
+            const int64_t column = NAME_COLUMNS + c.n_of_line * field->width;
+            const int follows = d > 0 && c.n_of_line > 0;
+            field->lead = blanks;
+            field->n_lead = follows ? 0 : (int)(column - io_slice_length(c.line.text));
+        }
+    }
+    cursor->at = field->end;
+    return number.begin == number.end
+               ? 0
+               : io_parse_packed_real(number.begin, number.end, &field->value);
 }
