@@ -1,7 +1,7 @@
 /* What readers build on: numbers of nodes, entities, the mesh that comes of it. */
 #include "io/core/model.h"
 #include "io/core/records.h"
-#include "io/file/finish.h"
+#include "io/file/file.h"
 
 #include "base/memory.h"
 

@@ -402,10 +402,10 @@ int main(void) {
 
 static void the_library_is_asked_for(void **state) {
     (void)state;
-    reading_fails(&io_format_vtkhdf, "anything", "built without HDF5, which VTKHDF files need");
-    reading_fails(&io_format_med, "anything", "built without HDF5, which MED files need");
-    reading_fails(&io_format_cgns, "anything", "built without HDF5, which CGNS files need");
-    reading_fails(&io_format_plex, "anything", "built without HDF5, which DMPlex files need");
+    reading_fails(&io_format_vtkhdf, "anything", "built without HDF5, which vtkhdf files need");
+    reading_fails(&io_format_med, "anything", "built without HDF5, which med files need");
+    reading_fails(&io_format_cgns, "anything", "built without HDF5, which cgns files need");
+    reading_fails(&io_format_plex, "anything", "built without HDF5, which dmplex files need");
 }
 
 int main(void) {

@@ -5,7 +5,7 @@
 
 #include "base/memory.h"
 #include "base/system.h"
-#include "io/file/companions.h"
+#include "io/file/file.h"
 #include "io/core/output.h"
 
 #include <errno.h>

@@ -8,7 +8,8 @@ typedef struct io_format {
     const char *name;                                   /* as in --format and in messages */
     const char *const *extensions;                      /* with the dot, NULL-terminated */
     int (*recognise)(const char *data, int64_t size);   /* by content: 1 sure, 0 no */
-    int (*read)(io_model *model, planish_error *error); /* model->input is there */
+    int (*read)(io_model *model, planish_error *error); /* model->input is there; NULL, and so is
+                                                           recognise: the library is missing */
     int has_no_end;                                     /* text that nothing tells the end of */
     const char *const *companions; /* extensions of files that may lie beside, NULL-terminated; or
                                       NULL: there are none */

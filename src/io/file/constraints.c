@@ -2,8 +2,7 @@
  * the minimum volumes of the elements of named groups; and the tag by which an element's group is
  * named.
  */
-#include "io/file/digits.h"
-#include "io/core/text.h"
+#include "io/file/plane.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -23,7 +22,7 @@ typedef struct tag {
 
 /* ---- understanding tags ------------------------------------------------------------------- */
 
-/** dim: of the group if the text does not say. */
+/** Understand text; dim: of the group if the text does not say. */
 static tag tag_parse(const char *text, int dim) {
     tag t = {text, 0, dim, 0};
     char *end;
@@ -44,42 +43,20 @@ static int has_physical(const io_entity *entity, int64_t number) {
     return 0;
 }
 
-/** Choose the entities that a group is made of: by physical groups, or by their own tags. */
-static int choose_entities(const io_model *model, int dim, int64_t number, int physical,
-                           uint8_t *chosen) {
-    int found = 0;
-    for (int32_t i = 0; i < model->n_entities; i++) {
-        const io_entity *entity = &model->entity[i];
-        if (dim >= 0 && entity->dim != dim)
-            continue;
-        if (physical ? has_physical(entity, number) : entity->tag == number)
-            found = chosen[i] = 1;
-    }
-    return found;
-}
-
+/** Choose the entities (of dimension dim, -1: any) of a number: by physical groups, else by their
+ *  own tags. Returns whether there are any. */
 static int choose_number(const io_model *model, int dim, int64_t number, uint8_t *chosen) {
-    return choose_entities(model, dim, number, 1, chosen) ||
-           choose_entities(model, dim, number, 0, chosen);
-}
-
-/** A group by its name (of dimension dim, -1: any), or by a number that only a name knows. */
-static int choose_group(const io_model *model, const tag *t, int dim, uint8_t *chosen) {
     int found = 0;
-    for (int32_t i = 0; i < model->n_groups; i++) {
-        const io_group *group = &model->group[i];
-        if (dim >= 0 && group->dim != dim)
-            continue;
-        int same = strcmp(group->name, t->name) == 0 || (t->has_number && group->tag == t->number &&
-                                                         (t->dim < 0 || t->dim == group->dim));
-        if (same)
-            choose_number(model, group->dim, group->tag, chosen);
-        found |= same;
-    }
+    for (int physical = 1; physical >= 0 && !found; physical--)
+        for (int32_t i = 0; i < model->n_entities; i++) {
+            const io_entity *entity = &model->entity[i];
+            if (dim >= 0 && entity->dim != dim)
+                continue;
+            if (physical ? has_physical(entity, number) : entity->tag == number)
+                found = chosen[i] = 1;
+        }
     return found;
 }
-
-enum { LISTED = 10, LOOKED_AT = 64 }; /* tags in a message; entities that are searched for them */
 
 /** Whether an entity before that of index i has the same number. */
 static int listed_before(const io_model *model, int32_t i, int dim, int32_t number) {
@@ -93,7 +70,7 @@ static int listed_before(const io_model *model, int32_t i, int dim, int32_t numb
 }
 
 /** Whether a group before that of index i has the same name: one of several entities, or of
- * elements of several dimensions. */
+ *  elements of several dimensions. */
 static int named_before(const io_model *model, int32_t i, int dim) {
     for (int32_t k = 0; k < i; k++)
         if ((dim < 0 || model->group[k].dim == dim) &&
@@ -102,8 +79,9 @@ static int named_before(const io_model *model, int32_t i, int dim) {
     return 0;
 }
 
-/** "a, b, 3:1, ..." of what there is of dimension dim (-1: any). */
+/** List the tags of dimension dim (-1: any): "a, b, 3:1, ...". */
 static void list_tags(const io_model *model, int dim, char *text, size_t size) {
+    enum { LISTED = 10, LOOKED_AT = 64 }; /* tags; entities that are searched for them */
     const int32_t n_numbered = model->groups_by_name ? 0 : model->n_entities;
     size_t used = 0;
     int listed = 0;
@@ -129,13 +107,24 @@ static void list_tags(const io_model *model, int dim, char *text, size_t size) {
         snprintf(text + used, size - used, ", ...");
 }
 
-/** Choose the entities of the group that text names, among those of dimension dim (-1: any). */
+/** Choose the entities of the group that text names, among those of dimension dim (-1: any): by its
+ *  name, or by a number, which entities have or which only a name knows. */
 static int choose_tag(const io_model *model, const char *text, int dim, uint8_t *chosen,
                       planish_error *error) {
     static const char *const kind[] = {"of lines", "of triangles", "of tetrahedra"};
     tag t = tag_parse(text, dim);
     t.has_number = t.has_number && !model->groups_by_name;
-    int found = choose_group(model, &t, dim, chosen);
+    int found = 0;
+    for (int32_t i = 0; i < model->n_groups; i++) {
+        const io_group *group = &model->group[i];
+        if (dim >= 0 && group->dim != dim)
+            continue;
+        if (strcmp(group->name, text) != 0 &&
+            !(t.has_number && group->tag == t.number && (t.dim < 0 || t.dim == group->dim)))
+            continue;
+        choose_number(model, group->dim, group->tag, chosen);
+        found = 1;
+    }
     if (t.has_number && (dim < 0 || t.dim == dim))
         found |= choose_number(model, t.dim, t.number, chosen);
     if (found)
@@ -146,35 +135,55 @@ static int choose_tag(const io_model *model, const char *text, int dim, uint8_t 
                    model->input.path, text, dim < 0 ? "to hold" : kind[dim - 1], list);
 }
 
+/** Choose the entities of n tags: *chosen [n_entities], owned, in any case. */
+static int choose_tags(const io_model *model, const char *const *tags, int n, int dim,
+                       uint8_t **chosen, planish_error *error) {
+    *chosen = pl_alloc_zero(model->n_entities, 1);
+    int status = *chosen ? PLANISH_OK : pl_fail_memory(error, "the groups of nodes");
+    for (int i = 0; i < n && !status; i++)
+        status = choose_tag(model, tags[i], dim, *chosen, error);
+    return status;
+}
+
+static int are_given(const char *const *tags, int n) {
+    for (int i = 0; i < n; i++)
+        if (!tags || !tags[i])
+            return 0;
+    return n >= 0;
+}
+
 /* ---- holding ------------------------------------------------------------------------------ */
+
+/* Functions that hold nodes set a bit in flags [n_nodes]. */
 
 /** Hold the nodes of the first n cells that are of a chosen entity. */
 static void hold_cells(const io_cells *cells, int64_t n, int corners, const uint8_t *chosen,
-                       uint8_t *constraint) {
+                       uint8_t bit, uint8_t *flags) {
     for (int64_t i = 0; cells->entity && i < n; i++)
         for (int j = 0; chosen[cells->entity[i]] && j < corners; j++)
-            constraint[cells->nodes[i * corners + j]] = PLANISH_FIXED;
+            flags[cells->nodes[i * corners + j]] |= bit;
 }
 
-static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t *constraint,
+/** Hold the nodes of the groups that hold names. */
+static int hold_tags(const io_model *model, const planish_hold *hold, uint8_t bit, uint8_t *flags,
                      planish_error *error) {
-    uint8_t *chosen = pl_alloc_zero(model->n_entities, 1);
-    int status = chosen ? PLANISH_OK : pl_fail_memory(error, "groups to hold");
-    for (int i = 0; i < hold->n_tags && !status; i++)
-        status = choose_tag(model, hold->tags[i], -1, chosen, error);
+    uint8_t *chosen = NULL;
+    if (!hold || hold->n_tags == 0)
+        return PLANISH_OK;
+    const int status = choose_tags(model, hold->tags, hold->n_tags, -1, &chosen, error);
     if (!status) {
-        hold_cells(&model->tetrahedron, model->tetrahedron.n, 4, chosen, constraint);
-        hold_cells(&model->triangle, model->triangle.n, 3, chosen, constraint);
-        hold_cells(&model->line, model->line.n, 2, chosen, constraint);
+        hold_cells(&model->tetrahedron, model->tetrahedron.n, 4, chosen, bit, flags);
+        hold_cells(&model->triangle, model->triangle.n, 3, chosen, bit, flags);
+        hold_cells(&model->line, model->line.n, 2, chosen, bit, flags);
         for (int64_t i = 0; model->node_entity && i < model->n_nodes; i++)
             if (model->node_entity[i] >= 0 && chosen[model->node_entity[i]])
-                constraint[i] = PLANISH_FIXED;
+                flags[i] |= bit;
     }
     pl_free(chosen);
     return status;
 }
 
-/** The cells that facets of the mesh are. */
+/** Return the cells that facets of the mesh are. */
 static const io_cells *facet_cells(const io_model *model) {
     return model->dim == 3 ? &model->triangle : &model->line;
 }
@@ -183,32 +192,24 @@ static const io_cells *facet_cells(const io_model *model) {
 static int hold_unchosen(const io_model *model, const planish_hold *hold, uint8_t *constraint,
                          planish_error *error) {
     const io_cells *cells = facet_cells(model);
-    uint8_t *chosen = pl_alloc_zero(model->n_entities, 1);
-    int status = chosen ? PLANISH_OK : pl_fail_memory(error, "groups to slide on");
-    for (int i = 0; i < hold->n_slide_tags && !status; i++)
-        status = choose_tag(model, hold->slide_tags[i], model->dim - 1, chosen, error);
+    uint8_t *chosen = NULL;
+    const int status =
+        choose_tags(model, hold->slide_tags, hold->n_slide_tags, model->dim - 1, &chosen, error);
     for (int32_t i = 0; i < model->n_entities && !status; i++)
         chosen[i] = !chosen[i];
     if (!status)
-        hold_cells(cells, io_cells_telling(cells), model->dim, chosen, constraint);
+        hold_cells(cells, io_cells_telling(cells), model->dim, chosen, PLANISH_FIXED, constraint);
     pl_free(chosen);
     return status;
 }
 
-static int one_region(const io_cells *cells) {
-    const int32_t *region = io_cells_regions(cells);
-    for (int64_t i = 1; i < cells->n; i++)
-        if (region[i] != region[0])
-            return 0;
-    return 1;
-}
-
-/** Nodes of elements of different regions. */
-static int hold_interfaces(const planish_file *file, uint8_t *constraint, planish_error *error) {
+/** Hold the nodes of elements of different regions, unless regions are to be ignored. */
+static int hold_interfaces(const planish_file *file, const planish_hold *hold, uint8_t bit,
+                           uint8_t *flags, planish_error *error) {
     const io_cells *cells = io_file_elements(file);
     const int32_t *of_cell = io_cells_regions(cells);
     const int corners = file->model.dim + 1;
-    if (!of_cell || one_region(cells))
+    if (file->n_regions <= 1 || (hold && hold->ignore_regions))
         return PLANISH_OK;
     int32_t *region = pl_alloc(file->model.n_nodes, sizeof *region);
     if (!region)
@@ -220,36 +221,10 @@ static int hold_interfaces(const planish_file *file, uint8_t *constraint, planis
         if (region[node] < 0)
             region[node] = here;
         else if (region[node] != here)
-            constraint[node] = PLANISH_FIXED;
+            flags[node] |= bit;
     }
     pl_free(region);
     return PLANISH_OK;
-}
-
-/** constraint [n_nodes] is filled, whether or not that fails. */
-static int find_constraints(const planish_file *file, const planish_hold *hold, uint8_t *constraint,
-                            planish_error *error) {
-    const int slide = hold && hold->slide;
-    const unsigned undecided =
-        (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
-        (hold && hold->ignore_marks ? IO_HELD_MARKED : 0) | IO_HAS_PARAMETERS;
-    for (int64_t i = 0; i < file->model.n_nodes; i++)
-        constraint[i] = file->model.hold[i] & ~undecided ? PLANISH_FIXED : PLANISH_FREE;
-    int status = PLANISH_OK;
-    if (slide && hold->n_slide_tags > 0)
-        status = hold_unchosen(&file->model, hold, constraint, error);
-    if (!status && !slide && !(hold && hold->ignore_regions))
-        status = hold_interfaces(file, constraint, error);
-    if (!status && hold && hold->n_tags > 0)
-        status = hold_tags(&file->model, hold, constraint, error);
-    return status;
-}
-
-static int has_all(const char *const *tags, int n) {
-    for (int i = 0; i < n; i++)
-        if (!tags || !tags[i])
-            return 0;
-    return n >= 0;
 }
 
 int planish_file_constraints(const planish_file *file, const planish_hold *hold,
@@ -257,19 +232,31 @@ int planish_file_constraints(const planish_file *file, const planish_hold *hold,
     if (!file || !constraint)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and constraint must not be NULL");
     if (hold &&
-        (!has_all(hold->tags, hold->n_tags) || !has_all(hold->slide_tags, hold->n_slide_tags)))
+        (!are_given(hold->tags, hold->n_tags) || !are_given(hold->slide_tags, hold->n_slide_tags)))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "hold: there are fewer tags than n_tags and n_slide_tags say");
-    uint8_t *found = pl_alloc(file->model.n_nodes, 1);
-    const int status = found ? find_constraints(file, hold, found, error)
-                             : pl_fail_memory(error, "the constraints of nodes");
+    const io_model *model = &file->model;
+    const int slide = hold && hold->slide;
+    const unsigned undecided =
+        (slide ? IO_HELD_BY_LINE | IO_HELD_BY_TRIANGLE | IO_HELD_PERIODIC : 0) |
+        (hold && hold->ignore_marks ? IO_HELD_MARKED : 0) | IO_HAS_PARAMETERS;
+    uint8_t *found = pl_alloc(model->n_nodes, 1);
+    int status = found ? PLANISH_OK : pl_fail_memory(error, "the constraints of nodes");
+    for (int64_t i = 0; i < model->n_nodes && !status; i++)
+        found[i] = model->hold[i] & ~undecided ? PLANISH_FIXED : PLANISH_FREE;
+    if (!status && slide && hold->n_slide_tags > 0)
+        status = hold_unchosen(model, hold, found, error);
+    if (!status && !slide)
+        status = hold_interfaces(file, hold, PLANISH_FIXED, found, error);
     if (!status)
-        memcpy(constraint, found, (size_t)file->model.n_nodes);
+        status = hold_tags(model, hold, PLANISH_FIXED, found, error);
+    if (!status)
+        memcpy(constraint, found, (size_t)model->n_nodes);
     pl_free(found);
     return status;
 }
 
-/** The reason of planish_file_reason for bits of io_model.hold. */
+/** The reason of planish_file_held for bits of io_model.hold. */
 static uint8_t reason_of_bits(unsigned bits, int ignore_marks) {
     const unsigned required = IO_HELD_REQUIRED | (ignore_marks ? 0 : IO_HELD_MARKED);
     return (
@@ -280,51 +267,28 @@ static uint8_t reason_of_bits(unsigned bits, int ignore_marks) {
                  (bits & required ? PLANISH_FILE_REQUIRED : 0));
 }
 
-/** Add reason to the nodes that constraint [n_nodes] fixes, and free all of them again. */
-static void add_reason(const planish_file *file, uint8_t reason, uint8_t *constraint,
-                       uint8_t *reasons) {
-    for (int64_t i = 0; i < file->model.n_nodes; i++) {
-        reasons[i] |= constraint[i] == PLANISH_FIXED ? reason : 0;
-        constraint[i] = PLANISH_FREE;
-    }
-}
-
-/** reason [n_nodes] is filled, whether or not that fails; constraint [n_nodes] is scratch. */
-static int find_reasons(const planish_file *file, const planish_hold *hold, uint8_t *constraint,
-                        uint8_t *reason, planish_error *error) {
-    int status = PLANISH_OK;
-    memset(constraint, PLANISH_FREE, (size_t)file->model.n_nodes);
-    for (int64_t i = 0; i < file->model.n_nodes; i++)
-        reason[i] = reason_of_bits(file->model.hold[i], hold && hold->ignore_marks);
-    if (!(hold && hold->ignore_regions))
-        status = hold_interfaces(file, constraint, error);
-    add_reason(file, PLANISH_FILE_INTERFACE, constraint, reason);
-    if (!status && hold && hold->n_tags > 0)
-        status = hold_tags(&file->model, hold, constraint, error);
-    add_reason(file, PLANISH_FILE_FIX, constraint, reason);
-    return status;
-}
-
 int planish_file_held(const planish_file *file, const planish_hold *hold, uint8_t *reason,
                       planish_error *error) {
     if (!file || !reason)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and reason must not be NULL");
-    if (hold && !has_all(hold->tags, hold->n_tags))
+    if (hold && !are_given(hold->tags, hold->n_tags))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "hold: there are fewer tags than n_tags says");
     uint8_t *found = pl_alloc(file->model.n_nodes, 1);
-    uint8_t *constraint = pl_alloc(file->model.n_nodes, 1);
-    int status = found && constraint ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
+    int status = found ? PLANISH_OK : pl_fail_memory(error, "the reasons of nodes");
+    for (int64_t i = 0; i < file->model.n_nodes && !status; i++)
+        found[i] = reason_of_bits(file->model.hold[i], hold && hold->ignore_marks);
     if (!status)
-        status = find_reasons(file, hold, constraint, found, error);
+        status = hold_interfaces(file, hold, PLANISH_FILE_INTERFACE, found, error);
+    if (!status)
+        status = hold_tags(&file->model, hold, PLANISH_FILE_FIX, found, error);
     if (!status)
         memcpy(reason, found, (size_t)file->model.n_nodes);
-    pl_free(constraint);
     pl_free(found);
     return status;
 }
 
-/** How many nodes have a bit of io_model.hold; has [n_nodes], or NULL, says which. */
+/** Count the nodes that have a bit of io_model.hold; has [n_nodes], or NULL, says which. */
 static int64_t count_nodes(const planish_file *file, uint8_t bit, uint8_t *has) {
     int64_t n = 0;
     for (int64_t i = 0; file && i < file->model.n_nodes; i++) {
@@ -368,74 +332,52 @@ planish_surface planish_file_surface(const planish_file *file, const planish_hol
 
 /* ---- minimum volumes ------------------------------------------------------------------------ */
 
-/** Raise least [n_entities] of the entities of a group to value; chosen [n_entities] is scratch. */
-static int raise_group(const io_model *model, const char *text, double value, uint8_t *chosen,
-                       double *least, planish_error *error) {
-    if (!(value > 0 && value <= DBL_MAX))
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "the minimum volume of group '%s' must be positive and finite", text);
-    memset(chosen, 0, (size_t)model->n_entities);
-    const int status = choose_tag(model, text, model->dim, chosen, error);
-    for (int32_t i = 0; i < model->n_entities && !status; i++)
-        if (chosen[i] && value > least[i])
-            least[i] = value;
-    return status;
-}
-
 int planish_file_min_volumes(const planish_file *file, const char *const *tags,
                              const double *values, int n_tags, double *min_volume,
                              planish_error *error) {
-    if (!file || !min_volume || !has_all(tags, n_tags) || (n_tags > 0 && !values))
+    if (!file || !min_volume || !are_given(tags, n_tags) || (n_tags > 0 && !values))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, min_volume and each of n_tags tags and values must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
+    const io_model *model = &file->model;
     const io_cells *cells = io_file_elements(file);
-    const int32_t n_entities = file->model.n_entities;
-    uint8_t *chosen = pl_alloc(n_entities, 1);
-    double *least = pl_alloc_zero(n_entities, sizeof *least);
-    int status = chosen && least ? PLANISH_OK : pl_fail_memory(error, "minimum volumes of groups");
-    for (int i = 0; i < n_tags && !status; i++)
-        status = raise_group(&file->model, tags[i], values[i], chosen, least, error);
+    double *least = pl_alloc_zero(model->n_entities, sizeof *least);
+    int status = least ? PLANISH_OK : pl_fail_memory(error, "minimum volumes of groups");
+    for (int i = 0; i < n_tags && !status; i++) {
+        uint8_t *chosen = NULL;
+        if (values[i] > 0 && values[i] <= DBL_MAX)
+            status = choose_tags(model, &tags[i], 1, model->dim, &chosen, error);
+        else
+            status = pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                             "the minimum volume of group '%s' must be positive and finite", tags[i]);
+        for (int32_t k = 0; k < model->n_entities && !status; k++)
+            if (chosen[k] && values[i] > least[k])
+                least[k] = values[i];
+        pl_free(chosen);
+    }
     for (int64_t i = 0; i < cells->n && !status; i++)
         min_volume[i] = cells->entity ? least[cells->entity[i]] : 0;
     pl_free(least);
-    pl_free(chosen);
     pl_call_leave(&outside);
     return status;
 }
 
 /* ---- the tag of an element ---------------------------------------------------------------- */
 
-/** Whether the name of group i, given as a tag, means groups of its dimension alone. */
-static int is_of_one_dim(const io_model *model, int32_t i) {
-    const io_group *group = &model->group[i];
-    for (int32_t k = 0; k < model->n_groups; k++)
-        if (model->group[k].dim != group->dim && strcmp(model->group[k].name, group->name) == 0)
-            return 0;
-    return 1;
-}
-
-/** The name of a group that may be given as a tag, or NULL. Where numbers are none of the file's,
- *  there is nothing but names. */
+/** Find the name of a group that may be given as a tag, or NULL: no number, and no group of another
+ *  dimension has it, too. Where numbers are none of the file's, there is nothing but names. */
 static const char *name_of(const io_model *model, int dim, int32_t number) {
     for (int32_t i = 0; i < model->n_groups; i++) {
         const io_group *group = &model->group[i];
         if (group->dim != dim || group->tag != number || group->name[0] == '\0')
             continue;
-        if (model->groups_by_name ||
-            (!tag_parse(group->name, -1).has_number && is_of_one_dim(model, i)))
+        int is_clear = !tag_parse(group->name, -1).has_number;
+        for (int32_t k = 0; k < model->n_groups && is_clear; k++)
+            is_clear = model->group[k].dim == dim || strcmp(model->group[k].name, group->name) != 0;
+        if (model->groups_by_name || is_clear)
             return group->name;
     }
     return NULL;
-}
-
-/** Whether the number of an entity without physical groups is that of a physical group, too: then
- *  that is what a tag with the number means. */
-static int is_overruled(const io_model *model, const io_entity *entity) {
-    for (int32_t i = 0; i < model->n_entities; i++)
-        if (model->entity[i].dim == entity->dim && has_physical(&model->entity[i], entity->tag))
-            return 1;
-    return 0;
 }
 
 int planish_file_element_region(const planish_file *file, int64_t element, char *text,
@@ -449,7 +391,12 @@ int planish_file_element_region(const planish_file *file, int64_t element, char 
         return 0;
     const io_model *model = &file->model;
     const io_entity *entity = &model->entity[cells->entity[element]];
-    if (entity->n_physical == 0 && (model->groups_by_name || is_overruled(model, entity)))
+    int has_tag = entity->n_physical > 0 || !model->groups_by_name;
+    /* A number of its own that a physical group has, too, means that group as a tag. */
+    for (int32_t i = 0; i < model->n_entities && entity->n_physical == 0 && has_tag; i++)
+        has_tag =
+            model->entity[i].dim != entity->dim || !has_physical(&model->entity[i], entity->tag);
+    if (!has_tag)
         return 0;
     const int32_t *number = entity->n_physical > 0 ? entity->physical : &entity->tag;
     const int n = entity->n_physical > 0 ? entity->n_physical : 1;

@@ -1,24 +1,23 @@
 /* file: open a mesh file of any format, and what can be asked of it. */
 #include "io/file/file.h"
-#include "io/file/finish.h"
 
+#include "io/abaqus/ucd.h"
 #include "io/core/arrays.h"
 #include "io/core/bytes.h"
 #include "io/core/child.h"
 #include "io/core/number.h"
-#include "io/core/output.h"
 #include "io/file/plane.h"
-#include "io/abaqus/ucd.h"
 
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
-#include "base/system.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+
+static const char *const no_names[] = {NULL};
 
 /* ---- the table of formats ----------------------------------------------------------------- */
 
@@ -36,14 +35,6 @@ const char *const *planish_file_formats(void) {
     return names;
 }
 
-/** "gmsh, medit, ..." */
-static void list_formats(char *text, size_t size) {
-    size_t length = 0;
-    text[0] = '\0';
-    for (const char *const *name = planish_file_formats(); *name && length < size; name++)
-        length += (size_t)snprintf(text + length, size - length, "%s%s", length ? ", " : "", *name);
-}
-
 const io_format *io_format_by_name(const char *name) {
     for (int i = 0; i < N_FORMATS; i++)
         if (strcmp(formats[i]->name, name) == 0)
@@ -59,43 +50,46 @@ const io_format *io_format_by_extension(const char *path) {
 }
 
 const io_format *io_format_find(const char *path, const char *data, int64_t size) {
-    enum {
-        LOOKED_AT = 1 << 18
-    }; /* what begins a file of any format but HDF5 is not farther: most
-          can be before it in Nastran's, comments and cases */
+    /* The beginning of a file of any format but HDF5 is not farther: most can be before it in
+     * Nastran's, comments and cases. */
+    enum { LOOKED_AT = 1 << 18 };
     if (size > LOOKED_AT && !io_is_hdf5(data, size))
         size = LOOKED_AT;
     for (int i = 0; i < N_FORMATS; i++)
-        if (formats[i]->recognise(data, size))
+        if (formats[i]->recognise && formats[i]->recognise(data, size))
             return formats[i];
     return io_format_by_extension(path);
 }
 
 /* ---- opening ------------------------------------------------------------------------------ */
 
-static int is_gzip(const io_bytes *input) {
-    return input->size > 2 && memcmp(input->data, "\x1f\x8b", 2) == 0;
-}
-
-/** Text of two bytes a letter begins with their order. */
-static int is_utf16(const io_bytes *input) {
-    return input->size > 2 &&
-           (memcmp(input->data, "\xff\xfe", 2) == 0 || memcmp(input->data, "\xfe\xff", 2) == 0);
-}
-
+/** Choose the format called name, or that of content and extension. Bytes that no reader takes are
+ *  refused. */
 static int choose_format(planish_file *file, const char *name, planish_error *error) {
     const io_bytes *input = &file->model.input;
+    const char *path = input->path;
     if (io_is_ucd(input->data, input->size))
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is an AVS UCD file, which is not read; convert it to another format, "
                        "with ParaView or meshio (meshio convert -i avsucd IN.inp OUT.vtu)",
-                       input->path);
-    file->format =
-        name ? io_format_by_name(name) : io_format_find(input->path, input->data, input->size);
-    if (file->format || is_gzip(input) || is_utf16(input))
-        return PLANISH_OK; /* of the others read_model says what to do */
-    char names[256];
-    list_formats(names, sizeof names);
+                       path);
+    if (input->size > 2 && memcmp(input->data, "\x1f\x8b", 2) == 0)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is compressed; unpack it first: gunzip -c %s > OUT", path, path);
+    /* Text of two bytes a letter begins with their order. */
+    if (input->size > 2 &&
+        (memcmp(input->data, "\xff\xfe", 2) == 0 || memcmp(input->data, "\xfe\xff", 2) == 0))
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: is text in UTF-16; convert it first: iconv -f UTF-16 -t UTF-8 %s > OUT",
+                       path, path);
+    file->format = name ? io_format_by_name(name) : io_format_find(path, input->data, input->size);
+    if (file->format)
+        return PLANISH_OK;
+    char names[256] = "";
+    size_t length = 0;
+    for (const char *const *n = planish_file_formats(); *n && length < sizeof names; n++)
+        length +=
+            (size_t)snprintf(names + length, sizeof names - length, "%s%s", length ? ", " : "", *n);
     if (name)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "unknown format '%s'; there are %s", name,
                        names);
@@ -103,24 +97,27 @@ static int choose_format(planish_file *file, const char *name, planish_error *er
         return pl_fail(error, PLANISH_ERROR_FORMAT,
                        "%s: is an HDF5 file, but neither CGNS nor MED nor VTKHDF nor PETSc's "
                        "DMPlex, which alone are read of these",
-                       input->path);
+                       path);
     return pl_fail(error, PLANISH_ERROR_FORMAT,
                    "%s: neither content nor extension is of a known mesh format; there are %s "
                    "(docs/formats.md)",
-                   input->path, names);
+                   path, names);
 }
 
+/** Count the distinct regions of the elements: file->n_regions. */
 static int count_regions(planish_file *file, planish_error *error) {
     const io_cells *cells = io_file_elements(file);
     const int32_t *region = io_cells_regions(cells);
     int32_t last = 0;
-    for (int64_t i = 0; region && i < cells->n; i++)
-        last = region[i] > last ? region[i] : last;
     file->n_regions = region ? 0 : 1;
-    uint8_t *seen = region ? pl_alloc_zero((int64_t)last + 1, 1) : NULL;
-    if (region && !seen)
+    if (!region)
+        return PLANISH_OK;
+    for (int64_t i = 0; i < cells->n; i++)
+        last = region[i] > last ? region[i] : last;
+    uint8_t *seen = pl_alloc_zero((int64_t)last + 1, 1);
+    if (!seen)
         return pl_fail_memory(error, file->model.input.path);
-    for (int64_t i = 0; region && i < cells->n; i++) {
+    for (int64_t i = 0; i < cells->n; i++) {
         file->n_regions += !seen[region[i]];
         seen[region[i]] = 1;
     }
@@ -129,15 +126,11 @@ static int count_regions(planish_file *file, planish_error *error) {
 }
 
 static int read_model(planish_file *file, planish_error *error) {
-    const io_bytes *input = &file->model.input;
-    if (is_gzip(input))
+    if (!file->format->read)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: is compressed; unpack it first: gunzip -c %s > OUT", input->path,
-                       input->path);
-    if (is_utf16(input))
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: is text in UTF-16; convert it first: iconv -f UTF-16 -t UTF-8 %s > OUT",
-                       input->path, input->path);
+                       "%s: this planish was built without HDF5, which %s files need: install "
+                       "libhdf5-dev and build again",
+                       file->model.input.path, file->format->name);
     int status = file->format->read(&file->model, error);
     if (!status)
         status = io_arrays_settle(&file->model, error);
@@ -168,51 +161,28 @@ static int try_file(void *data, planish_error *error) {
     return status;
 }
 
-/** The HDF5 library crashes on some files: whether it does on this one is tried out in a child. */
-static int try_isolated(planish_file *file, const char *format, planish_error *error) {
-    const io_bytes *input = &file->model.input;
-    trial t = {.file = *file, .format = format}; /* in the child nothing is isolated any more */
-    if (!io_is_hdf5(input->data, input->size))
-        return PLANISH_OK;
-    file->model.is_isolated = 1;
-    return io_child_run(try_file, &t, input, error);
-}
-
-/** Nothing is read again until it is written. */
-static void rest(const io_model *model) {
-    io_bytes_rest(&model->input);
-    for (int i = 0; i < model->n_companions; i++)
-        io_bytes_rest(&model->companion[i]);
-}
-
-/** The HDF5 library trusts what it has read before, so that its files must not change. */
-static int own_hdf5(planish_file *file, planish_error *error) {
-    io_bytes *input = &file->model.input;
-    return io_is_hdf5(input->data, input->size) ? io_bytes_own(input, error) : PLANISH_OK;
-}
-
-static int open_file(const char *path, const planish_open_options *options, int64_t largest_copy,
-                     planish_file **out, planish_error *error) {
-    planish_file *file = pl_alloc_zero(1, sizeof *file);
-    if (!file)
-        return pl_fail_memory(error, path);
-    file->model.threads = pl_thread_count(options->threads);
-    file->model.flatness = options->plane_tolerance;
-    file->model.largest_copy = largest_copy;
-    int status = io_bytes_open(path, largest_copy, &file->model.input, error);
-    if (!status)
-        status = own_hdf5(file, error);
-    if (!status && options->isolated)
-        status = try_isolated(file, options->format, error);
+/** Open path, whose options are in order, as file, which is closed on failure by the caller. */
+static int open_file(planish_file *file, const char *path, const planish_open_options *options,
+                     planish_error *error) {
+    io_model *model = &file->model;
+    int status = io_bytes_open(path, model->largest_copy, &model->input, error);
+    if (!status && io_is_hdf5(model->input.data, model->input.size)) {
+        /* The HDF5 library trusts what it has read before, so that its files must not change. And
+         * it crashes on some files: whether it does on this one is tried out in a child, in which
+         * nothing is isolated any more. */
+        status = io_bytes_own(&model->input, error);
+        trial t = {.file = *file, .format = options->format};
+        model->is_isolated = options->isolated;
+        if (!status && options->isolated)
+            status = io_child_run(try_file, &t, &model->input, error);
+    }
     if (!status)
         status = choose_format(file, options->format, error);
     if (!status)
         status = read_model(file, error);
-    rest(&file->model);
-    if (status)
-        planish_file_close(file);
-    else
-        *out = file;
+    io_bytes_rest(&model->input); /* nothing is read again until it is written */
+    for (int i = 0; i < model->n_companions; i++)
+        io_bytes_rest(&model->companion[i]);
     return status;
 }
 
@@ -226,7 +196,18 @@ static int open_as_usual(const char *path, const planish_open_options *options,
                        "plane_tolerance is %g; give 0 to %g of the diagonal of the bounding box",
                        options->plane_tolerance, largest);
     const pl_outside outside = pl_call_enter(NULL);
-    const int status = open_file(path, options, largest_copy, out, error);
+    planish_file *file = pl_alloc_zero(1, sizeof *file);
+    int status = file ? PLANISH_OK : pl_fail_memory(error, path);
+    if (!status) {
+        file->model.threads = pl_thread_count(options->threads);
+        file->model.flatness = options->plane_tolerance;
+        file->model.largest_copy = largest_copy;
+        status = open_file(file, path, options, error);
+    }
+    if (status)
+        planish_file_close(file);
+    else
+        *out = file;
     pl_call_leave(&outside);
     return status;
 }
@@ -289,11 +270,6 @@ static double round_to_field(double value, void *user) {
     return io_round_to_field(value, model->field_width, model->implied_exponent);
 }
 
-/** Coordinates in a tilted plane are none of those in the file. */
-static planish_precision precision_of(const io_model *model) {
-    return model->dim == 2 && model->plane.is_tilted ? PLANISH_DOUBLE : model->precision;
-}
-
 /** Whether the last line of a text has no end. */
 static int ends_open(const io_bytes *bytes) {
     const char last = bytes->data[bytes->size - 1];
@@ -318,14 +294,17 @@ void planish_file_get_info(const planish_file *file, planish_file_info *info) {
     *info = (planish_file_info){.format = ""};
     if (!file)
         return;
+    const io_model *model = &file->model;
+    /* Coordinates in a tilted plane are none of those in the file. */
+    const int is_tilted = model->dim == 2 && model->plane.is_tilted;
     *info = (planish_file_info){.format = file->format->name,
-                                .precision = precision_of(&file->model),
+                                .precision = is_tilted ? PLANISH_DOUBLE : model->precision,
                                 .round = round_to_field,
-                                .round_user = (void *)(uintptr_t)&file->model,
-                                .n_other_elements = file->model.n_other,
-                                .n_lower_elements = file->model.n_lower,
+                                .round_user = (void *)(uintptr_t)model,
+                                .n_other_elements = model->n_other,
+                                .n_lower_elements = model->n_lower,
                                 .n_regions = file->n_regions,
-                                .bytes = file->model.input.size,
+                                .bytes = model->input.size,
                                 .ends_open = planish_file_open_end(file) != NULL};
 }
 
@@ -362,13 +341,11 @@ int64_t planish_file_node_number(const planish_file *file, int64_t node) {
 }
 
 const char *const *planish_file_cell_arrays(const planish_file *file) {
-    static const char *const none[] = {NULL};
-    return file && file->model.array_name ? file->model.array_name : none;
+    return file && file->model.array_name ? file->model.array_name : no_names;
 }
 
 const char *const *planish_file_region_arrays(const planish_file *file) {
-    static const char *const none[] = {NULL};
-    return file && file->model.region_name ? file->model.region_name : none;
+    return file && file->model.region_name ? file->model.region_name : no_names;
 }
 
 int planish_file_choose_regions(planish_file *file, const char *const *names, int n_names,
@@ -385,14 +362,4 @@ int planish_file_choose_regions(planish_file *file, const char *const *names, in
         status = count_regions(file, error);
     pl_call_leave(&outside);
     return status;
-}
-
-int planish_file_can_write(const planish_file *file, const char *path) {
-    if (!file || !path)
-        return 0;
-    const io_format *format = file->format;
-    const int is_name = io_format_has_extension(format, path) &&
-                        (!format->may_be_called || format->may_be_called(&file->model, path));
-    return io_output_is_stream(path) || is_name ||
-           strcasecmp(io_extension(path), io_extension(file->model.input.path)) == 0;
 }

@@ -1,16 +1,23 @@
-/* file: the formats that there are, and opening a file. */
+/* file: the formats that there are, and opening and writing a file of any.
+ *
+ *   io_format_by_name, io_format_by_extension, io_format_find    one of the formats
+ *   io_file_open, io_file_from_memory     open a file: for tests and fuzzing
+ *   io_model_finish                       a model that was read becomes a mesh (finish.c)
+ *   io_mesh_file                          paths of the files of a mesh (write.c)
+ *   io_splice_write                       the input's bytes with other coordinates (splice.c)
+ */
 #ifndef PL_IO_FILE_FILE_H
 #define PL_IO_FILE_FILE_H
 
 #include "io/core/format.h"
 
-/** The format called name, or NULL. */
+/** Find the format called name, or NULL. */
 const io_format *io_format_by_name(const char *name);
 
-/** The format that the extension of path is of, or NULL. */
+/** Find the format that the extension of path is of, or NULL. */
 const io_format *io_format_by_extension(const char *path);
 
-/** The format that the content, else the extension of path, is of; NULL if neither tells. */
+/** Find the format that the content, else the extension of path, is of; NULL if neither tells. */
 const io_format *io_format_find(const char *path, const char *data, int64_t size);
 
 /** planish_file_open that maps files of more than largest_copy bytes: for tests. */
@@ -20,5 +27,21 @@ int io_file_open(const char *path, int threads, int64_t largest_copy, planish_fi
 /** Read size bytes at data (borrowed) as a file of format called path: for fuzzing and tests. */
 int io_file_from_memory(const io_format *format, const char *path, const char *data, int64_t size,
                         int threads, planish_file **file, planish_error *error);
+
+/** Decide the dimension (tetrahedra if there are any, else triangles), set plain cells apart, let
+ *  lines, and triangles of a 3-D mesh, hold their nodes, find the plane of a 2-D mesh (plane.h),
+ *  lay out coordinates. Fails if there is nothing to smooth. format: that it was read as; NULL:
+ *  text has as many digits as it needs. */
+int io_model_finish(io_model *model, const io_format *format, planish_error *error);
+
+/** Return the i-th path that a file of the mesh at path can have. format: its name, or NULL: told
+ *  by the extension. Owned; NULL behind the last, of meshes that are one file, and without
+ *  memory. */
+char *io_mesh_file(const char *path, const char *format, int i);
+
+/** Write the bytes of the input with coordinates of places [n_places][written] to output, and
+ *  finish it. */
+int io_splice_write(const planish_file *file, const double *coordinates, int threads,
+                    io_output *output, planish_error *error);
 
 #endif

@@ -2,16 +2,227 @@
  *
  * In: nodes and cells. Out: the dimension, the plane of triangles, coordinates, and which nodes
  * lines, triangles and points hold.
+ *
+ * Lists of all facets, or all edges, of a mesh put no constraint on its nodes: cells that are in
+ * the file only because it lists all there are become plain ones (io_cells.n_plain), behind the
+ * others. If lines or triangles are all facets of the elements, those inside that have the tag of
+ * most inside are plain: what the list tells apart has other tags, and these hold. So nodes with
+ * facets of several tags are held. Facets on the boundary stay what they are. If lines are all
+ * edges of tetrahedra, the rule holds for lines inside, and for lines on the boundary.
  */
-#include "io/file/finish.h"
-
+#include "io/file/file.h"
 #include "io/file/plane.h"
 
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 
-enum { CHUNK_NODES = 1 << 14 };
+#include <string.h>
+
+enum { CHUNK = 1 << 14, MOST_CORNERS = 3 };
+
+/* ---- cells that are there only because the file lists all ----------------------------------- */
+
+/* Place of a listed cell: no facet or edge of the elements; inside; or on the boundary. */
+enum { NOWHERE, INSIDE, BOUNDARY, N_PLACES };
+
+/** Hash table of the cells of a list by their nodes, and what the elements say of them. */
+typedef struct listing {
+    const io_cells *cells, *solids; /* the list; the elements */
+    int corners, solid_corners;
+    int32_t *slot; /* [mask + 1] a cell, or -1; of equal cells any one */
+    int64_t mask;
+    uint64_t *around; /* [n] bit 0: elements have it; the others are 0 if these close around it */
+    uint8_t *place;   /* [n] where each cell is, then whether it is plain */
+    int is_missing;   /* elements have one that is not listed */
+} listing;
+
+static uint64_t mix(uint64_t value) {
+    value *= 0x9e3779b97f4a7c15u;
+    value = (value ^ value >> 32) * 0xd6e8feb86659fd93u;
+    return value ^ value >> 29;
+}
+
+/** Nodes in the order of their numbers. */
+static void sort_nodes(const int32_t *nodes, int corners, int32_t *sorted) {
+    for (int i = 0; i < corners; i++) {
+        int k = i;
+        for (; k > 0 && sorted[k - 1] > nodes[i]; k--)
+            sorted[k] = sorted[k - 1];
+        sorted[k] = nodes[i];
+    }
+}
+
+/** Find the cell of these nodes, in any order. -1: there is none, and then cell, if not -1, takes
+ *  its slot. */
+static int32_t find_or_add(const listing *l, const int32_t *nodes, int32_t cell) {
+    int32_t sorted[MOST_CORNERS], other[MOST_CORNERS];
+    uint64_t hash = 0;
+    sort_nodes(nodes, l->corners, sorted);
+    for (int i = 0; i < l->corners; i++)
+        hash = mix(hash + (uint64_t)(uint32_t)sorted[i] + 1);
+    for (int64_t at = (int64_t)(hash & (uint64_t)l->mask);; at = (at + 1) & l->mask) {
+        int32_t there = __atomic_load_n(&l->slot[at], __ATOMIC_RELAXED);
+        if (there < 0 &&
+            (cell < 0 || __atomic_compare_exchange_n(&l->slot[at], &there, cell, 0,
+                                                     __ATOMIC_RELAXED, __ATOMIC_RELAXED)))
+            return -1;
+        sort_nodes(l->cells->nodes + (int64_t)there * l->corners, l->corners, other);
+        if (memcmp(other, sorted, (size_t)l->corners * sizeof *other) == 0)
+            return there;
+    }
+}
+
+static void add_cells(void *context, int64_t begin, int64_t end, int thread) {
+    const listing *l = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        find_or_add(l, l->cells->nodes + i * l->corners, (int32_t)i);
+}
+
+/** Note at the cells that are facets or edges of an element (all choices of corners of its nodes)
+ *  that it has them. The nodes behind each, of all elements together, come twice if elements close
+ *  around it. Returns 0 if one is not listed. */
+static int note_element(listing *l, const int32_t *element) {
+    for (unsigned set = 1; set < 1u << l->solid_corners; set++) {
+        int32_t nodes[4], others[4];
+        int n = 0, n_others = 0;
+        for (int i = 0; i < l->solid_corners; i++)
+            if (set >> i & 1)
+                nodes[n++] = element[i];
+            else
+                others[n_others++] = element[i];
+        if (n != l->corners)
+            continue;
+        const int32_t cell = find_or_add(l, nodes, -1);
+        if (cell < 0)
+            return 0;
+        uint64_t behind = n_others == 1 ? 2 : 0; /* a facet: two elements */
+        for (int i = 0; i < n_others && n_others > 1; i++)
+            behind ^= mix((uint64_t)(uint32_t)others[i] + 1) & ~(uint64_t)1;
+        __atomic_fetch_xor(&l->around[cell], behind, __ATOMIC_RELAXED);
+        __atomic_fetch_or(&l->around[cell], 1, __ATOMIC_RELAXED);
+    }
+    return 1;
+}
+
+static void note_elements(void *context, int64_t begin, int64_t end, int thread) {
+    listing *l = context;
+    (void)thread;
+    for (int64_t i = begin; i < end && !__atomic_load_n(&l->is_missing, __ATOMIC_RELAXED); i++)
+        if (!note_element(l, l->solids->nodes + i * l->solid_corners))
+            __atomic_store_n(&l->is_missing, 1, __ATOMIC_RELAXED);
+}
+
+static void place_cells(void *context, int64_t begin, int64_t end, int thread) {
+    const listing *l = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const uint64_t around = l->around[find_or_add(l, l->cells->nodes + i * l->corners, -1)];
+        l->place[i] = around == 0 ? NOWHERE : around == 1 ? INSIDE : BOUNDARY;
+    }
+}
+
+static int32_t tag_of(const io_cells *cells, int64_t i) {
+    return cells->entity && cells->entity[i] >= 0 ? cells->entity[i] + 1 : 0;
+}
+
+/** Make of the places of cells whether they are plain: of n_tags tags the one of most cells is, at
+ *  each place where cells can be plain; of several as many the first. */
+static int mark_plain(listing *l, int64_t n_tags, planish_error *error) {
+    const int has_boundary = l->solid_corners - l->corners > 1; /* edges of tetrahedra */
+    int32_t usual[N_PLACES] = {0};
+    int64_t *count = pl_alloc_zero(N_PLACES * n_tags, sizeof *count);
+    if (!count)
+        return pl_fail_memory(error, "the groups of facets");
+    for (int64_t i = 0; i < l->cells->n; i++)
+        count[l->place[i] * n_tags + tag_of(l->cells, i)]++;
+    for (int p = 0; p < N_PLACES; p++)
+        for (int32_t k = 1; k < n_tags; k++)
+            if (count[p * n_tags + k] > count[p * n_tags + usual[p]])
+                usual[p] = k;
+    pl_free(count);
+    for (int64_t i = 0; i < l->cells->n; i++) {
+        const int at = l->place[i];
+        l->place[i] =
+            (at == INSIDE || (at == BOUNDARY && has_boundary)) && tag_of(l->cells, i) == usual[at];
+    }
+    return PLANISH_OK;
+}
+
+/** Put the plain cells of dimension dim behind the others, each in their order; they keep their
+ *  numbers. */
+static int move_behind(io_cells *cells, int dim, const uint8_t *is_plain, planish_error *error) {
+    io_cells moved = {.n_plain = 0};
+    int status = io_cells_reserve(&moved, dim, cells->n, cells->entity != NULL, 1, error);
+    if (!status && cells->region && !(moved.region = pl_alloc(cells->n, sizeof *moved.region)))
+        status = pl_fail_memory(error, "the elements of the file");
+    if (status) {
+        io_cells_release(&moved);
+        return status;
+    }
+    const size_t size = (size_t)(dim + 1) * sizeof *moved.nodes;
+    moved.n = cells->n;
+    moved.first_number = cells->first_number;
+    for (int64_t i = 0; i < cells->n; i++)
+        moved.n_plain += is_plain[i];
+    int64_t to[2] = {0, cells->n - moved.n_plain};
+    for (int64_t i = 0; i < cells->n; i++) {
+        const int64_t k = to[is_plain[i]]++;
+        memcpy(moved.nodes + k * (dim + 1), cells->nodes + i * (dim + 1), size);
+        moved.number[k] = cells->number ? cells->number[i] : cells->first_number + i;
+        if (cells->entity)
+            moved.entity[k] = cells->entity[i];
+        if (cells->region)
+            moved.region[k] = cells->region[i];
+    }
+    io_cells_release(cells);
+    *cells = moved;
+    return PLANISH_OK;
+}
+
+/** Find plain cells of dimension dim: there are any if cells are all that elements of solid_dim
+ *  have. */
+static int find_plain(io_model *model, int dim, int solid_dim, planish_error *error) {
+    io_cells *cells = io_model_cells(model, dim);
+    const io_cells *solids = io_model_cells(model, solid_dim);
+    /* Of facets there are half as many as elements have, and more for the boundary; of edges at
+     * least as many as tetrahedra. */
+    const int64_t least = solid_dim - dim == 1 ? (solid_dim + 1) * solids->n / 2 : solids->n;
+    if (cells->n == 0 || solids->n == 0 || cells->n < least)
+        return PLANISH_OK;
+    int64_t n_slots = 1;
+    while (n_slots < 2 * cells->n)
+        n_slots *= 2;
+    listing l = {.cells = cells,
+                 .solids = solids,
+                 .corners = dim + 1,
+                 .solid_corners = solid_dim + 1,
+                 .slot = pl_alloc(n_slots, sizeof *l.slot),
+                 .mask = n_slots - 1,
+                 .around = pl_alloc_zero(cells->n, sizeof *l.around),
+                 .place = pl_alloc(cells->n, 1)};
+    int status = PLANISH_OK;
+    if (!l.slot || !l.around || !l.place) {
+        status = pl_fail_memory(error, "the facets of the file");
+    } else {
+        memset(l.slot, -1, (size_t)n_slots * sizeof *l.slot);
+        pl_parallel_for(model->threads, cells->n, CHUNK, add_cells, &l);
+        pl_parallel_for(model->threads, solids->n, CHUNK, note_elements, &l);
+        if (!l.is_missing) {
+            pl_parallel_for(model->threads, cells->n, CHUNK, place_cells, &l);
+            status = mark_plain(&l, (int64_t)model->n_entities + 1, error);
+            if (!status)
+                status = move_behind(cells, dim, l.place, error);
+        }
+    }
+    pl_free(l.slot);
+    pl_free(l.around);
+    pl_free(l.place);
+    return status;
+}
+
+/* ---- the mesh ------------------------------------------------------------------------------- */
 
 /** Cells that hold their nodes. */
 typedef struct holders {
@@ -28,41 +239,15 @@ static void hold_chunk(void *context, int64_t begin, int64_t end, int thread) {
         __atomic_fetch_or(&h->model->hold[h->cells->nodes[i]], h->reason, __ATOMIC_RELAXED);
 }
 
-static void hold_cells(io_model *model, const io_cells *cells, int corners, uint8_t reason) {
-    holders h = {model, cells, corners, reason};
-    pl_parallel_for(model->threads, io_cells_telling(cells), CHUNK_NODES, hold_chunk, &h);
+static void hold_nodes(io_model *model, int dim, uint8_t reason) {
+    holders h = {model, io_model_cells(model, dim), dim + 1, reason};
+    pl_parallel_for(model->threads, io_cells_telling(h.cells), CHUNK, hold_chunk, &h);
 }
 
-static int finish_solid(io_model *model, planish_error *error) {
-    if (model->columns < 3)
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: tetrahedra in two dimensions; a third coordinate is missing",
-                       model->input.path);
-    model->dim = model->written = 3;
-    model->coordinates = model->xyz;
-    model->n_lower += model->triangle.n;
-    hold_cells(model, &model->triangle, 3, IO_HELD_BY_TRIANGLE);
-    return PLANISH_OK;
-}
-
-/** z is not smoothed, but shown (view.c). */
-static int keep_z(io_model *model, planish_error *error) {
-    int any = 0;
-    for (int64_t i = 0; i < model->n_nodes; i++)
-        any |= model->xyz[3 * i + 2] != 0;
-    if (!any)
-        return PLANISH_OK;
-    model->z = pl_alloc(model->n_nodes, sizeof *model->z);
-    if (!model->z)
-        return pl_fail_memory(error, "coordinates");
-    for (int64_t i = 0; i < model->n_nodes; i++)
-        model->z[i] = model->xyz[3 * i + 2];
-    return PLANISH_OK;
-}
-
-/** The file's own places are kept where its columns are not those of the coordinates. */
+/** Find the plane of a mesh of triangles and the coordinates there. The file's own places are kept
+ *  where its columns are not those of the coordinates. */
 static int finish_plane(io_model *model, const io_format *format, planish_error *error) {
-    int status = io_plane_find(model, format, error);
+    const int status = io_plane_find(model, format, error);
     if (status)
         return status;
     model->dim = 2;
@@ -76,34 +261,50 @@ static int finish_plane(io_model *model, const io_format *format, planish_error 
         return io_plane_keep(model, error);
     if (model->written == 3)
         return PLANISH_OK;
-    status = keep_z(model, error);
+    int has_z = 0; /* z is not smoothed, but shown (io/view) */
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        has_z |= model->xyz[3 * i + 2] != 0;
+    if (has_z) {
+        model->z = pl_alloc(model->n_nodes, sizeof *model->z);
+        if (!model->z)
+            return pl_fail_memory(error, "coordinates");
+        for (int64_t i = 0; i < model->n_nodes; i++)
+            model->z[i] = model->xyz[3 * i + 2];
+    }
     pl_free(model->xyz);
     model->xyz = NULL;
-    return status;
-}
-
-/** Points that name every node say nothing of any: Mmg writes all vertices so, and others vertex
- *  cells. */
-static void drop_plain_points(io_model *model) {
-    for (int64_t i = 0; i < model->n_nodes; i++)
-        if (!(model->hold[i] & IO_HELD_BY_POINT))
-            return;
-    for (int64_t i = 0; i < model->n_nodes; i++)
-        model->hold[i] &= (uint8_t)~IO_HELD_BY_POINT;
+    return PLANISH_OK;
 }
 
 int io_model_finish(io_model *model, const io_format *format, planish_error *error) {
-    const int status = io_model_find_plain(model, error);
+    const int dim = model->tetrahedron.n > 0 ? 3 : 2;
+    int status = PLANISH_OK;
+    for (int d = 1; d < dim && !status; d++)
+        status = find_plain(model, d, dim, error);
     if (status)
         return status;
-    drop_plain_points(model);
+    /* Points that name every node say nothing of any: Mmg writes all vertices so, and others vertex
+     * cells. */
+    int64_t n_named = 0;
+    for (int64_t i = 0; i < model->n_nodes; i++)
+        n_named += (model->hold[i] & IO_HELD_BY_POINT) != 0;
+    for (int64_t i = 0; i < model->n_nodes && n_named == model->n_nodes; i++)
+        model->hold[i] &= (uint8_t)~IO_HELD_BY_POINT;
     model->n_lower += model->line.n;
-    hold_cells(model, &model->line, 2, IO_HELD_BY_LINE);
-    if (model->tetrahedron.n > 0)
-        return finish_solid(model, error);
-    if (model->triangle.n > 0)
+    hold_nodes(model, 1, IO_HELD_BY_LINE);
+    if (dim == 2 && model->triangle.n > 0)
         return finish_plane(model, format, error);
-    return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: no tetrahedron and no triangle in it: there is nothing to smooth",
-                   model->input.path);
+    if (dim == 2)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: no tetrahedron and no triangle in it: there is nothing to smooth",
+                       model->input.path);
+    if (model->columns < 3)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: tetrahedra in two dimensions; a third coordinate is missing",
+                       model->input.path);
+    model->dim = model->written = 3;
+    model->coordinates = model->xyz;
+    model->n_lower += model->triangle.n;
+    hold_nodes(model, 2, IO_HELD_BY_TRIANGLE);
+    return PLANISH_OK;
 }

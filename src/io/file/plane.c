@@ -1,105 +1,30 @@
-/* plane: the plane that a mesh of triangles lies in, and the coordinates that it has there.
- *
- * Of planes across an axis the other two columns of the file are the coordinates, in the order in
- * which they turn as x and y do: y z, z x. The column across stays as it is in the file.
+/* plane: between a plane and the columns of the file, and the signs of triangles in it.
  *
  * In a tilted plane a node is where it is seen along the column across that is nearest to the
  * normal, so that triangles have the signs that they have there; whatever it is off the plane it is
  * off along that column. A node that moves lands on the plane; one that does not keeps its bytes.
+ *
+ * Triangles of a tilted plane have the signs that they have in the file, before and after. A sign
+ * is that of the triangle seen along the column that is nearest to the plane's normal, of the
+ * coordinates as they are written, and exact; where two columns are as near, it is that along both.
+ * In the frame of the plane coordinates are rounded, and so are places in space.
  */
 #include "io/file/plane.h"
 
+#include "io/core/number.h"
+
 #include "base/context.h"
+#include "base/exact.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/round.h"
 #include "base/status.h"
 
-#include "io/file/digits.h"
-#include "io/core/number.h"
-
+#include <float.h>
 #include <math.h>
+#include <string.h>
 
-enum { CHUNK_NODES = 1 << 14 };
-
-/* What geometry kernels and roundings leave of a constant column, as a part of the longer side. */
-static const double NOISE = 1e-8;
-
-/* ---- finding it ------------------------------------------------------------------------------ */
-
-/** The box of the nodes of triangles. */
-typedef struct box {
-    double low[3], high[3];
-} box;
-
-static box find_box(const io_model *model) {
-    const int32_t *nodes = model->triangle.nodes;
-    box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
-    for (int64_t i = 0; i < 3 * model->triangle.n; i++)
-        for (int d = 0; d < 3; d++) {
-            const double x = model->xyz[3 * (int64_t)nodes[i] + d];
-            b.low[d] = x < b.low[d] ? x : b.low[d];
-            b.high[d] = x > b.high[d] ? x : b.high[d];
-        }
-    return b;
-}
-
-/** Whether all nodes of triangles share what column axis has, but for noise. */
-static int is_across(const io_model *model, const box *b, int axis) {
-    const int p = (axis + 1) % 3, q = (axis + 2) % 3;
-    const double most =
-        fmax(NOISE * b->high[p] - NOISE * b->low[p], NOISE * b->high[q] - NOISE * b->low[q]);
-    const double first = model->xyz[3 * (int64_t)model->triangle.nodes[0] + axis];
-    return fabs(b->low[axis] - first) <= most && fabs(b->high[axis] - first) <= most;
-}
-
-static int refuse_surface(const io_model *model, const io_plane *plane, int is_thin,
-                          double tolerance, planish_error *error) {
-    if (is_thin && plane->off <= tolerance * plane->size)
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: triangles in space whose nodes lie along a line, as far as can be told "
-                       "(they are up to %.3g off it): no plane can be found for them",
-                       model->input.path, plane->off);
-    return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: triangles in space (nodes are up to %.3g off the plane that fits them "
-                   "best, and %.3g is allowed, %.3g of the size): only meshes in one plane can be "
-                   "smoothed, surfaces cannot (a larger tolerance is given by "
-                   "--slide-tolerance)",
-                   model->input.path, plane->off, tolerance * plane->size, tolerance);
-}
-
-static int find_tilted(io_model *model, const io_format *format, const box *b,
-                       planish_error *error) {
-    const double usual = 1e-8;           /* as planish_find_slides has it */
-    const double of_narrow_field = 1e-5; /* where some numbers have fewer digits than others */
-    const int narrow_field = 8;
-    double tolerance = model->flatness;
-    int is_thin = 0;
-    if (!(tolerance > 0))
-        tolerance = format ? io_tolerance_of_digits(model, format) : 0;
-    if (!(tolerance > 0))
-        tolerance = usual;
-    if (!(model->flatness > 0) && model->precision == PLANISH_ROUNDED &&
-        model->field_width <= narrow_field)
-        tolerance = fmax(tolerance, of_narrow_field);
-    const int status = io_plane_fit(model, b->low, b->high, &model->plane, &is_thin, error);
-    if (status || (!is_thin && model->plane.off <= tolerance * model->plane.size))
-        return status;
-    return refuse_surface(model, &model->plane, is_thin, tolerance, error);
-}
-
-int io_plane_find(io_model *model, const io_format *format, planish_error *error) {
-    static const int order[] = {2, 0, 1}; /* x and y first: all meshes had to be so once */
-    const box b = find_box(model);
-    for (int i = 0; i < 3; i++)
-        if (is_across(model, &b, order[i])) {
-            const double across = model->xyz[3 * (int64_t)model->triangle.nodes[0] + order[i]];
-            model->plane = (io_plane){.axis = {(order[i] + 1) % 3, (order[i] + 2) % 3, order[i]},
-                                      .origin = {0, 0, across}};
-            return PLANISH_OK;
-        }
-    return find_tilted(model, format, &b, error);
-}
+enum { CHUNK = 1 << 13, CHUNK_NODES = 1 << 14, MOST_VIEWS = 3 };
 
 /* ---- between plane and file ------------------------------------------------------------------ */
 
@@ -122,46 +47,34 @@ static double store(const io_model *model, double value) {
                : value;
 }
 
-/** On the plane, but for the roundings of the file. */
-static void place_on_plane(const io_model *model, const double uv[2], double xyz[3]) {
-    const io_plane *plane = &model->plane;
-    const double dy = uv[1] / plane->yv, dx = (uv[0] - plane->yu * dy) / plane->xu;
-    const double x = store(model, plane->origin[0] + dx), y = store(model, plane->origin[1] + dy);
-    const double up =
-        plane->slope[0] * (x - plane->origin[0]) + plane->slope[1] * (y - plane->origin[1]);
-    xyz[plane->axis[0]] = x;
-    xyz[plane->axis[1]] = y;
-    xyz[plane->axis[2]] = store(model, plane->origin[2] + up);
-}
-
-int io_plane_has_moved(const io_model *model, int64_t node, const double *uv) {
+/** Whether a node of a tilted plane with coordinates uv is not where it was. */
+static int has_moved(const io_model *model, int64_t node, const double *uv) {
     const double *before = model->uv_read + 2 * node;
     return !pl_is_same(uv[0], before[0]) || !pl_is_same(uv[1], before[1]);
 }
 
-static double column_across(const io_model *model, int64_t node) {
-    return model->xyz ? model->xyz[3 * node + model->plane.axis[2]] : model->z ? model->z[node] : 0;
-}
-
 void io_model_place(const io_model *model, int64_t node, const double *at, double xyz[3]) {
     const io_plane *plane = &model->plane;
+    const int *axis = plane->axis;
+    const double *read = model->xyz ? model->xyz + 3 * node : NULL;
     if (model->dim == 3) {
-        for (int d = 0; d < 3; d++)
+        for (int d = 0; d < 3; d++) /* at may be xyz */
             xyz[d] = at[d];
-        return;
+    } else if (!plane->is_tilted) {
+        xyz[axis[0]] = at[0];
+        xyz[axis[1]] = at[1];
+        xyz[axis[2]] = read ? read[axis[2]] : model->z ? model->z[node] : 0;
+    } else if (!has_moved(model, node, at)) {
+        memcpy(xyz, read, 3 * sizeof *xyz);
+    } else { /* on the plane, but for the roundings of the file */
+        const double *origin = plane->origin;
+        const double dy = at[1] / plane->yv, dx = (at[0] - plane->yu * dy) / plane->xu;
+        const double x = store(model, origin[0] + dx), y = store(model, origin[1] + dy);
+        const double up = plane->slope[0] * (x - origin[0]) + plane->slope[1] * (y - origin[1]);
+        xyz[axis[0]] = x;
+        xyz[axis[1]] = y;
+        xyz[axis[2]] = store(model, origin[2] + up);
     }
-    if (plane->is_tilted && io_plane_has_moved(model, node, at)) {
-        place_on_plane(model, at, xyz);
-        return;
-    }
-    if (plane->is_tilted) {
-        for (int d = 0; d < 3; d++)
-            xyz[d] = model->xyz[3 * node + d];
-        return;
-    }
-    xyz[plane->axis[0]] = at[0];
-    xyz[plane->axis[1]] = at[1];
-    xyz[plane->axis[2]] = column_across(model, node);
 }
 
 /** Nodes to be placed. */
@@ -196,8 +109,6 @@ const double *io_model_places_read(const io_model *model) {
     return model->xyz ? model->xyz : model->coordinates;
 }
 
-/* ---- questions ------------------------------------------------------------------------------- */
-
 int planish_file_place(const planish_file *file, int64_t first, int64_t n,
                        const double *coordinates, double *xyz, planish_error *error) {
     if (!file || n < 0 || (n > 0 && (!coordinates || !xyz)))
@@ -215,8 +126,15 @@ int planish_file_place(const planish_file *file, int64_t first, int64_t n,
     return PLANISH_OK;
 }
 
-/** The frame in space: u goes along the slope of x, v turns left of it. */
-static void describe(const io_plane *p, planish_plane *plane) {
+int planish_file_plane(const planish_file *file, planish_plane *plane) {
+    if (plane)
+        *plane = (planish_plane){.axis = {0, 1, 2}};
+    if (!file || file->model.dim == 3)
+        return 0;
+    const io_plane *p = &file->model.plane;
+    if (!plane)
+        return !io_plane_is_xy(p);
+    /* In space u goes along the slope of x, v turns left of it. */
     const double *slope = p->slope;
     const double xu = p->is_tilted ? p->xu : 1, yv = p->is_tilted ? p->yv : 1;
     const double length = sqrt(1 + slope[0] * slope[0] + slope[1] * slope[1]);
@@ -232,15 +150,294 @@ static void describe(const io_plane *p, planish_plane *plane) {
         plane->direction[1][axis] = v[d];
         plane->normal[axis] = normal[d];
     }
+    return !io_plane_is_xy(p);
 }
 
-int planish_file_plane(const planish_file *file, planish_plane *plane) {
-    if (plane)
-        *plane = (planish_plane){.axis = {0, 1, 2}};
-    if (!file || file->model.dim == 3)
-        return 0;
-    const io_plane *p = &file->model.plane;
-    if (plane)
-        describe(p, plane);
-    return !io_plane_is_xy(p);
+/* ---- signs ----------------------------------------------------------------------------------- */
+
+/** A column that triangles are seen along, and the sign of the normal there. */
+typedef struct column_view {
+    int axis, sign;
+} column_view;
+
+/** Find the columns nearest to the normal: that of the plane first. Return their number. */
+static int find_views(const io_plane *plane, column_view views[MOST_VIEWS]) {
+    const double as_near = 1 - 1e-6;
+    int n = 0;
+    views[n++] = (column_view){plane->axis[2], 1};
+    for (int d = 0; d < 2; d++)
+        if (fabs(plane->slope[d]) >= as_near)
+            views[n++] = (column_view){plane->axis[d], plane->slope[d] < 0 ? 1 : -1};
+    return n;
+}
+
+/** The sign of a triangle of places in space. */
+static int sign_in_space(const double *places, const int32_t *nodes, column_view v) {
+    double at[3][2];
+    for (int k = 0; k < 3; k++) {
+        at[k][0] = places[3 * (int64_t)nodes[k] + (v.axis + 1) % 3];
+        at[k][1] = places[3 * (int64_t)nodes[k] + (v.axis + 2) % 3];
+    }
+    return v.sign * pl_exact_turn(at[0], at[1], at[2]);
+}
+
+static int sign_in_plane(const double *uv, const int32_t *nodes) {
+    return pl_exact_turn(uv + 2 * (int64_t)nodes[0], uv + 2 * (int64_t)nodes[1],
+                         uv + 2 * (int64_t)nodes[2]);
+}
+
+/* ---- signs after smoothing ------------------------------------------------------------------- */
+
+typedef struct settling {
+    const io_model *model;
+    double *uv;     /* [n_nodes][2] */
+    double *places; /* [n_nodes][3] as written, owned */
+    int8_t *sign;   /* [n_elements] in uv at first, owned */
+    uint8_t *back;  /* [n_nodes] 1: goes back, 2: has gone; owned */
+    column_view views[MOST_VIEWS];
+    int n_views;
+    int any; /* node has to go back */
+} settling;
+
+static void find_signs(void *context, int64_t begin, int64_t end, int thread) {
+    settling *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        s->sign[i] = (int8_t)sign_in_plane(s->uv, s->model->triangle.nodes + 3 * i);
+}
+
+/** Place nodes; where a file holds less, coordinates become those of what it holds, if they lead
+ *  back to it. */
+static void place_nodes(void *context, int64_t begin, int64_t end, int thread) {
+    settling *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        double *uv = s->uv + 2 * i, *place = s->places + 3 * i, again[3];
+        io_model_place(s->model, i, uv, place);
+        if (s->model->precision == PLANISH_DOUBLE || !has_moved(s->model, i, uv))
+            continue;
+        const double before[2] = {uv[0], uv[1]};
+        int same = 1;
+        io_plane_project(&s->model->plane, place, uv);
+        io_model_place(s->model, i, uv, again);
+        for (int d = 0; d < 3; d++)
+            same &= pl_is_same(place[d], again[d]);
+        if (!same) /* what is held has nearly the digits of doubles */
+            memcpy(uv, before, sizeof before);
+    }
+}
+
+/** Whether a triangle has another sign as written. Seen along a column as near as the plane's it
+ *  may have had one before. */
+static int is_harmed(const settling *s, int64_t element) {
+    const int32_t *nodes = s->model->triangle.nodes + 3 * element;
+    const int sign = s->sign[element];
+    if (sign_in_space(s->places, nodes, s->views[0]) != sign || sign_in_plane(s->uv, nodes) != sign)
+        return 1;
+    for (int i = 1; i < s->n_views; i++)
+        if (sign_in_space(s->places, nodes, s->views[i]) != sign &&
+            sign_in_space(s->model->xyz, nodes, s->views[i]) == sign)
+            return 1;
+    return 0;
+}
+
+/** Let the moved nodes of harmed triangles go back. */
+static void find_harm(void *context, int64_t begin, int64_t end, int thread) {
+    settling *s = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int32_t *nodes = s->model->triangle.nodes + 3 * i;
+        int moved[3];
+        for (int k = 0; k < 3; k++)
+            moved[k] = has_moved(s->model, nodes[k], s->uv + 2 * (int64_t)nodes[k]);
+        if ((!moved[0] && !moved[1] && !moved[2]) || !is_harmed(s, i))
+            continue;
+        for (int k = 0; k < 3; k++)
+            if (moved[k])
+                __atomic_store_n(&s->back[nodes[k]], 1, __ATOMIC_RELAXED);
+        __atomic_store_n(&s->any, 1, __ATOMIC_RELAXED);
+    }
+}
+
+/** Settle coordinates in a tilted plane; *n counts the nodes that go back. Ends, as each round
+ *  takes nodes back. */
+static void settle(settling *s, int64_t *n) {
+    const io_model *model = s->model;
+    const int64_t n_elements = model->triangle.n;
+    s->n_views = find_views(&model->plane, s->views);
+    pl_parallel_for(model->threads, n_elements, CHUNK, find_signs, s);
+    pl_parallel_for(model->threads, model->n_nodes, CHUNK, place_nodes, s);
+    do {
+        for (int64_t i = 0; i < model->n_nodes; i++) {
+            if (s->back[i] != 1)
+                continue;
+            *n += has_moved(model, i, s->uv + 2 * i);
+            s->back[i] = 2;
+            memcpy(s->uv + 2 * i, model->uv_read + 2 * i, 2 * sizeof *s->uv);
+            memcpy(s->places + 3 * i, model->xyz + 3 * i, 3 * sizeof *s->places);
+        }
+        s->any = 0;
+        pl_parallel_for(model->threads, n_elements, CHUNK, find_harm, s);
+    } while (s->any);
+}
+
+int planish_file_settle(const planish_file *file, double *coordinates, uint8_t *back,
+                        int64_t *n_back, planish_error *error) {
+    int64_t n = 0;
+    if (!file || !coordinates)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and coordinates must not be NULL");
+    const pl_outside outside = pl_call_enter(NULL);
+    const io_model *model = &file->model;
+    settling s = {.model = model, .uv = coordinates};
+    int status = PLANISH_OK;
+    if (model->uv_read) {
+        s.places = pl_alloc(model->n_nodes, 3 * sizeof *s.places);
+        s.sign = pl_alloc(model->triangle.n, sizeof *s.sign);
+        s.back = pl_alloc_zero(model->n_nodes, 1);
+        if (!s.places || !s.sign || !s.back)
+            status = pl_fail_memory(error, "the places of nodes");
+    }
+    if (!status && model->uv_read) {
+        for (int64_t i = 0; back && i < model->n_nodes; i++)
+            s.back[i] = back[i] != 0;
+        settle(&s, &n);
+        for (int64_t i = 0; back && i < model->n_nodes; i++)
+            back[i] = s.back[i] != 0;
+    }
+    pl_free(s.back);
+    pl_free(s.sign);
+    pl_free(s.places);
+    pl_call_leave(&outside);
+    if (!status && n_back)
+        *n_back = n;
+    return status;
+}
+
+/* ---- signs after reading --------------------------------------------------------------------- */
+
+/* Few triangles are so flat that rounding in the frame gives them another sign: nodes are moved by
+ * a few units of the last place until all triangles around have their own. */
+enum { FARTHEST = 6, MOST_NUDGED = 1000 };
+
+typedef struct flat_search {
+    io_model *model;
+    column_view along;
+    int usual;      /* the sign that most triangles have */
+    uint8_t *wrong; /* [n_elements] owned */
+    int64_t n_positive, n_negative, n_wrong;
+    int64_t *first;  /* [n_nodes + 2] where the elements of a node begin in, owned, */
+    int32_t *around; /* [3 n_elements] owned */
+} flat_search;
+
+/** Flat triangles are as good with the sign that is not usual: they count as inverted. */
+static int is_wrong(const flat_search *f, int64_t element) {
+    const int32_t *nodes = f->model->triangle.nodes + 3 * element;
+    const int wanted = sign_in_space(f->model->xyz, nodes, f->along);
+    const int sign = sign_in_plane(f->model->coordinates, nodes);
+    return wanted == 0 ? sign == f->usual : sign != wanted;
+}
+
+static void count_usual(void *context, int64_t begin, int64_t end, int thread) {
+    flat_search *f = context;
+    int64_t n[3] = {0, 0, 0};
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        n[1 + sign_in_plane(f->model->coordinates, f->model->triangle.nodes + 3 * i)]++;
+    __atomic_fetch_add(&f->n_negative, n[0], __ATOMIC_RELAXED);
+    __atomic_fetch_add(&f->n_positive, n[2], __ATOMIC_RELAXED);
+}
+
+static void find_wrong(void *context, int64_t begin, int64_t end, int thread) {
+    flat_search *f = context;
+    int64_t n = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        n += f->wrong[i] = (uint8_t)is_wrong(f, i);
+    __atomic_fetch_add(&f->n_wrong, n, __ATOMIC_RELAXED);
+}
+
+/** Find the elements of each node. Return 0, or -1 without memory. */
+static int find_around(flat_search *f) {
+    const int64_t n_nodes = f->model->n_nodes, n = 3 * f->model->triangle.n;
+    const int32_t *nodes = f->model->triangle.nodes;
+    f->first = pl_alloc_zero(n_nodes + 2, sizeof *f->first);
+    f->around = pl_alloc(n, sizeof *f->around);
+    if (!f->first || !f->around)
+        return -1;
+    for (int64_t i = 0; i < n; i++)
+        f->first[nodes[i] + 2]++;
+    for (int64_t i = 0; i < n_nodes; i++)
+        f->first[i + 2] += f->first[i + 1];
+    for (int64_t i = 0; i < n; i++)
+        f->around[f->first[nodes[i] + 1]++] = (int32_t)(i / 3);
+    return 0;
+}
+
+static int count_wrong_around(const flat_search *f, int32_t node) {
+    int n = 0;
+    for (int64_t i = f->first[node]; i < f->first[node + 1]; i++)
+        n += is_wrong(f, f->around[i]);
+    return n;
+}
+
+/** Try the places of a node at a distance of so many units; not 0: one is better. */
+static int try_ring(flat_search *f, int64_t element, int32_t node, int distance, int before) {
+    const double unit = DBL_EPSILON / 2 * f->model->plane.size;
+    double *uv = f->model->coordinates + 2 * (int64_t)node;
+    const double u = uv[0], v = uv[1];
+    for (int i = -distance; i <= distance; i++)
+        for (int k = -distance; k <= distance; k++) {
+            if (i != -distance && i != distance && k != -distance && k != distance)
+                continue;
+            uv[0] = u + i * unit;
+            uv[1] = v + k * unit;
+            if (!is_wrong(f, element) && count_wrong_around(f, node) < before)
+                return 1;
+        }
+    uv[0] = u;
+    uv[1] = v;
+    return 0;
+}
+
+/** Move a node of a wrong element, as little as does it. */
+static void nudge(flat_search *f, int64_t element) {
+    const int32_t *nodes = f->model->triangle.nodes + 3 * element;
+    int before[3];
+    if (!is_wrong(f, element)) /* any more */
+        return;
+    for (int k = 0; k < 3; k++)
+        before[k] = count_wrong_around(f, nodes[k]);
+    for (int distance = 1; distance <= FARTHEST; distance++)
+        for (int k = 0; k < 3; k++)
+            if (try_ring(f, element, nodes[k], distance, before[k]))
+                return;
+}
+
+int io_plane_keep(io_model *model, planish_error *error) {
+    const int64_t n = model->triangle.n;
+    column_view views[MOST_VIEWS];
+    find_views(&model->plane, views);
+    flat_search f = {.model = model, .along = views[0], .wrong = pl_alloc(n, 1)};
+    int is_out_of_memory = !f.wrong;
+    if (f.wrong) {
+        pl_parallel_for(model->threads, n, CHUNK, count_usual, &f);
+        f.usual = f.n_negative > f.n_positive ? -1 : 1;
+        pl_parallel_for(model->threads, n, CHUNK, find_wrong, &f);
+    }
+    if (f.n_wrong > 0) {
+        is_out_of_memory = find_around(&f);
+        for (int64_t i = 0, n_nudged = 0; !is_out_of_memory && i < n && n_nudged < MOST_NUDGED; i++)
+            if (f.wrong[i]) {
+                nudge(&f, i);
+                n_nudged++;
+            }
+    }
+    pl_free(f.wrong);
+    pl_free(f.first);
+    pl_free(f.around);
+    model->uv_read = is_out_of_memory ? NULL : pl_alloc(model->n_nodes, 2 * sizeof *model->uv_read);
+    if (!model->uv_read)
+        return pl_fail_memory(error, "coordinates");
+    memcpy(model->uv_read, model->coordinates, (size_t)model->n_nodes * 2 * sizeof(double));
+    return PLANISH_OK;
 }

@@ -1,33 +1,28 @@
-/* splice: planish_file_write, for every format: the input's bytes, with the coordinates that
- * changed replaced where they stand.
+/* splice: what planish_file_write writes, for every format: the input's bytes, with the coordinates
+ * that changed replaced where they stand.
  *
  * Nodes are taken in chunks; the text of a chunk is made by one thread, and chunks are written in
  * the file's order, with the bytes between them copied from the input. A component that did not
  * change keeps its bytes, found by reading it again.
  *
  * The input may be mapped, and others may write to it at any moment. So it is compared with what
- * was read before it is read again and when all is written. Between the two nothing relies on it:
- * every field must be within the stretch that its piece has, behind the fields before it, and every
- * byte that is appended must have room.
+ * was read before it is read again and when all is written (write.c). Between the two nothing
+ * relies on it: every field must be within the stretch that its piece has, behind the fields before
+ * it, and every byte that is appended must have room.
  */
+#include "io/core/binary.h"
 #include "io/core/bytes.h"
-#include "io/file/companions.h"
-#include "io/core/copies.h"
 #include "io/core/number.h"
 #include "io/core/output.h"
-#include "io/file/plane.h"
 #include "io/core/text.h"
+#include "io/file/file.h"
 
-#include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
 #include "base/round.h"
 #include "base/status.h"
 #include "base/system.h"
 
-#include <float.h>
-#include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 enum { CHUNK_NODES = 8192 };
@@ -58,23 +53,13 @@ typedef struct splice {
     int64_t next_edit;     /* the first that has not been written */
 } splice;
 
-/* ---- one node ----------------------------------------------------------------------------- */
-
-/** A component as the reader would read it. */
-static double as_read(const io_model *model, double value) {
-    return model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
-}
-
 /** Whether a component keeps its bytes. Of a node with several places some may have -0 where others
  *  have 0: all of these stay. */
 static int is_kept(const io_model *model, double before, double wanted) {
     return pl_is_same(before, wanted) || (model->place_node && before == wanted);
 }
 
-static char *append(char *to, const char *from, const char *end) {
-    memcpy(to, from, (size_t)(end - from));
-    return to + (end - from);
-}
+/* ---- a node in text ------------------------------------------------------------------------- */
 
 /** Where the text of a piece goes. */
 typedef struct sink {
@@ -100,12 +85,6 @@ static void put(sink *to, const char *from, int64_t length) {
         memcpy(at, from, (size_t)length);
 }
 
-static void put_blanks(sink *to, int64_t n) {
-    char *at = take_room(to, n > 0 ? n : 0);
-    if (at)
-        memset(at, ' ', (size_t)(n > 0 ? n : 0));
-}
-
 /** Copy the input as far as stop, and go on behind at next. */
 static void copy_to(sink *to, const char *stop, const char *next) {
     if (stop < to->from || next < stop || next > to->from_end) {
@@ -116,7 +95,11 @@ static void copy_to(sink *to, const char *stop, const char *next) {
     to->from = next;
 }
 
-static int plain_field(io_cursor *cursor, io_field *field) {
+/** Read the field of coordinate d. It was read before, so that it fails only where the input has
+ *  changed. 0 or -1. */
+static int next_field(const splice *s, io_cursor *cursor, int d, io_field *field) {
+    if (s->format->field)
+        return s->format->field(s->model, cursor, d, field);
     *field = (io_field){.width = 0};
     io_skip_space_comments(cursor, '#');
     field->begin = cursor->at;
@@ -126,13 +109,7 @@ static int plain_field(io_cursor *cursor, io_field *field) {
     return 0;
 }
 
-/** The field of coordinate d; it was read before, so that it cannot fail. */
-static int next_field(const splice *s, io_cursor *cursor, int d, io_field *field) {
-    return s->format->field ? s->format->field(s->model, cursor, d, field)
-                            : plain_field(cursor, field);
-}
-
-/** The number in place of what the field has. */
+/** Put the number in place of what the field has. */
 static void put_number(const splice *s, const io_field *field, double value, sink *to) {
     char text[IO_REAL_SIZE];
     if (field->width == 0) {
@@ -145,7 +122,10 @@ static void put_number(const splice *s, const io_field *field, double value, sin
         return;
     }
     put(to, text, length);
-    put_blanks(to, field->is_fixed ? field->end - field->begin - length : 0);
+    const int64_t blanks = field->is_fixed ? field->end - field->begin - length : 0;
+    char *at = blanks > 0 ? take_room(to, blanks) : NULL;
+    if (at)
+        memset(at, ' ', (size_t)blanks);
 }
 
 /** What has to be written before a number behind fields that the file cuts short or has not. */
@@ -154,13 +134,12 @@ typedef struct gap {
     int64_t length;
 } gap;
 
-/** n_lead and blanks are IO_LEAD_SIZE and IO_REAL_SIZE at most, three times. */
+/** Add a lead and blanks, IO_LEAD_SIZE and IO_REAL_SIZE at most, three times. */
 static void gap_add(gap *g, const char *lead, int n_lead, int64_t blanks) {
-    char *to = g->text + g->length;
     if (n_lead > 0)
-        to = append(to, lead, lead + n_lead);
-    memset(to, ' ', (size_t)blanks);
-    g->length = to + blanks - g->text;
+        memcpy(g->text + g->length, lead, (size_t)n_lead);
+    memset(g->text + g->length + n_lead, ' ', (size_t)blanks);
+    g->length += n_lead + blanks;
 }
 
 static int is_sound(const io_field *field, const sink *to) {
@@ -177,7 +156,7 @@ static void splice_text_node(const splice *s, int64_t node, sink *to) {
     before.length = 0;
     const char *line_end = NULL; /* if the field before has not its full width */
     for (int d = 0; d < model->written && !to->is_full; d++) {
-        double wanted = s->coordinates[node * model->written + d];
+        const double wanted = s->coordinates[node * model->written + d];
         io_field field;
         if (next_field(s, &cursor, d, &field) || !is_sound(&field, to)) {
             to->is_full = 1;
@@ -188,7 +167,8 @@ static void splice_text_node(const splice *s, int64_t node, sink *to) {
             before.length = 0;
         line_end = field.end;
         gap_add(&before, field.lead, field.n_lead, 0);
-        if (!is_kept(model, as_read(model, field.value), wanted)) {
+        const int is_float = model->precision == PLANISH_FLOAT; /* and was rounded to that */
+        if (!is_kept(model, is_float ? pl_round_to_float(field.value) : field.value, wanted)) {
             copy_to(to, field.begin, field.end);
             put(to, before.text, before.length);
             before.length = 0;
@@ -201,78 +181,26 @@ static void splice_text_node(const splice *s, int64_t node, sink *to) {
     }
 }
 
-static void swap_bytes(char *bytes, int size) {
-    for (int i = 0; i < size / 2; i++) {
-        char t = bytes[i];
-        bytes[i] = bytes[size - 1 - i];
-        bytes[size - 1 - i] = t;
-    }
-}
+/* ---- a piece -------------------------------------------------------------------------------- */
 
-/** Coordinates of a node that stand side by side and are wanted. */
-static int components_of(const splice *s) {
-    const int written = s->model->written, of_span = s->span->n_components;
-    const int left = written > s->span->component ? written - s->span->component : 0;
-    return of_span > 0 && of_span < left ? of_span : left;
-}
-
-/** Replace the changed components of one node in a copy of its bytes. */
-static void splice_binary_node(const splice *s, int64_t node, char *bytes) {
-    const int is_float = s->span->encoding == IO_FLOAT32;
-    const int size = is_float ? (int)sizeof(float) : (int)sizeof(double);
-    const int last = s->span->component + components_of(s);
-    for (int d = s->span->component; d < last; d++, bytes += size) {
-        double wanted = s->coordinates[node * s->model->written + d], value = wanted;
-        float single = (float)wanted;
-        char now[sizeof(double)];
-        memcpy(now, bytes, (size_t)size);
-        if (s->span->swapped)
-            swap_bytes(now, size);
-        if (is_float) {
-            float before;
-            memcpy(&before, now, sizeof before);
-            if (is_kept(s->model, before, single))
-                continue;
-            memcpy(now, &single, sizeof single);
-        } else {
-            double before;
-            memcpy(&before, now, sizeof before);
-            if (is_kept(s->model, before, wanted))
-                continue;
-            memcpy(now, &value, sizeof value);
-        }
-        if (s->span->swapped)
-            swap_bytes(now, size);
-        memcpy(bytes, now, (size_t)size);
-    }
-}
-
-/* ---- one piece ---------------------------------------------------------------------------- */
-
-/** The stretch of a piece: up to behind the last coordinate of its last node, before the next one.
- *  0, or -1: it is not as it was read. */
-static int find_stretch(const splice *s, int64_t first, int64_t last, piece *p) {
+static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
     const io_model *model = s->model;
     const char *data = model->input.data, *end = data + model->input.size;
+    /* The stretch goes up to behind the last coordinate of its last node, before the next one. */
     io_cursor cursor = {data + model->text_offset[last - 1], end};
     io_field field = {.end = NULL};
     p->begin = data + model->text_offset[first];
+    p->state = PIECE_CHANGED;
     if (last < s->span->first_node + s->span->n_nodes)
         end = data + model->text_offset[last];
     for (int d = 0; d < model->written; d++)
         if (next_field(s, &cursor, d, &field))
-            return -1;
+            return;
     p->end = field.end;
-    return p->begin <= p->end && p->end <= end ? 0 : -1;
-}
-
-static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
-    if (find_stretch(s, first, last, p)) {
-        p->state = PIECE_CHANGED;
+    if (p->end < p->begin || p->end > end)
         return;
-    }
     const int64_t room =
-        p->end - p->begin + (last - first) * s->model->written * (IO_REAL_SIZE + IO_LEAD_SIZE);
+        p->end - p->begin + (last - first) * model->written * (IO_REAL_SIZE + IO_LEAD_SIZE);
     p->text = pl_alloc(room, 1);
     if (!p->text) {
         p->state = PIECE_OUT_OF_MEMORY;
@@ -287,21 +215,49 @@ static void make_text(const splice *s, int64_t first, int64_t last, piece *p) {
     p->state = to.is_full ? PIECE_CHANGED : PIECE_MADE;
 }
 
+/** Replace the changed ones of n components of one node in a copy of its bytes. */
+static void splice_binary_node(const splice *s, int64_t node, int n, char *bytes) {
+    const io_span *span = s->span;
+    const int size = span->encoding == IO_FLOAT32 ? (int)sizeof(float) : (int)sizeof(double);
+    const double *wanted = s->coordinates + node * s->model->written + span->component;
+    for (int c = 0; c < n; c++, bytes += size) {
+        const float single = (float)wanted[c];
+        if (span->encoding == IO_FLOAT32) {
+            if (is_kept(s->model, io_load_f32(bytes, span->swapped), single))
+                continue;
+            memcpy(bytes, &single, sizeof single);
+        } else {
+            if (is_kept(s->model, io_load_f64(bytes, span->swapped), wanted[c]))
+                continue;
+            memcpy(bytes, &wanted[c], sizeof wanted[c]);
+        }
+        for (int i = 0; span->swapped && i < size / 2; i++) {
+            const char byte = bytes[i];
+            bytes[i] = bytes[size - 1 - i];
+            bytes[size - 1 - i] = byte;
+        }
+    }
+}
+
 static void make_binary(const splice *s, int64_t first, int64_t last, piece *p) {
     const io_span *span = s->span;
-    int size = span->encoding == IO_FLOAT32 ? (int)sizeof(float) : (int)sizeof(double);
+    const int size = span->encoding == IO_FLOAT32 ? (int)sizeof(float) : (int)sizeof(double);
     const char *data = s->model->input.data + span->offset;
+    /* Components that stand side by side and are wanted. */
+    int n = s->model->written > span->component ? s->model->written - span->component : 0;
+    if (span->n_components > 0 && span->n_components < n)
+        n = span->n_components;
     p->begin = data + (first - span->first_node) * span->stride;
-    p->end = data + (last - 1 - span->first_node) * span->stride + components_of(s) * size;
+    p->end = data + (last - 1 - span->first_node) * span->stride + n * size;
     p->length = p->end - p->begin;
     p->text = pl_alloc(p->length, 1);
     if (!p->text) {
         p->state = PIECE_OUT_OF_MEMORY;
         return;
     }
-    append(p->text, p->begin, p->end);
+    memcpy(p->text, p->begin, (size_t)p->length);
     for (int64_t node = first; node < last; node++)
-        splice_binary_node(s, node, p->text + (node - first) * span->stride);
+        splice_binary_node(s, node, n, p->text + (node - first) * span->stride);
 }
 
 static void make_piece(void *context, int64_t begin, int64_t end, int thread) {
@@ -378,215 +334,34 @@ static int write_spans(splice *s, io_output *output, planish_error *error) {
     return status ? status : copy_input(s, at, end, output, error);
 }
 
-static int write_main(const planish_file *file, const double *coordinates, int threads,
-                      io_output *output, planish_error *error) {
+int io_splice_write(const planish_file *file, const double *coordinates, int threads,
+                    io_output *output, planish_error *error) {
+    const io_format *format = file->format;
+    const io_model *model = &file->model;
     io_edits edits = {0};
-    splice s = {.format = file->format,
-                .model = &file->model,
+    splice s = {.format = format,
+                .model = model,
                 .coordinates = coordinates,
                 .threads = threads,
                 .pieces = pl_alloc(threads, sizeof *s.pieces),
                 .edits = &edits};
     int status = s.pieces ? PLANISH_OK : pl_fail_memory(error, "the text of coordinates");
-    if (!status && file->format->amend && !output->temporary)
-        status = file->format->amend(&file->model, coordinates, output, error);
-    if (!status && file->model.encoding && file->format->encode)
-        status = file->format->encode(&file->model, coordinates, threads, &edits, error);
+    if (!status && format->amend && !output->temporary)
+        status = format->amend(model, coordinates, output, error);
+    if (!status && model->encoding && format->encode)
+        status = format->encode(model, coordinates, threads, &edits, error);
     if (!status)
         status = write_spans(&s, output, error);
     io_edits_destroy(&edits);
     pl_free(s.pieces);
-    return status ? status : io_output_finish(output, error);
-}
-
-/** What the format changes in the finished copy itself. */
-static int amend_main(const planish_file *file, const double *coordinates, io_output *output,
-                      planish_error *error) {
-    if (!file->format->amend || !file->model.encoding || !output->temporary)
-        return PLANISH_OK;
-    /* It may have the mode of a file that must not be written, or read. */
-    const int former = pl_file_make_accessible(output->temporary);
-    const int status = file->format->amend(&file->model, coordinates, output, error);
-    if (former >= 0)
-        pl_file_set_mode(output->temporary, former);
-    return status;
-}
-
-/* ---- the file and its companions ----------------------------------------------------------- */
-
-static int same_file(const char *a, const char *b) {
-    pl_file_status x, y;
-    return pl_file_find(a, &x) == 0 && pl_file_find(b, &y) == 0 && pl_file_is_same(&x, &y);
-}
-
-static int write_companion(const io_format *format, const io_bytes *companion, const char *path,
-                           io_temporaries temporaries, io_output *output, planish_error *error) {
-    char *target = io_companion_path(format, path, io_extension(companion->path));
-    if (!target)
-        return pl_fail_memory(error, companion->path);
-    int status = PLANISH_OK;
-    if (!same_file(target, companion->path)) {
-        status = io_output_open(target, temporaries, output, error);
-        if (!status)
-            status = io_output_write(output, companion->data, companion->size, error);
-        if (!status)
-            status = io_output_finish(output, error);
+    if (!status)
+        status = io_output_finish(output, error);
+    if (!status && format->amend && model->encoding && output->temporary) {
+        /* The finished copy may have the mode of a file that must not be written, or read. */
+        const int former = pl_file_make_accessible(output->temporary);
+        status = format->amend(model, coordinates, output, error);
+        if (former >= 0)
+            pl_file_set_mode(output->temporary, former);
     }
-    pl_free(target);
-    return status;
-}
-
-/** What is written as it is, and in the input itself, would be read while it is overwritten. */
-static int check_not_input(const io_bytes *input, const io_output *output, planish_error *error) {
-    if (output->temporary || !io_bytes_are_of(input, output->fd))
-        return PLANISH_OK;
-    return pl_fail(error, PLANISH_ERROR_FILE,
-                   "%s: is the input, which cannot be overwritten while it is read; give the "
-                   "input's name to replace it",
-                   output->target);
-}
-
-/** Whether the files are still what was read; where the input is replaced, those beside it stay. */
-static int check_inputs_unchanged(const planish_file *file, planish_error *error) {
-    int status = io_bytes_check_unchanged(&file->model.input, error);
-    for (int i = 0; i < file->model.n_companions && !status; i++)
-        status = io_bytes_check_unchanged(&file->model.companion[i], error);
-    return status;
-}
-
-/** A failure that comes of an input that changed is better told so. */
-static int explain(const planish_file *file, int status, planish_error *error) {
-    planish_error changed;
-    if (status != PLANISH_OK && check_inputs_unchanged(file, &changed)) {
-        if (error)
-            *error = changed;
-        return changed.code;
-    }
-    return status;
-}
-
-static void tell_replaced(planish_error *error, int n) {
-    const size_t used = error ? strlen(error->text) : 0;
-    if (error)
-        snprintf(error->text + used, sizeof error->text - used,
-                 "; %d other file%s of the new mesh %s in place already", n, n == 1 ? "" : "s",
-                 n == 1 ? "is" : "are");
-}
-
-/** Rename all temporary files: the one with the coordinates, the first, in the end, so that no file
- *  is new if that one is not. */
-static int commit_all(io_output *output, int n, io_temporaries temporaries, planish_error *error) {
-    int status = PLANISH_OK, replaced = 0;
-    for (int i = n - 1; i >= 0 && !status; i--) {
-        status = io_output_commit(&output[i], temporaries, error);
-        replaced += !status && output[i].is_committed && output[i].replaces;
-    }
-    for (int i = 0; i < n && status; i++)
-        io_output_undo(&output[i]);
-    if (status && replaced > 0)
-        tell_replaced(error, replaced);
-    return status;
-}
-
-/** Write all temporary files, then rename all. output [1 + n_companions]. */
-static int write_all(const planish_file *file, const char *path, const char *main_path,
-                     const double *coordinates, int threads, io_temporaries temporaries,
-                     io_output *output, int n_companions, planish_error *error) {
-    int status = check_inputs_unchanged(file, error); /* before they are read again */
-    if (!status)
-        status = io_output_open(main_path, temporaries, &output[0], error);
-    if (!status)
-        status = check_not_input(&file->model.input, &output[0], error);
-    if (!status)
-        status = write_main(file, coordinates, threads, &output[0], error);
-    if (!status)
-        status = amend_main(file, coordinates, &output[0], error);
-    for (int i = 0; i < n_companions && !status; i++)
-        status = write_companion(file->format, &file->model.companion[i], path, temporaries,
-                                 &output[i + 1], error);
-    status = status ? explain(file, status, error) : check_inputs_unchanged(file, error);
-    if (!status)
-        status = commit_all(output, 1 + n_companions, temporaries, error);
-    for (int i = 0; i <= n_companions; i++)
-        io_output_release(&output[i], temporaries);
-    return status;
-}
-
-static int check_name(const planish_file *file, const char *path, planish_error *error) {
-    char list[64] = "";
-    if (planish_file_can_write(file, path))
-        return PLANISH_OK;
-    for (const char *const *e = file->format->extensions; *e; e++) {
-        const size_t used = strlen(list);
-        char name[32];
-        snprintf(name, sizeof name, "x%s", *e);
-        if (planish_file_can_write(file, name))
-            snprintf(list + used, sizeof list - used, "%s%s", used > 0 ? ", " : "", *e);
-    }
-    return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                   "%s: does not have an extension of the input's format, %s (%s)", path,
-                   file->format->name, list);
-}
-
-static int check_finite(const planish_file *file, const double *coordinates, planish_error *error) {
-    const int dim = file->model.dim;
-    for (int64_t i = 0; i < dim * file->model.n_nodes; i++)
-        if (!(fabs(coordinates[i]) <= DBL_MAX))
-            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / dim,
-                              "coordinate %d of node %lld is not finite", (int)(i % dim),
-                              (long long)(i / dim));
-    return PLANISH_OK;
-}
-
-int planish_file_check_output(const planish_file *file, const char *path, planish_error *error) {
-    if (!file || !path)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "file and path must not be NULL");
-    const int status = check_name(file, path, error);
-    if (status)
-        return status;
-    if (file->format->amend && file->model.encoding && io_output_is_stream(path))
-        return pl_fail(error, PLANISH_ERROR_FILE,
-                       "%s: its coordinates are compressed or packed, so that the result cannot be "
-                       "written to a pipe or device; give the name of a file",
-                       file->model.input.path);
-    return io_check_strangers(file, path, error);
-}
-
-int planish_file_write(const planish_file *file, const char *path, const double *coordinates,
-                       int threads, char *temporary, size_t temporary_size, planish_error *error) {
-    if (!file || !path || !coordinates)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "file, path and coordinates must not be NULL");
-    const pl_outside outside = pl_call_enter(NULL);
-    const int n_companions = io_companions_to_write(file, path);
-    const double *places = NULL;
-    double *owned = NULL, *owned_places = NULL;
-    char *main_path =
-        io_output_is_stream(path) ? pl_copy_text(path) : io_main_path(file->format, path);
-    io_output *output = pl_alloc(n_companions + 1, sizeof *output);
-    int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
-    if (!status)
-        status = check_name(file, path, error);
-    if (!status)
-        status = check_finite(file, coordinates, error);
-    if (!status)
-        status = io_model_places(&file->model, coordinates, pl_thread_count(threads), &places,
-                                 &owned, error);
-    if (!status)
-        status = io_copies_places(&file->model, places, pl_thread_count(threads), &places,
-                                  &owned_places, error);
-    for (int i = 0; i <= n_companions && output; i++)
-        output[i] = (io_output){.fd = -1};
-    if (!status)
-        status = io_check_strangers(file, path, error);
-    if (!status)
-        status =
-            write_all(file, path, main_path, places, pl_thread_count(threads),
-                      (io_temporaries){temporary, temporary_size}, output, n_companions, error);
-    pl_free(owned_places);
-    pl_free(owned);
-    pl_free(output);
-    pl_free(main_path);
-    pl_call_leave(&outside);
     return status;
 }
