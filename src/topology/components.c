@@ -7,6 +7,7 @@
 #include "base/sum.h"
 #include "topology/facets.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -64,19 +65,22 @@ static border *list_borders(const planish_mesh *mesh, int64_t *n) {
     for (int64_t i = 0; i < mesh->n_elements; i++)
         *n += has_ghost(mesh, i);
     border *all = pl_alloc(*n, sizeof *all);
+    if (!all)
+        return NULL;
     int64_t k = 0;
-    for (int64_t i = 0; all && i < mesh->n_elements; i++)
+    for (int64_t i = 0; i < mesh->n_elements; i++)
         if (has_ghost(mesh, i))
             all[k++] = (border){pl_element_id(mesh, i), (int32_t)i};
-    if (all && k > 0)
+    if (k > 0)
         qsort(all, (size_t)k, sizeof *all, compare_borders);
-    for (int64_t i = 1; i < k && all; i++)
+    for (int64_t i = 1; i < k; i++)
         if (all[i].id <= all[i - 1].id)
             all[i].id = all[i - 1].id + 1;
     return all;
 }
 
-/* ---- what is told of them -------------------------------------------------------------------- */
+/* ---- messages about them ----------------------------------------------------------------------
+ */
 
 /** Message about one element at a SHARED node, to the processes that have the node as a ghost. */
 typedef struct news {
@@ -88,146 +92,126 @@ enum { REVERSED = 1, CONFLICT = 2 };
 
 _Static_assert(sizeof(news) <= PL_LARGEST_VALUE, "news are sent as values of nodes");
 
-/** The work on all components. */
-typedef struct work {
-    const planish_mesh *mesh;
-    const pl_incidence *incidence;
+/** The exchange about all components. */
+typedef struct exchange {
     const uint32_t *link;
     pl_settlement *s;
-    border *border; /* [n_borders] by ids; owned, as what follows */
+    border *border; /* [n_borders] by ids */
     int64_t n_borders;
-    int64_t *id_of; /* [m] ids of borders, -1 of other elements */
-    int32_t *node;  /* [SHARED nodes] of which something is told, */
-    news *news;     /* likewise what */
-    int64_t rounds; /* elements at a SHARED node, at most, in any process */
-    int changed;    /* news have changed what is known of a component */
-} work;
+    int changed; /* news have changed what is known of a component */
+} exchange;
 
-static int64_t flags_of(const work *w, int64_t element) {
-    const uint32_t root = root_of(w->link, element);
-    const int reversed = (int)(w->link[element] & 1) ^ w->s->reversed[root];
-    return (reversed ? REVERSED : 0) | (w->s->conflict[root] ? CONFLICT : 0);
+static int64_t flags_of(const exchange *e, int64_t element) {
+    const uint32_t root = root_of(e->link, element);
+    const int reversed = (int)(e->link[element] & 1) ^ e->s->reversed[root];
+    return (reversed ? REVERSED : 0) | (e->s->conflict[root] ? CONFLICT : 0);
 }
 
-/** Report the k-th element of each SHARED node that has so many. */
-static void tell(work *w, int64_t k) {
-    const pl_context *context = pl_context_current();
-    int64_t n = 0;
-    for (int64_t i = 0; i < context->n_shared; i++) {
-        const int32_t node = context->shared[i];
-        const int64_t at = w->incidence->offset[node] + k;
-        if (at >= w->incidence->offset[node + 1])
-            continue;
-        const int32_t element = w->incidence->element[at];
-        if (w->id_of[element] < 0) /* no other process has it */
-            continue;
-        w->node[n] = node;
-        w->news[n++] =
-            (news){w->id_of[element], w->s->label[root_of(w->link, element)], flags_of(w, element)};
-    }
-    pl_parts_send(w->node, n, w->news, sizeof *w->news);
-}
-
-static const border *find_border(const work *w, int64_t id) {
-    const border key = {id, -1};
-    int64_t low = 0, high = w->n_borders;
+/** Take over the news about an element of ghost. */
+static void receive_news(int32_t ghost, const void *value, void *taker) {
+    exchange *e = taker;
+    news n;
+    (void)ghost;
+    memcpy(&n, value, sizeof n);
+    int64_t low = 0, high = e->n_borders;
     while (low < high) {
         const int64_t middle = (low + high) / 2;
-        if (compare_borders(&w->border[middle], &key) < 0)
+        if (e->border[middle].id < n.id)
             low = middle + 1;
         else
             high = middle;
     }
-    return low < w->n_borders && w->border[low].id == id ? &w->border[low] : NULL;
-}
-
-/** Take in what is told of an element of ghost. */
-static void take_in(int32_t ghost, const void *value, void *taker) {
-    work *w = taker;
-    news n;
-    (void)ghost;
-    memcpy(&n, value, sizeof n);
-    const border *b = find_border(w, n.id);
-    if (!b)
+    if (low == e->n_borders || e->border[low].id != n.id)
         return;
-    const uint32_t root = root_of(w->link, b->element);
-    const int64_t before = w->s->label[root];
-    const int differs = ((flags_of(w, b->element) ^ n.flags) & REVERSED) != 0;
-    int conflict = w->s->conflict[root] || (n.flags & CONFLICT);
+    const int32_t element = e->border[low].element;
+    const uint32_t root = root_of(e->link, element);
+    const int64_t before = e->s->label[root];
+    const int differs = ((flags_of(e, element) ^ n.flags) & REVERSED) != 0;
+    int conflict = e->s->conflict[root] || (n.flags & CONFLICT);
     if (n.label < before) {
-        w->s->label[root] = n.label;
-        w->s->reversed[root] ^= (uint8_t)differs;
+        e->s->label[root] = n.label;
+        e->s->reversed[root] ^= (uint8_t)differs;
     } else if (n.label == before && differs) {
         conflict = 1;
     }
-    w->changed |= n.label < before || conflict != w->s->conflict[root];
-    w->s->conflict[root] = (int8_t)conflict;
+    e->changed |= n.label < before || conflict != e->s->conflict[root];
+    e->s->conflict[root] = (int8_t)conflict;
 }
 
-/** All processes tell all they know; whether anything is new to one of them. */
-static int exchange(work *w) {
-    w->changed = 0;
-    for (int64_t k = 0; k < w->rounds; k++) {
-        tell(w, k);
-        pl_parts_receive(take_in, w);
-    }
-    return pl_parts_any(w->changed);
-}
-
-/** Labels from the elements here: the smallest id of each component. */
-static void label_alone(work *w) {
-    const int64_t m = w->mesh->n_elements;
-    for (int64_t i = 0; i < m; i++) {
-        w->s->label[i] = INT64_MAX;
-        w->id_of[i] = -1;
-    }
-    for (int64_t k = 0; k < w->n_borders; k++)
-        w->id_of[w->border[k].element] = w->border[k].id;
-    for (int64_t i = 0; i < m; i++) {
-        const uint32_t root = root_of(w->link, i);
-        const int64_t id = w->id_of[i] >= 0 ? w->id_of[i] : pl_element_id(w->mesh, i);
-        if (id >= w->s->label[root])
+/** Label the components with the smallest id of their elements here. id_of [m]: ids of borders, -1
+ *  of other elements. */
+static void label_alone(const planish_mesh *mesh, const uint32_t *link, const int64_t *id_of,
+                        pl_settlement *s) {
+    for (int64_t i = 0; i < mesh->n_elements; i++)
+        s->label[i] = INT64_MAX;
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        const uint32_t root = root_of(link, i);
+        const int64_t id = id_of[i] >= 0 ? id_of[i] : pl_element_id(mesh, i);
+        if (id >= s->label[root])
             continue;
-        w->s->label[root] = id;
-        w->s->reversed[root] = w->link[i] & 1;
+        s->label[root] = id;
+        s->reversed[root] = link[i] & 1;
     }
 }
 
-static void count_rounds(work *w) {
+/** Send news of the k-th element of each SHARED node that has so many. node and message have room
+ *  for all SHARED nodes. */
+static void send_news(const exchange *e, const pl_incidence *incidence, const int64_t *id_of,
+                      int64_t k, int32_t *node, news *message) {
     const pl_context *context = pl_context_current();
-    double most = 0;
+    int64_t n = 0;
     for (int64_t i = 0; i < context->n_shared; i++) {
-        const int32_t node = context->shared[i];
-        const double n = (double)(w->incidence->offset[node + 1] - w->incidence->offset[node]);
-        most = n > most ? n : most;
+        const int32_t shared = context->shared[i];
+        const int64_t at = incidence->offset[shared] + k;
+        if (at >= incidence->offset[shared + 1])
+            continue;
+        const int32_t element = incidence->element[at];
+        if (id_of[element] < 0) /* no other process has it */
+            continue;
+        node[n] = shared;
+        message[n++] =
+            (news){id_of[element], e->s->label[root_of(e->link, element)], flags_of(e, element)};
     }
-    pl_parts_largest(&most, 1);
-    w->rounds = (int64_t)most;
+    pl_parts_send(node, n, message, sizeof *message);
 }
 
 int pl_components_settle(const planish_mesh *mesh, const pl_incidence *incidence,
                          const uint32_t *link, pl_settlement *s, planish_error *error) {
-    work w = {.mesh = mesh, .incidence = incidence, .link = link, .s = s};
-    s->label = pl_alloc(mesh->n_elements, sizeof *s->label);
-    s->reversed = pl_alloc_zero(mesh->n_elements, sizeof *s->reversed);
-    w.border = list_borders(mesh, &w.n_borders);
-    w.id_of = pl_alloc(mesh->n_elements, sizeof *w.id_of);
-    w.node = pl_alloc(pl_context_current()->n_shared, sizeof *w.node);
-    w.news = pl_alloc(pl_context_current()->n_shared, sizeof *w.news);
-    int status = s->label && s->reversed && w.border && w.id_of && w.node && w.news
-                     ? PLANISH_OK
-                     : fail_memory(error);
-    if (!status) {
-        label_alone(&w);
-        count_rounds(&w);
-        while (exchange(&w)) {
+    const pl_context *context = pl_context_current();
+    const int64_t m = mesh->n_elements;
+    exchange e = {.link = link, .s = s};
+    s->label = pl_alloc(m, sizeof *s->label);
+    s->reversed = pl_alloc_zero(m, sizeof *s->reversed);
+    e.border = list_borders(mesh, &e.n_borders);
+    int64_t *id_of = pl_alloc(m, sizeof *id_of);
+    int32_t *node = pl_alloc(context->n_shared, sizeof *node);
+    news *message = pl_alloc(context->n_shared, sizeof *message);
+    const int done = s->label && s->reversed && e.border && id_of && node && message;
+    if (done) {
+        for (int64_t i = 0; i < m; i++)
+            id_of[i] = -1;
+        for (int64_t k = 0; k < e.n_borders; k++)
+            id_of[e.border[k].element] = e.border[k].id;
+        label_alone(mesh, link, id_of, s);
+        double rounds = 0; /* elements at a SHARED node, at most, in any process */
+        for (int64_t i = 0; i < context->n_shared; i++) {
+            const int64_t *offset = incidence->offset + context->shared[i];
+            rounds = fmax(rounds, (double)(offset[1] - offset[0]));
         }
+        pl_parts_largest(&rounds, 1);
+        do { /* all processes tell all they know, until nothing is new to any of them */
+            e.changed = 0;
+            for (int64_t k = 0; k < (int64_t)rounds; k++) {
+                send_news(&e, incidence, id_of, k, node, message);
+                pl_parts_receive(receive_news, &e);
+            }
+        } while (pl_parts_any(e.changed));
     }
-    pl_free(w.border);
-    pl_free(w.id_of);
-    pl_free(w.node);
-    pl_free(w.news);
-    return status;
+    pl_free(e.border);
+    pl_free(id_of);
+    pl_free(node);
+    pl_free(message);
+    return done ? PLANISH_OK : fail_memory(error);
 }
 
 void pl_settlement_destroy(pl_settlement *s) {
@@ -245,12 +229,6 @@ typedef struct listing {
     int64_t *begin;   /* [n + 1], with room for one more */
     int32_t *element; /* [m] */
 } listing;
-
-static void listing_destroy(listing *l) {
-    pl_free(l->root);
-    pl_free(l->begin);
-    pl_free(l->element);
-}
 
 /** 0, or -1 without memory. */
 static int list_elements(const planish_mesh *mesh, const uint32_t *link, listing *l) {
@@ -277,16 +255,6 @@ static int list_elements(const planish_mesh *mesh, const uint32_t *link, listing
         l->element[l->begin[slot[root_of(link, i)] + 1]++] = (int32_t)i;
     pl_free(slot);
     return done ? 0 : -1;
-}
-
-/** Sum the measures of the elements of component c that this process counts. */
-static void sum_one(const planish_mesh *mesh, const listing *l, int64_t c, const double *measure,
-                    pl_sum *sum) {
-    const uint8_t *is_counted = mesh->part ? mesh->part->is_counted : NULL;
-    memset(sum, 0, sizeof *sum);
-    for (int64_t k = l->begin[c]; k < l->begin[c + 1]; k++)
-        if (!is_counted || is_counted[l->element[k]])
-            pl_sum_add(sum, measure[l->element[k]]);
 }
 
 /** A component, or what is here of it, that other processes have, too. */
@@ -317,35 +285,27 @@ static int is_partial(const planish_mesh *mesh, const listing *l, int64_t c) {
     return any;
 }
 
-/** Remaining entries of a slot, ascending. */
-typedef struct slot {
-    partial *next, *end;
-} slot;
-
-/** Sort those [n] that processes share into slots [SLOTS]. */
-static void fill_slots(partial *all, int64_t n, slot *slots) {
-    int64_t k = 0;
-    if (n > 0)
-        qsort(all, (size_t)n, sizeof *all, compare_slots);
-    for (int s = 0; s < SLOTS; s++) {
-        slots[s].next = all + k;
-        while (k < n && slot_of(&all[k]) == s)
-            k++;
-        slots[s].end = all + k;
-    }
-}
-
 /** Sum up those [n] that processes share; how many labels there are. Of each slot the smallest
  * label that a process has left is summed up by all, of all slots together. sums: room for SLOTS.
  */
 static int64_t sum_together(partial *all, int64_t n, pl_sum *sums, double *measure) {
-    slot slots[SLOTS];
+    struct {
+        partial *next, *end;
+    } slot[SLOTS]; /* remaining entries, ascending */
     int64_t n_labels = 0, label[SLOTS];
-    fill_slots(all, n, slots);
+    if (n > 0)
+        qsort(all, (size_t)n, sizeof *all, compare_slots);
+    partial *next = all;
+    for (int s = 0; s < SLOTS; s++) {
+        slot[s].next = next;
+        while (next < all + n && slot_of(next) == s)
+            next++;
+        slot[s].end = next;
+    }
     for (;;) {
         int n_found = 0;
         for (int s = 0; s < SLOTS; s++)
-            label[s] = slots[s].next < slots[s].end ? slots[s].next->label : INT64_MAX;
+            label[s] = slot[s].next < slot[s].end ? slot[s].next->label : INT64_MAX;
         pl_parts_smallest_integers(label, SLOTS);
         for (int s = 0; s < SLOTS; s++)
             n_found += label[s] < INT64_MAX;
@@ -353,54 +313,55 @@ static int64_t sum_together(partial *all, int64_t n, pl_sum *sums, double *measu
             return n_labels;
         memset(sums, 0, SLOTS * sizeof *sums);
         for (int s = 0; s < SLOTS; s++)
-            for (partial *p = slots[s].next; p < slots[s].end && p->label == label[s]; p++)
+            for (partial *p = slot[s].next; p < slot[s].end && p->label == label[s]; p++)
                 pl_sum_share(&sums[s], &p->sum);
         pl_parts_add_sums(sums, SLOTS);
         for (int s = 0; s < SLOTS; s++)
-            for (; slots[s].next < slots[s].end && slots[s].next->label == label[s];
-                 slots[s].next++)
-                measure[slots[s].next->root] = pl_sum_value(&sums[s]);
+            for (; slot[s].next < slot[s].end && slot[s].next->label == label[s]; slot[s].next++)
+                measure[slot[s].next->root] = pl_sum_value(&sums[s]);
         n_labels += n_found;
     }
 }
 
-/** Sum up all components; those that several processes share go to partials, *n_partial of them. */
-static void sum_alone(const planish_mesh *mesh, const listing *l, const pl_settlement *s,
-                      double *measure, partial *partials, int64_t *n_partial) {
-    *n_partial = 0;
+/** Sum up all components; those that several processes share go to partials; how many these are. */
+static int64_t sum_alone(const planish_mesh *mesh, const listing *l, const pl_settlement *s,
+                         double *measure, partial *partials) {
+    const uint8_t *is_counted = mesh->part ? mesh->part->is_counted : NULL;
+    int64_t n = 0;
     for (int64_t c = 0; c < l->n; c++) {
         pl_sum sum;
-        sum_one(mesh, l, c, measure, &sum);
+        memset(&sum, 0, sizeof sum);
+        for (int64_t k = l->begin[c]; k < l->begin[c + 1]; k++)
+            if (!is_counted || is_counted[l->element[k]])
+                pl_sum_add(&sum, measure[l->element[k]]);
+        const uint32_t root = l->root[c];
         if (s && is_partial(mesh, l, c))
-            partials[(*n_partial)++] =
-                (partial){.label = s->label[l->root[c]], .root = l->root[c], .sum = sum};
+            partials[n++] = (partial){.label = s->label[root], .root = root, .sum = sum};
         else
-            measure[l->root[c]] = pl_sum_value(&sum);
+            measure[root] = pl_sum_value(&sum);
     }
+    return n;
 }
 
 int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_settlement *s,
                       double *measure, int64_t *n, planish_error *error) {
     listing l = {0};
-    partial *partials = NULL;
-    pl_sum *sums = NULL;
     int64_t n_partial = 0;
-    int status = list_elements(mesh, link, &l) ? fail_memory(error) : PLANISH_OK;
-    for (int64_t c = 0; s && !status && c < l.n; c++)
+    int done = list_elements(mesh, link, &l) == 0;
+    for (int64_t c = 0; s && done && c < l.n; c++)
         n_partial += is_partial(mesh, &l, c);
-    if (!status && s) {
-        partials = pl_alloc(n_partial, sizeof *partials);
-        sums = pl_alloc(SLOTS, sizeof *sums);
-        status = partials && sums ? PLANISH_OK : fail_memory(error);
-    }
-    if (!status) {
-        sum_alone(mesh, &l, s, measure, partials, &n_partial);
-        *n = l.n - n_partial;
+    partial *partials = pl_alloc(n_partial, sizeof *partials);
+    pl_sum *sums = pl_alloc(s ? SLOTS : 0, sizeof *sums);
+    done = done && partials && sums;
+    if (done) {
+        *n = l.n - sum_alone(mesh, &l, s, measure, partials);
         pl_parts_add(n, 1);
         *n += s ? sum_together(partials, n_partial, sums, measure) : 0;
     }
     pl_free(partials);
     pl_free(sums);
-    listing_destroy(&l);
-    return status;
+    pl_free(l.root);
+    pl_free(l.begin);
+    pl_free(l.element);
+    return done ? PLANISH_OK : fail_memory(error);
 }

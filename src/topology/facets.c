@@ -113,38 +113,29 @@ static inline void add_elements(const matching *m, int dim, pl_local_map *map, p
     }
 }
 
-/** Empty map and make room for the facets of a node with n_elements elements; their list, or NULL
- *  without memory. */
-static pl_facet *prepare(matching *m, pl_local_map *map, struct list *list, int64_t n_elements) {
-    int64_t most = n_elements * m->mesh->dim;
-    if (pl_local_map_empty(map, most) != 0)
-        return NULL;
-    if (most > list->capacity) {
-        pl_facet *facet = pl_grow(list->facet, 0, most, &list->capacity, sizeof *facet);
-        map->failed |= !facet;
-        if (!facet)
-            return NULL;
-        list->facet = facet;
-    }
-    return list->facet;
-}
-
 static inline void match_nodes(matching *m, int dim, int64_t begin, int64_t end, int thread) {
     const pl_incidence *incidence = m->incidence;
     pl_local_map *map = m->maps + thread;
+    struct list *list = m->lists + thread;
     for (int64_t node = begin; node < end; node++) {
         if (node + PL_AHEAD_ELEMENTS < end &&
             !(m->is_inside && m->is_inside[node + PL_AHEAD_ELEMENTS]))
             pl_fetch_elements(m->mesh, dim, incidence, node + PL_AHEAD_ELEMENTS);
-        int64_t from = incidence->offset[node], to = incidence->offset[node + 1];
-        if (from == to || (m->is_inside && m->is_inside[node]))
+        const int64_t most = (incidence->offset[node + 1] - incidence->offset[node]) * dim;
+        if (most == 0 || (m->is_inside && m->is_inside[node]))
             continue;
-        pl_facet *facets = prepare(m, map, m->lists + thread, to - from);
-        if (!facets)
+        if (pl_local_map_empty(map, most) != 0)
             return;
-        add_elements(m, dim, map, facets, (int32_t)node);
+        if (most > list->capacity) {
+            pl_facet *facet = pl_grow(list->facet, 0, most, &list->capacity, sizeof *facet);
+            map->failed |= !facet;
+            if (!facet)
+                return;
+            list->facet = facet;
+        }
+        add_elements(m, dim, map, list->facet, (int32_t)node);
         if (map->count)
-            m->body(m->context, (int32_t)node, facets, map->count, thread);
+            m->body(m->context, (int32_t)node, list->facet, map->count, thread);
     }
 }
 
@@ -159,9 +150,13 @@ static void match_chunk(void *context, int64_t begin, int64_t end, int thread) {
 int pl_facets_match(const planish_mesh *mesh, const pl_incidence *incidence,
                     const uint8_t *is_inside, int threads, pl_facets_fn *body, void *context,
                     planish_error *error) {
-    matching m = {mesh, incidence, is_inside, body, context, NULL, NULL};
-    m.maps = pl_local_maps_create(threads);
-    m.lists = pl_alloc_zero(threads, sizeof *m.lists);
+    matching m = {.mesh = mesh,
+                  .incidence = incidence,
+                  .is_inside = is_inside,
+                  .body = body,
+                  .context = context,
+                  .maps = pl_local_maps_create(threads),
+                  .lists = pl_alloc_zero(threads, sizeof *m.lists)};
     int done = m.maps && m.lists;
     if (done) {
         pl_parallel_for(threads, mesh->n_nodes, CHUNK, match_chunk, &m);

@@ -1,12 +1,14 @@
 /* facets: match the facets of the elements, each at its smallest node. For topology, shape,
  * reports and planish-mpi.
  *
- *   pl_facets_match, pl_facet_joins      match facets; whether a facet joins elements
- *   pl_sort_element                      the nodes of an element, ascending
+ *   pl_facets_match                      match facets
+ *   pl_facet_joins, pl_facet_is_here     whether a facet joins elements; whether all of them are
+ * here pl_sort_element                      the nodes of an element, ascending
  */
 #ifndef PL_TOPOLOGY_FACETS_H
 #define PL_TOPOLOGY_FACETS_H
 
+#include "base/parts.h"
 #include "topology/topology.h"
 
 /** A facet with the first two of its elements, in ascending order. */
@@ -22,6 +24,13 @@ typedef struct pl_facet {
 /** Whether two elements meet at facet, and no more, and are not duplicates: such a facet joins. */
 static inline int pl_facet_joins(const pl_facet *facet) {
     return facet->count == 2 && !facet->twin;
+}
+
+/** Whether all elements of a facet, of which node is the smallest node, are in this process: part
+ *  has only some of those whose nodes all belong to others. */
+static inline int pl_facet_is_here(const planish_part *part, int32_t node, const pl_facet *facet) {
+    return pl_is_own(part, node) || pl_is_own(part, facet->node[0]) ||
+           (facet->node[1] >= 0 && pl_is_own(part, facet->node[1]));
 }
 
 /** Called for each node that is the smallest of a facet, with all those facets, on thread 0 ..

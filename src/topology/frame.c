@@ -22,20 +22,14 @@ typedef struct box {
     double low[3], high[3];
 } box;
 
-typedef struct search {
+/** The search for the bounding box. */
+typedef struct box_search {
     const planish_mesh *mesh;
     const uint8_t *which; /* [n_nodes], or NULL: all */
     box *boxes;           /* [chunks] */
-} search;
+} box_search;
 
-static void extend(box *whole, const box *part, int dim) {
-    for (int d = 0; d < dim; d++) {
-        whole->low[d] = part->low[d] < whole->low[d] ? part->low[d] : whole->low[d];
-        whole->high[d] = part->high[d] > whole->high[d] ? part->high[d] : whole->high[d];
-    }
-}
-
-static inline box box_of_nodes(int dim, const search *s, int64_t begin, int64_t end) {
+static inline box box_of_nodes(int dim, const box_search *s, int64_t begin, int64_t end) {
     box b = {{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
     for (int64_t i = begin; i < end; i++)
         for (int d = 0; d < dim && (!s->which || s->which[i]); d++) {
@@ -47,7 +41,7 @@ static inline box box_of_nodes(int dim, const search *s, int64_t begin, int64_t 
 }
 
 static void search_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
+    box_search *s = context;
     (void)thread;
     s->boxes[begin / CHUNK] =
         s->mesh->dim == 3 ? box_of_nodes(3, s, begin, end) : box_of_nodes(2, s, begin, end);
@@ -75,17 +69,21 @@ static pl_frame frame_of_box(const box *b, int dim) {
 
 int pl_frame_create(const planish_mesh *mesh, const uint8_t *which, int threads, pl_frame *frame,
                     planish_error *error) {
-    int64_t chunks = (mesh->n_nodes - 1) / CHUNK + 1;
-    search s = {.mesh = mesh, .which = which, .boxes = pl_alloc(chunks, sizeof *s.boxes)};
+    const int64_t chunks = (mesh->n_nodes - 1) / CHUNK + 1;
+    box_search s = {mesh, which, pl_alloc(chunks, sizeof *s.boxes)};
     if (!s.boxes)
         return pl_fail_memory(error, "the bounding box");
-    s.boxes[0] = box_of_nodes(mesh->dim, &s, 0, 0);
+    box whole = box_of_nodes(mesh->dim, &s, 0, 0);
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, search_chunk, &s);
-    for (int64_t i = 1; i < chunks; i++)
-        extend(&s.boxes[0], &s.boxes[i], mesh->dim);
-    pl_parts_smallest(s.boxes[0].low, mesh->dim);
-    pl_parts_largest(s.boxes[0].high, mesh->dim);
-    *frame = frame_of_box(&s.boxes[0], mesh->dim);
+    for (int64_t i = 0; i < chunks && mesh->n_nodes > 0; i++)
+        for (int d = 0; d < mesh->dim; d++) {
+            const double low = s.boxes[i].low[d], high = s.boxes[i].high[d];
+            whole.low[d] = low < whole.low[d] ? low : whole.low[d];
+            whole.high[d] = high > whole.high[d] ? high : whole.high[d];
+        }
     pl_free(s.boxes);
+    pl_parts_smallest(whole.low, mesh->dim);
+    pl_parts_largest(whole.high, mesh->dim);
+    *frame = frame_of_box(&whole, mesh->dim);
     return pl_parts_check(error);
 }

@@ -30,13 +30,12 @@ typedef struct sort {
     const uint8_t *unasked; /* [n] or NULL */
     pl_incidence *incidence;
     int bits;
-    int64_t n_buckets, chunk, n_chunks;
+    int64_t n_buckets, chunk;
     int64_t *place; /* [n_chunks][row] where each chunk puts its next pair of each bucket; counts at
                        first */
     int64_t row;
     int64_t *begin; /* [n_buckets + 1] first pair of each bucket */
-    pair *pairs;    /* [n_pairs] bucket by bucket */
-    int64_t n_pairs;
+    pair *pairs;    /* bucket by bucket */
 } sort;
 
 static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
@@ -60,13 +59,20 @@ static inline void deal(const sort *s, int dim, int64_t begin, int64_t end, int6
         }
 }
 
-/** Only the pairs of nodes that are asked for: collected first, without a branch that would be
- *  guessed wrongly half of the time. */
-static void deal_asked(const sort *s, int64_t begin, int64_t end, int64_t *place) {
+static void deal_chunk(void *context, int64_t begin, int64_t end, int thread) {
     enum { AT_ONCE = 64 }; /* elements */
+    const sort *s = context;
     const int dim = s->mesh->dim;
-    pair asked[AT_ONCE * 4];
-    for (int64_t first = begin; first < end; first += AT_ONCE) {
+    int64_t *place = s->place + begin / s->chunk * s->row;
+    (void)thread;
+    if (!s->unasked && dim == 3)
+        deal(s, 3, begin, end, place);
+    else if (!s->unasked)
+        deal(s, 2, begin, end, place);
+    /* Only the pairs of nodes that are asked for: collected first, without a branch that would be
+     * guessed wrongly half of the time. */
+    for (int64_t first = begin; s->unasked && first < end; first += AT_ONCE) {
+        pair asked[AT_ONCE * 4];
         int n = 0;
         for (int64_t i = first; i < first + AT_ONCE && i < end; i++)
             for (int j = 0; j <= dim; j++) {
@@ -77,18 +83,6 @@ static void deal_asked(const sort *s, int64_t begin, int64_t end, int64_t *place
         for (int k = 0; k < n; k++)
             s->pairs[place[asked[k].node >> s->bits]++] = asked[k];
     }
-}
-
-static void deal_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const sort *s = context;
-    int64_t *place = s->place + begin / s->chunk * s->row;
-    (void)thread;
-    if (s->unasked)
-        deal_asked(s, begin, end, place);
-    else if (s->mesh->dim == 3)
-        deal(s, 3, begin, end, place);
-    else
-        deal(s, 2, begin, end, place);
 }
 
 /** Sort the pairs of one bucket: the offsets become the ends of the lists, and move to their
@@ -112,45 +106,41 @@ static void sort_bucket(void *context, int64_t bucket, int64_t unused, int threa
         s->incidence->element[--offset[s->pairs[i].node]] = s->pairs[i].element;
 }
 
-/** Count, make room, deal, sort; -1 without memory. */
-static int run(sort *s, int threads) {
-    const int64_t m = s->mesh->n_elements;
-    pl_parallel_for(threads, m, s->chunk, count_chunk, s);
-    pl_counts_to_places(threads, s->n_buckets, s->n_chunks, s->place, s->begin);
-    s->n_pairs = s->begin[s->n_buckets];
-    s->pairs = pl_alloc(s->n_pairs, sizeof *s->pairs);
-    s->incidence->element = pl_alloc(s->n_pairs, sizeof *s->incidence->element);
-    if (!s->pairs || !s->incidence->element)
-        return -1;
-    pl_parallel_for(threads, m, s->chunk, deal_chunk, s);
-    pl_parallel_for(threads, s->n_buckets, 1, sort_bucket, s);
-    s->incidence->offset[s->mesh->n_nodes] = s->n_pairs;
-    return 0;
-}
-
 int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
                         pl_incidence *incidence, planish_error *error) {
     const int64_t n = mesh->n_nodes, m = mesh->n_elements;
+    int64_t n_pairs = -1;
     sort s = {.mesh = mesh, .unasked = unasked, .incidence = incidence, .bits = MIN_BUCKET_BITS};
     *incidence = (pl_incidence){0};
     while ((n - 1) >> s.bits >= MAX_BUCKETS)
         s.bits++;
     s.n_buckets = ((n - 1) >> s.bits) + 1;
     s.chunk = m / MAX_CHUNKS + 1 > MIN_CHUNK ? m / MAX_CHUNKS + 1 : MIN_CHUNK;
-    s.n_chunks = (m + s.chunk - 1) / s.chunk;
     s.row = pl_counts_row(s.n_buckets);
-    s.place = pl_alloc(s.n_chunks * s.row, sizeof *s.place);
+    const int64_t n_chunks = (m + s.chunk - 1) / s.chunk;
+    s.place = pl_alloc(n_chunks * s.row, sizeof *s.place);
     s.begin = pl_alloc(s.n_buckets + 1, sizeof *s.begin);
     incidence->offset = pl_alloc(n + 1, sizeof *incidence->offset);
-    int status = PLANISH_OK;
-    if (!s.place || !s.begin || !incidence->offset || run(&s, threads) != 0) {
-        pl_incidence_destroy(incidence);
-        status = pl_fail_memory(error, "the elements of the nodes");
+    if (s.place && s.begin && incidence->offset) {
+        pl_parallel_for(threads, m, s.chunk, count_chunk, &s);
+        pl_counts_to_places(threads, s.n_buckets, n_chunks, s.place, s.begin);
+        n_pairs = s.begin[s.n_buckets];
+    }
+    s.pairs = pl_alloc(n_pairs, sizeof *s.pairs); /* NULL if that failed */
+    incidence->element = pl_alloc(n_pairs, sizeof *incidence->element);
+    const int done = s.pairs && incidence->element;
+    if (done) {
+        pl_parallel_for(threads, m, s.chunk, deal_chunk, &s);
+        pl_parallel_for(threads, s.n_buckets, 1, sort_bucket, &s);
+        incidence->offset[n] = n_pairs;
     }
     pl_free(s.pairs);
     pl_free(s.place);
     pl_free(s.begin);
-    return status;
+    if (done)
+        return PLANISH_OK;
+    pl_incidence_destroy(incidence);
+    return pl_fail_memory(error, "the elements of the nodes");
 }
 
 void pl_incidence_destroy(pl_incidence *incidence) {

@@ -42,44 +42,25 @@ static unsigned rotate_right(unsigned bits, unsigned by, unsigned dim) {
     return (bits >> by | bits << (dim - by)) & ((1u << dim) - 1);
 }
 
-static unsigned gray_code(unsigned i) {
-    return i ^ i >> 1;
-}
-
-static unsigned inverse_gray_code(unsigned code) {
-    return code ^ code >> 1 ^ code >> 2;
-}
-
-/** Corner at which the curve enters the i-th cell on its way. */
-static unsigned entry_corner(unsigned i) {
-    return i == 0 ? 0 : gray_code((i - 1) / 2 * 2);
-}
-
-/** Axis along which the curve runs inside the i-th cell: the number of trailing ones decides. */
-static unsigned cell_direction(unsigned i, unsigned dim) {
-    if (i == 0)
-        return 0;
-    unsigned ones = i % 2 == 0 ? i - 1 : i;
-    return (unsigned)__builtin_ctz(~ones) % dim;
-}
-
 static void make_curve(unsigned dim, curve *c) {
-    unsigned cells = 1u << dim;
+    const unsigned cells = 1u << dim;
     for (unsigned entry = 0; entry < cells; entry++)
         for (unsigned direction = 0; direction < dim; direction++)
             for (unsigned cell = 0; cell < cells; cell++) {
-                unsigned state = entry * dim + direction;
-                unsigned turn = direction + 1;
-                unsigned i = inverse_gray_code(rotate_right(cell ^ entry, turn, dim));
-                unsigned corner = rotate_right(entry_corner(i), 2 * dim - turn, dim);
-                unsigned along = (direction + cell_direction(i, dim) + 1) % dim;
+                const unsigned state = entry * dim + direction, turn = direction + 1;
+                /* The cell is the i-th on the way: by the inverse of Gray's code. */
+                const unsigned code = rotate_right(cell ^ entry, turn, dim);
+                const unsigned i = code ^ code >> 1 ^ code >> 2;
+                /* The curve enters it at a corner (Gray's code of the even number before i), and
+                 * runs inside along an axis that the number of trailing ones decides. */
+                const unsigned even = i == 0 ? 0 : (i - 1) / 2 * 2;
+                const unsigned ones = i % 2 == 0 && i > 0 ? i - 1 : i;
+                const unsigned corner = rotate_right(even ^ even >> 1, 2 * dim - turn, dim);
+                const unsigned axis = i == 0 ? 0 : (unsigned)__builtin_ctz(~ones) % dim;
+                const unsigned along = (direction + axis + 1) % dim;
                 c->digit[state][cell] = (uint8_t)i;
                 c->next[state][cell] = (uint8_t)((entry ^ corner) * dim + along);
             }
-}
-
-static void make_steps_of_two(unsigned dim, curve *c) {
-    const unsigned cells = 1u << dim;
     for (unsigned state = 0; state < cells * dim; state++)
         for (unsigned two = 0; two < cells * cells; two++) {
             const unsigned outer = two >> dim, inner = two & (cells - 1);
@@ -110,25 +91,9 @@ static inline uint64_t spread(unsigned dim, uint32_t place) {
 _Static_assert(DIGITS % 8 == 0, "a row of counts is as long as pl_counts_row says");
 _Static_assert(LEVELS_3D % 2 && LEVELS_2D % 2, "one level is left for the first step");
 
-/** Key of the point in cell place [dim] of 2^levels along each axis. */
-static inline uint64_t key_of(const curve *c, unsigned dim, int levels, const uint32_t *place) {
-    uint64_t cells = 0;
-    for (unsigned d = 0; d < dim; d++)
-        cells |= spread(dim, place[d]) << d;
-    int shift = (levels - 1) * (int)dim;
-    uint64_t key = c->digit[0][cells >> shift];
-    unsigned state = c->next[0][cells >> shift];
-    while (shift > 0) {
-        shift -= 2 * (int)dim;
-        const unsigned two = (unsigned)(cells >> shift) & ((1u << 2 * dim) - 1);
-        key = key << 2 * dim | c->twice[state][two].digits;
-        state = c->twice[state][two].next;
-    }
-    return key;
-}
-
 /* ---- keys --------------------------------------------------------------------------------- */
 
+/** A node and its place on the curve. */
 typedef struct item {
     uint64_t key;
     int32_t node;
@@ -149,15 +114,26 @@ typedef struct sort {
     int32_t *order; /* [n] result */
 } sort;
 
-static inline uint64_t key_of_node(const sort *s, int dim, int levels, int64_t node) {
+/** Key of a node: of its cell, of 2^levels along each axis. */
+static inline uint64_t key_of(const sort *s, int dim, int levels, int64_t node) {
     const double *x = s->mesh->coordinates + node * dim;
-    uint32_t place[3];
-    double cells = (double)((int64_t)1 << levels);
+    const curve *c = &s->curve;
+    const double end = (double)((int64_t)1 << levels);
+    uint64_t cells = 0;
     for (int d = 0; d < dim; d++) { /* differences are below 1 */
-        double cell = pl_frame_difference(&s->frame, x[d], s->frame.low[d]) * cells;
-        place[d] = (uint32_t)(cell < cells - 1 ? cell : cells - 1);
+        const double place = pl_frame_difference(&s->frame, x[d], s->frame.low[d]) * end;
+        cells |= spread((unsigned)dim, (uint32_t)(place < end - 1 ? place : end - 1)) << d;
     }
-    return key_of(&s->curve, (unsigned)dim, levels, place);
+    int shift = (levels - 1) * dim;
+    uint64_t key = c->digit[0][cells >> shift];
+    unsigned state = c->next[0][cells >> shift];
+    while (shift > 0) {
+        shift -= 2 * dim;
+        const unsigned two = (unsigned)(cells >> shift) & ((1u << 2 * dim) - 1);
+        key = key << 2 * dim | c->twice[state][two].digits;
+        state = c->twice[state][two].next;
+    }
+    return key;
 }
 
 static void make_keys(void *context, int64_t begin, int64_t end, int thread) {
@@ -165,8 +141,7 @@ static void make_keys(void *context, int64_t begin, int64_t end, int thread) {
     uint64_t differing = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
-        uint64_t key =
-            s->mesh->dim == 3 ? key_of_node(s, 3, LEVELS_3D, i) : key_of_node(s, 2, LEVELS_2D, i);
+        uint64_t key = s->mesh->dim == 3 ? key_of(s, 3, LEVELS_3D, i) : key_of(s, 2, LEVELS_2D, i);
         differing |= key ^ s->first_key;
         s->from[i] = (item){key, (int32_t)i};
     }
@@ -213,32 +188,8 @@ static void sort_digits(sort *s, int first_bit, int threads) {
     }
 }
 
-/** The bit from which on keys are sorted at first. */
-static int first_bit_of(const sort *s) {
-    const int top = s->differing ? 64 - __builtin_clzll(s->differing) : 0;
-    int wanted = SPARE_BITS, digits = 1;
-    while (s->mesh->n_nodes >> (wanted - SPARE_BITS) > 0)
-        wanted++;
-    while (digits * DIGIT_BITS < wanted)
-        digits++;
-    return top > digits * DIGIT_BITS ? top - digits * DIGIT_BITS : 0;
-}
-
-/** Write the nodes of the n items of a run by their keys. */
-static void write_run(const item *run, int64_t n, int32_t *order) {
-    uint64_t key[MAX_RUN];
-    for (int64_t i = 0; i < n; i++) {
-        int64_t place = i;
-        for (; place > 0 && key[place - 1] > run[i].key; place--) {
-            key[place] = key[place - 1];
-            order[place] = order[place - 1];
-        }
-        key[place] = run[i].key;
-        order[place] = run[i].node;
-    }
-}
-
-/** Write the runs of items with the same leading digits that begin here. */
+/** Write the runs of items with the same leading digits that begin here, each sorted by insertion.
+ */
 static void write_order(void *context, int64_t begin, int64_t end, int thread) {
     sort *s = context;
     const item *from = s->from;
@@ -249,14 +200,27 @@ static void write_order(void *context, int64_t begin, int64_t end, int thread) {
     while (i > 0 && i < end && from[i].key >> shift == from[i - 1].key >> shift)
         i++;
     for (int64_t next; i < end; i = next) {
+        int32_t *order = s->order + i;
+        uint64_t key[MAX_RUN];
         for (next = i + 1; next < n && from[next].key >> shift == from[i].key >> shift;)
             next++;
-        if (next - i == 1)
-            s->order[i] = from[i].node;
-        else if (next - i <= MAX_RUN)
-            write_run(from + i, next - i, s->order + i);
-        else
+        if (next - i == 1) {
+            order[0] = from[i].node;
+            continue;
+        }
+        if (next - i > MAX_RUN) {
             __atomic_store_n(&s->has_long_run, 1, __ATOMIC_RELAXED);
+            continue;
+        }
+        for (int64_t k = 0; k < next - i; k++) {
+            int64_t place = k;
+            for (; place > 0 && key[place - 1] > from[i + k].key; place--) {
+                key[place] = key[place - 1];
+                order[place] = order[place - 1];
+            }
+            key[place] = from[i + k].key;
+            order[place] = from[i + k].node;
+        }
     }
 }
 
@@ -267,14 +231,19 @@ static void write_sorted(void *context, int64_t begin, int64_t end, int thread) 
         s->order[i] = s->from[i].node;
 }
 
-static void run(sort *s, int threads) {
+static void sort_nodes(sort *s, int threads) {
     const int64_t n = s->mesh->n_nodes;
     make_curve((unsigned)s->mesh->dim, &s->curve);
-    make_steps_of_two((unsigned)s->mesh->dim, &s->curve);
-    s->first_key =
-        s->mesh->dim == 3 ? key_of_node(s, 3, LEVELS_3D, 0) : key_of_node(s, 2, LEVELS_2D, 0);
+    s->first_key = s->mesh->dim == 3 ? key_of(s, 3, LEVELS_3D, 0) : key_of(s, 2, LEVELS_2D, 0);
     pl_parallel_for(threads, n, CHUNK_KEYS, make_keys, s);
-    s->first_bit = first_bit_of(s);
+    /* So many leading digits of those bits that differ as number all nodes, and some more bits. */
+    const int top = s->differing ? 64 - __builtin_clzll(s->differing) : 0;
+    int wanted = SPARE_BITS, bits = DIGIT_BITS;
+    while (n >> (wanted - SPARE_BITS) > 0)
+        wanted++;
+    while (bits < wanted)
+        bits += DIGIT_BITS;
+    s->first_bit = top > bits ? top - bits : 0;
     sort_digits(s, s->first_bit, threads);
     pl_parallel_for(threads, n, s->chunk, write_order, s);
     if (!s->has_long_run)
@@ -284,9 +253,9 @@ static void run(sort *s, int threads) {
 }
 
 int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planish_error *error) {
-    int64_t n = mesh->n_nodes;
+    const int64_t n = mesh->n_nodes;
     sort s = {.mesh = mesh, .order = order};
-    int status = pl_frame_create(mesh, NULL, threads, &s.frame, error);
+    const int status = pl_frame_create(mesh, NULL, threads, &s.frame, error);
     if (status || n == 0)
         return status;
     s.chunk = n / MAX_CHUNKS + 1 > MIN_CHUNK ? n / MAX_CHUNKS + 1 : MIN_CHUNK;
@@ -294,12 +263,11 @@ int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planis
     s.place = pl_alloc(DIGITS * s.n_chunks, sizeof *s.place);
     s.from = pl_alloc(n, sizeof *s.from);
     s.to = pl_alloc(n, sizeof *s.to);
-    if (s.place && s.from && s.to)
-        run(&s, threads);
-    else
-        status = pl_fail_memory(error, "the order of the nodes");
+    const int done = s.place && s.from && s.to;
+    if (done)
+        sort_nodes(&s, threads);
     pl_free(s.from);
     pl_free(s.to);
     pl_free(s.place);
-    return status;
+    return done ? PLANISH_OK : pl_fail_memory(error, "the order of the nodes");
 }

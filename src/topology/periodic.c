@@ -27,8 +27,8 @@ enum {
 /* Normals and lines of a group are parallel if their unit vectors differ by no more than this. */
 #define PARALLEL_TOLERANCE 1e-12
 
-/** The work on all groups; arrays [n] over the mesh's nodes. */
-typedef struct work {
+/** All groups; arrays [n] over the mesh's nodes. */
+typedef struct groups {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     double tolerance;  /* of lengths */
@@ -42,54 +42,45 @@ typedef struct work {
     uint8_t *is_copied;          /* [m] elements, likewise */
     int64_t image_capacity, copy_capacity;
     pl_periodic *out;
-} work;
+} groups;
 
-static const double *place(const work *w, int32_t node) {
-    return w->mesh->coordinates + (int64_t)node * w->mesh->dim;
+static const double *place(const groups *g, int32_t node) {
+    return g->mesh->coordinates + (int64_t)node * g->mesh->dim;
 }
 
 /* ---- groups -------------------------------------------------------------------------------- */
 
 /** Hold all nodes of a group. */
-static void hold(const work *w, int32_t node, uint8_t *slides) {
+static void hold(const groups *g, int32_t node, uint8_t *slides) {
     slides[node] = 0;
-    for (int32_t i = w->next[node]; i != node; i = w->next[i])
+    for (int32_t i = g->next[node]; i != node; i = g->next[i])
         slides[i] = 0;
 }
 
 /** Splice the lists of both nodes, unless they are one; groups that would be too large are held. */
-static void join(const work *w, int32_t a, int32_t b, uint8_t *slides) {
+static void join(const groups *g, int32_t a, int32_t b, uint8_t *slides) {
     int size = 1;
-    for (int32_t i = w->next[a]; i != a; i = w->next[i], size++)
+    for (int32_t i = g->next[a]; i != a; i = g->next[i], size++)
         if (i == b)
             return;
     if (a == b)
         return;
-    for (int32_t i = w->next[b]; i != b; i = w->next[i])
+    for (int32_t i = g->next[b]; i != b; i = g->next[i])
         size++;
     if (size >= MAX_GROUP) {
-        hold(w, a, slides);
-        hold(w, b, slides);
+        hold(g, a, slides);
+        hold(g, b, slides);
         return;
     }
-    const int32_t next = w->next[a];
-    w->next[a] = w->next[b];
-    w->next[b] = next;
+    const int32_t next = g->next[a];
+    g->next[a] = g->next[b];
+    g->next[b] = next;
 }
 
 /** Nodes of a group in a direction that no translation of a lattice is orthogonal to. */
-static double along(const work *w, int32_t node) {
+static double along(const groups *g, int32_t node) {
     static const double generic[3] = {1, 0.6180339887498949, 0.3141592653589793};
-    return pl_dot(w->mesh->dim, place(w, node), generic);
-}
-
-/** The first of its group along that direction leads it. */
-static int32_t leader_of(const work *w, int32_t node) {
-    int32_t first = node;
-    for (int32_t i = w->next[node]; i != node; i = w->next[i])
-        if (along(w, i) < along(w, first) || (along(w, i) == along(w, first) && i < first))
-            first = i;
-    return first;
+    return pl_dot(g->mesh->dim, place(g, node), generic);
 }
 
 /** Whether two nodes may move in the same directions; of surfaces only the caller knows. */
@@ -107,23 +98,23 @@ static int move_alike(const planish_mesh *mesh, int32_t a, int32_t b) {
     return fmin(same, opposite) <= PARALLEL_TOLERANCE;
 }
 
-static int is_shift(const work *w, const double *shift, const double *from, const double *to) {
+static int is_shift(const groups *g, const double *shift, const double *from, const double *to) {
     double largest = 0;
-    for (int d = 0; d < w->mesh->dim; d++)
+    for (int d = 0; d < g->mesh->dim; d++)
         largest = fmax(largest, fabs(to[d] - from[d] - shift[d]));
-    return largest <= w->tolerance;
+    return largest <= g->tolerance;
 }
 
 /** The translation of a follower, made if it is new; NO_SHIFT if there are too many. */
-static uint8_t find_shift(work *w, int32_t node) {
-    const double *from = place(w, w->leader[node]), *to = place(w, node);
-    for (int s = 0; s < w->n_shifts; s++)
-        if (is_shift(w, w->shift[s], from, to))
+static uint8_t find_shift(groups *g, int32_t node) {
+    const double *from = place(g, g->leader[node]), *to = place(g, node);
+    for (int s = 0; s < g->n_shifts; s++)
+        if (is_shift(g, g->shift[s], from, to))
             return (uint8_t)s;
-    if (w->n_shifts == MAX_SHIFTS)
+    if (g->n_shifts == MAX_SHIFTS)
         return NO_SHIFT;
-    pl_subtract(w->mesh->dim, to, from, w->shift[w->n_shifts]);
-    return (uint8_t)w->n_shifts++;
+    pl_subtract(g->mesh->dim, to, from, g->shift[g->n_shifts]);
+    return (uint8_t)g->n_shifts++;
 }
 
 /* Pairs that are listed: more than any mesh of INT32_MAX nodes needs. */
@@ -147,55 +138,49 @@ int pl_check_periodic(const planish_mesh *mesh, planish_error *error) {
     return PLANISH_OK;
 }
 
-/** Hold groups two of whose nodes are in one element: it would not be what its copies are. */
-static void hold_thin(const work *w, uint8_t *slides) {
-    const int corners = w->mesh->dim + 1;
-    for (int64_t i = 0; i < w->mesh->n_elements; i++) {
-        const int32_t *node = w->mesh->elements + i * corners;
-        for (int j = 0; j < corners; j++)
-            for (int k = j + 1; k < corners; k++)
-                if (w->leader[node[j]] == w->leader[node[k]])
-                    hold(w, node[j], slides);
-    }
-}
-
 /** Groups, their leaders and translations; those that cannot move together are held. */
-static void find_groups(work *w, uint8_t *slides) {
-    const planish_mesh *mesh = w->mesh;
+static void find_groups(groups *g, uint8_t *slides) {
+    const planish_mesh *mesh = g->mesh;
+    const int corners = mesh->dim + 1;
     for (int64_t i = 0; i < mesh->n_nodes; i++)
-        w->next[i] = (int32_t)i;
+        g->next[i] = (int32_t)i;
     for (int64_t i = 0; i < mesh->n_periodic; i++)
-        join(w, mesh->periodic[2 * i], mesh->periodic[2 * i + 1], slides);
-    for (int64_t i = 0; i < mesh->n_nodes; i++) {
-        w->leader[i] = leader_of(w, (int32_t)i);
-        w->shift_of[i] = NO_SHIFT;
+        join(g, mesh->periodic[2 * i], mesh->periodic[2 * i + 1], slides);
+    for (int32_t node = 0; node < mesh->n_nodes;
+         node++) { /* the first along that direction leads */
+        int32_t first = node;
+        for (int32_t i = g->next[node]; i != node; i = g->next[i])
+            if (along(g, i) < along(g, first) || (along(g, i) == along(g, first) && i < first))
+                first = i;
+        g->leader[node] = first;
+        g->shift_of[node] = NO_SHIFT;
     }
-    for (int64_t i = 0; i < mesh->n_nodes; i++) {
-        const int32_t node = (int32_t)i, leader = w->leader[i];
+    for (int32_t node = 0; node < mesh->n_nodes; node++) {
+        const int32_t leader = g->leader[node];
         if (leader == node)
             continue;
-        w->shift_of[i] = find_shift(w, node);
-        if (w->shift_of[i] != NO_SHIFT)
-            w->pairs[w->shift_of[i]]++;
-        if (!slides[i] || !slides[leader] || w->shift_of[i] == NO_SHIFT ||
+        const uint8_t shift = find_shift(g, node);
+        g->shift_of[node] = shift;
+        if (shift != NO_SHIFT)
+            g->pairs[shift]++;
+        if (!slides[node] || !slides[leader] || shift == NO_SHIFT ||
             !move_alike(mesh, leader, node))
-            hold(w, node, slides);
+            hold(g, node, slides);
     }
-    for (int64_t i = 0; i < mesh->n_nodes; i++)
-        if (w->shift_of[i] != NO_SHIFT && w->pairs[w->shift_of[i]] < MIN_PAIRS)
-            hold(w, (int32_t)i, slides);
-    hold_thin(w, slides);
+    for (int32_t node = 0; node < mesh->n_nodes; node++)
+        if (g->shift_of[node] != NO_SHIFT && g->pairs[g->shift_of[node]] < MIN_PAIRS)
+            hold(g, node, slides);
+    /* Elements with two nodes of one group would not be what their copies are. */
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        const int32_t *node = mesh->elements + i * corners;
+        for (int j = 0; j < corners; j++)
+            for (int k = j + 1; k < corners; k++)
+                if (g->leader[node[j]] == g->leader[node[k]])
+                    hold(g, node[j], slides);
+    }
 }
 
 /* ---- copies -------------------------------------------------------------------------------- */
-
-/** The node of the mesh where node comes to by the inverse of a translation; -1: there is none. */
-static int32_t partner(const work *w, int32_t node, int s) {
-    for (int32_t i = w->next[node]; i != node; i = w->next[i])
-        if (is_shift(w, w->shift[s], place(w, i), place(w, node)))
-            return i;
-    return -1;
-}
 
 static int add_follower(pl_periodic *out, int64_t *capacity, pl_follower follower) {
     pl_follower *grown =
@@ -209,35 +194,34 @@ static int add_follower(pl_periodic *out, int64_t *capacity, pl_follower followe
 
 /** Find the node that stands next to a follower as node stands next to its leader: a node of the
  *  mesh, or an image; -1 without memory. */
-static int32_t moved_node(work *w, int32_t node, int32_t follower, int s) {
-    const int32_t same = partner(w, node, s);
-    if (same >= 0)
-        return same;
-    if (w->image[node] < 0) {
-        if (w->out->n_nodes == INT32_MAX ||
-            add_follower(w->out, &w->image_capacity,
-                         (pl_follower){.node = (int32_t)w->out->n_nodes,
-                                       .of = node,
-                                       .from = follower,
-                                       .to = w->leader[follower]}) != 0)
+static int32_t moved_node(groups *g, int32_t node, int32_t follower, int s) {
+    for (int32_t i = g->next[node]; i != node; i = g->next[i])
+        if (is_shift(g, g->shift[s], place(g, i), place(g, node)))
+            return i;
+    if (g->image[node] < 0) {
+        const pl_follower image = {.node = (int32_t)g->out->n_nodes,
+                                   .of = node,
+                                   .from = follower,
+                                   .to = g->leader[follower]};
+        if (g->out->n_nodes == INT32_MAX || add_follower(g->out, &g->image_capacity, image) != 0)
             return -1;
-        w->image[node] = (int32_t)w->out->n_nodes++;
+        g->image[node] = (int32_t)g->out->n_nodes++;
     }
-    return w->image[node];
+    return g->image[node];
 }
 
 /** Append a copy of an element at a follower. */
-static int copy_element(work *w, int32_t element, int32_t follower, int s) {
-    pl_periodic *out = w->out;
-    const int corners = w->mesh->dim + 1;
+static int copy_element(groups *g, int32_t element, int32_t follower, int s) {
+    pl_periodic *out = g->out;
+    const int corners = g->mesh->dim + 1;
     if (out->n_elements == INT32_MAX)
         return -1;
-    int64_t capacity = w->copy_capacity;
+    int64_t capacity = g->copy_capacity;
     int32_t *elements = pl_grow(out->elements, out->n_elements, out->n_elements + 1, &capacity,
                                 (size_t)corners * sizeof *elements);
     if (elements)
         out->elements = elements;
-    int32_t *source = pl_grow(out->source, out->n_elements, out->n_elements + 1, &w->copy_capacity,
+    int32_t *source = pl_grow(out->source, out->n_elements, out->n_elements + 1, &g->copy_capacity,
                               sizeof *source);
     if (source)
         out->source = source;
@@ -245,7 +229,7 @@ static int copy_element(work *w, int32_t element, int32_t follower, int s) {
         return -1;
     for (int j = 0; j < corners; j++) {
         const int32_t node =
-            moved_node(w, w->mesh->elements[(int64_t)element * corners + j], follower, s);
+            moved_node(g, g->mesh->elements[(int64_t)element * corners + j], follower, s);
         if (node < 0)
             return -1;
         out->elements[out->n_elements * corners + j] = node;
@@ -255,60 +239,33 @@ static int copy_element(work *w, int32_t element, int32_t follower, int s) {
 }
 
 /** Copies of the elements at the followers that move, for one translation. */
-static int copy_layer(work *w, const uint8_t *slides, int s) {
-    const pl_incidence *incidence = w->incidence;
-    for (int64_t i = 0; i < w->mesh->n_nodes; i++)
-        w->image[i] = -1;
-    memset(w->is_copied, 0, (size_t)w->mesh->n_elements);
-    for (int64_t i = 0; i < w->mesh->n_nodes; i++) {
-        if (w->shift_of[i] != s || !slides[i])
+static int copy_layer(groups *g, const uint8_t *slides, int s) {
+    const pl_incidence *incidence = g->incidence;
+    for (int64_t i = 0; i < g->mesh->n_nodes; i++)
+        g->image[i] = -1;
+    memset(g->is_copied, 0, (size_t)g->mesh->n_elements);
+    for (int64_t i = 0; i < g->mesh->n_nodes; i++) {
+        if (g->shift_of[i] != s || !slides[i])
             continue;
         for (int64_t k = incidence->offset[i]; k < incidence->offset[i + 1]; k++) {
             const int32_t element = incidence->element[k];
-            if (!w->is_copied[element] && copy_element(w, element, (int32_t)i, s) != 0)
+            if (!g->is_copied[element] && copy_element(g, element, (int32_t)i, s) != 0)
                 return -1;
-            w->is_copied[element] = 1;
+            g->is_copied[element] = 1;
         }
     }
     return 0;
 }
 
-/** Find the node that every node moves with: its leader; for an image, the leader of its source. */
-static int find_movers(const work *w) {
-    pl_periodic *out = w->out;
-    out->moves_with = pl_alloc(out->n_nodes, sizeof *out->moves_with);
-    if (!out->moves_with)
-        return -1;
-    memcpy(out->moves_with, w->leader, (size_t)w->mesh->n_nodes * sizeof *w->leader);
-    for (int64_t k = 0; k < out->n_followers; k++)
-        out->moves_with[out->follower[k].node] = w->leader[out->follower[k].of];
-    return 0;
-}
-
-/** Signs and minimum volumes of the copies are those of their elements. */
-static int extend(const work *w, const int8_t *sign) {
-    pl_periodic *out = w->out;
-    const double *least = w->mesh->min_volume;
-    out->sign = sign ? pl_alloc(out->n_elements, sizeof *out->sign) : NULL;
-    out->min_volume = least ? pl_alloc(out->n_elements, sizeof *out->min_volume) : NULL;
-    if ((sign && !out->sign) || (least && !out->min_volume))
-        return -1;
-    for (int64_t i = 0; i < out->n_elements; i++) {
-        if (sign)
-            out->sign[i] = sign[out->source[i]];
-        if (least)
-            out->min_volume[i] = least[out->source[i]];
-    }
-    return 0;
-}
-
-static int build(work *w, const int8_t *sign, uint8_t *slides) {
-    const planish_mesh *mesh = w->mesh;
-    pl_periodic *out = w->out;
+/** Make the mesh with its copies. The signs and minimum volumes of copies are those of their
+ *  elements. -1 without memory. */
+static int copy_mesh(groups *g, const int8_t *sign, uint8_t *slides) {
+    const planish_mesh *mesh = g->mesh;
+    pl_periodic *out = g->out;
     const int64_t n = mesh->n_nodes, m = mesh->n_elements;
     const int corners = mesh->dim + 1;
     out->n_nodes = n;
-    out->n_elements = w->copy_capacity = m;
+    out->n_elements = g->copy_capacity = m;
     out->elements = pl_alloc(m * corners, sizeof *out->elements);
     out->source = pl_alloc(m, sizeof *out->source);
     if (!out->elements || !out->source)
@@ -316,57 +273,62 @@ static int build(work *w, const int8_t *sign, uint8_t *slides) {
     memcpy(out->elements, mesh->elements, (size_t)(m * corners) * sizeof *out->elements);
     for (int64_t i = 0; i < m; i++)
         out->source[i] = (int32_t)i;
-    find_groups(w, slides);
-    for (int64_t i = 0; i < n; i++)
-        if (w->shift_of[i] != NO_SHIFT && slides[i]) {
-            const int32_t node = (int32_t)i, leader = w->leader[i];
-            if (add_follower(out, &w->image_capacity,
-                             (pl_follower){node, leader, leader, node, {0}, {0}}) != 0)
-                return -1;
-        }
-    for (int s = 0; s < w->n_shifts; s++)
-        if (copy_layer(w, slides, s) != 0)
+    find_groups(g, slides);
+    for (int32_t node = 0; node < n; node++) {
+        const int32_t leader = g->leader[node];
+        const pl_follower follower = {.node = node, .of = leader, .from = leader, .to = node};
+        if (g->shift_of[node] != NO_SHIFT && slides[node] &&
+            add_follower(out, &g->image_capacity, follower) != 0)
             return -1;
-    return find_movers(w) != 0 || extend(w, sign) != 0 ? -1 : 0;
-}
-
-/** Half the longest side of the box of all nodes of pairs: others may be anywhere. */
-static double half_size_of(const planish_mesh *mesh) {
-    double size = 0;
-    for (int d = 0; d < mesh->dim; d++) {
-        double low = INFINITY, high = -INFINITY;
-        for (int64_t i = 0; i < 2 * mesh->n_periodic; i++) {
-            const double x = mesh->coordinates[(int64_t)mesh->periodic[i] * mesh->dim + d];
-            low = fmin(low, x);
-            high = fmax(high, x);
-        }
-        size = fmax(size, high / 2 - low / 2);
     }
-    return size;
+    for (int s = 0; s < g->n_shifts; s++)
+        if (copy_layer(g, slides, s) != 0)
+            return -1;
+    out->moves_with = pl_alloc(out->n_nodes, sizeof *out->moves_with);
+    out->sign = sign ? pl_alloc(out->n_elements, sizeof *out->sign) : NULL;
+    out->min_volume = mesh->min_volume ? pl_alloc(out->n_elements, sizeof *out->min_volume) : NULL;
+    if (!out->moves_with || (sign && !out->sign) || (mesh->min_volume && !out->min_volume))
+        return -1;
+    memcpy(out->moves_with, g->leader, (size_t)n * sizeof *g->leader);
+    for (int64_t k = 0; k < out->n_followers; k++) /* an image: with the leader of its source */
+        out->moves_with[out->follower[k].node] = g->leader[out->follower[k].of];
+    for (int64_t i = 0; sign && i < out->n_elements; i++)
+        out->sign[i] = sign[out->source[i]];
+    for (int64_t i = 0; mesh->min_volume && i < out->n_elements; i++)
+        out->min_volume[i] = mesh->min_volume[out->source[i]];
+    return 0;
 }
 
 int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                        uint8_t *slides, pl_periodic *out, planish_error *error) {
-    int status = PLANISH_OK;
     *out = (pl_periodic){0};
-    work w = {.mesh = mesh,
-              .incidence = incidence,
-              .tolerance = 2 * SHIFT_TOLERANCE * half_size_of(mesh),
-              .next = pl_alloc(mesh->n_nodes, sizeof *w.next),
-              .leader = pl_alloc(mesh->n_nodes, sizeof *w.leader),
-              .shift_of = pl_alloc(mesh->n_nodes, 1),
-              .image = pl_alloc(mesh->n_nodes, sizeof *w.image),
-              .is_copied = pl_alloc(mesh->n_elements, 1),
-              .out = out};
-    if (!w.next || !w.leader || !w.shift_of || !w.image || !w.is_copied ||
-        build(&w, sign, slides) != 0)
-        status = pl_fail_memory(error, "periodic nodes");
-    pl_free(w.next);
-    pl_free(w.leader);
-    pl_free(w.shift_of);
-    pl_free(w.image);
-    pl_free(w.is_copied);
-    return status;
+    groups g = {.mesh = mesh,
+                .incidence = incidence,
+                .next = pl_alloc(mesh->n_nodes, sizeof *g.next),
+                .leader = pl_alloc(mesh->n_nodes, sizeof *g.leader),
+                .shift_of = pl_alloc(mesh->n_nodes, 1),
+                .image = pl_alloc(mesh->n_nodes, sizeof *g.image),
+                .is_copied = pl_alloc(mesh->n_elements, 1),
+                .out = out};
+    /* Half the longest side of the box of all nodes of pairs: others may be anywhere. */
+    double half_size = 0;
+    for (int d = 0; d < mesh->dim; d++) {
+        double low = INFINITY, high = -INFINITY;
+        for (int64_t i = 0; i < 2 * mesh->n_periodic; i++) {
+            low = fmin(low, place(&g, mesh->periodic[i])[d]);
+            high = fmax(high, place(&g, mesh->periodic[i])[d]);
+        }
+        half_size = fmax(half_size, high / 2 - low / 2);
+    }
+    g.tolerance = 2 * SHIFT_TOLERANCE * half_size;
+    const int done = g.next && g.leader && g.shift_of && g.image && g.is_copied &&
+                     copy_mesh(&g, sign, slides) == 0;
+    pl_free(g.next);
+    pl_free(g.leader);
+    pl_free(g.shift_of);
+    pl_free(g.image);
+    pl_free(g.is_copied);
+    return done ? PLANISH_OK : pl_fail_memory(error, "periodic nodes");
 }
 
 void pl_periodic_destroy(pl_periodic *periodic) {

@@ -1,11 +1,13 @@
 /* points: coordinates as the caller has them: any stride, all nodes or some. */
 #include "topology/points.h"
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/status.h"
 
 #include <inttypes.h>
 #include <math.h>
+#include <string.h>
 
 enum { CHUNK = 4096 }; /* points that one thread takes at a time */
 
@@ -21,15 +23,15 @@ int pl_points_are_dense(const pl_points *p) {
     return !p->node_of && p->step == p->dim && p->apart == 1;
 }
 
-/** The work on all points. */
-typedef struct work {
+/** A pass over all points. */
+typedef struct points_pass {
     const pl_points *p;
     double *dense;
     int64_t lowest; /* point that is not finite, or INT64_MAX; shared */
-} work;
+} points_pass;
 
 static void gather_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const work *w = context;
+    const points_pass *w = context;
     const pl_points *p = w->p;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
@@ -38,29 +40,27 @@ static void gather_chunk(void *context, int64_t begin, int64_t end, int thread) 
 }
 
 void pl_points_gather(const pl_points *p, int threads, double *dense) {
-    work w = {p, dense, 0};
+    points_pass w = {p, dense, 0};
     pl_parallel_for(threads, p->n, CHUNK, gather_chunk, &w);
 }
 
-static int is_finite(const pl_points *p, int64_t i) {
-    int finite = 1;
-    for (int d = 0; d < p->dim; d++)
-        finite &= isfinite(p->x[pl_point_at(p, i, d)]) != 0;
-    return finite;
-}
-
 static void check_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    points_pass *w = context;
+    const pl_points *p = w->p;
     (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        if (!is_finite(w->p, i)) {
+    for (int64_t i = begin; i < end; i++) {
+        int finite = 1;
+        for (int d = 0; d < p->dim; d++)
+            finite &= isfinite(p->x[pl_point_at(p, i, d)]) != 0;
+        if (!finite) {
             pl_lower_to(&w->lowest, i);
             return;
         }
+    }
 }
 
 int pl_points_check(const pl_points *p, int threads, planish_error *error) {
-    work w = {.p = p, .lowest = INT64_MAX};
+    points_pass w = {.p = p, .lowest = INT64_MAX};
     pl_parallel_for(threads, p->n, CHUNK, check_chunk, &w);
     if (w.lowest == INT64_MAX)
         return PLANISH_OK;
@@ -71,4 +71,49 @@ int pl_points_check(const pl_points *p, int threads, planish_error *error) {
     return pl_fail_at(error, PLANISH_ERROR_MESH, -1, node,
                       "node %" PRId64 " has the coordinate %c = %g; all must be finite numbers",
                       node, "xyz"[d], p -> x[pl_point_at(p, w.lowest, d)]);
+}
+
+/* ---- points at the same place ------------------------------------------------------------------
+ */
+
+/** A number for the bits of a place; -0 and 0 are the same. */
+static uint64_t place_hash(const pl_points *p, int64_t i) {
+    uint64_t hash = 0;
+    for (int d = 0; d < p->dim; d++) {
+        const double coordinate = p->x[pl_point_at(p, i, d)] + 0.0;
+        uint64_t bits;
+        memcpy(&bits, &coordinate, sizeof bits);
+        hash = (hash ^ bits) * UINT64_C(0x9E3779B97F4A7C15);
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
+static int same_place(const pl_points *p, int64_t a, int64_t b) {
+    for (int d = 0; d < p->dim; d++)
+        if (p->x[pl_point_at(p, a, d)] != p->x[pl_point_at(p, b, d)])
+            return 0;
+    return 1;
+}
+
+int pl_points_find_doubled(const pl_points *points, uint8_t *is_doubled, planish_error *error) {
+    int64_t n_slots = 16;
+    while (n_slots < 2 * points->n)
+        n_slots *= 2;
+    int32_t *slot = pl_alloc(n_slots, sizeof *slot);
+    if (!slot)
+        return pl_fail_memory(error, "the places of nodes");
+    memset(slot, -1, (size_t)n_slots * sizeof *slot);
+    memset(is_doubled, 0, (size_t)points->n);
+    for (int32_t i = 0; i < points->n; i++) {
+        int64_t at = (int64_t)(place_hash(points, i) & (uint64_t)(n_slots - 1));
+        while (slot[at] >= 0 && !same_place(points, slot[at], i))
+            at = (at + 1) & (n_slots - 1);
+        if (slot[at] >= 0)
+            is_doubled[slot[at]] = is_doubled[i] = 1;
+        else
+            slot[at] = i;
+    }
+    pl_free(slot);
+    return PLANISH_OK;
 }

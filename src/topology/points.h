@@ -1,4 +1,9 @@
-/* points: coordinates as the caller has them: any stride, all nodes or some. */
+/* points: coordinates as the caller has them: any stride, all nodes or some.
+ *
+ *   pl_points_of, pl_point_at                    where the coordinates are
+ *   pl_points_check, _are_dense, _gather         check them, copy them
+ *   pl_points_find_doubled                       points at the place of another one
+ */
 #ifndef PL_TOPOLOGY_POINTS_H
 #define PL_TOPOLOGY_POINTS_H
 
@@ -31,8 +36,10 @@ void pl_points_gather(const pl_points *p, int threads, double *dense);
 /** Check that they are finite. The lowest offender is reported, by the caller's number. */
 int pl_points_check(const pl_points *p, int threads, planish_error *error);
 
-/** is_doubled [n] becomes 1 for the points that lie at exactly the place of another one, else 0. At
- *  most INT32_MAX points. Errors: _MEMORY. */
+/** Find the points that lie at exactly the place of another one: is_doubled [n] becomes 1 for them,
+ *  else 0. Parts of a mesh that were written side by side have the nodes between them twice, a
+ *  crack has its nodes twice, and some programs give each element its own points. At most INT32_MAX
+ *  points. Errors: _MEMORY. */
 int pl_points_find_doubled(const pl_points *points, uint8_t *is_doubled, planish_error *error);
 
 #endif

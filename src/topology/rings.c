@@ -20,8 +20,8 @@
 
 enum { CHUNK = 256 }; /* rings that one thread takes at a time */
 
-/** The work on all rings. */
-typedef struct work {
+/** The making of all rings. */
+typedef struct ring_maker {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     const int8_t *sign;
@@ -35,7 +35,7 @@ typedef struct work {
     int is_shared;         /* by several threads */
     int counting;          /* lengths are wanted, not nodes */
     int foretold_wrong;    /* a ring has another length than its room */
-} work;
+} ring_maker;
 
 /** Result of the search at one node. */
 typedef struct star {
@@ -55,22 +55,15 @@ static int64_t length_of_sphere(int64_t n) {
 }
 
 /* Several threads may do this to a node at the same time. */
-static inline void set_fixed(const work *w, int32_t node) {
+static inline void set_fixed(const ring_maker *w, int32_t node) {
     pl_set_flag(&w->is_free[node], 0);
 }
 
-static inline int is_free(const work *w, int32_t node) {
+static inline int is_free(const ring_maker *w, int32_t node) {
     return __atomic_load_n(&w->is_free[node], __ATOMIC_RELAXED);
 }
 
 /* ---- one ring ----------------------------------------------------------------------------- */
-
-/** Whether the other nodes of an element are in the order of its link facet only after the last two
- *  are exchanged. In a positive tetrahedron the facets opposite nodes 1 and 3 are positive in the
- *  element's order, in a positive triangle those opposite nodes 0 and 2. */
-static inline int is_turned(int dim, int place, int negative) {
-    return ((place + dim) % 2 != 0) != negative;
-}
 
 /** Which corner of its facet the j-th of the other nodes is. No branch: nothing could predict it.
  */
@@ -95,24 +88,19 @@ static inline int64_t write_edges(pl_local_map *map, const pl_link *link, int64_
 }
 
 /** Whether no two facets of a link traverse an edge (in 2-D: leave or reach a node) in the same
- *  direction. map holds the nodes and edges. */
-static inline int has_one_direction(pl_local_map *map, int dim, const pl_link *link, int64_t n) {
-    const uint64_t mark = UINT64_C(1) << 63; /* the key of no node or edge */
+ *  direction, and none have the same nodes: their elements would be duplicates. map holds the nodes
+ *  and edges. */
+static inline int is_link_sound(pl_local_map *map, int dim, const pl_link *link, int64_t n) {
+    const uint64_t direction = UINT64_C(1) << 63, nodes = UINT64_C(1) << 62; /* marks of new keys */
     const int32_t known = map->count;
     for (int64_t f = 0; f < n; f++)
         for (int c = 0; c < dim; c++) {
             const uint64_t p = pl_link_get(link, dim * f + c);
             const uint64_t q = dim == 3 ? pl_link_get(link, dim * f + (c + 1) % 3) : (uint64_t)c;
-            pl_local_map_add(map, mark | p << 32 | q);
+            pl_local_map_add(map, direction | p << 32 | q);
         }
-    return map->count - known == n * dim;
-}
-
-/** Whether no two facets of a link have the same nodes: their elements would be duplicates. map
- *  holds nodes, edges and directions. */
-static inline int has_distinct_facets(pl_local_map *map, int dim, const pl_link *link, int64_t n) {
-    const uint64_t mark = UINT64_C(1) << 62; /* the key of none of these */
-    const int32_t known = map->count;
+    if (map->count - known != n * dim)
+        return 0;
     for (int64_t f = 0; f < n; f++) {
         int32_t v[3] = {0, 0, 0}; /* ascending */
         for (int c = 0; c < dim; c++) {
@@ -124,9 +112,9 @@ static inline int has_distinct_facets(pl_local_map *map, int dim, const pl_link 
             }
             v[c] = p;
         }
-        pl_local_map_add(map, mark | (uint64_t)v[0] << 32 | (uint64_t)v[1] << 16 | (uint64_t)v[2]);
+        pl_local_map_add(map, nodes | (uint64_t)v[0] << 32 | (uint64_t)v[1] << 16 | (uint64_t)v[2]);
     }
-    return map->count - known == n;
+    return map->count - known == n * (dim + 1);
 }
 
 /* Positions of an open link may be cut off when they are stored. It does not pass for closed all
@@ -135,7 +123,7 @@ _Static_assert(2 * (UINT8_MAX + 1) > 3 * PL_BYTE_LINK && 2 * (UINT16_MAX + 1) > 
                "positions that are cut off could look like those of a closed link");
 
 /** Put the ring of node, or its first room nodes, into ring, and write its link. */
-static inline star find_ring(const work *w, int dim, int thread, int32_t node, pl_link link,
+static inline star find_ring(const ring_maker *w, int dim, int thread, int32_t node, pl_link link,
                              int32_t *ring, int64_t room) {
     pl_local_map *thread_map = w->maps + thread;
     const int64_t begin = w->incidence->offset[node], n = degree(w->incidence, node);
@@ -146,7 +134,10 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
         const int32_t index = w->incidence->element[begin + i];
         const int32_t *element = w->mesh->elements + (int64_t)index * (dim + 1);
         const int place = pl_place_in_element(dim, element, node);
-        const int turned = is_turned(dim, place, w->sign && w->sign[index] < 0);
+        /* The order of its link facet needs the last two exchanged, or not: in a positive
+         * tetrahedron the facets opposite nodes 1 and 3 are positive in the element's order, in a
+         * positive triangle those opposite nodes 0 and 2. */
+        const int turned = ((place + dim) % 2 != 0) != (w->sign && w->sign[index] < 0);
         for (int j = 0; j < dim; j++) {
             const int32_t other = pl_other_node(element, place, j);
             const int32_t position = pl_local_map_add(&map, (uint64_t)other);
@@ -159,26 +150,14 @@ static inline star find_ring(const work *w, int dim, int thread, int32_t node, p
     const int two_each = dim == 3 ? 2 * write_edges(&map, &link, n) == 3 * n : length == n;
     if (!two_each && !w->open)
         return (star){length, 0, 0};
-    const int is_sound =
-        has_one_direction(&map, dim, &link, n) && has_distinct_facets(&map, dim, &link, n);
+    const int is_sound = is_link_sound(&map, dim, &link, n);
     return (star){length, is_sound, is_sound && two_each};
 }
 
 /* ---- one small ring ----------------------------------------------------------------------- */
 
-/** The other nodes of a tetrahedron, in its order. Returns 1 if the last two have to be exchanged
- *  for the order of the facet (is_turned), or else 0. No branch: nothing could predict it. */
-static inline uint32_t find_facet(const int32_t *element, int32_t node, int32_t other[3]) {
-    const uint32_t is_a = pl_is_same(element[0], node), is_b = pl_is_same(element[1], node),
-                   is_d = pl_is_same(element[3], node);
-    other[0] = element[is_a];
-    other[1] = element[1 + is_a + is_b];
-    other[2] = element[3 - is_d];
-    return 1 - is_b - is_d;
-}
-
 /** Number the nodes of node's link by the i-th hash: positions of the corners of its n facets, as
- *  if all elements were positive. */
+ *  if all elements were positive. No branch: nothing could predict it. */
 PL_NOINLINE void find_small_facets(const int32_t *elements, int32_t node, const int32_t *list,
                                    int64_t n, int i, pl_small_ring *table,
                                    uint8_t *restrict corner) {
@@ -186,29 +165,22 @@ PL_NOINLINE void find_small_facets(const int32_t *elements, int32_t node, const 
     const uint32_t factor = table->factor;
     uint32_t n_nodes = 0, collision = 0;
     for (const int32_t *end = list + n; list < end; list++, corner += 3) {
-        int32_t other[3];
+        const int32_t *element = elements + (int64_t)*list * 4;
+        const uint32_t is_a = pl_is_same(element[0], node), is_b = pl_is_same(element[1], node),
+                       is_d = pl_is_same(element[3], node);
+        const int32_t other[3] = {element[is_a], element[1 + is_a + is_b], element[3 - is_d]};
         uint8_t position[3];
-        const uint32_t turned = find_facet(elements + (int64_t)*list * 4, node, other);
 #pragma GCC unroll 3
         for (int j = 0; j < 3; j++)
             position[j] = pl_small_ring_node(table, factor, other[j], &n_nodes, &collision);
-        const uint8_t exchange = (position[1] ^ position[2]) & (uint8_t)(turned - 1);
+        /* 1 and 2 are exchanged for the order of the facet, unless node is b or d (find_ring) */
+        const uint8_t kept = (position[1] ^ position[2]) & (uint8_t) - (is_b + is_d);
         corner[0] = position[0];
-        corner[1] = position[2] ^ exchange;
-        corner[2] = position[1] ^ exchange;
+        corner[1] = position[2] ^ kept;
+        corner[2] = position[1] ^ kept;
     }
     table->n_nodes = n_nodes;
     table->collision = collision;
-}
-
-/** Exchange two corners of the facets of negative elements. */
-static void turn_negative(const int8_t *sign, const int32_t *list, int64_t n, uint8_t *corner) {
-    for (int64_t i = 0; i < n; i++)
-        if (sign[list[i]] < 0) {
-            const uint8_t last = corner[3 * i + 2];
-            corner[3 * i + 2] = corner[3 * i + 1];
-            corner[3 * i + 1] = last;
-        }
 }
 
 /** Number the edges of n facets. */
@@ -231,7 +203,7 @@ PL_NOINLINE void find_small_edges(pl_small_ring *table, int64_t n, const uint8_t
 /** Nodes of a facet of one element alone, or that its elements traverse in one direction alone, are
  *  not inside: this spares most of them that their links are looked at. Of a link of n facets, of
  *  which table has the edges. */
-static void leave_boundary(const work *w, const pl_small_ring *table, const uint8_t *corner,
+static void leave_boundary(const ring_maker *w, const pl_small_ring *table, const uint8_t *corner,
                            int64_t n) {
     for (int64_t f = 0; f < 3 * n; f += 3)
         for (int c = 0; c < 3; c++) {
@@ -245,8 +217,8 @@ static void leave_boundary(const work *w, const pl_small_ring *table, const uint
 
 /** Find a ring as find_ring does, but faster: in 3-D where the ring is small and, if closed, one
  *  sphere. For an open link no ring is written, and the content of link means nothing. */
-static star find_small_ring(const work *w, int thread, int32_t node, pl_link link, int32_t *ring,
-                            int64_t room) {
+static star find_small_ring(const ring_maker *w, int thread, int32_t node, pl_link link,
+                            int32_t *ring, int64_t room) {
     const int32_t *list = w->incidence->element + w->incidence->offset[node];
     const int64_t n = degree(w->incidence, node);
     pl_small_ring *table = w->tables + thread;
@@ -260,8 +232,12 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
     const int64_t length = table->n_nodes;
     if (table->collision || length > PL_SMALL_RING)
         return found;
-    if (w->sign)
-        turn_negative(w->sign, list, n, link.low);
+    for (int64_t f = 0; w->sign && f < n; f++)
+        if (w->sign[list[f]] < 0) { /* the other order of the facet's corners */
+            const uint8_t last = link.low[3 * f + 2];
+            link.low[3 * f + 2] = link.low[3 * f + 1];
+            link.low[3 * f + 1] = last;
+        }
     find_small_edges(table, n, link.low, link.low + 3 * n);
     const int is_closed = 2 * table->n_edges == 3 * n && table->unrepeated == PL_SMALL_NONE;
     if (!is_closed)
@@ -280,27 +256,6 @@ static star find_small_ring(const work *w, int thread, int32_t node, pl_link lin
 
 /* ---- all rings ---------------------------------------------------------------------------- */
 
-/** Whether the link of a large star is closed. Of those that are not no link is kept: most large
- *  stars are on the boundary, and would make all links take two bytes. */
-static int is_large_closed(work *w, int thread, int32_t node) {
-    const int dim = w->mesh->dim;
-    const int64_t n = degree(w->incidence, node);
-    star found = {-1, 0, 0};
-    pl_link link = {NULL, NULL};
-    if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1) == 0)
-        found = find_ring(w, dim, thread, node, link, NULL, 0);
-    pl_link_free(&link);
-    if (found.length < 0)
-        w->maps[thread].failed = 1;
-    return found.is_closed;
-}
-
-/** Whether so many facets can be a closed link that the kernels take: each of its edges belongs to
- *  two of the triangles, which are then even in number. */
-static int can_be_closed(int dim, int64_t facets) {
-    return facets <= PL_MAX_LINK && (dim == 2 || facets % 2 == 0);
-}
-
 /* The positions of an open link are told apart by a byte up to so many facets, and by two up to the
  * other number: three for each, at most. */
 enum { BYTE_OPEN_LINK = (UINT8_MAX + 1) / 3, MAX_OPEN_LINK = (UINT16_MAX + 1) / 3 };
@@ -308,7 +263,7 @@ enum { BYTE_OPEN_LINK = (UINT8_MAX + 1) / 3, MAX_OPEN_LINK = (UINT16_MAX + 1) / 
 /** Room for links that may be open; the rings are counted. Nodes whose links are too large are free
  *  no longer. */
 static void make_room_for_open(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    ring_maker *w = context;
     int64_t max_link = 0;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
@@ -324,16 +279,36 @@ static void make_room_for_open(void *context, int64_t begin, int64_t end, int th
         __atomic_store_n(&w->wide, 1, __ATOMIC_RELAXED);
 }
 
-/** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links are too large, certainly
- * open, or large and open, are free no longer. */
+/** Whether the link of a node may be closed: so many facets that the kernels take, each of whose
+ *  edges belongs to two of the triangles, which are then even in number. A large star is looked at,
+ *  and no link is kept: most large stars are on the boundary, and would make all links take two
+ *  bytes. */
+static int can_be_closed(ring_maker *w, int thread, int32_t node) {
+    const int dim = w->mesh->dim;
+    const int64_t n = degree(w->incidence, node);
+    if (n > PL_MAX_LINK || (dim == 3 && n % 2 != 0))
+        return 0;
+    if (n <= PL_BYTE_LINK)
+        return 1;
+    star found = {-1, 0, 0};
+    pl_link link = {NULL, NULL};
+    if (pl_link_alloc(&link, pl_link_positions_kept(dim), n, 1) == 0)
+        found = find_ring(w, dim, thread, node, link, NULL, 0);
+    pl_link_free(&link);
+    if (found.length < 0)
+        w->maps[thread].failed = 1;
+    return found.is_closed;
+}
+
+/** Lengths as of spheres, V = F in 2-D, of circles. Nodes whose links cannot be closed are free no
+ *  longer. */
 static void foretell_lengths(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    ring_maker *w = context;
     int64_t max_link = 0;
     for (int64_t r = begin; r < end; r++) {
         const int32_t node = w->node[r];
         int64_t facets = degree(w->incidence, node);
-        if (!can_be_closed(w->mesh->dim, facets) ||
-            (facets > PL_BYTE_LINK && !is_large_closed(w, thread, node))) {
+        if (!can_be_closed(w, thread, node)) {
             w->is_free[node] = 0;
             facets = 0;
         }
@@ -357,7 +332,7 @@ PL_AT_ONCE void fetch_room(const pl_rings *rings, int dim, int64_t r) {
 
 /** Count the nodes of rings begin .. end-1 into their offsets, or fill the room that the offsets
  * say and compare. Nodes whose links are open are free no longer. */
-static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int thread) {
+static inline void find_rings(ring_maker *w, int dim, int64_t begin, int64_t end, int thread) {
     pl_rings *rings = w->rings;
     for (int64_t r = begin; r < end; r++) {
         pl_fetch_ahead(w->mesh, dim, w->incidence, w->node, r, rings->n_rings);
@@ -385,17 +360,23 @@ static inline void find_rings(work *w, int dim, int64_t begin, int64_t end, int 
 }
 
 static void find_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    ring_maker *w = context;
     if (w->mesh->dim == 3)
         find_rings(w, 3, begin, end, thread);
     else
         find_rings(w, 2, begin, end, thread);
 }
 
-/** Make room by the lengths in rings->offset and fill it. */
-static int fill(work *w, int threads) {
+/** Make room by the lengths in rings->offset, and fill it; counting: these are counted before. -1
+ *  without memory. */
+static int fill_rings(ring_maker *w, int counting, int threads) {
     pl_rings *rings = w->rings;
-    int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->offset);
+    w->counting = 1;
+    if (counting)
+        pl_parallel_for(threads, rings->n_rings, CHUNK, find_chunk, w);
+    if (pl_local_maps_failed(w->maps, threads))
+        return -1;
+    const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->offset);
     pl_free(rings->neighbour);
     rings->neighbour = pl_alloc(total, sizeof *rings->neighbour);
     if (!rings->neighbour)
@@ -406,43 +387,24 @@ static int fill(work *w, int threads) {
     return pl_local_maps_failed(w->maps, threads) ? -1 : 0;
 }
 
-/** Room for the links, by the lengths in rings->link_offset. */
-static int make_room_for_links(const work *w, int threads) {
+/** Foretell, fill, and where that does not hold, or links may be open: count, fill. -1 without
+ *  memory. */
+static int make_rings(ring_maker *w, int threads) {
     pl_rings *rings = w->rings;
-    const int64_t total = pl_prefix_sum(threads, rings->n_rings, rings->link_offset);
-    return pl_link_alloc(&rings->link, pl_link_positions_kept(w->mesh->dim), total, w->wide);
-}
-
-/** Count, fill. */
-static int make_open_rings(work *w, int threads) {
-    const int64_t n = w->rings->n_rings;
-    pl_parallel_for(threads, n, CHUNK, make_room_for_open, w);
-    if (make_room_for_links(w, threads) != 0)
+    const int64_t n = rings->n_rings;
+    pl_parallel_for(threads, n, CHUNK, w->open ? make_room_for_open : foretell_lengths, w);
+    if (pl_local_maps_failed(w->maps, threads))
         return -1;
-    w->counting = 1;
-    pl_parallel_for(threads, n, CHUNK, find_chunk, w);
-    return pl_local_maps_failed(w->maps, threads) ? -1 : fill(w, threads);
-}
-
-/** Foretell, fill, and where that does not hold: count, fill. */
-static int make_rings(work *w, int threads) {
-    pl_rings *rings = w->rings;
-    if (w->open)
-        return make_open_rings(w, threads);
-    pl_parallel_for(threads, rings->n_rings, CHUNK, foretell_lengths, w);
-    if (pl_local_maps_failed(w->maps, threads) || make_room_for_links(w, threads) != 0 ||
-        fill(w, threads) != 0)
+    const int64_t total = pl_prefix_sum(threads, n, rings->link_offset);
+    if (pl_link_alloc(&rings->link, pl_link_positions_kept(w->mesh->dim), total, w->wide) != 0 ||
+        fill_rings(w, w->open, threads) != 0)
         return -1;
-    if (!w->foretold_wrong)
-        return 0;
-    w->counting = 1;
-    pl_parallel_for(threads, rings->n_rings, CHUNK, find_chunk, w);
-    return pl_local_maps_failed(w->maps, threads) ? -1 : fill(w, threads);
+    return w->foretold_wrong ? fill_rings(w, 1, threads) : 0;
 }
 
 /** Drop the nodes that are not free; only the room of their rings remains. */
 static void drop_open(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    ring_maker *w = context;
     int64_t n_free = 0;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
@@ -458,16 +420,16 @@ int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, con
                     uint8_t *is_free, int32_t *node, int64_t n, int open, int threads,
                     pl_rings *rings, planish_error *error) {
     *rings = (pl_rings){.n_rings = n};
-    work w = {.mesh = mesh,
-              .incidence = incidence,
-              .sign = sign,
-              .node = node,
-              .is_free = is_free,
-              .rings = rings,
-              .open = open,
-              .is_shared = threads > 1,
-              .maps = pl_local_maps_create(threads),
-              .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
+    ring_maker w = {.mesh = mesh,
+                    .incidence = incidence,
+                    .sign = sign,
+                    .node = node,
+                    .is_free = is_free,
+                    .rings = rings,
+                    .open = open,
+                    .is_shared = threads > 1,
+                    .maps = pl_local_maps_create(threads),
+                    .tables = pl_alloc(mesh->dim == 3 ? threads : 0, sizeof *w.tables)};
     rings->offset = pl_alloc(n + 1, sizeof *rings->offset);
     rings->link_offset = pl_alloc(n + 1, sizeof *rings->link_offset);
     for (int t = 0; w.tables && mesh->dim == 3 && t < threads; t++)

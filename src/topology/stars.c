@@ -11,22 +11,20 @@
 
 #include <string.h>
 
-enum {
-    CHUNK = 256 /* rings that one thread takes at a time */
-};
+enum { CHUNK = 256 }; /* rings that one thread takes at a time */
 
-/** The work on all stars. */
-typedef struct work {
+/** The copying of all stars. */
+typedef struct star_copy {
     const planish_mesh *mesh;
     const pl_incidence *incidence;
     pl_rings *rings;
     const int32_t *node, *star_of, *number_of;
     pl_stars *stars;
-} work;
+} star_copy;
 
 /** Lengths into the offsets. */
 static void measure_stars(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    star_copy *w = context;
     pl_stars *stars = w->stars;
     int64_t max_ring = 0, max_link = 0;
     (void)thread;
@@ -46,7 +44,7 @@ static void measure_stars(void *context, int64_t begin, int64_t end, int thread)
 }
 
 static void copy_rings(void *context, int64_t begin, int64_t end, int thread) {
-    const work *w = context;
+    const star_copy *w = context;
     (void)thread;
     for (int64_t r = begin; r < end; r++) {
         if (w->star_of[r] < 0)
@@ -77,73 +75,67 @@ static inline void write_ends(pl_link source, pl_link link, int64_t n) {
     }
 }
 
-static void copy_link(const work *w, int64_t r) {
-    const int dim = w->mesh->dim;
-    const int64_t from = w->rings->link_offset[r], n = w->rings->link_offset[r + 1] - from;
-    const int64_t to = w->stars->link_offset[w->star_of[r]];
-    const pl_link source = pl_link_at(&w->rings->link, pl_link_positions_kept(dim), from);
-    const pl_link target = pl_link_at(&w->stars->link, pl_link_positions(dim), to);
-    memcpy(target.low, source.low, (size_t)(n * pl_link_positions_kept(dim)));
-    if (target.high) /* then source.high, too */
-        memcpy(target.high, source.high, (size_t)(n * pl_link_positions_kept(dim)));
-    if (dim == 3 && target.high)
-        write_ends(source, target, n);
-    else if (dim == 3)
-        write_ends((pl_link){source.low, NULL}, (pl_link){target.low, NULL}, n);
-    for (int64_t i = 0; w->stars->min_volume && i < n; i++) {
-        const int32_t *element = w->incidence->element + w->incidence->offset[w->node[r]];
-        w->stars->min_volume[to + i] = w->mesh->min_volume[element[i]];
-    }
-}
-
 static void copy_links(void *context, int64_t begin, int64_t end, int thread) {
-    const work *w = context;
+    const star_copy *w = context;
+    const pl_link *kept = &w->rings->link;
+    const int dim = w->mesh->dim;
+    const int64_t n_kept = pl_link_positions_kept(dim);
     (void)thread;
-    for (int64_t r = begin; r < end; r++)
-        if (w->star_of[r] >= 0)
-            copy_link(w, r);
-}
-
-/** Everything behind the offsets' allocation; returns -1 without memory. The neighbours in
- *  the order of the rings go before there is room for links: that takes a tenth less memory. */
-static int fill(work *w, int threads) {
-    pl_stars *stars = w->stars;
-    pl_rings *rings = w->rings;
-    int64_t n = stars->n_stars;
-    pl_parallel_for(threads, rings->n_rings, CHUNK, measure_stars, w);
-    int64_t n_ring = pl_prefix_sum(threads, n, stars->ring_offset);
-    int64_t n_link = pl_prefix_sum(threads, n, stars->link_offset);
-    stars->ring = pl_alloc(n_ring, sizeof *stars->ring);
-    if (!stars->ring)
-        return -1;
-    pl_parallel_for(threads, rings->n_rings, CHUNK, copy_rings, w);
-    pl_free(rings->neighbour);
-    rings->neighbour = NULL;
-    if (w->mesh->min_volume)
-        stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
-    if (pl_link_alloc(&stars->link, pl_link_positions(w->mesh->dim), n_link,
-                      rings->link.high != NULL) != 0 ||
-        (w->mesh->min_volume && !stars->min_volume))
-        return -1;
-    pl_parallel_for(threads, rings->n_rings, CHUNK, copy_links, w);
-    return 0;
+    for (int64_t r = begin; r < end; r++) {
+        if (w->star_of[r] < 0)
+            continue;
+        const int64_t from = w->rings->link_offset[r], n = w->rings->link_offset[r + 1] - from;
+        const int64_t to = w->stars->link_offset[w->star_of[r]];
+        const pl_link source = pl_link_at(kept, n_kept, from);
+        const pl_link target = pl_link_at(&w->stars->link, pl_link_positions(dim), to);
+        memcpy(target.low, source.low, (size_t)(n * n_kept));
+        if (target.high) /* then source.high, too */
+            memcpy(target.high, source.high, (size_t)(n * n_kept));
+        if (dim == 3 && target.high)
+            write_ends(source, target, n);
+        else if (dim == 3)
+            write_ends((pl_link){source.low, NULL}, (pl_link){target.low, NULL}, n);
+        for (int64_t i = 0; w->stars->min_volume && i < n; i++) {
+            const int32_t *element = w->incidence->element + w->incidence->offset[w->node[r]];
+            w->stars->min_volume[to + i] = w->mesh->min_volume[element[i]];
+        }
+    }
 }
 
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
                     const int32_t *node, const int32_t *star_of, const int32_t *number_of,
                     int threads, pl_stars *stars, planish_error *error) {
-    int64_t n = rings->n_free;
+    const int64_t n = rings->n_free, n_rings = rings->n_rings;
+    int64_t n_link = 0;
     *stars = (pl_stars){.n_stars = n};
-    work w = {.mesh = mesh,
-              .incidence = incidence,
-              .rings = rings,
-              .node = node,
-              .star_of = star_of,
-              .number_of = number_of,
-              .stars = stars};
+    star_copy w = {.mesh = mesh,
+                   .incidence = incidence,
+                   .rings = rings,
+                   .node = node,
+                   .star_of = star_of,
+                   .number_of = number_of,
+                   .stars = stars};
     stars->ring_offset = pl_alloc(n + 1, sizeof *stars->ring_offset);
     stars->link_offset = pl_alloc(n + 1, sizeof *stars->link_offset);
-    const int done = stars->ring_offset && stars->link_offset && fill(&w, threads) == 0;
+    int done = stars->ring_offset && stars->link_offset;
+    if (done) {
+        pl_parallel_for(threads, n_rings, CHUNK, measure_stars, &w);
+        n_link = pl_prefix_sum(threads, n, stars->link_offset);
+        stars->ring = pl_alloc(pl_prefix_sum(threads, n, stars->ring_offset), sizeof *stars->ring);
+        done = stars->ring != NULL;
+    }
+    if (done) {
+        pl_parallel_for(threads, n_rings, CHUNK, copy_rings, &w);
+        pl_free(rings->neighbour); /* before there is room for links: a tenth less memory */
+        rings->neighbour = NULL;
+        if (mesh->min_volume)
+            stars->min_volume = pl_alloc(n_link, sizeof *stars->min_volume);
+        done = pl_link_alloc(&stars->link, pl_link_positions(mesh->dim), n_link,
+                             rings->link.high != NULL) == 0 &&
+               (!mesh->min_volume || stars->min_volume);
+    }
+    if (done)
+        pl_parallel_for(threads, n_rings, CHUNK, copy_links, &w);
     pl_rings_destroy(rings);
     if (done)
         return PLANISH_OK;

@@ -30,10 +30,6 @@ static int has_selected(const passes *p, int64_t element) {
     return any;
 }
 
-static void take_node(const passes *p, int32_t node) {
-    pl_set_flag(&p->is_in[node], 1);
-}
-
 static void count_elements(void *context, int64_t begin, int64_t end, int thread) {
     const passes *p = context;
     const int corners = p->mesh->dim + 1;
@@ -44,7 +40,7 @@ static void count_elements(void *context, int64_t begin, int64_t end, int thread
             continue;
         n++;
         for (int j = 0; j < corners; j++)
-            take_node(p, p->mesh->elements[i * corners + j]);
+            pl_set_flag(&p->is_in[p->mesh->elements[i * corners + j]], 1);
     }
     p->count[begin / CHUNK] = n;
 }
@@ -89,38 +85,31 @@ static void number_corners(void *context, int64_t begin, int64_t end, int thread
                 p->number[p->mesh->elements[(int64_t)p->subset->element[i] * corners + j]];
 }
 
-static int alloc_elements(pl_subset *subset, int dim, int64_t n) {
-    subset->n_elements = n;
-    subset->element = pl_alloc(n, sizeof *subset->element);
-    subset->elements = pl_alloc(n * (dim + 1), sizeof *subset->elements);
-    return subset->element && subset->elements ? 0 : -1;
-}
-
-static int alloc_nodes(pl_subset *subset, int64_t n) {
-    subset->n_nodes = n;
-    subset->node = pl_alloc(n, sizeof *subset->node);
-    subset->is_selected = pl_alloc(n, sizeof *subset->is_selected);
-    return subset->node && subset->is_selected ? 0 : -1;
-}
-
 /** The passes, with room for them; -1 without memory for the subset. */
-static int pass(passes *p, int threads) {
+static int run_passes(passes *p, int threads) {
     const planish_mesh *mesh = p->mesh;
+    pl_subset *subset = p->subset;
+    const int corners = mesh->dim + 1;
     pl_parallel_for(threads, mesh->n_elements, CHUNK, count_elements, p);
-    int64_t n = pl_prefix_sum(threads, (mesh->n_elements - 1) / CHUNK + 1, p->count);
-    if (alloc_elements(p->subset, mesh->dim, n > 0 ? n : 1) != 0)
+    const int64_t n = pl_prefix_sum(threads, (mesh->n_elements - 1) / CHUNK + 1, p->count);
+    subset->n_elements = n > 0 ? n : 1;
+    subset->element = pl_alloc(subset->n_elements, sizeof *subset->element);
+    subset->elements = pl_alloc(subset->n_elements * corners, sizeof *subset->elements);
+    if (!subset->element || !subset->elements)
         return -1;
     pl_parallel_for(threads, mesh->n_elements, CHUNK, list_elements, p);
-    for (int j = 0; n == 0 && j <= mesh->dim; j++) {
-        p->subset->element[0] = 0;
-        take_node(p, mesh->elements[j]);
+    for (int j = 0; n == 0 && j < corners; j++) {
+        subset->element[0] = 0;
+        p->is_in[mesh->elements[j]] = 1;
     }
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, count_nodes, p);
-    n = pl_prefix_sum(threads, (mesh->n_nodes - 1) / CHUNK + 1, p->count);
-    if (alloc_nodes(p->subset, n) != 0)
+    subset->n_nodes = pl_prefix_sum(threads, (mesh->n_nodes - 1) / CHUNK + 1, p->count);
+    subset->node = pl_alloc(subset->n_nodes, sizeof *subset->node);
+    subset->is_selected = pl_alloc(subset->n_nodes, sizeof *subset->is_selected);
+    if (!subset->node || !subset->is_selected)
         return -1;
     pl_parallel_for(threads, mesh->n_nodes, CHUNK, list_nodes, p);
-    pl_parallel_for(threads, p->subset->n_elements, CHUNK, number_corners, p);
+    pl_parallel_for(threads, subset->n_elements, CHUNK, number_corners, p);
     return 0;
 }
 
@@ -134,15 +123,14 @@ int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int th
                 .is_in = pl_alloc_zero(mesh->n_nodes, sizeof *p.is_in),
                 .number = pl_alloc(mesh->n_nodes, sizeof *p.number)};
     *subset = (pl_subset){0};
-    int status = PLANISH_OK;
-    if (!p.count || !p.is_in || !p.number || pass(&p, threads) != 0) {
-        pl_subset_destroy(subset);
-        status = pl_fail_memory(error, "the subset of the mesh that is worked on");
-    }
+    const int done = p.count && p.is_in && p.number && run_passes(&p, threads) == 0;
     pl_free(p.count);
     pl_free(p.is_in);
     pl_free(p.number);
-    return status;
+    if (done)
+        return PLANISH_OK;
+    pl_subset_destroy(subset);
+    return pl_fail_memory(error, "the subset of the mesh that is worked on");
 }
 
 void pl_subset_destroy(pl_subset *subset) {

@@ -103,6 +103,31 @@ int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
 /** Free the arrays of boundary. */
 void pl_boundary_destroy(pl_boundary *boundary);
 
+/* ---- orientation.c: the positive order of the nodes of each element; for boundary.c alone -------
+ */
+
+/** Fill in sign, n_reversed and is_guess of boundary if the measures of all elements agree. */
+int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *boundary,
+                         planish_error *error);
+
+/** Fill in sign, n_components and n_reversed of boundary by its components; on_boundary is complete
+ *  but for the nodes of facets at which no orientation is possible, which it gets. */
+int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
+                          pl_boundary *boundary, planish_error *error);
+
+/* ---- wrapped.c: elements that reach around a periodic domain; for orientation.c alone ----------
+ */
+
+/** Flags at the root of a component, beside PL_WRAPPED of an element. */
+enum { PL_HAS_WRAPPED = 2, PL_HAS_BOUNDARY = 4 };
+
+/** Find the elements that wrap around. link [m]: as in components.h, of a whole mesh; conflict [m]:
+ *  not 0 at roots of components that cannot be oriented, which are left out. flags [m] is given
+ *  PL_WRAPPED at such elements and PL_HAS_WRAPPED at the roots of their components; the rest of it
+ *  is left as it is. *n: how many there are. Errors: _MEMORY. */
+int pl_wrapped_find(const planish_mesh *mesh, const uint32_t *link, const int8_t *conflict,
+                    uint8_t *flags, int64_t *n, planish_error *error);
+
 /* ---- ordering.c: nodes along a space-filling curve ---------------------------------------- */
 
 /** order [n]: the nodes along a Hilbert curve through their bounding box (ties: by number). */

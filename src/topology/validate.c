@@ -12,10 +12,10 @@
 enum { CHUNK = 4096 }; /* elements or nodes that one thread checks at a time */
 
 /** A search for the lowest offender. */
-typedef struct search {
+typedef struct lowest_search {
     const planish_mesh *mesh;
     int64_t lowest; /* lowest offender so far, or INT64_MAX; shared */
-} search;
+} lowest_search;
 
 /* ---- elements ----------------------------------------------------------------------------- */
 
@@ -39,7 +39,7 @@ static inline int is_bad(uint32_t bits) {
     return bits >> 31 != 0;
 }
 
-static inline void check_elements(search *s, int dim, int64_t begin, int64_t end) {
+static inline void check_elements(lowest_search *s, int dim, int64_t begin, int64_t end) {
     const int32_t *elements = s->mesh->elements;
     const uint32_t n_nodes = (uint32_t)s->mesh->n_nodes;
     uint32_t bits = 0;
@@ -53,7 +53,7 @@ static inline void check_elements(search *s, int dim, int64_t begin, int64_t end
 }
 
 static void check_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
+    lowest_search *s = context;
     (void)thread;
     if (s->mesh->dim == 3)
         check_elements(s, 3, begin, end);
@@ -82,15 +82,6 @@ int pl_check_element(const planish_mesh *mesh, int64_t element, planish_error *e
 
 /* ---- the mesh ----------------------------------------------------------------------------- */
 
-/** Whether each coordinate has a place of its own: nodes one after the other, or components. */
-static int strides_are_sound(const planish_mesh *mesh) {
-    enum { MOST_STRIDE = 1 << 30 }; /* of nodes: what is addressed stays within 64 bits */
-    const pl_points p = pl_points_of(mesh, NULL);
-    if (p.step < 1 || p.apart < 1 || p.step > MOST_STRIDE || p.apart > INT64_MAX / 8)
-        return 0;
-    return p.apart <= (p.step - 1) / (p.dim - 1) || p.apart > p.step * (p.n - 1);
-}
-
 int pl_check_nodes(const planish_mesh *mesh, planish_error *error) {
     if (!mesh)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh must not be NULL");
@@ -103,7 +94,12 @@ int pl_check_nodes(const planish_mesh *mesh, planish_error *error) {
                        mesh->n_nodes, INT32_MAX);
     if (!mesh->coordinates && mesh->n_nodes > 0)
         return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.coordinates must not be NULL");
-    if (!strides_are_sound(mesh))
+    /* Each coordinate needs a place of its own: nodes one after the other, or components. What is
+     * addressed stays within 64 bits. */
+    enum { MOST_STRIDE = 1 << 30 };
+    const pl_points p = pl_points_of(mesh, NULL);
+    if (p.step < 1 || p.apart < 1 || p.step > MOST_STRIDE || p.apart > INT64_MAX / 8 ||
+        (p.apart > (p.step - 1) / (p.dim - 1) && p.apart <= p.step * (p.n - 1)))
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "mesh.node_stride is %" PRId64 " and component_stride %" PRId64
                        ": they must be positive, no more than 2^30 for nodes, and let no two "
@@ -131,8 +127,19 @@ int pl_check_counts(const planish_mesh *mesh, planish_error *error) {
 
 /* ---- a part of a mesh ------------------------------------------------------------------------ */
 
-static int check_nodes_of_part(const planish_mesh *mesh, planish_error *error) {
+int pl_check_part(const planish_mesh *mesh, planish_error *error) {
     const planish_part *part = mesh->part;
+    const int corners = mesh->dim + 1;
+    if (!part)
+        return PLANISH_OK;
+    if (!part->add || !part->largest || !part->send || !part->receive)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.part must have the functions add, largest, send and receive");
+    if ((!part->node_number || !part->node_role) && mesh->n_nodes > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                       "mesh.part.node_number and node_role must not be NULL");
+    if (!part->is_counted && mesh->n_elements > 0)
+        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.part.is_counted must not be NULL");
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
         const int64_t number = part->node_number[i], before = i > 0 ? part->node_number[i - 1] : -1;
         if (number <= before || number > UINT32_MAX)
@@ -146,17 +153,11 @@ static int check_nodes_of_part(const planish_mesh *mesh, planish_error *error) {
                               " is %d; give a planish_role, 0 to %d",
                               i, part->node_role[i], PLANISH_GHOST);
     }
-    return PLANISH_OK;
-}
-
-/** Check that elements with a ghost have no OWN node: a process shares the nodes next to its
- *  ghosts. */
-static int check_elements_of_part(const planish_mesh *mesh, planish_error *error) {
-    const int corners = mesh->dim + 1;
+    /* A process shares the nodes next to its ghosts. */
     for (int64_t i = 0; i < mesh->n_elements; i++) {
         int n[PLANISH_GHOST + 1] = {0};
         for (int j = 0; j < corners; j++)
-            n[mesh->part->node_role[mesh->elements[i * corners + j]]]++;
+            n[part->node_role[mesh->elements[i * corners + j]]]++;
         if (n[PLANISH_GHOST] == corners || (n[PLANISH_GHOST] > 0 && n[PLANISH_OWN] > 0))
             return pl_fail_at(error, PLANISH_ERROR_MESH, i, -1,
                               "element %" PRId64
@@ -167,69 +168,48 @@ static int check_elements_of_part(const planish_mesh *mesh, planish_error *error
     return PLANISH_OK;
 }
 
-int pl_check_part(const planish_mesh *mesh, planish_error *error) {
-    const planish_part *part = mesh->part;
-    if (!part)
-        return PLANISH_OK;
-    if (!part->add || !part->largest || !part->send || !part->receive)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "mesh.part must have the functions add, largest, send and receive");
-    if ((!part->node_number || !part->node_role) && mesh->n_nodes > 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                       "mesh.part.node_number and node_role must not be NULL");
-    if (!part->is_counted && mesh->n_elements > 0)
-        return pl_fail(error, PLANISH_ERROR_ARGUMENT, "mesh.part.is_counted must not be NULL");
-    const int status = check_nodes_of_part(mesh, error);
-    return status ? status : check_elements_of_part(mesh, error);
-}
-
 /* ---- a dense copy ------------------------------------------------------------------------- */
-
-/** The work on all elements of 64 bits. */
-typedef struct narrowing {
-    const planish_mesh *mesh;
-    int32_t *elements;
-} narrowing;
 
 /** Copy node numbers to 32 bits; a number that is no node's becomes -1. */
 static void narrow_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const narrowing *w = context;
-    const int corners = w->mesh->dim + 1;
+    pl_dense *dense = context;
+    const planish_mesh *mesh = &dense->mesh;
+    const int corners = mesh->dim + 1;
     (void)thread;
     for (int64_t i = begin * corners; i < end * corners; i++) {
-        const int64_t node = w->mesh->elements64[i];
-        w->elements[i] = node >= 0 && node < w->mesh->n_nodes ? (int32_t)node : -1;
+        const int64_t node = mesh->elements64[i];
+        dense->elements[i] = node >= 0 && node < mesh->n_nodes ? (int32_t)node : -1;
     }
 }
 
-static int copy_elements(pl_dense *dense, int threads) {
-    planish_mesh *mesh = &dense->mesh;
-    dense->elements = pl_alloc(mesh->n_elements * (mesh->dim + 1), sizeof *dense->elements);
-    narrowing w = {mesh, dense->elements};
-    if (!dense->elements)
-        return -1;
-    pl_parallel_for(threads, mesh->n_elements, CHUNK, narrow_chunk, &w);
-    mesh->elements = dense->elements;
-    return 0;
-}
-
-static int copy_coordinates(pl_dense *dense, const pl_points *points, int threads) {
-    planish_mesh *mesh = &dense->mesh;
+/** Check the elements and coordinates of mesh, and make the copies that dense needs; dense->mesh is
+ *  mesh at first. */
+static int make_dense(const planish_mesh *mesh, int threads, pl_dense *dense,
+                      planish_error *error) {
+    const pl_points points = pl_points_of(mesh, mesh->coordinates);
+    const int64_t m = mesh->n_elements;
+    if (mesh->elements64) {
+        dense->elements = pl_alloc(m * (mesh->dim + 1), sizeof *dense->elements);
+        if (!dense->elements)
+            return pl_fail_memory(error, "the elements");
+        pl_parallel_for(threads, m, CHUNK, narrow_chunk, dense);
+        dense->mesh.elements = dense->elements;
+        dense->mesh.elements64 = NULL;
+    }
+    lowest_search s = {.mesh = &dense->mesh, .lowest = INT64_MAX};
+    pl_parallel_for(threads, m, CHUNK, check_chunk, &s);
+    if (s.lowest < INT64_MAX)
+        return pl_check_element(mesh, s.lowest, error);
+    const int status = pl_points_check(&points, threads, error);
+    if (status || pl_points_are_dense(&points))
+        return status;
     dense->coordinates = pl_alloc(mesh->n_nodes * mesh->dim, sizeof *dense->coordinates);
     if (!dense->coordinates)
-        return -1;
-    pl_points_gather(points, threads, dense->coordinates);
-    mesh->coordinates = dense->coordinates;
-    mesh->node_stride = mesh->component_stride = 0;
-    return 0;
-}
-
-/** Check the elements of dense, a copy of mesh perhaps. */
-static int check_all(const planish_mesh *dense, const planish_mesh *mesh, int threads,
-                     planish_error *error) {
-    search s = {.mesh = dense, .lowest = INT64_MAX};
-    pl_parallel_for(threads, mesh->n_elements, CHUNK, check_chunk, &s);
-    return s.lowest == INT64_MAX ? PLANISH_OK : pl_check_element(mesh, s.lowest, error);
+        return pl_fail_memory(error, "the coordinates");
+    pl_points_gather(&points, threads, dense->coordinates);
+    dense->mesh.coordinates = dense->coordinates;
+    dense->mesh.node_stride = dense->mesh.component_stride = 0;
+    return PLANISH_OK;
 }
 
 int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, planish_error *error) {
@@ -237,16 +217,7 @@ int pl_dense_create(const planish_mesh *mesh, int threads, pl_dense *dense, plan
     if (status)
         return status;
     *dense = (pl_dense){.mesh = *mesh};
-    const pl_points points = pl_points_of(mesh, mesh->coordinates);
-    if (mesh->elements64 && copy_elements(dense, threads) != 0)
-        status = pl_fail_memory(error, "the elements");
-    if (!status)
-        status = check_all(&dense->mesh, mesh, threads, error);
-    if (!status)
-        status = pl_points_check(&points, threads, error);
-    if (!status && !pl_points_are_dense(&points) && copy_coordinates(dense, &points, threads) != 0)
-        status = pl_fail_memory(error, "the coordinates");
-    dense->mesh.elements64 = NULL;
+    status = make_dense(mesh, threads, dense, error);
     if (status)
         pl_dense_destroy(dense);
     return status;

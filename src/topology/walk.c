@@ -27,46 +27,31 @@ typedef struct walk {
     int status;
 } walk;
 
-static void list_destroy(list *l) {
-    pl_free(l->item);
-    pl_free(l->other);
-    pl_local_map_destroy(&l->map);
-}
-
+/** Empty the list, and make its map; -1 without memory. */
 static int list_empty(list *l) {
     l->most = l->most > 0 ? l->most : PL_LOCAL_MAP_SIZE / 2;
     return pl_local_map_empty(&l->map, l->most);
 }
 
-/** Make room for one more. */
-static int list_grow(list *l) {
-    const int64_t n = l->map.count;
-    int32_t *item = pl_grow(l->item, n, n + 1, &l->room, sizeof *item);
-    l->item = item ? item : l->item;
-    int32_t *other = pl_grow(l->other, n, n + 1, &l->other_room, sizeof *other);
-    l->other = other ? other : l->other;
-    if (!item || !other)
-        return -1;
-    if (n < l->most)
-        return 0;
-    l->most *= 2;
-    if (pl_local_map_empty(&l->map, l->most) != 0)
-        return -1;
-    for (int64_t i = 0; i < n; i++)
-        pl_local_map_add(&l->map, (uint64_t)(uint32_t)l->item[i]);
-    return 0;
-}
-
 /** Add item to the list if it is new there. */
-static void add(walk *w, list *l, int64_t item, int64_t other) {
-    if (list_grow(l) != 0) {
-        w->status = pl_fail_memory(w->error, "the elements around a node");
-        return;
+static void add_new(walk *w, list *l, int64_t item, int64_t other) {
+    const int32_t n = l->map.count;
+    int32_t *items = pl_grow(l->item, n, n + 1, &l->room, sizeof *items);
+    l->item = items ? items : l->item;
+    int32_t *others = pl_grow(l->other, n, n + 1, &l->other_room, sizeof *others);
+    l->other = others ? others : l->other;
+    int done = items && others;
+    if (done && n >= l->most) { /* a larger map */
+        l->most *= 2;
+        done = pl_local_map_empty(&l->map, l->most) == 0;
+        for (int32_t i = 0; done && i < n; i++)
+            pl_local_map_add(&l->map, (uint64_t)(uint32_t)l->item[i]);
     }
-    const int32_t known = l->map.count;
-    if (pl_local_map_add(&l->map, (uint64_t)item) == known) {
-        l->item[known] = (int32_t)item;
-        l->other[known] = (int32_t)other;
+    if (!done) {
+        w->status = pl_fail_memory(w->error, "the elements around a node");
+    } else if (pl_local_map_add(&l->map, (uint64_t)item) == n) {
+        l->item[n] = (int32_t)item;
+        l->other[n] = (int32_t)other;
     }
 }
 
@@ -77,36 +62,27 @@ static int corner_of(const walk *w, int64_t element, int64_t node) {
     return -1;
 }
 
-static int64_t neighbour_of(const walk *w, int64_t element, int corner) {
-    const int64_t i = element * (w->mesh->dim + 1) + corner;
-    return w->mesh->neighbours ? w->mesh->neighbours[i] : w->mesh->neighbours64[i];
-}
-
-/** Whether the elements are neighbours by the facet without that corner. */
-static int share_facet(const walk *w, int64_t element, int corner, int64_t other) {
-    int shared = 1;
-    for (int j = 0; j <= w->mesh->dim; j++)
-        shared &= j == corner || corner_of(w, other, pl_corner(w->mesh, element, j)) >= 0;
-    return shared;
-}
-
 /** Go on from element over its facets at node. */
 static void visit_neighbours(walk *w, int64_t element, int64_t node) {
-    for (int j = 0; j <= w->mesh->dim && !w->status; j++) {
-        if (pl_corner(w->mesh, element, j) == node)
+    const planish_mesh *mesh = w->mesh;
+    for (int j = 0; j <= mesh->dim && !w->status; j++) {
+        if (pl_corner(mesh, element, j) == node)
             continue;
-        const int64_t other = neighbour_of(w, element, j);
+        const int64_t at = element * (mesh->dim + 1) + j;
+        const int64_t other = mesh->neighbours ? mesh->neighbours[at] : mesh->neighbours64[at];
         if (other == -1)
             continue;
-        if (other < 0 || other >= w->mesh->n_elements || other == element ||
-            !share_facet(w, element, j, other))
+        int is_neighbour = other >= 0 && other < mesh->n_elements && other != element;
+        for (int k = 0; k <= mesh->dim && is_neighbour; k++) /* by the facet without corner j */
+            is_neighbour = k == j || corner_of(w, other, pl_corner(mesh, element, k)) >= 0;
+        if (is_neighbour)
+            add_new(w, &w->star, other, 0);
+        else
             w->status = pl_fail_at(w->error, PLANISH_ERROR_MESH, element, -1,
                                    "mesh.neighbours of element %" PRId64 " has %" PRId64
                                    " opposite corner %d, but they share no such facet; correct it, "
                                    "or give no neighbours",
                                    element, other, j);
-        else
-            add(w, &w->star, other, 0);
     }
 }
 
@@ -115,48 +91,30 @@ static void visit_star(walk *w, int64_t node, int64_t element) {
     if (list_empty(&w->star) != 0)
         w->status = pl_fail_memory(w->error, "the elements around a node");
     else
-        add(w, &w->star, element, 0);
+        add_new(w, &w->star, element, 0);
     for (int32_t i = 0; !w->status && i < w->star.map.count; i++) {
         const int64_t e = w->star.item[i];
         w->status = pl_check_element(w->mesh, e, w->error);
         for (int j = 0; !w->status && j <= w->mesh->dim; j++)
-            add(w, &w->nodes, pl_corner(w->mesh, e, j), e);
+            add_new(w, &w->nodes, pl_corner(w->mesh, e, j), e);
         if (!w->status)
-            add(w, &w->elements, e, 0);
+            add_new(w, &w->elements, e, 0);
         if (!w->status)
             visit_neighbours(w, e, node);
     }
 }
 
-/** Begin with the nodes of the seeds. */
-static void plant(walk *w, const pl_seeds *seeds) {
-    const planish_mesh *mesh = w->mesh;
-    for (int64_t i = 0; i < seeds->n && !w->status; i++) {
-        const int64_t node = seeds->node[i], element = seeds->element[i];
-        if (element < 0 || element >= mesh->n_elements || corner_of(w, element, node) < 0)
-            w->status =
-                pl_fail_at(w->error, PLANISH_ERROR_ARGUMENT, element, node,
-                           "options.around_elements says that node %" PRId64
-                           " is one of element %" PRId64 ", which it is not; give an element of it",
-                           node, element);
-        else
-            w->status = pl_check_element(mesh, element, w->error);
-        if (!w->status)
-            add(w, &w->nodes, node, element);
-    }
-}
-
-static int compare(const void *a, const void *b) {
+static int compare_numbers(const void *a, const void *b) {
     const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
     return (x > y) - (x < y);
 }
 
-static int32_t *sorted(const int32_t *item, int64_t n) {
+static int32_t *sorted_copy(const int32_t *item, int64_t n) {
     int32_t *copy = pl_alloc(n, sizeof *copy);
     for (int64_t i = 0; copy && i < n; i++)
         copy[i] = item[i];
     if (copy)
-        qsort(copy, (size_t)n, sizeof *copy, compare);
+        qsort(copy, (size_t)n, sizeof *copy, compare_numbers);
     return copy;
 }
 
@@ -165,8 +123,8 @@ static int make_subset(walk *w, int64_t n_selected, pl_subset *subset) {
     const int corners = w->mesh->dim + 1;
     subset->n_nodes = w->nodes.map.count;
     subset->n_elements = w->elements.map.count;
-    subset->node = sorted(w->nodes.item, subset->n_nodes);
-    subset->element = sorted(w->elements.item, subset->n_elements);
+    subset->node = sorted_copy(w->nodes.item, subset->n_nodes);
+    subset->element = sorted_copy(w->elements.item, subset->n_elements);
     subset->elements = pl_alloc(subset->n_elements * corners, sizeof *subset->elements);
     subset->is_selected = pl_alloc_zero(subset->n_nodes, sizeof *subset->is_selected);
     if (!subset->node || !subset->element || !subset->elements || !subset->is_selected)
@@ -193,8 +151,19 @@ int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings
     *subset = (pl_subset){0};
     if (list_empty(&w.nodes) != 0 || list_empty(&w.elements) != 0)
         w.status = pl_fail_memory(error, "the elements around a node");
-    else
-        plant(&w, seeds);
+    for (int64_t i = 0; i < seeds->n && !w.status; i++) {
+        const int64_t node = seeds->node[i], element = seeds->element[i];
+        if (element < 0 || element >= mesh->n_elements || corner_of(&w, element, node) < 0)
+            w.status =
+                pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, node,
+                           "options.around_elements says that node %" PRId64
+                           " is one of element %" PRId64 ", which it is not; give an element of it",
+                           node, element);
+        else
+            w.status = pl_check_element(mesh, element, error);
+        if (!w.status)
+            add_new(&w, &w.nodes, node, element);
+    }
     for (int ring = 0; ring <= rings && !w.status; ring++) {
         n_selected = w.nodes.map.count;
         for (; done < n_selected && !w.status; done++)
@@ -204,8 +173,11 @@ int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings
         w.status = pl_fail_memory(error, "the subset of the mesh that is worked on");
     if (w.status)
         pl_subset_destroy(subset);
-    list_destroy(&w.nodes);
-    list_destroy(&w.elements);
-    list_destroy(&w.star);
+    list *const lists[] = {&w.nodes, &w.elements, &w.star};
+    for (int i = 0; i < 3; i++) {
+        pl_free(lists[i]->item);
+        pl_free(lists[i]->other);
+        pl_local_map_destroy(&lists[i]->map);
+    }
     return w.status;
 }
