@@ -1,7 +1,5 @@
 /* planish_shape: layers, regions, interfaces, and the surface that nodes may slide on. */
-#include "shape/layers.h"
-#include "shape/regions.h"
-#include "shape/slides.h"
+#include "shape/shape.h"
 
 #include "base/context.h"
 #include "base/memory.h"

@@ -7,7 +7,7 @@
  * Nothing is asked of the boundary, so that layers may be anywhere, and in one or many. A mesh that
  * is stretched throughout need not have edges across: its elements are known by its one direction.
  */
-#include "shape/layers.h"
+#include "shape/shape.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -65,7 +65,7 @@ enum { MOST_LOOKED_AT = 256 };
 /** Edges of an element by their corners; those of a triangle come first. */
 static const uint8_t corners_of[6][2] = {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3}, {2, 3}};
 
-typedef struct search {
+typedef struct layer_search {
     const planish_mesh *mesh; /* dense */
     pl_frame frame;
     uint8_t *shortest;       /* [n_elements] the shortest edge, and how short it is */
@@ -78,8 +78,7 @@ typedef struct search {
     int64_t n_thin, n_layer; /* so far; shared */
     double *moments;         /* [chunks][6] sums of the elements' moments */
     double across[3];        /* unit: the direction in which all of the mesh is thin */
-    uint8_t *is_layer;       /* [n_elements] the caller's */
-} search;
+} layer_search;
 
 /** The nodes of an edge, the one of the lower number first. */
 typedef struct ends {
@@ -92,13 +91,13 @@ typedef struct edge {
     double way[3], square; /* in units of the frame */
 } edge;
 
-static inline ends ends_of(const search *s, int64_t element, int number, const int dim) {
+static inline ends ends_of(const layer_search *s, int64_t element, int number, const int dim) {
     const int32_t *node = s->mesh->elements + element * (dim + 1);
     const int32_t a = node[corners_of[number][0]], b = node[corners_of[number][1]];
     return (ends){{a < b ? a : b, a < b ? b : a}};
 }
 
-static inline ends shortest_of(const search *s, int64_t element, const int dim) {
+static inline ends shortest_of(const layer_search *s, int64_t element, const int dim) {
     return ends_of(s, element, s->shortest[element] & NUMBER, dim);
 }
 
@@ -106,7 +105,7 @@ static inline int are_same(const ends *a, const ends *b) {
     return a->node[0] == b->node[0] && a->node[1] == b->node[1];
 }
 
-static inline edge edge_between(const search *s, ends at, const int dim) {
+static inline edge edge_between(const layer_search *s, ends at, const int dim) {
     edge e = {.at = at};
     for (int d = 0; d < dim; d++) {
         const double *x = s->mesh->coordinates + d;
@@ -119,34 +118,30 @@ static inline edge edge_between(const search *s, ends at, const int dim) {
 
 /* ---- thin elements -------------------------------------------------------------------------- */
 
-/** Number of an element's shortest edge, with IS_THIN and IS_WIDE. */
-static inline uint8_t shortest_edge(const search *s, int64_t element, const int dim) {
-    double least = INFINITY, second = INFINITY, most = 0;
-    int shortest = 0;
-    for (int k = 0; k < dim * (dim + 1) / 2; k++) {
-        const double square = edge_between(s, ends_of(s, element, k, dim), dim).square;
-        const double larger = square > least ? square : least;
-        second = larger < second ? larger : second;
-        shortest = square < least ? k : shortest;
-        least = square < least ? square : least;
-        most = square > most ? square : most;
-    }
-    const int is_thin = least > 0 && most >= THIN * THIN * least;
-    const int is_wide = least > 0 && second >= WIDE * WIDE * least;
-    return (uint8_t)(shortest | (is_thin ? IS_THIN : 0) | (is_wide ? IS_WIDE : 0));
-}
-
-static inline void find_thin(search *s, int64_t begin, int64_t end, const int dim) {
+/** Find the shortest edge of each element, and whether it is thin or wide. */
+static inline void find_thin(layer_search *s, int64_t begin, int64_t end, const int dim) {
     int64_t n = 0;
     for (int64_t i = begin; i < end; i++) {
-        s->shortest[i] = shortest_edge(s, i, dim);
-        n += (s->shortest[i] & IS_THIN) != 0;
+        double least = INFINITY, second = INFINITY, most = 0;
+        int shortest = 0;
+        for (int k = 0; k < dim * (dim + 1) / 2; k++) {
+            const double square = edge_between(s, ends_of(s, i, k, dim), dim).square;
+            const double larger = square > least ? square : least;
+            second = larger < second ? larger : second;
+            shortest = square < least ? k : shortest;
+            least = square < least ? square : least;
+            most = square > most ? square : most;
+        }
+        const int is_thin = least > 0 && most >= THIN * THIN * least;
+        const int is_wide = least > 0 && second >= WIDE * WIDE * least;
+        s->shortest[i] = (uint8_t)(shortest | (is_thin ? IS_THIN : 0) | (is_wide ? IS_WIDE : 0));
+        n += is_thin;
     }
     __atomic_fetch_add(&s->n_thin, n, __ATOMIC_RELAXED);
 }
 
 static void find_thin_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
+    layer_search *s = context;
     (void)thread;
     if (s->mesh->dim == 3)
         find_thin(s, begin, end, 3);
@@ -157,7 +152,7 @@ static void find_thin_chunk(void *context, int64_t begin, int64_t end, int threa
 /* ---- elements around ------------------------------------------------------------------------ */
 
 static void ask_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const search *s = context;
+    const layer_search *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         if (s->shortest[i] & s->asks) {
@@ -168,7 +163,7 @@ static void ask_chunk(void *context, int64_t begin, int64_t end, int thread) {
 }
 
 /** The incidence of the ends of the edges of those that ask; of more than before, or the first. */
-static int ask(search *s, uint8_t asks, int threads, planish_error *error) {
+static int ask(layer_search *s, uint8_t asks, int threads, planish_error *error) {
     pl_incidence_destroy(&s->incidence);
     s->asks = asks;
     pl_parallel_for(threads, s->mesh->n_elements, CHUNK, ask_chunk, s);
@@ -176,12 +171,6 @@ static int ask(search *s, uint8_t asks, int threads, planish_error *error) {
 }
 
 /* ---- layers --------------------------------------------------------------------------------- */
-
-/** The elements around an edge, but for those whose shortest it is. */
-typedef struct company {
-    int64_t n, n_along; /* those that were looked at, whose shortest edge goes along, */
-    int64_t n_beside;   /* or is beside */
-} company;
 
 static inline double product(const edge *a, const edge *b, const int dim) {
     double sum = 0;
@@ -198,12 +187,8 @@ static inline int are_alike(const edge *a, const edge *b, double cosine, const i
            p * p >= cosine * cosine * a->square * b->square;
 }
 
-static inline int go_along(const edge *a, const edge *b, const int dim) {
-    return are_alike(a, b, PARALLEL, dim);
-}
-
 /** Whether the middle of edge b is as far from the line of edge a as that is long. */
-static inline int is_beside(const search *s, const edge *a, const edge *b, const int dim) {
+static inline int is_beside(const layer_search *s, const edge *a, const edge *b, const int dim) {
     edge from = edge_between(s, (ends){{a->at.node[0], b->at.node[0]}}, dim);
     from.square = 0;
     for (int d = 0; d < dim; d++) {
@@ -214,37 +199,35 @@ static inline int is_beside(const search *s, const edge *a, const edge *b, const
     return (from.square - a->square) * a->square >= along * along;
 }
 
-static inline void look_around(const search *s, int32_t node, const edge *e, company *c,
-                               const int dim) {
-    const int64_t begin = s->incidence.offset[node], end = s->incidence.offset[node + 1];
-    const int64_t step = (end - begin) / MOST_LOOKED_AT + 1;
-    for (int64_t i = begin; i < end; i += step) {
-        const int32_t element = s->incidence.element[i];
-        if (!(s->shortest[element] & IS_THIN)) {
-            c->n++;
-            continue;
+/** Whether enough of the elements around an edge, but for those whose shortest edge it is, have a
+ *  shortest edge that goes along with it, and enough of these have it beside. */
+static inline int has_company(const layer_search *s, const edge *e, const int dim) {
+    int64_t n = 0, n_along = 0, n_beside = 0;
+    for (int j = 0; j < 2; j++) {
+        const int64_t *offset = s->incidence.offset + e->at.node[j];
+        const int64_t step = (offset[1] - offset[0]) / MOST_LOOKED_AT + 1;
+        for (int64_t i = offset[0]; i < offset[1]; i += step) {
+            const int32_t element = s->incidence.element[i];
+            if (!(s->shortest[element] & IS_THIN)) {
+                n++;
+                continue;
+            }
+            const ends at = shortest_of(s, element, dim);
+            if (are_same(&at, &e->at))
+                continue;
+            const edge other = edge_between(s, at, dim);
+            n++;
+            n_along += are_alike(e, &other, PARALLEL, dim);
+            n_beside += are_alike(e, &other, TURNED, dim) && is_beside(s, e, &other, dim);
         }
-        const ends at = shortest_of(s, element, dim);
-        if (are_same(&at, &e->at))
-            continue;
-        const edge other = edge_between(s, at, dim);
-        c->n++;
-        c->n_along += go_along(e, &other, dim);
-        c->n_beside += are_alike(e, &other, TURNED, dim) && is_beside(s, e, &other, dim);
     }
-}
-
-static inline int has_company(const search *s, const edge *e, const int dim) {
-    company c = {0, 0, 0};
-    for (int j = 0; j < 2; j++)
-        look_around(s, e->at.node[j], e, &c, dim);
-    return c.n_along > 0 && (double)c.n_along >= COMPANY * (double)c.n &&
-           (double)c.n_beside >= BESIDE * (double)c.n_along;
+    return n_along > 0 && (double)n_along >= COMPANY * (double)n &&
+           (double)n_beside >= BESIDE * (double)n_along;
 }
 
 /** Decide about the elements whose shortest edge begins at node. Elements of one edge are often
  *  next to each other in the list: what was found of the last few edges is kept. */
-static inline int64_t decide(const search *s, int32_t node, const int dim) {
+static inline int64_t decide(const layer_search *s, int32_t node, const int dim) {
     enum { KEPT = 8 };
     struct {
         int32_t end;
@@ -275,7 +258,7 @@ static inline int64_t decide(const search *s, int32_t node, const int dim) {
 }
 
 static void decide_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
+    layer_search *s = context;
     int64_t n = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
@@ -288,7 +271,7 @@ static void decide_chunk(void *context, int64_t begin, int64_t end, int thread) 
 
 /** The elements of layers into s->row; n_layer becomes how many there are, again. */
 static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
+    layer_search *s = context;
     int64_t n = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
@@ -299,26 +282,19 @@ static void list_chunk(void *context, int64_t begin, int64_t end, int thread) {
             s->row[n++] = (int32_t)i;
 }
 
-static inline int has_mark(const search *s, int64_t element, uint8_t mark) {
+static inline int has_mark(const layer_search *s, int64_t element, uint8_t mark) {
     return __atomic_load_n(&s->mark[element], __ATOMIC_RELAXED) & mark;
 }
 
 /** Mark an element IN_LAYER, and perhaps more; if it was not, it is one of the next row. */
-static inline void put_in(search *s, int32_t element, uint8_t mark) {
+static inline void put_in(layer_search *s, int32_t element, uint8_t mark) {
     const uint8_t old = __atomic_fetch_or(&s->mark[element], mark, __ATOMIC_RELAXED);
     if (!(old & IN_LAYER))
         s->row[__atomic_fetch_add(&s->n_layer, 1, __ATOMIC_RELAXED)] = element;
 }
 
-/** Whether edge b, of which one end is that of edge a of that number, goes on from there as a did.
- */
-static inline int goes_on(const edge *a, int end, const edge *b, const int dim) {
-    const int is_turned = b->at.node[1 - end] != a->at.node[end];
-    return (product(a, b, dim) < 0) == is_turned && go_along(a, b, dim);
-}
-
 /** From the shortest edge of an element to those of the rows before and behind it. */
-static inline void go_on(search *s, int64_t element, const int dim) {
+static inline void follow_row(layer_search *s, int64_t element, const int dim) {
     if (has_mark(s, element, WENT_ON))
         return;
     const edge e = edge_between(s, shortest_of(s, element, dim), dim);
@@ -334,8 +310,11 @@ static inline void go_on(search *s, int64_t element, const int dim) {
             if (are_same(&at, &e.at)) {
                 put_in(s, around, IN_LAYER | WENT_ON);
             } else if (at.node[0] == node || at.node[1] == node) {
+                /* it goes on from their common node if it points the same way */
                 const edge other = edge_between(s, at, dim);
-                if (goes_on(&e, j, &other, dim))
+                const int is_turned = other.at.node[1 - j] != node;
+                if ((product(&e, &other, dim) < 0) == is_turned &&
+                    are_alike(&e, &other, PARALLEL, dim))
                     put_in(s, around, IN_LAYER);
             }
         }
@@ -344,14 +323,14 @@ static inline void go_on(search *s, int64_t element, const int dim) {
 
 /** Follow a chunk of rows. All reachable elements are found, by any way: the result does not
  *  depend on which thread comes first. */
-static void go_on_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
+static void follow_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    layer_search *s = context;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
         if (s->mesh->dim == 3)
-            go_on(s, s->row[s->n_followed + i], 3);
+            follow_row(s, s->row[s->n_followed + i], 3);
         else
-            go_on(s, s->row[s->n_followed + i], 2);
+            follow_row(s, s->row[s->n_followed + i], 2);
 }
 
 /* ---- meshes stretched throughout ------------------------------------------------------------- */
@@ -360,7 +339,7 @@ static void go_on_chunk(void *context, int64_t begin, int64_t end, int thread) {
 static const uint8_t place_of[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
 /** Add the sum of e e^T over the edges e of an element, divided by its trace. */
-static inline void add_moments(const search *s, int64_t element, double *sum, const int dim) {
+static inline void add_moments(const layer_search *s, int64_t element, double *sum, const int dim) {
     double of[6] = {0}, trace = 0;
     for (int k = 0; k < dim * (dim + 1) / 2; k++) {
         const edge e = edge_between(s, ends_of(s, element, k, dim), dim);
@@ -374,7 +353,7 @@ static inline void add_moments(const search *s, int64_t element, double *sum, co
 }
 
 static void add_moments_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const search *s = context;
+    const layer_search *s = context;
     double *sum = s->moments + begin / CHUNK * 6;
     (void)thread;
     for (int64_t i = begin; i < end; i++)
@@ -431,35 +410,33 @@ static int find_across(const double *sum, int dim, double *across) {
     return a[least][least] * STRETCHED * STRETCHED <= most;
 }
 
-/** Whether an element is thin across. */
-static inline int is_flat(const search *s, int64_t element, const int dim) {
-    double extent = 0, most = 0;
-    for (int k = 0; k < dim * (dim + 1) / 2; k++) {
-        const edge e = edge_between(s, ends_of(s, element, k, dim), dim);
-        double height = 0;
-        for (int d = 0; d < dim; d++)
-            height += e.way[d] * s->across[d];
-        extent = fmax(extent, fabs(height));
-        most = fmax(most, e.square);
-    }
-    return extent > 0 && most >= THIN * THIN * extent * extent;
-}
-
+/** Mark the elements that are thin across. */
 static void mark_flat_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    search *s = context;
+    layer_search *s = context;
+    const int dim = s->mesh->dim;
     int64_t n = 0;
     (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        if (!(s->mark[i] & IN_LAYER) && is_flat(s, i, s->mesh->dim)) {
+    for (int64_t i = begin; i < end; i++) {
+        double extent = 0, most = 0;
+        for (int k = 0; k < dim * (dim + 1) / 2 && !(s->mark[i] & IN_LAYER); k++) {
+            const edge e = edge_between(s, ends_of(s, i, k, dim), dim);
+            double height = 0;
+            for (int d = 0; d < dim; d++)
+                height += e.way[d] * s->across[d];
+            extent = fmax(extent, fabs(height));
+            most = fmax(most, e.square);
+        }
+        if (extent > 0 && most >= THIN * THIN * extent * extent) {
             s->mark[i] |= IN_LAYER;
             n++;
         }
+    }
     __atomic_fetch_add(&s->n_layer, n, __ATOMIC_RELAXED);
 }
 
 /** If all of the mesh is stretched, the elements that are thin in that direction are of layers. The
  *  moments of chunks are added in their order. */
-static int add_stretched(search *s, int threads, planish_error *error) {
+static int add_stretched(layer_search *s, int threads, planish_error *error) {
     const int64_t n = s->mesh->n_elements, n_chunks = (n + CHUNK - 1) / CHUNK;
     double sum[6] = {0};
     s->moments = pl_alloc_zero(n_chunks, 6 * sizeof *s->moments);
@@ -476,74 +453,57 @@ static int add_stretched(search *s, int threads, planish_error *error) {
 
 /* ---- all of it ------------------------------------------------------------------------------ */
 
-static int find_seeds(search *s, int threads, planish_error *error) {
-    const int status = ask(s, IS_THIN, threads, error);
-    if (!status)
-        pl_parallel_for(threads, s->mesh->n_nodes, CHUNK, decide_chunk, s);
-    return status;
-}
-
-/** Row by row, until there are no more. */
-static int follow_rows(search *s, int threads, planish_error *error) {
-    const int status = ask(s, IS_THIN | IS_WIDE, threads, error);
-    if (status)
-        return status;
-    s->n_layer = 0;
-    pl_parallel_for(threads, s->mesh->n_elements, CHUNK, list_chunk, s);
-    while (s->n_followed < s->n_layer) {
-        const int64_t n = s->n_layer - s->n_followed;
-        pl_parallel_for(threads, n, ROW_CHUNK, go_on_chunk, s);
-        s->n_followed += n;
-    }
-    return PLANISH_OK;
-}
-
-/** Layers with edges across, and their rows. */
-static int find_rows(search *s, int threads, planish_error *error) {
+/** Find layers with edges across: their thin elements, and then row by row those around. */
+static int find_rows(layer_search *s, int threads, planish_error *error) {
+    const int64_t n = s->mesh->n_elements;
     s->unasked = pl_alloc(s->mesh->n_nodes, 1);
     if (!s->unasked)
         return pl_fail_memory(error, "thin elements");
     memset(s->unasked, 1, (size_t)s->mesh->n_nodes);
-    const int status = find_seeds(s, threads, error);
-    if (status || s->n_layer == 0)
+    int status = ask(s, IS_THIN, threads, error);
+    if (status)
         return status;
-    s->row = pl_alloc(s->mesh->n_elements, sizeof *s->row);
-    return s->row ? follow_rows(s, threads, error) : pl_fail_memory(error, "thin elements");
-}
-
-static int find_marks(search *s, int threads, planish_error *error) {
-    s->mark = pl_alloc_zero(s->mesh->n_elements, 1);
-    int status = s->mark ? PLANISH_OK : pl_fail_memory(error, "thin elements");
-    if (!status && s->n_thin > 0)
-        status = find_rows(s, threads, error);
-    return status ? status : add_stretched(s, threads, error);
-}
-
-/** The caller's array is written to when nothing can fail any more. */
-static int find_layers(search *s, int threads, planish_error *error) {
-    const int64_t n = s->mesh->n_elements;
-    int status = pl_frame_create(s->mesh, NULL, threads, &s->frame, error);
-    s->shortest = pl_alloc(n, 1);
-    if (!status && !s->shortest)
-        status = pl_fail_memory(error, "thin elements");
-    if (!status) {
-        pl_parallel_for(threads, n, CHUNK, find_thin_chunk, s);
-        status = find_marks(s, threads, error);
+    pl_parallel_for(threads, s->mesh->n_nodes, CHUNK, decide_chunk, s);
+    if (s->n_layer == 0)
+        return PLANISH_OK;
+    s->row = pl_alloc(n, sizeof *s->row);
+    if (!s->row)
+        return pl_fail_memory(error, "thin elements");
+    status = ask(s, IS_THIN | IS_WIDE, threads, error);
+    if (status)
+        return status;
+    s->n_layer = 0;
+    pl_parallel_for(threads, n, CHUNK, list_chunk, s);
+    while (s->n_followed < s->n_layer) {
+        const int64_t n_row = s->n_layer - s->n_followed;
+        pl_parallel_for(threads, n_row, ROW_CHUNK, follow_chunk, s);
+        s->n_followed += n_row;
     }
-    for (int64_t i = 0; !status && i < n; i++)
-        s->is_layer[i] = s->n_layer > 0 && s->mark[i] & IN_LAYER;
-    pl_incidence_destroy(&s->incidence);
-    pl_free(s->row);
-    pl_free(s->unasked);
-    pl_free(s->mark);
-    pl_free(s->shortest);
-    return status;
+    return PLANISH_OK;
 }
 
 int pl_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
                    planish_error *error) {
-    search s = {.mesh = mesh, .is_layer = is_layer};
-    const int status = find_layers(&s, threads, error);
+    const int64_t n = mesh->n_elements;
+    layer_search s = {.mesh = mesh};
+    int status = pl_frame_create(mesh, NULL, threads, &s.frame, error);
+    s.shortest = pl_alloc(n, 1);
+    s.mark = pl_alloc_zero(n, 1);
+    if (!status && (!s.shortest || !s.mark))
+        status = pl_fail_memory(error, "thin elements");
+    if (!status)
+        pl_parallel_for(threads, n, CHUNK, find_thin_chunk, &s);
+    if (!status && s.n_thin > 0)
+        status = find_rows(&s, threads, error);
+    if (!status)
+        status = add_stretched(&s, threads, error);
+    for (int64_t i = 0; !status && i < n; i++)
+        is_layer[i] = s.n_layer > 0 && s.mark[i] & IN_LAYER;
     *n_layer = s.n_layer;
+    pl_incidence_destroy(&s.incidence);
+    pl_free(s.row);
+    pl_free(s.unasked);
+    pl_free(s.mark);
+    pl_free(s.shortest);
     return status;
 }

@@ -5,91 +5,38 @@
  * their nodes, as far apart as can be, say where the plane is, and if a node lies off it the class
  * is not planar (facets of a finely meshed cylinder join one by one, too).
  */
-#include "shape/shape.h"
+#include "shape/surface.h"
 
 #include "base/memory.h"
 #include "base/status.h"
-#include "shape/vectors.h"
-
-#include <stdlib.h>
-#include <string.h>
-
-/** An edge that the caller has tagged, by the surface's numbers. */
-typedef struct tagged_edge {
-    int32_t node[2], tag;
-    int is_met;
-} tagged_edge;
 
 /** A facet at an edge that begins at the node under work. */
 typedef struct spoke {
     int32_t end, facet;
 } spoke;
 
-typedef struct work {
+typedef struct plane_search {
     const pl_surface *surface;
     double tolerance;
-    tagged_edge *tagged; /* [n_tagged] ascending by nodes */
-    int64_t n_tagged;
+    pl_tags tagged;  /* edges, by the surface's numbers */
     int32_t *parent; /* [n_facets] classes of coplanar facets */
     spoke *spoke;    /* [capacity] */
     int64_t capacity;
     pl_ridges *ridges;
-} work;
+} plane_search;
 
-/* ---- tagged edges ------------------------------------------------------------------------- */
-
-static int compare_edges(const void *a, const void *b) {
-    const tagged_edge *s = a, *t = b;
-    for (int i = 0; i < 2; i++)
-        if (s->node[i] != t->node[i])
-            return s->node[i] < t->node[i] ? -1 : 1;
-    return (s->tag > t->tag) - (s->tag < t->tag);
-}
-
-/** Sort those with both nodes on the surface; nodes of the others are fixed. An edge with two tags
- *  keeps the lower one. */
-static int sort_tagged(work *w, const planish_surface *tags, uint8_t *is_fixed) {
-    const int64_t n = tags ? tags->n_edges : 0;
-    w->tagged = pl_alloc(n, sizeof *w->tagged);
-    if (!w->tagged)
-        return -1;
-    int64_t kept = 0;
-    for (int64_t i = 0; i < n; i++) {
+/** List the tagged edges with both nodes on the surface; nodes of the others are fixed. */
+static void list_tagged(plane_search *w, const planish_surface *tags, uint8_t *is_fixed) {
+    for (int64_t i = 0; tags && i < tags->n_edges; i++) {
         const int32_t *node = tags->edges + 2 * i;
         const int32_t a = w->surface->number[node[0]], b = w->surface->number[node[1]];
         if (a < 0 || b < 0)
             is_fixed[node[0]] = is_fixed[node[1]] = 1;
         else
-            w->tagged[kept++] = (tagged_edge){.node = {a < b ? a : b, a < b ? b : a},
-                                              .tag = tags->edge_tag ? tags->edge_tag[i] : 0};
+            w->tagged.item[w->tagged.n++] =
+                (pl_tagged){{a, b, -1}, tags->edge_tag ? tags->edge_tag[i] : 0, 0};
     }
-    if (kept > 0)
-        qsort(w->tagged, (size_t)kept, sizeof *w->tagged, compare_edges);
-    for (int64_t i = 0; i < kept; i++)
-        if (i == 0 || memcmp(w->tagged[i].node, w->tagged[i - 1].node, sizeof w->tagged->node) != 0)
-            w->tagged[w->n_tagged++] = w->tagged[i];
-    return 0;
-}
-
-static tagged_edge *find_tagged(const work *w, int32_t a, int32_t b) {
-    int64_t low = 0, high = w->n_tagged;
-    while (low < high) {
-        const int64_t middle = (low + high) / 2;
-        tagged_edge *t = &w->tagged[middle];
-        if (t->node[0] == a && t->node[1] == b)
-            return t;
-        if (t->node[0] < a || (t->node[0] == a && t->node[1] < b))
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return NULL;
-}
-
-static void fix_strangers(const work *w, uint8_t *is_fixed) {
-    for (int64_t i = 0; i < w->n_tagged; i++)
-        for (int j = 0; j < 2 && !w->tagged[i].is_met; j++)
-            is_fixed[w->surface->node[w->tagged[i].node[j]]] = 1;
+    pl_tags_sort(&w->tagged);
 }
 
 /* ---- edges -------------------------------------------------------------------------------- */
@@ -105,7 +52,7 @@ static int32_t far_node(const pl_surface *surface, int32_t facet, int32_t a, int
 
 /** Whether the far nodes c and d of two facets at the edge (a, b) lie in each other's planes, on
  *  different sides of the edge. Where a facet is low its plane is uncertain by as much more. */
-static int are_coplanar(const work *w, int32_t a, int32_t b, int32_t c, int32_t d) {
+static int are_coplanar(const plane_search *w, int32_t a, int32_t b, int32_t c, int32_t d) {
     const double *x = w->surface->x, *from = x + 3 * (int64_t)a;
     double edge[3], to_c[3], to_d[3], over_c[3], over_d[3];
     pl_from_to(3, from, x + 3 * (int64_t)b, edge);
@@ -122,20 +69,11 @@ static int are_coplanar(const work *w, int32_t a, int32_t b, int32_t c, int32_t 
            off_c <= w->tolerance * (1 + area_c / area_d);
 }
 
-static int add_ridge(pl_ridges *ridges, const pl_ridge *ridge) {
-    void *grown =
-        pl_grow(ridges->ridge, ridges->n, ridges->n + 1, &ridges->capacity, sizeof *ridge);
-    if (!grown)
-        return -1;
-    ridges->ridge = grown;
-    ridges->ridge[ridges->n++] = *ridge;
-    return 0;
-}
-
-/** Look at the edge (a, b) of n facets: it joins two, or it is a ridge. */
-static int look_at_edge(work *w, int32_t a, int32_t b, const spoke *spokes, int64_t n) {
+/** Look at the edge (a, b) of n facets: it joins two, or it is a ridge. Returns -1 without memory.
+ */
+static int look_at_edge(plane_search *w, int32_t a, int32_t b, const spoke *spokes, int64_t n) {
     const pl_surface *s = w->surface;
-    tagged_edge *t = find_tagged(w, a, b);
+    pl_tagged *t = pl_tags_find(&w->tagged, (const int32_t[]){a, b, -1});
     if (t)
         t->is_met = 1;
     if (!t && n == 2 && pl_same_label(&s->label[spokes[0].facet], &s->label[spokes[1].facet]) &&
@@ -144,40 +82,40 @@ static int look_at_edge(work *w, int32_t a, int32_t b, const spoke *spokes, int6
         pl_join(w->parent, spokes[0].facet, spokes[1].facet);
         return 0;
     }
-    const pl_ridge ridge = {{a, b}, {.is_tagged = t != NULL, .tag = t ? t->tag : 0}};
-    return add_ridge(w->ridges, &ridge);
+    pl_ridges *ridges = w->ridges;
+    pl_ridge *grown =
+        pl_grow(ridges->ridge, ridges->n, ridges->n + 1, &ridges->capacity, sizeof *grown);
+    if (!grown)
+        return -1;
+    ridges->ridge = grown;
+    grown[ridges->n++] = (pl_ridge){{a, b}, {.is_tagged = t != NULL, .tag = t ? t->tag : 0}};
+    return 0;
 }
 
-static void sort_spokes(spoke *spokes, int64_t n) {
-    for (int64_t i = 1; i < n; i++) {
-        const spoke s = spokes[i];
-        int64_t j = i;
-        for (; j > 0 && spokes[j - 1].end > s.end; j--)
-            spokes[j] = spokes[j - 1];
-        spokes[j] = s;
-    }
-}
-
-/** The edges from node a to higher ones. */
-static int look_at_node(work *w, int32_t a) {
+/** Look at the edges from node a to higher ones. Returns -1 without memory. */
+static int look_at_node(plane_search *w, int32_t a) {
     const pl_surface *s = w->surface;
     const int64_t begin = s->offset[a], end = s->offset[a + 1];
     int64_t n = 0;
-    spoke *grown = pl_grow(w->spoke, 0, 2 * (end - begin), &w->capacity, sizeof *grown);
-    if (!grown)
+    spoke *spokes = pl_grow(w->spoke, 0, 2 * (end - begin), &w->capacity, sizeof *spokes);
+    if (!spokes)
         return -1;
-    w->spoke = grown;
+    w->spoke = spokes;
+    /* sorted by their ends, and facets of one end in their order */
     for (int64_t i = begin; i < end; i++)
         for (int j = 0; j < 3; j++) {
-            const int32_t other = s->facet[(int64_t)s->facet_of[i] * 3 + j];
-            if (other > a)
-                w->spoke[n++] = (spoke){other, s->facet_of[i]};
+            const spoke new = {s->facet[(int64_t)s->facet_of[i] * 3 + j], s->facet_of[i]};
+            if (new.end <= a)
+                continue;
+            int64_t at = n++;
+            for (; at > 0 && spokes[at - 1].end > new.end; at--)
+                spokes[at] = spokes[at - 1];
+            spokes[at] = new;
         }
-    sort_spokes(w->spoke, n);
     for (int64_t i = 0, next; i < n; i = next) {
-        for (next = i + 1; next < n && w->spoke[next].end == w->spoke[i].end;)
+        for (next = i + 1; next < n && spokes[next].end == spokes[i].end;)
             next++;
-        if (look_at_edge(w, a, w->spoke[i].end, w->spoke + i, next - i) != 0)
+        if (look_at_edge(w, a, spokes[i].end, spokes + i, next - i) != 0)
             return -1;
     }
     return 0;
@@ -192,7 +130,7 @@ typedef struct spread {
     double most; /* how far the last one found is */
 } spread;
 
-/** How far node is from what it is to be the k-th for. */
+/** Return how far node, as the k-th, is from those before it. */
 static double farness(const pl_surface *s, const spread *p, int k, int32_t node) {
     double v[3], line[3], across[3];
     pl_from_to(3, s->x + 3 * (int64_t)p->node[k - 1], s->x + 3 * (int64_t)node, v);
@@ -203,8 +141,9 @@ static double farness(const pl_surface *s, const spread *p, int k, int32_t node)
     return pl_dot(3, across, across);
 }
 
-/** Number the classes in the order of their first facets. */
-static void number_classes(work *w, pl_planes *planes, spread *spreads) {
+/** Number the classes in the order of their first facets, and find their nodes that are far apart.
+ */
+static void spread_nodes(plane_search *w, pl_planes *planes, spread *spreads) {
     const pl_surface *s = w->surface;
     for (int64_t i = 0; i < s->n_facets; i++) {
         const int32_t first = pl_class_of(w->parent, (int32_t)i);
@@ -215,9 +154,6 @@ static void number_classes(work *w, pl_planes *planes, spread *spreads) {
             planes->of_facet[i] = planes->of_facet[first];
         }
     }
-}
-
-static void spread_nodes(const pl_surface *s, const pl_planes *planes, spread *spreads) {
     for (int k = 1; k < 4; k++) {
         for (int64_t p = 0; p < planes->n; p++)
             spreads[p].most = -1;
@@ -232,8 +168,8 @@ static void spread_nodes(const pl_surface *s, const pl_planes *planes, spread *s
     }
 }
 
-/** The normals by the nodes spread; planes whose nodes do not lie in them are none. */
-static void find_normals(const work *w, pl_planes *planes, const spread *spreads) {
+/** Find the normals by the nodes that are spread. A plane whose nodes do not lie in it is none. */
+static void find_normals(const plane_search *w, pl_planes *planes, const spread *spreads) {
     const pl_surface *s = w->surface;
     uint8_t *is_plane = (uint8_t *)w->parent; /* classes are no longer needed */
     for (int64_t p = 0; p < planes->n; p++) {
@@ -259,7 +195,8 @@ static void find_normals(const work *w, pl_planes *planes, const spread *spreads
             planes->of_facet[i] = -1;
 }
 
-static int make_planes(work *w, pl_planes *planes) {
+/** Find classes of coplanar facets, and their planes. Returns -1 without memory. */
+static int make_planes(plane_search *w, pl_planes *planes) {
     const pl_surface *s = w->surface;
     for (int64_t i = 0; i < s->n_facets; i++)
         w->parent[i] = (int32_t)i;
@@ -269,12 +206,10 @@ static int make_planes(work *w, pl_planes *planes) {
     spread *spreads = pl_alloc(s->n_facets, sizeof *spreads);
     if (!spreads)
         return -1;
-    number_classes(w, planes, spreads);
+    spread_nodes(w, planes, spreads);
     planes->normal = pl_alloc(planes->n * 3, sizeof *planes->normal);
-    if (planes->normal) {
-        spread_nodes(s, planes, spreads);
+    if (planes->normal)
         find_normals(w, planes, spreads);
-    }
     pl_free(spreads);
     return planes->normal ? 0 : -1;
 }
@@ -282,15 +217,20 @@ static int make_planes(work *w, pl_planes *planes) {
 int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
                      pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed,
                      planish_error *error) {
-    work w = {.surface = surface, .tolerance = tolerance, .ridges = ridges};
+    plane_search w = {.surface = surface, .tolerance = tolerance, .ridges = ridges};
     *planes = (pl_planes){0};
     planes->of_facet = pl_alloc(surface->n_facets, sizeof *planes->of_facet);
     w.parent = pl_alloc(surface->n_facets, sizeof *w.parent);
-    const int done = planes->of_facet && w.parent && sort_tagged(&w, tags, is_fixed) == 0 &&
-                     make_planes(&w, planes) == 0;
-    if (done)
-        fix_strangers(&w, is_fixed);
-    pl_free(w.tagged);
+    w.tagged.item = pl_alloc(tags ? tags->n_edges : 0, sizeof *w.tagged.item);
+    int done = planes->of_facet && w.parent && w.tagged.item;
+    if (done) {
+        list_tagged(&w, tags, is_fixed);
+        done = make_planes(&w, planes) == 0;
+    }
+    for (const pl_tagged *t = w.tagged.item; done && t < w.tagged.item + w.tagged.n; t++)
+        for (int j = 0; j < 2 && !t->is_met; j++)
+            is_fixed[surface->node[t->node[j]]] = 1;
+    pl_free(w.tagged.item);
     pl_free(w.parent);
     pl_free(w.spoke);
     if (done)

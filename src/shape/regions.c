@@ -6,7 +6,7 @@
  * Some names decide without a look at the facets. Everything is counted in whole numbers, so that
  * threads do not matter.
  */
-#include "shape/regions.h"
+#include "shape/shape.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -25,18 +25,6 @@ enum {
 
 /* ---- names -------------------------------------------------------------------------------- */
 
-/** Letters and digits of name, in small letters; others are left out, and what does not fit. */
-static void plain_name(const char *name, char *plain, size_t size) {
-    size_t n = 0;
-    for (; *name && n + 1 < size; name++) {
-        if (*name >= 'A' && *name <= 'Z')
-            plain[n++] = (char)(*name - 'A' + 'a');
-        else if ((*name >= 'a' && *name <= 'z') || (*name >= '0' && *name <= '9'))
-            plain[n++] = *name;
-    }
-    plain[n] = '\0';
-}
-
 /** Whether the words are the same but for the case of letters. */
 static int is_same(const char *a, const char *b) {
     for (; *a && *b; a++, b++) {
@@ -48,69 +36,31 @@ static int is_same(const char *a, const char *b) {
     return *a == *b;
 }
 
-/** Whether plain is one of words [n]. */
-static int is_among(const char *plain, const char *const *words, size_t n) {
-    for (size_t i = 0; i < n; i++)
-        if (strcmp(plain, words[i]) == 0)
-            return 1;
-    return 0;
-}
-
 /** Whether an array of that name says how a mesh is shared out, or where its elements come from. */
 static int is_no_region(const char *name) {
     static const char *const parts[] = {"partition", "ghost", "mpirank", "processor"};
-    static const char *const words[] = {"rank",
-                                        "ranks",
-                                        "rankid",
-                                        "owner",
-                                        "ownerrank",
-                                        "owners",
-                                        "proc",
-                                        "procs",
-                                        "procid",
-                                        "procids",
-                                        "procrank",
-                                        "procnumber",
-                                        "processid",
-                                        "processids",
-                                        "vtkprocessid",
-                                        "pieceid",
-                                        "metis",
-                                        "parmetis",
-                                        "scotch",
-                                        "npart",
-                                        "epart",
-                                        "elementid",
-                                        "elementids",
-                                        "elemid",
-                                        "elemids",
-                                        "cellid",
-                                        "cellids",
-                                        "elementnumber",
-                                        "cellnumber",
-                                        "elementnumbers",
-                                        "globalid",
-                                        "globalids",
-                                        "globalelementid",
-                                        "globalcellid",
-                                        "globalelementids",
-                                        "globalcellids",
-                                        "originalid",
-                                        "originalids",
-                                        "originalcellids",
-                                        "vtkoriginalcellids",
-                                        "originalelementids",
-                                        "vtkoriginalpointids",
-                                        "pedigreeid",
-                                        "pedigreeids",
-                                        "pedigreeelementid",
-                                        "objectidelement"};
-    char plain[64];
-    plain_name(name, plain, sizeof plain);
+    static const char words[] =
+        " rank ranks rankid owner ownerrank owners proc procs procid procids procrank "
+        "procnumber processid processids vtkprocessid pieceid metis parmetis scotch npart "
+        "epart elementid elementids elemid elemids cellid cellids elementnumber cellnumber "
+        "elementnumbers globalid globalids globalelementid globalcellid globalelementids "
+        "globalcellids originalid originalids originalcellids vtkoriginalcellids "
+        "originalelementids vtkoriginalpointids pedigreeid pedigreeids pedigreeelementid "
+        "objectidelement ";
+    /* its letters and digits alone, in small letters, between blanks; a long one is cut */
+    char plain[66] = " ";
+    size_t n = 1;
+    for (; *name && n + 2 < sizeof plain; name++) {
+        if (*name >= 'A' && *name <= 'Z')
+            plain[n++] = (char)(*name - 'A' + 'a');
+        else if ((*name >= 'a' && *name <= 'z') || (*name >= '0' && *name <= '9'))
+            plain[n++] = *name;
+    }
+    plain[n] = ' ';
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         if (strstr(plain, parts[i]))
             return 1;
-    return is_among(plain, words, sizeof words / sizeof *words);
+    return strstr(words, plain) != NULL;
 }
 
 int pl_region_name(const char *name) {
@@ -175,12 +125,6 @@ static int take_value(const planish_cell_array *array, int64_t i, int64_t *value
     return -1;
 }
 
-static int64_t value_at(const planish_cell_array *array, int64_t i) {
-    int64_t value = 0;
-    (void)take_value(array, i, &value);
-    return value;
-}
-
 int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
                          planish_error *error) {
     if (n_arrays < 0 || (n_arrays > 0 && !arrays))
@@ -198,42 +142,42 @@ int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t
     return PLANISH_OK;
 }
 
-/** A look at all values of an array. */
-typedef struct look {
+/** Result of a scan of an array's values. */
+typedef struct value_scan {
     const planish_cell_array *array;
     int64_t first; /* value 0 */
     uint8_t is_broken, differs;
-} look;
+} value_scan;
 
-static void look_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    look *l = context;
+static void scan_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    value_scan *scan = context;
     int broken = 0, differs = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         int64_t value = 0;
-        broken |= take_value(l->array, i, &value);
-        differs |= value != l->first;
+        broken |= take_value(scan->array, i, &value);
+        differs |= value != scan->first;
     }
     if (broken)
-        pl_set_flag(&l->is_broken, 1);
+        pl_set_flag(&scan->is_broken, 1);
     if (differs)
-        pl_set_flag(&l->differs, 1);
+        pl_set_flag(&scan->differs, 1);
 }
 
 /** Whether all values are whole, and there are two of them at least. */
 static int has_values(const planish_cell_array *array, int64_t n, int threads) {
-    look l = {.array = array};
-    if (n == 0 || take_value(array, 0, &l.first))
+    value_scan scan = {.array = array};
+    if (n == 0 || take_value(array, 0, &scan.first))
         return 0;
-    pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK, look_chunk, &l);
-    return !l.is_broken && l.differs;
+    pl_parallel_for(pl_paying_threads(threads, n), n, CHUNK, scan_chunk, &scan);
+    return !scan.is_broken && scan.differs;
 }
 
 /* ---- the rule ----------------------------------------------------------------------------- */
 
 /** Facets inside the mesh, and those between different values of each array. */
 typedef struct tally {
-    const planish_cell_array *const *array; /* [n] */
+    planish_cell_array *const *array; /* [n] */
     int n;
     int64_t row;    /* counters of a thread: [n] arrays, and all facets */
     int64_t *count; /* [threads][row] */
@@ -248,96 +192,65 @@ static void count_facets(void *context, int32_t node, const pl_facet *facets, in
         if (facet->count < 2)
             continue;
         count[t->n]++;
-        for (int i = 0; i < t->n; i++)
-            count[i] += value_at(t->array[i], facet->element[0]) !=
-                        value_at(t->array[i], facet->element[1]);
+        for (int i = 0; i < t->n; i++) {
+            int64_t value[2] = {0};
+            for (int j = 0; j < 2; j++)
+                (void)take_value(t->array[i], facet->element[j], &value[j]);
+            count[i] += value[0] != value[1];
+        }
     }
 }
 
-static int match_facets(const planish_mesh *mesh, tally *t, int threads, planish_error *error) {
+/** Decide which of the arrays candidate [n] look like regions: looks [n] is filled with 0 or 1. */
+static int judge(const planish_mesh *mesh, planish_cell_array *const *candidate, int n, int threads,
+                 uint8_t *looks, planish_error *error) {
+    tally t = {.array = candidate, .n = n, .row = pl_counts_row((int64_t)n + 1) + LINE};
     pl_incidence incidence;
     int status = pl_incidence_create(mesh, NULL, threads, &incidence, error);
     if (status)
         return status;
-    status = pl_facets_match(mesh, &incidence, NULL, threads, count_facets, t, error);
-    pl_incidence_destroy(&incidence);
-    return status;
-}
-
-/** Which of the arrays candidate [n] look like regions: looks [n] is filled with 0 or 1. */
-static int judge(const planish_mesh *mesh, const planish_cell_array *const *candidate, int n,
-                 int threads, uint8_t *looks, planish_error *error) {
-    tally t = {.array = candidate, .n = n, .row = pl_counts_row((int64_t)n + 1) + LINE};
     t.count = pl_alloc_zero(threads * t.row, sizeof *t.count);
-    if (!t.count)
-        return pl_fail_memory(error, "the arrays of elements");
-    const int status = match_facets(mesh, &t, threads, error);
-    for (int thread = 1; thread < threads; thread++)
+    status = t.count ? pl_facets_match(mesh, &incidence, NULL, threads, count_facets, &t, error)
+                     : pl_fail_memory(error, "the arrays of elements");
+    pl_incidence_destroy(&incidence);
+    for (int thread = 1; thread < threads && !status; thread++)
         for (int i = 0; i <= n; i++)
             t.count[i] += t.count[thread * t.row + i];
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n && !status; i++)
         looks[i] = t.count[i] <= t.count[n] - t.count[i];
     pl_free(t.count);
     return status;
 }
 
-/** The array whose name is the most telling one, if its values are whole; -1: there is none. has
- *  [n_arrays]: whether it has values of regions. */
-static int most_telling(const planish_cell_array *arrays, int n_arrays, const uint8_t *has) {
-    int best = -1, best_rank = 0;
-    for (int i = 0; i < n_arrays; i++) {
-        const int rank = pl_region_name(arrays[i].name);
-        if (has[i] && rank > 0 && (best < 0 || rank < best_rank)) {
-            best = i;
-            best_rank = rank;
-        }
-    }
-    return best;
-}
-
-/** Room for what is found out about the arrays. */
-typedef struct search {
-    uint8_t *has;                         /* [n_arrays] values of regions */
-    uint8_t *looks;                       /* [n_candidates] like regions */
-    const planish_cell_array **candidate; /* [n_candidates] */
-    int *place;                           /* [n_candidates] among the arrays */
-    int n_candidates, sure;               /* sure: index of the array that needs no look, or -1 */
-} search;
-
-static void choose_candidates(search *s, const planish_cell_array *arrays, int n_arrays,
-                              int64_t n_elements, int threads) {
-    for (int i = 0; i < n_arrays; i++)
-        s->has[i] =
-            pl_region_name(arrays[i].name) >= 0 && has_values(&arrays[i], n_elements, threads);
-    s->sure = most_telling(arrays, n_arrays, s->has);
-    for (int i = 0; i < n_arrays; i++)
-        if (s->has[i] && i != s->sure) {
-            s->place[s->n_candidates] = i;
-            s->candidate[s->n_candidates++] = &arrays[i];
-        }
-}
-
 int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays, int threads,
                     planish_error *error) {
-    search s = {.has = pl_alloc_zero(n_arrays, 1),
-                .looks = pl_alloc_zero(n_arrays, 1),
-                .candidate = pl_alloc(n_arrays, sizeof *s.candidate),
-                .place = pl_alloc(n_arrays, sizeof *s.place)};
-    int status = PLANISH_OK;
-    if (!s.has || !s.looks || !s.candidate || !s.place)
-        status = pl_fail_memory(error, "the arrays of elements");
-    if (!status)
-        choose_candidates(&s, arrays, n_arrays, mesh->n_elements, threads);
-    if (!status && s.n_candidates > 0)
-        status = judge(mesh, s.candidate, s.n_candidates, threads, s.looks, error);
+    planish_cell_array *sure = NULL; /* its name is the most telling one: it needs no look */
+    planish_cell_array **candidate = pl_alloc(n_arrays, sizeof(planish_cell_array *));
+    uint8_t *looks = pl_alloc_zero(n_arrays, 1);
+    int n = 0, sure_rank = 0;
+    int status = candidate && looks ? PLANISH_OK : pl_fail_memory(error, "the arrays of elements");
+    for (int i = 0; i < n_arrays && !status; i++) {
+        planish_cell_array *array = &arrays[i];
+        const int rank = pl_region_name(array->name);
+        if (rank < 0 || !has_values(array, mesh->n_elements, threads))
+            continue;
+        if (rank > 0 && (!sure || rank < sure_rank)) {
+            planish_cell_array *before = sure;
+            sure = array;
+            sure_rank = rank;
+            array = before;
+        }
+        if (array)
+            candidate[n++] = array;
+    }
+    if (!status && n > 0)
+        status = judge(mesh, candidate, n, threads, looks, error);
     for (int i = 0; i < n_arrays && !status; i++)
-        arrays[i].is_region = i == s.sure;
-    for (int i = 0; i < s.n_candidates && !status; i++)
-        arrays[s.place[i]].is_region = s.looks[i];
-    pl_free(s.has);
-    pl_free(s.looks);
-    pl_free(s.candidate);
-    pl_free(s.place);
+        arrays[i].is_region = &arrays[i] == sure;
+    for (int i = 0; i < n && !status; i++)
+        candidate[i]->is_region = looks[i];
+    pl_free(candidate);
+    pl_free(looks);
     return status;
 }
 
@@ -356,45 +269,32 @@ typedef struct table {
     int64_t n;
 } table;
 
-static uint64_t hash_of(int32_t before, int64_t value) {
-    uint64_t h = (uint64_t)value * 0x9e3779b97f4a7c15u + (uint32_t)before;
-    h = (h ^ h >> 32) * 0xd6e8feb86659fd93u;
-    return h ^ h >> 32;
-}
-
-/** The slot of a pair, or the free one where it belongs. */
+/** Return the slot of a pair, or the free one where it belongs. */
 static slot *find_slot(const table *t, int32_t before, int64_t value) {
     const uint64_t mask = (uint64_t)t->n_slots - 1;
-    uint64_t at = hash_of(before, value) & mask;
+    uint64_t at = (uint64_t)value * 0x9e3779b97f4a7c15u + (uint32_t)before;
+    at = (at ^ at >> 32) * 0xd6e8feb86659fd93u;
+    at = (at ^ at >> 32) & mask;
     while (t->slot[at].number >= 0 && (t->slot[at].before != before || t->slot[at].value != value))
         at = (at + 1) & mask;
     return &t->slot[at];
 }
 
-static int grow_table(table *t, planish_error *error) {
-    enum { FIRST_SLOTS = 1 << 8 };
-    const table old = *t;
-    t->n_slots = old.n_slots ? 2 * old.n_slots : FIRST_SLOTS;
-    t->slot = pl_alloc(t->n_slots, sizeof *t->slot);
-    if (!t->slot) {
-        *t = old;
-        return pl_fail_memory(error, "the regions of elements");
-    }
-    for (int64_t i = 0; i < t->n_slots; i++)
-        t->slot[i].number = -1;
-    for (int64_t i = 0; i < old.n_slots; i++)
-        if (old.slot[i].number >= 0)
-            *find_slot(t, old.slot[i].before, old.slot[i].value) = old.slot[i];
-    pl_free(old.slot);
-    return PLANISH_OK;
-}
-
-/** The number of a pair, the next one if it is new; negative on failure. */
+/** Return the number of a pair, the next one if it is new; negative on failure. */
 static int32_t number_of(table *t, int32_t before, int64_t value, planish_error *error) {
+    enum { FIRST_SLOTS = 1 << 8 };
     if (2 * (t->n + 1) > t->n_slots) {
-        const int status = grow_table(t, error);
-        if (status)
-            return status;
+        const int64_t n_slots = t->n_slots ? 2 * t->n_slots : FIRST_SLOTS;
+        const table old = *t, grown = {pl_alloc(n_slots, sizeof *t->slot), n_slots, t->n};
+        if (!grown.slot)
+            return pl_fail_memory(error, "the regions of elements");
+        *t = grown;
+        for (int64_t i = 0; i < n_slots; i++)
+            t->slot[i].number = -1;
+        for (int64_t i = 0; i < old.n_slots; i++)
+            if (old.slot[i].number >= 0)
+                *find_slot(t, old.slot[i].before, old.slot[i].value) = old.slot[i];
+        pl_free(old.slot);
     }
     slot *s = find_slot(t, before, value);
     if (s->number < 0)
@@ -442,31 +342,23 @@ int pl_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int
 
 /* ---- interfaces --------------------------------------------------------------------------- */
 
-enum { UNSEEN = 0, BETWEEN = 1, SEEN = 2 };
-
-/** is_between [n_nodes] becomes BETWEEN or something else. */
-static void mark_interfaces(const planish_mesh *mesh, const int32_t *region, int32_t *of_node,
-                            uint8_t *is_between) {
-    const int corners = mesh->dim + 1;
-    memset(is_between, UNSEEN, (size_t)mesh->n_nodes);
-    for (int64_t i = 0; i < mesh->n_elements; i++)
-        for (int j = 0; j < corners; j++) {
-            const int32_t node = mesh->elements[i * corners + j];
-            if (is_between[node] == UNSEEN) {
-                is_between[node] = SEEN;
-                of_node[node] = region[i];
-            } else if (of_node[node] != region[i]) {
-                is_between[node] = BETWEEN;
-            }
-        }
-}
-
 int pl_find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
                        int64_t *n, planish_error *error) {
+    enum { UNSEEN = 0, BETWEEN = 1, SEEN = 2 };
+    const int corners = mesh->dim + 1;
     int32_t *of_node = pl_alloc(mesh->n_nodes, sizeof *of_node);
     if (!of_node)
         return pl_fail_memory(error, "the regions of nodes");
-    mark_interfaces(mesh, region, of_node, is_between);
+    memset(is_between, UNSEEN, (size_t)mesh->n_nodes);
+    for (int64_t i = 0; i < mesh->n_elements * corners; i++) {
+        const int32_t node = mesh->elements[i], own = region[i / corners];
+        if (is_between[node] == UNSEEN) {
+            is_between[node] = SEEN;
+            of_node[node] = own;
+        } else if (of_node[node] != own) {
+            is_between[node] = BETWEEN;
+        }
+    }
     *n = 0;
     for (int64_t i = 0; i < mesh->n_nodes; i++) {
         is_between[i] = is_between[i] == BETWEEN;

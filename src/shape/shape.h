@@ -1,61 +1,51 @@
-/* shape: the planes and straight lines that the surface of a mesh is made of, and which of its
- * nodes may slide on them. One header for the folder's own parts; slides.c is what the library
- * offers.
+/* shape: the surface of a mesh, its regions and its boundary layers.
+ *
+ *   slides.c    pl_find_slides                               nodes that slide on planes and lines
+ *   layers.c    pl_find_layers                               thin elements of layers
+ *   regions.c   pl_region_name, pl_check_cell_arrays         arrays of cells
+ *               pl_find_regions, pl_combine_regions          regions of elements
+ *               pl_find_interfaces                           nodes between regions
+ *
+ * surface.h has the facets, planes and lines that slides.c asks for.
  */
 #ifndef PL_SHAPE_H
 #define PL_SHAPE_H
 
-#include "shape/surface.h"
+#include <planish/planish.h>
 
-/** An edge of the shape: between facets of different planes or labels, or tagged; in 2-D each facet
- *  is one. */
-typedef struct pl_ridge {
-    int32_t node[2]; /* own numbers of the surface, ascending */
-    pl_label label;  /* in 2-D of the facet; in 3-D its tag alone */
-} pl_ridge;
+/** Find the constraint and direction of each node. mesh is dense; tags may be NULL. See
+ *  planish_find_slides. Errors: _MESH, _MEMORY. */
+int pl_find_slides(const planish_mesh *mesh, const planish_surface *tags, int threads,
+                   uint8_t *constraint, double *direction, planish_slide_info *info,
+                   planish_error *error);
 
-typedef struct pl_ridges {
-    int64_t n, capacity;
-    pl_ridge *ridge; /* [n] ascending by nodes */
-} pl_ridges;
+/** Find the elements of layers: is_layer [n_elements] becomes 1 for them, 0 for the others, and
+ *  *n_layer their number. mesh is dense. See planish_find_layers. Errors: _MESH, _MEMORY. */
+int pl_find_layers(const planish_mesh *mesh, int threads, uint8_t *is_layer, int64_t *n_layer,
+                   planish_error *error);
 
-/** Planes: classes of facets that are joined by edges across which they are coplanar. */
-typedef struct pl_planes {
-    int64_t n;
-    int32_t *of_facet; /* [n_facets] its plane; -1: the class is not planar as a whole */
-    double *normal;    /* [n][3] of unit length */
-} pl_planes;
+/** Return the rank of an array's name among those that tell regions, from 1 for the most telling
+ *  one; 0: unknown; -1: the array tells no regions. */
+int pl_region_name(const char *name);
 
-/** Find the planes of a surface in 3-D, and the edges between them. tolerance: how far nodes may be
- *  off, in the surface's units. is_fixed [nodes of the mesh] becomes 1 for nodes of tagged edges
- * that are none of the surface. Errors: _MEMORY. ridges is to be released in any case. */
-int pl_planes_create(const pl_surface *surface, const planish_surface *tags, double tolerance,
-                     pl_planes *planes, pl_ridges *ridges, uint8_t *is_fixed, planish_error *error);
+/** Check names, types and values of arrays [n_arrays] for n_elements elements. Errors: _ARGUMENT.
+ */
+int pl_check_cell_arrays(const planish_cell_array *arrays, int n_arrays, int64_t n_elements,
+                         planish_error *error);
 
-/** Free the arrays of planes. */
-void pl_planes_destroy(pl_planes *planes);
+/** Decide which of the checked arrays tell regions, and set their is_region. mesh is dense. See
+ *  planish_find_regions. Errors: _MESH, _MEMORY. */
+int pl_find_regions(const planish_mesh *mesh, planish_cell_array *arrays, int n_arrays, int threads,
+                    planish_error *error);
 
-/** is_fixed [nodes of the mesh] becomes 1 for nodes of the surface at the place of another one.
- *  Errors: _MEMORY. */
-int pl_hold_twins(const pl_surface *surface, uint8_t *is_fixed, planish_error *error);
+/** Number the combinations of values of the arrays whose is_region is set: found [n_elements],
+ * which is 0 before, and their number. Errors: _ARGUMENT (a value is not whole), _MEMORY. */
+int pl_combine_regions(int64_t n_elements, const planish_cell_array *arrays, int n_arrays,
+                       int32_t *found, int64_t *n_regions, planish_error *error);
 
-/** The edges of the shape in 2-D. Errors: _MEMORY. */
-int pl_ridges_of_plane_mesh(const pl_surface *surface, pl_ridges *ridges, planish_error *error);
-
-/** Straight lines: chains of two or more ridges. */
-typedef struct pl_lines {
-    int64_t n;
-    int32_t *of_node;   /* [n_nodes] the line that the node is inside of, or -1 */
-    int32_t (*next)[2]; /* [n_nodes] its neighbours on that line */
-    double *direction;  /* [n][3] of unit length */
-} pl_lines;
-
-/** Find the lines that ridges make. A node is inside of one if two ridges of the same label meet
- *  there, straight on. Errors: _MEMORY. */
-int pl_lines_create(const pl_surface *surface, const pl_ridges *ridges, double tolerance,
-                    pl_lines *lines, planish_error *error);
-
-/** Free the arrays of lines. */
-void pl_lines_destroy(pl_lines *lines);
+/** Find the nodes with elements of several regions: is_between [n_nodes] becomes 1 for them, 0 for
+ *  the others, and *n their number. region [n_elements]. Errors: _MEMORY. */
+int pl_find_interfaces(const planish_mesh *mesh, const int32_t *region, uint8_t *is_between,
+                       int64_t *n, planish_error *error);
 
 #endif

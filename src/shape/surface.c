@@ -14,11 +14,6 @@
 /* Exponents of the scale are kept within this, so that it is a double. */
 enum { SCALE_LIMIT = 1000 };
 
-/** A facet by its nodes, ascending; node[2] is -1 in 2-D. */
-typedef struct tagged {
-    int32_t node[3], tag;
-} tagged;
-
 /** A facet of the surface as it is found. */
 typedef struct found {
     int32_t node[3];
@@ -26,19 +21,19 @@ typedef struct found {
 } found;
 
 /** The search for facets. */
-typedef struct search {
+typedef struct facet_search {
     const planish_mesh *mesh;
     const planish_surface *tags;
-    tagged *tagged;  /* [n_tagged] ascending by nodes */
-    uint8_t *is_met; /* [n_tagged] the mesh has it */
-    int64_t n_tagged;
+    pl_tags tagged;      /* facets */
     uint8_t *has_tagged; /* [n] node of a tagged facet */
     uint8_t *elsewhere;  /* [n] 1: not on the surface, as far as known */
     int64_t *place;      /* [n + 1] first in found of those whose smallest node it is; counts at
                             first */
     found *found;        /* [n_found] ascending by nodes; NULL: they are counted */
     int64_t n_found;
-} search;
+} facet_search;
+
+/* ---- tagged facets and edges -------------------------------------------------------------- */
 
 static int compare_nodes(const int32_t *a, const int32_t *b) {
     for (int i = 0; i < 3; i++)
@@ -48,72 +43,61 @@ static int compare_nodes(const int32_t *a, const int32_t *b) {
 }
 
 static int compare_tagged(const void *a, const void *b) {
-    const tagged *s = a, *t = b;
+    const pl_tagged *s = a, *t = b;
     const int order = compare_nodes(s->node, t->node);
     return order ? order : (s->tag > t->tag) - (s->tag < t->tag);
 }
 
-static int compare_found(const void *a, const void *b) {
-    return compare_nodes(((const found *)a)->node, ((const found *)b)->node);
-}
-
-/* ---- tagged facets ------------------------------------------------------------------------ */
-
-static void sort3(int32_t *v) {
-    for (int i = 1; i < 3; i++)
-        for (int j = i; j > 0 && v[j] >= 0 && v[j - 1] > v[j]; j--) {
-            const int32_t t = v[j];
-            v[j] = v[j - 1];
-            v[j - 1] = t;
-        }
-}
-
-/** A facet with two tags keeps the lower one. */
-static void sort_tagged(search *s) {
-    const int dim = s->mesh->dim;
-    for (int64_t i = 0; i < s->tags->n_facets; i++) {
-        tagged *t = &s->tagged[i];
-        *t = (tagged){.node = {-1, -1, -1}, .tag = s->tags->facet_tag ? s->tags->facet_tag[i] : 0};
-        for (int j = 0; j < dim; j++) {
-            t->node[j] = s->tags->facets[i * dim + j];
-            s->has_tagged[t->node[j]] = 1;
-        }
-        sort3(t->node);
+void pl_tags_sort(pl_tags *tags) {
+    const int64_t n = tags->n;
+    for (int64_t k = 0; k < n; k++) {
+        int32_t *v = tags->item[k].node;
+        for (int i = 1; i < 3; i++)
+            for (int j = i; j > 0 && v[j] >= 0 && v[j - 1] > v[j]; j--) {
+                const int32_t t = v[j];
+                v[j] = v[j - 1];
+                v[j - 1] = t;
+            }
     }
-    qsort(s->tagged, (size_t)s->tags->n_facets, sizeof *s->tagged, compare_tagged);
-    for (int64_t i = 0; i < s->tags->n_facets; i++)
-        if (i == 0 || compare_nodes(s->tagged[i].node, s->tagged[i - 1].node) != 0)
-            s->tagged[s->n_tagged++] = s->tagged[i];
+    if (n > 0)
+        qsort(tags->item, (size_t)n, sizeof *tags->item, compare_tagged);
+    tags->n = 0;
+    for (int64_t i = 0; i < n; i++)
+        if (i == 0 || compare_nodes(tags->item[i].node, tags->item[i - 1].node) != 0)
+            tags->item[tags->n++] = tags->item[i];
 }
 
-/** The tagged facet of these nodes, or NULL. */
-static const tagged *find_tagged(const search *s, const int32_t *node) {
-    if (!s->n_tagged)
-        return NULL;
-    for (int j = 0; j < s->mesh->dim; j++)
-        if (!s->has_tagged[node[j]])
-            return NULL;
-    int64_t low = 0, high = s->n_tagged;
+pl_tagged *pl_tags_find(const pl_tags *tags, const int32_t *node) {
+    int64_t low = 0, high = tags->n;
     while (low < high) {
         const int64_t middle = (low + high) / 2;
-        const int order = compare_nodes(s->tagged[middle].node, node);
+        const int order = compare_nodes(tags->item[middle].node, node);
         if (order == 0)
-            return &s->tagged[middle];
+            return &tags->item[middle];
         *(order < 0 ? &low : &high) = order < 0 ? middle + 1 : middle;
     }
     return NULL;
 }
 
+/** List the facets that the caller has tagged, and their nodes. */
+static void list_tagged(facet_search *s) {
+    const int dim = s->mesh->dim;
+    s->tagged.n = s->tags ? s->tags->n_facets : 0;
+    for (int64_t i = 0; i < s->tagged.n; i++) {
+        pl_tagged *t = &s->tagged.item[i];
+        *t = (pl_tagged){{-1, -1, -1}, s->tags->facet_tag ? s->tags->facet_tag[i] : 0, 0};
+        for (int j = 0; j < dim; j++) {
+            t->node[j] = s->tags->facets[i * dim + j];
+            s->has_tagged[t->node[j]] = 1;
+        }
+    }
+    pl_tags_sort(&s->tagged);
+}
+
 /* ---- facets ------------------------------------------------------------------------------- */
 
-static pl_label label_of(const search *s, const pl_facet *facet, const tagged *t) {
-    const int32_t *region = s->tags ? s->tags->region : NULL;
-    const int32_t first = region ? region[facet->element[0]] : 0;
-    const int32_t second = region && facet->count > 1 ? region[facet->element[1]] : first;
-    return (pl_label){.n_elements = facet->count,
-                      .region = {first < second ? first : second, first < second ? second : first},
-                      .is_tagged = t != NULL,
-                      .tag = t ? t->tag : 0};
+static int compare_found(const void *a, const void *b) {
+    return compare_nodes(((const found *)a)->node, ((const found *)b)->node);
 }
 
 /** Sort the n facets of one smallest node: few, as a rule. */
@@ -136,19 +120,29 @@ static void sort_found(found *facets, int64_t n) {
  *  their nodes. */
 static void note_facets(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
                         int thread) {
-    search *s = context;
+    facet_search *s = context;
+    const int32_t *region = s->tags ? s->tags->region : NULL;
     int64_t n = 0;
     (void)thread;
     for (const pl_facet *facet = facets; facet < facets + n_facets; facet++) {
         found f = {.node = {node, facet->node[0], facet->node[1]}};
-        const tagged *t = find_tagged(s, f.node);
-        f.label = label_of(s, facet, t);
-        if (f.label.n_elements == 2 && f.label.region[0] == f.label.region[1] && !t)
+        int may_be_tagged = s->tagged.n > 0;
+        for (int j = 0; j < s->mesh->dim && may_be_tagged; j++)
+            may_be_tagged = s->has_tagged[f.node[j]];
+        pl_tagged *t = may_be_tagged ? pl_tags_find(&s->tagged, f.node) : NULL;
+        const int32_t first = region ? region[facet->element[0]] : 0;
+        const int32_t second = region && facet->count > 1 ? region[facet->element[1]] : first;
+        if (facet->count == 2 && first == second && !t)
             continue;
+        f.label =
+            (pl_label){.n_elements = facet->count,
+                       .region = {first < second ? first : second, first < second ? second : first},
+                       .is_tagged = t != NULL,
+                       .tag = t ? t->tag : 0};
         if (s->found) {
             s->found[s->place[node] + n] = f;
             if (t)
-                pl_set_flag(&s->is_met[t - s->tagged], 1);
+                pl_set_flag(&t->is_met, 1);
         } else {
             for (int j = 0; j < s->mesh->dim; j++)
                 pl_set_flag(&s->elsewhere[f.node[j]], 0);
@@ -162,14 +156,13 @@ static void note_facets(void *context, int32_t node, const pl_facet *facets, int
 }
 
 /** Two rounds: one counts and finds the nodes, the other notes and looks only at these. */
-static int find_facets(search *s, int threads, planish_error *error) {
+static int find_facets(facet_search *s, int threads, planish_error *error) {
     pl_incidence incidence;
-    int status = pl_incidence_create(s->mesh, s->tags ? s->tags->is_inside : NULL, threads,
-                                     &incidence, error);
+    const uint8_t *is_inside = s->tags ? s->tags->is_inside : NULL;
+    int status = pl_incidence_create(s->mesh, is_inside, threads, &incidence, error);
     if (status)
         return status;
-    status = pl_facets_match(s->mesh, &incidence, s->tags ? s->tags->is_inside : NULL, threads,
-                             note_facets, s, error);
+    status = pl_facets_match(s->mesh, &incidence, is_inside, threads, note_facets, s, error);
     if (!status) {
         s->n_found = pl_prefix_sum(threads, s->mesh->n_nodes, s->place);
         s->found = pl_alloc(s->n_found, sizeof *s->found);
@@ -184,14 +177,8 @@ static int find_facets(search *s, int threads, planish_error *error) {
 
 /* ---- the surface -------------------------------------------------------------------------- */
 
-static void number_nodes(const search *s, pl_surface *surface) {
-    for (int64_t i = 0; i < s->mesh->n_nodes; i++) {
-        surface->number[i] = s->elsewhere[i] ? -1 : (int32_t)surface->n_nodes;
-        surface->n_nodes += !s->elsewhere[i];
-    }
-}
-
-static void take_nodes(const search *s, pl_surface *surface) {
+/** Note the numbers of the nodes and their coordinates, scaled. */
+static void place_nodes(const facet_search *s, pl_surface *surface) {
     const int dim = surface->dim;
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     double width = 0, square = 0;
@@ -220,7 +207,8 @@ static void take_nodes(const search *s, pl_surface *surface) {
     surface->size = sqrt(square);
 }
 
-static void take_facets(const search *s, pl_surface *surface) {
+/** Note the facets by own numbers, and those of each node. */
+static void place_facets(const facet_search *s, pl_surface *surface) {
     const int dim = surface->dim;
     int64_t *end = surface->offset + 1; /* counts at first */
     for (int64_t i = 0; i < s->n_found; i++) {
@@ -239,12 +227,14 @@ static void take_facets(const search *s, pl_surface *surface) {
         surface->facet_of[end[surface->facet[i]]++] = (int32_t)(i / dim);
 }
 
-static int lay_out(const search *s, pl_surface *surface, planish_error *error) {
+/** Number the nodes that were found, and lay out the surface. */
+static int lay_out(const facet_search *s, pl_surface *surface, planish_error *error) {
     const int dim = surface->dim = s->mesh->dim;
     surface->number = pl_alloc(s->mesh->n_nodes, sizeof *surface->number);
     if (!surface->number)
         return pl_fail_memory(error, "the surface");
-    number_nodes(s, surface);
+    for (int64_t i = 0; i < s->mesh->n_nodes; i++)
+        surface->number[i] = s->elsewhere[i] ? -1 : (int32_t)surface->n_nodes++;
     surface->n_facets = s->n_found;
     surface->node = pl_alloc(surface->n_nodes, sizeof *surface->node);
     surface->x = pl_alloc(surface->n_nodes * dim, sizeof *surface->x);
@@ -255,42 +245,34 @@ static int lay_out(const search *s, pl_surface *surface, planish_error *error) {
     if (!surface->node || !surface->x || !surface->facet || !surface->label || !surface->offset ||
         !surface->facet_of)
         return pl_fail_memory(error, "the surface");
-    take_nodes(s, surface);
-    take_facets(s, surface);
+    place_nodes(s, surface);
+    place_facets(s, surface);
     return PLANISH_OK;
-}
-
-static void fix_strangers(const search *s, uint8_t *is_fixed) {
-    for (int64_t i = 0; i < s->n_tagged; i++)
-        for (int j = 0; j < s->mesh->dim && !s->is_met[i]; j++)
-            is_fixed[s->tagged[i].node[j]] = 1;
 }
 
 int pl_surface_create(const planish_mesh *mesh, const planish_surface *tags, int threads,
                       pl_surface *surface, uint8_t *is_fixed, planish_error *error) {
-    const int64_t n = mesh->n_nodes, n_facets = tags ? tags->n_facets : 0;
-    search s = {.mesh = mesh, .tags = tags};
+    const int64_t n = mesh->n_nodes;
+    facet_search s = {.mesh = mesh, .tags = tags};
     *surface = (pl_surface){.dim = mesh->dim};
-    s.tagged = pl_alloc(n_facets, sizeof *s.tagged);
-    s.is_met = pl_alloc_zero(n_facets, 1);
+    s.tagged.item = pl_alloc(tags ? tags->n_facets : 0, sizeof *s.tagged.item);
     s.has_tagged = pl_alloc_zero(n, 1);
     s.elsewhere = pl_alloc(n, 1);
     s.place = pl_alloc_zero(n + 1, sizeof *s.place);
     int status = PLANISH_OK;
-    if (!s.tagged || !s.is_met || !s.has_tagged || !s.elsewhere || !s.place) {
+    if (!s.tagged.item || !s.has_tagged || !s.elsewhere || !s.place) {
         status = pl_fail_memory(error, "the surface");
     } else {
         memset(s.elsewhere, 1, (size_t)n);
-        if (n_facets > 0)
-            sort_tagged(&s);
+        list_tagged(&s);
         status = find_facets(&s, threads, error);
     }
     if (!status)
         status = lay_out(&s, surface, error);
-    if (!status)
-        fix_strangers(&s, is_fixed);
-    pl_free(s.tagged);
-    pl_free(s.is_met);
+    for (const pl_tagged *t = s.tagged.item; !status && t < s.tagged.item + s.tagged.n; t++)
+        for (int j = 0; j < mesh->dim && !t->is_met; j++)
+            is_fixed[t->node[j]] = 1;
+    pl_free(s.tagged.item);
     pl_free(s.has_tagged);
     pl_free(s.elsewhere);
     pl_free(s.place);
