@@ -690,7 +690,7 @@ static void what_is_wrong_is_said(void **state) {
         {TABLES("0 3 3", "0 1 2", "3 6 9", "0 1 2 0 1 4 1 2 9") END, "face_connectivity: a node"},
         {GRID("") PIECE("3", "1") POINTS("0 0 0 1 0 0 0 1 0") CELLS("0 1 99999999999", "3", "5")
              END,
-         "in range"},
+         "connectivity: a number is out of range"},
         {GRID("")
              PIECE("3", "1") "<Points><DataArray type=\"Int32\" NumberOfComponents=\"3\">0 0 0 "
                              "1 0 0 0 1 0</DataArray></Points>" END,

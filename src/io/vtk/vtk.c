@@ -4,42 +4,18 @@
  * A point-data array called "fixed" (Mesquite's convention) marks nodes that must not move; arrays
  * of one whole number per cell may tell regions (arrays.h). All other attributes are passed over;
  * the walk ends, without error, at anything unknown behind the mesh. Binary data are big-endian.
- * Cells and points are numbered from 0, as VTK does.
+ * CELLS and CELL_TYPES are read to lists, by several threads where they are long; when both are
+ * there, vtk_cells.c makes the elements of them.
  */
-#include "io/core/format.h"
 #include "io/vtk/vtk.h"
 
-#include <string.h>
-
 #include "base/memory.h"
+#include "base/status.h"
 #include "io/core/binary.h"
+#include "io/core/format.h"
+#include "io/vtk/vtk_numbers.h"
 
-static const vtk_type number_types[] = {
-    {"float", VTK_REAL, 4},
-    {"double", VTK_REAL, 8},
-    {"int", VTK_SIGNED, 4},
-    {"vtktypeint64", VTK_SIGNED, 8},
-    {"vtktypeint32", VTK_SIGNED, 4},
-    {"vtkidtype", VTK_SIGNED, 4}, /* written as int */
-    {"char", VTK_SIGNED, 1},
-    {"signed_char", VTK_SIGNED, 1},
-    {"unsigned_char", VTK_UNSIGNED, 1},
-    {"short", VTK_SIGNED, 2},
-    {"unsigned_short", VTK_UNSIGNED, 2},
-    {"unsigned_int", VTK_UNSIGNED, 4},
-    {"long", VTK_SIGNED, 8},
-    {"unsigned_long", VTK_UNSIGNED, 8},
-    {"vtktypeuint64", VTK_UNSIGNED, 8},
-    {"vtktypeuint32", VTK_UNSIGNED, 4},
-    {"vtktypeint16", VTK_SIGNED, 2},
-    {"vtktypeuint16", VTK_UNSIGNED, 2},
-    {"vtktypeint8", VTK_SIGNED, 1},
-    {"vtktypeuint8", VTK_UNSIGNED, 1},
-    {"bit", VTK_BIT, 0},
-    {"string", VTK_STRING, 0},
-};
-
-/* ---- words and lines ---------------------------------------------------------------------- */
+#include <string.h>
 
 int vtk_fail_here(const vtk_reader *reader, const char *text) {
     return io_fail_at(reader->model, reader->cursor.at, reader->error, "%s", text);
@@ -47,137 +23,242 @@ int vtk_fail_here(const vtk_reader *reader, const char *text) {
 
 void vtk_end_line(io_cursor *cursor) {
     const char *newline = memchr(cursor->at, '\n', (size_t)io_left(cursor));
-    cursor->at = !newline ? cursor->end : newline + 1;
-}
-
-int vtk_take_words(io_cursor *cursor, vtk_word *words) {
-    io_cursor line = *cursor;
-    int n = 0;
-    vtk_end_line(cursor);
-    line.end = cursor->at;
-    while (n < VTK_MAX_WORDS) {
-        words[n].at = io_word(&line, &words[n].length);
-        if (words[n].length == 0)
-            break;
-        n++;
-    }
-    return n;
-}
-
-int vtk_word_number(vtk_word text, int64_t *value) {
-    io_cursor cursor = {text.at, text.at + text.length};
-    return io_integer(&cursor, value);
-}
-
-const vtk_type *vtk_find_type(vtk_word name) {
-    for (size_t i = 0; i < sizeof number_types / sizeof number_types[0]; i++)
-        if (io_word_is(name.at, name.length, number_types[i].name, 1))
-            return &number_types[i];
-    return NULL;
+    cursor->at = newline ? newline + 1 : cursor->end;
 }
 
 int vtk_take_if(vtk_reader *reader, const char *name) {
     io_cursor ahead = reader->cursor;
-    int64_t length;
-    const char *at = io_word(&ahead, &length);
-    if ((reader->model->is_binary && at != reader->cursor.at) || !io_word_is(at, length, name, 1))
+    const io_slice word = io_next_word(&ahead);
+    if ((reader->model->is_binary && word.begin != reader->cursor.at) ||
+        !io_slice_is(word, name, 1))
         return 0;
     reader->cursor = ahead;
     return 1;
 }
 
+/* ---- points ------------------------------------------------------------------------------- */
+
+typedef struct point_block {
+    vtk_reader *reader;
+    int size; /* bytes of a coordinate */
+} point_block;
+
+static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
+    const point_block *points = context;
+    io_model *model = points->reader->model;
+    for (int64_t node = begin; node < end; node++) {
+        int status;
+        if (model->is_binary) {
+            status = io_load_point(model, cursor->at, points->size, points->reader->swapped, node,
+                                   error);
+            cursor->at += 3 * points->size;
+        } else {
+            status = io_read_point(model, cursor, node, error);
+        }
+        if (status)
+            return status;
+    }
+    return PLANISH_OK;
+}
+
+static int take_points(vtk_reader *reader) {
+    io_model *model = reader->model;
+    int64_t n;
+    if (reader->have_points)
+        return vtk_fail_here(reader, "there is a second POINTS");
+    if (io_integer(&reader->cursor, &n))
+        return vtk_fail_here(reader, "POINTS: number of points expected");
+    const io_slice name = io_next_word(&reader->cursor);
+    const vtk_type *type = vtk_find_type(name);
+    if (!type || type->kind != VTK_REAL)
+        return io_fail_at(model, name.begin, reader->error,
+                          "POINTS of this type are not read: float or double expected");
+    if (model->is_binary)
+        vtk_end_line(&reader->cursor);
+    const int stride = 3 * type->size;
+    int status = io_check_count(model, reader->cursor, n, model->is_binary ? stride : 6, "points",
+                                reader->error);
+    if (!status)
+        status = io_model_points(model, n, type->size, stride, reader->swapped, reader->cursor.at,
+                                 reader->error);
+    if (status)
+        return status;
+    reader->have_points = 1;
+    reader->grid.n_points = n;
+    point_block points = {reader, type->size};
+    return io_records(&reader->text, &reader->cursor, n, 3, stride, read_points, &points,
+                      reader->error);
+}
+
+/* ---- cells -------------------------------------------------------------------------------- */
+
+/** Read n integers, binary ones of that type, to a new array: *narrow or *wide, the other is NULL.
+ */
+static int read_integers(vtk_reader *reader, int64_t n, const vtk_type *type, int32_t **narrow,
+                         int64_t **wide) {
+    io_model *model = reader->model;
+    vtk_list list = {.model = model,
+                     .name = "CELLS or CELL_TYPES",
+                     .type = model->is_binary ? type : NULL,
+                     .swapped = reader->swapped};
+    const int status = io_check_room(model, reader->cursor, n, model->is_binary ? type->size : 2,
+                                     "numbers of CELLS or CELL_TYPES", reader->error);
+    if (status)
+        return status;
+    if (narrow)
+        *narrow = list.narrow = pl_alloc(n, sizeof **narrow);
+    else
+        *wide = list.wide = pl_alloc(n, sizeof **wide);
+    if (!list.narrow && !list.wide)
+        return pl_fail_memory(reader->error, "the cells");
+    return io_records(&reader->text, &reader->cursor, n, 1, type->size, vtk_read_list, &list,
+                      reader->error);
+}
+
+/** Take the type of the numbers behind OFFSETS or CONNECTIVITY. */
+static int take_list_type(vtk_reader *reader, const vtk_type **type) {
+    const io_slice name = io_next_word(&reader->cursor);
+    *type = vtk_find_type(name);
+    if (!*type || (*type)->kind != VTK_SIGNED || (*type)->size < 4)
+        return io_fail_at(reader->model, name.begin, reader->error,
+                          "OFFSETS and CONNECTIVITY of this type are not read: "
+                          "vtktypeint64 or vtktypeint32 expected");
+    if (reader->model->is_binary)
+        vtk_end_line(&reader->cursor);
+    return PLANISH_OK;
+}
+
+static const vtk_type integer = {"int", VTK_SIGNED, 4};
+
+static int take_cells(vtk_reader *reader) {
+    vtk_grid *grid = &reader->grid;
+    const vtk_type *type;
+    if (grid->connectivity || grid->offset)
+        return vtk_fail_here(reader, "there is a second CELLS");
+    if (io_integer(&reader->cursor, &grid->n) || io_integer(&reader->cursor, &grid->n_connectivity))
+        return vtk_fail_here(reader, "CELLS: number of cells and size of the list expected");
+    if (reader->model->is_binary)
+        vtk_end_line(&reader->cursor);
+    if (!vtk_take_if(reader, "OFFSETS")) {
+        if (grid->n < 0 || grid->n > grid->n_connectivity)
+            return vtk_fail_here(reader, "CELLS: more cells than numbers in their list");
+        return read_integers(reader, grid->n_connectivity, &integer, &grid->connectivity, NULL);
+    }
+    /* Version 5: the number of cells is that of the offsets. */
+    const int64_t n_offsets = grid->n--;
+    if (n_offsets < 1)
+        return vtk_fail_here(reader, "CELLS: at least one offset expected");
+    int status = take_list_type(reader, &type);
+    if (!status)
+        status = read_integers(reader, n_offsets, type, NULL, &grid->offset);
+    if (status)
+        return status;
+    const io_slice word = io_next_word(&reader->cursor);
+    if (!io_slice_is(word, "CONNECTIVITY", 1))
+        return io_fail_at(reader->model, word.begin, reader->error, "CONNECTIVITY expected");
+    status = take_list_type(reader, &type);
+    return status ? status
+                  : read_integers(reader, grid->n_connectivity, type, &grid->connectivity, NULL);
+}
+
+static int take_cell_types(vtk_reader *reader) {
+    int64_t n;
+    if (reader->have_types || !reader->have_points || !reader->grid.connectivity)
+        return vtk_fail_here(reader, "CELL_TYPES must come once, behind POINTS and CELLS");
+    if (io_integer(&reader->cursor, &n) || n != reader->grid.n)
+        return vtk_fail_here(reader, "CELL_TYPES: as many types as cells expected");
+    if (reader->model->is_binary)
+        vtk_end_line(&reader->cursor);
+    int status = read_integers(reader, n, &integer, &reader->grid.type, NULL);
+    if (!status)
+        status = vtk_cells_store(reader->model, &reader->grid, reader->error);
+    reader->have_types = 1;
+    vtk_grid_release(&reader->grid);
+    return status;
+}
+
 /* ---- header and keywords ------------------------------------------------------------------ */
 
-static int read_dataset(vtk_reader *reader) {
-    int64_t length;
-    const char *at = io_word(&reader->cursor, &length);
-    if (io_word_is(at, length, "UNSTRUCTURED_GRID", 1))
-        return 0;
-    return io_fail_at(reader->model, at, reader->error,
+static int take_dataset(vtk_reader *reader) {
+    const io_slice word = io_next_word(&reader->cursor);
+    if (io_slice_is(word, "UNSTRUCTURED_GRID", 1))
+        return PLANISH_OK;
+    return io_fail_at(reader->model, word.begin, reader->error,
                       "DATASET is not an UNSTRUCTURED_GRID; convert the file, for instance with "
                       "meshio convert IN.vtk OUT.msh");
 }
 
-typedef struct known_keyword {
+static const struct {
     const char *name;
     int (*read)(vtk_reader *reader);
-} known_keyword;
-
-static const known_keyword keywords[] = {
-    {"DATASET", read_dataset},
-    {"POINTS", vtk_points},
-    {"CELLS", vtk_cells},
-    {"CELL_TYPES", vtk_cell_types},
-    {"POINT_DATA", vtk_point_data},
-    {"CELL_DATA", vtk_cell_data},
-    {"SCALARS", vtk_scalars},
-    {"VECTORS", vtk_vectors},
-    {"NORMALS", vtk_vectors},
-    {"TENSORS", vtk_tensors},
-    {"TENSORS6", vtk_symmetric_tensors},
-    {"TEXTURE_COORDINATES", vtk_texture},
-    {"COLOR_SCALARS", vtk_colours},
-    {"LOOKUP_TABLE", vtk_lookup_table},
-    {"GLOBAL_IDS", vtk_ids},
-    {"PEDIGREE_IDS", vtk_ids},
-    {"EDGE_FLAGS", vtk_ids},
-    {"FIELD", vtk_field},
-    {"METADATA", vtk_metadata},
+    int width; /* numbers of a tuple */
+} keywords[] = {
+    {"DATASET", take_dataset, 0},      {"POINTS", take_points, 0},
+    {"CELLS", take_cells, 0},          {"CELL_TYPES", take_cell_types, 0},
+    {"POINT_DATA", vtk_point_data, 0}, {"CELL_DATA", vtk_cell_data, 0},
+    {"SCALARS", vtk_scalars, 1},       {"VECTORS", vtk_attribute, 3},
+    {"NORMALS", vtk_attribute, 3},     {"TENSORS", vtk_attribute, 9},
+    {"TENSORS6", vtk_attribute, 6},    {"TEXTURE_COORDINATES", vtk_texture, 0},
+    {"COLOR_SCALARS", vtk_colours, 0}, {"LOOKUP_TABLE", vtk_lookup_table, 4},
+    {"GLOBAL_IDS", vtk_attribute, 1},  {"PEDIGREE_IDS", vtk_attribute, 1},
+    {"EDGE_FLAGS", vtk_attribute, 1},  {"FIELD", vtk_field, 0},
+    {"METADATA", vtk_metadata, 0},
 };
 
-static int read_keyword(vtk_reader *reader, const char *at, int64_t length) {
-    for (size_t i = 0; i < sizeof keywords / sizeof keywords[0]; i++)
-        if (io_word_is(at, length, keywords[i].name, 1))
+static int read_keyword(vtk_reader *reader, io_slice word) {
+    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
+        if (io_slice_is(word, keywords[i].name, 1)) {
+            reader->width = keywords[i].width;
             return keywords[i].read(reader);
-    reader->cursor.at = at;
+        }
+    reader->cursor.at = word.begin;
     return vtk_stop(reader);
 }
 
-/** The first three lines: version, title, ASCII or BINARY. */
-static int read_header(vtk_reader *reader) {
-    int64_t length;
+/** The first three lines are version, title, ASCII or BINARY; keywords follow. */
+static int read_file(vtk_reader *reader) {
+    io_model *model = reader->model;
     vtk_end_line(&reader->cursor);
     vtk_end_line(&reader->cursor);
-    const char *at = io_word(&reader->cursor, &length);
-    reader->model->is_binary = io_word_is(at, length, "BINARY", 1);
-    if (!reader->model->is_binary && !io_word_is(at, length, "ASCII", 1))
-        return io_fail_at(reader->model, at, reader->error,
+    io_slice word = io_next_word(&reader->cursor);
+    if (!io_slice_is(word, "BINARY", 1) && !io_slice_is(word, "ASCII", 1))
+        return io_fail_at(model, word.begin, reader->error,
                           "ASCII or BINARY expected in the third line");
+    model->is_binary = io_slice_is(word, "BINARY", 1);
     vtk_end_line(&reader->cursor);
-    return 0;
-}
-
-static int read_keywords(vtk_reader *reader) {
-    int status = read_header(reader);
-    while (!status && !reader->done) {
-        int64_t length;
-        const char *at = io_word(&reader->cursor, &length);
-        if (length == 0)
+    while (!reader->done) {
+        word = io_next_word(&reader->cursor);
+        if (io_slice_length(word) == 0)
             break;
-        status = read_keyword(reader, at, length);
+        const int status = read_keyword(reader, word);
+        if (status)
+            return status;
     }
-    if (!status && !reader->have_types)
+    if (!reader->have_types)
         return vtk_fail_here(reader, "the file ends before CELL_TYPES (it may be cut short)");
-    return status;
+    return PLANISH_OK;
 }
 
 static int read_vtk(io_model *model, planish_error *error) {
-    vtk_reader reader = {.model = model, .error = error, .n_tuples = -1};
-    reader.cursor.at = model->input.data;
-    reader.cursor.end = model->input.data + model->input.size;
-    reader.swapped = io_machine_is_little();
+    vtk_reader reader = {.model = model,
+                         .error = error,
+                         .cursor = {model->input.data, io_input_end(model)},
+                         .swapped = io_machine_is_little(),
+                         .grid = {.has_streams = 1},
+                         .n_tuples = -1};
     io_text_init(&reader.text, model);
     model->columns = 3;
     model->first_number = 0;
-    int status = read_keywords(&reader);
-    vtk_release_lists(&reader);
+    const int status = read_file(&reader);
+    vtk_grid_release(&reader.grid);
     io_text_release(&reader.text);
     return status;
 }
 
 static int recognise_vtk(const char *data, int64_t size) {
     static const char mark[] = "# vtk DataFile";
-    int64_t length = (int64_t)sizeof mark - 1;
+    const int64_t length = (int64_t)sizeof mark - 1;
     return size >= length && io_word_is(data, length, mark, 1);
 }
 

@@ -5,14 +5,13 @@
  * cell data may tell regions, as in VTK's other files. All other data are not looked at.
  */
 #ifdef PL_HDF5
-#include "io/core/format.h"
-#include "io/core/arrays.h"
-#include "io/hdf5/hdf5.h"
-#include "io/core/records.h"
-#include "io/vtk/vtk_cells.h"
-
 #include "base/memory.h"
 #include "base/status.h"
+#include "io/core/arrays.h"
+#include "io/core/format.h"
+#include "io/core/records.h"
+#include "io/hdf5/hdf5.h"
+#include "io/vtk/vtk_cells.h"
 
 #include <string.h>
 
@@ -27,38 +26,34 @@ typedef struct reader {
     int64_t n_cells;
 } reader;
 
-/* ---- what kind of grid --------------------------------------------------------------------- */
+/* ---- what the file has --------------------------------------------------------------------- */
 
-static int check_type(reader *r) {
+/** Refuse other kinds of VTKHDF files, and a series of grids, which cannot be smoothed at once. */
+static int check_kind(reader *r) {
     char type[64] = "";
-    int found;
-    int status = io_hdf5_text_attribute(r->file, GRID, "Type", type, sizeof type, &found);
-    if (!status && io_hdf5_kind_of(r->file, GRID) != IO_HDF5_GROUP)
-        return io_hdf5_fail(r->file, GRID, "there is no such group: this is no VTKHDF file");
-    if (!status && strcmp(type, "UnstructuredGrid") != 0)
-        status = io_hdf5_fail(r->file, GRID,
-                              "its Type is '%s'; planish smooths an UnstructuredGrid: write one, "
-                              "with ParaView's filter Append Datasets for instance",
-                              type);
-    return status;
-}
-
-/** A series of grids cannot be smoothed at once. */
-static int check_steps(reader *r) {
     int64_t n = 1;
     int found;
-    if (io_hdf5_kind_of(r->file, GRID "/Steps") != IO_HDF5_GROUP)
-        return PLANISH_OK;
-    int status = io_hdf5_attribute(r->file, GRID "/Steps", "NSteps", &n, &found);
+    int status = io_hdf5_text_attribute(r->file, GRID, "Type", type, sizeof type, &found);
+    if (status)
+        return status;
+    if (io_hdf5_kind_of(r->file, GRID) != IO_HDF5_GROUP)
+        return io_hdf5_fail(r->file, GRID, "there is no such group: this is no VTKHDF file");
+    if (strcmp(type, "UnstructuredGrid") != 0)
+        return io_hdf5_fail(r->file, GRID,
+                            "its Type is '%s'; planish smooths an UnstructuredGrid: write one, "
+                            "with ParaView's filter Append Datasets for instance",
+                            type);
+    if (io_hdf5_kind_of(r->file, GRID "/Steps") == IO_HDF5_GROUP)
+        status = io_hdf5_attribute(r->file, GRID "/Steps", "NSteps", &n, &found);
     if (!status && n != 1)
-        status = io_hdf5_fail(r->file, GRID "/Steps",
-                              "there are %lld time steps; write the one that is to be smoothed to "
-                              "a file of its own",
-                              (long long)n);
+        return io_hdf5_fail(r->file, GRID "/Steps",
+                            "there are %lld time steps; write the one that is to be smoothed to "
+                            "a file of its own",
+                            (long long)n);
     return status;
 }
 
-/** The sum of what partitions have must be what there is. */
+/** Check that the sum of what partitions have, and more of each, is what there is. */
 static int check_sum(reader *r, const char *path, const io_hdf5_integers *counts, int64_t more,
                      int64_t there) {
     int64_t sum = 0;
@@ -75,29 +70,40 @@ static int check_sum(reader *r, const char *path, const io_hdf5_integers *counts
     return PLANISH_OK;
 }
 
-static int read_counts(reader *r) {
-    int status = io_hdf5_integers_read(r->file, GRID "/NumberOfPoints", &r->points);
-    if (!status)
-        status = io_hdf5_integers_read(r->file, GRID "/NumberOfCells", &r->cells);
-    if (!status)
-        status = io_hdf5_integers_read(r->file, GRID "/NumberOfConnectivityIds", &r->ids);
-    if (!status && (r->cells.n != r->points.n || r->ids.n != r->points.n))
-        status = io_hdf5_fail(r->file, GRID "/NumberOfCells",
-                              "%lld partitions of points, %lld of cells, %lld of connectivity",
-                              (long long)r->points.n, (long long)r->cells.n, (long long)r->ids.n);
-    return status;
-}
-
-/* ---- points ------------------------------------------------------------------------------- */
-
-static int read_points(reader *r) {
-    io_hdf5_shape shape;
+/** Read the points, the lists of the cells, and how many each partition has. */
+static int read_lists(reader *r) {
+    const struct {
+        const char *path;
+        io_hdf5_integers *to;
+    } lists[] = {{GRID "/NumberOfPoints", &r->points},
+                 {GRID "/NumberOfCells", &r->cells},
+                 {GRID "/NumberOfConnectivityIds", &r->ids},
+                 {GRID "/Connectivity", &r->connectivity},
+                 {GRID "/Offsets", &r->offsets},
+                 {GRID "/Types", &r->types}};
     char path[] = GRID "/Points";
-    int status = io_hdf5_shape_of(r->file, path, &shape);
-    if (!status && (shape.rank != 2 || shape.dims[1] != 3))
-        status = io_hdf5_fail(r->file, path, "three coordinates a point were expected");
+    io_hdf5_shape shape;
+    int status = PLANISH_OK;
+    for (size_t i = 0; i < sizeof lists / sizeof *lists && !status; i++)
+        status = io_hdf5_integers_read(r->file, lists[i].path, lists[i].to);
     if (!status)
-        status = check_sum(r, GRID "/NumberOfPoints", &r->points, 0, shape.dims[0]);
+        status = io_hdf5_shape_of(r->file, path, &shape);
+    if (status)
+        return status;
+    r->n_cells = r->types.n;
+    if (r->cells.n != r->points.n || r->ids.n != r->points.n)
+        return io_hdf5_fail(r->file, GRID "/NumberOfCells",
+                            "%lld partitions of points, %lld of cells, %lld of connectivity",
+                            (long long)r->points.n, (long long)r->cells.n, (long long)r->ids.n);
+    if (shape.rank != 2 || shape.dims[1] != 3)
+        return io_hdf5_fail(r->file, path, "three coordinates a point were expected");
+    status = check_sum(r, GRID "/NumberOfPoints", &r->points, 0, shape.dims[0]);
+    if (!status)
+        status = check_sum(r, GRID "/NumberOfCells", &r->cells, 0, r->n_cells);
+    if (!status)
+        status = check_sum(r, GRID "/NumberOfConnectivityIds", &r->ids, 0, r->connectivity.n);
+    if (!status)
+        status = check_sum(r, GRID "/NumberOfCells", &r->cells, 1, r->offsets.n);
     if (!status)
         status = io_model_nodes(r->model, shape.dims[0], 0, r->error);
     if (status)
@@ -109,69 +115,46 @@ static int read_points(reader *r) {
     return status ? status : io_hdf5_coordinates_end(r->file);
 }
 
-/* ---- cells -------------------------------------------------------------------------------- */
+/* ---- cells --------------------------------------------------------------------------------- */
 
-static int read_cell_lists(reader *r) {
-    int status = io_hdf5_integers_read(r->file, GRID "/Connectivity", &r->connectivity);
-    if (!status)
-        status = io_hdf5_integers_read(r->file, GRID "/Offsets", &r->offsets);
-    if (!status)
-        status = io_hdf5_integers_read(r->file, GRID "/Types", &r->types);
-    if (!status)
-        status = check_sum(r, GRID "/NumberOfCells", &r->cells, 0, r->types.n);
-    if (!status)
-        status = check_sum(r, GRID "/NumberOfConnectivityIds", &r->ids, 0, r->connectivity.n);
-    if (!status)
-        status = check_sum(r, GRID "/NumberOfCells", &r->cells, 1, r->offsets.n);
-    r->n_cells = r->types.n;
-    return status;
-}
-
-/** Offsets of a partition must rise from 0 to the size of its list. */
-static int take_offsets(reader *r, const vtk_grid *grid, int64_t first) {
-    int64_t last = 0;
-    for (int64_t i = 0; i <= grid->n; i++) {
-        const int64_t offset = io_hdf5_integer(&r->offsets, first + i);
-        if (offset < last || offset > grid->n_connectivity || (i == 0 && offset != 0))
-            return io_hdf5_fail(r->file, GRID "/Offsets",
-                                "offset %lld is %lld: they must rise from 0 to the size of the "
-                                "connectivity",
-                                (long long)(first + i), (long long)offset);
-        grid->offset[i] = last = offset;
-    }
-    return PLANISH_OK;
-}
-
-/** n numbers from first to narrow ones; those that do not fit are no node and no type. */
-static void narrow_integers(const io_hdf5_integers *from, int64_t first, int64_t n, int32_t *to) {
-    for (int64_t i = 0; i < n; i++) {
+/** Make n numbers from first narrow ones; those that do not fit are no node and no type. */
+static int32_t *narrow_integers(const io_hdf5_integers *from, int64_t first, int64_t n) {
+    int32_t *to = pl_alloc(n, sizeof *to);
+    for (int64_t i = 0; i < n && to; i++) {
         const int64_t value = io_hdf5_integer(from, first + i);
         to[i] = value >= 0 && value <= INT32_MAX ? (int32_t)value : -1;
     }
+    return to;
 }
 
-/** Store the cells of a partition; first_id: its first number in Connectivity. */
-static int store_partition(reader *r, int64_t partition, vtk_grid *grid, int64_t first_id) {
-    int32_t *type = pl_alloc(grid->n, sizeof *type);
-    grid->connectivity = pl_alloc(grid->n_connectivity, sizeof *grid->connectivity);
-    grid->offset = pl_alloc(grid->n + 1, sizeof *grid->offset);
-    int status = type && grid->connectivity && grid->offset ? PLANISH_OK
-                                                            : pl_fail_memory(r->error, "the cells");
-    if (!status)
-        status = take_offsets(r, grid, grid->first_cell + partition);
-    if (!status) {
-        narrow_integers(&r->types, grid->first_cell, grid->n, type);
-        narrow_integers(&r->connectivity, first_id, grid->n_connectivity, grid->connectivity);
-        grid->type = type;
-        status = vtk_cells_store(r->model, grid, r->error);
+static int read_cells(reader *r) {
+    int64_t first_point = 0, first_cell = 0, first_id = 0;
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < r->cells.n && !status; i++) {
+        vtk_grid grid = {.n = io_hdf5_integer(&r->cells, i),
+                         .n_connectivity = io_hdf5_integer(&r->ids, i),
+                         .n_points = io_hdf5_integer(&r->points, i),
+                         .first_point = first_point,
+                         .first_cell = first_cell,
+                         .is_piece = r->cells.n > 1};
+        grid.type = narrow_integers(&r->types, first_cell, grid.n);
+        grid.connectivity = narrow_integers(&r->connectivity, first_id, grid.n_connectivity);
+        grid.offset = pl_alloc(grid.n + 1, sizeof *grid.offset);
+        for (int64_t k = 0; k <= grid.n && grid.offset; k++)
+            grid.offset[k] = io_hdf5_integer(&r->offsets, first_cell + i + k);
+        status = grid.type && grid.connectivity && grid.offset
+                     ? vtk_cells_store(r->model, &grid, r->error)
+                     : pl_fail_memory(r->error, "the cells");
+        vtk_grid_release(&grid);
+        first_point += grid.n_points;
+        first_cell += grid.n;
+        first_id += grid.n_connectivity;
     }
-    pl_free(grid->offset);
-    pl_free(grid->connectivity);
-    pl_free(type);
     return status;
 }
 
-/** Of polyhedra the nodes of all faces, which count from the first point of their partition. */
+/** Hold the nodes of all faces of polyhedra, counts of each partition, which count from its first
+ *  point. */
 static int hold_faces(reader *r, const io_hdf5_integers *counts, const io_hdf5_integers *nodes) {
     static const char path[] = GRID "/FaceConnectivity";
     int64_t first = 0, first_point = 0;
@@ -179,21 +162,22 @@ static int hold_faces(reader *r, const io_hdf5_integers *counts, const io_hdf5_i
         return io_hdf5_fail(r->file, GRID "/NumberOfFaceConnectivityIds",
                             "%lld partitions, and %lld of points", (long long)counts->n,
                             (long long)r->points.n);
-    int status = check_sum(r, path, counts, 0, nodes->n);
-    for (int64_t i = 0; i < counts->n && !status; i++) {
-        const int64_t n = io_hdf5_integer(counts, i), n_points = io_hdf5_integer(&r->points, i);
-        for (int64_t k = 0; k < n && !status; k++) {
-            const int64_t node = io_hdf5_integer(nodes, first + k);
+    const int status = check_sum(r, path, counts, 0, nodes->n);
+    if (status)
+        return status;
+    for (int64_t i = 0; i < counts->n; i++) {
+        const int64_t end = first + io_hdf5_integer(counts, i);
+        const int64_t n_points = io_hdf5_integer(&r->points, i);
+        for (; first < end; first++) {
+            const int64_t node = io_hdf5_integer(nodes, first);
             if (node < 0 || node >= n_points)
-                status = io_hdf5_fail(r->file, path, "a node is not among the points: %lld",
-                                      (long long)node);
-            else
-                io_hold_node(r->model, first_point + node, IO_HELD_BY_OTHER);
+                return io_hdf5_fail(r->file, path, "a node is not among the points: %lld",
+                                    (long long)node);
+            io_hold_node(r->model, first_point + node, IO_HELD_BY_OTHER);
         }
-        first += n;
         first_point += n_points;
     }
-    return status;
+    return PLANISH_OK;
 }
 
 static int read_faces(reader *r) {
@@ -210,27 +194,10 @@ static int read_faces(reader *r) {
     return status;
 }
 
-static int read_cells(reader *r) {
-    int64_t first_point = 0, first_cell = 0, first_id = 0;
-    int status = read_cell_lists(r);
-    for (int64_t i = 0; i < r->cells.n && !status; i++) {
-        vtk_grid grid = {.n = io_hdf5_integer(&r->cells, i),
-                         .n_connectivity = io_hdf5_integer(&r->ids, i),
-                         .n_points = io_hdf5_integer(&r->points, i),
-                         .first_point = first_point,
-                         .first_cell = first_cell,
-                         .is_piece = r->cells.n > 1};
-        status = store_partition(r, i, &grid, first_id);
-        first_point += grid.n_points;
-        first_cell += grid.n;
-        first_id += grid.n_connectivity;
-    }
-    return status;
-}
+/* ---- data ---------------------------------------------------------------------------------- */
 
-/* ---- data --------------------------------------------------------------------------------- */
-
-static int hold_fixed(reader *r, const char *path) {
+/** Hold the nodes that an array of point data marks. */
+static int take_point_array(reader *r, const char *path) {
     double *values = NULL;
     io_hdf5_shape shape = {0};
     int status = io_hdf5_reals_read(r->file, path, &values, &shape);
@@ -244,111 +211,74 @@ static int hold_fixed(reader *r, const char *path) {
     return status;
 }
 
-static int read_fixed(reader *r) {
-    char path[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names = {0};
-    if (io_hdf5_kind_of(r->file, GRID "/PointData") != IO_HDF5_GROUP)
-        return PLANISH_OK;
-    int status = io_hdf5_list(r->file, GRID "/PointData", &names);
-    for (int64_t i = 0; i < names.n && !status; i++) {
-        if (!io_word_is(names.name[i], (int64_t)strlen(names.name[i]), "fixed", 0))
-            continue;
-        status = io_hdf5_path(r->file, path, GRID "/PointData/%s", names.name[i]);
-        if (!status)
-            status = hold_fixed(r, path);
-    }
-    io_hdf5_names_release(&names);
-    return status;
-}
-
-/** The values of an array of cells, of either kind. */
-typedef struct values {
-    io_hdf5_integers whole;
-    double *real; /* owned, or NULL: whole */
-} values;
-
-static int read_values(reader *r, const char *path, io_hdf5_numbers numbers, values *v) {
+/** Take an array of cell data that has one number for each cell; others are passed over. */
+static int take_cell_array(reader *r, const char *path) {
+    const char *name = path + sizeof GRID "/CellData";
     io_hdf5_shape shape;
-    *v = (values){.real = NULL};
-    return numbers == IO_HDF5_WHOLE ? io_hdf5_integers_read(r->file, path, &v->whole)
-                                    : io_hdf5_reals_read(r->file, path, &v->real, &shape);
-}
-
-static void release_values(values *v, io_hdf5_numbers numbers) {
-    if (numbers == IO_HDF5_WHOLE)
-        io_hdf5_integers_release(&v->whole);
-    pl_free(v->real);
-}
-
-static int fill_array(reader *r, const char *name, const values *v) {
+    io_hdf5_integers whole = {0};
+    double *real = NULL;
     io_array_filler filler;
-    int status = io_array_begin(r->model, name, r->n_cells, &filler, r->error);
-    if (status)
-        return status;
-    for (int64_t i = 0; i < r->n_cells && !status && !filler.is_broken; i++) {
-        int64_t value = v->real ? 0 : io_hdf5_integer(&v->whole, i);
-        const int is_whole = v->real ? io_array_whole(v->real[i], &value) : 1;
-        status = io_array_put(&filler, i, is_whole, value, r->error);
-    }
-    if (!status)
-        return io_array_end(r->model, &filler, r->error);
-    io_array_drop(&filler);
-    return status;
-}
-
-/** Take an array that has one number for each cell; others are passed over. */
-static int take_array(reader *r, const char *name) {
-    char path[IO_HDF5_PATH_SIZE];
-    io_hdf5_shape shape;
-    values v;
-    int status = io_hdf5_path(r->file, path, GRID "/CellData/%s", name);
-    if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
-        return status;
+    if (io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
+        return PLANISH_OK;
     const io_hdf5_numbers numbers = io_hdf5_numbers_of(r->file, path, &shape);
     if (numbers == IO_HDF5_NEITHER || shape.n != r->n_cells)
         return PLANISH_OK;
-    status = read_values(r, path, numbers, &v);
+    int status = numbers == IO_HDF5_WHOLE ? io_hdf5_integers_read(r->file, path, &whole)
+                                          : io_hdf5_reals_read(r->file, path, &real, &shape);
     if (!status)
-        status = fill_array(r, name, &v);
-    release_values(&v, numbers);
+        status = io_array_begin(r->model, name, r->n_cells, &filler, r->error);
+    if (!status) {
+        for (int64_t i = 0; i < r->n_cells && !status && !filler.is_broken; i++) {
+            int64_t value = real ? 0 : io_hdf5_integer(&whole, i);
+            const int is_whole = real ? io_array_whole(real[i], &value) : 1;
+            status = io_array_put(&filler, i, is_whole, value, r->error);
+        }
+        if (status)
+            io_array_drop(&filler);
+        else
+            status = io_array_end(r->model, &filler, r->error);
+    }
+    io_hdf5_integers_release(&whole);
+    pl_free(real);
     return status;
 }
 
-static int read_cell_data(reader *r) {
+/** Take the arrays of a group of data, at most IO_MOST_ARRAYS, or those called only. */
+static int read_data(reader *r, const char *group, const char *only,
+                     int (*take)(reader *r, const char *path)) {
+    char path[IO_HDF5_PATH_SIZE];
     io_hdf5_names names = {0};
-    if (io_hdf5_kind_of(r->file, GRID "/CellData") != IO_HDF5_GROUP)
+    if (io_hdf5_kind_of(r->file, group) != IO_HDF5_GROUP)
         return PLANISH_OK;
-    int status = io_hdf5_list(r->file, GRID "/CellData", &names);
-    for (int64_t i = 0; i < names.n && i < IO_MOST_ARRAYS && !status; i++)
-        status = take_array(r, names.name[i]);
+    int status = io_hdf5_list(r->file, group, &names);
+    for (int64_t i = 0; i < names.n && (only || i < IO_MOST_ARRAYS) && !status; i++) {
+        if (only && strcmp(names.name[i], only) != 0)
+            continue;
+        status = io_hdf5_path(r->file, path, "%s/%s", group, names.name[i]);
+        if (!status)
+            status = take(r, path);
+    }
     io_hdf5_names_release(&names);
     return status;
 }
 
-/* ---- the format --------------------------------------------------------------------------- */
-
-static int read_grid(reader *r) {
-    int status = check_type(r);
-    if (!status)
-        status = check_steps(r);
-    if (!status)
-        status = read_counts(r);
-    if (!status)
-        status = read_points(r);
-    if (!status)
-        status = read_cells(r);
-    if (!status)
-        status = read_faces(r);
-    if (!status)
-        status = read_fixed(r);
-    return status ? status : read_cell_data(r);
-}
+/* ---- the format ---------------------------------------------------------------------------- */
 
 static int vtkhdf_read(io_model *model, planish_error *error) {
     reader r = {.model = model, .error = error};
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
-        status = read_grid(&r);
+        status = check_kind(&r);
+    if (!status)
+        status = read_lists(&r);
+    if (!status)
+        status = read_cells(&r);
+    if (!status)
+        status = read_faces(&r);
+    if (!status)
+        status = read_data(&r, GRID "/PointData", "fixed", take_point_array);
+    if (!status)
+        status = read_data(&r, GRID "/CellData", NULL, take_cell_array);
     if (!status)
         status = io_hdf5_check(r.file);
     io_hdf5_integers *const lists[] = {&r.points,       &r.cells,   &r.ids,

@@ -4,14 +4,14 @@
  * As in legacy files point data called `fixed` hold nodes, and cell data may tell regions. Without
  * Expat the format is known and refused.
  */
-#include "io/core/format.h"
-#include "io/vtk/vtu_parts.h"
-
 #include "base/memory.h"
 #include "base/status.h"
 #include "io/core/arrays.h"
+#include "io/core/format.h"
 #include "io/vtk/vtk_cells.h"
+#include "io/vtk/vtu_parts.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /** The array of a piece with that role (and name, if not NULL), or NULL. */
@@ -28,51 +28,179 @@ static vtu_array *find_array(const vtu_document *document, int64_t piece, vtu_ro
     return NULL;
 }
 
-/* ---- cells --------------------------------------------------------------------------------- */
+static int fail_end(const vtu_document *document, const char *text) {
+    return io_fail_at(document->model, io_input_end(document->model), document->error,
+                      "%s (the file may be cut short)", text);
+}
 
-/** Offsets of the file are ends of cells; ours begin with 0. */
-static int read_offsets(io_model *model, vtu_document *document, vtu_array *array, vtk_grid *cells,
-                        planish_error *error) {
-    int64_t *ends = NULL;
-    int status = vtu_read_integers(model, document, array, cells->n, &ends, NULL, error);
-    cells->offset = status ? NULL : pl_alloc(cells->n + 1, sizeof *cells->offset);
-    if (!status && !cells->offset)
-        status = pl_fail_memory(error, "the cells");
-    for (int64_t i = 0, last = 0; i < cells->n && !status; last = ends[i++]) {
-        cells->offset[i] = last;
-        if (ends[i] < last)
-            status = vtu_fail(model, array, error, "they do not rise");
-        cells->offset[i + 1] = ends[i];
-    }
-    if (!status && cells->n == 0)
-        cells->offset[0] = 0;
-    if (!status)
-        cells->n_connectivity = cells->offset[cells->n];
-    pl_free(ends);
+/* ---- points -------------------------------------------------------------------------------- */
+
+/** The texts of points, read by several threads. */
+typedef struct text_points {
+    io_model *model;
+    int64_t first;
+} text_points;
+
+static int read_text_points(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                            planish_error *error) {
+    const text_points *p = context;
+    int status = PLANISH_OK;
+    for (int64_t i = begin; i < end && !status; i++)
+        status = io_read_point(p->model, cursor, p->first + i, error);
     return status;
 }
 
+/** Read the points of a piece, and note where they stand if they can be replaced there. */
+static int read_piece_points(io_model *model, vtu_document *document, vtu_array *array) {
+    const vtu_piece *piece = &document->piece[array->piece];
+    const int64_t first = piece->first_point, n = piece->n_points;
+    if (!array->type || array->type->kind != VTK_REAL)
+        return vtu_fail(document, array, "Float32 or Float64 expected");
+    if (array->n_components != 3)
+        return vtu_fail(document, array, "NumberOfComponents must be 3");
+    if (find_array(document, array->piece, VTU_POINTS, NULL) != array)
+        return vtu_fail(document, array, "there is a second array of points");
+    const int size = array->type->size;
+    if (n > 0 && (size == 4) != (model->precision == PLANISH_FLOAT))
+        return vtu_fail(document, array,
+                        "some pieces are of Float32 and some of Float64: write them as one");
+    io_span span = {.first_node = first, .n_nodes = n, .encoding = IO_TEXT, .offset = array->begin};
+    if (array->form == VTU_ASCII) {
+        text_points points = {model, first};
+        const int status = vtu_read_text(document, array, n, 3, read_text_points, &points);
+        return status ? status : io_model_span(model, span, document->error);
+    }
+    vtu_values values;
+    int status = vtu_decode(document, array, 3 * n, &values);
+    for (int64_t i = 0; i < 3 * n && !status; i++) {
+        const double x = vtk_real(values.data + i * size, array->type, document->swapped);
+        model->xyz[3 * first + i] = x;
+        if (!isfinite(x))
+            status = pl_fail_at(document->error, PLANISH_ERROR_FORMAT, -1, first + i / 3,
+                                "%s: node %lld has a coordinate that is not finite",
+                                model->input.path, (long long)(first + i / 3));
+    }
+    if (!status && !values.owned) {
+        span = (io_span){.first_node = first,
+                         .n_nodes = n,
+                         .encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64,
+                         .swapped = document->swapped,
+                         .offset = values.data - model->input.data,
+                         .stride = 3 * size};
+        status = io_model_span(model, span, document->error);
+    }
+    vtu_values_release(&values);
+    return status;
+}
+
+/** Refuse more points than the file can hold before there is room for them. */
+static int make_nodes(io_model *model, const vtu_document *document) {
+    const vtu_piece *last = &document->piece[document->n_pieces - 1];
+    const int64_t n = last->first_point + last->n_points;
+    int64_t most = vtu_most_unpacked(document) / (3 * (int64_t)sizeof(float));
+    int with_text = 0;
+    for (int64_t i = 0; i < document->n_arrays; i++)
+        with_text |= document->array[i].role == VTU_POINTS && document->array[i].form == VTU_ASCII;
+    if (with_text) /* three numbers of two characters */
+        most = most > model->input.size / 6 ? most : model->input.size / 6;
+    if (n > most)
+        return pl_fail(document->error, PLANISH_ERROR_FORMAT,
+                       "%s: %lld points cannot be in this file (a wrong NumberOfPoints, no Points, "
+                       "or it is cut short)",
+                       model->input.path, (long long)n);
+    return io_model_nodes(model, n, with_text, document->error);
+}
+
+static int compare_spans(const void *a, const void *b) {
+    const int64_t p = ((const io_span *)a)->offset, q = ((const io_span *)b)->offset;
+    return (p > q) - (p < q);
+}
+
+static int read_points(io_model *model, vtu_document *document) {
+    int64_t n_found = 0, n_points = 0;
+    int status = make_nodes(model, document);
+    model->precision = PLANISH_DOUBLE;
+    for (int64_t i = 0; i < document->n_arrays && !status; i++) {
+        vtu_array *array = &document->array[i];
+        if (array->role != VTU_POINTS || array->piece < 0)
+            continue;
+        const int64_t n = document->piece[array->piece].n_points;
+        if (n_points == 0 && n > 0 && array->type && array->type->size == 4)
+            model->precision = PLANISH_FLOAT;
+        n_points += n;
+        n_found++;
+        status = read_piece_points(model, document, array);
+    }
+    if (status)
+        return status;
+    /* The writer goes through the file, whatever the order of the pieces is. */
+    if (model->n_spans > 1)
+        qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
+    return n_found < document->n_pieces ? fail_end(document, "a Piece has no Points") : PLANISH_OK;
+}
+
+/** Bytes of the file that an array has. */
+typedef struct byte_range {
+    int64_t begin, end;
+    const vtu_array *array;
+} byte_range;
+
+static int compare_ranges(const void *a, const void *b) {
+    const int64_t p = ((const byte_range *)a)->begin, q = ((const byte_range *)b)->begin;
+    return (p > q) - (p < q);
+}
+
+/** Check that the bytes of appended points are theirs alone, so that they can be replaced. */
+static int check_overlaps(const vtu_document *document) {
+    byte_range *all = pl_alloc(document->n_arrays, sizeof *all);
+    int64_t n = 0, end = 0, points_end = 0;
+    int status = all ? PLANISH_OK : pl_fail_memory(document->error, "the arrays of the file");
+    for (int64_t i = 0; i < document->n_arrays && !status; i++) {
+        const vtu_array *array = &document->array[i];
+        /* Of those that were not read it is known where they begin. */
+        if (array->is_appended)
+            all[n++] = (byte_range){
+                array->begin, array->data_end > 0 ? array->data_end : array->begin + 1, array};
+    }
+    if (n > 0)
+        qsort(all, (size_t)n, sizeof *all, compare_ranges);
+    for (int64_t i = 0; i < n && !status; i++) {
+        const int is_points = all[i].array->role == VTU_POINTS && all[i].array->piece >= 0;
+        if (all[i].begin < (is_points ? end : points_end))
+            status = vtu_fail(document, all[i].array,
+                              "appended points share bytes with another array, so that they cannot "
+                              "be moved alone");
+        end = all[i].end > end ? all[i].end : end;
+        if (is_points)
+            points_end = end;
+    }
+    pl_free(all);
+    return status;
+}
+
+/* ---- cells --------------------------------------------------------------------------------- */
+
 /** Hold the nodes of the faces of polyhedra: their streams stand one after another. */
-static int hold_streams(io_model *model, vtu_document *document, int64_t index,
-                        const vtk_grid *cells, planish_error *error) {
-    vtu_array *faces = find_array(document, index, VTU_FACES, NULL);
-    vtu_array *offsets = find_array(document, index, VTU_FACE_OFFSETS, NULL);
+static int hold_streams(io_model *model, vtu_document *document, int64_t piece,
+                        const vtk_grid *grid) {
+    vtu_array *faces = find_array(document, piece, VTU_FACES, NULL);
+    vtu_array *offsets = find_array(document, piece, VTU_FACE_OFFSETS, NULL);
     int64_t *ends = NULL, last = 0;
     int32_t *stream = NULL;
     if (!faces || !offsets)
         return PLANISH_OK;
-    int status = vtu_read_integers(model, document, offsets, cells->n, &ends, NULL, error);
-    for (int64_t i = 0; i < cells->n && !status; i++) {
+    int status = vtu_read_numbers(document, offsets, grid->n, &ends, NULL, NULL);
+    for (int64_t i = 0; i < grid->n && !status; i++) {
         if (ends[i] >= 0 && ends[i] < last) /* -1: no polyhedron */
-            status = vtu_fail(model, offsets, error, "they do not rise");
+            status = vtu_fail(document, offsets, "they do not rise");
         last = ends[i] > last ? ends[i] : last;
     }
     if (!status)
-        status = vtu_read_integers(model, document, faces, last, NULL, &stream, error);
+        status = vtu_read_numbers(document, faces, last, NULL, &stream, NULL);
     last = 0;
-    for (int64_t i = 0; i < cells->n && !status; i++) {
-        if (ends[i] > last && vtk_faces_hold(model, cells, stream + last, ends[i] - last))
-            status = vtu_fail(model, faces, error,
+    for (int64_t i = 0; i < grid->n && !status; i++) {
+        if (ends[i] > last && vtk_faces_hold(model, grid, stream + last, ends[i] - last))
+            status = vtu_fail(document, faces,
                               "a polyhedron's are not: how many faces, and of each how many nodes, "
                               "and which of the points");
         last = ends[i] > last ? ends[i] : last;
@@ -82,105 +210,98 @@ static int hold_streams(io_model *model, vtu_document *document, int64_t index,
     return status;
 }
 
-/** How many numbers of the next list these n refer to: ends of stretches (the last), or indices. */
-static int read_extent(io_model *model, vtu_document *document, int64_t index, vtu_role role,
-                       int64_t *n, planish_error *error) {
-    vtu_array *array = find_array(document, index, role, NULL);
-    int64_t *values = NULL, extent = 0;
-    int status = vtu_read_integers(model, document, array, *n, &values, NULL, error);
-    const int are_ends = role != VTU_POLYHEDRON_TO_FACES;
-    for (int64_t i = 0; i < *n && !status; i++) {
-        if (values[i] < 0 || (are_ends && values[i] < extent) || values[i] == INT64_MAX)
-            status = vtu_fail(model, array, error, "they do not rise, or one is none");
-        else if (are_ends || values[i] >= extent)
-            extent = values[i] + !are_ends;
+/** The same of version 2.3: a list refers to the numbers of the next list, by ends of stretches or
+ *  by indices; the last one has nodes. */
+static int hold_face_nodes(io_model *model, vtu_document *document, int64_t piece,
+                           const vtk_grid *grid) {
+    static const vtu_role roles[] = {VTU_POLYHEDRON_OFFSETS, VTU_POLYHEDRON_TO_FACES, VTU_FACE_ENDS,
+                                     VTU_FACE_NODES};
+    vtu_array *lists[4];
+    int64_t n = grid->n;
+    int status = PLANISH_OK;
+    for (int k = 0; k < 4; k++)
+        if (!(lists[k] = find_array(document, piece, roles[k], NULL)))
+            return PLANISH_OK;
+    for (int k = 0; k < 3 && !status; k++) {
+        const int are_ends = roles[k] != VTU_POLYHEDRON_TO_FACES;
+        int64_t *values = NULL, extent = 0;
+        status = vtu_read_numbers(document, lists[k], n, &values, NULL, NULL);
+        for (int64_t i = 0; i < n && !status; i++) {
+            if (values[i] < 0 || (are_ends && values[i] < extent) || values[i] == INT64_MAX)
+                status = vtu_fail(document, lists[k], "they do not rise, or one is none");
+            else if (are_ends || values[i] >= extent)
+                extent = values[i] + !are_ends;
+        }
+        n = extent;
+        pl_free(values);
     }
-    *n = extent;
-    pl_free(values);
-    return status;
-}
-
-/** The same of version 2.3: faces have lists of nodes. */
-static int hold_face_nodes(io_model *model, vtu_document *document, int64_t index,
-                           const vtk_grid *cells, planish_error *error) {
-    static const vtu_role lists[] = {VTU_POLYHEDRON_OFFSETS, VTU_POLYHEDRON_TO_FACES,
-                                     VTU_FACE_ENDS};
-    vtu_array *nodes = find_array(document, index, VTU_FACE_NODES, NULL);
-    int64_t n = cells->n;
-    int32_t *list = NULL;
-    int status = PLANISH_OK, all = nodes != NULL;
-    for (int i = 0; i < 3; i++)
-        all &= find_array(document, index, lists[i], NULL) != NULL;
-    if (!all)
-        return PLANISH_OK;
-    for (int i = 0; i < 3 && !status; i++)
-        status = read_extent(model, document, index, lists[i], &n, error);
+    int32_t *nodes = NULL;
     if (!status)
-        status = vtu_read_integers(model, document, nodes, n, NULL, &list, error);
-    if (!status && vtk_nodes_hold(model, cells, list, n))
-        status = vtu_fail(model, nodes, error, "a node is not among the points");
-    pl_free(list);
+        status = vtu_read_numbers(document, lists[3], n, NULL, &nodes, NULL);
+    if (!status && vtk_nodes_hold(model, grid, nodes, n))
+        status = vtu_fail(document, lists[3], "a node is not among the points");
+    pl_free(nodes);
     return status;
 }
 
-static int hold_faces(io_model *model, vtu_document *document, int64_t index, const vtk_grid *cells,
-                      planish_error *error) {
-    enum { POLYHEDRON = 42 };
-    for (int64_t i = 0; i < cells->n; i++) {
-        if (cells->type[i] != POLYHEDRON)
-            continue;
-        const int status = hold_streams(model, document, index, cells, error);
-        return status ? status : hold_face_nodes(model, document, index, cells, error);
-    }
-    return PLANISH_OK;
-}
-
-static int read_piece_cells(io_model *model, vtu_document *document, int64_t index,
-                            planish_error *error) {
-    const vtu_piece *piece = &document->piece[index];
-    vtu_array *connectivity = find_array(document, index, VTU_CONNECTIVITY, NULL);
-    vtu_array *offsets = find_array(document, index, VTU_OFFSETS, NULL);
-    vtu_array *types = find_array(document, index, VTU_TYPES, NULL);
-    int32_t *type = NULL;
-    vtk_grid cells = {.n = piece->n_cells,
-                      .n_points = piece->n_points,
-                      .first_point = piece->first_point,
-                      .first_cell = piece->first_cell,
-                      .is_piece = document->n_pieces > 1};
-    if (piece->n_cells == 0)
-        return PLANISH_OK;
+/** Read the lists of a piece's cells, which has some, to grid. */
+static int read_lists(vtu_document *document, int64_t piece, vtk_grid *grid) {
+    vtu_array *connectivity = find_array(document, piece, VTU_CONNECTIVITY, NULL);
+    vtu_array *offsets = find_array(document, piece, VTU_OFFSETS, NULL);
+    vtu_array *types = find_array(document, piece, VTU_TYPES, NULL);
+    int64_t *ends = NULL;
     if (!connectivity || !offsets || !types)
-        return io_fail_at(model, model->input.data + model->input.size, error,
-                          "Cells must have connectivity, offsets and types (the file may be cut "
-                          "short)");
-    int status = read_offsets(model, document, offsets, &cells, error);
+        return fail_end(document, "Cells must have connectivity, offsets and types");
+    /* Offsets of the file are ends of cells; ours begin with 0. */
+    int status = vtu_read_numbers(document, offsets, grid->n, &ends, NULL, NULL);
+    if (!status && !(grid->offset = pl_alloc(grid->n + 1, sizeof *grid->offset)))
+        status = pl_fail_memory(document->error, "the cells");
+    if (!status) {
+        grid->offset[0] = 0;
+        memcpy(grid->offset + 1, ends, (size_t)grid->n * sizeof *ends);
+        grid->n_connectivity = ends[grid->n - 1];
+    }
+    pl_free(ends);
+    if (!status && grid->n_connectivity < 0)
+        status = vtu_fail(document, offsets, "they do not rise");
     if (!status)
-        status = vtu_read_integers(model, document, connectivity, cells.n_connectivity, NULL,
-                                   &cells.connectivity, error);
+        status = vtu_read_numbers(document, connectivity, grid->n_connectivity, NULL,
+                                  &grid->connectivity, NULL);
+    return status ? status : vtu_read_numbers(document, types, grid->n, NULL, &grid->type, NULL);
+}
+
+static int read_piece_cells(io_model *model, vtu_document *document, int64_t index) {
+    const vtu_piece *piece = &document->piece[index];
+    vtk_grid grid = {.n = piece->n_cells,
+                     .n_points = piece->n_points,
+                     .first_point = piece->first_point,
+                     .first_cell = piece->first_cell,
+                     .is_piece = document->n_pieces > 1};
+    if (grid.n == 0)
+        return PLANISH_OK;
+    int status = read_lists(document, index, &grid), has_polyhedra = 0;
     if (!status)
-        status = vtu_read_integers(model, document, types, cells.n, NULL, &type, error);
-    cells.type = type;
-    if (!status)
-        status = vtk_cells_store(model, &cells, error);
-    if (!status)
-        status = hold_faces(model, document, index, &cells, error);
-    pl_free(cells.connectivity);
-    pl_free(cells.offset);
-    pl_free(type);
+        status = vtk_cells_store(model, &grid, document->error);
+    for (int64_t i = 0; i < grid.n && !status; i++)
+        has_polyhedra |= grid.type[i] == VTK_POLYHEDRON;
+    if (has_polyhedra)
+        status = hold_streams(model, document, index, &grid);
+    if (has_polyhedra && !status)
+        status = hold_face_nodes(model, document, index, &grid);
+    vtk_grid_release(&grid);
     return status;
 }
 
 /* ---- data ---------------------------------------------------------------------------------- */
 
-static int read_fixed(io_model *model, vtu_document *document, int64_t index,
-                      planish_error *error) {
+static int read_fixed(io_model *model, vtu_document *document, int64_t index) {
     const vtu_piece *piece = &document->piece[index];
     vtu_array *array = find_array(document, index, VTU_FIXED, NULL);
     double *values = NULL;
     if (!array || array->n_components < 1 || array->n_components > 9)
         return PLANISH_OK;
     const int64_t n = piece->n_points * array->n_components;
-    int status = vtu_read_reals(model, document, array, n, &values, error);
+    const int status = vtu_read_numbers(document, array, n, NULL, NULL, &values);
     for (int64_t i = 0; i < n && !status; i++)
         if (values[i] != 0)
             io_hold_node(model, piece->first_point + i / array->n_components, IO_HELD_MARKED);
@@ -188,101 +309,64 @@ static int read_fixed(io_model *model, vtu_document *document, int64_t index,
     return status;
 }
 
-/** The numbers of one piece's array: one of the two is allocated. */
-typedef struct numbers {
-    int64_t *whole;
-    double *real;
-} numbers;
-
-static int read_numbers(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
-                        numbers *values, planish_error *error) {
-    *values = (numbers){.whole = NULL};
-    return array->type->kind == VTK_REAL
-               ? vtu_read_reals(model, document, array, n, &values->real, error)
-               : vtu_read_integers(model, document, array, n, &values->whole, NULL, error);
-}
-
 /** Put the values of one piece's cells. What is no array of one number for each cell can tell no
  *  regions; of one with a name that tells regions it is an error. */
-static int put_piece(io_model *model, vtu_document *document, int64_t index, const char *name,
-                     io_array_filler *filler, planish_error *error) {
+static int put_piece(vtu_document *document, int64_t index, const char *name,
+                     io_array_filler *filler) {
     const vtu_piece *piece = &document->piece[index];
     vtu_array *array = find_array(document, index, VTU_CELL_DATA, name);
-    numbers values;
+    int64_t *whole = NULL;
+    double *real = NULL;
     if (piece->n_cells == 0)
         return PLANISH_OK;
     filler->is_broken |= !array || array->n_components != 1 || !array->type;
     if (filler->is_broken)
         return PLANISH_OK;
-    int status = read_numbers(model, document, array, piece->n_cells, &values, error);
+    const int is_real = array->type->kind == VTK_REAL;
+    int status = vtu_read_numbers(document, array, piece->n_cells, is_real ? NULL : &whole, NULL,
+                                  is_real ? &real : NULL);
     if (status == PLANISH_ERROR_FORMAT && planish_region_name(name) <= 0) {
         filler->is_broken = 1;
         status = PLANISH_OK;
     }
     for (int64_t i = 0; i < piece->n_cells && !status && !filler->is_broken; i++) {
-        int64_t value = values.real ? 0 : values.whole[i];
-        const int is_whole = values.real ? io_array_whole(values.real[i], &value) : 1;
-        status = io_array_put(filler, piece->first_cell + i, is_whole, value, error);
+        int64_t value = is_real ? 0 : whole[i];
+        const int is_whole = is_real ? io_array_whole(real[i], &value) : 1;
+        status = io_array_put(filler, piece->first_cell + i, is_whole, value, document->error);
     }
-    pl_free(values.whole);
-    pl_free(values.real);
+    pl_free(whole);
+    pl_free(real);
     return status;
 }
 
-/** Read the array of cell data called name. */
-static int read_cell_array(io_model *model, vtu_document *document, const char *name,
-                           planish_error *error) {
+/** Read cell data. The first piece that has cells has all arrays that can be whole. */
+static int read_cell_data(io_model *model, vtu_document *document) {
     const vtu_piece *last = &document->piece[document->n_pieces - 1];
-    io_array_filler filler;
-    int status = io_array_begin(model, name, last->first_cell + last->n_cells, &filler, error);
-    if (status)
-        return status;
-    for (int64_t i = 0; i < document->n_pieces && !status && !filler.is_broken; i++)
-        status = put_piece(model, document, i, name, &filler, error);
-    if (!status)
-        return io_array_end(model, &filler, error);
-    io_array_drop(&filler);
-    return status;
-}
-
-/** The first piece that has cells: it has all arrays that can be whole. */
-static int64_t first_with_cells(const vtu_document *document) {
     int64_t piece = 0;
+    int status = PLANISH_OK, n = 0;
     while (piece + 1 < document->n_pieces && document->piece[piece].n_cells == 0)
         piece++;
-    return piece;
-}
-
-static int read_cell_data(io_model *model, vtu_document *document, planish_error *error) {
-    const int64_t piece = first_with_cells(document);
-    int status = PLANISH_OK, n = 0;
     for (int64_t i = 0; i < document->n_arrays && n < IO_MOST_ARRAYS && !status; i++) {
         const vtu_array *array = &document->array[i];
+        io_array_filler filler;
         if (array->role != VTU_CELL_DATA || array->piece != piece)
             continue;
-        status = read_cell_array(model, document, array->name, error);
+        status = io_array_begin(model, array->name, last->first_cell + last->n_cells, &filler,
+                                document->error);
+        if (status)
+            return status;
+        for (int64_t k = 0; k < document->n_pieces && !status && !filler.is_broken; k++)
+            status = put_piece(document, k, array->name, &filler);
+        if (status)
+            io_array_drop(&filler);
+        else
+            status = io_array_end(model, &filler, document->error);
         n++;
     }
     return status;
 }
 
 /* ---- the format ---------------------------------------------------------------------------- */
-
-static int read_document(io_model *model, vtu_document *document, planish_error *error) {
-    int status = vtu_read_markup(model, document, error);
-    if (!status && document->n_pieces == 0)
-        status = io_fail_at(model, model->input.data + model->input.size, error,
-                            "there is no Piece (the file may be cut short)");
-    if (!status)
-        status = vtu_read_points(model, document, error);
-    for (int64_t i = 0; i < document->n_pieces && !status; i++)
-        status = read_piece_cells(model, document, i, error);
-    for (int64_t i = 0; i < document->n_pieces && !status; i++)
-        status = read_fixed(model, document, i, error);
-    if (!status)
-        status = read_cell_data(model, document, error);
-    return status ? status : vtu_check_overlaps(model, document, error);
-}
 
 static int read_vtu(io_model *model, planish_error *error) {
     vtu_document *document = pl_alloc_zero(1, sizeof *document);
@@ -291,7 +375,20 @@ static int read_vtu(io_model *model, planish_error *error) {
     model->encoding = document;
     model->columns = 3;
     model->first_number = 0;
-    return read_document(model, document, error);
+    document->model = model;
+    document->error = error;
+    int status = vtu_read_markup(document);
+    if (!status && document->n_pieces == 0)
+        status = fail_end(document, "there is no Piece");
+    if (!status)
+        status = read_points(model, document);
+    for (int64_t i = 0; i < document->n_pieces && !status; i++)
+        status = read_piece_cells(model, document, i);
+    for (int64_t i = 0; i < document->n_pieces && !status; i++)
+        status = read_fixed(model, document, i);
+    if (!status)
+        status = read_cell_data(model, document);
+    return status ? status : check_overlaps(document);
 }
 
 static void release_vtu(io_model *model) {

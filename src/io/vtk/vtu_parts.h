@@ -1,5 +1,10 @@
-/* vtu: what the parts of the reader and writer of VTK's XML files (.vtu) share; for vtu.c,
- * vtu_xml.c, vtu_array.c, vtu_points.c and vtu_encode.c.
+/* vtu: what the parts of the reader and writer of VTK's XML files (.vtu) share.
+ *
+ *   vtu_document, vtu_piece, vtu_array   a file, as its markup tells
+ *   vtu_xml.c      reads the markup
+ *   vtu_array.c    decodes the numbers of arrays
+ *   vtu.c          makes the model of them
+ *   vtu_encode.c   writes points
  *
  * The XML is walked once by Expat, which sees the markup only: the numbers between are passed over.
  * Of that remains a list of the file's data arrays, each with the place of its bytes. Functions
@@ -8,12 +13,11 @@
 #ifndef PL_IO_VTK_VTU_PARTS_H
 #define PL_IO_VTK_VTU_PARTS_H
 
-#include "io/core/format.h"
-#include "io/vtk/compression.h"
 #include "io/core/records.h"
-#include "io/vtk/vtk.h"
+#include "io/vtk/compression.h"
+#include "io/vtk/vtk_numbers.h"
 
-/** What an array is to planish. */
+/** Meaning of an array to planish. */
 typedef enum vtu_role {
     VTU_OTHER,
     VTU_POINTS,
@@ -30,7 +34,10 @@ typedef enum vtu_role {
     VTU_CELL_DATA /* cell data with a name */
 } vtu_role;
 
-/** How the numbers of an array stand in the file. */
+/** Names of arrays by their role, of cells as in the file, for messages. */
+extern const char *const vtu_role_names[];
+
+/** Form of the numbers of an array in the file. */
 typedef enum vtu_form {
     VTU_ASCII,
     VTU_BASE64, /* in the element, or appended */
@@ -61,9 +68,11 @@ typedef struct vtu_piece {
 
 /** A file, as its markup tells. */
 typedef struct vtu_document {
-    int is_grid;     /* inside of VTKFile there is an UnstructuredGrid */
-    int swapped;     /* numbers are not in this machine's byte order */
-    int header_size; /* bytes of the numbers in headers of arrays: 4 or 8 */
+    const io_model *model; /* of the call under way, */
+    planish_error *error;  /* and its error */
+    int is_grid;           /* inside of VTKFile there is an UnstructuredGrid */
+    int swapped;           /* numbers are not in this machine's byte order */
+    int header_size;       /* bytes of the numbers in headers of arrays: 4 or 8 */
     io_compression compression;
     vtu_piece *piece; /* [n_pieces] owned */
     int64_t n_pieces, piece_capacity;
@@ -74,14 +83,11 @@ typedef struct vtu_document {
     int64_t unpacked; /* bytes that packed arrays have become: vtu_array.c bounds it */
 } vtu_document;
 
-/** The numbers of an array, decoded. */
+/** The bytes of an array, decoded. */
 typedef struct vtu_values {
     const char *data;
     char *owned;     /* NULL: they are the file's own bytes */
-    int64_t n;       /* numbers that were asked for, */
-    int64_t n_bytes; /* and bytes of all that the array has */
-    const vtk_type *type;
-    int swapped;
+    int64_t n_bytes; /* of all that the array has */
 } vtu_values;
 
 /** Numbers that packed arrays begin with, before the blocks' sizes. */
@@ -98,60 +104,44 @@ typedef struct vtu_blocks {
     int64_t text_end;  /* byte of the file behind the array */
 } vtu_blocks;
 
-/** The piece that an array is of. */
-static inline const vtu_piece *vtu_piece_of(const vtu_document *document, const vtu_array *array) {
-    return &document->piece[array->piece];
-}
-
 /* ---- vtu_xml.c ----------------------------------------------------------------------------- */
 
 /** Fill in the document; released by vtu_document_release, also on failure. */
-int vtu_read_markup(io_model *model, vtu_document *document, planish_error *error);
+int vtu_read_markup(vtu_document *document);
 void vtu_document_release(vtu_document *document);
 
 /* ---- vtu_array.c --------------------------------------------------------------------------- */
 
-/** Decode a binary array of at least n numbers; tells its data_end. */
-int vtu_decode(const io_model *model, vtu_document *document, vtu_array *array, int64_t n,
-               vtu_values *values, planish_error *error);
+/** Fail about an array: "FILE:LINE: ARRAY: text". */
+int vtu_fail(const vtu_document *document, const vtu_array *array, const char *text);
+
+/** Decode a binary array of at least n numbers, and note its data_end. Release values in any case.
+ */
+int vtu_decode(vtu_document *document, vtu_array *array, int64_t n, vtu_values *values);
 void vtu_values_release(vtu_values *values);
 
-/** Number i. */
-double vtu_real(const vtu_values *values, int64_t i);
-int64_t vtu_integer(const vtu_values *values, int64_t i);
+/** Read n records of tokens words each from an array of text. */
+int vtu_read_text(const vtu_document *document, const vtu_array *array, int64_t n, int64_t tokens,
+                  io_records_fn *read, void *context);
 
-/** The first n integers of an array of any form, as int64_t or (those that do not fit are an error)
- *  int32_t: *wide or *narrow is allocated, the other is NULL. */
-int vtu_read_integers(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
-                      int64_t **wide, int32_t **narrow, planish_error *error);
+/** Read the first n numbers of an array of any form to a new array: *wide, *narrow (numbers that do
+ *  not fit are an error) or *real, whichever pointer is not NULL. The first two want whole numbers.
+ */
+int vtu_read_numbers(vtu_document *document, vtu_array *array, int64_t n, int64_t **wide,
+                     int32_t **narrow, double **real);
 
-/** An array of point or cell data: its first n numbers as doubles, allocated. */
-int vtu_read_reals(io_model *model, vtu_document *document, vtu_array *array, int64_t n,
-                   double **values, planish_error *error);
-
-/** The blocks of a packed array of at least bytes bytes. */
-int vtu_find_blocks(const io_model *model, vtu_document *document, const vtu_array *array,
-                    int64_t bytes, vtu_blocks *blocks, planish_error *error);
+/** Find the blocks of a packed array of at least bytes bytes. Release them in any case. */
+int vtu_find_blocks(const vtu_document *document, const vtu_array *array, int64_t bytes,
+                    vtu_blocks *blocks);
 void vtu_blocks_release(vtu_blocks *blocks);
 
 /** Bytes that all arrays that are used may be, unpacked: more is a small file that expands without
  *  bound, and no mesh. */
-int64_t vtu_most_unpacked(const io_model *model, const vtu_document *document);
-
-/** "FILE:LINE: text" about an array. */
-int vtu_fail(const io_model *model, const vtu_array *array, planish_error *error, const char *text);
-
-/* ---- vtu_points.c -------------------------------------------------------------------------- */
-
-/** Read the points of all pieces, note where they stand. */
-int vtu_read_points(io_model *model, vtu_document *document, planish_error *error);
-
-/** Whether the bytes of appended points are theirs alone, so that they can be replaced. */
-int vtu_check_overlaps(const io_model *model, const vtu_document *document, planish_error *error);
+int64_t vtu_most_unpacked(const vtu_document *document);
 
 /* ---- vtu_encode.c -------------------------------------------------------------------------- */
 
-/** What the points that no span tells the place of become (io_format.encode). */
+/** Encode the points that no span tells the place of (io_format.encode). */
 int vtu_encode_points(const io_model *model, const double *coordinates, int threads,
                       io_edits *edits, planish_error *error);
 
