@@ -5,7 +5,7 @@
 #include "terminal/message.h"
 #include "terminal/platform.h"
 #include "terminal/signals.h"
-#include "terminal/suggest.h"
+#include "terminal/text.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -25,13 +25,12 @@ static int print_version(void) {
 /** Message for a word that names no command. */
 static int complain_command(const char *word) {
     char names[128];
-    pl_suggestion suggestion = {.typed = word};
+    const char *nearest = NULL;
     const pl_command_text *command;
     for (int i = 0; (command = pl_command_at(i)); i++)
-        pl_suggest(&suggestion, command->name);
-    if (suggestion.nearest)
-        return pl_complain_usage(NULL, "unknown command '%s'; did you mean %s?", word,
-                                 suggestion.nearest);
+        nearest = pl_text_nearer(word, nearest, command->name);
+    if (nearest)
+        return pl_complain_usage(NULL, "unknown command '%s'; did you mean %s?", word, nearest);
     return pl_complain_usage(NULL, "unknown command '%s'; it must be %s", word,
                              pl_command_list(", ", " or ", names, sizeof names));
 }

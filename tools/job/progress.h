@@ -2,7 +2,6 @@
 #ifndef PL_TOOLS_PROGRESS_H
 #define PL_TOOLS_PROGRESS_H
 
-#include "job/estimate.h"
 #include "options/options.h"
 
 /** What a command is at. */
@@ -14,6 +13,13 @@ typedef enum pl_phase {
     PL_PHASE_CHECKING,
     PL_PHASE_WRITING
 } pl_phase;
+
+/** A sweep that was done. */
+typedef struct pl_sweep {
+    double rms, rms_movable, objective, seconds;
+    int64_t inverted, below_min_volume, visits;
+    int restoring, worst; /* as in planish_progress */
+} pl_sweep;
 
 typedef struct pl_progress {
     enum { PL_SHOW_NOTHING, PL_SHOW_BAR, PL_SHOW_SWEEPS, PL_SHOW_COLOURS } show;

@@ -3,7 +3,7 @@
 
 #include "options/commands.h"
 #include "terminal/message.h"
-#include "terminal/suggest.h"
+#include "terminal/text.h"
 
 #include "base/parallel.h"
 
@@ -550,14 +550,14 @@ static const option_row *find_row(pl_command command, int code) {
 static int complain_unknown(pl_command command, const char *name, const char *word) {
     char typed[64], others[128] = "";
     snprintf(typed, sizeof typed, "%.*s", (int)strcspn(word, "="), word);
-    pl_suggestion suggestion = {.typed = typed};
+    const char *nearest = NULL;
     const option_row *elsewhere = NULL;
     size_t used = 0;
     for (int i = 0; i < N_OPTIONS; i++) {
         const option_row *row = &option_table[i];
         const int is_here = (row->commands & command) != 0;
         if (is_here)
-            pl_suggest(&suggestion, row->name);
+            nearest = pl_text_nearer(typed, nearest, row->name);
         else if (strcmp(row->name, typed) == 0)
             elsewhere = row;
         if (is_here && typed[0] && strncmp(row->name, typed, strlen(typed)) == 0 &&
@@ -571,9 +571,8 @@ static int complain_unknown(pl_command command, const char *name, const char *wo
         return pl_complain_usage(name, "option '--%s' is ambiguous: %s", typed, others);
     if (elsewhere)
         return pl_complain_usage(name, "option --%s is not one of planish %s", typed, name);
-    if (suggestion.nearest)
-        return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed,
-                                 suggestion.nearest);
+    if (nearest)
+        return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed, nearest);
     return pl_complain_usage(name, "unknown option '--%s'", typed);
 }
 

@@ -30,4 +30,8 @@ void pl_text_wrap(FILE *stream, const char *sentence);
  *  that changes the direction of what follows; *code: its number. Else 0. */
 int pl_text_control(const char *text, uint32_t *code);
 
+/** Return word if it is near to a mistyped one, and nearer than nearest (NULL: none so far); else
+ *  nearest. */
+const char *pl_text_nearer(const char *typed, const char *nearest, const char *word);
+
 #endif
