@@ -23,90 +23,72 @@
 
 /* ---- the JSON ------------------------------------------------------------------------------- */
 
-/* A result of some million elements that fall short has hundreds of megabytes; more is none. */
-static const size_t LARGEST_JSON = (size_t)1 << 30;
-
-/** Read all of file into *text, to be freed, of *length; 0, or an errno that says what is wrong. */
-static int read_all(FILE *file, char **text, size_t *length) {
+/** Read the file at path: its text [length], to be freed, or NULL after a message. */
+static char *read_text(const char *path, size_t *length) {
+    /* A result of some million elements that fall short has hundreds of megabytes; more is none. */
+    static const size_t LARGEST = (size_t)1 << 30;
+    const int fd = pl_file_open(path, PL_FILE_READ);
+    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
+    int wrong = file ? 0 : errno;
     size_t capacity = 1 << 16;
+    char *text = malloc(capacity);
     *length = 0;
-    *text = malloc(capacity);
-    while (*text && !feof(file)) {
+    while (!wrong && text && !feof(file)) {
         errno = 0;
-        *length += fread(*text + *length, 1, capacity - *length, file);
+        *length += fread(text + *length, 1, capacity - *length, file);
         if (ferror(file) && errno != EINTR)
-            return errno ? errno : EIO;
-        if (ferror(file))
+            wrong = errno ? errno : EIO;
+        else if (ferror(file))
             clearerr(file);
         if (*length < capacity)
             continue;
         capacity *= 2;
-        char *longer = capacity <= LARGEST_JSON ? realloc(*text, capacity) : NULL;
+        char *longer = capacity <= LARGEST ? realloc(text, capacity) : NULL;
         if (!longer)
-            return capacity <= LARGEST_JSON ? ENOMEM : EFBIG;
-        *text = longer;
+            wrong = capacity <= LARGEST ? ENOMEM : EFBIG;
+        else
+            text = longer;
     }
-    return *text ? 0 : ENOMEM;
-}
-
-/** The text of the file at path, to be freed, or NULL after a message. */
-static char *read_text(const char *path, size_t *length) {
-    const int fd = pl_file_open(path, PL_FILE_READ);
-    FILE *file = fd >= 0 ? fdopen(fd, "rb") : NULL;
-    char *text = NULL;
-    const int wrong = file ? read_all(file, &text, length) : errno;
     if (file)
         fclose(file);
-    if (!wrong)
+    if (!wrong && text)
         return text;
-    pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(wrong));
+    pl_complain(PL_EXIT_FAILED, "%s: %s", path, strerror(wrong ? wrong : ENOMEM));
     free(text);
     return NULL;
-}
-
-/** Line of text, from 1, that the byte at belongs to. */
-static int64_t line_of(const char *text, const char *at) {
-    int64_t line = 1;
-    for (const char *c = text; c < at; c++)
-        line += *c == '\n';
-    return line;
-}
-
-/** Complain of text, which cJSON could not read from at on: for want of memory, or of JSON. */
-static void complain_json(const char *path, const char *text, const char *at) {
-    pl_complain(PL_EXIT_FAILED,
-                "%s, line %" PRId64
-                ": is not JSON (or too large for the memory); give the file that "
-                "'planish smooth --json' has written",
-                path, line_of(text, at ? at : text));
-}
-
-/** Whether nothing but white space is left of text [length] from at on. */
-static int is_end(const char *text, size_t length, const char *at) {
-    while (at < text + length && strchr(" \t\r\n", *at) && *at)
-        at++;
-    return at == text + length;
 }
 
 /** Parse the file; NULL after a message. */
 static cJSON *read_result(const char *path, pl_figures *figures) {
     size_t length;
     char *text = read_text(path, &length);
-    const char *end = NULL;
+    const char *end = NULL, *flaw = NULL;
     if (!text)
         return NULL;
     cJSON *result = cJSON_ParseWithLengthOpts(text, length, &end, 0);
-    const int is_json = result && is_end(text, length, end);
-    const char *flaw = is_json ? pl_figures_find(result, figures) : NULL;
-    if (!is_json)
-        complain_json(path, text, end);
-    else if (flaw)
-        pl_complain(
-            PL_EXIT_FAILED,
-            "%s: is not a result of 'planish smooth --json' or 'planish quality --json': it %s",
-            path, flaw);
+    const char *at = result ? end : NULL;
+    while (at && at < text + length && *at && strchr(" \t\r\n", *at))
+        at++;
+    if (at == text + length) {
+        flaw = pl_figures_find(result, figures);
+        if (flaw)
+            pl_complain(PL_EXIT_FAILED,
+                        "%s: is not a result of 'planish smooth --json' or 'planish quality "
+                        "--json': it %s",
+                        path, flaw);
+    } else { /* cJSON lacks memory, or the file is none */
+        int64_t line = 1;
+        for (const char *c = text; c < end; c++)
+            line += *c == '\n';
+        flaw = "is not JSON";
+        pl_complain(PL_EXIT_FAILED,
+                    "%s, line %" PRId64
+                    ": is not JSON (or too large for the memory); give the file that "
+                    "'planish smooth --json' has written",
+                    path, line);
+    }
     free(text);
-    if (is_json && !flaw)
+    if (!flaw)
         return result;
     cJSON_Delete(result);
     return NULL;
@@ -156,38 +138,13 @@ static int find_place(const drawing *d, const char *file, int i, char *path, siz
            status.kind == PL_FILE_REGULAR;
 }
 
-/** Whether the mesh has the coordinates that the result says. */
-static int is_same(const pl_job *job, const char *checksum) {
-    char text[17];
-    snprintf(text, sizeof text, "%016" PRIx64, pl_job_checksum(job));
-    return strcmp(text, checksum) == 0;
-}
-
-static int draw_job(drawing *d, pl_job *job, const wanted *w) {
-    planish_error error;
-    int status = 0;
-    const int code = job->engine->plan_create(job, &error);
-    if (code == PLANISH_ERROR_MEMORY)
-        return pl_job_complain(job, PL_EXIT_FAILED, &error);
-    if (code) {
-        lack(d, w, error.text);
-        return 0;
-    }
-    if (!d->picture)
-        status = pl_picture_begin(job, &d->picture);
-    if (!status && !pl_picture_fits(d->picture, job))
-        lack(d, w, "has other elements");
-    else if (!status)
-        status = pl_picture_take(d->picture, job, w->name);
-    return status;
-}
-
 /** Draw the state from the file at path if it has the mesh; *why is set to why not, or to NULL.
  *  Returns 0, or an exit status after a message. */
 static int try_place(drawing *d, const wanted *w, const char *path, const char **why) {
     pl_arguments arguments = {.command = PL_COMMAND_REPORT, .input = path};
     pl_job job = {.arguments = &arguments, .engine = &pl_engine_here};
     planish_error error;
+    char checksum[17];
     int status = 0;
     *why = "cannot be read any more";
     planish_options_init(&job.options);
@@ -196,14 +153,26 @@ static int try_place(drawing *d, const wanted *w, const char *path, const char *
                                       .threads = job.options.threads,
                                       .isolated = 1,
                                       .plane_tolerance = 1e-3}; /* whatever it was taken with */
-    const int code = planish_file_open_with(path, &how, &job.file, &error);
+    int code = planish_file_open_with(path, &how, &job.file, &error);
     if (code)
         return code == PLANISH_ERROR_MEMORY ? pl_job_complain(&job, PL_EXIT_FAILED, &error) : 0;
-    *why = "has other coordinates now";
     job.mesh = planish_file_mesh(job.file);
-    if (is_same(&job, w->checksum)) {
+    snprintf(checksum, sizeof checksum, "%016" PRIx64, pl_job_checksum(&job));
+    if (strcmp(checksum, w->checksum) != 0) {
+        *why = "has other coordinates now";
+    } else {
         *why = NULL;
-        status = draw_job(d, &job, w);
+        code = job.engine->plan_create(&job, &error);
+        if (code == PLANISH_ERROR_MEMORY)
+            status = pl_job_complain(&job, PL_EXIT_FAILED, &error);
+        else if (code)
+            lack(d, w, error.text);
+        else if (!d->picture)
+            status = pl_picture_begin(&job, &d->picture);
+        if (!code && !status && !pl_picture_fits(d->picture, &job))
+            lack(d, w, "has other elements");
+        else if (!code && !status)
+            status = pl_picture_take(d->picture, &job, w->name);
     }
     pl_job_close(&job);
     pl_signals_set_input(NULL);
@@ -225,22 +194,20 @@ static int draw_state(drawing *d, const wanted *w) {
     return status;
 }
 
+/** Draw what the result has: one mesh, or two states of it. */
 static int draw(drawing *d) {
     const cJSON *result = d->figures->result;
+    const int is_one = d->figures->n_states == 1;
     const char *format = pl_figure_text(result, "format");
-    wanted input = {"before", pl_figure_text(result, "input"), format[0] ? format : NULL,
-                    pl_figure_text(result, "input_checksum")};
+    const wanted input = {is_one ? "mesh" : "before", pl_figure_text(result, "input"),
+                          format[0] ? format : NULL,
+                          pl_figure_text(result, is_one ? "checksum" : "input_checksum")};
     const wanted output = {"after", pl_figure_text(result, "output"), NULL,
                            pl_figure_text(result, "checksum")};
     if (!pl_page_can_draw())
         return 0;
-    if (d->figures->n_states == 1) {
-        input.name = "mesh";
-        input.checksum = output.checksum;
-        return draw_state(d, &input);
-    }
     const int status = draw_state(d, &input);
-    return status ? status : draw_state(d, &output);
+    return status || is_one ? status : draw_state(d, &output);
 }
 
 /* ---- the command ---------------------------------------------------------------------------- */
@@ -277,17 +244,6 @@ static int check_meshes(const drawing *d, const char *output) {
     return 0;
 }
 
-static int report(drawing *d, const char *output, int is_quiet) {
-    int status = check_meshes(d, output);
-    if (!status)
-        status = draw(d);
-    if (!status && d->lacks[0] && !is_quiet)
-        pl_note(stderr, "%s", d->lacks);
-    if (!status)
-        status = pl_page_write(output, d->figures, d->picture, d->lacks, PL_EXIT_FAILED);
-    return status;
-}
-
 int pl_report_command(const pl_arguments *arguments) {
     char output[PATH_MAX];
     pl_figures figures;
@@ -297,7 +253,13 @@ int pl_report_command(const pl_arguments *arguments) {
         return PL_EXIT_FAILED;
     int status = find_output(arguments, output, sizeof output);
     if (!status)
-        status = report(&d, output, arguments->verbosity == PL_QUIET);
+        status = check_meshes(&d, output);
+    if (!status)
+        status = draw(&d);
+    if (!status && d.lacks[0] && arguments->verbosity != PL_QUIET)
+        pl_note(stderr, "%s", d.lacks);
+    if (!status)
+        status = pl_page_write(output, &figures, d.picture, d.lacks, PL_EXIT_FAILED);
     pl_picture_free(d.picture);
     cJSON_Delete(result);
     return status;
