@@ -48,8 +48,10 @@ typedef struct io_hdf5_names {
     char **name; /* [n] owned */
     int64_t n, capacity;
 } io_hdf5_names;
-/** Fails on a link to another file. Release in any case. */
+/** List the names in the group at path. Fails on a link to another file. Release in any case. */
 int io_hdf5_list(io_hdf5 *file, const char *path, io_hdf5_names *names);
+/** Add a name, which is taken over, or released on failure; NULL: without memory. */
+int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, char *name);
 void io_hdf5_names_release(io_hdf5_names *names);
 
 /** The attribute of an object, a whole number or text (cut off at size); *found, and value

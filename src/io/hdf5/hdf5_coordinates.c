@@ -43,11 +43,9 @@ static int add_amended(io_hdf5 *file, const io_hdf5_place *place) {
         a ? pl_grow(a->place, a->n, a->n + 1, &a->capacity, sizeof *grown) : NULL;
     if (grown)
         a->place = grown;
-    size_t size = strlen(place->path) + 1;
-    char *path = grown ? pl_alloc((int64_t)size, 1) : NULL;
+    char *path = grown ? pl_copy_text(place->path) : NULL;
     if (!path)
         return pl_fail_memory(file->error, "the places of coordinates");
-    memcpy(path, place->path, size);
     a->place[a->n] = *place;
     a->place[a->n++].path = path;
     return PLANISH_OK;
@@ -55,24 +53,9 @@ static int add_amended(io_hdf5 *file, const io_hdf5_place *place) {
 
 /* ---- places ------------------------------------------------------------------------------- */
 
-static int64_t span_end(const io_span *s) {
-    const int size = s->encoding == IO_FLOAT32 ? 4 : 8;
-    return s->offset + (s->n_nodes - 1) * s->stride + s->n_components * size;
-}
-
-/** Keep the span for io_hdf5_coordinates_end. */
-static int add_span(io_hdf5 *file, io_span span) {
-    io_span *grown =
-        pl_grow(file->span, file->n_spans, file->n_spans + 1, &file->span_capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(file->error, "the places of coordinates");
-    file->span = grown;
-    if (span.n_nodes > 0)
-        file->span[file->n_spans++] = span;
-    return PLANISH_OK;
-}
-
-/** Values first .. last - 1 of the dataset stand at offset: spans of the nodes that they are of. */
+/** Add spans of the nodes that values first .. last - 1 of the dataset are of; these stand at
+ * offset.
+ */
 static int add_run(io_hdf5 *file, const io_hdf5_place *place, io_span like, int64_t first,
                    int64_t last, int64_t offset) {
     const int size = like.encoding == IO_FLOAT32 ? 4 : 8;
@@ -91,27 +74,21 @@ static int add_run(io_hdf5 *file, const io_hdf5_place *place, io_span like, int6
         span.offset = offset + (begin + from * step - first) * size;
         span.component = place->component + c;
         span.n_components = side_by_side ? place->n_components : 1;
-        status = add_span(file, span);
+        if (span.n_nodes > 0)
+            status = io_model_span(file->model, span, file->error);
     }
     return status;
 }
 
-/** One chunk: whole rows, as they stand in the dataset. */
-static int add_chunk(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d, io_span like,
-                     int64_t row, int64_t offset) {
-    const int64_t rows = d->shape.dims[0] - row, width = d->shape.dims[1];
-    const int64_t n = rows < (int64_t)d->chunk[0] ? rows : (int64_t)d->chunk[0];
-    return add_run(file, place, like, row * width, (row + n) * width, offset);
-}
-
 #if H5_VERSION_GE(1, 10, 5)
-/** Whether all chunks are there without a filter; their spans. */
+/** Add the spans of all chunks, each whole rows as they stand in the dataset, if all are there;
+ *  *is_added: they are. */
 static int add_chunks(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
                       io_span like, int *is_added) {
     const hsize_t rows = (hsize_t)d->shape.dims[0], width = (hsize_t)d->shape.dims[1];
     const hsize_t wanted = (rows + d->chunk[0] - 1) / d->chunk[0];
     const haddr_t bytes = d->chunk[0] * width * (haddr_t)d->size;
-    const int64_t before = file->n_spans;
+    const int64_t before = file->model->n_spans;
     hsize_t n = 0;
     hid_t space = H5Dget_space(d->id);
     int status = PLANISH_OK;
@@ -126,13 +103,15 @@ static int add_chunks(io_hdf5 *file, const io_hdf5_place *place, const hdf5_data
                     offset != HADDR_UNDEF && offset <= (haddr_t)file->model->input.size &&
                     size == bytes && bytes <= (haddr_t)file->model->input.size - offset &&
                     at[0] < rows && at[0] % d->chunk[0] == 0;
+        const hsize_t end = at[0] + d->chunk[0] < rows ? at[0] + d->chunk[0] : rows;
         if (*is_added)
-            status = add_chunk(file, place, d, like, (int64_t)at[0], (int64_t)offset);
+            status = add_run(file, place, like, (int64_t)(at[0] * width), (int64_t)(end * width),
+                             (int64_t)offset);
     }
     if (space >= 0)
         H5Sclose(space);
     if (!*is_added)
-        file->n_spans = before;
+        file->model->n_spans = before;
     return status;
 }
 #else
@@ -160,45 +139,31 @@ static int compare_spans(const void *a, const void *b) {
 }
 
 int io_hdf5_coordinates_end(io_hdf5 *file) {
-    int status = PLANISH_OK;
-    if (file->n_spans > 0)
-        qsort(file->span, (size_t)file->n_spans, sizeof *file->span, compare_spans);
-    for (int64_t i = 0; i < file->n_spans && !status; i++) {
-        if (i > 0 && span_end(&file->span[i - 1]) > file->span[i].offset)
-            return io_fail_at(file->model, file->model->input.data + file->span[i].offset,
-                              file->error,
+    io_model *model = file->model;
+    if (model->n_spans > 0)
+        qsort(model->span, (size_t)model->n_spans, sizeof *model->span, compare_spans);
+    for (int64_t i = 1; i < model->n_spans; i++) {
+        const io_span *s = &model->span[i - 1];
+        const int size = s->encoding == IO_FLOAT32 ? 4 : 8;
+        const int64_t next = model->span[i].offset;
+        if (s->offset + (s->n_nodes - 1) * s->stride + s->n_components * size > next)
+            return io_fail_at(model, model->input.data + next, file->error,
                               "two arrays of coordinates share bytes; the file is damaged");
-        status = io_model_span(file->model, file->span[i], file->error);
     }
-    return status;
+    return PLANISH_OK;
 }
 
 /* ---- values ------------------------------------------------------------------------------- */
 
-/** How the numbers of a type stand in the file. */
+/** Find how the numbers of a type stand in the file. */
 static int take_encoding(io_hdf5 *file, const char *path, hid_t type, io_span *like) {
     const hid_t little[] = {H5T_IEEE_F32LE, H5T_IEEE_F64LE};
     const hid_t big[] = {H5T_IEEE_F32BE, H5T_IEEE_F64BE};
-    for (int i = 0; i < 2; i++) {
-        const int is_little = H5Tequal(type, little[i]) > 0;
-        if (!is_little && H5Tequal(type, big[i]) <= 0)
-            continue;
-        like->encoding = i ? IO_FLOAT64 : IO_FLOAT32;
-        like->swapped = is_little != io_machine_is_little();
-        return PLANISH_OK;
-    }
-    return io_hdf5_fail(file, path, "coordinates of 4 or 8 bytes (float, double) were expected");
-}
-
-static int take_precision(io_hdf5 *file, const char *path, io_encoding encoding) {
-    const planish_precision precision = encoding == IO_FLOAT32 ? PLANISH_FLOAT : PLANISH_DOUBLE;
-    if (file->has_precision && file->model->precision != precision)
-        return io_hdf5_fail(file, path,
-                            "this coordinate is of another precision than those before; give all "
-                            "the same");
-    file->has_precision = 1;
-    file->model->precision = precision;
-    return PLANISH_OK;
+    const int size = hdf5_match_type(type, little, big, &like->swapped);
+    like->encoding = size == 4 ? IO_FLOAT32 : IO_FLOAT64;
+    return size ? PLANISH_OK
+                : io_hdf5_fail(file, path,
+                               "coordinates of 4 or 8 bytes (float, double) were expected");
 }
 
 static int take_values(io_hdf5 *file, const io_hdf5_place *place, const io_span *like,
@@ -220,34 +185,35 @@ static int take_values(io_hdf5 *file, const io_hdf5_place *place, const io_span 
     return PLANISH_OK;
 }
 
-/** Through the library, where the bytes are not at hand; *like becomes what its copy is of. */
-static int copy_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d) {
-    const io_span like = {.encoding = IO_FLOAT64};
-    char *data = pl_alloc(d->shape.n, sizeof(double));
-    int status = data ? PLANISH_OK : pl_fail_memory(file->error, "coordinates");
-    if (!status && H5Dread(d->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0)
-        status = hdf5_fail_library(file, place->path, "its coordinates cannot be read");
-    if (!status)
-        status = take_values(file, place, &like, data);
-    pl_free(data);
-    return status;
-}
-
 static int read_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d) {
+    io_model *model = file->model;
+    const io_span of_copy = {.encoding = IO_FLOAT64};
     io_span like = {0};
-    if (d->shape.n / place->n_components != file->model->n_nodes ||
-        d->shape.n % place->n_components)
+    void *copy = NULL;
+    if (d->shape.n / place->n_components != model->n_nodes || d->shape.n % place->n_components)
         return io_hdf5_fail(file, place->path, "%lld coordinates for %lld nodes",
-                            (long long)d->shape.n, (long long)file->model->n_nodes);
+                            (long long)d->shape.n, (long long)model->n_nodes);
     if (d->shape.n == 0)
         return PLANISH_OK;
     int status = take_encoding(file, place->path, d->type, &like);
-    if (!status)
-        status = take_precision(file, place->path, like.encoding);
-    if (!status && d->offset >= 0)
-        status = take_values(file, place, &like, file->model->input.data + d->offset);
-    else if (!status)
-        status = copy_values(file, place, d);
+    if (status)
+        return status;
+    const planish_precision precision =
+        like.encoding == IO_FLOAT32 ? PLANISH_FLOAT : PLANISH_DOUBLE;
+    if (file->has_precision && model->precision != precision)
+        return io_hdf5_fail(file, place->path,
+                            "this coordinate is of another precision than those before; give all "
+                            "the same");
+    file->has_precision = 1;
+    model->precision = precision;
+    if (d->offset >= 0) {
+        status = take_values(file, place, &like, model->input.data + d->offset);
+    } else { /* through the library, as the bytes are not at hand */
+        status = hdf5_dataset_read(file, place->path, d, H5T_NATIVE_DOUBLE, sizeof(double), &copy);
+        if (!status)
+            status = take_values(file, place, &of_copy, copy);
+        pl_free(copy);
+    }
     return status ? status : add_places(file, place, d, like);
 }
 
@@ -279,27 +245,26 @@ int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n) {
     return there == n;
 }
 
-/** Whether the values are those of the model. */
+/** Find whether the values are those of the model. */
 static int compare_values(io_hdf5 *file, const io_hdf5_place *place, const hdf5_dataset *d,
                           int *is_copy) {
     const io_model *model = file->model;
-    double *values = pl_alloc(d->shape.n, sizeof *values);
-    int status = values ? PLANISH_OK : pl_fail_memory(file->error, "coordinates");
-    if (!status && H5Dread(d->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-        status = hdf5_fail_library(file, place->path, "its values cannot be read");
+    void *read;
+    int status = hdf5_dataset_read(file, place->path, d, H5T_NATIVE_DOUBLE, sizeof(double), &read);
+    const double *values = read;
     *is_copy = !status;
     for (int c = 0; c < place->n_components && *is_copy; c++)
         for (int64_t i = 0; i < model->n_nodes && *is_copy; i++)
             *is_copy = values[c * place->component_step + i * place->node_step] ==
                        model->xyz[3 * i + place->component + c];
-    pl_free(values);
+    pl_free(read);
     return status;
 }
 
 /** Whether its bytes are coordinates already, by another link to them. */
 static int is_known(const io_hdf5 *file, const hdf5_dataset *d) {
-    for (int64_t i = 0; i < file->n_spans && d->offset >= 0; i++)
-        if (file->span[i].offset == d->offset)
+    for (int64_t i = 0; i < file->model->n_spans && d->offset >= 0; i++)
+        if (file->model->span[i].offset == d->offset)
             return 1;
     return 0;
 }
@@ -325,61 +290,50 @@ int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is
 
 /* ---- rows of a file that is no mesh of ours ------------------------------------------------- */
 
-/** The spans of rows, if they are doubles as in memory. */
-static int find_rows(io_hdf5 *file, const io_hdf5_place *place, io_span **span, int64_t *n_spans) {
-    hdf5_dataset d;
-    io_span like = {0};
-    int status = hdf5_dataset_open(file, place->path, &d);
-    if (!status && (d.shape.rank == 1 || d.shape.dims[1] == place->n_components) &&
-        d.shape.n == file->model->n_nodes * place->n_components)
-        status = take_encoding(file, place->path, d.type, &like);
-    if (!status && like.encoding == IO_FLOAT64 && !like.swapped)
-        status = add_places(file, place, &d, like);
-    hdf5_dataset_close(&d);
-    *span = file->span;
-    *n_spans = file->n_spans;
-    file->span = NULL;
-    return status;
-}
-
 int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
                       int64_t *n_spans, planish_error *error) {
     io_model model = {.n_nodes = n};
     io_hdf5 *file = NULL;
+    hdf5_dataset d = {.id = -1, .type = -1};
+    io_span like = {0};
     const io_hdf5_place place = {(char *)(uintptr_t)dataset, 0, width, width, 1};
-    *span = NULL;
-    *n_spans = 0;
     int status = io_bytes_open(path, INT64_MAX, &model.input, error);
-    if (status)
-        return status;
-    status = io_hdf5_open(&model, &file, error);
-    if (!status && io_hdf5_kind_of(file, dataset) == IO_HDF5_DATASET)
-        status = find_rows(file, &place, span, n_spans);
+    if (!status)
+        status = io_hdf5_open(&model, &file, error);
+    const int is_there = !status && io_hdf5_kind_of(file, dataset) == IO_HDF5_DATASET;
+    if (is_there)
+        status = hdf5_dataset_open(file, dataset, &d);
+    if (is_there && !status && (d.shape.rank == 1 || d.shape.dims[1] == width) &&
+        d.shape.n == n * width)
+        status = take_encoding(file, dataset, d.type, &like);
+    if (!status && like.encoding == IO_FLOAT64 && !like.swapped)
+        status = add_places(file, &place, &d, like);
+    hdf5_dataset_close(&d);
     io_hdf5_close(file);
     io_hdf5_release(&model);
+    *span = model.span;
+    *n_spans = model.n_spans;
     io_bytes_close(&model.input);
     return status;
 }
 
 /* ---- changing a finished copy -------------------------------------------------------------- */
 
-/** A copy that is open, or the input, and what its coordinates become. */
-typedef struct amendment {
-    io_hdf5 file;
+/** What is asked of io_hdf5_amend. */
+typedef struct request {
+    const io_model *model;
     const double *coordinates; /* [n_nodes][written] */
-    int is_writing;            /* else: only look */
-    int is_changed;
-} amendment;
+    io_output *output;
+} request;
 
 /** Put the coordinates that differ among the dataset's values; not 0: there are any. */
-static int put_values(const amendment *a, const io_hdf5_place *place, int is_float,
-                      double *values) {
-    const io_model *model = a->file.model;
+static int put_values(const request *r, const io_hdf5_place *place, int is_float, double *values) {
+    const io_model *model = r->model;
     int changed = 0;
     for (int c = 0; c < place->n_components && place->component + c < model->written; c++) {
         for (int64_t i = 0; i < model->n_nodes; i++) {
             double *value = &values[c * place->component_step + i * place->node_step];
-            double wanted = a->coordinates[i * model->written + place->component + c];
+            double wanted = r->coordinates[i * model->written + place->component + c];
             wanted = is_float ? pl_round_to_float(wanted) : wanted;
             if (!pl_is_same(*value, wanted)) {
                 *value = wanted;
@@ -390,138 +344,111 @@ static int put_values(const amendment *a, const io_hdf5_place *place, int is_flo
     return changed;
 }
 
-/** Write rows begin .. begin + rows - 1. */
-static int write_rows(const hdf5_dataset *d, const double *values, int64_t begin, int64_t rows) {
-    const hsize_t start[2] = {(hsize_t)begin, 0};
-    const hsize_t count[2] = {(hsize_t)rows, (hsize_t)d->shape.dims[1]};
-    hid_t there = H5Dget_space(d->id), here = H5Screate_simple(d->shape.rank, count, NULL);
-    int written = there >= 0 && here >= 0 &&
-                  (d->shape.rank == 0 ||
-                   H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, count, NULL) >= 0) &&
-                  H5Dwrite(d->id, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT,
-                           values + begin * d->shape.dims[1]) >= 0;
-    if (there >= 0)
-        H5Sclose(there);
-    if (here >= 0)
-        H5Sclose(here);
-    return written ? 0 : -1;
-}
-
-/** Write the blocks of rows in which a value is not what it was. */
+/** Write the blocks of rows in which a value is not what it was. 0 or -1. */
 static int write_blocks(const hdf5_dataset *d, const double *before, const double *after) {
     const int64_t rows = d->shape.dims[0], width = d->shape.dims[1];
-    for (int64_t begin = 0; begin < rows; begin += d->row_block) {
+    int is_written = 1;
+    for (int64_t begin = 0; begin < rows && is_written; begin += d->row_block) {
         const int64_t n = rows - begin < d->row_block ? rows - begin : d->row_block;
         if (memcmp(before + begin * width, after + begin * width,
-                   (size_t)(n * width) * sizeof *before) != 0 &&
-            write_rows(d, after, begin, n))
-            return -1;
+                   (size_t)(n * width) * sizeof *before) == 0)
+            continue;
+        const hsize_t start[2] = {(hsize_t)begin, 0}, count[2] = {(hsize_t)n, (hsize_t)width};
+        hid_t there = H5Dget_space(d->id), here = H5Screate_simple(d->shape.rank, count, NULL);
+        is_written = there >= 0 && here >= 0 &&
+                     (d->shape.rank == 0 ||
+                      H5Sselect_hyperslab(there, H5S_SELECT_SET, start, NULL, count, NULL) >= 0) &&
+                     H5Dwrite(d->id, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT,
+                              after + begin * width) >= 0;
+        if (there >= 0)
+            H5Sclose(there);
+        if (here >= 0)
+            H5Sclose(here);
     }
-    return 0;
+    return is_written ? 0 : -1;
 }
 
-static int amend_dataset(amendment *a, const io_hdf5_place *place, const hdf5_dataset *d,
-                         double *values, double *before) {
-    io_hdf5 *file = &a->file;
-    if (H5Dread(d->id, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-        return hdf5_fail_library(file, place->path, "its coordinates cannot be read");
-    if (before)
-        memcpy(before, values, (size_t)d->shape.n * sizeof *before);
-    const int changed = put_values(a, place, d->size == sizeof(float), values);
-    a->is_changed |= changed;
-    if (a->is_writing && changed && write_blocks(d, before, values))
-        return hdf5_fail_library(file, place->path, "its coordinates cannot be changed");
-    return PLANISH_OK;
-}
-
-/** Where in the dataset the last coordinate of the last node is. */
-static int64_t last_value(const amendment *a, const io_hdf5_place *place) {
-    return (place->n_components - 1) * place->component_step +
-           (a->file.model->n_nodes - 1) * place->node_step;
-}
-
-static int amend_place(amendment *a, const io_hdf5_place *place) {
+/** Change the coordinates in a dataset, or only look whether any differ: *is_changed then. */
+static int amend_place(const request *r, io_hdf5 *file, const io_hdf5_place *place, int is_writing,
+                       int *is_changed) {
+    /* Where in the dataset the last coordinate of the last node is. */
+    const int64_t last = (place->n_components - 1) * place->component_step +
+                         (r->model->n_nodes - 1) * place->node_step;
     hdf5_dataset d;
-    double *values = NULL, *before = NULL;
-    int status = hdf5_dataset_open(&a->file, place->path, &d);
-    if (!status && last_value(a, place) >= d.shape.n)
-        status = io_bytes_fail_changed(&a->file.model->input, a->file.error);
-    if (!status) {
-        values = pl_alloc(d.shape.n, sizeof *values);
-        before = a->is_writing ? pl_alloc(d.shape.n, sizeof *before) : NULL;
-        if (!values || (a->is_writing && !before))
-            status = pl_fail_memory(a->file.error, "coordinates");
-    }
+    void *values = NULL;
+    double *before = NULL;
+    int status = hdf5_dataset_open(file, place->path, &d);
+    if (!status && last >= d.shape.n)
+        status = io_bytes_fail_changed(&r->model->input, file->error);
     if (!status)
-        status = amend_dataset(a, place, &d, values, before);
+        status =
+            hdf5_dataset_read(file, place->path, &d, H5T_NATIVE_DOUBLE, sizeof(double), &values);
+    if (!status && is_writing) {
+        before = pl_alloc(d.shape.n, sizeof *before);
+        if (before)
+            memcpy(before, values, (size_t)d.shape.n * sizeof *before);
+        else
+            status = pl_fail_memory(file->error, "coordinates");
+    }
+    const int is_other = !status && put_values(r, place, d.size == sizeof(float), values);
+    *is_changed |= is_other;
+    if (is_other && is_writing && write_blocks(&d, before, values))
+        status = hdf5_fail_library(file, place->path, "its coordinates cannot be changed");
     pl_free(before);
     pl_free(values);
     hdf5_dataset_close(&d);
     return status;
 }
 
-static int amend_places(amendment *a) {
-    const amended *list = a->file.model->encoding;
+/** Find whether coordinates in the file in the bytes at data [size] differ: *is_changed. If changed
+ *  is not NULL, change them all: *changed [*n_changed], to be released by pl_free. */
+static int amend_bytes(const request *r, const char *data, int64_t size, char **changed,
+                       int64_t *n_changed, int *is_changed, planish_error *error) {
+    const amended *list = r->model->encoding;
+    const int is_writing = changed != NULL;
+    io_hdf5 file = {.model = (io_model *)(uintptr_t)r->model,
+                    .error = error,
+                    .id = hdf5_open_bytes(data, size, is_writing),
+                    .access = hdf5_link_access()};
     int status = PLANISH_OK;
-    a->file.access = hdf5_link_access();
-    if (a->file.id < 0 || a->file.access < 0)
-        status = hdf5_fail_library(&a->file, "/", "cannot be opened");
-    for (int64_t i = 0; i < list->n && !status && !(a->is_changed && !a->is_writing); i++)
-        status = amend_place(a, &list->place[i]);
+    if (file.id < 0 || file.access < 0)
+        status = hdf5_fail_library(&file, "/", "cannot be opened");
+    for (int64_t i = 0; i < list->n && !status && (is_writing || !*is_changed); i++)
+        status = amend_place(r, &file, &list->place[i], is_writing, is_changed);
+    if (!status && is_writing)
+        status = hdf5_take_bytes(&file, data, changed, n_changed);
+    if (file.access >= 0)
+        H5Pclose(file.access);
+    if (file.id >= 0)
+        H5Fclose(file.id);
     return status;
 }
-
-static void close_amended(amendment *a) {
-    if (a->file.access >= 0)
-        H5Pclose(a->file.access);
-    if (a->file.id >= 0)
-        H5Fclose(a->file.id);
-}
-
-/** What the file at path becomes: *bytes [*size], to be released by pl_free. */
-static int change(amendment *a, const char *path, char **bytes, int64_t *size) {
-    io_bytes finished;
-    int status = io_bytes_open(path, 0, &finished, a->file.error); /* the library copies it */
-    if (status)
-        return status;
-    a->is_writing = 1;
-    a->file.id = hdf5_open_bytes(finished.data, finished.size, 1);
-    status = amend_places(a);
-    if (!status)
-        status = hdf5_take_bytes(&a->file, finished.data, bytes, size);
-    close_amended(a);
-    io_bytes_close(&finished);
-    return status;
-}
-
-/** What is asked of io_hdf5_amend. */
-typedef struct request {
-    const io_model *model;
-    const double *coordinates;
-    io_output *output;
-} request;
 
 static int amend(void *data, planish_error *error) {
     const request *r = data;
-    const io_model *model = r->model;
-    const amended *list = model->encoding;
+    const io_bytes *input = &r->model->input;
+    const amended *list = r->model->encoding;
     char *bytes = NULL;
     int64_t size = 0;
+    int is_changed = 0;
     hdf5_voice voice = hdf5_silence();
-    amendment a = {.coordinates = r->coordinates};
-    a.file = (io_hdf5){.model = (io_model *)(uintptr_t)model, .error = error};
-    a.file.id = hdf5_open_bytes(model->input.data, model->input.size, 0);
-    int status = amend_places(&a);
-    close_amended(&a);
-    if (!status && a.is_changed && !r->output->temporary)
+    int status = amend_bytes(r, input->data, input->size, NULL, NULL, &is_changed, error);
+    if (!status && is_changed && !r->output->temporary)
         status = pl_fail(error, PLANISH_ERROR_FILE,
                          "%s: its coordinates (%s) are compressed or packed, so that the result "
                          "cannot be written to a pipe or device; give the name of a file",
-                         model->input.path, list->place[0].path);
-    if (!status && a.is_changed)
-        status = change(&a, r->output->temporary, &bytes, &size);
+                         input->path, list->place[0].path);
+    if (!status && is_changed) {
+        io_bytes finished;
+        status = io_bytes_open(r->output->temporary, 0, &finished, error); /* it will be copied */
+        if (!status) {
+            status =
+                amend_bytes(r, finished.data, finished.size, &bytes, &size, &is_changed, error);
+            io_bytes_close(&finished);
+        }
+    }
     hdf5_restore(voice);
-    if (!status && a.is_changed)
+    if (!status && is_changed)
         status = io_output_rewrite(r->output, bytes, size, error);
     pl_free(bytes);
     return status;

@@ -82,18 +82,8 @@ hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing) {
     return file;
 }
 
-/** Bytes before the library's own, which are not part of its image. */
-static int64_t user_block_of(hid_t file) {
-    hsize_t size = 0;
-    const hid_t list = H5Fget_create_plist(file);
-    const int failed = list < 0 || H5Pget_userblock(list, &size) < 0;
-    if (list >= 0)
-        H5Pclose(list);
-    return failed ? -1 : (int64_t)size;
-}
-
 int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size) {
-    const int64_t user_block = user_block_of(file->id);
+    const int64_t user_block = hdf5_user_block(file->id);
     const ssize_t length = user_block < 0 || H5Fflush(file->id, H5F_SCOPE_GLOBAL) < 0
                                ? -1
                                : H5Fget_file_image(file->id, NULL, 0);

@@ -1,5 +1,11 @@
 /* hdf5_object: what hdf5.c, hdf5_image.c and hdf5_coordinates.c share: open objects of the HDF5
- * library. */
+ * library.
+ *
+ *   hdf5_silence, hdf5_restore, hdf5_fail_library    errors of the library
+ *   hdf5_open_bytes, hdf5_take_bytes, hdf5_user_block    a file in memory
+ *   hdf5_link_access                                 links to other files
+ *   hdf5_dataset_..., hdf5_match_type                an array of values
+ */
 #ifndef PL_IO_HDF5_HDF5_OBJECT_H
 #define PL_IO_HDF5_HDF5_OBJECT_H
 
@@ -19,10 +25,8 @@ struct io_hdf5 {
     io_model *model;
     planish_error *error;
     hdf5_voice voice;
-    hid_t id;      /* of the file */
-    hid_t access;  /* of links: none to other files are followed */
-    io_span *span; /* [n_spans] owned: those found so far */
-    int64_t n_spans, span_capacity;
+    hid_t id;     /* of the file */
+    hid_t access; /* of links: none to other files are followed */
     int has_precision;
     char unknown[IO_HDF5_PATH_SIZE]; /* an object that is there and could not be looked at; or "" */
     int has_user_block; /* bytes before HDF5's own: chunks are elsewhere than the library says */
@@ -39,24 +43,36 @@ typedef struct hdf5_dataset {
     hsize_t chunk[2];
 } hdf5_dataset;
 
+/** Let the library tell nothing of errors, until hdf5_restore. */
 hdf5_voice hdf5_silence(void);
 void hdf5_restore(hdf5_voice voice);
+
+/** Fail with "FILE: PATH: text (what the library says)". */
+int hdf5_fail_library(io_hdf5 *file, const char *path, const char *text);
 
 /** Open the bytes as a file, to be read, or changed in a copy in memory; negative on failure. */
 hid_t hdf5_open_bytes(const char *data, int64_t size, int is_writing);
 
-/** What has become of a file that was opened to be changed: *bytes [*size], to be released by
+/** Find the bytes before the library's own, which are not part of its image; -1 on failure. */
+int64_t hdf5_user_block(hid_t file);
+
+/** Take what has become of a file that was opened to be changed: *bytes [*size], to be released by
  *  pl_free. before: the bytes that it was made of. */
 int hdf5_take_bytes(io_hdf5 *file, const char *before, char **bytes, int64_t *size);
 
-/** Access to links that stays in the file; negative on failure. */
+/** Make access to links that stays in the file; negative on failure. */
 hid_t hdf5_link_access(void);
 
 /** Open the dataset at path and check that it can be read. Close in any case. */
 int hdf5_dataset_open(io_hdf5 *file, const char *path, hdf5_dataset *dataset);
 void hdf5_dataset_close(hdf5_dataset *dataset);
 
-/** "FILE: PATH: text (what the library says)". */
-int hdf5_fail_library(io_hdf5 *file, const char *path, const char *text);
+/** Read all values as type of size bytes: *values [n], owned by the caller; NULL on failure. */
+int hdf5_dataset_read(io_hdf5 *file, const char *path, const hdf5_dataset *dataset, hid_t type,
+                      size_t size, void **values);
+
+/** Match a type with two, of 4 and 8 bytes: its size, or 0: it is neither. *swapped: it has not
+ *  this machine's byte order. */
+int hdf5_match_type(hid_t type, const hid_t little[2], const hid_t big[2], int *swapped);
 
 #endif

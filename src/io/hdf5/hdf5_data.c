@@ -1,0 +1,297 @@
+/* hdf5_data: datasets of an HDF5 file: whether they can be read, and their numbers and text. */
+#ifdef PL_HDF5
+#include "io/hdf5/hdf5_object.h"
+
+#include "base/memory.h"
+#include "base/status.h"
+
+/* What a filter may make of the bytes of a file. */
+enum { LARGEST_EXPANSION = 256, SMALL_DATA = 1 << 20 };
+
+/* ---- datasets ----------------------------------------------------------------------------- */
+
+static int take_shape(io_hdf5 *file, const char *path, hdf5_dataset *d) {
+    hid_t space = H5Dget_space(d->id);
+    hsize_t dims[2] = {1, 1};
+    int rank = space < 0 ? -1 : H5Sget_simple_extent_ndims(space);
+    if (rank >= 0 && rank <= 2 && H5Sget_simple_extent_dims(space, dims, NULL) < 0)
+        rank = -1;
+    H5S_class_t class = space < 0 ? H5S_NO_CLASS : H5Sget_simple_extent_type(space);
+    if (space >= 0)
+        H5Sclose(space);
+    if (rank < 0 || rank > 2)
+        return io_hdf5_fail(file, path, "an array of one or two dimensions was expected");
+    if (dims[0] > INT64_MAX || dims[1] > INT64_MAX ||
+        (dims[1] > 0 && dims[0] > INT64_MAX / dims[1]))
+        return io_hdf5_fail(file, path, "its size is too large");
+    d->shape = (io_hdf5_shape){.rank = rank, .dims = {(int64_t)dims[0], (int64_t)dims[1]}};
+    d->shape.n = class == H5S_NULL ? 0 : d->shape.dims[0] * d->shape.dims[1];
+    return PLANISH_OK;
+}
+
+/** The library takes for granted that the bytes of all values are there, and would read elsewhere.
+ */
+static int fail_place(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
+    return io_hdf5_fail(file, path,
+                        "its %lld values are not where they should be; the file is damaged or cut "
+                        "short",
+                        (long long)d->shape.n);
+}
+
+/** Check that the data are in the file itself, with filters that the library has by itself. */
+static int check_layout(io_hdf5 *file, const char *path, hid_t list, hdf5_dataset *d) {
+    H5D_layout_t layout = H5Pget_layout(list);
+    if (layout != H5D_COMPACT && layout != H5D_CONTIGUOUS && layout != H5D_CHUNKED)
+        return io_hdf5_fail(file, path,
+                            "its data are put together from others (a virtual dataset), which is "
+                            "not read; h5repack -l CONTI IN OUT makes them its own");
+    if (layout == H5D_CONTIGUOUS && H5Pget_external_count(list) != 0)
+        return io_hdf5_fail(file, path,
+                            "its data are stored in other files, which is not read; h5repack -l "
+                            "CONTI IN OUT puts them into one");
+    if (layout == H5D_COMPACT &&
+        H5Dget_storage_size(d->id) != (hsize_t)d->shape.n * (hsize_t)d->size)
+        return fail_place(file, path, d);
+    d->is_chunked = layout == H5D_CHUNKED;
+    d->chunk[0] = d->chunk[1] = 1;
+    if (d->is_chunked && H5Pget_chunk(list, 2, d->chunk) != d->shape.rank)
+        return hdf5_fail_library(file, path, "its chunks cannot be read");
+    d->row_block = d->is_chunked ? (int64_t)d->chunk[0] : d->shape.dims[0];
+    const int n = H5Pget_nfilters(list);
+    d->is_plain = n == 0;
+    for (int i = 0; i < n; i++) {
+        unsigned flags, config;
+        size_t n_values = 0;
+        char name[64] = "";
+        H5Z_filter_t filter =
+            H5Pget_filter2(list, (unsigned)i, &flags, &n_values, NULL, sizeof name, name, &config);
+        if (filter != H5Z_FILTER_DEFLATE && filter != H5Z_FILTER_SHUFFLE &&
+            filter != H5Z_FILTER_FLETCHER32)
+            return io_hdf5_fail(file, path,
+                                "filter %d (%.40s) is not read; h5repack -f GZIP=4 IN OUT makes a "
+                                "file with another",
+                                (int)filter, name);
+    }
+    return n < 0 ? hdf5_fail_library(file, path, "its filters cannot be read") : PLANISH_OK;
+}
+
+/** Check that what is allocated for the values is in a proportion to the file. */
+static int check_size(io_hdf5 *file, const char *path, const hdf5_dataset *d) {
+    const int64_t bytes = file->model->input.size;
+    const int64_t most =
+        d->is_plain ? bytes
+                    : (bytes < INT64_MAX / LARGEST_EXPANSION / 2 ? LARGEST_EXPANSION * bytes
+                                                                 : INT64_MAX / 2) +
+                          SMALL_DATA;
+    const int64_t values = most / (d->size > 0 ? d->size : 1);
+    if (d->shape.n > values)
+        return io_hdf5_fail(file, path,
+                            "%lld values of %lld bytes cannot be in a file of %lld bytes; it is "
+                            "damaged or cut short",
+                            (long long)d->shape.n, (long long)d->size, (long long)bytes);
+    /* A chunk may be larger than what there is, but not without limit. */
+    const hsize_t largest = (hsize_t)(values < SMALL_DATA ? SMALL_DATA : values);
+    if (d->is_chunked && (d->chunk[0] == 0 || d->chunk[1] == 0 || d->chunk[0] > largest ||
+                          d->chunk[1] > largest / d->chunk[0]))
+        return io_hdf5_fail(file, path, "its chunks of %llu x %llu values are larger than the file",
+                            (unsigned long long)d->chunk[0], (unsigned long long)d->chunk[1]);
+    return PLANISH_OK;
+}
+
+#if H5_VERSION_GE(1, 10, 5)
+/** Where the only chunk is, if it has all values and the file has all of it; else HADDR_UNDEF. */
+static haddr_t find_only_chunk(const io_hdf5 *file, const hdf5_dataset *d) {
+    const haddr_t there = (haddr_t)file->model->input.size;
+    const int has_all = !file->has_user_block && d->is_plain &&
+                        d->chunk[0] >= (hsize_t)d->shape.dims[0] &&
+                        (d->shape.rank == 1 || d->chunk[1] == (hsize_t)d->shape.dims[1]);
+    hsize_t at[2] = {0, 0}, size = 0, n = 0;
+    unsigned mask = 0;
+    haddr_t offset = HADDR_UNDEF;
+    const hid_t space = has_all ? H5Dget_space(d->id) : -1;
+    const int is_there = space >= 0 && H5Dget_num_chunks(d->id, space, &n) >= 0 && n == 1 &&
+                         H5Dget_chunk_info(d->id, space, 0, at, &mask, &offset, &size) >= 0 &&
+                         at[0] == 0 && offset <= there && size <= there - offset &&
+                         size >= (hsize_t)(d->shape.n * d->size);
+    if (space >= 0)
+        H5Sclose(space);
+    return is_there ? offset : HADDR_UNDEF;
+}
+#else
+static haddr_t find_only_chunk(const io_hdf5 *file, const hdf5_dataset *d) {
+    (void)file, (void)d;
+    return HADDR_UNDEF;
+}
+#endif
+
+/** Where its bytes are, if they are in one piece and have been written: all in the file then, and
+ * as many as its values need. The library takes both for granted, and reads what is not there. */
+static int find_place(io_hdf5 *file, const char *path, hdf5_dataset *d) {
+    const haddr_t size = (haddr_t)file->model->input.size;
+    const haddr_t needed = (haddr_t)(d->shape.n * d->size);
+    const haddr_t offset = d->shape.n == 0 ? HADDR_UNDEF
+                           : d->is_chunked ? find_only_chunk(file, d)
+                                           : H5Dget_offset(d->id);
+    d->offset = -1;
+    if (offset == HADDR_UNDEF)
+        return PLANISH_OK;
+    if (!d->is_chunked &&
+        (offset > size || needed > size - offset || H5Dget_storage_size(d->id) != needed))
+        return fail_place(file, path, d);
+    d->offset = (int64_t)offset;
+    return PLANISH_OK;
+}
+
+int hdf5_dataset_open(io_hdf5 *file, const char *path, hdf5_dataset *d) {
+    *d = (hdf5_dataset){.id = -1, .type = -1};
+    if (io_hdf5_kind_of(file, path) != IO_HDF5_DATASET)
+        return io_hdf5_fail(file, path, "there is no such array of data");
+    d->id = H5Oopen(file->id, path, file->access);
+    d->type = d->id < 0 ? -1 : H5Dget_type(d->id);
+    hid_t list = d->id < 0 ? -1 : H5Dget_create_plist(d->id);
+    int status = PLANISH_OK;
+    if (d->type < 0 || list < 0)
+        status = hdf5_fail_library(file, path, "cannot be read");
+    else
+        status = take_shape(file, path, d);
+    if (!status) {
+        d->size = (int64_t)H5Tget_size(d->type);
+        status = check_layout(file, path, list, d);
+    }
+    if (!status)
+        status = check_size(file, path, d);
+    if (!status)
+        status = find_place(file, path, d);
+    if (list >= 0)
+        H5Pclose(list);
+    return status;
+}
+
+void hdf5_dataset_close(hdf5_dataset *d) {
+    if (d->type >= 0)
+        H5Tclose(d->type);
+    if (d->id >= 0)
+        H5Oclose(d->id);
+    *d = (hdf5_dataset){.id = -1, .type = -1};
+}
+
+int hdf5_dataset_read(io_hdf5 *file, const char *path, const hdf5_dataset *d, hid_t type,
+                      size_t size, void **values) {
+    *values = pl_alloc(d->shape.n, size);
+    if (!*values)
+        return pl_fail_memory(file->error, "the values of the file");
+    if (d->shape.n == 0 || H5Dread(d->id, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, *values) >= 0)
+        return PLANISH_OK;
+    pl_free(*values);
+    *values = NULL;
+    return hdf5_fail_library(file, path, "its values cannot be read");
+}
+
+int hdf5_match_type(hid_t type, const hid_t little[2], const hid_t big[2], int *swapped) {
+    for (int i = 0; i < 2; i++) {
+        const int is_little = H5Tequal(type, little[i]) > 0;
+        if (!is_little && H5Tequal(type, big[i]) <= 0)
+            continue;
+        *swapped = is_little != io_machine_is_little();
+        return i ? 8 : 4;
+    }
+    return 0;
+}
+
+int io_hdf5_shape_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape) {
+    hdf5_dataset d;
+    int status = hdf5_dataset_open(file, path, &d);
+    *shape = d.shape;
+    hdf5_dataset_close(&d);
+    return status;
+}
+
+io_hdf5_numbers io_hdf5_numbers_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape) {
+    hdf5_dataset d;
+    const int status = hdf5_dataset_open(file, path, &d);
+    const H5T_class_t class = status ? H5T_NO_CLASS : H5Tget_class(d.type);
+    *shape = d.shape;
+    hdf5_dataset_close(&d);
+    return class == H5T_INTEGER ? IO_HDF5_WHOLE
+           : class == H5T_FLOAT ? IO_HDF5_REAL
+                                : IO_HDF5_NEITHER;
+}
+
+/* ---- values ------------------------------------------------------------------------------- */
+
+int io_hdf5_integers_read(io_hdf5 *file, const char *path, io_hdf5_integers *a) {
+    const hid_t little[] = {H5T_STD_I32LE, H5T_STD_I64LE}, big[] = {H5T_STD_I32BE, H5T_STD_I64BE};
+    hdf5_dataset d;
+    *a = (io_hdf5_integers){.size = sizeof(int64_t)};
+    int status = hdf5_dataset_open(file, path, &d);
+    if (!status && H5Tget_class(d.type) != H5T_INTEGER)
+        status = io_hdf5_fail(file, path, "whole numbers were expected");
+    if (!status) {
+        const int size = d.offset >= 0 ? hdf5_match_type(d.type, little, big, &a->swapped) : 0;
+        a->n = d.shape.n;
+        if (size > 0) {
+            a->size = size;
+            a->data = file->model->input.data + d.offset;
+        } else {
+            status =
+                hdf5_dataset_read(file, path, &d, H5T_NATIVE_INT64, sizeof(int64_t), &a->owned);
+            a->data = a->owned;
+        }
+    }
+    hdf5_dataset_close(&d);
+    return status;
+}
+
+void io_hdf5_integers_release(io_hdf5_integers *a) {
+    pl_free(a->owned);
+    *a = (io_hdf5_integers){.size = sizeof(int64_t)};
+}
+
+/** Whether values are characters, or numbers of one byte, or a fixed number of these. */
+static int is_text(hid_t type) {
+    H5T_class_t class = H5Tget_class(type);
+    if (class == H5T_STRING)
+        return H5Tis_variable_str(type) == 0;
+    if (class == H5T_INTEGER)
+        return H5Tget_size(type) == 1;
+    if (class != H5T_ARRAY)
+        return 0;
+    hid_t base = H5Tget_super(type);
+    int result = base >= 0 && H5Tget_class(base) == H5T_INTEGER && H5Tget_size(base) == 1;
+    if (base >= 0)
+        H5Tclose(base);
+    return result;
+}
+
+int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *n,
+                         int64_t *length) {
+    hdf5_dataset d;
+    void *values = NULL;
+    int status = hdf5_dataset_open(file, path, &d);
+    if (!status && !is_text(d.type))
+        status = io_hdf5_fail(file, path, "text was expected");
+    if (!status)
+        status = hdf5_dataset_read(file, path, &d, d.type, (size_t)d.size, &values);
+    *text = values;
+    *n = d.shape.n;
+    *length = d.size;
+    hdf5_dataset_close(&d);
+    return status;
+}
+
+int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5_shape *shape) {
+    hdf5_dataset d;
+    void *reals = NULL;
+    int status = hdf5_dataset_open(file, path, &d);
+    H5T_class_t class = status ? H5T_NO_CLASS : H5Tget_class(d.type);
+    if (!status && class != H5T_INTEGER && class != H5T_FLOAT)
+        status = io_hdf5_fail(file, path, "numbers were expected");
+    if (!status)
+        status = hdf5_dataset_read(file, path, &d, H5T_NATIVE_DOUBLE, sizeof(double), &reals);
+    *values = reals;
+    *shape = d.shape;
+    hdf5_dataset_close(&d);
+    return status;
+}
+
+#endif
