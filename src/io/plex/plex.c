@@ -12,90 +12,96 @@
 #include "base/memory.h"
 #include "base/status.h"
 
-#include <stdio.h>
 #include <string.h>
 
-#define MESHES "/topologies"
+/* ---- lists ---------------------------------------------------------------------------------- */
+
+int plex_read_list(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list) {
+    char path[IO_HDF5_PATH_SIZE];
+    const int status = io_hdf5_path(r->file, path, "%s/%s", group, name);
+    return status ? status : io_hdf5_integers_read(r->file, path, list);
+}
+
+int plex_list(plex_reader *r, const char *parent, const char *name, char *path,
+              io_hdf5_names *names) {
+    *names = (io_hdf5_names){0};
+    const int status = io_hdf5_path(r->file, path, "%s/%s", parent, name);
+    const int is_there = !status && io_hdf5_kind_of(r->file, path) == IO_HDF5_GROUP;
+    return is_there ? io_hdf5_list(r->file, path, names) : status;
+}
 
 /* ---- which mesh, and where it is ------------------------------------------------------------ */
 
-/** Of names in the group of meshes those that have a topology: Firedrake keeps more there. */
-static int keep_meshes(plex_reader *r, io_hdf5_names *names) {
-    int64_t n = 0;
-    int status = PLANISH_OK;
-    for (int64_t i = 0; i < names->n; i++) {
-        char path[IO_HDF5_PATH_SIZE];
-        if (!status)
-            status = io_hdf5_path(r->file, path, MESHES "/%s/topology", names->name[i]);
-        if (!status && io_hdf5_kind_of(r->file, path) != IO_HDF5_GROUP) {
-            pl_free(names->name[i]);
-            continue;
-        }
-        names->name[n++] = names->name[i];
-    }
-    names->n = n;
-    return status;
-}
-
-/** The one mesh of versions 2 and 3. */
+/** Find the one mesh of versions 2 and 3; name is "" without it. */
 static int find_root(plex_reader *r, char *name, size_t size) {
-    io_hdf5_names names = {0};
-    r->version = io_hdf5_kind_of(r->file, MESHES) == IO_HDF5_GROUP ? 2 : 1;
+    char path[IO_HDF5_PATH_SIZE];
+    io_hdf5_names names;
+    const char *found[2] = {NULL, NULL}; /* the first two meshes */
+    int64_t n = 0;
+    r->version = io_hdf5_kind_of(r->file, PLEX_MESHES) == IO_HDF5_GROUP ? 2 : 1;
     r->root[0] = name[0] = '\0';
-    if (r->version == 1)
-        return PLANISH_OK;
-    int status = io_hdf5_list(r->file, MESHES, &names);
-    if (!status)
-        status = keep_meshes(r, &names);
-    if (!status && names.n == 0)
-        status = io_hdf5_fail(r->file, MESHES, "there is no mesh");
-    if (!status && names.n > 1)
-        status = io_hdf5_fail(r->file, MESHES,
+    int status = plex_list(r, "", "topologies", path, &names);
+    for (int64_t i = 0; i < names.n && !status; i++) {
+        status = io_hdf5_path(r->file, path, PLEX_MESHES "/%s/topology", names.name[i]);
+        if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_GROUP)
+            continue; /* Firedrake keeps more there */
+        if (n < 2)
+            found[n] = names.name[i];
+        n++;
+    }
+    if (!status && r->version > 1 && n == 0)
+        status = io_hdf5_fail(r->file, PLEX_MESHES, "there is no mesh");
+    if (!status && n > 1)
+        status = io_hdf5_fail(r->file, PLEX_MESHES,
                               "there are %lld meshes (%.60s, %.60s, ...); planish reads files with "
                               "one: write each to a file of its own",
-                              (long long)names.n, names.name[0], names.name[1]);
-    if (!status && strlen(names.name[0]) >= size)
-        status = io_hdf5_fail(r->file, MESHES, "the name of the mesh is too long");
-    if (!status) {
-        memcpy(name, names.name[0], strlen(names.name[0]) + 1);
-        status = io_hdf5_path(r->file, r->root, MESHES "/%s", name);
+                              (long long)n, found[0], found[1]);
+    if (!status && n == 1 && strlen(found[0]) >= size)
+        status = io_hdf5_fail(r->file, PLEX_MESHES, "the name of the mesh is too long");
+    if (!status && n == 1) {
+        memcpy(name, found[0], strlen(found[0]) + 1);
+        status = io_hdf5_path(r->file, r->root, PLEX_MESHES "/%s", name);
     }
     io_hdf5_names_release(&names);
     return status;
 }
 
-/** Its form, and the dimension of the elements. */
-static int find_form(plex_reader *r) {
-    char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+/** Find the mesh, its form, and the dimension of the elements. */
+static int find_mesh(plex_reader *r, char *name, size_t size) {
+    char strata[IO_HDF5_PATH_SIZE], cells[IO_HDF5_PATH_SIZE];
     int64_t dim = 0;
-    int found = 1;
-    int status = io_hdf5_path(r->file, group, "%s/topology", r->root);
+    int found;
+    int status = find_root(r, name, size);
     if (!status)
-        status = io_hdf5_path(r->file, path, "%s/strata", group);
-    if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_GROUP)
+        status = io_hdf5_path(r->file, r->topology, "%s/topology", r->root);
+    if (!status)
+        status = io_hdf5_path(r->file, strata, "%s/strata", r->topology);
+    if (!status)
+        status = io_hdf5_path(r->file, cells, "%s/cells", r->topology);
+    if (status)
+        return status;
+    if (io_hdf5_kind_of(r->file, strata) == IO_HDF5_GROUP)
         r->version = 3;
-    else if (!status)
-        status = io_hdf5_path(r->file, path, "%s/cells", group);
-    if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
-        status = io_hdf5_fail(r->file, path,
-                              "there is no such thing: this is no mesh that DMView of PETSc wrote "
-                              "(in its own format, not for ParaView)");
-    if (!status)
-        status =
-            io_hdf5_attribute(r->file, r->version == 3 ? group : path, "cell_dim", &dim, &found);
+    else if (io_hdf5_kind_of(r->file, cells) == IO_HDF5_NONE)
+        return io_hdf5_fail(r->file, cells,
+                            "there is no such thing: this is no mesh that DMView of PETSc wrote "
+                            "(in its own format, not for ParaView)");
+    const char *path = r->version == 3 ? r->topology : cells;
+    status = io_hdf5_attribute(r->file, path, "cell_dim", &dim, &found);
     if (!status && !found)
-        status = io_hdf5_fail(r->file, path, "the dimension of elements (cell_dim) is not there");
+        return io_hdf5_fail(r->file, path, "the dimension of elements (cell_dim) is not there");
     if (!status && dim != 2 && dim != 3)
-        status = io_hdf5_fail(r->file, path,
-                              "elements of dimension %lld; planish smooths tetrahedra or triangles",
-                              (long long)dim);
+        return io_hdf5_fail(r->file, path,
+                            "elements of dimension %lld; planish smooths tetrahedra or triangles",
+                            (long long)dim);
     r->dim = (int)dim;
     return status;
 }
 
-/** The path of the group of coordinates, and of the coordinates; the names of both may be others.
- */
-static int find_coordinates(plex_reader *r, char *section) {
+/* ---- coordinates ---------------------------------------------------------------------------- */
+
+/** Find the group of coordinates, and the coordinates; the names of both may be others. */
+static int find_coordinates(plex_reader *r) {
     char group[256] = "coordinateDM", name[256] = "coordinates";
     int found;
     if (r->version == 1)
@@ -106,65 +112,47 @@ static int find_coordinates(plex_reader *r, char *section) {
         status =
             io_hdf5_text_attribute(r->file, r->root, "coordinatesName", name, sizeof name, &found);
     if (!status)
-        status = io_hdf5_path(r->file, section, "%s/dms/%s", r->root, group);
+        status = io_hdf5_path(r->file, r->section, "%s/dms/%s", r->root, group);
     if (!status)
-        status = io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", section, name, name);
-    if (status || io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE)
-        return status;
-    char function[IO_HDF5_PATH_SIZE];
-    memcpy(function, r->coordinates, sizeof function);
-    status = plex_find_function(r, section, &found);
-    if (!found)
-        memcpy(r->coordinates, function, sizeof function);
-    return status;
+        status = io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", r->section, name, name);
+    return status || io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE
+               ? status
+               : plex_find_function(r);
 }
 
-/* ---- coordinates ---------------------------------------------------------------------------- */
-
-/** Whether there is one row for each node, in their order; others may be of edges, or be there for
- *  each element (of curved and periodic meshes). */
-static int rows_are_nodes(const plex_reader *r, const io_hdf5_integers *points,
-                          const io_hdf5_integers *sizes, const io_hdf5_integers *begins) {
+/** Check that there is one row for each node, in their order; others may be of edges, or be there
+ *  for each element (of curved and periodic meshes). */
+static int check_section(plex_reader *r) {
+    io_hdf5_integers points = {0}, sizes = {0}, begins = {0};
     const int columns = r->model->columns;
-    int64_t n = 0;
-    if (sizes->n != points->n || begins->n != points->n)
-        return 0;
-    for (int64_t i = 0; i < points->n; i++) {
-        const int64_t size = io_hdf5_integer(sizes, i);
-        if (size == 0)
-            continue;
-        if (size != columns || io_hdf5_integer(points, i) != r->n_elements + n ||
-            io_hdf5_integer(begins, i) != n * columns)
-            return 0;
-        n++;
+    int64_t n = 0; /* rows of nodes */
+    int status = plex_read_list(r, r->section, "order", &points);
+    if (!status)
+        status = plex_read_list(r, r->section, "section/atlasDof", &sizes);
+    if (!status)
+        status = plex_read_list(r, r->section, "section/atlasOff", &begins);
+    int is_good = !status && sizes.n == points.n && begins.n == points.n;
+    for (int64_t i = 0; is_good && i < points.n; i++) {
+        const int64_t size = io_hdf5_integer(&sizes, i);
+        is_good =
+            size == 0 || (size == columns && io_hdf5_integer(&points, i) == r->n_elements + n &&
+                          io_hdf5_integer(&begins, i) == n * columns);
+        n += size != 0;
     }
-    return n == r->n_nodes;
-}
-
-static int check_section(plex_reader *r, const char *group) {
-    static const char *const names[] = {"order", "section/atlasDof", "section/atlasOff"};
-    io_hdf5_integers list[3] = {{0}};
-    int status = PLANISH_OK;
-    for (int i = 0; i < 3 && !status; i++) {
-        char path[IO_HDF5_PATH_SIZE];
-        status = io_hdf5_path(r->file, path, "%s/%s", group, names[i]);
-        if (!status)
-            status = io_hdf5_integers_read(r->file, path, &list[i]);
-    }
-    if (!status && !rows_are_nodes(r, &list[0], &list[1], &list[2]))
-        status = io_hdf5_fail(r->file, group,
+    if (!status && (!is_good || n != r->n_nodes))
+        status = io_hdf5_fail(r->file, r->section,
                               "coordinates are not one place for each node, in their order, as of "
                               "curved or periodic meshes");
-    for (int i = 0; i < 3; i++)
-        io_hdf5_integers_release(&list[i]);
+    io_hdf5_integers_release(&points);
+    io_hdf5_integers_release(&sizes);
+    io_hdf5_integers_release(&begins);
     return status;
 }
 
-/** Where they are: rows of two or three for each node. */
+/** Check that coordinates are rows of two or three for each node. */
 static int check_coordinates(plex_reader *r) {
-    char section[IO_HDF5_PATH_SIZE];
     io_hdf5_shape shape;
-    int status = find_coordinates(r, section);
+    int status = find_coordinates(r);
     if (!status)
         status = io_hdf5_shape_of(r->file, r->coordinates, &shape);
     if (status)
@@ -177,57 +165,52 @@ static int check_coordinates(plex_reader *r) {
                             "were expected",
                             (long long)shape.n, (long long)columns, (long long)r->n_nodes);
     r->model->columns = (int)columns;
-    return r->version == 1 ? PLANISH_OK : check_section(r, section);
-}
-
-static int read_coordinates(plex_reader *r) {
-    io_model *model = r->model;
-    int status = check_coordinates(r);
-    if (!status)
-        status = io_model_nodes(model, r->n_nodes, 0, r->error);
-    for (int64_t i = 0; !status && model->columns < 3 && i < r->n_nodes; i++)
-        model->xyz[3 * i + 2] = 0;
-    const io_hdf5_place place = {r->coordinates, 0, model->columns, model->columns, 1};
-    if (!status)
-        status = io_hdf5_coordinates(r->file, &place);
-    if (!status)
-        status = plex_read_copies(r);
-    return status ? status : io_hdf5_coordinates_end(r->file);
+    return r->version == 1 ? PLANISH_OK : check_section(r);
 }
 
 /* ---- the format ----------------------------------------------------------------------------- */
 
-static int find_mesh(plex_reader *r, char *name, size_t size) {
-    const int status = find_root(r, name, size);
-    return status ? status : find_form(r);
-}
-
 static int read_mesh(plex_reader *r) {
+    io_model *model = r->model;
     char name[256];
     int status = find_mesh(r, name, sizeof name);
     if (!status)
         status = plex_read_topology(r);
     if (!status)
-        status = read_coordinates(r);
+        status = check_coordinates(r);
+    if (!status)
+        status = io_model_nodes(model, r->n_nodes, 0, r->error);
+    if (status)
+        return status;
+    for (int64_t i = 0; model->columns < 3 && i < r->n_nodes; i++)
+        model->xyz[3 * i + 2] = 0;
+    const io_hdf5_place place = {r->coordinates, 0, model->columns, model->columns, 1};
+    status = io_hdf5_coordinates(r->file, &place);
+    if (!status)
+        status = plex_visit_copies(r, NULL);
+    if (!status)
+        status = io_hdf5_coordinates_end(r->file);
     if (!status)
         status = plex_read_elements(r);
     return status ? status : plex_read_labels(r);
 }
 
-static int plex_read(io_model *model, planish_error *error) {
-    plex_reader r = {.model = model, .error = error};
-    int status = io_hdf5_open(model, &r.file, error);
-    if (!status)
-        status = read_mesh(&r);
-    if (!status)
-        status = io_hdf5_check(r.file);
-    plex_release_topology(&r);
-    io_hdf5_close(r.file);
+/** Release all that a reader holds, after it has come to a status; return the status. */
+static int end_reading(plex_reader *r, int status) {
+    status = status ? status : io_hdf5_check(r->file);
+    plex_release_topology(r);
+    io_hdf5_close(r->file);
     return status;
 }
 
+static int plex_read(io_model *model, planish_error *error) {
+    plex_reader r = {.model = model, .error = error};
+    const int status = io_hdf5_open(model, &r.file, error);
+    return end_reading(&r, status ? status : read_mesh(&r));
+}
+
 static int plex_recognise(const char *data, int64_t size) {
-    return io_hdf5_recognise(data, size, MESHES) ||
+    return io_hdf5_recognise(data, size, PLEX_MESHES) ||
            io_hdf5_recognise(data, size, "/topology/cells");
 }
 
@@ -249,7 +232,7 @@ static int outline_mesh(plex_reader *r, io_plex_outline *o) {
     if (!status)
         status = check_coordinates(r);
     if (!status)
-        status = plex_count_copies(r, &o->has_copies);
+        status = plex_visit_copies(r, &o->has_copies);
     if (!status)
         status = plex_check_labels(r, &o->has_regions_alone);
     if (status)
@@ -271,12 +254,7 @@ int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error
     if (status)
         return status;
     status = io_hdf5_open(&model, &r.file, error);
-    if (!status)
-        status = outline_mesh(&r, outline);
-    if (!status)
-        status = io_hdf5_check(r.file);
-    plex_release_topology(&r);
-    io_hdf5_close(r.file);
+    status = end_reading(&r, status ? status : outline_mesh(&r, outline));
     io_bytes_close(&model.input);
     return status;
 }

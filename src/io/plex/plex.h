@@ -1,5 +1,12 @@
-/* plex: what the parts of the reader of PETSc's DMPlex files share; for plex.c, plex_topology.c,
- * plex_labels.c and plex_copies.c.
+/* plex: what the files of the reader of PETSc's DMPlex files share; for plex*.c only, but for
+ * io_plex_outline_of.
+ *
+ *   plex_reader                             a file while it is read
+ *   plex_read_list, plex_list               lists of numbers and names (plex.c)
+ *   plex_read_topology, plex_nodes_of, ...  points, cones and elements (plex_topology.c)
+ *   plex_read_labels, plex_check_labels     regions, surfaces, lines, groups (plex_labels.c)
+ *   plex_find_function, plex_visit_copies   other places of coordinates (plex_copies.c)
+ *   io_plex_outline_of                      a file for those who load it with PETSc (plex.c)
  *
  * In a DMPlex everything is a point with a number: elements first, then nodes, then faces and
  * edges, if the mesh has them. The cone of a point are the points that bound it: of an element its
@@ -20,17 +27,20 @@ enum { PLEX_MOST_STRATA = 4, PLEX_MOST_NODES = 64 };
 typedef struct plex_stratum {
     int64_t first, n;                     /* points */
     int64_t below;                        /* the point that is 0 in these cones */
-    io_hdf5_integers cones, orientations; /* likewise long */
+    io_hdf5_integers cones, orientations; /* of the same length */
+    io_hdf5_integers sizes;               /* of cones, [n]; until plex_read_topology returns */
 } plex_stratum;
 
 typedef struct plex_reader {
     io_model *model;
     io_hdf5 *file;
     planish_error *error;
-    char root[IO_HDF5_PATH_SIZE]; /* group of topology and labels: "" or /topologies/NAME */
-    char coordinates[IO_HDF5_PATH_SIZE];
-    int version; /* 1: root is "" */
-    int dim;     /* of the elements */
+    char root[IO_HDF5_PATH_SIZE];        /* group of topology and labels: "" or /topologies/NAME */
+    char topology[IO_HDF5_PATH_SIZE];    /* group of the points */
+    char section[IO_HDF5_PATH_SIZE];     /* group that tells the layout of the coordinates, */
+    char coordinates[IO_HDF5_PATH_SIZE]; /* and their path */
+    int version;                         /* 1: root is "" */
+    int dim;                             /* of the elements */
     plex_stratum stratum[PLEX_MOST_STRATA];
     int n_strata;
     int64_t n_points, n_elements, n_nodes; /* elements and nodes are the first points */
@@ -42,53 +52,67 @@ typedef struct plex_reader {
     int32_t *triangle;           /* [n_faces][3] nodes of those that have three edges; else -1 */
 } plex_reader;
 
+/* ---- plex.c -------------------------------------------------------------------------------- */
+
+#define PLEX_MESHES "/topologies" /* group of meshes, from version 2 on */
+
+/** Read the whole numbers called name in a group; released by io_hdf5_integers_release in any
+ *  case. */
+int plex_read_list(plex_reader *r, const char *group, const char *name, io_hdf5_integers *list);
+
+/** List the group called name in another group, path parent: its path [IO_HDF5_PATH_SIZE] and its
+ *  names, none if it is not there. Released by io_hdf5_names_release in any case. */
+int plex_list(plex_reader *r, const char *parent, const char *name, char *path,
+              io_hdf5_names *names);
+
 /* ---- plex_topology.c ----------------------------------------------------------------------- */
 
-/** Cones, and what is an element and what a node. */
+/** Read cones, and find the elements and the nodes among the points. */
 int plex_read_topology(plex_reader *r);
+
+/** Release all that plex_read_topology and plex_read_elements have made. */
 void plex_release_topology(plex_reader *r);
 
-/** Elements become cells of the model; those that are no simplices hold their nodes. Then
+/** Make elements cells of the model; those that are no simplices hold their nodes. Then
  *  plex_nodes_of knows triangles. */
 int plex_read_elements(plex_reader *r);
 
-/** The dimension of a point. */
+/** Return the dimension of a point. */
 int plex_dim_of(const plex_reader *r, int64_t point);
 
-/** Whether all elements are simplices, and all points are bounded by points of the right kind. */
+/** Return whether all elements are simplices, and all points are bounded by points of the right
+ *  kind. */
 int plex_has_simplices_alone(const plex_reader *r);
 
-/** Nodes (indices) of a point in the order in which DMPlexGetTransitiveClosure has them: node
- *  [PLEX_MOST_NODES]. Returns how many, or -1: the file is damaged. */
+/** Find the nodes (indices) of a point in the order in which DMPlexGetTransitiveClosure has them:
+ *  node [PLEX_MOST_NODES]. Return how many, or -1: the file is damaged. */
 int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node);
 
-/** A point is bounded by what it cannot be bounded by. */
+/** Fail: a point is bounded by what it cannot be bounded by. */
 int plex_fail_point(plex_reader *r, int64_t point);
 
-/** An edge or face becomes a cell of the model, if it is none yet; room has been made. */
+/** Make an edge or face a cell of the model, if it is none yet; room has been made. */
 int plex_add_cell(plex_reader *r, int64_t point);
 
 /* ---- plex_labels.c ------------------------------------------------------------------------- */
 
-/** Labels become regions, surfaces, lines and groups. */
+/** Make regions, surfaces, lines and groups of the labels. */
 int plex_read_labels(plex_reader *r);
 
-/** Whether there are no labels but that of regions, of which each element has one at the most, and
- *  those that programs make for themselves. Fails if any says something of what is no point. */
+/** Check whether there are no labels but that of regions, of which each element has one at the
+ *  most, and those that programs make for themselves. Fail if any says something of what is no
+ *  point. */
 int plex_check_labels(plex_reader *r, int *has_regions_alone);
 
 /* ---- plex_copies.c ------------------------------------------------------------------------- */
 
-/** Where a mesh of Firedrake has its coordinates, if there are no others: r->coordinates, and
- *  section [IO_HDF5_PATH_SIZE], the group that tells their layout; *found. */
-int plex_find_function(plex_reader *r, char *section, int *found);
+/** Find where a mesh of Firedrake has its coordinates, if there are no others: r->coordinates and
+ *  r->section; unchanged if it has none. */
+int plex_find_function(plex_reader *r);
 
-/** After the coordinates have been read: all copies of them are coordinates, too. Fails on others
- *  that would stay behind. */
-int plex_read_copies(plex_reader *r);
-
-/** How many arrays there are that may be copies. */
-int plex_count_copies(plex_reader *r, int *n);
+/** After the coordinates have been read: make all copies of them coordinates, too. Fail on others
+ *  that would stay behind. n_more, if not NULL: count the arrays that may be copies instead. */
+int plex_visit_copies(plex_reader *r, int *n_more);
 
 /* ---- for those who load such files with PETSc ----------------------------------------------- */
 
@@ -103,7 +127,7 @@ typedef struct io_plex_outline {
     int has_regions_alone;   /* no labels but that of regions; an element is of one, never of -1 */
 } io_plex_outline;
 
-/** What stands in the file at path; but for places of nodes, nothing in it can be out of range
+/** Read the outline of the file at path; but for places of nodes, nothing in it can be out of range
  *  then. */
 int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error *error);
 

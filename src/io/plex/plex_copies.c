@@ -13,20 +13,11 @@
 
 #include <string.h>
 
-#define MESHES "/topologies"
-
-/** What is looked for among the vectors of a mesh. */
-typedef struct search {
-    plex_reader *r;
-    io_hdf5_names named; /* vectors that Firedrake calls coordinates, */
-    io_hdf5_names of;    /* and of which of its meshes */
-    char *vector;        /* [IO_HDF5_PATH_SIZE] of the first of these, or NULL: not wanted */
-    char *section;       /* [IO_HDF5_PATH_SIZE] and of the group that tells its layout */
-    int found;
-    int *n_more; /* vectors as long as the coordinates, or NULL: not wanted */
-} search;
-
-/* ---- what Firedrake calls coordinates -------------------------------------------------------- */
+/** Vectors that Firedrake calls coordinates. */
+typedef struct functions {
+    io_hdf5_names name; /* of the vectors, */
+    io_hdf5_names mesh; /* and of which of its meshes they are the coordinates */
+} functions;
 
 static int add_name(io_hdf5_names *names, const char *name, planish_error *error) {
     char **grown = pl_grow(names->name, names->n, names->n + 1, &names->capacity, sizeof *grown);
@@ -39,14 +30,11 @@ static int add_name(io_hdf5_names *names, const char *name, planish_error *error
     return PLANISH_OK;
 }
 
-/** Of the meshes of Firedrake in a topology: which vectors are their coordinates. */
-static int find_named(search *s, const char *topology) {
-    plex_reader *r = s->r;
+/** Find the vectors that are coordinates of the meshes of Firedrake in a topology. */
+static int find_functions(plex_reader *r, const char *topology, functions *f) {
     char group[IO_HDF5_PATH_SIZE], mesh[IO_HDF5_PATH_SIZE], name[256];
-    io_hdf5_names meshes = {0};
-    int status = io_hdf5_path(r->file, group, "%s/firedrake_meshes", topology), found;
-    if (!status && io_hdf5_kind_of(r->file, group) == IO_HDF5_GROUP)
-        status = io_hdf5_list(r->file, group, &meshes);
+    io_hdf5_names meshes;
+    int found, status = plex_list(r, topology, "firedrake_meshes", group, &meshes);
     for (int64_t i = 0; i < meshes.n && !status; i++) {
         status = io_hdf5_path(r->file, mesh, "%s/%s", group, meshes.name[i]);
         if (!status)
@@ -54,155 +42,129 @@ static int find_named(search *s, const char *topology) {
                                             sizeof name, &found);
         if (status || !found)
             continue;
-        status = add_name(&s->named, name, r->error);
+        status = add_name(&f->name, name, r->error);
         if (!status)
-            status = add_name(&s->of, meshes.name[i], r->error);
+            status = add_name(&f->mesh, meshes.name[i], r->error);
     }
     io_hdf5_names_release(&meshes);
     return status;
 }
 
-/** The mesh of which a vector is said to be the coordinates, or NULL. */
-static const char *mesh_of(const search *s, const char *vector) {
-    for (int64_t i = 0; i < s->named.n; i++)
-        if (strcmp(s->named.name[i], vector) == 0)
-            return s->of.name[i];
-    return NULL;
+static void release_functions(functions *f) {
+    io_hdf5_names_release(&f->name);
+    io_hdf5_names_release(&f->mesh);
 }
 
-static void release_search(search *s) {
-    io_hdf5_names_release(&s->named);
-    io_hdf5_names_release(&s->of);
-}
+/** Look at a vector in the layout of a section: at path; mesh: whose coordinates it is said to be,
+ *  or NULL. */
+typedef int visit_fn(plex_reader *r, const char *section, const char *path, const char *mesh,
+                     int *n);
 
-/* ---- vectors --------------------------------------------------------------------------------- */
-
-/** Take in the vector if it is a copy; mesh: whose coordinates it is said to be, or NULL. */
-static int look_at(search *s, const char *path, const char *mesh) {
-    plex_reader *r = s->r;
-    char copy[IO_HDF5_PATH_SIZE];
-    const io_hdf5_place place = {copy, 0, r->model->columns, r->model->columns, 1};
-    int is_copy = 0;
-    if (strcmp(path, r->coordinates) == 0)
-        return PLANISH_OK;
-    int status = io_hdf5_path(r->file, copy, "%s", path);
-    if (!status && s->n_more)
-        *s->n_more +=
-            mesh != NULL || io_hdf5_is_as_long(r->file, path, r->model->columns * r->n_nodes);
-    if (status || s->n_more)
-        return status;
-    status = io_hdf5_coordinates_again(r->file, &place, &is_copy);
-    if (!status && !is_copy && mesh)
-        status = io_hdf5_fail(r->file, path,
-                              "these are coordinates of '%s', too, but not the same values in the "
-                              "same order as %s: they would stay behind; write a file that has "
-                              "the coordinates of the nodes alone",
-                              mesh, r->coordinates);
+/** Visit all vectors of the mesh, of whatever section. */
+static int visit_vectors(plex_reader *r, const functions *f, visit_fn *visit, int *n) {
+    char group[IO_HDF5_PATH_SIZE], section[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    io_hdf5_names sections, vectors;
+    int status = plex_list(r, r->root, "dms", group, &sections);
+    for (int64_t i = 0; i < sections.n && !status; i++) {
+        status = io_hdf5_path(r->file, section, "%s/%s", group, sections.name[i]);
+        if (status)
+            break;
+        status = plex_list(r, section, "vecs", path, &vectors);
+        for (int64_t k = 0; k < vectors.n && !status; k++) {
+            const char *name = vectors.name[k], *mesh = NULL;
+            for (int64_t j = f->name.n - 1; j >= 0; j--)
+                mesh = strcmp(f->name.name[j], name) == 0 ? f->mesh.name[j] : mesh;
+            status = io_hdf5_path(r->file, path, "%s/vecs/%s/%s", section, name, name);
+            if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_DATASET)
+                status = visit(r, section, path, mesh, n);
+        }
+        io_hdf5_names_release(&vectors);
+    }
+    io_hdf5_names_release(&sections);
     return status;
 }
 
-static int visit_vector(search *s, const char *section, const char *name) {
-    plex_reader *r = s->r;
-    const char *mesh = mesh_of(s, name);
-    char path[IO_HDF5_PATH_SIZE];
-    int status = io_hdf5_path(r->file, path, "%s/vecs/%s/%s", section, name, name);
-    if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
-        return status;
-    if (!s->vector)
-        return look_at(s, path, mesh);
-    if (mesh && !s->found) {
-        s->found = 1;
-        memcpy(s->vector, path, sizeof path);
-        memcpy(s->section, section, strlen(section) + 1);
-    }
+/** Take the first vector that is said to be coordinates; n: of those found. */
+static int take_first(plex_reader *r, const char *section, const char *path, const char *mesh,
+                      int *n) {
+    if (!mesh || (*n)++ > 0)
+        return PLANISH_OK;
+    memcpy(r->section, section, strlen(section) + 1);
+    memcpy(r->coordinates, path, strlen(path) + 1);
     return PLANISH_OK;
 }
 
-static int visit_section(search *s, const char *section) {
-    char group[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names = {0};
-    int status = io_hdf5_path(s->r->file, group, "%s/vecs", section);
-    if (!status && io_hdf5_kind_of(s->r->file, group) == IO_HDF5_GROUP)
-        status = io_hdf5_list(s->r->file, group, &names);
-    for (int64_t i = 0; i < names.n && !status; i++)
-        status = visit_vector(s, section, names.name[i]);
-    io_hdf5_names_release(&names);
+int plex_find_function(plex_reader *r) {
+    functions f = {.name = {0}};
+    int n = 0, status = find_functions(r, r->root, &f);
+    if (!status && f.name.n > 0)
+        status = visit_vectors(r, &f, take_first, &n);
+    release_functions(&f);
     return status;
 }
 
-/** All vectors of the mesh, of whatever section. */
-static int visit_vectors(search *s) {
-    char group[IO_HDF5_PATH_SIZE], section[IO_HDF5_PATH_SIZE];
-    io_hdf5_names names = {0};
-    int status = io_hdf5_path(s->r->file, group, "%s/dms", s->r->root);
-    if (!status && io_hdf5_kind_of(s->r->file, group) == IO_HDF5_GROUP)
-        status = io_hdf5_list(s->r->file, group, &names);
-    for (int64_t i = 0; i < names.n && !status; i++) {
-        status = io_hdf5_path(s->r->file, section, "%s/%s", group, names.name[i]);
-        if (!status)
-            status = visit_section(s, section);
+/** Take in a vector if it is a copy; n, if not NULL: count those as long as the coordinates, and
+ *  look no closer. */
+static int take_copy(plex_reader *r, const char *section, const char *path, const char *mesh,
+                     int *n) {
+    char copy[IO_HDF5_PATH_SIZE];
+    const int columns = r->model->columns;
+    const io_hdf5_place place = {copy, 0, columns, columns, 1};
+    int is_copy = 0;
+    (void)section;
+    if (strcmp(path, r->coordinates) == 0)
+        return PLANISH_OK;
+    if (n) {
+        *n += mesh || io_hdf5_is_as_long(r->file, path, columns * r->n_nodes);
+        return PLANISH_OK;
     }
-    io_hdf5_names_release(&names);
-    return status;
+    memcpy(copy, path, strlen(path) + 1);
+    const int status = io_hdf5_coordinates_again(r->file, &place, &is_copy);
+    if (status || is_copy || !mesh)
+        return status;
+    return io_hdf5_fail(r->file, path,
+                        "these are coordinates of '%s', too, but not the same values in the same "
+                        "order as %s: they would stay behind; write a file that has the "
+                        "coordinates of the nodes alone",
+                        mesh, r->coordinates);
 }
 
-/* ---- the calls ------------------------------------------------------------------------------- */
-
-int plex_find_function(plex_reader *r, char *section, int *found) {
-    search s = {.r = r, .vector = r->coordinates, .section = section};
-    int status = find_named(&s, r->root);
-    if (!status && s.named.n > 0)
-        status = visit_vectors(&s);
-    *found = s.found;
-    release_search(&s);
-    return status;
-}
-
-/** Meshes that Firedrake has made of this one have coordinates of their own (extruded ones). */
+/** Check that Firedrake has made no other meshes of this one, which have coordinates of their own
+ *  (extruded ones). */
 static int check_others(plex_reader *r) {
     char topology[IO_HDF5_PATH_SIZE];
     io_hdf5_names names = {0};
-    int status = io_hdf5_list(r->file, MESHES, &names);
+    int status = io_hdf5_list(r->file, PLEX_MESHES, &names);
     for (int64_t i = 0; i < names.n && !status; i++) {
-        search s = {.r = r};
-        status = io_hdf5_path(r->file, topology, MESHES "/%s", names.name[i]);
+        functions f = {.name = {0}};
+        status = io_hdf5_path(r->file, topology, PLEX_MESHES "/%s", names.name[i]);
         if (!status && strcmp(topology, r->root) != 0)
-            status = find_named(&s, topology);
-        if (!status && s.named.n > 0)
+            status = find_functions(r, topology, &f);
+        if (!status && f.name.n > 0)
             status = io_hdf5_fail(r->file, topology,
                                   "another mesh ('%s') with coordinates of its own is made of this "
                                   "one (extruded, say): they would stay behind; write the mesh to "
                                   "a file of its own",
-                                  s.of.name[0]);
-        release_search(&s);
+                                  f.mesh.name[0]);
+        release_functions(&f);
     }
     io_hdf5_names_release(&names);
     return status;
 }
 
-/** n_more: count them, and look no closer; NULL: take them in. */
-static int visit_copies(plex_reader *r, int *n_more) {
+int plex_visit_copies(plex_reader *r, int *n_more) {
     static const char *const viewed[] = {"/geometry/vertices", "/viz/geometry/vertices"};
-    search s = {.r = r, .n_more = n_more};
+    functions f = {.name = {0}};
     int status = r->version > 1 ? check_others(r) : PLANISH_OK;
     if (!status && r->version > 1)
-        status = find_named(&s, r->root);
+        status = find_functions(r, r->root, &f);
     if (!status && r->version > 1)
-        status = visit_vectors(&s);
+        status = visit_vectors(r, &f, take_copy, n_more);
     for (int i = 0; i < 2 && !status; i++)
         if (io_hdf5_kind_of(r->file, viewed[i]) == IO_HDF5_DATASET)
-            status = look_at(&s, viewed[i], "the mesh");
-    release_search(&s);
+            status = take_copy(r, NULL, viewed[i], "the mesh", n_more);
+    release_functions(&f);
     return status;
-}
-
-int plex_read_copies(plex_reader *r) {
-    return visit_copies(r, NULL);
-}
-
-int plex_count_copies(plex_reader *r, int *n) {
-    *n = 0;
-    return visit_copies(r, n);
 }
 
 #endif

@@ -13,9 +13,9 @@ enum { MOST_IN_CONE = 48, CHUNK = 1 << 14 };
 
 /* ---- points and their cones ---------------------------------------------------------------- */
 
-static int make_points(plex_reader *r, const char *path, int64_t n) {
+static int make_points(plex_reader *r, int64_t n) {
     if (n > INT32_MAX)
-        return io_hdf5_fail(r->file, path,
+        return io_hdf5_fail(r->file, r->topology,
                             "%lld points (elements, nodes, faces, edges) are more than the %d that "
                             "planish can handle",
                             (long long)n, INT32_MAX);
@@ -30,14 +30,14 @@ static int make_points(plex_reader *r, const char *path, int64_t n) {
     return PLANISH_OK;
 }
 
-/** The cones of a stratum, of which that of its i-th point has sizes' i-th size; order: the points
- *  in the order of these cones, or NULL: as they are numbered. */
+/** Give the points of a stratum their cones; order: the points in the order of these cones, or
+ *  NULL: as they are numbered. path: of the stratum, for messages. */
 static int take_cones(plex_reader *r, const char *path, const plex_stratum *s,
-                      const io_hdf5_integers *sizes, const io_hdf5_integers *order) {
+                      const io_hdf5_integers *order) {
     int64_t begin = 0;
     for (int64_t i = 0; i < s->n; i++) {
         const int64_t point = order ? io_hdf5_integer(order, i) : s->first + i;
-        const int64_t size = io_hdf5_integer(sizes, i);
+        const int64_t size = io_hdf5_integer(&s->sizes, i);
         if (point < 0 || point >= r->n_points || r->start[point] >= 0)
             return io_hdf5_fail(r->file, path,
                                 "point %lld (at place %lld) is not in 0 .. %lld, or is there twice",
@@ -61,100 +61,118 @@ static int take_cones(plex_reader *r, const char *path, const plex_stratum *s,
     return PLANISH_OK;
 }
 
-static int read_integers(plex_reader *r, const char *group, const char *name,
-                         io_hdf5_integers *integers) {
-    char path[IO_HDF5_PATH_SIZE];
-    const int status = io_hdf5_path(r->file, path, "%s/%s", group, name);
-    return status ? status : io_hdf5_integers_read(r->file, path, integers);
+/** Return the k-th point of the cone, and how it is gone round; -1: there is no such point. */
+static int64_t in_cone(const plex_reader *r, int64_t point, int k, int64_t *orientation) {
+    const plex_stratum *s = r->stratum;
+    while (point < s->first || point >= s->first + s->n)
+        s++;
+    const int64_t below = io_hdf5_integer(&s->cones, r->start[point] + k);
+    if (orientation)
+        *orientation = io_hdf5_integer(&s->orientations, r->start[point] + k);
+    return below >= 0 && below < r->n_points - s->below ? s->below + below : -1;
 }
 
-/** Versions 1 and 2: all points in one list, which need not be in the order of their numbers. */
-static int read_together(plex_reader *r, const char *group) {
+/** Read versions 1 and 2: all points in one list, which need not be in the order of their numbers.
+ */
+static int read_together(plex_reader *r) {
     plex_stratum *s = &r->stratum[0];
-    io_hdf5_integers sizes = {0}, order = {0};
+    io_hdf5_integers order = {0};
     r->n_strata = 1;
-    int status = read_integers(r, group, "order", &order);
+    int status = plex_read_list(r, r->topology, "order", &order);
     if (!status)
-        status = read_integers(r, group, "cones", &sizes);
+        status = plex_read_list(r, r->topology, "cones", &s->sizes);
     if (!status)
-        status = read_integers(r, group, "cells", &s->cones);
+        status = plex_read_list(r, r->topology, "cells", &s->cones);
     if (!status)
-        status = read_integers(r, group, "orientation", &s->orientations);
-    if (!status && sizes.n != order.n)
-        status = io_hdf5_fail(r->file, group, "%lld points, and the sizes of %lld cones",
-                              (long long)order.n, (long long)sizes.n);
+        status = plex_read_list(r, r->topology, "orientation", &s->orientations);
+    if (!status && s->sizes.n != order.n)
+        status = io_hdf5_fail(r->file, r->topology, "%lld points, and the sizes of %lld cones",
+                              (long long)order.n, (long long)s->sizes.n);
     if (!status)
-        status = make_points(r, group, order.n);
+        status = make_points(r, order.n);
     s->n = order.n;
     if (!status)
-        status = take_cones(r, group, s, &sizes, &order);
+        status = take_cones(r, r->topology, s, &order);
     io_hdf5_integers_release(&order);
-    io_hdf5_integers_release(&sizes);
     return status;
 }
 
-/** Version 3: points of one dimension after another, in the order that permutation gives. */
-typedef struct strata {
-    io_hdf5_integers permutation, sizes[PLEX_MOST_STRATA];
+/** Read version 3: points of one dimension after another, in the order that permutation gives. */
+static int read_strata(plex_reader *r, const io_hdf5_integers *permutation) {
     char group[PLEX_MOST_STRATA][IO_HDF5_PATH_SIZE];
-} strata;
-
-static int read_stratum(plex_reader *r, const char *group, int depth, strata *all) {
-    plex_stratum *s = &r->stratum[depth];
-    int status = io_hdf5_path(r->file, all->group[depth], "%s/strata/%d", group, depth);
-    if (!status)
-        status = read_integers(r, all->group[depth], "cone_sizes", &all->sizes[depth]);
-    if (!status && depth > 0)
-        status = read_integers(r, all->group[depth], "cones", &s->cones);
-    if (!status && depth > 0)
-        status = read_integers(r, all->group[depth], "orientations", &s->orientations);
-    s->n = all->sizes[depth].n;
-    return status;
-}
-
-/** Where each of the strata begins. Returns how many points there are, or -1: it is no permutation.
- */
-static int64_t place_strata(plex_reader *r, const io_hdf5_integers *permutation) {
+    if (permutation->n < 2 || permutation->n > PLEX_MOST_STRATA)
+        return io_hdf5_fail(r->file, r->topology, "%lld strata of points; 2 to %d were expected",
+                            (long long)permutation->n, PLEX_MOST_STRATA);
+    r->n_strata = (int)permutation->n;
+    for (int d = 0; d < r->n_strata; d++) {
+        plex_stratum *s = &r->stratum[d];
+        int status = io_hdf5_path(r->file, group[d], "%s/strata/%d", r->topology, d);
+        if (!status)
+            status = plex_read_list(r, group[d], "cone_sizes", &s->sizes);
+        if (!status && d > 0)
+            status = plex_read_list(r, group[d], "cones", &s->cones);
+        if (!status && d > 0)
+            status = plex_read_list(r, group[d], "orientations", &s->orientations);
+        if (status)
+            return status;
+        s->n = s->sizes.n;
+    }
     int64_t n = 0;
     unsigned placed = 0;
     for (int64_t i = 0; i < permutation->n; i++) {
         const int64_t depth = io_hdf5_integer(permutation, i);
         if (depth < 0 || depth >= r->n_strata || (placed >> depth & 1))
-            return -1;
+            return io_hdf5_fail(r->file, r->topology, "permutation is none of the strata");
         placed |= 1u << depth;
         r->stratum[depth].first = n;
         n += r->stratum[depth].n;
     }
-    for (int d = 1; d < r->n_strata; d++)
-        r->stratum[d].below = r->stratum[d - 1].first;
-    return n;
-}
-
-static int read_strata(plex_reader *r, const char *group, strata *all) {
-    int status = read_integers(r, group, "permutation", &all->permutation);
-    if (!status && (all->permutation.n < 2 || all->permutation.n > PLEX_MOST_STRATA))
-        status = io_hdf5_fail(r->file, group, "%lld strata of points; 2 to %d were expected",
-                              (long long)all->permutation.n, PLEX_MOST_STRATA);
-    r->n_strata = status ? 0 : (int)all->permutation.n;
-    for (int d = 0; d < r->n_strata && !status; d++)
-        status = read_stratum(r, group, d, all);
-    if (status)
-        return status;
-    const int64_t n = place_strata(r, &all->permutation);
-    status = n < 0 ? io_hdf5_fail(r->file, group, "permutation is none of the strata")
-                   : make_points(r, group, n);
-    for (int d = 0; d < r->n_strata && !status; d++)
-        status = take_cones(r, all->group[d], &r->stratum[d], &all->sizes[d], NULL);
+    int status = make_points(r, n);
+    for (int d = 0; d < r->n_strata && !status; d++) {
+        r->stratum[d].below = d > 0 ? r->stratum[d - 1].first : 0;
+        status = take_cones(r, group[d], &r->stratum[d], NULL);
+    }
     return status;
 }
 
-static int read_apart(plex_reader *r, const char *group) {
-    strata all = {.permutation = {0}};
-    const int status = read_strata(r, group, &all);
-    io_hdf5_integers_release(&all.permutation);
+/** Find elements, which are the first points, and nodes, which follow. */
+static int find_kinds(plex_reader *r) {
+    int64_t first = 0, last;
+    while (first < r->n_points && r->size[first] > 0)
+        first++;
+    for (last = first; last < r->n_points && r->size[last] == 0;)
+        last++;
+    r->n_elements = first;
+    r->n_nodes = last - first;
+    for (int64_t i = last; i < r->n_points; i++)
+        if (r->size[i] == 0)
+            return io_hdf5_fail(r->file, r->topology,
+                                "nodes are not numbered one after another behind the elements");
+    if (r->n_elements == 0 || r->n_nodes == 0)
+        return io_hdf5_fail(r->file, r->topology, "there are no elements, or no nodes");
+    /* Whether all that bounds the first element is among the elements. */
+    int is_bounded_by_elements = 1;
+    for (int k = 0; k < r->size[0]; k++) {
+        const int64_t below = in_cone(r, 0, k, NULL);
+        is_bounded_by_elements &= below >= 0 && below < r->n_elements;
+    }
+    if (is_bounded_by_elements)
+        return io_hdf5_fail(r->file, r->topology,
+                            "faces or edges are numbered between elements and nodes; elements are "
+                            "expected first, then nodes");
+    return PLANISH_OK;
+}
+
+int plex_read_topology(plex_reader *r) {
+    io_hdf5_integers permutation = {0};
+    int status = r->version < 3 ? read_together(r)
+                                : plex_read_list(r, r->topology, "permutation", &permutation);
+    if (!status && r->version == 3)
+        status = read_strata(r, &permutation);
+    io_hdf5_integers_release(&permutation);
     for (int d = 0; d < PLEX_MOST_STRATA; d++)
-        io_hdf5_integers_release(&all.sizes[d]);
-    return status;
+        io_hdf5_integers_release(&r->stratum[d].sizes);
+    return status ? status : find_kinds(r);
 }
 
 void plex_release_topology(plex_reader *r) {
@@ -169,62 +187,6 @@ void plex_release_topology(plex_reader *r) {
 }
 
 /* ---- nodes of points ------------------------------------------------------------------------ */
-
-static const plex_stratum *stratum_of(const plex_reader *r, int64_t point) {
-    const plex_stratum *s = r->stratum;
-    while (point < s->first || point >= s->first + s->n)
-        s++;
-    return s;
-}
-
-/** The k-th point of the cone, and how it is gone round; -1: there is no such point. */
-static int64_t in_cone(const plex_reader *r, int64_t point, int k, int64_t *orientation) {
-    const plex_stratum *s = stratum_of(r, point);
-    const int64_t below = io_hdf5_integer(&s->cones, r->start[point] + k);
-    if (orientation)
-        *orientation = io_hdf5_integer(&s->orientations, r->start[point] + k);
-    return below >= 0 && below < r->n_points - s->below ? s->below + below : -1;
-}
-
-/** Whether all that bounds a point is among the elements. */
-static int is_of_elements(const plex_reader *r, int64_t point) {
-    for (int k = 0; k < r->size[point]; k++) {
-        const int64_t below = in_cone(r, point, k, NULL);
-        if (below < 0 || below >= r->n_elements)
-            return 0;
-    }
-    return 1;
-}
-
-/** Elements are the first points, nodes those that follow. */
-static int find_kinds(plex_reader *r, const char *group) {
-    int64_t first = 0, last;
-    while (first < r->n_points && r->size[first] > 0)
-        first++;
-    for (last = first; last < r->n_points && r->size[last] == 0;)
-        last++;
-    r->n_elements = first;
-    r->n_nodes = last - first;
-    for (int64_t i = last; i < r->n_points; i++)
-        if (r->size[i] == 0)
-            return io_hdf5_fail(r->file, group,
-                                "nodes are not numbered one after another behind the elements");
-    if (r->n_elements == 0 || r->n_nodes == 0)
-        return io_hdf5_fail(r->file, group, "there are no elements, or no nodes");
-    if (is_of_elements(r, 0))
-        return io_hdf5_fail(r->file, group,
-                            "faces or edges are numbered between elements and nodes; elements are "
-                            "expected first, then nodes");
-    return PLANISH_OK;
-}
-
-int plex_read_topology(plex_reader *r) {
-    char group[IO_HDF5_PATH_SIZE];
-    int status = io_hdf5_path(r->file, group, "%s/topology", r->root);
-    if (!status)
-        status = r->version < 3 ? read_together(r, group) : read_apart(r, group);
-    return status ? status : find_kinds(r, group);
-}
 
 static int is_node(const plex_reader *r, int64_t point) {
     return point >= r->n_elements && point < r->n_elements + r->n_nodes;
@@ -260,19 +222,13 @@ static void add_cone(const plex_reader *r, int64_t point, int is_reversed, nodes
         add_node(r, in_cone(r, point, is_reversed ? size - 1 - k : k, NULL), to);
 }
 
-/** Whether a point with so many in its cone can be gone round like that. */
+/** Return whether a point with so many in its cone can be gone round like that. */
 static int is_orientation(int64_t o, int size) {
     return o >= -size && o < size;
 }
 
-static void add_edge(const plex_reader *r, int64_t edge, int is_reversed, nodes *to) {
-    if (edge < 0 || plex_dim_of(r, edge) != 1)
-        to->is_broken = 1;
-    else
-        add_cone(r, edge, is_reversed, to);
-}
-
-/** A cone of edges, from edge o on; backwards where o is negative, which -1 does from edge 1 on. */
+/** Add the nodes of a cone of edges, from edge o on; backwards where o is negative, which -1 does
+ *  from edge 1 on. */
 static void add_face(const plex_reader *r, int64_t face, int64_t o, nodes *to) {
     const int size = r->size[face];
     const int is_reversed = o < 0;
@@ -282,37 +238,32 @@ static void add_face(const plex_reader *r, int64_t face, int64_t o, nodes *to) {
         int64_t orientation;
         const int at = (first + (is_reversed ? size - k : k)) % size;
         const int64_t edge = in_cone(r, face, at, &orientation);
-        add_edge(r, edge, is_reversed != (orientation < 0), to);
+        if (edge < 0 || plex_dim_of(r, edge) != 1)
+            to->is_broken = 1;
+        else
+            add_cone(r, edge, is_reversed != (orientation < 0), to);
     }
-}
-
-/** The nodes of a triangle in that order, if they are known. */
-static const int32_t *find_triangle(const plex_reader *r, int64_t face) {
-    const int64_t i = face - r->first_face;
-    return i >= 0 && i < r->n_faces && r->triangle[3 * i] >= 0 ? r->triangle + 3 * i : NULL;
-}
-
-/** Edge k of a triangle leads from node k on. */
-static void add_triangle(const plex_reader *r, const int32_t *node, int64_t o, nodes *to) {
-    const int first = (int)(o < 0 ? (1 - o % 3) % 3 : o % 3);
-    to->is_broken |= !is_orientation(o, 3);
-    for (int k = 0; k < 3; k++)
-        add_node(r, r->n_elements + node[(first + (o < 0 ? 3 - k : k)) % 3], to);
 }
 
 static void add_faces(const plex_reader *r, int64_t element, nodes *to) {
     for (int k = 0; k < r->size[element]; k++) {
-        int64_t orientation;
-        const int64_t face = in_cone(r, element, k, &orientation);
+        int64_t o;
+        const int64_t face = in_cone(r, element, k, &o), i = face - r->first_face;
         if (face < r->n_elements || plex_dim_of(r, face) != 2) {
             to->is_broken = 1;
             return;
         }
-        const int32_t *node = find_triangle(r, face);
-        if (node)
-            add_triangle(r, node, orientation, to);
-        else
-            add_face(r, face, orientation, to);
+        if (i < 0 || i >= r->n_faces || r->triangle[3 * i] < 0) {
+            add_face(r, face, o, to);
+            continue;
+        }
+        /* A triangle whose nodes are known: edge k leads from node k on. */
+        const int first = (int)(o < 0 ? (1 - o % 3) % 3 : o % 3);
+        to->is_broken |= !is_orientation(o, 3);
+        for (int j = 0; j < 3; j++) {
+            const int32_t node = r->triangle[3 * i + (first + (o < 0 ? 3 - j : j)) % 3];
+            add_node(r, r->n_elements + node, to);
+        }
     }
 }
 
@@ -330,29 +281,22 @@ int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node) {
     return to.is_broken ? -1 : to.n;
 }
 
-/** Whether a point is bounded by points of the next lower dimension; an element by these or by
- *  nodes. */
-static int is_bounded(const plex_reader *r, int64_t point) {
-    const int dim = plex_dim_of(r, point);
-    const int64_t first = in_cone(r, point, 0, NULL);
-    const int wanted = point < r->n_elements && is_node(r, first) ? 0 : dim - 1;
-    for (int k = 0; k < r->size[point]; k++) {
-        int64_t orientation;
-        const int64_t below = in_cone(r, point, k, &orientation);
-        if (below < r->n_elements || plex_dim_of(r, below) != wanted ||
-            (wanted > 0 && !is_orientation(orientation, r->size[below])))
-            return 0;
-    }
-    return 1;
-}
-
 int plex_has_simplices_alone(const plex_reader *r) {
     for (int64_t i = 0; i < r->n_elements; i++)
         if (r->size[i] != r->dim + 1)
             return 0;
-    for (int64_t i = 0; i < r->n_points; i++)
-        if (!is_node(r, i) && !is_bounded(r, i))
-            return 0;
+    /* Points are bounded by points of the next lower dimension; elements by these or by nodes. */
+    for (int64_t i = 0; i < r->n_points; i++) {
+        const int by_nodes = i < r->n_elements && is_node(r, in_cone(r, i, 0, NULL));
+        const int wanted = by_nodes ? 0 : plex_dim_of(r, i) - 1;
+        for (int k = 0; k < r->size[i]; k++) {
+            int64_t orientation;
+            const int64_t below = in_cone(r, i, k, &orientation);
+            if (below < r->n_elements || plex_dim_of(r, below) != wanted ||
+                (wanted > 0 && !is_orientation(orientation, r->size[below])))
+                return 0;
+        }
+    }
     return 1;
 }
 
@@ -382,7 +326,7 @@ int plex_add_cell(plex_reader *r, int64_t point) {
     return PLANISH_OK;
 }
 
-/** Elements begin .. end - 1 into their cells, whose places are known. */
+/** Elements that are put into their cells by threads, whose places are known. */
 typedef struct filling {
     plex_reader *r;
     int64_t first_wrong; /* element, or INT64_MAX */
@@ -408,23 +352,6 @@ static void fill_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** An element that is bounded by dim + 1 points is a simplex, with and without faces. */
-static int place_elements(plex_reader *r) {
-    int64_t n = 0;
-    for (int64_t i = 0; i < r->n_elements; i++)
-        if (r->size[i] == r->dim + 1)
-            r->of_point[i] = (int32_t)n++;
-    io_cells *cells = io_model_cells(r->model, r->dim);
-    r->model->n_other = r->n_elements - n;
-    const int status = io_cells_reserve(cells, r->dim, n, 1, r->model->n_other > 0, r->error);
-    for (int64_t i = 0; i < r->n_elements && cells->number && !status; i++)
-        if (r->of_point[i] >= 0)
-            cells->number[r->of_point[i]] = i;
-    if (!status)
-        cells->n = n;
-    return status;
-}
-
 /** Each face is one of two elements: its nodes are found once. */
 static void find_triangle_chunk(void *context, int64_t begin, int64_t end, int thread) {
     plex_reader *r = context;
@@ -438,30 +365,34 @@ static void find_triangle_chunk(void *context, int64_t begin, int64_t end, int t
     }
 }
 
-static int find_triangles(plex_reader *r) {
-    int64_t first = r->n_points, behind = 0;
-    for (int64_t i = r->n_elements + r->n_nodes; i < r->n_points; i++)
+int plex_read_elements(plex_reader *r) {
+    filling f = {.r = r, .first_wrong = INT64_MAX};
+    int64_t n = 0, first = r->n_points, behind = 0;
+    /* An element that is bounded by dim + 1 points is a simplex, with and without faces. */
+    for (int64_t i = 0; i < r->n_elements; i++)
+        if (r->size[i] == r->dim + 1)
+            r->of_point[i] = (int32_t)n++;
+    io_cells *cells = io_model_cells(r->model, r->dim);
+    r->model->n_other = r->n_elements - n;
+    const int status = io_cells_reserve(cells, r->dim, n, 1, r->model->n_other > 0, r->error);
+    if (status)
+        return status;
+    for (int64_t i = 0; i < r->n_elements && cells->number; i++)
+        if (r->of_point[i] >= 0)
+            cells->number[r->of_point[i]] = i;
+    cells->n = n;
+    for (int64_t i = r->n_elements + r->n_nodes; r->dim == 3 && i < r->n_points; i++)
         if (r->size[i] > 2) {
             first = i < first ? i : first;
             behind = i + 1;
         }
+    const int64_t n_faces = behind > first ? behind - first : 0;
     r->first_face = first;
-    const int64_t n = behind > first ? behind - first : 0;
-    r->triangle = pl_alloc(3 * n, sizeof *r->triangle);
+    r->triangle = pl_alloc(3 * n_faces, sizeof *r->triangle);
     if (!r->triangle)
         return pl_fail_memory(r->error, "the faces of the file");
-    pl_parallel_for(r->model->threads, n, CHUNK, find_triangle_chunk, r);
-    r->n_faces = n;
-    return PLANISH_OK;
-}
-
-int plex_read_elements(plex_reader *r) {
-    filling f = {.r = r, .first_wrong = INT64_MAX};
-    int status = place_elements(r);
-    if (!status && r->dim == 3)
-        status = find_triangles(r);
-    if (status)
-        return status;
+    pl_parallel_for(r->model->threads, n_faces, CHUNK, find_triangle_chunk, r);
+    r->n_faces = n_faces;
     pl_parallel_for(r->model->threads, r->n_elements, CHUNK, fill_chunk, &f);
     return f.first_wrong < INT64_MAX ? plex_fail_point(r, f.first_wrong) : PLANISH_OK;
 }
