@@ -267,7 +267,8 @@ static int read_element_block(gmsh_reader *reader, const section_head *head) {
                                   reader->error);
     }
     if (!status)
-        status = gmsh_read_records(reader, head->size, width, bytes * width, read_elements, &block);
+        status = io_records(&reader->text, &reader->cursor, head->size, width, bytes * width,
+                            read_elements, &block, reader->error);
     if (!status && block.cells)
         block.cells->n += head->size;
     return status;

@@ -29,37 +29,29 @@ enum {
     BLOCK = 1 << 20 /* values that are read at once */
 };
 
-/** The name in a line: what is in its quotes, or the line without blanks around it. */
-static void take_name(io_cursor *cursor, gmsh_data *data) {
-    const char *end, *begin = io_line(cursor, &end);
-    const char *quote = memchr(begin, '"', (size_t)(end - begin));
-    if (quote) {
-        begin = quote + 1;
-        quote = memchr(begin, '"', (size_t)(end - begin));
-        end = quote ? quote : end;
-    }
-    while (begin < end && (unsigned char)*begin <= ' ')
-        begin++;
-    while (begin < end && (unsigned char)end[-1] <= ' ')
-        end--;
-    data->name = begin;
-    data->length = end - begin;
-}
-
 /** Read all before the values: texts, reals and whole numbers. data->values: behind the last of
  *  these, or in binary behind its line. Return 0 or -1. */
 static int read_head(io_cursor cursor, int is_binary, gmsh_data *data) {
     enum { STEP, WIDTH, COUNT, N_WANTED };
+    static const char no_name[] = "ElementData";
     int64_t n, number[N_WANTED] = {0}, ignored;
     double real;
-    *data = (gmsh_data){.name = "ElementData", .length = (int64_t)strlen("ElementData")};
+    *data = (gmsh_data){.name = {no_name, no_name + sizeof no_name - 1}};
     if (io_left(&cursor) > LARGEST_HEAD)
         cursor.end = cursor.at + LARGEST_HEAD;
     if (io_integer(&cursor, &n) || n < 0 || n > io_left(&cursor))
         return -1;
     io_skip_line(&cursor);
-    if (n > 0)
-        take_name(&cursor, data);
+    if (n > 0) { /* in quotes, or the line without blanks around it */
+        io_slice line = io_next_line(&cursor);
+        const char *quote = memchr(line.begin, '"', (size_t)io_slice_length(line));
+        if (quote) {
+            line.begin = quote + 1;
+            quote = memchr(line.begin, '"', (size_t)io_slice_length(line));
+            line.end = quote ? quote : line.end;
+        }
+        data->name = io_slice_trim(line);
+    }
     for (int64_t i = 1; i < n; i++)
         io_skip_line(&cursor);
     if (io_integer(&cursor, &n))
@@ -101,7 +93,9 @@ int gmsh_skip_data(gmsh_reader *reader, int with_nodes) {
 }
 
 static int is_same_name(const gmsh_data *a, const gmsh_data *b) {
-    return a->length == b->length && memcmp(a->name, b->name, (size_t)a->length) == 0;
+    const int64_t length = io_slice_length(a->name);
+    return length == io_slice_length(b->name) &&
+           memcmp(a->name.begin, b->name.begin, (size_t)length) == 0;
 }
 
 int gmsh_note_data(gmsh_reader *reader, const char *begin, const char *end) {
@@ -220,11 +214,12 @@ static int put_section(data_values *v, const gmsh_data *data, io_array_filler *f
 /* ---- arrays ------------------------------------------------------------------------------- */
 
 static int begin_array(const gmsh_reader *reader, const gmsh_data *data, io_array_filler *filler) {
-    char *name = pl_alloc(data->length + 1, 1);
+    const int64_t length = io_slice_length(data->name);
+    char *name = pl_alloc(length + 1, 1);
     if (!name)
         return pl_fail_memory(reader->error, "the arrays of cells");
-    memcpy(name, data->name, (size_t)data->length);
-    name[data->length] = '\0';
+    memcpy(name, data->name.begin, (size_t)length);
+    name[length] = '\0';
     const int status = io_array_begin_elements(reader->model, name, filler, reader->error);
     pl_free(name);
     return status;

@@ -18,29 +18,28 @@ enum { N_DIMS = 4, ANY = -1 };
 /** Read the line of a name. */
 static int read_name(gmsh_reader *reader) {
     int64_t number[2];
-    const char *end;
     io_skip_space(&reader->cursor);
-    const char *begin = io_line(&reader->cursor, &end);
-    const char *open = memchr(begin, '"', (size_t)(end - begin));
+    const io_slice line = io_next_line(&reader->cursor);
+    const char *open = memchr(line.begin, '"', (size_t)io_slice_length(line));
     /* Before the name: dimension and number, or the number alone. */
-    io_cursor cursor = {begin, open ? open : end};
+    io_cursor cursor = {line.begin, open ? open : line.end};
     int n = 0;
     while (n < 2 && !io_integer(&cursor, &number[n]))
         n++;
     if (n == 0)
-        return io_fail_at(reader->model, begin, reader->error,
+        return io_fail_at(reader->model, line.begin, reader->error,
                           "dimension, number and name of a group expected (the file may be cut "
                           "short, or the number of names is wrong)");
     const int64_t dim = n == 2 ? number[0] : ANY, tag = number[n - 1];
     if (dim < ANY || dim >= N_DIMS || tag < INT32_MIN || tag > INT32_MAX)
-        return io_fail_at(reader->model, begin, reader->error,
+        return io_fail_at(reader->model, line.begin, reader->error,
                           "group %lld of dimension %lld: out of range", (long long)tag,
                           (long long)dim);
     if (!open) /* nothing in quotes: no name */
         return PLANISH_OK;
-    const char *name = open + 1, *close = memchr(name, '"', (size_t)(end - name));
+    const char *name = open + 1, *close = memchr(name, '"', (size_t)(line.end - name));
     if (!close)
-        return io_fail_at(reader->model, begin, reader->error,
+        return io_fail_at(reader->model, line.begin, reader->error,
                           "closing quote of a name expected (the file may be cut short)");
     return io_model_group(reader->model, (int)dim, (int32_t)tag, name, close - name, reader->error);
 }

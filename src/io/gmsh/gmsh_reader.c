@@ -2,7 +2,6 @@
  * numbers, nodes, elements and periodic pairs. */
 #include "io/gmsh/gmsh_reader.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -205,19 +204,9 @@ void gmsh_skip_affine(gmsh_reader *reader) {
 
 int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, int64_t binary_bytes,
                      const char *what) {
-    int64_t bytes = reader->model->is_binary ? binary_bytes : text_bytes;
-    const char *at = reader->cursor.at;
-    if (n < 0)
-        return io_fail_at(reader->model, at, reader->error, "number of %s is negative", what);
-    /* The last line of a text may lack its end. */
-    if (n > (io_left(&reader->cursor) + !reader->model->is_binary) / bytes)
-        return io_fail_at(reader->model, at, reader->error,
-                          "%lld %s cannot be in the rest of the file (cut short, or a wrong count)",
-                          (long long)n, what);
-    if (n > INT32_MAX)
-        return io_fail_at(reader->model, at, reader->error, "%lld %s: more than planish can number",
-                          (long long)n, what);
-    return PLANISH_OK;
+    return io_check_count(reader->model, reader->cursor, n,
+                          reader->model->is_binary ? binary_bytes : text_bytes, what,
+                          reader->error);
 }
 
 /* ---- nodes -------------------------------------------------------------------------------- */
@@ -253,15 +242,11 @@ static int read_points(void *context, io_cursor *cursor, int64_t begin, int64_t 
             return PLANISH_ERROR_FORMAT;
         if (!model->is_binary && io_read_point(model, cursor, node, error))
             return PLANISH_ERROR_FORMAT;
-        for (int d = 0; model->is_binary && d < 3; d++, cursor->at += 8) {
-            model->xyz[3 * node + d] = io_load_f64(cursor->at, block->reader->swapped);
-            if (!isfinite(model->xyz[3 * node + d]))
-                return io_fail_at(model, cursor->at, error,
-                                  "node %lld has a coordinate that is not finite",
-                                  (long long)model->node_number[node]);
-        }
+        if (model->is_binary &&
+            io_load_point(model, cursor->at, 8, block->reader->swapped, node, error))
+            return PLANISH_ERROR_FORMAT;
         if (model->is_binary)
-            cursor->at += 8 * block->extra;
+            cursor->at += 8 * (3 + block->extra);
         for (int k = 0; !model->is_binary && k < block->extra; k++)
             if (io_real(cursor, &ignored))
                 return io_fail_at(model, cursor->at, error,
@@ -278,22 +263,12 @@ int gmsh_make_nodes(gmsh_reader *reader, int64_t n) {
     int status =
         gmsh_check_count(reader, n, TEXT_SIZE, (reader->version == 41 ? 8 : 4) + 3 * 8, "nodes");
     if (!status)
-        status = io_model_nodes(model, n, !model->is_binary, reader->error);
+        status = model->is_binary ? io_model_nodes(model, n, 0, reader->error)
+                                  : io_model_points(model, n, 8, 0, 0, NULL, reader->error);
     if (status)
         return status;
     model->node_number = pl_alloc(n, sizeof *model->node_number);
-    if (!model->node_number)
-        return pl_fail_memory(reader->error, "the nodes' numbers");
-    const io_span text = {.n_nodes = n, .encoding = IO_TEXT};
-    return model->is_binary ? PLANISH_OK : io_model_span(model, text, reader->error);
-}
-
-int gmsh_read_records(gmsh_reader *reader, int64_t n, int64_t tokens, int64_t bytes,
-                      io_records_fn *read, void *context) {
-    return reader->model->is_binary ? io_binary_records(reader->model->threads, &reader->cursor, n,
-                                                        bytes, read, context, reader->error)
-                                    : io_text_records(&reader->text, &reader->cursor, n, tokens,
-                                                      read, context, reader->error);
+    return model->node_number ? PLANISH_OK : pl_fail_memory(reader->error, "the nodes' numbers");
 }
 
 int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra) {
@@ -303,15 +278,14 @@ int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra) {
     node_block block = {reader, first, extra, is_apart, model->is_binary ? number_bytes : 0};
     if (n == 0)
         return PLANISH_OK;
-    if (model->is_binary && n > io_left(&reader->cursor) / (number_bytes + 8 * (3 + extra)))
-        return io_fail_at(model, reader->cursor.at, reader->error,
-                          "%lld nodes cannot be in the rest of the file", (long long)n);
-    if (is_apart) {
-        const int status = gmsh_read_records(reader, n, 1, number_bytes, read_numbers, &block);
-        if (status)
-            return status;
-    }
-    if (model->is_binary) {
+    int status = PLANISH_OK;
+    if (model->is_binary)
+        status = io_check_room(model, reader->cursor, n, number_bytes + 8 * (3 + extra), "nodes",
+                               reader->error);
+    if (!status && is_apart)
+        status = io_records(&reader->text, &reader->cursor, n, 1, number_bytes, read_numbers,
+                            &block, reader->error);
+    if (!status && model->is_binary) {
         const io_span span = {.first_node = first,
                               .n_nodes = n,
                               .encoding = IO_FLOAT64,
@@ -319,11 +293,11 @@ int gmsh_read_nodes(gmsh_reader *reader, int64_t first, int64_t n, int extra) {
                               .offset = reader->cursor.at - model->input.data +
                                         (is_apart ? 0 : number_bytes),
                               .stride = stride};
-        const int status = io_model_span(model, span, reader->error);
-        if (status)
-            return status;
+        status = io_model_span(model, span, reader->error);
     }
-    return gmsh_read_records(reader, n, !is_apart + 3 + extra, stride, read_points, &block);
+    return status ? status
+                  : io_records(&reader->text, &reader->cursor, n, !is_apart + 3 + extra, stride,
+                               read_points, &block, reader->error);
 }
 
 int gmsh_end_nodes(gmsh_reader *reader) {

@@ -4,7 +4,6 @@
  *   gmsh_find_type                        element types by their numbers
  *   gmsh_number, gmsh_take, gmsh_skip_... single numbers
  *   gmsh_check_count                      counts that the file can hold
- *   gmsh_read_records                     records of text or binary
  *   gmsh_make_nodes, gmsh_read_nodes      nodes of all versions
  *   gmsh_block, gmsh_read_element         elements of all versions
  *   gmsh_hold_pairs                       periodic pairs
@@ -33,8 +32,7 @@ typedef struct gmsh_place {
 
 /** A section of values, as $ElementData is. */
 typedef struct gmsh_data {
-    const char *name; /* [length] in the file, without quotes */
-    int64_t length;
+    io_slice name;            /* without quotes */
     int64_t step, width, n;   /* of time; numbers of a value; values */
     const char *values, *end; /* where they begin, and the section's end mark */
     int is_read;              /* by gmsh_read_data */
@@ -111,10 +109,6 @@ int gmsh_check_count(const gmsh_reader *reader, int64_t n, int64_t text_bytes, i
 
 /** Make room for n nodes and their numbers (model->node_number). */
 int gmsh_make_nodes(gmsh_reader *reader, int64_t n);
-
-/** Read n records of a block: text of so many tokens, or binary of so many bytes each. */
-int gmsh_read_records(gmsh_reader *reader, int64_t n, int64_t tokens, int64_t bytes,
-                      io_records_fn *read, void *context);
 
 /** Read a block of n nodes from index first on. extra: parametric coordinates of a node, which are
  *  passed over. */
