@@ -1,0 +1,205 @@
+/* medit_mesh: the sections of Medit's meshes: vertices, elements, and what holds nodes. */
+#include "io/medit/medit.h"
+
+#include "base/memory.h"
+#include "base/round.h"
+#include "base/status.h"
+#include "io/core/binary.h"
+
+/* ---- numbers ------------------------------------------------------------------------------ */
+
+/** Take the next whole number. Return 0 or -1. */
+static inline int take_integer(const medit_reader *r, io_cursor *cursor, int64_t *value) {
+    if (r->model->is_binary) {
+        *value = r->integer_size == 4 ? io_load_i32(cursor->at, r->swapped)
+                                      : io_load_i64(cursor->at, r->swapped);
+        cursor->at += r->integer_size;
+        return 0;
+    }
+    io_skip_space_comments(cursor, '#');
+    return io_integer(cursor, value);
+}
+
+static inline int take_real(const medit_reader *r, io_cursor *cursor, double *value) {
+    if (r->model->is_binary) {
+        *value = r->real_size == 4 ? (double)io_load_f32(cursor->at, r->swapped)
+                                   : io_load_f64(cursor->at, r->swapped);
+        cursor->at += r->real_size;
+        return 0;
+    }
+    io_skip_space_comments(cursor, '#');
+    return io_real(cursor, value);
+}
+
+/** Take a number from 1 to limit as an index from 0. */
+static int take_index(const medit_reader *r, io_cursor *cursor, int64_t limit, int64_t record,
+                      planish_error *error, int64_t *index) {
+    const char *at = cursor->at, *what = r->current->type.name;
+    if (take_integer(r, cursor, index))
+        return io_fail_at(r->model, cursor->at, error,
+                          "%s %lld: a whole number expected (the file may be cut short)", what,
+                          (long long)record + 1);
+    if (*index < 1 || *index > limit)
+        return io_fail_at(r->model, r->model->is_binary ? at : cursor->at, error,
+                          "%s %lld: number %lld is not in 1 .. %lld", what, (long long)record + 1,
+                          (long long)*index, (long long)limit);
+    --*index;
+    return PLANISH_OK;
+}
+
+static int take_reference(const medit_reader *r, io_cursor *cursor, int64_t record,
+                          planish_error *error, int32_t *reference) {
+    int64_t value;
+    if (take_integer(r, cursor, &value) || value < INT32_MIN || value > INT32_MAX)
+        return io_fail_at(r->model, cursor->at, error,
+                          "%s %lld: a reference of 32 bits expected (the file may be cut short)",
+                          r->current->type.name, (long long)record + 1);
+    *reference = (int32_t)value;
+    return PLANISH_OK;
+}
+
+/* ---- records ------------------------------------------------------------------------------ */
+
+static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                         planish_error *error) {
+    const medit_reader *r = context;
+    io_model *model = r->model;
+    for (int64_t i = begin; i < end; i++) {
+        double *xyz = model->xyz + 3 * i;
+        if (!model->is_binary) {
+            io_skip_space_comments(cursor, '#');
+            model->text_offset[i] = cursor->at - model->input.data;
+        }
+        xyz[2] = 0;
+        for (int d = 0; d < r->dim; d++) {
+            const char *at = cursor->at;
+            double value;
+            if (take_real(r, cursor, &value))
+                return io_fail_at(model, cursor->at, error,
+                                  "vertex %lld: a coordinate expected (the file may be cut short)",
+                                  (long long)i + 1);
+            xyz[d] = model->precision == PLANISH_FLOAT ? pl_round_to_float(value) : value;
+            if (io_check_finite(model, xyz[d], i, model->is_binary ? at : cursor->at, error))
+                return PLANISH_ERROR_FORMAT;
+        }
+        if (take_reference(r, cursor, i, error, &model->node_entity[i]))
+            return PLANISH_ERROR_FORMAT;
+    }
+    return PLANISH_OK;
+}
+
+/** Store elements, or hold their nodes. */
+static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                         planish_error *error) {
+    const medit_reader *r = context;
+    const io_element_type *type = &r->current->type;
+    io_cells *cells = r->cells;
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t cell = r->first_cell + i;
+        int64_t node;
+        int32_t ignored;
+        for (int j = 0; j < type->nodes; j++) {
+            if (take_index(r, cursor, r->model->n_nodes, i, error, &node))
+                return PLANISH_ERROR_FORMAT;
+            if (cells)
+                cells->nodes[cell * type->nodes + j] = (int32_t)node;
+            else
+                io_hold_node(r->model, node, io_element_reason(type));
+        }
+        if (take_reference(r, cursor, i, error, cells ? &cells->entity[cell] : &ignored))
+            return PLANISH_ERROR_FORMAT;
+    }
+    return PLANISH_OK;
+}
+
+static int read_marked(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                       planish_error *error) {
+    const medit_reader *r = context;
+    const int dim = io_element_dim(&r->current->type);
+    const io_cells *cells = dim ? io_model_cells(r->model, dim) : NULL;
+    for (int64_t i = begin; i < end; i++) {
+        int64_t index;
+        if (take_index(r, cursor, cells ? cells->n : r->model->n_nodes, i, error, &index))
+            return PLANISH_ERROR_FORMAT;
+        for (int j = 0; j <= dim; j++)
+            io_hold_node(r->model, cells ? cells->nodes[index * (dim + 1) + j] : index,
+                         IO_HELD_REQUIRED);
+    }
+    return PLANISH_OK;
+}
+
+static int read_pairs(const medit_reader *r, const io_section *s) {
+    io_cursor cursor = {s->data, io_input_end(r->model)};
+    for (int64_t i = 0; i < s->count; i++) {
+        int32_t pair[2];
+        for (int j = 0; j < 2; j++) {
+            int64_t node;
+            if (take_index(r, &cursor, r->model->n_nodes, i, r->error, &node))
+                return PLANISH_ERROR_FORMAT;
+            io_hold_node(r->model, node, IO_HELD_PERIODIC);
+            pair[j] = (int32_t)node;
+        }
+        if (pair[0] != pair[1] && io_model_pair(r->model, pair, r->error))
+            return PLANISH_ERROR_MEMORY;
+    }
+    return PLANISH_OK;
+}
+
+/* ---- sections ----------------------------------------------------------------------------- */
+
+static int read_records(medit_reader *r, const io_section *s, io_records_fn *read) {
+    const medit_keyword *k = r->current;
+    return io_section_records(&r->text, s, k->type.name, medit_reals(r, k) + medit_integers(k),
+                              medit_record_size(r, k), read, r, r->error);
+}
+
+static int read_vertex_section(medit_reader *r, const io_section *s) {
+    io_model *model = r->model;
+    if (model->xyz)
+        return io_fail_at(model, s->data, r->error, "Vertices for the second time");
+    int status = io_model_points(model, s->count, r->version == 1 ? 4 : 8,
+                                 medit_record_size(r, r->current), r->swapped, s->data, r->error);
+    if (status)
+        return status;
+    model->first_number = 1;
+    model->columns = r->dim;
+    model->node_entity = pl_alloc(s->count, sizeof *model->node_entity);
+    if (!model->node_entity)
+        return pl_fail_memory(r->error, "the vertices of the file");
+    status = read_records(r, s, read_vertices);
+    return status ? status : io_model_index_tags(model, 0, model->node_entity, s->count, r->error);
+}
+
+static int read_element_section(medit_reader *r, const io_section *s) {
+    const io_element_type *type = &r->current->type;
+    const int dim = io_element_dim(type);
+    io_cells *cells = r->cells = io_element_cells(r->model, type);
+    if (!cells) {
+        io_element_count(r->model, type, s->count);
+        return read_records(r, s, read_elements);
+    }
+    cells->first_number = 1;
+    r->first_cell = cells->n;
+    int status = io_cells_reserve(cells, dim, s->count, 1, 0, r->error);
+    if (!status)
+        status = read_records(r, s, read_elements);
+    if (!status)
+        status = io_model_index_tags(r->model, dim, cells->entity + cells->n, s->count, r->error);
+    if (!status)
+        cells->n += s->count;
+    return status;
+}
+
+int medit_read_section(medit_reader *r, const io_section *s) {
+    r->current = &medit_keywords[s->keyword];
+    switch (r->current->kind) {
+    case MEDIT_VERTICES:
+        return read_vertex_section(r, s);
+    case MEDIT_ELEMENTS:
+        return read_element_section(r, s);
+    case MEDIT_MARKED:
+        return read_records(r, s, read_marked);
+    default:
+        return read_pairs(r, s);
+    }
+}
