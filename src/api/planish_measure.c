@@ -7,7 +7,6 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "quality/measure.h"
-#include "quality/reversed.h"
 
 #include <string.h>
 

@@ -18,56 +18,6 @@ static const double ERROR_3D = (7 + 56 * 0x1p-53) * 0x1p-53;
 static const double UNDERFLOW_ERROR = 0x1p-960;
 static const double SCALED_LOW = 0x1p-100, SCALED_HIGH = 0x1p100;
 
-/** Largest absolute entry; NaN and infinite entries give infinity. */
-static double largest_entry(int dim, const double edges[3][3]) {
-    double largest = 0;
-    for (int i = 0; i < dim; i++)
-        for (int j = 0; j < dim; j++) {
-            double entry = fabs(edges[i][j]);
-            if (!(entry <= DBL_MAX))
-                return INFINITY;
-            largest = entry > largest ? entry : largest;
-        }
-    return largest;
-}
-
-/** Sum of the absolute products in D. */
-static double permanent_of_edges(int dim, const double edges[3][3]) {
-    double e[3][3];
-    for (int i = 0; i < dim; i++)
-        for (int j = 0; j < dim; j++)
-            e[i][j] = fabs(edges[i][j]);
-    if (dim == 2)
-        return e[0][0] * e[1][1] + e[0][1] * e[1][0];
-    return e[0][0] * (e[1][1] * e[2][2] + e[1][2] * e[2][1]) +
-           e[0][1] * (e[1][2] * e[2][0] + e[1][0] * e[2][2]) +
-           e[0][2] * (e[1][0] * e[2][1] + e[1][1] * e[2][0]);
-}
-
-/** Power of two that brings edges with this largest entry into range, 0 where they are. */
-static int scale_exponent(double largest) {
-    int exponent = 0;
-    if (largest < SCALED_LOW || largest > SCALED_HIGH)
-        frexp(largest, &exponent);
-    return exponent;
-}
-
-/** Lowest unit of the coordinates, or INT_MAX if all are 0 or one is not finite. */
-static int common_unit(int dim, const double *const vertex[]) {
-    int lowest = INT_MAX;
-    for (int i = 0; i <= dim; i++)
-        for (int d = 0; d < dim; d++) {
-            double a = vertex[i][d];
-            if (!(fabs(a) <= DBL_MAX))
-                return INT_MAX;
-            if (a == 0)
-                continue;
-            int unit = pl_exact_unit(a);
-            lowest = unit < lowest ? unit : lowest;
-        }
-    return lowest;
-}
-
 /** a d - b c. */
 static void exact_minor(const pl_exact *a, const pl_exact *b, const pl_exact *c, const pl_exact *d,
                         pl_exact *minor) {
@@ -77,54 +27,67 @@ static void exact_minor(const pl_exact *a, const pl_exact *b, const pl_exact *c,
     pl_exact_add(&ad, &bc, -1, minor);
 }
 
-/** Determinant of the 3 x 3 matrix e by its first row. */
-static void exact_determinant(const pl_exact e[3][3], pl_exact *determinant) {
-    pl_exact minor, term[3], sum;
-    for (int d = 0; d < 3; d++) {
-        int next = (d + 1) % 3, last = (d + 2) % 3;
-        exact_minor(&e[1][next], &e[1][last], &e[2][next], &e[2][last], &minor);
-        pl_exact_multiply(&e[0][d], &minor, &term[d]);
-    }
-    pl_exact_add(&term[0], &term[1], 1, &sum);
-    pl_exact_add(&sum, &term[2], 1, determinant);
-}
-
+/** m and the exponent of pl_certified_determinant by integers as long as needed. */
 static double certify_exactly(int dim, const double *const vertex[], int *exponent) {
+    int unit = INT_MAX; /* the lowest one of the coordinates */
     *exponent = 0;
-    int unit = common_unit(dim, vertex);
+    for (int i = 0; i <= dim; i++)
+        for (int d = 0; d < dim; d++) {
+            const double a = vertex[i][d];
+            if (!(fabs(a) <= DBL_MAX))
+                return 0;
+            const int own = a != 0 ? pl_exact_unit(a) : INT_MAX;
+            unit = own < unit ? own : unit;
+        }
     if (unit == INT_MAX)
         return 0;
     pl_exact e[3][3], determinant;
     for (int i = 0; i < dim; i++)
         for (int d = 0; d < dim; d++)
             pl_exact_difference(vertex[i + 1][d], vertex[0][d], unit, &e[i][d]);
-    if (dim == 2)
+    if (dim == 2) {
         exact_minor(&e[0][0], &e[0][1], &e[1][0], &e[1][1], &determinant);
-    else
-        exact_determinant(e, &determinant);
-    double m = pl_exact_round(&determinant, exponent);
+    } else { /* by the first row */
+        pl_exact minor, term[3], sum;
+        for (int d = 0; d < 3; d++) {
+            const int next = (d + 1) % 3, last = (d + 2) % 3;
+            exact_minor(&e[1][next], &e[1][last], &e[2][next], &e[2][last], &minor);
+            pl_exact_multiply(&e[0][d], &minor, &term[d]);
+        }
+        pl_exact_add(&term[0], &term[1], 1, &sum);
+        pl_exact_add(&sum, &term[2], 1, &determinant);
+    }
+    const double m = pl_exact_round(&determinant, exponent);
     *exponent += dim * unit;
     return m;
 }
 
 double pl_certified_determinant(int dim, const double *const vertex[], int *exponent) {
-    double edges[3][3];
+    double edges[3][3], a[3][3], largest = 0; /* a: absolute entries */
+    int scale = 0;
     pl_edges(dim, vertex, edges);
-    double largest = largest_entry(dim, edges);
-    if (largest > DBL_MAX)
-        return certify_exactly(dim, vertex, exponent);
-    int scale = scale_exponent(largest);
-    if (scale != 0)
-        for (int i = 0; i < dim; i++)
-            for (int d = 0; d < dim; d++)
-                edges[i][d] = ldexp(edges[i][d], -scale);
-    double determinant = pl_determinant_of_edges(dim, edges);
-    double permanent = permanent_of_edges(dim, edges);
-    double error = (dim == 3 ? ERROR_3D : ERROR_2D) * permanent + UNDERFLOW_ERROR;
+    for (int i = 0; i < dim; i++)
+        for (int d = 0; d < dim; d++) {
+            const double entry = fabs(edges[i][d]);
+            if (!(entry <= DBL_MAX))
+                return certify_exactly(dim, vertex, exponent);
+            largest = entry > largest ? entry : largest;
+        }
+    if (largest < SCALED_LOW || largest > SCALED_HIGH)
+        frexp(largest, &scale);
+    for (int i = 0; i < dim; i++)
+        for (int d = 0; d < dim; d++) {
+            edges[i][d] = scale ? ldexp(edges[i][d], -scale) : edges[i][d];
+            a[i][d] = fabs(edges[i][d]);
+        }
+    const double determinant = pl_determinant_of_edges(dim, edges);
+    const double permanent = dim == 2 ? a[0][0] * a[1][1] + a[0][1] * a[1][0]
+                                      : a[0][0] * (a[1][1] * a[2][2] + a[1][2] * a[2][1]) +
+                                            a[0][1] * (a[1][2] * a[2][0] + a[1][0] * a[2][2]) +
+                                            a[0][2] * (a[1][0] * a[2][1] + a[1][1] * a[2][0]);
+    const double error = (dim == 3 ? ERROR_3D : ERROR_2D) * permanent + UNDERFLOW_ERROR;
     *exponent = dim * scale;
-    if (fabs(determinant) > error)
-        return determinant;
-    return certify_exactly(dim, vertex, exponent);
+    return fabs(determinant) > error ? determinant : certify_exactly(dim, vertex, exponent);
 }
 
 int pl_measure_sign(int dim, const double *const vertex[]) {

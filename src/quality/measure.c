@@ -1,4 +1,4 @@
-/* measure: the quality of a mesh, in one pass over its elements.
+/* measure: the quality of a mesh, in one pass over its elements, and marks of single elements.
  *
  * Chunks of elements are handed to threads, which go through them in blocks (measure_block.h) and
  * add these up (measure_sums.h); then the sums become the public figures.
@@ -9,9 +9,9 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "geometry/angle.h"
+#include "quality/certificate.h"
 #include "quality/measure_block.h"
 #include "quality/measure_sums.h"
-#include "quality/reversed.h"
 
 #include <string.h>
 
@@ -54,9 +54,9 @@ static double largest_so_far(const pass *p) {
     return acuteness;
 }
 
-/** Take in the angles of lanes whose RR^2 is above *blunt: the others have none smaller than the
+/** Find the angles of lanes whose RR^2 is above *blunt: the others have none smaller than the
  *  smallest so far. */
-static void take_angles(pass *p, const pl_block *b, double *blunt, const int dim) {
+static void find_sharp_angles(pass *p, const pl_block *b, double *blunt, const int dim) {
     for (int l = 0; l < PL_SUM_LANES; l++) {
         if (b->valid[l] == 0 || b->is_free[l] == 0 || b->square[l] <= *blunt)
             continue;
@@ -68,44 +68,37 @@ static void take_angles(pass *p, const pl_block *b, double *blunt, const int dim
     }
 }
 
-static inline void put_states(const pass *p, const pl_block *b, int64_t first, int count,
-                              const int dim) {
-    for (int l = 0; l < count; l++) {
-        uint8_t state = PL_FINE;
-        if (b->valid[l] == 0)
-            state = PL_INVERTED;
-        else if (b->square[l] > p->limit2 ||
-                 (b->square[l] > p->blunt && pl_block_acuteness(b, l, dim) > p->acute_limit))
-            state = PL_WORSE;
-        p->state[first + l] = state;
-    }
-}
-
-static inline void put_ratios(const pass *p, const pl_block *b, int64_t first, int count) {
-    for (int l = 0; l < count; l++)
-        p->ratio[first + l] = b->valid[l] != 0 ? sqrt(pl_larger(1, b->square[l])) : 0;
-}
-
 /** The elements from first on, at most PL_SUM_LANES; how many. */
 PL_INLINE int evaluate_block(const pass *p, int64_t first, int64_t end, pl_block *b, const int dim,
                              const int full) {
     const int count = end - first < PL_SUM_LANES ? (int)(end - first) : PL_SUM_LANES;
+    double n_certain = 0;
     pl_block_gather(p->mesh, first, count, b);
     pl_block_evaluate(b, dim, full);
-    if (!pl_block_is_certain(b))
+    for (int l = 0; l < PL_SUM_LANES; l++)
+        n_certain += b->certain[l];
+    if (n_certain < PL_SUM_LANES)
         pl_block_resolve(p->mesh, first, count, b);
     return count;
 }
 
 /** The state, or the ratio, of each of elements begin .. end - 1. */
-PL_INLINE void tell_chunk(const pass *p, int64_t begin, int64_t end, const int dim) {
+PL_INLINE void classify_chunk(const pass *p, int64_t begin, int64_t end, const int dim) {
     pl_block b;
     for (int64_t first = begin; first < end; first += PL_SUM_LANES) {
         const int count = evaluate_block(p, first, end, &b, dim, 0);
-        if (p->state)
-            put_states(p, &b, first, count, dim);
-        else
-            put_ratios(p, &b, first, count);
+        for (int l = 0; l < count; l++) {
+            const int is_valid = b.valid[l] != 0;
+            if (p->ratio) {
+                p->ratio[first + l] = is_valid ? sqrt(pl_larger(1, b.square[l])) : 0;
+                continue;
+            }
+            const int is_worse =
+                is_valid &&
+                (b.square[l] > p->limit2 ||
+                 (b.square[l] > p->blunt && pl_block_acuteness(&b, l, dim) > p->acute_limit));
+            p->state[first + l] = !is_valid ? PL_INVERTED : is_worse ? PL_WORSE : PL_FINE;
+        }
     }
 }
 
@@ -122,17 +115,17 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
     if (full)
         pl_clear_full(&more);
     for (int64_t first = begin; first < end; first += PL_SUM_LANES) {
+        double largest = 0;
         evaluate_block(p, first, end, &b, dim, full);
-        pl_add_basic(&b, &basic);
-        pl_add_squares(&b, &movable, &fixed);
-        if (!full && pl_block_largest_square(&b) > blunt)
-            take_angles(p, &b, &blunt, dim);
+        pl_add_basic(&b, &basic, &movable, &fixed);
         if (full) {
-            pl_add_volumes(&b, &more);
-            pl_add_measures(&b, &more);
-            pl_add_ratios(&b, first, &more);
-            pl_add_angles(&b, &more);
+            pl_add_full(&b, first, &more);
+            continue;
         }
+        for (int l = 0; l < PL_SUM_LANES; l++)
+            largest = pl_larger(b.square[l], largest);
+        if (largest > blunt)
+            find_sharp_angles(p, &b, &blunt, dim);
     }
     pl_reduce_basic(&basic, &p->basic[begin / p->chunk]);
     pl_sum_share(&p->sum[1], &movable);
@@ -143,7 +136,7 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
 
 PL_INLINE void chunk_of_dim(pass *p, int64_t begin, int64_t end, const int dim) {
     if (!p->basic)
-        tell_chunk(p, begin, end, dim);
+        classify_chunk(p, begin, end, dim);
     else if (p->full)
         sum_chunk(p, begin, end, dim, 1);
     else
@@ -157,53 +150,44 @@ PL_INLINE void inline_chunk(pass *p, int64_t begin, int64_t end) {
         chunk_of_dim(p, begin, end, 2);
 }
 
-static void base_chunk(pass *p, int64_t begin, int64_t end) {
-    inline_chunk(p, begin, end);
-}
-
-/* The same with wider vectors, which take 0.6 of the time; the bits are the same. */
+/* With wider vectors, which take 0.6 of the time; the bits are the same. */
 #if defined(__x86_64__) && defined(__GNUC__)
 __attribute__((target("avx2"))) static void wide_chunk(pass *p, int64_t begin, int64_t end) {
     inline_chunk(p, begin, end);
-}
-static int has_wide(void) {
-    return __builtin_cpu_supports("avx2");
-}
-#else
-static void wide_chunk(pass *p, int64_t begin, int64_t end) {
-    base_chunk(p, begin, end);
-}
-static int has_wide(void) {
-    return 0;
 }
 #endif
 
 static void any_chunk(void *context, int64_t begin, int64_t end, int thread) {
     (void)thread;
-    if (has_wide())
+#if defined(__x86_64__) && defined(__GNUC__)
+    if (__builtin_cpu_supports("avx2")) {
         wide_chunk(context, begin, end);
-    else
-        base_chunk(context, begin, end);
+        return;
+    }
+#endif
+    inline_chunk(context, begin, end);
 }
 
-static pl_ratio_sums total_of(const pass *p) {
-    pl_ratio_sums sums = pl_total_basic(p->n_chunks, p->basic);
-    sums.movable = pl_sum_value(&p->sum[1]);
-    sums.fixed = pl_sum_value(&p->sum[0]);
-    return sums;
-}
-
-/** Add the counts of the other processes, and take the largest values of all. */
-static void add_parts(pl_ratio_sums *sums) {
-    int64_t counts[] = {sums->n_movable, sums->n_fixed, sums->inverted};
-    double most[] = {sums->max, sums->acuteness};
+/** Add up the chunks, and the sums of all processes. */
+static pl_ratio_sums total_ratio_sums(pass *p) {
+    int64_t counts[3] = {0};
+    double most[2] = {0, largest_so_far(p)};
+    for (int64_t i = 0; i < p->n_chunks; i++) {
+        most[0] = pl_larger(p->basic[i].max, most[0]);
+        counts[0] += p->basic[i].n_movable;
+        counts[1] += p->basic[i].n_fixed;
+        counts[2] += p->basic[i].inverted;
+    }
+    pl_parts_add_sums(p->sum, 2);
     pl_parts_add(counts, 3);
     pl_parts_largest(most, 2);
-    sums->n_movable = counts[0];
-    sums->n_fixed = counts[1];
-    sums->inverted = counts[2];
-    sums->max = most[0];
-    sums->acuteness = most[1];
+    return (pl_ratio_sums){.movable = pl_sum_value(&p->sum[1]),
+                           .fixed = pl_sum_value(&p->sum[0]),
+                           .n_movable = counts[0],
+                           .n_fixed = counts[1],
+                           .max = most[0],
+                           .acuteness = most[1],
+                           .inverted = counts[2]};
 }
 
 void pl_sum_radius_ratio(const pl_view *view, const double *coordinates, int threads,
@@ -213,10 +197,7 @@ void pl_sum_radius_ratio(const pl_view *view, const double *coordinates, int thr
     pass p = begin_pass(&mesh);
     p.basic = part;
     pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
-    pl_parts_add_sums(p.sum, 2);
-    *sums = total_of(&p);
-    sums->acuteness = largest_so_far(&p);
-    add_parts(sums);
+    *sums = total_ratio_sums(&p);
 }
 
 void pl_find_worse(const pl_view *view, const double *coordinates, double ratio, double acuteness,
@@ -235,6 +216,62 @@ void pl_find_ratios(const pl_view *view, const double *coordinates, int threads,
     pass p = begin_pass(&mesh);
     p.ratio = ratio;
     pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
+}
+
+/* ---- Elements numbered the other way round ------------------------------------------------ */
+
+enum { FLAT = 0, POSITIVE = 1, NEGATIVE = 2 }; /* signs, between the passes */
+
+/** The elements by the signs of their measures. */
+typedef struct numbering {
+    const pl_mesh_state *mesh;
+    uint8_t *state;    /* [n_elements] */
+    int64_t counts[2]; /* positive and negative elements; shared */
+    uint8_t rarer;     /* POSITIVE or NEGATIVE */
+} numbering;
+
+static void sign_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    numbering *n = context;
+    const pl_view *view = n->mesh->of;
+    int64_t n_positive = 0, n_negative = 0;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++) {
+        const int32_t *node = view->elements + i * (view->dim + 1);
+        const int counts = !view->is_counted || view->is_counted[i];
+        const double *vertex[4];
+        for (int j = 0; j <= view->dim; j++)
+            vertex[j] = n->mesh->coordinates + (int64_t)node[j] * view->dim;
+        const int sign = pl_measure_sign(view->dim, vertex);
+        n->state[i] = sign > 0 ? POSITIVE : sign < 0 ? NEGATIVE : FLAT;
+        n_positive += counts && sign > 0;
+        n_negative += counts && sign < 0;
+    }
+    __atomic_fetch_add(&n->counts[0], n_positive, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&n->counts[1], n_negative, __ATOMIC_RELAXED);
+}
+
+static void mark_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    numbering *n = context;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        n->state[i] = n->state[i] == n->rarer;
+}
+
+/** Number of elements that do not have the sign of most; in a tie most are positive. */
+static int64_t count_reversed(int64_t n_positive, int64_t n_negative) {
+    return n_positive >= n_negative ? n_negative : n_positive;
+}
+
+int64_t pl_find_reversed(const pl_view *view, const double *coordinates, int threads,
+                         uint8_t *reversed) {
+    enum { CHUNK = 4096 }; /* elements that one thread takes at a time */
+    const pl_mesh_state mesh = {view, coordinates};
+    numbering n = {.mesh = &mesh, .state = reversed};
+    pl_parallel_for(threads, view->n_elements, CHUNK, sign_chunk, &n);
+    pl_parts_add(n.counts, 2);
+    n.rarer = n.counts[0] >= n.counts[1] ? NEGATIVE : POSITIVE;
+    pl_parallel_for(threads, view->n_elements, CHUNK, mark_chunk, &n);
+    return count_reversed(n.counts[0], n.counts[1]);
 }
 
 /* ---- The public figures ------------------------------------------------------------------- */
@@ -266,50 +303,16 @@ static void fill_ratios(const pl_ratio_sums *basic, const pl_full_sums *full, pl
         q->min_angle_deg_movable = full->movable_angle * DEGREES;
 }
 
-static planish_spread ratio_spread(int measure, int64_t n_valid, const pl_full_sums *full) {
-    const double mean = full->sum[measure] / (double)n_valid;
-    return (planish_spread){full->min[measure], mean, full->max[measure]};
-}
-
-/** Spread of an angle over the valid elements, in degrees. */
-static planish_spread angle_spread(int measure, int64_t n_valid, const pl_full_sums *full) {
-    const planish_spread radians = ratio_spread(measure, n_valid, full);
-    return (planish_spread){radians.min * DEGREES, radians.mean * DEGREES, radians.max * DEGREES};
-}
-
 static void fill_spreads(int64_t n_valid, const pl_full_sums *full, planish_quality *q) {
-    if (n_valid == 0)
-        return;
-    q->radius_ratio = ratio_spread(PL_RADIUS_RATIO, n_valid, full);
-    q->circumradius_to_edge = ratio_spread(PL_CIRCUMRADIUS_TO_EDGE, n_valid, full);
-    q->edge_to_inradius = ratio_spread(PL_EDGE_TO_INRADIUS, n_valid, full);
-    q->edge_ratio = ratio_spread(PL_EDGE_RATIO, n_valid, full);
-    q->mean_ratio = ratio_spread(PL_MEAN_RATIO, n_valid, full);
-    q->scaled_jacobian = ratio_spread(PL_SCALED_JACOBIAN, n_valid, full);
-    q->smallest_angle_deg = angle_spread(PL_SMALLEST_ANGLE, n_valid, full);
-    q->largest_angle_deg = angle_spread(PL_LARGEST_ANGLE, n_valid, full);
-}
-
-static void fill_histogram(int64_t n_valid, const pl_full_sums *full, planish_quality *q) {
-    enum { BINS = PLANISH_HISTOGRAM_BINS };
-    memcpy(q->histogram_edges, PL_HISTOGRAM_EDGES, sizeof PL_HISTOGRAM_EDGES);
-    for (int i = 0; i < BINS; i++) { /* the first bin also holds what rounding puts below 1 */
-        int64_t from = i > 0 ? full->at_least[i] : n_valid;
-        q->histogram_counts[i] = from - (i + 1 < BINS ? full->at_least[i + 1] : 0);
+    planish_spread *const spread[PL_N_MEASURES] = {
+        &q->radius_ratio, &q->circumradius_to_edge, &q->edge_to_inradius,   &q->edge_ratio,
+        &q->mean_ratio,   &q->scaled_jacobian,      &q->smallest_angle_deg, &q->largest_angle_deg};
+    for (int m = 0; m < PL_N_MEASURES && n_valid > 0; m++) {
+        const double unit = m < PL_N_RATIOS ? 1 : DEGREES;
+        spread[m]->min = full->min[m] * unit;
+        spread[m]->mean = full->sum[m] / (double)n_valid * unit;
+        spread[m]->max = full->max[m] * unit;
     }
-}
-
-static void fill_angles(const pl_full_sums *full, planish_quality *q) {
-    for (int i = 0; i <= PLANISH_ANGLE_BINS; i++)
-        q->angle_edges_deg[i] = PL_ANGLE_BIN_DEGREES * i;
-    memcpy(q->angle_counts, full->by_angle, sizeof full->by_angle);
-}
-
-static int64_t count_elsewhere(const pl_view *view) {
-    int64_t n = 0;
-    for (int64_t i = 0; view->is_movable && i < view->n_elements; i++)
-        n += view->is_movable[i] == PL_ELSEWHERE;
-    return n;
 }
 
 /** Sums of what the processes have summed up. */
@@ -347,6 +350,7 @@ static void add_full_parts(pl_full_sums *f) {
 
 int pl_measure(const pl_view *view, const double *coordinates, int threads,
                planish_quality *quality, planish_error *error) {
+    enum { BINS = PLANISH_HISTOGRAM_BINS };
     const pl_mesh_state mesh = {view, coordinates};
     pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
@@ -355,26 +359,33 @@ int pl_measure(const pl_view *view, const double *coordinates, int threads,
     if (!p.full)
         return pl_fail_memory(error, "measuring the mesh");
     pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
-    pl_parts_add_sums(p.sum, 2);
-    pl_ratio_sums basic = total_of(&p);
+    const pl_ratio_sums basic = total_ratio_sums(&p);
     pl_full_sums full = pl_total_full(p.n_chunks, p.full);
-    int64_t n = view->n_elements - count_elsewhere(view);
-    add_parts(&basic);
-    add_full_parts(&full);
-    pl_parts_add(&n, 1);
     pl_free(p.full);
+    add_full_parts(&full);
+    int64_t n = view->n_elements;
+    for (int64_t i = 0; view->is_movable && i < view->n_elements; i++)
+        n -= view->is_movable[i] == PL_ELSEWHERE;
+    pl_parts_add(&n, 1);
 
     planish_quality q = {.n_elements = n};
+    const int64_t n_valid = basic.n_movable + basic.n_fixed;
     fill_ratios(&basic, &full, &q);
-    fill_spreads(basic.n_movable + basic.n_fixed, &full, &q);
-    fill_histogram(basic.n_movable + basic.n_fixed, &full, &q);
-    fill_angles(&full, &q);
-    q.reversed = pl_count_reversed(full.n_positive, full.n_negative);
+    fill_spreads(n_valid, &full, &q);
+    memcpy(q.histogram_edges, PL_HISTOGRAM_EDGES, sizeof PL_HISTOGRAM_EDGES);
+    for (int i = 0; i < BINS; i++) { /* the first bin also holds what rounding puts below 1 */
+        const int64_t from = i > 0 ? full.at_least[i] : n_valid;
+        q.histogram_counts[i] = from - (i + 1 < BINS ? full.at_least[i + 1] : 0);
+    }
+    for (int i = 0; i <= PLANISH_ANGLE_BINS; i++)
+        q.angle_edges_deg[i] = PL_ANGLE_BIN_DEGREES * i;
+    memcpy(q.angle_counts, full.by_angle, sizeof full.by_angle);
+    q.reversed = count_reversed(full.n_positive, full.n_negative);
     if (n > 0) {
         q.min_volume = full.smallest_volume + 0.0; /* one zero, not one of two */
         q.max_volume = full.largest_volume + 0.0;
         q.total_volume = full.volume_sum;
     }
     *quality = q;
-    return 0;
+    return PLANISH_OK;
 }

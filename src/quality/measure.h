@@ -8,6 +8,7 @@
  *   pl_measure                       all measures
  *   pl_sum_radius_ratio              the radius ratio alone, faster
  *   pl_find_worse, pl_find_ratios    single elements
+ *   pl_find_reversed                 elements numbered the other way round than most
  */
 #ifndef PL_QUALITY_MEASURE_H
 #define PL_QUALITY_MEASURE_H
@@ -47,5 +48,11 @@ void pl_find_worse(const pl_view *view, const double *coordinates, double ratio,
 
 /** Find the RR of each element, 0 of those that are not positive: ratio [m]. */
 void pl_find_ratios(const pl_view *view, const double *coordinates, int threads, double *ratio);
+
+/** Find the elements whose measure in the listed order of their nodes has, exactly, the other sign
+ *  than most elements' of the whole mesh: reversed [m] becomes 0 or 1. In a tie most are positive.
+ *  Return their number in the whole mesh. */
+int64_t pl_find_reversed(const pl_view *view, const double *coordinates, int threads,
+                         uint8_t *reversed);
 
 #endif

@@ -17,13 +17,6 @@
 
 enum { AHEAD = 3 * PL_SUM_LANES }; /* elements whose nodes are asked for before they are needed */
 
-PL_INLINE int has_free_node(const pl_mesh_state *mesh, const int32_t *node, const int dim) {
-    int is_free = 0;
-    for (int j = 0; j <= dim; j++)
-        is_free |= mesh->of->mobility[node[j]];
-    return is_free != 0;
-}
-
 PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_block *b,
                       const int dim) {
     const int32_t *node[PL_SUM_LANES];
@@ -40,7 +33,7 @@ PL_INLINE void gather(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
     }
     if (!mesh->of->is_movable) {
         for (int l = 0; l < PL_SUM_LANES; l++)
-            b->is_free[l] = has_free_node(mesh, node[l], dim);
+            b->is_free[l] = pl_view_has_free_node(mesh->of, node[l], dim);
         return;
     }
     for (int l = 0; l < PL_SUM_LANES; l++) {
@@ -59,39 +52,28 @@ void pl_block_gather(const pl_mesh_state *mesh, int64_t first, int count, pl_blo
 
 /* ---- Elements out of range ------------------------------------------------------------------ */
 
-/** Whether the plain formulas could over- or underflow with lane l. */
-static int is_out_of_range(const pl_block *b, int l, int dim) {
-    double edges[3][3] = {{0}};
-    for (int j = 0; j < dim; j++)
-        for (int d = 0; d < dim; d++)
-            edges[j][d] = b->x[j + 1][d][l] - b->x[0][d][l];
-    return !(pl_permanent_bound(dim, edges) < INFINITY);
-}
-
-/** Bring lane l to a size of about 1, by a power of two; its exponent before. */
-static int scale_lane(pl_block *b, int l, int dim) {
-    double half = 0; /* of the longest component of an edge, because the whole could overflow */
-    int exponent;
-    for (int j = 1; j <= dim; j++)
-        for (int d = 0; d < dim; d++)
-            half = pl_larger(half, fabs(b->x[j][d][l] / 2 - b->x[0][d][l] / 2));
-    frexp(half, &exponent);
-    for (int j = 0; j <= dim; j++)
-        for (int d = 0; d < dim; d++)
-            b->x[j][d][l] = ldexp(b->x[j][d][l], -exponent);
-    return exponent;
-}
-
-/** Evaluate the lanes that are out of range again, scaled: elements that are the same but for a
- *  power of two have the same measures, bit for bit, whatever their size. */
+/** Evaluate the lanes with which the plain formulas could over- or underflow again, scaled to a
+ *  size of about 1: elements that are the same but for a power of two have the same measures, bit
+ *  for bit, whatever their size. */
 static void evaluate_scaled(pl_block *b, int dim) {
     const pl_block before = *b;
     int exponent[PL_SUM_LANES] = {0}, n_scaled = 0;
-    for (int l = 0; l < PL_SUM_LANES; l++)
-        if (b->certain[l] == 0 && is_out_of_range(b, l, dim)) {
-            exponent[l] = scale_lane(b, l, dim);
-            n_scaled++;
-        }
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        double edges[3][3] = {{0}};
+        double half = 0; /* of the longest component of an edge, because the whole could overflow */
+        for (int j = 0; j < dim; j++)
+            for (int d = 0; d < dim; d++) {
+                edges[j][d] = b->x[j + 1][d][l] - b->x[0][d][l];
+                half = pl_larger(half, fabs(b->x[j + 1][d][l] / 2 - b->x[0][d][l] / 2));
+            }
+        if (b->certain[l] != 0 || pl_permanent_bound(dim, edges) < INFINITY)
+            continue;
+        frexp(half, &exponent[l]);
+        for (int j = 0; j <= dim; j++)
+            for (int d = 0; d < dim; d++)
+                b->x[j][d][l] = ldexp(b->x[j][d][l], -exponent[l]);
+        n_scaled++;
+    }
     if (n_scaled == 0)
         return;
     if (dim == 3)
@@ -160,37 +142,30 @@ static void find_scale(int dim, element *e, double edges[3][3]) {
     differences(dim, e, edges);
 }
 
-/** Length of the edge from a to b, precise however short it is. */
-static scaled edge_length(int dim, const element *e, const double a[], const double b[]) {
-    double edge[3];
-    int exponent;
-    frexp(difference(dim, e, a, b, edge), &exponent);
-    for (int d = 0; d < dim; d++)
-        edge[d] = ldexp(edge[d], -exponent);
-    return scaled_of(sqrt(pl_dot(dim, edge, edge)), exponent);
-}
-
 static double value_of(scaled s) {
     return ldexp(s.mantissa, s.exponent);
 }
 
-static void find_lengths(int dim, element *e) {
+/** Find the lengths of e's edges, precise however short they are. Returns the edge ratio; *sum: of
+ *  the edges' squares. */
+static double find_lengths(int dim, element *e, double *sum) {
+    double ratio = 1;
     e->longest = 0;
     for (int i = 0; i < dim; i++)
         for (int j = i + 1; j <= dim; j++) {
-            scaled length = edge_length(dim, e, e->vertex[i], e->vertex[j]);
+            double edge[3];
+            int exponent;
+            frexp(difference(dim, e, e->vertex[i], e->vertex[j], edge), &exponent);
+            for (int d = 0; d < dim; d++)
+                edge[d] = ldexp(edge[d], -exponent);
+            const scaled length = scaled_of(sqrt(pl_dot(dim, edge, edge)), exponent);
             e->length[i][j] = e->length[j][i] = length;
             e->longest = pl_larger(e->longest, value_of(length));
         }
-}
-
-/** Edge ratio and the sum of the edges' squares. */
-static double edge_ratio(int dim, const element *e, double *sum) {
-    double ratio = 1;
     *sum = 0;
     for (int i = 0; i < dim; i++)
         for (int j = i + 1; j <= dim; j++) {
-            double length = value_of(e->length[i][j]);
+            const double length = value_of(e->length[i][j]);
             ratio = pl_larger(ratio, e->longest / length);
             *sum += length * length;
         }
@@ -227,23 +202,6 @@ static double not_lost(double ratio) {
     return ratio > 0.5 ? ratio : INFINITY;
 }
 
-/** The shape of e with the certified |D|. Faces that are thinner than 2^-500 times the element have
- *  no direction left: angles are then 0 and 180 degrees. */
-static pl_shape certified_shape(int dim, const element *e, const double edges[3][3],
-                                scaled determinant) {
-    pl_shape shape = pl_shape_of(dim, edges, value_of(determinant));
-    /* R is at least half the longest edge, whatever cancelled in N. */
-    double d2 = shape.determinant * shape.determinant;
-    shape.circumradius_square =
-        pl_larger(shape.circumradius_square, d2 * (e->longest * e->longest));
-    if (shape.smallest_cosine > shape.largest_cosine) { /* none of them was a number */
-        shape.smallest_cosine = -1;
-        shape.largest_cosine = 1;
-        shape.acute_square = shape.obtuse_square = 0;
-    }
-    return shape;
-}
-
 /** Evaluate lane l anew: in the element's own scale, with the exact sign. */
 static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *b) {
     const int dim = mesh->of->dim;
@@ -259,17 +217,25 @@ static void resolve(const pl_mesh_state *mesh, int64_t number, int l, pl_block *
         return;
     double edges[3][3] = {{0}}, sum;
     find_scale(dim, &e, edges);
-    find_lengths(dim, &e);
-    scaled determinant = scaled_of(m, exponent - dim * (e.exponent + (e.factor < 1)));
-    pl_shape shape = certified_shape(dim, &e, edges, determinant);
+    b->measure[PL_EDGE_RATIO][l] = find_lengths(dim, &e, &sum);
+    const scaled determinant = scaled_of(m, exponent - dim * (e.exponent + (e.factor < 1)));
+    pl_shape shape = pl_shape_of(dim, edges, value_of(determinant));
+    /* R is at least half the longest edge, whatever cancelled in N. */
+    const double d2 = shape.determinant * shape.determinant;
+    shape.circumradius_square = pl_larger(shape.circumradius_square, d2 * (e.longest * e.longest));
+    /* Faces that are thinner than 2^-500 times the element have no direction left. */
+    if (shape.smallest_cosine > shape.largest_cosine) { /* none of them was a number */
+        shape.smallest_cosine = -1;
+        shape.largest_cosine = 1;
+        shape.acute_square = shape.obtuse_square = 0;
+    }
     pl_block_put_shape(b, l, &shape, dim);
-    double ratio = not_lost(b->measure[PL_RADIUS_RATIO][l]);
-    double circumradius = pl_circumradius_to_edge(dim, &shape, e.longest);
+    const double ratio = not_lost(b->measure[PL_RADIUS_RATIO][l]);
+    const double circumradius = pl_circumradius_to_edge(dim, &shape, e.longest);
     b->square[l] = ratio * ratio;
     b->measure[PL_RADIUS_RATIO][l] = ratio;
     b->measure[PL_CIRCUMRADIUS_TO_EDGE][l] = pl_larger(circumradius, PL_CIRCUMRADIUS_SCALE[dim]);
     b->measure[PL_EDGE_TO_INRADIUS][l] = not_lost(pl_edge_to_inradius(dim, &shape, e.longest));
-    b->measure[PL_EDGE_RATIO][l] = edge_ratio(dim, &e, &sum);
     b->measure[PL_MEAN_RATIO][l] = mean_ratio(dim, determinant, sum);
     b->measure[PL_SCALED_JACOBIAN][l] = scaled_jacobian(dim, &e, determinant);
 }

@@ -6,7 +6,7 @@
  * certain. measure_block.c evaluates these one by one, scaled and with the exact sign.
  *
  *   pl_block_gather, _evaluate, _resolve      fill a block
- *   pl_block_acuteness, _largest_square, _is_certain    read a block
+ *   pl_block_acuteness                        read a block
  */
 #ifndef PL_QUALITY_MEASURE_BLOCK_H
 #define PL_QUALITY_MEASURE_BLOCK_H
@@ -145,21 +145,5 @@ void pl_block_resolve(const pl_mesh_state *mesh, int64_t first, int count, pl_bl
 
 /** Acuteness of the smallest angle of lane l, of a valid element. */
 double pl_block_acuteness(const pl_block *b, int l, int dim);
-
-/** Largest RR^2 of the block's lanes. */
-static inline double pl_block_largest_square(const pl_block *b) {
-    double largest = 0;
-    for (int l = 0; l < PL_SUM_LANES; l++)
-        largest = pl_larger(b->square[l], largest);
-    return largest;
-}
-
-/** Whether all lanes of the block are certain. */
-static inline int pl_block_is_certain(const pl_block *b) {
-    double n_certain = 0;
-    for (int l = 0; l < PL_SUM_LANES; l++)
-        n_certain += b->certain[l];
-    return n_certain == PL_SUM_LANES;
-}
 
 #endif

@@ -39,38 +39,6 @@ void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums) {
     }
 }
 
-/** One lane as the sums of a chunk. */
-static pl_full_sums sums_of_lane(const pl_full_lanes *lanes, int l) {
-    pl_full_sums lane = {.n_unmovable = (int64_t)lanes->n_unmovable[l],
-                         .n_positive = (int64_t)lanes->n_positive[l],
-                         .n_negative = (int64_t)lanes->n_negative[l],
-                         .volume_sum = lanes->volume_sum[l],
-                         .smallest_volume = lanes->smallest_volume[l],
-                         .largest_volume = lanes->largest_volume[l],
-                         .worst_ratio = lanes->worst_ratio[l],
-                         .worst_fixed_ratio = lanes->worst_fixed_ratio[l],
-                         .movable_ratio = lanes->movable_ratio[l],
-                         .movable_angle = lanes->movable_angle[l],
-                         .worst_element = (int64_t)lanes->worst_element[l]};
-    for (int m = 0; m < PL_N_MEASURES; m++) {
-        lane.sum[m] = lanes->sum[m][l];
-        lane.min[m] = lanes->min[m][l];
-        lane.max[m] = lanes->max[m][l];
-    }
-    for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
-        lane.at_least[i] = (int64_t)lanes->at_least[i][l];
-    for (int i = 0; i < PLANISH_ANGLE_BINS; i++)
-        lane.by_angle[i] = (int64_t)lanes->by_angle[i][l];
-    return lane;
-}
-
-/** Take over ratio of element as the worst, if it is; the lowest element wins a tie. */
-static void take_worst(double ratio, int64_t element, pl_full_sums *sums) {
-    if (ratio > sums->worst_ratio || (ratio == sums->worst_ratio && element < sums->worst_element))
-        sums->worst_element = element;
-    sums->worst_ratio = pl_larger(ratio, sums->worst_ratio);
-}
-
 static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
     sums->n_unmovable += part->n_unmovable;
     sums->n_positive += part->n_positive;
@@ -83,7 +51,10 @@ static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
         sums->min[m] = pl_smaller(part->min[m], sums->min[m]);
         sums->max[m] = pl_larger(part->max[m], sums->max[m]);
     }
-    take_worst(part->worst_ratio, part->worst_element, sums);
+    if (part->worst_ratio > sums->worst_ratio ||
+        (part->worst_ratio == sums->worst_ratio && part->worst_element < sums->worst_element))
+        sums->worst_element = part->worst_element; /* the lowest element wins a tie */
+    sums->worst_ratio = pl_larger(part->worst_ratio, sums->worst_ratio);
     sums->worst_fixed_ratio = pl_larger(part->worst_fixed_ratio, sums->worst_fixed_ratio);
     sums->movable_ratio = pl_larger(part->movable_ratio, sums->movable_ratio);
     sums->movable_angle = pl_smaller(part->movable_angle, sums->movable_angle);
@@ -96,20 +67,28 @@ static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
 void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums) {
     *sums = no_sums();
     for (int l = 0; l < PL_SUM_LANES; l++) {
-        const pl_full_sums lane = sums_of_lane(lanes, l);
+        pl_full_sums lane = {.n_unmovable = (int64_t)lanes->n_unmovable[l],
+                             .n_positive = (int64_t)lanes->n_positive[l],
+                             .n_negative = (int64_t)lanes->n_negative[l],
+                             .volume_sum = lanes->volume_sum[l],
+                             .smallest_volume = lanes->smallest_volume[l],
+                             .largest_volume = lanes->largest_volume[l],
+                             .worst_ratio = lanes->worst_ratio[l],
+                             .worst_fixed_ratio = lanes->worst_fixed_ratio[l],
+                             .movable_ratio = lanes->movable_ratio[l],
+                             .movable_angle = lanes->movable_angle[l],
+                             .worst_element = (int64_t)lanes->worst_element[l]};
+        for (int m = 0; m < PL_N_MEASURES; m++) {
+            lane.sum[m] = lanes->sum[m][l];
+            lane.min[m] = lanes->min[m][l];
+            lane.max[m] = lanes->max[m][l];
+        }
+        for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
+            lane.at_least[i] = (int64_t)lanes->at_least[i][l];
+        for (int i = 0; i < PLANISH_ANGLE_BINS; i++)
+            lane.by_angle[i] = (int64_t)lanes->by_angle[i][l];
         add_sums(&lane, sums);
     }
-}
-
-pl_ratio_sums pl_total_basic(int64_t n_chunks, const pl_ratio_sums *part) {
-    pl_ratio_sums total = {0};
-    for (int64_t i = 0; i < n_chunks; i++) {
-        total.max = pl_larger(part[i].max, total.max);
-        total.n_movable += part[i].n_movable;
-        total.n_fixed += part[i].n_fixed;
-        total.inverted += part[i].inverted;
-    }
-    return total;
 }
 
 pl_full_sums pl_total_full(int64_t n_chunks, const pl_full_sums *part) {

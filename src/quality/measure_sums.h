@@ -3,9 +3,9 @@
  * The sums of RR^2 are rounded once (base/sum.h). Every other sum has one accumulator per lane
  * within a chunk; then the lanes are added in their order, and the chunks in theirs.
  *
- *   pl_add_basic, _squares, _volumes, _measures, _ratios, _angles    add a block
+ *   pl_add_basic, _full                       add a block
  *   pl_clear_full, pl_reduce_basic, _full     begin and end a chunk
- *   pl_total_basic, _full                     add up the chunks
+ *   pl_total_full                             add up the chunks
  */
 #ifndef PL_QUALITY_MEASURE_SUMS_H
 #define PL_QUALITY_MEASURE_SUMS_H
@@ -58,8 +58,10 @@ typedef struct pl_full_sums {
     int64_t by_angle[PLANISH_ANGLE_BINS];
 } pl_full_sums;
 
-/** Add the elements of a block to the sums of both passes. */
-PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
+/** Add the elements of a block to the sums of both passes, and RR^2 of the valid ones to movable or
+ *  fixed. */
+PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums, pl_sum *movable,
+                            pl_sum *fixed) {
     for (int l = 0; l < PL_SUM_LANES; l++) {
         double square = b->valid[l] != 0 ? b->square[l] : 0;
         sums->max[l] = pl_larger(b->is_free[l] != 0 ? square : 0, sums->max[l]);
@@ -67,18 +69,17 @@ PL_INLINE void pl_add_basic(const pl_block *b, pl_basic_lanes *sums) {
         sums->n_fixed[l] += b->is_free[l] != 0 ? 0 : b->valid[l];
         sums->inverted[l] += b->present[l] - b->valid[l];
     }
-}
-
-/** RR^2 of the valid ones. */
-PL_INLINE void pl_add_squares(const pl_block *b, pl_sum *movable, pl_sum *fixed) {
     for (int l = 0; l < PL_SUM_LANES; l++)
         if (b->valid[l] != 0)
             pl_sum_add(b->is_free[l] != 0 ? movable : fixed, b->square[l]);
 }
 
-/** The volumes, of elements that are valid or not. */
-PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
-    for (int l = 0; l < PL_SUM_LANES; l++) {
+/** Add the elements of a block, from first on, to the further sums of pl_measure. */
+PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums) {
+    static const double BINS_PER_RADIAN = 11.4591559026164641754; /* 36 / pi */
+    static const double LAST = PLANISH_ANGLE_BINS - 1;
+    const double *ratios = b->measure[PL_RADIUS_RATIO], *angles = b->measure[PL_SMALLEST_ANGLE];
+    for (int l = 0; l < PL_SUM_LANES; l++) { /* the volumes, of elements that are valid or not */
         double present = b->present[l];
         double low = present != 0 ? b->volume[l] : INFINITY;
         double high = present != 0 ? b->volume[l] : -INFINITY;
@@ -89,11 +90,7 @@ PL_INLINE void pl_add_volumes(const pl_block *b, pl_full_lanes *sums) {
         sums->smallest_volume[l] = pl_smaller(low, sums->smallest_volume[l]);
         sums->largest_volume[l] = pl_larger(high, sums->largest_volume[l]);
     }
-}
-
-/** Add the measures of a block's elements to sums, least and largest values. */
-PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
-    for (int m = 0; m < PL_N_MEASURES; m++) {
+    for (int m = 0; m < PL_N_MEASURES; m++)
         for (int l = 0; l < PL_SUM_LANES; l++) {
             double low = b->valid[l] != 0 ? b->measure[m][l] : INFINITY;
             double high = b->valid[l] != 0 ? b->measure[m][l] : -INFINITY;
@@ -101,13 +98,7 @@ PL_INLINE void pl_add_measures(const pl_block *b, pl_full_lanes *sums) {
             sums->min[m][l] = pl_smaller(low, sums->min[m][l]);
             sums->max[m][l] = pl_larger(high, sums->max[m][l]);
         }
-    }
-}
-
-/** Find the largest RR and its element, and fill the histogram. */
-PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *sums) {
-    const double *ratios = b->measure[PL_RADIUS_RATIO];
-    for (int l = 0; l < PL_SUM_LANES; l++) {
+    for (int l = 0; l < PL_SUM_LANES; l++) { /* the largest RR and its element */
         double ratio = b->valid[l] != 0 ? ratios[l] : 0;
         double fixed_ratio = b->is_free[l] != 0 ? 0 : ratio;
         double element = (double)(first + l);
@@ -117,23 +108,14 @@ PL_INLINE void pl_add_ratios(const pl_block *b, int64_t first, pl_full_lanes *su
         sums->worst_fixed_ratio[l] = pl_larger(fixed_ratio, sums->worst_fixed_ratio[l]);
         const int counts = b->valid[l] != 0 && b->is_free[l] != 0;
         sums->movable_ratio[l] = pl_larger(counts ? ratio : 0, sums->movable_ratio[l]);
-        sums->movable_angle[l] = pl_smaller(counts ? b->measure[PL_SMALLEST_ANGLE][l] : INFINITY,
-                                            sums->movable_angle[l]);
+        sums->movable_angle[l] = pl_smaller(counts ? angles[l] : INFINITY, sums->movable_angle[l]);
     }
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         for (int l = 0; l < PL_SUM_LANES; l++)
             sums->at_least[i][l] += ratios[l] >= PL_HISTOGRAM_EDGES[i] ? b->valid[l] : 0;
-}
-
-/** The histogram of the smallest angles. Adding to one bin of each lane is less work than comparing
- *  with all edges. */
-PL_INLINE void pl_add_angles(const pl_block *b, pl_full_lanes *sums) {
-    static const double BINS_PER_RADIAN = 11.4591559026164641754; /* 36 / pi */
-    static const double LAST = PLANISH_ANGLE_BINS - 1;
-    const double *angle = b->measure[PL_SMALLEST_ANGLE];
-    int bin[PL_SUM_LANES];
+    int bin[PL_SUM_LANES]; /* adding to one is less work than comparing with all edges */
     for (int l = 0; l < PL_SUM_LANES; l++) {
-        const double place = angle[l] * BINS_PER_RADIAN + PL_ANGLE_BIN_ROUNDING;
+        const double place = angles[l] * BINS_PER_RADIAN + PL_ANGLE_BIN_ROUNDING;
         bin[l] = (int)pl_smaller(b->valid[l] != 0 ? place : 0, LAST);
     }
     for (int l = 0; l < PL_SUM_LANES; l++)
@@ -148,9 +130,6 @@ void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums);
 
 /** Add up the lanes of pl_measure, in their order. */
 void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums);
-
-/** Sums of the chunks part [n_chunks]. */
-pl_ratio_sums pl_total_basic(int64_t n_chunks, const pl_ratio_sums *part);
 
 /** Return the sums of pl_measure over the chunks part [n_chunks]. */
 pl_full_sums pl_total_full(int64_t n_chunks, const pl_full_sums *part);

@@ -33,22 +33,24 @@ enum { SCALE_LIMIT = 1000 };
 /** The sums of pl_objective_sums; of the first three there are two. */
 enum { RATIO = 0, RADIUS = 2, VOLUME = 4, SHORTFALL = 6, WHOLE, N_SUMS };
 
+/** Its counts; of the first there are two. */
+enum { VALID = 0, INVERTED = 2, BELOW, N_COUNTS };
+
 /** pl_objective_sums, of a chunk or of all. */
 typedef struct exact_sums {
     pl_sum sum[N_SUMS];
-    int64_t n[2], inverted, below;
+    int64_t n[N_COUNTS];
     double radius_max, acuteness;
 } exact_sums;
 
-/** The work on all chunks. */
-typedef struct work {
+/** A pass over all chunks. */
+typedef struct objective_pass {
     const pl_objective_problem *problem;
-    exact_sums *sums;             /* shared, but the largest: */
-    double radius_max, acuteness; /* shared */
-    uint8_t *state;               /* [m] or NULL */
+    exact_sums *sums; /* shared */
+    uint8_t *state;   /* [m] or NULL */
     double flat;      /* for state: D not above this times the permanent is below, too; -1: no */
-    int64_t *n_below; /* for state; shared */
-} work;
+    int64_t n_below;  /* for state; shared */
+} objective_pass;
 
 /** One element: its vertices relative to the first, times 2^-exponent, and its measure. */
 typedef struct element {
@@ -57,20 +59,6 @@ typedef struct element {
     double determinant; /* D, scaled, positive in the mesh's orientation */
     double measure;     /* as in the mesh */
 } element;
-
-static void scale_element(const double *const vertex[], element *e, const int dim) {
-    double extent = 0;
-    for (int j = 1; j <= dim; j++)
-        for (int d = 0; d < dim; d++)
-            extent = fmax(extent, fabs(0.5 * vertex[j][d] - 0.5 * vertex[0][d]));
-    frexp(extent, &e->exponent);
-    e->exponent = e->exponent > SCALE_LIMIT ? SCALE_LIMIT : e->exponent;
-    e->exponent = e->exponent < -SCALE_LIMIT ? -SCALE_LIMIT : e->exponent;
-    double scale = ldexp(1, -e->exponent);
-    for (int j = 0; j <= dim; j++)
-        for (int d = 0; d < dim; d++)
-            e->x[j][d] = vertex[j][d] * scale - vertex[0][d] * scale;
-}
 
 /** Edges' sums of absolute components, multiplied: at least D's permanent. */
 static double permanent_bound(const element *e, const int dim) {
@@ -86,13 +74,22 @@ static double permanent_bound(const element *e, const int dim) {
 
 static element element_at(const pl_objective_problem *problem, int64_t index, const int dim) {
     element e;
+    const int32_t *node = problem->mesh.elements + index * (dim + 1);
     const double *vertex[4], *scaled[4];
+    double extent = 0;
     for (int j = 0; j <= dim; j++) {
-        vertex[j] =
-            problem->coordinates + (int64_t)problem->mesh.elements[index * (dim + 1) + j] * dim;
+        vertex[j] = problem->coordinates + (int64_t)node[j] * dim;
         scaled[j] = e.x[j];
+        for (int d = 0; d < dim && j > 0; d++)
+            extent = fmax(extent, fabs(0.5 * vertex[j][d] - 0.5 * vertex[0][d]));
     }
-    scale_element(vertex, &e, dim);
+    frexp(extent, &e.exponent);
+    e.exponent = e.exponent > SCALE_LIMIT ? SCALE_LIMIT : e.exponent;
+    e.exponent = e.exponent < -SCALE_LIMIT ? -SCALE_LIMIT : e.exponent;
+    const double scale = ldexp(1, -e.exponent);
+    for (int j = 0; j <= dim; j++)
+        for (int d = 0; d < dim; d++)
+            e.x[j][d] = vertex[j][d] * scale - vertex[0][d] * scale;
     double edges[3][3] = {{0}}, sign = problem->mesh.sign ? problem->mesh.sign[index] : 1;
     pl_edges(dim, scaled, edges);
     e.determinant = sign * pl_determinant_of_edges(dim, edges);
@@ -109,163 +106,128 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
     return e;
 }
 
-static double minimum_volume(const pl_objective_problem *problem, int64_t index) {
-    double own = problem->mesh.min_volume ? problem->mesh.min_volume[index] : 0;
-    return own > 0 ? own : problem->min_volume;
-}
-
 /* g of volumes that are huge multiples of delta: so that its square is finite. */
 static const double LOWEST_G = -1e100;
 
 /** g = 1 - V / delta, or -infinity for elements without a minimum volume. */
-static double volume_constraint(double least, const element *e) {
+static double volume_constraint(const pl_objective_problem *problem, int64_t index,
+                                const element *e) {
+    const double own = problem->mesh.min_volume ? problem->mesh.min_volume[index] : 0;
+    const double least = own > 0 ? own : problem->min_volume;
     return least > 0 ? fmax(1 - e->measure / least, LOWEST_G) : -INFINITY;
 }
 
-static double aspect_square(const pl_objective_problem *problem, const double *const x[],
-                            double radius_square, const int dim) {
-    if (problem->objective == PLANISH_RADIUS_RATIO)
-        return radius_square;
-    double ratio = problem->objective == PLANISH_MEAN_RATIO ? 1 / fabs(pl_mean_ratio(dim, x))
-                                                            : pl_smoothed_edge_ratio(dim, x);
-    return ratio * ratio;
-}
-
-static int has_free_node(const pl_objective_problem *problem, int64_t index, const int dim) {
-    int is_free = 0;
-    if (problem->mesh.is_movable)
-        return problem->mesh.is_movable[index] != 0;
-    for (int j = 0; j <= dim; j++)
-        is_free |= problem->mesh.mobility[problem->mesh.elements[index * (dim + 1) + j]];
-    return is_free != 0;
-}
-
-/** Take in the angles of an element, if its RR^2 does not say that they are larger than *blunt's.
- */
-static void take_angles(const element *e, const double *const x[], double radius, double *blunt,
-                        exact_sums *sums, const int dim) {
-    double edges[3][3] = {{0}};
-    if (radius <= *blunt)
-        return;
-    pl_edges(dim, x, edges);
-    const double acuteness = pl_acuteness(dim, edges, e->determinant);
-    if (acuteness > sums->acuteness) {
-        sums->acuteness = acuteness;
-        *blunt = pl_blunt_ratio_square(dim, acuteness);
-    }
-}
-
-/** blunt: RR^2 up to which an element has no smaller angle than those added so far. */
+/** Add an element to sums. blunt: RR^2 up to which an element has no smaller angle than those added
+ *  so far. */
 static inline void add_element(const pl_objective_problem *problem, int64_t index, exact_sums *sums,
                                double *blunt, const int dim) {
-    element e = element_at(problem, index, dim);
-    double g = volume_constraint(minimum_volume(problem, index), &e);
+    const pl_view *mesh = &problem->mesh;
+    const element e = element_at(problem, index, dim);
+    const double g = volume_constraint(problem, index, &e);
     pl_sum_add(&sums->sum[WHOLE], e.measure);
-    sums->below += g > PLANISH_VOLUME_TOLERANCE;
+    sums->n[BELOW] += g > PLANISH_VOLUME_TOLERANCE;
     if (g > 0)
         pl_sum_add(&sums->sum[SHORTFALL], g * g);
     if (!(e.determinant > 0)) {
-        sums->inverted++;
+        sums->n[INVERTED]++;
         return;
     }
     const double *x[4] = {e.x[0], e.x[1], e.x[2], e.x[3]};
-    double radius = pl_radius_ratio_square(dim, x);
-    int movable = has_free_node(problem, index, dim);
-    sums->n[movable]++;
+    const double radius = pl_radius_ratio_square(dim, x);
+    const int movable = mesh->is_movable
+                            ? mesh->is_movable[index] != 0
+                            : pl_view_has_free_node(mesh, mesh->elements + index * (dim + 1), dim);
+    sums->n[VALID + movable]++;
     pl_sum_add(&sums->sum[RADIUS + movable], radius);
-    if (movable) {
+    if (movable)
         sums->radius_max = radius > sums->radius_max ? radius : sums->radius_max;
-        take_angles(&e, x, radius, blunt, sums, dim);
+    if (movable && radius > *blunt) {
+        double edges[3][3] = {{0}};
+        pl_edges(dim, x, edges);
+        const double acuteness = pl_acuteness(dim, edges, e.determinant);
+        if (acuteness > sums->acuteness) {
+            sums->acuteness = acuteness;
+            *blunt = pl_blunt_ratio_square(dim, acuteness);
+        }
     }
-    pl_sum_add(&sums->sum[RATIO + movable], aspect_square(problem, x, radius, dim));
+    double aspect = radius;
+    if (problem->objective != PLANISH_RADIUS_RATIO) {
+        const double ratio = problem->objective == PLANISH_MEAN_RATIO
+                                 ? 1 / fabs(pl_mean_ratio(dim, x))
+                                 : pl_smoothed_edge_ratio(dim, x);
+        aspect = ratio * ratio;
+    }
+    pl_sum_add(&sums->sum[RATIO + movable], aspect);
     if (g > -INFINITY)
         pl_sum_add(&sums->sum[VOLUME + movable], g * g);
 }
 
-static void share(work *w, exact_sums *part) {
-    exact_sums *sums = w->sums;
-    for (int i = 0; i < N_SUMS; i++)
-        pl_sum_share(&sums->sum[i], &part->sum[i]);
-    for (int movable = 0; movable < 2; movable++)
-        __atomic_fetch_add(&sums->n[movable], part->n[movable], __ATOMIC_RELAXED);
-    __atomic_fetch_add(&sums->inverted, part->inverted, __ATOMIC_RELAXED);
-    __atomic_fetch_add(&sums->below, part->below, __ATOMIC_RELAXED);
-    pl_raise_double(&w->radius_max, part->radius_max);
-    pl_raise_double(&w->acuteness, part->acuteness);
-}
-
 static void add_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
-    exact_sums sums;
-    (void)thread;
+    objective_pass *w = context;
+    exact_sums part, *sums = w->sums;
     double blunt = 0;
-    memset(&sums, 0, sizeof sums);
+    (void)thread;
+    memset(&part, 0, sizeof part);
     const uint8_t *is_counted = w->problem->mesh.is_counted;
     for (int64_t i = begin; i < end; i++) {
         if (is_counted && !is_counted[i])
             continue;
         if (w->problem->mesh.dim == 3)
-            add_element(w->problem, i, &sums, &blunt, 3);
+            add_element(w->problem, i, &part, &blunt, 3);
         else
-            add_element(w->problem, i, &sums, &blunt, 2);
+            add_element(w->problem, i, &part, &blunt, 2);
     }
-    share(w, &sums);
-}
-
-/** Add the sums of the other processes. */
-static void add_parts(exact_sums *sums) {
-    int64_t counts[] = {sums->n[0], sums->n[1], sums->inverted, sums->below};
-    pl_parts_add_sums(sums->sum, N_SUMS);
-    pl_parts_add(counts, sizeof counts / sizeof *counts);
-    sums->n[0] = counts[0];
-    sums->n[1] = counts[1];
-    sums->inverted = counts[2];
-    sums->below = counts[3];
+    for (int i = 0; i < N_SUMS; i++)
+        pl_sum_share(&sums->sum[i], &part.sum[i]);
+    for (int i = 0; i < N_COUNTS; i++)
+        __atomic_fetch_add(&sums->n[i], part.n[i], __ATOMIC_RELAXED);
+    pl_raise_double(&sums->radius_max, part.radius_max);
+    pl_raise_double(&sums->acuteness, part.acuteness);
 }
 
 void pl_sum_objective(const pl_objective_problem *problem, pl_objective_sums *sums) {
-    exact_sums exact;
+    exact_sums all;
     int64_t n = problem->mesh.n_elements, chunk = (n + MAX_CHUNKS - 1) / MAX_CHUNKS;
-    work w = {.problem = problem, .sums = &exact};
-    memset(&exact, 0, sizeof exact);
+    objective_pass w = {.problem = problem, .sums = &all};
+    memset(&all, 0, sizeof all);
     pl_parallel_for(problem->threads, n, chunk < MIN_CHUNK ? MIN_CHUNK : chunk, add_chunk, &w);
-    double most[] = {w.radius_max, w.acuteness};
-    add_parts(&exact);
+    double most[] = {all.radius_max, all.acuteness};
+    pl_parts_add_sums(all.sum, N_SUMS);
+    pl_parts_add(all.n, N_COUNTS);
     pl_parts_largest(most, 2);
     *sums = (pl_objective_sums){.radius_max = most[0],
                                 .acuteness = most[1],
-                                .inverted = (double)exact.inverted,
-                                .below = (double)exact.below,
-                                .shortfall = pl_sum_value(&exact.sum[SHORTFALL]),
-                                .domain = pl_sum_value(&exact.sum[WHOLE])};
+                                .inverted = (double)all.n[INVERTED],
+                                .below = (double)all.n[BELOW],
+                                .shortfall = pl_sum_value(&all.sum[SHORTFALL]),
+                                .domain = pl_sum_value(&all.sum[WHOLE])};
     for (int movable = 0; movable < 2; movable++) {
-        sums->ratio[movable] = pl_sum_value(&exact.sum[RATIO + movable]);
-        sums->radius[movable] = pl_sum_value(&exact.sum[RADIUS + movable]);
-        sums->volume[movable] = pl_sum_value(&exact.sum[VOLUME + movable]);
-        sums->n[movable] = (double)exact.n[movable];
+        sums->ratio[movable] = pl_sum_value(&all.sum[RATIO + movable]);
+        sums->radius[movable] = pl_sum_value(&all.sum[RADIUS + movable]);
+        sums->volume[movable] = pl_sum_value(&all.sum[VOLUME + movable]);
+        sums->n[movable] = (double)all.n[VALID + movable];
     }
 }
 
 static void classify_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const work *w = context;
+    objective_pass *w = context;
     int64_t n_below = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         element e = element_at(w->problem, i, w->problem->mesh.dim);
-        int below = volume_constraint(minimum_volume(w->problem, i), &e) > PLANISH_VOLUME_TOLERANCE;
+        int below = volume_constraint(w->problem, i, &e) > PLANISH_VOLUME_TOLERANCE;
         if (w->flat >= 0)
             below |= !(e.determinant > w->flat * permanent_bound(&e, w->problem->mesh.dim));
         w->state[i] = below ? PLANISH_VOLUME_BELOW : PLANISH_VOLUME_MET;
         n_below += below;
     }
-    __atomic_fetch_add(w->n_below, n_below, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&w->n_below, n_below, __ATOMIC_RELAXED);
 }
 
 static int64_t classify(const pl_objective_problem *problem, double flat, uint8_t *state) {
-    int64_t n_below = 0;
-    work w = {.problem = problem, .state = state, .flat = flat, .n_below = &n_below};
+    objective_pass w = {.problem = problem, .state = state, .flat = flat};
     pl_parallel_for(problem->threads, problem->mesh.n_elements, 8 * MIN_CHUNK, classify_chunk, &w);
-    return n_below;
+    return w.n_below;
 }
 
 int64_t pl_find_below(const pl_objective_problem *problem, uint8_t *state) {

@@ -6,6 +6,8 @@
 #ifndef PL_QUALITY_VIEW_H
 #define PL_QUALITY_VIEW_H
 
+#include "geometry/inline.h"
+
 #include <planish/planish.h>
 
 /** Value of is_movable: another process counts the element. */
@@ -24,5 +26,13 @@ typedef struct pl_view {
                                   NULL: mobility says it */
     const uint8_t *is_counted; /* [m] 0: another process counts the element; NULL: all 1 */
 } pl_view;
+
+/** Whether one of the nodes node [dim + 1] of an element is free. */
+PL_INLINE int pl_view_has_free_node(const pl_view *view, const int32_t *node, const int dim) {
+    int is_free = 0;
+    for (int j = 0; j <= dim; j++)
+        is_free |= view->mobility[node[j]];
+    return is_free != 0;
+}
 
 #endif
