@@ -550,7 +550,7 @@ static void binary_values_that_cannot_be(void **state) {
     meshb_vertices(&m, 4, 3, not_finite);
     meshb_end(&m);
     /* 20 bytes of the header, 12 of the keyword, a vertex of 16 and a coordinate */
-    builder_expect_error(&m.b, &io_format_medit, "file: byte 52: vertex 2");
+    builder_expect_error(&m.b, &io_format_medit, "file: byte 52: node 2");
     builder_release(&m.b);
     meshb_begin(&m, 4, 0, 3);
     meshb_keyword(&m, 4, 1, 32, 0);
