@@ -231,6 +231,11 @@ static inline io_cells *io_model_cells(io_model *model, int dim) {
     return dim == 3 ? &model->tetrahedron : dim == 2 ? &model->triangle : &model->line;
 }
 
+/** Elements that are smoothed: the tetrahedra, or the triangles where there is none. */
+static inline const io_cells *io_model_elements(const io_model *model) {
+    return model->tetrahedron.n > 0 ? &model->tetrahedron : &model->triangle;
+}
+
 /** Room for n more cells; the reader then writes nodes, entity, number at index cells->n ...; and
  *  raises cells->n. with_entity/with_number must be the same in every call for the same cells. */
 int io_cells_reserve(io_cells *cells, int dim, int64_t n, int with_entity, int with_number,

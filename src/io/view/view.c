@@ -2,77 +2,50 @@
 #include "io/view/view.h"
 
 #include "base/memory.h"
-#include "base/round.h"
 #include "base/status.h"
+#include "io/vtk/vtk_cells.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { VALUES_AT_ONCE = 1 << 16, MOST_CORNERS = 4, N_KINDS = 3 };
+enum { VALUES_AT_ONCE = 1 << 16, N_KINDS = 3 };
 
 /* ---- cells --------------------------------------------------------------------------------- */
 
-/** Cells of one kind. */
-typedef struct kind {
-    const io_cells *cells;
-    int corners, type; /* VTK's type */
-} kind;
+/** Values that cells have in an array: one each, their nodes, or these led by their number. */
+typedef enum cell_values { ONE_VALUE, NODES, COUNTED_NODES } cell_values;
 
-static void kinds_of(const io_view *view, kind kinds[N_KINDS]) {
-    const io_model *model = view->model;
-    kinds[0] = (kind){&model->tetrahedron, 4, 10};
-    kinds[1] = (kind){&model->triangle, 3, 5};
-    kinds[2] = (kind){&model->line, 2, 3};
-}
-
-/** A cell by its number in the view. */
+/** A cell, or the place behind all. */
 typedef struct cell {
-    kind of;
-    int64_t index;    /* in of.cells */
-    int64_t begin;    /* of its nodes in the list of all */
-    int64_t n_before; /* cells before it */
+    const io_cells *of;
+    int64_t index;    /* in it */
+    int corners;      /* nodes of a cell of the kind, */
+    int type;         /* and VTK's type of it */
+    int64_t n_before; /* nodes of all cells before it */
+    int value;        /* which of the cell's values */
 } cell;
 
-static cell cell_at(const io_view *view, int64_t number) {
-    kind kinds[N_KINDS];
-    int64_t first = 0, begin = 0;
-    int k = 0;
-    kinds_of(view, kinds);
-    while (k + 1 < N_KINDS && number >= first + kinds[k].cells->n) {
-        first += kinds[k].cells->n;
-        begin += kinds[k].cells->n * kinds[k].corners;
-        k++;
+/** Find the cell, and which of its values, that value number i of an array is. */
+static cell find_cell(const io_view *view, cell_values values, int64_t i) {
+    static const int types[N_KINDS] = {VTK_TETRAHEDRON, VTK_TRIANGLE, VTK_LINE};
+    const io_model *model = view->model;
+    const io_cells *const kinds[N_KINDS] = {&model->tetrahedron, &model->triangle, &model->line};
+    int64_t n_before = 0;
+    for (int k = 0;; k++) {
+        const int corners = N_KINDS + 1 - k;
+        const int n = values == ONE_VALUE ? 1 : corners + (values == COUNTED_NODES);
+        if (k + 1 == N_KINDS || i < kinds[k]->n * n) {
+            const int64_t index = i / n;
+            return (cell){kinds[k],    index, corners, types[k], n_before + index * corners,
+                          (int)(i % n)};
+        }
+        i -= kinds[k]->n * n;
+        n_before += kinds[k]->n * corners;
     }
-    const int64_t index = number - first;
-    return (cell){kinds[k], index, begin + index * kinds[k].corners, number};
 }
 
-/** The cell that value number at of all cells' nodes is of; each led by a count if counted. */
-static cell cell_with(const io_view *view, int64_t at, int counted) {
-    kind kinds[N_KINDS];
-    int64_t first = 0, begin = 0;
-    int k = 0;
-    kinds_of(view, kinds);
-    while (k + 1 < N_KINDS && at >= begin + kinds[k].cells->n * (kinds[k].corners + counted)) {
-        first += kinds[k].cells->n;
-        begin += kinds[k].cells->n * (kinds[k].corners + counted);
-        k++;
-    }
-    const int64_t index = (at - begin) / (kinds[k].corners + counted);
-    return (cell){kinds[k], index, begin + index * (kinds[k].corners + counted), first + index};
-}
-
-static int64_t count_nodes(const io_view *view, int counted) {
-    kind kinds[N_KINDS];
-    int64_t n = 0;
-    kinds_of(view, kinds);
-    for (int k = 0; k < N_KINDS; k++)
-        n += kinds[k].cells->n * (kinds[k].corners + counted);
-    return n;
-}
-
-/* ---- what arrays are filled with ----------------------------------------------------------- */
+/* ---- values -------------------------------------------------------------------------------- */
 
 static double coordinate(const io_view *view, int64_t i) {
     const io_model *model = view->model;
@@ -83,148 +56,60 @@ static double coordinate(const io_view *view, int64_t i) {
     return model->z ? model->z[node] : 0;
 }
 
-static void fill_points(const io_view *view, int64_t begin, int64_t end, void *out) {
-    double *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = coordinate(view, i);
+static int64_t node_of_cell(const io_view *view, int64_t i) {
+    const cell c = find_cell(view, NODES, i);
+    return c.of->nodes[c.index * c.corners + c.value];
 }
 
-static void fill_float_points(const io_view *view, int64_t begin, int64_t end, void *out) {
-    float *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = (float)coordinate(view, i);
+static int64_t counted_node(const io_view *view, int64_t i) {
+    const cell c = find_cell(view, COUNTED_NODES, i);
+    return c.value == 0 ? c.corners : c.of->nodes[c.index * c.corners + c.value - 1];
 }
 
-static void fill_connectivity(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int32_t *to = out;
-    for (int64_t i = begin; i < end;) {
-        const cell c = cell_with(view, i, 0);
-        const int32_t *nodes = c.of.cells->nodes + c.index * c.of.corners;
-        for (int64_t k = i - c.begin; k < c.of.corners && i < end; k++, i++)
-            *to++ = nodes[k];
-    }
+static int64_t end_of_cell(const io_view *view, int64_t i) {
+    const cell c = find_cell(view, ONE_VALUE, i);
+    return c.n_before + c.corners;
 }
 
-static void fill_counted(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int32_t *to = out;
-    for (int64_t i = begin; i < end;) {
-        const cell c = cell_with(view, i, 1);
-        const int32_t *nodes = c.of.cells->nodes + c.index * c.of.corners;
-        for (int64_t k = i - c.begin; k <= c.of.corners && i < end; k++, i++)
-            *to++ = k == 0 ? c.of.corners : nodes[k - 1];
-    }
+static int64_t type_of_cell(const io_view *view, int64_t i) {
+    return find_cell(view, ONE_VALUE, i).type;
 }
 
-static void fill_offsets(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int64_t *to = out;
-    for (int64_t i = begin; i < end; i++) {
-        const cell c = cell_at(view, i);
-        *to++ = c.begin + c.of.corners;
-    }
+static int64_t is_fixed(const io_view *view, int64_t i) {
+    return view->constraint[i] == PLANISH_FIXED;
 }
 
-static void fill_types(const io_view *view, int64_t begin, int64_t end, void *out) {
-    uint8_t *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = (uint8_t)cell_at(view, i).of.type;
+static int64_t number_of_node(const io_view *view, int64_t i) {
+    return io_node_number(view->model, i);
 }
 
-static void fill_wide_types(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int32_t *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = cell_at(view, i).of.type;
+static int64_t number_of_cell(const io_view *view, int64_t i) {
+    const cell c = find_cell(view, ONE_VALUE, i);
+    return io_cell_number(c.of, c.index);
 }
-
-static void fill_fixed(const io_view *view, int64_t begin, int64_t end, void *out) {
-    uint8_t *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = view->constraint[i] == PLANISH_FIXED;
-}
-
-/* ---- numbers: of 32 bits, which all programs read, where they are no larger ----------------- */
-
-static int64_t node_number(const io_view *view, int64_t node) {
-    const io_model *model = view->model;
-    return model->node_number ? model->node_number[node] : model->first_number + node;
-}
-
-static void fill_node_numbers(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int64_t *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = node_number(view, i);
-}
-
-static void fill_narrow_node_numbers(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int32_t *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = (int32_t)node_number(view, i);
-}
-
-static int64_t cell_number(const io_view *view, int64_t i) {
-    const cell c = cell_at(view, i);
-    return c.of.cells->number ? c.of.cells->number[c.index] : c.of.cells->first_number + c.index;
-}
-
-static void fill_cell_numbers(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int64_t *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = cell_number(view, i);
-}
-
-static void fill_narrow_cell_numbers(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int32_t *to = out;
-    for (int64_t i = begin; i < end; i++)
-        *to++ = (int32_t)cell_number(view, i);
-}
-
-static io_view_array numbers(const io_view *view, int64_t n,
-                             int64_t (*number)(const io_view *, int64_t),
-                             void (*wide)(const io_view *, int64_t, int64_t, void *),
-                             void (*narrow)(const io_view *, int64_t, int64_t, void *)) {
-    int fits = 1;
-    for (int64_t i = 0; i < n; i++) {
-        const int64_t value = number(view, i);
-        fits &= value >= INT32_MIN && value <= INT32_MAX;
-    }
-    return fits ? (io_view_array){"number", IO_VIEW_I32, n, 1, narrow}
-                : (io_view_array){"number", IO_VIEW_I64, n, 1, wide};
-}
-
-/* ---- regions and ratios -------------------------------------------------------------------- */
 
 /** The entity of a cell, or NULL. */
-static const io_entity *entity_at(const io_view *view, int64_t number) {
-    const cell c = cell_at(view, number);
-    const int32_t *entity = c.of.cells->entity;
-    return entity && entity[c.index] >= 0 ? &view->model->entity[entity[c.index]] : NULL;
+static const io_entity *entity_of(const io_view *view, const cell *c) {
+    const int32_t *entity = c->of->entity;
+    return entity && entity[c->index] >= 0 ? &view->model->entity[entity[c->index]] : NULL;
 }
 
-static void fill_regions(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int32_t *to = out;
-    for (int64_t i = begin; i < end; i++) {
-        const cell c = cell_at(view, i);
-        const io_entity *entity = entity_at(view, i);
-        *to++ = c.of.cells->region ? c.of.cells->region[c.index] : entity ? entity->tag : 0;
-    }
+static int64_t region_of_cell(const io_view *view, int64_t i) {
+    const cell c = find_cell(view, ONE_VALUE, i);
+    const io_entity *entity = entity_of(view, &c);
+    return c.of->region ? c.of->region[c.index] : entity ? entity->tag : 0;
 }
 
-static void fill_groups(const io_view *view, int64_t begin, int64_t end, void *out) {
-    int32_t *to = out;
-    for (int64_t i = begin; i < end; i++) {
-        const io_entity *entity = entity_at(view, i);
-        *to++ = entity && entity->n_physical > 0 ? entity->physical[0] : 0;
-    }
+static int64_t group_of_cell(const io_view *view, int64_t i) {
+    const cell c = find_cell(view, ONE_VALUE, i);
+    const io_entity *entity = entity_of(view, &c);
+    return entity && entity->n_physical > 0 ? entity->physical[0] : 0;
 }
 
-/** Of the elements that are smoothed; nothing for those of lower dimension. */
-static void fill_ratios(const io_view *view, int64_t begin, int64_t end, void *out) {
-    const io_model *model = view->model;
-    const io_cells *smoothed = model->dim == 3 ? &model->tetrahedron : &model->triangle;
-    double *to = out;
-    for (int64_t i = begin; i < end; i++) {
-        const cell c = cell_at(view, i);
-        *to++ = c.of.cells == smoothed ? view->radius_ratio[c.index] : (double)NAN;
-    }
+/** Radius ratio of the elements that are smoothed; none of those of lower dimension. */
+static double ratio_of_cell(const io_view *view, int64_t i) {
+    const cell c = find_cell(view, ONE_VALUE, i);
+    return c.of == io_model_elements(view->model) ? view->radius_ratio[c.index] : (double)NAN;
 }
 
 /* ---- the arrays ---------------------------------------------------------------------------- */
@@ -236,41 +121,49 @@ io_view io_view_of(const io_model *model, const double *coordinates, const uint8
                     .constraint = constraint,
                     .radius_ratio = radius_ratio,
                     .n_cells = model->tetrahedron.n + model->triangle.n + model->line.n};
-    const io_cells *elements = model->dim == 3 ? &model->tetrahedron : &model->triangle;
-    view.has_regions = model->n_entities > 0 || elements->region;
+    view.has_regions = model->n_entities > 0 || io_model_elements(model)->region;
     for (int32_t i = 0; i < model->n_entities; i++)
         view.has_groups |= model->entity[i].dim > 0 && model->entity[i].n_physical > 0;
     return view;
 }
 
+/** The array of n numbers: of 32 bits, which all programs read, where they are no larger. */
+static io_view_array numbers_of(const io_view *view, int64_t n,
+                                int64_t (*number)(const io_view *view, int64_t i)) {
+    int fits = 1;
+    for (int64_t i = 0; i < n; i++) {
+        const int64_t value = number(view, i);
+        fits &= value >= INT32_MIN && value <= INT32_MAX;
+    }
+    return (io_view_array){"number", fits ? IO_VIEW_I32 : IO_VIEW_I64, n, 1, number, NULL};
+}
+
 io_view_arrays io_view_arrays_of(const io_view *view) {
-    const int is_float = view->model->precision == PLANISH_FLOAT;
-    const int64_t n_nodes = view->model->n_nodes, n_cells = view->n_cells;
-    const int64_t n_corners = count_nodes(view, 0), n_counted = count_nodes(view, 1);
+    const io_model *model = view->model;
+    const io_view_type real = model->precision == PLANISH_FLOAT ? IO_VIEW_F32 : IO_VIEW_F64;
+    const int64_t n_nodes = model->n_nodes, n = view->n_cells;
+    const int64_t n_corners = 4 * model->tetrahedron.n + 3 * model->triangle.n + 2 * model->line.n;
     io_view_arrays a = {
-        .points = {"Points", is_float ? IO_VIEW_F32 : IO_VIEW_F64, 3 * n_nodes, 3,
-                   is_float ? fill_float_points : fill_points},
-        .connectivity = {"connectivity", IO_VIEW_I32, n_corners, 1, fill_connectivity},
-        .offsets = {"offsets", IO_VIEW_I64, n_cells, 1, fill_offsets},
-        .types = {"types", IO_VIEW_U8, n_cells, 1, fill_types},
-        .wide_types = {"types", IO_VIEW_I32, n_cells, 1, fill_wide_types},
-        .counted = {"cells", IO_VIEW_I32, n_counted, 1, fill_counted}};
+        .points = {"Points", real, 3 * n_nodes, 3, NULL, coordinate},
+        .connectivity = {"connectivity", IO_VIEW_I32, n_corners, 1, node_of_cell, NULL},
+        .offsets = {"offsets", IO_VIEW_I64, n, 1, end_of_cell, NULL},
+        .types = {"types", IO_VIEW_U8, n, 1, type_of_cell, NULL},
+        .wide_types = {"types", IO_VIEW_I32, n, 1, type_of_cell, NULL},
+        .counted = {"cells", IO_VIEW_I32, n_corners + n, 1, counted_node, NULL}};
     if (view->constraint)
         a.point_data[a.n_point_data++] =
-            (io_view_array){"fixed", IO_VIEW_U8, n_nodes, 1, fill_fixed};
-    a.point_data[a.n_point_data++] =
-        numbers(view, n_nodes, node_number, fill_node_numbers, fill_narrow_node_numbers);
+            (io_view_array){"fixed", IO_VIEW_U8, n_nodes, 1, is_fixed, NULL};
+    a.point_data[a.n_point_data++] = numbers_of(view, n_nodes, number_of_node);
     if (view->radius_ratio)
         a.cell_data[a.n_cell_data++] =
-            (io_view_array){"radius_ratio", IO_VIEW_F64, n_cells, 1, fill_ratios};
+            (io_view_array){"radius_ratio", IO_VIEW_F64, n, 1, NULL, ratio_of_cell};
     if (view->has_regions)
         a.cell_data[a.n_cell_data++] =
-            (io_view_array){"region", IO_VIEW_I32, n_cells, 1, fill_regions};
+            (io_view_array){"region", IO_VIEW_I32, n, 1, region_of_cell, NULL};
     if (view->has_groups)
         a.cell_data[a.n_cell_data++] =
-            (io_view_array){"group", IO_VIEW_I32, n_cells, 1, fill_groups};
-    a.cell_data[a.n_cell_data++] =
-        numbers(view, n_cells, cell_number, fill_cell_numbers, fill_narrow_cell_numbers);
+            (io_view_array){"group", IO_VIEW_I32, n, 1, group_of_cell, NULL};
+    a.cell_data[a.n_cell_data++] = numbers_of(view, n, number_of_cell);
     return a;
 }
 
@@ -279,13 +172,29 @@ int io_view_type_size(io_view_type type) {
     return size[type];
 }
 
-static void swap_values(char *data, int64_t n, int size) {
-    for (int64_t i = 0; i < n; i++, data += size)
-        for (int k = 0; k < size / 2; k++) {
-            const char t = data[k];
-            data[k] = data[size - 1 - k];
-            data[size - 1 - k] = t;
-        }
+/** Store value i of an array, size bytes, at at. */
+static void store_value(const io_view *view, const io_view_array *array, int64_t i, char *at) {
+    const int64_t integer = array->integer ? array->integer(view, i) : 0;
+    const double real = array->real ? array->real(view, i) : 0;
+    const int32_t narrow = (int32_t)integer;
+    const float single = (float)real;
+    switch (array->type) {
+    case IO_VIEW_U8:
+        *at = (char)(unsigned char)integer;
+        break;
+    case IO_VIEW_I32:
+        memcpy(at, &narrow, sizeof narrow);
+        break;
+    case IO_VIEW_I64:
+        memcpy(at, &integer, sizeof integer);
+        break;
+    case IO_VIEW_F32:
+        memcpy(at, &single, sizeof single);
+        break;
+    case IO_VIEW_F64:
+        memcpy(at, &real, sizeof real);
+        break;
+    }
 }
 
 int io_view_write(const io_view *view, const io_view_array *array, int swapped, io_output *output,
@@ -296,9 +205,15 @@ int io_view_write(const io_view *view, const io_view_array *array, int swapped, 
     for (int64_t begin = 0; begin < array->n && !status; begin += VALUES_AT_ONCE) {
         const int64_t left = array->n - begin;
         const int64_t n = left < VALUES_AT_ONCE ? left : VALUES_AT_ONCE;
-        array->fill(view, begin, begin + n, block);
-        if (swapped)
-            swap_values(block, n, size);
+        for (int64_t i = 0; i < n; i++) {
+            char *at = block + i * size;
+            store_value(view, array, begin + i, at);
+            for (int k = 0; k < size / 2 && swapped; k++) {
+                const char t = at[k];
+                at[k] = at[size - 1 - k];
+                at[size - 1 - k] = t;
+            }
+        }
         status = io_output_write(output, block, n * size, error);
     }
     pl_free(block);

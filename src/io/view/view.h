@@ -1,5 +1,11 @@
 /* view: what planish understands of a mesh file, as arrays for another file that shows it: points,
- * the cells that it keeps (tetrahedra, triangles, lines, in this order), and data of both. */
+ * the cells that it keeps (tetrahedra, triangles, lines, in this order), and data of both.
+ *
+ *   io_view, io_view_of                the mesh
+ *   io_view_array, io_view_arrays_of   its arrays
+ *   io_view_write, io_view_group       write an array; the text of a group
+ *   io_view_write_vtu, _vtk            write a file (view_vtu.c, view_vtk.c)
+ */
 #ifndef PL_IO_VIEW_VIEW_H
 #define PL_IO_VIEW_VIEW_H
 
@@ -30,8 +36,9 @@ typedef struct io_view_array {
     io_view_type type;
     int64_t n;        /* values in all */
     int n_components; /* of a point or cell */
-    /** Write values begin .. end - 1 in this machine's byte order. */
-    void (*fill)(const io_view *view, int64_t begin, int64_t end, void *out);
+    /** Value i: one of the two, by the type. */
+    int64_t (*integer)(const io_view *view, int64_t i);
+    double (*real)(const io_view *view, int64_t i);
 } io_view_array;
 
 enum { IO_VIEW_MOST_DATA = 4 };
@@ -45,20 +52,23 @@ typedef struct io_view_arrays {
     int n_point_data, n_cell_data;
 } io_view_arrays;
 
+/** Return a view of a mesh; all arrays are borrowed. */
 io_view io_view_of(const io_model *model, const double *coordinates, const uint8_t *constraint,
                    const double *radius_ratio);
+/** Return the arrays of a view, which must stay while they are used. */
 io_view_arrays io_view_arrays_of(const io_view *view);
 
+/** Return the bytes of a value. */
 int io_view_type_size(io_view_type type);
 
 /** Write an array's values, in the other byte order if swapped. */
 int io_view_write(const io_view *view, const io_view_array *array, int swapped, io_output *output,
                   planish_error *error);
 
-/** The named group number i of the model as "DIM:TAG NAME"; returns snprintf's. */
+/** Write the named group number i of the model as "DIM:TAG NAME"; return snprintf's. */
 int io_view_group(const io_model *model, int32_t i, char *text, size_t size);
 
-/** The writers: 0 or an error. *lost is set to what else they leave out, or NULL. */
+/** Write a file. *lost: what else is left out, or NULL. */
 int io_view_write_vtu(const io_view *view, io_output *output, const char **lost,
                       planish_error *error);
 int io_view_write_vtk(const io_view *view, io_output *output, const char **lost,
