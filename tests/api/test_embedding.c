@@ -1,6 +1,7 @@
 /* What a program that embeds the library relies on: memory, threads, what is left as found. */
 #define _GNU_SOURCE /* sched.h: affinities */
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include <fenv.h>
 #include <locale.h>
@@ -24,20 +25,9 @@
 
 enum { CELLS = 7 };
 
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 2;
-    return options;
-}
-
-static size_t bytes_of(const planish_mesh *mesh) {
-    return (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
-}
-
 static double *copy_of(const planish_mesh *mesh) {
-    double *copy = malloc(bytes_of(mesh));
-    memcpy(copy, mesh->coordinates, bytes_of(mesh));
+    double *copy = malloc(test_bytes_of(mesh));
+    memcpy(copy, mesh->coordinates, test_bytes_of(mesh));
     return copy;
 }
 
@@ -101,7 +91,7 @@ static void shared_pages_do_not_show(void **state) {
         test_mesh box;
         heap h = {0};
         planish_allocator ones = allocator_of(&h);
-        planish_options options = defaults();
+        planish_options options = test_options(2);
         planish_plan *plan;
         ones.allocate = ones_allocate;
         test_mesh_box(&box, 3, 16);
@@ -110,15 +100,15 @@ static void shared_pages_do_not_show(void **state) {
         options.allocator = &ones;
         assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
         assert_int_equal(planish_smooth(plan, expected, &options, NULL, NULL), 0);
-        assert_memory_not_equal(expected, x, bytes_of(&box.mesh));
+        assert_memory_not_equal(expected, x, test_bytes_of(&box.mesh));
         planish_plan_destroy(plan);
         options.allocator = NULL;
         for (options.threads = 1; options.threads <= 3; options.threads += 2) {
             assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
             for (int i = 0; i < 2; i++) {
-                memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+                memcpy(x, box.mesh.coordinates, test_bytes_of(&box.mesh));
                 assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
-                assert_memory_equal(x, expected, bytes_of(&box.mesh));
+                assert_memory_equal(x, expected, test_bytes_of(&box.mesh));
             }
             planish_plan_destroy(plan);
         }
@@ -136,7 +126,7 @@ static void calls_allocate_once(void **state) {
             test_mesh box;
             heap h = {0};
             const planish_allocator allocator = allocator_of(&h);
-            planish_options options = defaults();
+            planish_options options = test_options(2);
             planish_plan *plan;
             planish_error error;
             planish_quality quality;
@@ -158,7 +148,7 @@ static void calls_allocate_once(void **state) {
             assert_true(first.moved_nodes > 0);
             const int64_t calls = h.calls;
             for (int i = 0; i < 3; i++) {
-                memcpy(b, box.mesh.coordinates, bytes_of(&box.mesh));
+                memcpy(b, box.mesh.coordinates, test_bytes_of(&box.mesh));
                 for (int64_t k = 0; i == 2 && k < box.mesh.n_nodes * dim; k++)
                     b[k] *= 0.75;
                 assert_int_equal(planish_smooth(plan, b, &options, &again, &error), 0);
@@ -167,7 +157,7 @@ static void calls_allocate_once(void **state) {
                     fail_msg("dim %d, options %d, call %d: %d allocations", dim, which, i,
                              (int)(h.calls - calls));
                 if (i < 2)
-                    assert_memory_equal(a, b, bytes_of(&box.mesh));
+                    assert_memory_equal(a, b, test_bytes_of(&box.mesh));
             }
             planish_plan_destroy(plan);
             assert_int_equal(h.live, 0);
@@ -183,7 +173,7 @@ static void allocators_may_fail(void **state) {
     test_mesh box;
     heap h = {0};
     const planish_allocator allocator = allocator_of(&h);
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     tangled_box(&box, 3);
     options.allocator = &allocator;
     options.max_sweeps = 2;
@@ -199,7 +189,7 @@ static void allocators_may_fail(void **state) {
         if (status) {
             assert_int_equal(status, PLANISH_ERROR_MEMORY);
             assert_int_equal(error.code, PLANISH_ERROR_MEMORY);
-            assert_memory_equal(copy, box.mesh.coordinates, bytes_of(&box.mesh));
+            assert_memory_equal(copy, box.mesh.coordinates, test_bytes_of(&box.mesh));
             failures++;
         }
         planish_plan_destroy(plan);
@@ -222,7 +212,7 @@ static void results_do_not_depend_on_memory(void **state) {
         test_mesh box;
         heap h = {0};
         const planish_allocator allocator = allocator_of(&h);
-        planish_options options = defaults();
+        planish_options options = test_options(2);
         planish_plan *plan;
         tangled_box(&box, dim);
         options.allocator = &allocator;
@@ -236,19 +226,19 @@ static void results_do_not_depend_on_memory(void **state) {
         assert_true(n > 10);
         int failures = 0;
         for (int64_t k = 0; k < n; k++) {
-            memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+            memcpy(x, box.mesh.coordinates, test_bytes_of(&box.mesh));
             assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
             h.missing = h.calls + k;
             const int status = planish_smooth(plan, x, &options, NULL, NULL);
             h.missing = -1;
             failures += status != 0;
             if (status)
-                assert_memory_equal(x, box.mesh.coordinates, bytes_of(&box.mesh));
+                assert_memory_equal(x, box.mesh.coordinates, test_bytes_of(&box.mesh));
             else
-                assert_memory_equal(x, expected, bytes_of(&box.mesh));
-            memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+                assert_memory_equal(x, expected, test_bytes_of(&box.mesh));
+            memcpy(x, box.mesh.coordinates, test_bytes_of(&box.mesh));
             assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
-            assert_memory_equal(x, expected, bytes_of(&box.mesh));
+            assert_memory_equal(x, expected, test_bytes_of(&box.mesh));
             planish_plan_destroy(plan);
         }
         assert_true(failures > 5);
@@ -263,7 +253,7 @@ static void results_do_not_depend_on_memory(void **state) {
 static void kept_memory_is_bounded(void **state) {
     (void)state;
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     planish_plan *plan;
     planish_plan_info info;
     test_mesh_box(&box, 3, CELLS);
@@ -274,7 +264,7 @@ static void kept_memory_is_bounded(void **state) {
     unsigned random = 1;
     int64_t most = 0;
     for (int i = 0; i < 60; i++) {
-        memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+        memcpy(x, box.mesh.coordinates, test_bytes_of(&box.mesh));
         for (int k = 0; k <= i % 20; k++) {
             const int64_t node = (int64_t)(test_random(&random) * (double)box.mesh.n_nodes);
             int inside = 1;
@@ -289,7 +279,7 @@ static void kept_memory_is_bounded(void **state) {
     }
     assert_true(bytes > 0 && info.bytes <= most + most / 10);
     for (int i = 0; i < 3; i++) {
-        memcpy(x, box.mesh.coordinates, bytes_of(&box.mesh));
+        memcpy(x, box.mesh.coordinates, test_bytes_of(&box.mesh));
         assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
     }
     planish_plan_get_info(plan, &info);
@@ -322,7 +312,7 @@ static void failures_in_callbacks_stay_there(void **state) {
     test_mesh box;
     heap h = {0};
     const planish_allocator allocator = allocator_of(&h);
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     asker a = {.heap = &h};
     bad_box(&box, 3);
     options.allocator = &allocator;
@@ -335,7 +325,7 @@ static void failures_in_callbacks_stay_there(void **state) {
     assert_true(a.failures > 0);
     options.progress = NULL;
     assert_int_equal(planish_smooth(a.plan, expected, &options, NULL, NULL), 0);
-    assert_memory_equal(x, expected, bytes_of(&box.mesh));
+    assert_memory_equal(x, expected, test_bytes_of(&box.mesh));
     planish_plan_destroy(a.plan);
     free(x);
     free(expected);
@@ -350,7 +340,7 @@ typedef struct inner {
 
 static int make_a_plan(const planish_progress *progress, void *user) {
     inner *in = user;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     (void)progress;
     if (!in->plan)
         assert_int_equal(planish_plan_create(in->mesh, &options, &in->plan, NULL), 0);
@@ -360,7 +350,7 @@ static int make_a_plan(const planish_progress *progress, void *user) {
 static void callbacks_may_call_the_library(void **state) {
     (void)state;
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     planish_plan *plan;
     bad_box(&box, 3);
     inner in = {NULL, &box.mesh};
@@ -372,7 +362,7 @@ static void callbacks_may_call_the_library(void **state) {
     planish_plan_destroy(plan);
     assert_int_equal(planish_smooth(in.plan, b, NULL, NULL, NULL), 0);
     planish_plan_destroy(in.plan);
-    assert_memory_equal(a, b, bytes_of(&box.mesh));
+    assert_memory_equal(a, b, test_bytes_of(&box.mesh));
     free(a);
     free(b);
     test_mesh_destroy(&box);
@@ -416,7 +406,7 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
     (void)state;
     for (int which = 0; which < 3; which++) {
         test_mesh box;
-        planish_options options = defaults(), volumes = defaults();
+        planish_options options = test_options(2), volumes = test_options(2);
         planish_result result;
         int calls = 0;
         (which == 1 ? tangled_box : bad_box)(&box, 3);
@@ -426,7 +416,7 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
         reader_on_the_way a = {.volumes = &volumes,
                                .coordinates = copy_of(&box.mesh),
                                .start = copy_of(&box.mesh),
-                               .bytes = bytes_of(&box.mesh),
+                               .bytes = test_bytes_of(&box.mesh),
                                .state = malloc((size_t)box.mesh.n_elements),
                                .thread = pthread_self()};
         assert_int_equal(planish_plan_create(&box.mesh, &options, &a.plan, NULL), 0);
@@ -436,7 +426,7 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
         options.progress = ask_on_the_way;
         options.progress_user = &a;
         assert_int_equal(planish_smooth(a.plan, a.coordinates, &options, &result, NULL), 0);
-        assert_memory_equal(a.coordinates, expected, bytes_of(&box.mesh));
+        assert_memory_equal(a.coordinates, expected, test_bytes_of(&box.mesh));
         assert_int_equal(a.calls, calls);
         assert_true(result.seconds > 0);
         planish_plan_destroy(a.plan);
@@ -490,7 +480,7 @@ static void threads_may_be_the_callers(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int which = 0; which < 2; which++) {
             test_mesh box;
-            planish_options options = defaults();
+            planish_options options = test_options(2);
             planish_plan *plan;
             (which ? tangled_box : bad_box)(&box, dim);
             options.max_sweeps = 5;
@@ -513,7 +503,7 @@ static void threads_may_be_the_callers(void **state) {
                     assert_int_equal(info.threads, options.threads);
                     assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
                     planish_plan_destroy(plan);
-                    assert_memory_equal(x, expected, bytes_of(&box.mesh));
+                    assert_memory_equal(x, expected, test_bytes_of(&box.mesh));
                     assert_true((p.calls > 0) == (options.threads > 1));
                     free(x);
                 }
@@ -532,15 +522,16 @@ typedef struct customer {
 
 static void *smooth_often(void *a_customer) {
     customer *u = a_customer;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     options.threads = 0;
     for (int i = 0; i < 5 && !u->status; i++) {
-        memcpy(u->x, u->box.mesh.coordinates, bytes_of(&u->box.mesh));
+        memcpy(u->x, u->box.mesh.coordinates, test_bytes_of(&u->box.mesh));
         u->status = planish_plan_create(&u->box.mesh, &options, &u->plan, NULL);
         if (!u->status)
             u->status = planish_smooth(u->plan, u->x, &options, NULL, NULL);
         planish_plan_destroy(u->plan);
-        u->status = u->status ? u->status : memcmp(u->x, u->expected, bytes_of(&u->box.mesh)) != 0;
+        u->status =
+            u->status ? u->status : memcmp(u->x, u->expected, test_bytes_of(&u->box.mesh)) != 0;
     }
     return NULL;
 }
@@ -605,7 +596,7 @@ static void the_number_of_threads_is_the_callers(void **state) {
     test_mesh box;
     planish_plan *plan;
     planish_plan_info info;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     test_mesh_box(&box, 3, 16);
     options.threads = 0;
     omp_set_num_threads(3);
@@ -636,7 +627,7 @@ static void the_process_is_left_as_found(void **state) {
     (void)state;
     test_mesh box;
     planish_plan *plan;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     struct sigaction action = {.sa_handler = count_signal}, found;
     fenv_t before, after;
     tangled_box(&box, 3);
@@ -696,7 +687,7 @@ static void a_log_tells_what_is_done(void **state) {
     test_mesh box;
     notes n = {0};
     planish_plan *plan;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     bad_box(&box, 3);
     options.log = note;
     options.log_user = &n;
@@ -797,7 +788,7 @@ static void arrays_may_be_the_same(void **state) {
     (void)state;
     test_mesh box;
     planish_plan *plan;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     planish_result result;
     bad_box(&box, 3);
     double *start = copy_of(&box.mesh);
@@ -805,7 +796,7 @@ static void arrays_may_be_the_same(void **state) {
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
     assert_int_equal(planish_smooth(plan, box.coordinates, &options, &result, NULL), 0);
     assert_int_equal(result.moved_nodes, 0);
-    assert_memory_equal(box.coordinates, start, bytes_of(&box.mesh));
+    assert_memory_equal(box.coordinates, start, test_bytes_of(&box.mesh));
     planish_plan_destroy(plan);
 
     planish_mesh mesh = box.mesh;
@@ -836,7 +827,7 @@ static void cancelling_at_once_is_safe(void **state) {
     for (int which = 0; which < 2; which++) {
         test_mesh box;
         planish_plan *plan;
-        planish_options options = defaults();
+        planish_options options = test_options(2);
         planish_result result;
         planish_quality before, after;
         int calls = 0;
@@ -900,7 +891,7 @@ static void wrong_options_are_named(void **state) {
     test_mesh box;
     planish_plan *plan = NULL;
     planish_error error;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     const planish_allocator half = {heap_allocate, NULL, NULL};
     bad_box(&box, 2);
     options.allocator = &half;
@@ -908,13 +899,13 @@ static void wrong_options_are_named(void **state) {
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "allocator"));
     assert_null(plan);
-    options = defaults();
+    options = test_options(2);
     options.isa = (planish_isa)77;
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
                      PLANISH_ERROR_ARGUMENT);
     assert_non_null(strstr(error.text, "isa"));
     for (int threads = -1; threads <= 1025; threads += 1026) {
-        options = defaults();
+        options = test_options(2);
         options.threads = threads;
         assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
                          PLANISH_ERROR_ARGUMENT);

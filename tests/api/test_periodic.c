@@ -1,6 +1,7 @@
 /* Periodic nodes: they move by the same, to where the elements around all of them are best. */
 #include "support/allocations.h"
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include "geometry/simplex.h"
 #include "quality/certificate.h"
@@ -97,13 +98,6 @@ typedef struct run {
     planish_quality before, after;
 } run;
 
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
-
 static run smooth(const planish_mesh *mesh, const planish_options *options) {
     run r;
     planish_plan *plan;
@@ -161,7 +155,7 @@ static void pairs_move_together(void **state) {
     const int dim = *(int *)*state;
     for (int n = 1; n <= dim; n++) {
         periodic_box p;
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         int64_t moved;
         create(&p, dim, n, 0.13);
         run r = smooth(&p.mesh, &options);
@@ -203,7 +197,7 @@ static double sum_around(const planish_mesh *mesh, const double *x, int32_t node
 static void pairs_end_at_their_common_optimum(void **state) {
     const int dim = *(int *)*state;
     periodic_box p;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.tolerance = 1e-10;
     options.objective = PLANISH_MEAN_RATIO; /* by RR the smallest angle would be a limit */
     create(&p, dim, 1, 0.13);
@@ -243,7 +237,7 @@ static void pairs_end_at_their_common_optimum(void **state) {
 static void bits_do_not_depend_on_threads_or_scale(void **state) {
     const int dim = *(int *)*state;
     periodic_box p;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     create(&p, dim, dim, 0.13);
     const size_t bytes = (size_t)(p.mesh.n_nodes * dim) * sizeof(double);
     run r = smooth(&p.mesh, &options);
@@ -266,7 +260,7 @@ static void bits_do_not_depend_on_threads_or_scale(void **state) {
 static void strangers_change_nothing(void **state) {
     const int dim = *(int *)*state;
     periodic_box p;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     create(&p, dim, dim, 0.13);
     run alone = smooth(&p.mesh, &options);
     const int64_t n = p.mesh.n_nodes;
@@ -331,7 +325,7 @@ static void long_groups_are_chosen_whole(void **state) {
     x[0] = -3; /* the only bad elements are at the first of the chain */
     int64_t n_sliding[2];
     for (int order = 0; order < 2; order++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         planish_plan *plan;
         planish_plan_info info;
         for (int k = 0; k < 20; k++) {
@@ -353,7 +347,7 @@ static void other_options_hold(void **state) {
     const int dim = *(int *)*state;
     for (int which = 0; which < CASES; which++) {
         periodic_box p;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         int64_t moved;
         create(&p, dim, dim, 0.13);
         if (which == WORST)
@@ -418,7 +412,7 @@ static void rounding_harms_no_follower(void **state) {
     int64_t moved = 0;
     for (int i = 0; i < 20; i++) {
         periodic_box p;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         double unit = i % 4 < 2 ? 0.3 : 0.05;
         create(&p, dim, dim, 0.13);
         turn(&p, 0.05 + 0.07 * i);
@@ -445,7 +439,7 @@ static void followers_stay_within_their_bounds(void **state) {
     int64_t at_bound = 0;
     for (int i = 0; i < 40; i++) {
         periodic_box p;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         unsigned seed = (unsigned)i + 1;
         create(&p, dim, dim, 0.13);
         turn(&p, 0.05 + 0.07 * i);
@@ -495,7 +489,7 @@ static void flat_elements_are_left_alone(void **state) {
     int64_t kept = 0, moved = 0;
     for (int i = 0; i < 60; i++) {
         periodic_box p;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         create(&p, dim, 1, 0.13);
         turn(&p, 0.05 + 0.07 * i);
         int64_t n = 0; /* every so many of the elements with an edge from a side to the inside */
@@ -530,7 +524,7 @@ static void what_is_not_alike_is_held(void **state) {
     const int dim = *(int *)*state;
     for (int which = 0; which < CASES; which++) {
         periodic_box p;
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         create(&p, dim, 1, 0.13);
         for (int64_t i = 0; i < p.mesh.n_periodic; i++) {
             const int32_t a = p.pair[2 * i];
@@ -579,7 +573,7 @@ static void what_is_not_alike_is_held(void **state) {
 static void pairs_inside_are_held(void **state) {
     const int dim = *(int *)*state;
     periodic_box p;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     create(&p, dim, 1, 0.13);
     int64_t n = 0;
     for (int64_t i = 0; i < p.mesh.n_nodes; i++)
@@ -605,7 +599,7 @@ static void thin_meshes_are_held(void **state) {
     uint8_t constraint[8];
     double direction[16];
     test_mesh box;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     test_mesh_create(&box, 2, 8, strip, 6, triangles);
     planish_mesh mesh = box.mesh;
     assert_int_equal(planish_find_slides(&mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
@@ -643,7 +637,7 @@ static void pairs_are_checked(void **state) {
 static void memory_may_run_out(void **state) {
     (void)state;
     periodic_box p;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     create(&p, 3, 3, 0.1);
     int failures = 0, status = PLANISH_ERROR_MEMORY;
     for (; status == PLANISH_ERROR_MEMORY; failures++) {

@@ -1,5 +1,6 @@
 /* Nodes that slide: on planes, lines and surfaces, by the public functions. */
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -23,13 +24,6 @@ typedef struct sliding_box {
     planish_result result;
     planish_plan_info info;
 } sliding_box;
-
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
 
 /** How many sides of the box x is on; side is one of the directions they stand in. */
 static int sides_of(const double *x, int dim, int *side, int *rest) {
@@ -126,7 +120,7 @@ static void sides_keep_their_place(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
         sliding_box b;
-        const planish_options options = defaults();
+        const planish_options options = test_options(1);
         box_create(&b, dim);
         smooth(&b, &options);
         assert_never_worse(&b);
@@ -187,7 +181,7 @@ static double distance_left(const sliding_box *b, int64_t i) {
 static void slanting_sides_are_left_by_rounding_only(void **state) {
     (void)state;
     sliding_box b;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     box_create(&b, 3);
     turn(&b);
     smooth(&b, &options);
@@ -204,7 +198,7 @@ static void bits_do_not_depend_on_threads_or_kernels(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int least = 0; least < 2; least++) {
             sliding_box b;
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             options.min_volume = least ? 0.08 : 0;
             box_create(&b, dim);
             smooth(&b, &options);
@@ -231,7 +225,7 @@ static void other_options_go_with_it(void **state) {
     (void)state;
     for (int which = 0; which < 7; which++) {
         sliding_box b;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         box_create(&b, 3);
         if (which == 1)
             options.min_volume = 0.09;
@@ -277,7 +271,7 @@ static void other_options_go_with_it(void **state) {
 static void sides_slide_alone(void **state) {
     (void)state;
     sliding_box b;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     box_create(&b, 3);
     for (int64_t i = 0; i < b.mesh.n_nodes; i++)
         if (b.constraint[i] == PLANISH_FREE)
@@ -292,7 +286,7 @@ static void sides_slide_alone(void **state) {
 static void tangled_meshes_are_mended(void **state) {
     (void)state;
     sliding_box b;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     unsigned random = 9;
     box_create(&b, 3);
     for (int64_t i = 0; i < b.mesh.n_nodes; i++)
@@ -353,7 +347,7 @@ static void raise_roof(sliding_box *b) {
 static void a_surface_is_asked_for(void **state) {
     (void)state;
     sliding_box b;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     box_create(&b, 3);
     const size_t n = (size_t)b.mesh.n_nodes;
     uint8_t *flat = malloc(n);
@@ -441,7 +435,7 @@ static void surfaces_are_asked_for_by_number(void **state) {
     const int64_t middle = (CELLS + 1) * (CELLS + 1) * 2 + (CELLS + 1) * 2;
     assert_int_equal(b.constraint[middle], PLANISH_ON_SURFACE);
     for (int which = 0; which < 3; which++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         options.project = on_side;
         options.project_user = &user;
         options.rings = which == 1;
@@ -471,7 +465,7 @@ static void lengths_of_normals_do_not_matter(void **state) {
     box_of_surfaces(&b);
     double *first = malloc(bytes_of(&b));
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         roll user = {.start = b.base.coordinates, .length = lengths[k]};
         options.project = on_side;
         options.project_user = &user;
@@ -536,7 +530,7 @@ static void limits_on_elements_of_a_node(void **state) {
 static void separate_pieces_are_one_star(void **state) {
     (void)state;
     static const int pieces[] = {60, 85, 86, 100, 128, 129, 140, 170, 171, 200};
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     for (size_t k = 0; k < sizeof pieces / sizeof *pieces; k++) {
         const int n = pieces[k];
         const size_t n_nodes = 1 + 2 * (size_t)n;
@@ -599,7 +593,7 @@ static void nodes_of_inverted_elements_stay(void **state) {
                                .constraint = constraint,
                                .direction = direction};
     for (int least = 0; least < 2; least++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         planish_plan *plan;
         planish_result result;
         double x[12];
@@ -625,7 +619,7 @@ static void nonmanifold_nodes_stay(void **state) {
     test_mesh base;
     planish_plan *plan;
     planish_plan_info info;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     uint8_t constraint[6];
     double direction[6][3];
     test_mesh_create(&base, 3, 6, &x[0][0], 3, &elements[0][0]);
@@ -648,7 +642,7 @@ static void wrong_constraints_are_refused(void **state) {
     sliding_box b;
     planish_plan *plan;
     planish_error error;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     box_create(&b, 3);
     int64_t node = 0;
     while (b.constraint[node] != PLANISH_ON_LINE)

@@ -1,5 +1,6 @@
 /* What planish_smooth promises: better, valid, only free nodes, the same bits, stoppable. */
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -18,13 +19,6 @@ typedef struct smoothed {
     planish_result result;
     planish_plan_info info;
 } smoothed;
-
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
 
 static void smooth(const planish_mesh *mesh, const planish_options *options, smoothed *s) {
     planish_plan *plan;
@@ -76,7 +70,7 @@ static void the_mesh_becomes_better(void **state) {
         smoothed s;
         bad_box(&mesh, dim);
         double last = INFINITY;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         options.direction = (planish_direction)direction;
         options.progress = rms_falls;
         options.progress_user = &last;
@@ -102,7 +96,7 @@ static void only_free_nodes_move(void **state) {
     for (int64_t i = 0; i < mesh.mesh.n_nodes; i += 3)
         constraint[i] = PLANISH_FIXED;
     mesh.mesh.constraint = constraint;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     smooth(&mesh.mesh, &options, &s);
     int64_t moved = 0;
     double farthest = 0;
@@ -132,7 +126,7 @@ static void bits_do_not_depend_on_threads_or_kernel(void **state) {
     smoothed first, other;
     bad_box(&mesh, dim);
     for (int direction = 0; direction < 2; direction++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         options.direction = (planish_direction)direction;
         options.isa = PLANISH_ISA_PLAIN;
         smooth(&mesh.mesh, &options, &first);
@@ -159,7 +153,7 @@ static void bits_do_not_depend_on_threads_or_kernel(void **state) {
 static void powers_of_two_change_no_bit(void **state) {
     int dim = *(int *)*state;
     static const int exponents[] = {-900, -300, -1, 7, 300, 900};
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     test_mesh mesh;
     smoothed plain, scaled;
     bad_box(&mesh, dim);
@@ -181,7 +175,7 @@ static void powers_of_two_change_no_bit(void **state) {
 /** Elements of 1e-3 a million away: only the digits that such coordinates have are lost. */
 static void far_from_the_origin_it_works(void **state) {
     int dim = *(int *)*state;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     test_mesh near, far;
     smoothed a, b;
     bad_box(&near, dim);
@@ -200,7 +194,7 @@ static void far_from_the_origin_it_works(void **state) {
 
 static void element_order_does_not_invert(void **state) {
     int dim = *(int *)*state;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     test_mesh mesh, mixed;
     smoothed a, b;
     bad_box(&mesh, dim);
@@ -226,7 +220,7 @@ static void floats_stay_floats(void **state) {
         volatile float rounded = (float)mesh.coordinates[i];
         mesh.coordinates[i] = rounded;
     }
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.precision = PLANISH_FLOAT;
     smooth(&mesh.mesh, &options, &s);
     for (int64_t i = 0; i < mesh.mesh.n_nodes * dim; i++) {
@@ -275,7 +269,7 @@ static void ratios_of_inverted_elements_are_none(void **state) {
     planish_quality quality;
     test_mesh box;
     bad_box(&box, dim);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     for (int64_t i = 0; i < box.mesh.n_nodes; i++)
         if (is_inside(box.coordinates + i * dim, dim))
             box.coordinates[i * dim] += i % 7 ? 0 : 1.3;
@@ -310,7 +304,7 @@ static void coordinates_are_rounded_as_the_caller_says(void **state) {
     test_mesh mesh;
     smoothed s, alone, bounded;
     bad_box(&mesh, dim);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.precision = PLANISH_ROUNDED;
     options.round = to_thousandths;
     options.round_user = &asked;
@@ -345,7 +339,7 @@ static void coordinates_are_rounded_as_the_caller_says(void **state) {
  * is seen in its own scale. */
 static void sizes_do_not_disturb_one_another(void **state) {
     int dim = *(int *)*state;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     test_mesh large, both;
     smoothed alone, s;
     bad_box(&large, dim);
@@ -369,7 +363,7 @@ static void sizes_do_not_disturb_one_another(void **state) {
  */
 static void subnormal_meshes_stay_valid(void **state) {
     int dim = *(int *)*state;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     for (unsigned seed = 0; seed < 30; seed++) {
         test_mesh mesh;
         smoothed s;
@@ -390,7 +384,7 @@ static void subnormal_meshes_stay_valid(void **state) {
  */
 static void flat_meshes_keep_the_promises(void **state) {
     int dim = *(int *)*state;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     for (unsigned seed = 0; seed < 20; seed++) {
         test_mesh mesh;
         smoothed s, again;
@@ -433,7 +427,7 @@ static void inverted_stars_are_left_alone(void **state) {
         middle = central ? i : middle;
     }
     mesh.coordinates[middle * dim] += 1.6;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.untangle = 0;
     smooth(&mesh.mesh, &options, &s);
     assert_true(s.before.inverted > 0);
@@ -451,7 +445,7 @@ static void only_worse_stars_are_touched(void **state) {
     test_mesh mesh;
     smoothed all, some, none;
     bad_box(&mesh, dim);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     smooth(&mesh.mesh, &options, &all);
     options.only_worse_than = all.before.max_radius_ratio * 0.8;
     smooth(&mesh.mesh, &options, &some);
@@ -471,7 +465,7 @@ static void without_free_nodes_nothing_happens(void **state) {
     test_mesh mesh;
     smoothed s;
     test_mesh_box(&mesh, dim, 1);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     smooth(&mesh.mesh, &options, &s);
     assert_int_equal(s.info.n_free, 0);
     assert_int_equal(s.result.stop, PLANISH_STOP_CONVERGED);
@@ -489,7 +483,7 @@ static void calm_stars_are_left_alone(void **state) {
     test_mesh mesh;
     smoothed some, all;
     bad_box(&mesh, dim);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     smooth(&mesh.mesh, &options, &some);
     const double tolerance = options.tolerance;
     options.tolerance = 0;
@@ -511,7 +505,7 @@ static void a_node_alone_finds_its_place(void **state) {
     smoothed once, again;
     test_mesh_box(&mesh, dim, 2);
     test_mesh_perturb(&mesh, 0.3, 1);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     smooth(&mesh.mesh, &options, &once);
     assert_int_equal(once.info.n_free, 1);
     assert_int_equal(once.result.stop, PLANISH_STOP_CONVERGED);
@@ -540,7 +534,7 @@ static void a_callback_stops_after_a_colour(void **state) {
     smoothed s;
     bad_box(&mesh, dim);
     int calls = 0;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.progress = stop_at_third;
     options.progress_user = &calls;
     smooth(&mesh.mesh, &options, &s);
@@ -572,7 +566,7 @@ static void the_last_call_tells_the_truth(void **state) {
     smoothed s;
     bad_box(&mesh, dim);
     calls c = {0, 0, 0};
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.progress = refuse_everything;
     options.progress_user = &c;
     smooth(&mesh.mesh, &options, &s);
@@ -609,7 +603,7 @@ static void colours_say_what_they_visit(void **state) {
     smoothed s;
     bad_box(&mesh, dim);
     colour_counts c = {0, 0, 0};
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.progress = count_colours;
     options.progress_user = &c;
     smooth(&mesh.mesh, &options, &s);
@@ -624,7 +618,7 @@ static void limits_stop(void **state) {
     test_mesh mesh;
     smoothed s;
     bad_box(&mesh, dim);
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.max_sweeps = 2;
     smooth(&mesh.mesh, &options, &s);
     assert_int_equal(s.result.stop, PLANISH_STOP_MAX_SWEEPS);
@@ -650,7 +644,7 @@ static void a_plan_serves_many_coordinates(void **state) {
     test_mesh mesh;
     smoothed s;
     planish_plan *plan;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&mesh, dim);
     smooth(&mesh.mesh, &options, &s);
     assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, NULL), 0);
@@ -679,30 +673,30 @@ static void wrong_arguments_are_refused(void **state) {
     test_mesh mesh;
     planish_plan *plan;
     planish_error error;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&mesh, dim);
     assert_int_equal(planish_plan_create(NULL, NULL, &plan, &error), PLANISH_ERROR_ARGUMENT);
     options.threads = -1;
     assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, &error),
                      PLANISH_ERROR_ARGUMENT);
-    options = defaults();
+    options = test_options(1);
     assert_int_equal(planish_plan_create(&mesh.mesh, &options, &plan, &error), 0);
     options.struct_size = 3;
     expect_refusal(plan, mesh.coordinates, &options, "struct_size");
-    options = defaults();
+    options = test_options(1);
     options.max_sweeps = -1;
     expect_refusal(plan, mesh.coordinates, &options, "max_sweeps");
-    options = defaults();
+    options = test_options(1);
     options.tolerance = NAN;
     expect_refusal(plan, mesh.coordinates, &options, "tolerance");
-    options = defaults();
+    options = test_options(1);
     options.time_limit = -1;
     expect_refusal(plan, mesh.coordinates, &options, "time_limit");
-    options = defaults();
+    options = test_options(1);
     options.only_worse_than = NAN;
     expect_refusal(plan, mesh.coordinates, &options, "only_worse_than");
     mesh.coordinates[7] = NAN;
-    options = defaults();
+    options = test_options(1);
     assert_int_equal(planish_smooth(plan, mesh.coordinates, &options, NULL, &error),
                      PLANISH_ERROR_MESH);
     assert_int_equal(error.node, 7 / dim);

@@ -4,6 +4,7 @@
 #include "support/allocations.h"
 #include "support/effort.h"
 #include "support/meshes.h"
+#include "support/run.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -16,13 +17,6 @@
 
 /* Sweeps until help comes, and some with it, but not all. */
 enum { PATIENCE = 20, WITH_HELP = PATIENCE + 8, CELLS_2D = 60, CELLS_3D = 22 };
-
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
 
 /** The nodes of a box 0 .. cells, those on its surface where they are, the others drawn to corner
  * 0: by a power that grows from 1 at the surface. */
@@ -88,7 +82,7 @@ static int sweeps_to(const history *h, double wanted) {
 static double rms_of_box(int dim) {
     test_mesh box;
     smoothed s;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     test_mesh_box(&box, dim, dim == 3 ? CELLS_3D : CELLS_2D);
     smooth(&box.mesh, &options, &s);
     free(s.coordinates);
@@ -102,7 +96,7 @@ static void help_comes_and_brings_it_home(void **state) {
     test_mesh mesh;
     smoothed s;
     history h = {0};
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.progress = record;
     options.progress_user = &h;
     squeezed_box(&mesh, dim);
@@ -130,7 +124,7 @@ static void cut_short_it_leaves_what_stood(void **state) {
     for (int stop_at = PATIENCE - 1; stop_at < WITH_HELP; stop_at += effort_step(3)) {
         smoothed s;
         history h = {.stop_at = stop_at};
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         options.progress = record;
         options.progress_user = &h;
         smooth(&mesh.mesh, &options, &s);
@@ -154,7 +148,7 @@ static void the_most_sweeps_are_the_most(void **state) {
     squeezed_box(&mesh, dim);
     for (int most = PATIENCE; most < WITH_HELP; most += effort_step(3)) {
         smoothed s;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         options.max_sweeps = most;
         smooth(&mesh.mesh, &options, &s);
         assert_true(s.result.sweeps <= (s.result.put_back > 0 ? 2 : 1) * most);
@@ -170,7 +164,7 @@ static void same_bits(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
     smoothed one, other;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     squeezed_box(&mesh, dim);
     options.isa = PLANISH_ISA_PLAIN;
     options.max_sweeps = 3 * PATIENCE;
@@ -191,7 +185,7 @@ static void powers_of_two_change_no_bit(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
     smoothed one, other;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.tolerance = 1e-9;
     options.max_sweeps = 4 * PATIENCE;
     squeezed_box(&mesh, dim);
@@ -226,7 +220,7 @@ static void what_slides_stays_where_it_slides(void **state) {
     sliding.constraint = constraint;
     sliding.direction = direction;
     for (int k = 0; k < 3; k++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         const double scale = ldexp(1, exponents[k]), near = scale * 0.5;
         const double far = scale * ((dim == 3 ? CELLS_3D : CELLS_2D) + 0.5);
         smoothed s;
@@ -249,7 +243,7 @@ static void strangers_change_nothing(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh, strange;
     smoothed one, other;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.max_sweeps = 2 * PATIENCE;
     squeezed_box(&mesh, dim);
     smooth(&mesh.mesh, &options, &one);
@@ -273,7 +267,7 @@ static void floats_stay_valid(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh, small;
     smoothed s;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.tolerance = 1e-9;
     options.max_sweeps = 4 * PATIENCE;
     options.precision = PLANISH_FLOAT;
@@ -296,7 +290,7 @@ static void floats_stay_valid(void **state) {
 static void without_memory_there_is_no_help(void **state) {
     int dim = *(int *)*state;
     test_mesh mesh;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     planish_plan *plan;
     planish_result result;
     squeezed_box(&mesh, dim);

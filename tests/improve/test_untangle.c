@@ -3,6 +3,7 @@
  */
 #include "support/allocations.h"
 #include "support/effort.h"
+#include "support/run.h"
 #include "support/tangles.h"
 
 #include <math.h>
@@ -14,46 +15,9 @@
 
 #include <cmocka.h>
 
-/* The RMS of a mesh that was untangled may be larger than that of the smoothed original by this
- * factor: both are local optima. */
+/* The RMS of a mesh that was untangled may be larger than that of the test_run original by
+ * this factor: both are local optima. */
 #define AS_GOOD 1.02
-
-typedef struct smoothed {
-    double *coordinates; /* [n_nodes][dim] owned */
-    planish_quality before, after;
-    planish_result result;
-} smoothed;
-
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
-
-static size_t bytes_of(const planish_mesh *mesh) {
-    return (size_t)mesh->n_nodes * (size_t)mesh->dim * sizeof(double);
-}
-
-/** Not 0 if this CPU lacks the instructions that options ask for. */
-static int try_to_smooth(const planish_mesh *mesh, const planish_options *options, smoothed *s) {
-    planish_plan *plan;
-    planish_error error = {.text = ""};
-    if (planish_plan_create(mesh, options, &plan, &error) != 0)
-        return 1;
-    s->coordinates = malloc(bytes_of(mesh));
-    memcpy(s->coordinates, mesh->coordinates, bytes_of(mesh));
-    assert_int_equal(planish_measure(plan, s->coordinates, &s->before, &error), 0);
-    assert_int_equal(planish_smooth(plan, s->coordinates, options, &s->result, &error), 0);
-    assert_int_equal(planish_measure(plan, s->coordinates, &s->after, &error), 0);
-    assert_int_equal(s->result.inverted, s->after.inverted);
-    planish_plan_destroy(plan);
-    return 0;
-}
-
-static void smooth(const planish_mesh *mesh, const planish_options *options, smoothed *s) {
-    assert_int_equal(try_to_smooth(mesh, options, s), 0);
-}
 
 static void expect_fixed_nodes(const test_tangle *t, const double *coordinates) {
     const int dim = t->mesh.mesh.dim;
@@ -65,12 +29,12 @@ static void expect_fixed_nodes(const test_tangle *t, const double *coordinates) 
 
 /* ---- families ------------------------------------------------------------------------------ */
 
-/** The RMS of the smoothed mesh before it was tangled. */
+/** The RMS of the test_run mesh before it was tangled. */
 static double rms_of_original(const test_tangle *t, const planish_options *options) {
-    smoothed s;
+    test_run s;
     planish_mesh valid = t->mesh.mesh;
     valid.coordinates = t->valid;
-    smooth(&valid, options, &s);
+    s = test_smooth(&valid, options);
     assert_int_equal(s.before.inverted, 0);
     assert_int_equal(s.result.untangling_sweeps, 0);
     free(s.coordinates);
@@ -87,7 +51,7 @@ static int forgets_grading(int shape, int tangling) {
 static void all_is_untangled(void **state) {
     enum { SEEDS = 3 };
     int dim = *(int *)*state;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.max_sweeps = 100;
     for (int shape = 0; shape < TEST_SHAPES; shape++) {
         test_tangle t;
@@ -95,11 +59,11 @@ static void all_is_untangled(void **state) {
         const double wanted = rms_of_original(&t, &options);
         for (int i = 0; i < TEST_TANGLINGS * SEEDS; i += effort_step(SEEDS)) {
             const int tangling = i / SEEDS;
-            smoothed s;
+            test_run s;
             if (tangling == TEST_LEFT_BEHIND && !test_shape_is_deformed((test_shape)shape))
                 continue;
             test_tangle_apply(&t, (test_tangling)tangling, (unsigned)i);
-            smooth(&t.mesh.mesh, &options, &s);
+            s = test_smooth(&t.mesh.mesh, &options);
             assert_true(s.before.inverted > 0);
             assert_int_equal(s.after.inverted, 0);
             assert_true(s.result.untangling_sweeps > 0);
@@ -116,15 +80,15 @@ static void all_is_untangled(void **state) {
 static void deformed_shapes_are_untangled(void **state) {
     int dim = *(int *)*state;
     for (int shape = 0; shape < TEST_SHAPES; shape++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         test_tangle t;
-        smoothed s;
+        test_run s;
         if (!test_shape_is_deformed((test_shape)shape))
             continue;
         test_tangle_create(&t, dim, (test_shape)shape, 2, (unsigned)shape + 1);
         test_tangle_apply(&t, TEST_LEFT_BEHIND, 1);
         options.max_sweeps = 5;
-        smooth(&t.mesh.mesh, &options, &s);
+        s = test_smooth(&t.mesh.mesh, &options);
         assert_true(s.before.inverted > 0);
         assert_int_equal(s.after.inverted, 0);
         expect_fixed_nodes(&t, s.coordinates);
@@ -153,22 +117,23 @@ static void create_case(test_tangle *t, int dim, int i, int fineness) {
 static void bits_do_not_depend_on_threads_or_kernel(void **state) {
     static const int threads[] = {1, 2, 3, 5};
     int dim = *(int *)*state;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     for (int i = 0; i < N_CASES; i += effort_step(2)) {
         test_tangle t;
-        smoothed first, other;
+        test_run first, other;
         create_case(&t, dim, i, dim == 3 && cases[i].shape == TEST_GRADED ? 1 : 2);
-        options = defaults();
+        options = test_options(1);
         options.isa = PLANISH_ISA_PLAIN;
         options.max_sweeps = 3;
-        smooth(&t.mesh.mesh, &options, &first);
+        first = test_smooth(&t.mesh.mesh, &options);
         assert_true(first.result.untangling_sweeps > 0);
         for (int k = PLANISH_ISA_AUTO; k <= PLANISH_ISA_AVX512; k++) {
             options.isa = (planish_isa)k;
             options.threads = threads[(i + k) % 4];
-            if (try_to_smooth(&t.mesh.mesh, &options, &other))
+            if (!test_has_isa(&t.mesh.mesh, options.isa))
                 continue;
-            assert_memory_equal(first.coordinates, other.coordinates, bytes_of(&t.mesh.mesh));
+            other = test_smooth(&t.mesh.mesh, &options);
+            assert_memory_equal(first.coordinates, other.coordinates, test_bytes_of(&t.mesh.mesh));
             assert_int_equal(first.result.sweeps, other.result.sweeps);
             assert_int_equal(first.result.untangling_sweeps, other.result.untangling_sweeps);
             assert_int_equal(first.result.visits, other.result.visits);
@@ -183,15 +148,15 @@ static void bits_do_not_depend_on_threads_or_kernel(void **state) {
 static void powers_of_two_change_no_bit(void **state) {
     static const int exponents[] = {-300, -9, 1, 300};
     int dim = *(int *)*state;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     for (int i = 0; i < N_CASES; i++)
         for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k += (size_t)effort_step(4)) {
             test_tangle t;
-            smoothed a, b;
+            test_run a, b;
             create_case(&t, dim, i, 1);
-            smooth(&t.mesh.mesh, &options, &a);
+            a = test_smooth(&t.mesh.mesh, &options);
             test_mesh_transform(&t.mesh, ldexp(1, exponents[k]), 0);
-            smooth(&t.mesh.mesh, &options, &b);
+            b = test_smooth(&t.mesh.mesh, &options);
             for (int64_t n = 0; n < t.mesh.mesh.n_nodes * dim; n++)
                 assert_true(ldexp(a.coordinates[n], exponents[k]) == b.coordinates[n]);
             free(a.coordinates);
@@ -203,15 +168,15 @@ static void powers_of_two_change_no_bit(void **state) {
 /** Elements of 1e-3 a million away, but for the graded ones: they have not that many digits. */
 static void far_from_the_origin_it_works(void **state) {
     int dim = *(int *)*state;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     for (int i = 0; i < N_CASES; i++) {
         test_tangle t;
-        smoothed near, far;
+        test_run near, far;
         create_case(&t, dim, i, 1);
         const double shift = cases[i].shape == TEST_GRADED ? 1e2 : 1e6;
-        smooth(&t.mesh.mesh, &options, &near);
+        near = test_smooth(&t.mesh.mesh, &options);
         test_mesh_transform(&t.mesh, 1e-3, shift);
-        smooth(&t.mesh.mesh, &options, &far);
+        far = test_smooth(&t.mesh.mesh, &options);
         assert_int_equal(far.after.inverted, 0);
         if (cases[i].shape != TEST_GRADED)
             assert_true(fabs(far.after.rms_radius_ratio / near.after.rms_radius_ratio - 1) < 1e-3);
@@ -223,36 +188,22 @@ static void far_from_the_origin_it_works(void **state) {
 
 /* ---- what is left alone -------------------------------------------------------------------- */
 
-static double measure(const planish_mesh *mesh, const double *coordinates, int64_t element) {
-    const int dim = mesh->dim;
-    const int32_t *node = mesh->elements + element * (dim + 1);
-    double e[3][3] = {{0}};
-    for (int j = 0; j < dim; j++)
-        for (int d = 0; d < dim; d++)
-            e[j][d] = coordinates[node[j + 1] * dim + d] - coordinates[node[0] * dim + d];
-    if (dim == 2)
-        return (e[0][0] * e[1][1] - e[0][1] * e[1][0]) / 2;
-    return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
-            e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
-            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
-           6;
-}
-
 static void without_untangling_nothing_tangled_moves(void **state) {
     int dim = *(int *)*state, some_moved = 0;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     options.untangle = 0;
     for (int shape = 0; shape < TEST_SHAPES; shape++)
         for (int tangling = TEST_MOVED_FEW; tangling < TEST_TANGLINGS; tangling++) {
             test_tangle t;
-            smoothed s;
+            test_run s;
             test_tangle_create(&t, dim, (test_shape)shape, 1, 1);
             test_tangle_apply(&t, (test_tangling)tangling, 1);
-            smooth(&t.mesh.mesh, &options, &s);
+            s = test_smooth(&t.mesh.mesh, &options);
             assert_int_equal(s.result.untangling_sweeps, 0);
             assert_int_equal(s.after.inverted, s.before.inverted);
             for (int64_t i = 0; i < t.mesh.mesh.n_elements; i++)
-                for (int j = 0; measure(&t.mesh.mesh, t.mesh.coordinates, i) < 0 && j <= dim; j++) {
+                for (int j = 0;
+                     test_measure_of(&t.mesh.mesh, t.mesh.coordinates, i) < 0 && j <= dim; j++) {
                     const int32_t node = t.mesh.elements[i * (dim + 1) + j];
                     assert_memory_equal(s.coordinates + node * dim, t.mesh.coordinates + node * dim,
                                         (size_t)dim * sizeof(double));
@@ -267,17 +218,17 @@ static void without_untangling_nothing_tangled_moves(void **state) {
 static void valid_meshes_need_no_untangling(void **state) {
     int dim = *(int *)*state;
     for (int shape = 0; shape < TEST_SHAPES; shape++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         test_tangle t;
-        smoothed with, without;
+        test_run with, without;
         test_tangle_create(&t, dim, (test_shape)shape, 1, 2);
-        smooth(&t.mesh.mesh, &options, &with);
+        with = test_smooth(&t.mesh.mesh, &options);
         options.untangle = 0;
-        smooth(&t.mesh.mesh, &options, &without);
+        without = test_smooth(&t.mesh.mesh, &options);
         assert_int_equal(with.before.inverted, 0);
         assert_int_equal(with.result.untangling_sweeps, 0);
         assert_true(with.result.moved_nodes > 0);
-        assert_memory_equal(with.coordinates, without.coordinates, bytes_of(&t.mesh.mesh));
+        assert_memory_equal(with.coordinates, without.coordinates, test_bytes_of(&t.mesh.mesh));
         free(with.coordinates);
         free(without.coordinates);
         test_tangle_destroy(&t);
@@ -326,12 +277,12 @@ static int look(const planish_progress *progress, void *user) {
     return w->calls == w->stop_at;
 }
 
-static void watch_run(const test_tangle *t, watch *w, smoothed *s) {
-    planish_options options = defaults();
+static void watch_run(const test_tangle *t, watch *w, test_run *s) {
+    planish_options options = test_options(1);
     options.progress = look;
     options.progress_user = w;
     options.max_sweeps = 4;
-    smooth(&t->mesh.mesh, &options, s);
+    *s = test_smooth(&t->mesh.mesh, &options);
     assert_int_equal(w->sweep, s->result.sweeps);
     assert_int_equal(w->done, s->result.sweeps);
     assert_int_equal(w->restoring_sweeps, s->result.untangling_sweeps);
@@ -341,7 +292,7 @@ static void progress_says_what_is_done(void **state) {
     int dim = *(int *)*state;
     for (int i = 0; i < N_CASES; i++) {
         test_tangle t;
-        smoothed s;
+        test_run s;
         watch w = {0};
         create_case(&t, dim, i, 1);
         watch_run(&t, &w, &s);
@@ -363,7 +314,7 @@ static void any_call_can_stop(void **state) {
         create_case(&t, dim, i, 1);
         int ended = 0;
         for (int call = 1; !ended; call += effort_step(3) * (1 + call / 50)) {
-            smoothed s;
+            test_run s;
             watch w = {.stop_at = call};
             watch_run(&t, &w, &s);
             ended = w.calls < call;
@@ -380,12 +331,12 @@ static void any_call_can_stop(void **state) {
 static void time_limits_stop(void **state) {
     int dim = *(int *)*state;
     for (int i = 0; i < N_CASES; i++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         test_tangle t;
-        smoothed s;
+        test_run s;
         create_case(&t, dim, i, 1);
         options.time_limit = 1e-9;
-        smooth(&t.mesh.mesh, &options, &s);
+        s = test_smooth(&t.mesh.mesh, &options);
         assert_int_equal(s.result.stop, PLANISH_STOP_TIME_LIMIT);
         assert_int_equal(s.result.sweeps, 1);
         assert_int_equal(s.result.untangling_sweeps, 1);
@@ -402,12 +353,12 @@ static void time_limits_stop(void **state) {
  *  is its own: plans keep the memory of their last call. */
 static int without_one_allocation(const test_tangle *t, double *copy, int64_t permitted,
                                   int only_one, int64_t inverted) {
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     planish_plan *plan;
     options.max_sweeps = 1;
     planish_error error = {.text = ""};
     planish_quality after;
-    memcpy(copy, t->mesh.coordinates, bytes_of(&t->mesh.mesh));
+    memcpy(copy, t->mesh.coordinates, test_bytes_of(&t->mesh.mesh));
     assert_int_equal(planish_plan_create(&t->mesh.mesh, &options, &plan, NULL), 0);
     if (only_one)
         allocations_fail_one(permitted);
@@ -422,19 +373,19 @@ static int without_one_allocation(const test_tangle *t, double *copy, int64_t pe
     planish_plan_destroy(plan);
     expect_fixed_nodes(t, copy);
     if (status == PLANISH_ERROR_MEMORY)
-        assert_memory_equal(copy, t->mesh.coordinates, bytes_of(&t->mesh.mesh));
+        assert_memory_equal(copy, t->mesh.coordinates, test_bytes_of(&t->mesh.mesh));
     return only_one ? failed : status == PLANISH_ERROR_MEMORY;
 }
 
 static void without_memory_nothing_is_spoilt(void **state) {
     int dim = *(int *)*state;
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     for (int i = 0; i < N_CASES; i++) {
         test_tangle t;
         planish_plan *plan;
         planish_quality before;
         create_case(&t, dim, i, 1);
-        double *copy = malloc(bytes_of(&t.mesh.mesh));
+        double *copy = malloc(test_bytes_of(&t.mesh.mesh));
         assert_int_equal(planish_plan_create(&t.mesh.mesh, &options, &plan, NULL), 0);
         assert_int_equal(planish_measure(plan, t.mesh.coordinates, &before, NULL), 0);
         int64_t n = 0;
@@ -456,14 +407,14 @@ static void every_objective_and_direction_untangles(void **state) {
     for (int i = 0; i < N_CASES; i++)
         for (int objective = 0; objective < 3; objective++)
             for (int direction = 0; direction < 2; direction++) {
-                planish_options options = defaults();
+                planish_options options = test_options(1);
                 test_tangle t;
-                smoothed s;
+                test_run s;
                 create_case(&t, dim, i, 1);
                 options.objective = (planish_objective)objective;
                 options.direction = (planish_direction)direction;
                 options.max_sweeps = 20;
-                smooth(&t.mesh.mesh, &options, &s);
+                s = test_smooth(&t.mesh.mesh, &options);
                 assert_int_equal(s.after.inverted, 0);
                 assert_true(s.result.untangling_sweeps > 0);
                 expect_fixed_nodes(&t, s.coordinates);
@@ -476,15 +427,15 @@ static void averages_do_not_untangle(void **state) {
     int dim = *(int *)*state;
     for (int method = PLANISH_METHOD_LAPLACIAN; method <= PLANISH_METHOD_LENGTH_LAPLACIAN; method++)
         for (int untangle = 0; untangle < 2; untangle++) {
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             test_tangle t;
-            smoothed s;
+            test_run s;
             test_tangle_create(&t, dim, TEST_BOX, 1, 1);
             test_tangle_apply(&t, TEST_MOVED_ALL, 1);
             options.method = (planish_method)method;
             options.untangle = untangle;
             options.max_sweeps = 1;
-            smooth(&t.mesh.mesh, &options, &s);
+            s = test_smooth(&t.mesh.mesh, &options);
             assert_int_equal(s.result.untangling_sweeps, 0);
             assert_int_equal(s.result.sweeps, 1);
             assert_true(s.after.inverted > 0);
@@ -493,15 +444,10 @@ static void averages_do_not_untangle(void **state) {
         }
 }
 
-/** Volume of an element of the lattice. */
-static double regular_volume(int dim) {
-    return dim == 3 ? 1.0 / 6 : 0.5;
-}
-
 static int64_t count_below(const test_tangle *t, const double *coordinates, double least) {
     int64_t n = 0;
     for (int64_t i = 0; i < t->mesh.mesh.n_elements; i++)
-        n += fabs(measure(&t->mesh.mesh, coordinates, i)) < 0.997 * (1 - 1e-12) * least;
+        n += fabs(test_measure_of(&t->mesh.mesh, coordinates, i)) < 0.997 * (1 - 1e-12) * least;
     return n;
 }
 
@@ -509,18 +455,18 @@ static void minimum_volumes_are_reached(void **state) {
     int dim = *(int *)*state;
     for (int tangling = TEST_MOVED_FEW; tangling < TEST_TANGLINGS; tangling++)
         for (int weight = 0; weight < 2; weight++) {
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             test_tangle t;
-            smoothed s;
+            test_run s;
             test_tangle_create(&t, dim, TEST_BOX, 1, 1);
             test_tangle_apply(&t, (test_tangling)tangling, 2);
-            const double least = 0.5 * regular_volume(dim);
+            const double least = 0.5 * test_regular_volume(dim);
             options.area_weight = 0.3 * weight;
             if (weight)
                 options.min_volume = least;
             else
                 options.min_volume_fraction = least / pow(dim == 3 ? 6 : 12, dim);
-            smooth(&t.mesh.mesh, &options, &s);
+            s = test_smooth(&t.mesh.mesh, &options);
             assert_true(s.before.inverted > 0);
             assert_int_equal(s.after.inverted, 0);
             assert_int_equal(s.result.below_min_volume, 0);
@@ -535,13 +481,13 @@ static void minimum_volumes_are_reached(void **state) {
 static void hopeless_volumes_come_to_an_end(void **state) {
     int dim = *(int *)*state;
     for (int tangling = TEST_MOVED_FEW; tangling < TEST_TANGLINGS; tangling++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         test_tangle t;
-        smoothed s;
+        test_run s;
         test_tangle_create(&t, dim, TEST_BOX, 1, 1);
         test_tangle_apply(&t, (test_tangling)tangling, 3);
-        options.min_volume = 3 * regular_volume(dim);
-        smooth(&t.mesh.mesh, &options, &s);
+        options.min_volume = 3 * test_regular_volume(dim);
+        s = test_smooth(&t.mesh.mesh, &options);
         assert_int_equal(s.after.inverted, 0);
         assert_true(s.result.below_min_volume > 0);
         assert_int_equal(s.result.below_min_volume,
@@ -576,15 +522,15 @@ static void expect_bounds(const test_tangle *t, const planish_options *options,
 
 /** Smooth with a box, or a distance, as bounds; returns how many elements are inverted less. */
 static int64_t smooth_within(const test_tangle *t, int by_distance, double low, double high) {
-    planish_options options = defaults();
-    smoothed s;
+    planish_options options = test_options(1);
+    test_run s;
     options.max_displacement = by_distance ? high : 0;
     options.max_sweeps = 5;
     for (int d = 0; d < t->mesh.mesh.dim && !by_distance; d++) {
         options.box_lower[d] = low;
         options.box_upper[d] = high;
     }
-    smooth(&t->mesh.mesh, &options, &s);
+    s = test_smooth(&t->mesh.mesh, &options);
     expect_bounds(t, &options, s.coordinates);
     expect_fixed_nodes(t, s.coordinates);
     free(s.coordinates);
@@ -635,9 +581,9 @@ static void floats_are_valid(void **state) {
     int dim = *(int *)*state;
     for (int shape = 0; shape < TEST_SHAPES; shape++)
         for (int tangling = TEST_MOVED_FEW; tangling < TEST_TANGLINGS; tangling++) {
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             test_tangle t;
-            smoothed s;
+            test_run s;
             test_tangle_create(&t, dim, (test_shape)shape, 1, 1);
             test_tangle_apply(&t, (test_tangling)tangling, 5);
             const int64_t n = t.mesh.mesh.n_nodes * dim;
@@ -647,7 +593,7 @@ static void floats_are_valid(void **state) {
             }
             options.precision = PLANISH_FLOAT;
             options.max_sweeps = 20;
-            smooth(&t.mesh.mesh, &options, &s);
+            s = test_smooth(&t.mesh.mesh, &options);
             for (int64_t i = 0; i < n; i++) {
                 volatile float rounded = (float)s.coordinates[i];
                 assert_true(s.coordinates[i] == rounded);

@@ -15,13 +15,6 @@
 
 enum { CELLS = 7 };
 
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 2;
-    return options;
-}
-
 static void bad_box(test_mesh *mesh, int dim) {
     test_mesh_box(mesh, dim, CELLS);
     test_mesh_perturb(mesh, 0.14, 12345);
@@ -134,7 +127,7 @@ static const int64_t *some_nodes(const planish_mesh *mesh, int64_t *n) {
 static void expect_same_as_fixed(const planish_mesh *mesh, const uint8_t *chosen,
                                  const test_run *r) {
     planish_mesh other = *mesh;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     uint8_t *constraint = malloc((size_t)mesh->n_nodes);
     for (int64_t i = 0; i < mesh->n_nodes; i++)
         constraint[i] = chosen[i] ? PLANISH_FREE : PLANISH_FIXED;
@@ -154,7 +147,7 @@ static void only_nodes_around_move(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int rings = 0; rings < 3; rings++) {
             test_mesh box;
-            planish_options options = defaults();
+            planish_options options = test_options(2);
             bad_box(&box, dim);
             const planish_mesh *mesh = &box.mesh;
             uint8_t *chosen = malloc((size_t)mesh->n_nodes);
@@ -194,7 +187,7 @@ static void neighbours_save_passes_alone(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int rings = 0; rings < 3; rings++) {
             test_mesh box;
-            planish_options options = defaults();
+            planish_options options = test_options(2);
             int64_t elements[8];
             bad_box(&box, dim);
             const int64_t corners = box.mesh.n_elements * (dim + 1);
@@ -234,7 +227,7 @@ static void neighbours_of_bad_elements(void **state) {
     (void)state;
     enum { MANY = 24 };
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     test_mesh_box(&box, 3, MANY);
     const int64_t node = (int64_t)(MANY / 2) * ((MANY + 1) * (MANY + 1) + (MANY + 1) + 1);
     box.coordinates[3 * node] += 0.4;
@@ -273,7 +266,7 @@ static void results_are_of_all(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int which = 0; which < 4; which++) {
             test_mesh box, other;
-            planish_options options = defaults();
+            planish_options options = test_options(2);
             test_mesh_box(&box, dim, 16);
             test_mesh_perturb(&box, 0.08, 7);
             test_mesh_box(&other, dim, 1);
@@ -342,7 +335,7 @@ static void forms_do_not_matter(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int which = 0; which < 3; which++) {
             test_mesh box;
-            planish_options options = defaults();
+            planish_options options = test_options(2);
             bad_box(&box, dim);
             planish_mesh mesh = box.mesh;
             const int64_t n = mesh.n_nodes;
@@ -404,7 +397,7 @@ static void numbers_are_the_callers(void **state) {
     (void)state;
     for (int which = 0; which < 2; which++) {
         test_mesh box;
-        planish_options options = defaults();
+        planish_options options = test_options(2);
         bad_box(&box, 3);
         const planish_mesh *mesh = &box.mesh;
         const int64_t n = mesh->n_nodes, m = mesh->n_elements;
@@ -479,7 +472,7 @@ static void what_is_outside_is_infeasible(void **state) {
     test_mesh box;
     planish_plan *plan;
     planish_result result;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     test_mesh_box(&box, 3, 5);
     options.only_worse_than = 50;
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
@@ -514,7 +507,7 @@ static void wrong_arguments_are_named(void **state) {
     const int64_t *nodes = some_nodes(&box.mesh, &n);
     for (int64_t i = 0; i < n; i++)
         elements[i] = element_of(&box.mesh, nodes[i]);
-    planish_options around = defaults(), options;
+    planish_options around = test_options(2), options;
     around.around = nodes;
     around.n_around = n;
     planish_mesh walk = box.mesh, mesh;
@@ -568,7 +561,7 @@ static void wrong_arguments_are_named(void **state) {
         wide[k] = was;
     }
 
-    options = defaults();
+    options = test_options(2);
     mesh = box.mesh;
     mesh.elements64 = wide;
     expect_refusal(&mesh, &options, PLANISH_ERROR_ARGUMENT, "both set");
@@ -610,7 +603,7 @@ static void a_few_nodes_are_for_one_thread(void **state) {
     (void)state;
     enum { NODES = 2 };
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     int64_t nodes[NODES], elements[NODES];
     test_mesh_box(&box, 3, 12);
     for (int i = 0; i < NODES; i++) {
@@ -641,7 +634,7 @@ static void memory_may_run_out(void **state) {
     int32_t *neighbours = neighbours_of(&box.mesh);
     int64_t *wide = widened(box.mesh.elements, box.mesh.n_elements * 4);
     planish_mesh mesh = box.mesh;
-    planish_options options = defaults();
+    planish_options options = test_options(2);
     int64_t elements[8];
     mesh.neighbours = neighbours;
     options.around = some_nodes(&mesh, &options.n_around);

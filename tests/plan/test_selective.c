@@ -17,13 +17,6 @@
 
 enum { CELLS = 7 };
 
-static planish_options defaults(void) {
-    planish_options options;
-    planish_options_init(&options);
-    options.threads = 1;
-    return options;
-}
-
 /** RR of an element; infinite if it is not positive. */
 static double ratio_of(const planish_mesh *mesh, int64_t element) {
     const int dim = mesh->dim;
@@ -86,7 +79,7 @@ static void only_nodes_of_bad_elements_move(void **state) {
     for (int dim = 2; dim <= 3; dim++)
         for (int rings = 0; rings < 3; rings++) {
             test_mesh box;
-            planish_options options = defaults();
+            planish_options options = test_options(1);
             bad_box(&box, dim);
             uint8_t *chosen = malloc((size_t)box.mesh.n_nodes);
             options.only_worse_than = dim == 3 ? 1.8 : 1.4;
@@ -117,7 +110,7 @@ static void only_nodes_of_bad_elements_move(void **state) {
 static void nothing_bad_nothing_done(void **state) {
     (void)state;
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&box, 3);
     options.only_worse_than = 1e6;
     test_run r = test_smooth(&box.mesh, &options);
@@ -132,7 +125,7 @@ static void nothing_bad_nothing_done(void **state) {
 static void orientation_does_not_matter(void **state) {
     (void)state;
     test_mesh plain;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&plain, 3);
     options.only_worse_than = 1.8;
     test_run expected = test_smooth(&plain.mesh, &options);
@@ -160,7 +153,7 @@ static void tangles_are_chosen(void **state) {
     (void)state;
     for (int dim = 2; dim <= 3; dim++) {
         test_mesh box;
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         test_mesh_box(&box, dim, CELLS);
         int64_t node = 0;
         while (!is_inside(&box.mesh, box.coordinates, node))
@@ -187,7 +180,7 @@ static void low_elements_are_chosen(void **state) {
     bad_box(&box, 3);
     double *least = calloc((size_t)box.mesh.n_elements, sizeof *least);
     for (int which = 0; which < 3; which++) {
-        planish_options options = defaults();
+        planish_options options = test_options(1);
         planish_mesh mesh = box.mesh;
         options.only_worse_than = 1e6;
         if (which == 0)
@@ -209,7 +202,7 @@ static void low_elements_are_chosen(void **state) {
 /** Minimum volumes are compared in all of the mesh, as by a plan for all of it in which the same
  * nodes are free. */
 static void judge_volumes(int dim) {
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     test_mesh mesh;
     planish_plan *plan[2];
     planish_plan_info info;
@@ -312,7 +305,7 @@ static int after_colour(void *context, int colours, int64_t visits) {
 /** Sweeps in which only bad stars are improved look again at each bad one that has changed, also
  *  where a node next to it that has moved is in no bad element; but not at all the others. */
 static void watch_sweeps(int dim, double still) {
-    const planish_options options = defaults();
+    const planish_options options = test_options(1);
     planish_plan *plan;
     test_mesh box;
     test_mesh_box(&box, dim, dim == 3 ? 8 : 24);
@@ -356,7 +349,7 @@ static void bad_stars_are_not_forgotten(void **state) {
 static void sliding_nodes_are_chosen_too(void **state) {
     (void)state;
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&box, 3);
     planish_mesh mesh = box.mesh;
     const size_t n = (size_t)mesh.n_nodes;
@@ -388,7 +381,7 @@ static void rings_are_checked(void **state) {
     test_mesh box;
     planish_plan *plan;
     planish_error error;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&box, 2);
     for (int rings = -1; rings < 102; rings += 102) {
         options.rings = rings;
@@ -402,7 +395,7 @@ static void rings_are_checked(void **state) {
 static void memory_may_run_out(void **state) {
     (void)state;
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&box, 3);
     options.only_worse_than = 1.8;
     options.min_volume = 0.01;
@@ -438,7 +431,7 @@ static void inverted_elements_elsewhere_are_counted(void **state) {
     planish_plan *plan;
     planish_quality quality;
     planish_result result;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&box, 3);
     const size_t n = (size_t)box.mesh.n_nodes;
     assert_int_equal(planish_measure_mesh(&box.mesh, &options, &quality, NULL), 0);
@@ -475,7 +468,7 @@ static void errors_name_what_the_mesh_calls_it(void **state) {
     test_mesh box;
     planish_error error;
     planish_plan *plan = NULL;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     test_mesh_box(&box, 3, CELLS);
     const int64_t line = CELLS + 1, inside = ((line * 5) + 5) * line + 5;
     const size_t n = (size_t)box.mesh.n_nodes;
@@ -518,7 +511,7 @@ static void errors_name_what_the_mesh_calls_it(void **state) {
 static void unused_nodes_are_counted(void **state) {
     (void)state;
     test_mesh box;
-    planish_options options = defaults();
+    planish_options options = test_options(1);
     bad_box(&box, 2);
     planish_mesh mesh = box.mesh;
     double *x = calloc((size_t)(mesh.n_nodes + 3) * 2, sizeof *x);

@@ -226,3 +226,41 @@ void test_mesh_transform(test_mesh *mesh, double scale, double shift) {
     for (int64_t i = 0; i < mesh->mesh.n_nodes * mesh->mesh.dim; i++)
         mesh->coordinates[i] = mesh->coordinates[i] * scale + shift;
 }
+
+double test_regular_volume(int dim) {
+    return dim == 3 ? 1.0 / 6 : 0.5;
+}
+
+void test_bad_box(test_mesh *mesh, int dim, int cells, unsigned seed) {
+    test_mesh_box(mesh, dim, cells);
+    test_mesh_perturb(mesh, 0.14, seed * 2654435761u + 1);
+}
+
+int test_is_inside_box(const double *x, int dim, int cells) {
+    int inside = 1;
+    for (int d = 0; d < dim; d++)
+        inside &= x[d] != 0 && x[d] != cells;
+    return inside;
+}
+
+double test_measure_of(const planish_mesh *mesh, const double *coordinates, int64_t element) {
+    const int dim = mesh->dim;
+    const int32_t *node = mesh->elements + element * (dim + 1);
+    double e[3][3] = {{0}};
+    for (int j = 0; j < dim; j++)
+        for (int d = 0; d < dim; d++)
+            e[j][d] = coordinates[node[j + 1] * dim + d] - coordinates[node[0] * dim + d];
+    if (dim == 2)
+        return (e[0][0] * e[1][1] - e[0][1] * e[1][0]) / 2;
+    return (e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) +
+            e[0][1] * (e[1][2] * e[2][0] - e[1][0] * e[2][2]) +
+            e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0])) /
+           6;
+}
+
+double test_distance(const double *x, const double *y, int dim) {
+    long double square = 0;
+    for (int d = 0; d < dim; d++)
+        square += ((long double)x[d] - y[d]) * ((long double)x[d] - y[d]);
+    return (double)sqrtl(square);
+}

@@ -56,4 +56,19 @@ void test_mesh_transform(test_mesh *mesh, double scale, double shift);
 /** The next of a sequence of random numbers in [0, 1). */
 double test_random(unsigned *state);
 
+/** Volume (area in 2-D) of the elements of a box of unit cells before it was perturbed. */
+double test_regular_volume(int dim);
+
+/** Make a box of unit cells whose nodes are perturbed; it has no inverted elements. */
+void test_bad_box(test_mesh *mesh, int dim, int cells, unsigned seed);
+
+/** Whether the node at x is not on the boundary of a box of unit cells. */
+int test_is_inside_box(const double *x, int dim, int cells);
+
+/** Signed volume (area in 2-D) of an element with its nodes at coordinates. */
+double test_measure_of(const planish_mesh *mesh, const double *coordinates, int64_t element);
+
+/** Distance of x and y. */
+double test_distance(const double *x, const double *y, int dim);
+
 #endif

@@ -14,11 +14,31 @@ static void expect(int status, const planish_error *error) {
         fail_msg("%s", error->text);
 }
 
+planish_options test_options(int threads) {
+    planish_options options;
+    planish_options_init(&options);
+    options.threads = threads;
+    return options;
+}
+
+size_t test_bytes_of(const planish_mesh *mesh) {
+    return (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
+}
+
+int test_has_isa(const planish_mesh *mesh, planish_isa isa) {
+    planish_options options = test_options(1);
+    planish_plan *plan = NULL;
+    options.isa = isa;
+    const int status = planish_plan_create(mesh, &options, &plan, NULL);
+    planish_plan_destroy(plan);
+    return status == 0;
+}
+
 test_run test_smooth(const planish_mesh *mesh, const planish_options *options) {
     test_run r;
     planish_plan *plan;
     planish_error error = {.text = ""};
-    const size_t bytes = (size_t)(mesh->n_nodes * mesh->dim) * sizeof(double);
+    const size_t bytes = test_bytes_of(mesh);
     r.coordinates = malloc(bytes);
     assert_non_null(r.coordinates);
     memcpy(r.coordinates, mesh->coordinates, bytes);
@@ -27,6 +47,7 @@ test_run test_smooth(const planish_mesh *mesh, const planish_options *options) {
     expect(planish_measure(plan, r.coordinates, &r.before, &error), &error);
     expect(planish_smooth(plan, r.coordinates, options, &r.result, &error), &error);
     expect(planish_measure(plan, r.coordinates, &r.after, &error), &error);
+    assert_int_equal(r.result.inverted, r.after.inverted);
     planish_plan_destroy(plan);
     return r;
 }

@@ -1,15 +1,29 @@
-/* run: a mesh smoothed with a plan of its own, measured before and after. */
+/* run: a mesh smoothed with a plan of its own, measured before and after.
+ *
+ *   test_options, test_bytes_of, test_has_isa    what a call needs
+ *   test_smooth                                  the call
+ */
 #ifndef TEST_SUPPORT_RUN_H
 #define TEST_SUPPORT_RUN_H
 
 #include <planish/planish.h>
 
+/** Result of smoothing a mesh, and its quality before and after. */
 typedef struct test_run {
     double *coordinates; /* [n][dim], to be freed */
     planish_plan_info info;
     planish_result result;
     planish_quality before, after;
 } test_run;
+
+/** The default options, with so many threads. */
+planish_options test_options(int threads);
+
+/** Size of the coordinates of mesh in bytes. */
+size_t test_bytes_of(const planish_mesh *mesh);
+
+/** Whether this CPU has the instructions of isa; mesh is any valid one. */
+int test_has_isa(const planish_mesh *mesh, planish_isa isa);
 
 /** The test fails if a call does; mesh keeps its coordinates. */
 test_run test_smooth(const planish_mesh *mesh, const planish_options *options);
