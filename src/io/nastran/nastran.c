@@ -137,23 +137,6 @@ static int take_number(const reader *r, card *c, const char *what, int64_t *valu
 
 /* ---- walks --------------------------------------------------------------------------------- */
 
-/** Check a line that begins with a blank, which goes on with the card before it: behind the blanks
- *  the name of a card that is read means something else. */
-static int check_indented(reader *r, io_cursor *cursor) {
-    const line l = nastran_take_line(cursor);
-    const io_slice text = io_slice_trim(l.text);
-    char name[NAME_SIZE];
-    nastran_take_name(text, name);
-    const int is_read = find_kind(name) || strcmp(name, "GRID") == 0 ||
-                        strcmp(name, "GRDSET") == 0 || strcmp(name, "INCLUDE") == 0;
-    if (text.begin - l.text.begin >= NAME_COLUMNS || !is_read)
-        return PLANISH_OK;
-    return io_fail_at(r->model, text.begin, r->error,
-                      "%s behind blanks: a card begins in the first column of its line (take the "
-                      "blanks away)",
-                      name);
-}
-
 /** Visit the cards whose names begin with one of the letters; a blank among these: check lines that
  *  begin with one. */
 static int walk(reader *r, const char *letters, visit_fn *visit) {
@@ -161,11 +144,23 @@ static int walk(reader *r, const char *letters, visit_fn *visit) {
     int status = PLANISH_OK;
     card c;
     while (!status && cursor.at < cursor.end) {
-        if (!*cursor.at || !strchr(letters, io_upper(*cursor.at)))
+        if (!*cursor.at || !strchr(letters, io_upper(*cursor.at))) {
             io_next_line(&cursor);
-        else if (io_is_blank(*cursor.at))
-            status = check_indented(r, &cursor);
-        else if (nastran_take_card(&cursor, &c)) {
+        } else if (io_is_blank(*cursor.at)) {
+            /* The line goes on with the card before it. The name of a card that is read, in the
+             * columns of names, means something else. */
+            const line l = nastran_take_line(&cursor);
+            const io_slice text = io_slice_trim(l.text);
+            char name[NAME_SIZE];
+            nastran_take_name(text, name);
+            const int is_read = find_kind(name) || strcmp(name, "GRID") == 0 ||
+                                strcmp(name, "GRDSET") == 0 || strcmp(name, "INCLUDE") == 0;
+            if (is_read && text.begin - l.text.begin < NAME_COLUMNS)
+                status = io_fail_at(r->model, text.begin, r->error,
+                                    "%s behind blanks: a card begins in the first column of its "
+                                    "line (take the blanks away)",
+                                    name);
+        } else if (nastran_take_card(&cursor, &c)) {
             status = visit(r, &c);
             /* What a reader made of such fields, an error perhaps, says nothing. */
             if (c.n > 0 && c.wrong)

@@ -1,8 +1,8 @@
 /* plex: meshes of PETSc's DMPlex in HDF5, as DMView writes them: one mesh of a file.
  *
- * Read are points with their cones, coordinates that stand there node by node, and labels. Fields
- * (vectors) are not looked at. Elements are numbered as DMPlex's points are, nodes by the rows of
- * their coordinates, from 0.
+ * Read are points with their cones, coordinates that stand there node by node, and labels. Of
+ * fields (vectors) only those that may be coordinates are looked at. Elements are numbered as
+ * DMPlex's points are, nodes by the rows of their coordinates, from 0.
  */
 #ifdef PL_HDF5
 #include "io/core/format.h"
@@ -13,6 +13,8 @@
 #include "base/status.h"
 
 #include <string.h>
+
+#define MESHES "/topologies"
 
 /* ---- lists ---------------------------------------------------------------------------------- */
 
@@ -38,11 +40,11 @@ static int find_root(plex_reader *r, char *name, size_t size) {
     io_hdf5_names names;
     const char *found[2] = {NULL, NULL}; /* the first two meshes */
     int64_t n = 0;
-    r->version = io_hdf5_kind_of(r->file, PLEX_MESHES) == IO_HDF5_GROUP ? 2 : 1;
+    r->version = io_hdf5_kind_of(r->file, MESHES) == IO_HDF5_GROUP ? 2 : 1;
     r->root[0] = name[0] = '\0';
     int status = plex_list(r, "", "topologies", path, &names);
     for (int64_t i = 0; i < names.n && !status; i++) {
-        status = io_hdf5_path(r->file, path, PLEX_MESHES "/%s/topology", names.name[i]);
+        status = io_hdf5_path(r->file, path, MESHES "/%s/topology", names.name[i]);
         if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_GROUP)
             continue; /* Firedrake keeps more there */
         if (n < 2)
@@ -50,17 +52,17 @@ static int find_root(plex_reader *r, char *name, size_t size) {
         n++;
     }
     if (!status && r->version > 1 && n == 0)
-        status = io_hdf5_fail(r->file, PLEX_MESHES, "there is no mesh");
+        status = io_hdf5_fail(r->file, MESHES, "there is no mesh");
     if (!status && n > 1)
-        status = io_hdf5_fail(r->file, PLEX_MESHES,
+        status = io_hdf5_fail(r->file, MESHES,
                               "there are %lld meshes (%.60s, %.60s, ...); planish reads files with "
                               "one: write each to a file of its own",
                               (long long)n, found[0], found[1]);
     if (!status && n == 1 && strlen(found[0]) >= size)
-        status = io_hdf5_fail(r->file, PLEX_MESHES, "the name of the mesh is too long");
+        status = io_hdf5_fail(r->file, MESHES, "the name of the mesh is too long");
     if (!status && n == 1) {
         memcpy(name, found[0], strlen(found[0]) + 1);
-        status = io_hdf5_path(r->file, r->root, PLEX_MESHES "/%s", name);
+        status = io_hdf5_path(r->file, r->root, MESHES "/%s", name);
     }
     io_hdf5_names_release(&names);
     return status;
@@ -98,6 +100,140 @@ static int find_mesh(plex_reader *r, char *name, size_t size) {
     return status;
 }
 
+/* ---- other places of coordinates ------------------------------------------------------------ */
+
+/* Firedrake keeps coordinates as a function, names it in an attribute of its mesh, and loads that,
+ * not DMPlex's own; PETSc writes them once more for viewers. All places that have the same values
+ * in the same order are changed alike. What is said to be coordinates and has other values is
+ * refused, as it would stay behind. */
+
+/** Vectors that Firedrake calls coordinates. */
+typedef struct functions {
+    io_hdf5_names name; /* of the vectors, */
+    io_hdf5_names mesh; /* and of which of its meshes they are the coordinates */
+} functions;
+
+/** Find the vectors that are coordinates of the meshes of Firedrake in a topology. */
+static int find_functions(plex_reader *r, const char *topology, functions *f) {
+    char group[IO_HDF5_PATH_SIZE], mesh[IO_HDF5_PATH_SIZE], name[256];
+    io_hdf5_names meshes;
+    int found, status = plex_list(r, topology, "firedrake_meshes", group, &meshes);
+    for (int64_t i = 0; i < meshes.n && !status; i++) {
+        status = io_hdf5_path(r->file, mesh, "%s/%s", group, meshes.name[i]);
+        if (!status)
+            status = io_hdf5_text_attribute(r->file, mesh, "firedrake_coordinates", name,
+                                            sizeof name, &found);
+        if (status || !found)
+            continue;
+        status = io_hdf5_names_add(r->file, &f->name, pl_copy_text(name));
+        if (!status)
+            status = io_hdf5_names_add(r->file, &f->mesh, pl_copy_text(meshes.name[i]));
+    }
+    io_hdf5_names_release(&meshes);
+    return status;
+}
+
+static void release_functions(functions *f) {
+    io_hdf5_names_release(&f->name);
+    io_hdf5_names_release(&f->mesh);
+}
+
+/** Take in a vector if it is a copy. mesh: whose coordinates it is said to be, or NULL. n_more, if
+ *  not NULL: count vectors as long as the coordinates, and look no closer. */
+static int take_copy(plex_reader *r, const char *path, const char *mesh, int *n_more) {
+    char copy[IO_HDF5_PATH_SIZE];
+    const int columns = r->model->columns;
+    const io_hdf5_place place = {copy, 0, columns, columns, 1};
+    int is_copy = 0;
+    if (strcmp(path, r->coordinates) == 0)
+        return PLANISH_OK;
+    if (n_more) {
+        *n_more += mesh || io_hdf5_is_as_long(r->file, path, columns * r->n_nodes);
+        return PLANISH_OK;
+    }
+    memcpy(copy, path, strlen(path) + 1);
+    const int status = io_hdf5_coordinates_again(r->file, &place, &is_copy);
+    if (status || is_copy || !mesh)
+        return status;
+    return io_hdf5_fail(r->file, path,
+                        "these are coordinates of '%s', too, but not the same values in the same "
+                        "order as %s: they would stay behind; write a file that has the "
+                        "coordinates of the nodes alone",
+                        mesh, r->coordinates);
+}
+
+/** Visit all vectors of the mesh, of whatever section: take copies of the coordinates; or, if they
+ *  are wanted still, make the first vector of f the coordinates. */
+static int visit_vectors(plex_reader *r, const functions *f, int is_wanted, int *n_more) {
+    char group[IO_HDF5_PATH_SIZE], section[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    io_hdf5_names sections, vectors;
+    int found = 0, status = plex_list(r, r->root, "dms", group, &sections);
+    for (int64_t i = 0; i < sections.n && !status; i++) {
+        status = io_hdf5_path(r->file, section, "%s/%s", group, sections.name[i]);
+        if (status)
+            break;
+        status = plex_list(r, section, "vecs", path, &vectors);
+        for (int64_t k = 0; k < vectors.n && !status; k++) {
+            const char *name = vectors.name[k], *mesh = NULL;
+            for (int64_t j = f->name.n - 1; j >= 0; j--)
+                mesh = strcmp(f->name.name[j], name) == 0 ? f->mesh.name[j] : mesh;
+            status = io_hdf5_path(r->file, path, "%s/vecs/%s/%s", section, name, name);
+            if (status || io_hdf5_kind_of(r->file, path) != IO_HDF5_DATASET)
+                continue;
+            if (!is_wanted)
+                status = take_copy(r, path, mesh, n_more);
+            else if (mesh && !found) {
+                found = 1;
+                memcpy(r->section, section, sizeof section);
+                memcpy(r->coordinates, path, sizeof path);
+            }
+        }
+        io_hdf5_names_release(&vectors);
+    }
+    io_hdf5_names_release(&sections);
+    return status;
+}
+
+/** Check that Firedrake has made no other meshes of this one, which have coordinates of their own
+ *  (extruded ones). */
+static int check_others(plex_reader *r) {
+    char topology[IO_HDF5_PATH_SIZE];
+    io_hdf5_names names = {0};
+    int status = io_hdf5_list(r->file, MESHES, &names);
+    for (int64_t i = 0; i < names.n && !status; i++) {
+        functions f = {.name = {0}};
+        status = io_hdf5_path(r->file, topology, MESHES "/%s", names.name[i]);
+        if (!status && strcmp(topology, r->root) != 0)
+            status = find_functions(r, topology, &f);
+        if (!status && f.name.n > 0)
+            status = io_hdf5_fail(r->file, topology,
+                                  "another mesh ('%s') with coordinates of its own is made of this "
+                                  "one (extruded, say): they would stay behind; write the mesh to "
+                                  "a file of its own",
+                                  f.mesh.name[0]);
+        release_functions(&f);
+    }
+    io_hdf5_names_release(&names);
+    return status;
+}
+
+/** After the coordinates have been read: make all copies of them coordinates, too. Fail on others
+ *  that would stay behind. n_more, if not NULL: count the arrays that may be copies instead. */
+static int visit_copies(plex_reader *r, int *n_more) {
+    static const char *const viewed[] = {"/geometry/vertices", "/viz/geometry/vertices"};
+    functions f = {.name = {0}};
+    int status = r->version > 1 ? check_others(r) : PLANISH_OK;
+    if (!status && r->version > 1)
+        status = find_functions(r, r->root, &f);
+    if (!status && r->version > 1)
+        status = visit_vectors(r, &f, 0, n_more);
+    for (int i = 0; i < 2 && !status; i++)
+        if (io_hdf5_kind_of(r->file, viewed[i]) == IO_HDF5_DATASET)
+            status = take_copy(r, viewed[i], "the mesh", n_more);
+    release_functions(&f);
+    return status;
+}
+
 /* ---- coordinates ---------------------------------------------------------------------------- */
 
 /** Find the group of coordinates, and the coordinates; the names of both may be others. */
@@ -115,9 +251,14 @@ static int find_coordinates(plex_reader *r) {
         status = io_hdf5_path(r->file, r->section, "%s/dms/%s", r->root, group);
     if (!status)
         status = io_hdf5_path(r->file, r->coordinates, "%s/vecs/%s/%s", r->section, name, name);
-    return status || io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE
-               ? status
-               : plex_find_function(r);
+    if (status || io_hdf5_kind_of(r->file, r->coordinates) != IO_HDF5_NONE)
+        return status;
+    functions f = {.name = {0}};
+    status = find_functions(r, r->root, &f);
+    if (!status && f.name.n > 0)
+        status = visit_vectors(r, &f, 1, NULL);
+    release_functions(&f);
+    return status;
 }
 
 /** Check that there is one row for each node, in their order; others may be of edges, or be there
@@ -187,7 +328,7 @@ static int read_mesh(plex_reader *r) {
     const io_hdf5_place place = {r->coordinates, 0, model->columns, model->columns, 1};
     status = io_hdf5_coordinates(r->file, &place);
     if (!status)
-        status = plex_visit_copies(r, NULL);
+        status = visit_copies(r, NULL);
     if (!status)
         status = io_hdf5_coordinates_end(r->file);
     if (!status)
@@ -210,7 +351,7 @@ static int plex_read(io_model *model, planish_error *error) {
 }
 
 static int plex_recognise(const char *data, int64_t size) {
-    return io_hdf5_recognise(data, size, PLEX_MESHES) ||
+    return io_hdf5_recognise(data, size, MESHES) ||
            io_hdf5_recognise(data, size, "/topology/cells");
 }
 
@@ -232,7 +373,7 @@ static int outline_mesh(plex_reader *r, io_plex_outline *o) {
     if (!status)
         status = check_coordinates(r);
     if (!status)
-        status = plex_visit_copies(r, &o->has_copies);
+        status = visit_copies(r, &o->has_copies);
     if (!status)
         status = plex_check_labels(r, &o->has_regions_alone);
     if (status)

@@ -5,7 +5,6 @@
  *   plex_read_list, plex_list               lists of numbers and names (plex.c)
  *   plex_read_topology, plex_nodes_of, ...  points, cones and elements (plex_topology.c)
  *   plex_read_labels, plex_check_labels     regions, surfaces, lines, groups (plex_labels.c)
- *   plex_find_function, plex_visit_copies   other places of coordinates (plex_copies.c)
  *   io_plex_outline_of                      a file for those who load it with PETSc (plex.c)
  *
  * In a DMPlex everything is a point with a number: elements first, then nodes, then faces and
@@ -42,7 +41,6 @@ typedef struct plex_reader {
     int version;                         /* 1: root is "" */
     int dim;                             /* of the elements */
     plex_stratum stratum[PLEX_MOST_STRATA];
-    int n_strata;
     int64_t n_points, n_elements, n_nodes; /* elements and nodes are the first points */
     int64_t *start;    /* [n_points] where a point's cone begins in its stratum's, */
     uint8_t *size;     /* [n_points] and how many points it has; 0: a node */
@@ -53,8 +51,6 @@ typedef struct plex_reader {
 } plex_reader;
 
 /* ---- plex.c -------------------------------------------------------------------------------- */
-
-#define PLEX_MESHES "/topologies" /* group of meshes, from version 2 on */
 
 /** Read the whole numbers called name in a group; released by io_hdf5_integers_release in any
  *  case. */
@@ -103,16 +99,6 @@ int plex_read_labels(plex_reader *r);
  *  most, and those that programs make for themselves. Fail if any says something of what is no
  *  point. */
 int plex_check_labels(plex_reader *r, int *has_regions_alone);
-
-/* ---- plex_copies.c ------------------------------------------------------------------------- */
-
-/** Find where a mesh of Firedrake has its coordinates, if there are no others: r->coordinates and
- *  r->section; unchanged if it has none. */
-int plex_find_function(plex_reader *r);
-
-/** After the coordinates have been read: make all copies of them coordinates, too. Fail on others
- *  that would stay behind. n_more, if not NULL: count the arrays that may be copies instead. */
-int plex_visit_copies(plex_reader *r, int *n_more);
 
 /* ---- for those who load such files with PETSc ----------------------------------------------- */
 

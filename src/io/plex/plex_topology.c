@@ -72,65 +72,54 @@ static int64_t in_cone(const plex_reader *r, int64_t point, int k, int64_t *orie
     return below >= 0 && below < r->n_points - s->below ? s->below + below : -1;
 }
 
-/** Read versions 1 and 2: all points in one list, which need not be in the order of their numbers.
- */
-static int read_together(plex_reader *r) {
-    plex_stratum *s = &r->stratum[0];
-    io_hdf5_integers order = {0};
-    r->n_strata = 1;
-    int status = plex_read_list(r, r->topology, "order", &order);
-    if (!status)
-        status = plex_read_list(r, r->topology, "cones", &s->sizes);
-    if (!status)
-        status = plex_read_list(r, r->topology, "cells", &s->cones);
-    if (!status)
-        status = plex_read_list(r, r->topology, "orientation", &s->orientations);
-    if (!status && s->sizes.n != order.n)
-        status = io_hdf5_fail(r->file, r->topology, "%lld points, and the sizes of %lld cones",
-                              (long long)order.n, (long long)s->sizes.n);
-    if (!status)
-        status = make_points(r, order.n);
-    s->n = order.n;
-    if (!status)
-        status = take_cones(r, r->topology, s, &order);
-    io_hdf5_integers_release(&order);
-    return status;
-}
-
-/** Read version 3: points of one dimension after another, in the order that permutation gives. */
-static int read_strata(plex_reader *r, const io_hdf5_integers *permutation) {
+/** Read the points and their cones: of versions 1 and 2 in one list, which need not be in the order
+ *  of their numbers; of version 3 one dimension after another, in the order that permutation
+ *  gives. list: either. */
+static int read_cones(plex_reader *r, io_hdf5_integers *list) {
+    static const char *const names[2][4] = {{"order", "cones", "cells", "orientation"},
+                                            {"permutation", "cone_sizes", "cones", "orientations"}};
+    const int has_strata = r->version == 3;
+    const char *const *name = names[has_strata];
     char group[PLEX_MOST_STRATA][IO_HDF5_PATH_SIZE];
-    if (permutation->n < 2 || permutation->n > PLEX_MOST_STRATA)
+    int status = plex_read_list(r, r->topology, name[0], list);
+    if (status)
+        return status;
+    if (has_strata && (list->n < 2 || list->n > PLEX_MOST_STRATA))
         return io_hdf5_fail(r->file, r->topology, "%lld strata of points; 2 to %d were expected",
-                            (long long)permutation->n, PLEX_MOST_STRATA);
-    r->n_strata = (int)permutation->n;
-    for (int d = 0; d < r->n_strata; d++) {
+                            (long long)list->n, PLEX_MOST_STRATA);
+    const int n_strata = has_strata ? (int)list->n : 1;
+    for (int d = 0; d < n_strata; d++) {
         plex_stratum *s = &r->stratum[d];
-        int status = io_hdf5_path(r->file, group[d], "%s/strata/%d", r->topology, d);
+        status = has_strata ? io_hdf5_path(r->file, group[d], "%s/strata/%d", r->topology, d)
+                            : io_hdf5_path(r->file, group[d], "%s", r->topology);
         if (!status)
-            status = plex_read_list(r, group[d], "cone_sizes", &s->sizes);
-        if (!status && d > 0)
-            status = plex_read_list(r, group[d], "cones", &s->cones);
-        if (!status && d > 0)
-            status = plex_read_list(r, group[d], "orientations", &s->orientations);
+            status = plex_read_list(r, group[d], name[1], &s->sizes);
+        const int has_cones = !has_strata || d > 0;
+        if (!status && has_cones)
+            status = plex_read_list(r, group[d], name[2], &s->cones);
+        if (!status && has_cones)
+            status = plex_read_list(r, group[d], name[3], &s->orientations);
         if (status)
             return status;
         s->n = s->sizes.n;
     }
-    int64_t n = 0;
+    if (!has_strata && r->stratum[0].n != list->n)
+        return io_hdf5_fail(r->file, r->topology, "%lld points, and the sizes of %lld cones",
+                            (long long)list->n, (long long)r->stratum[0].n);
+    int64_t n = has_strata ? 0 : list->n;
     unsigned placed = 0;
-    for (int64_t i = 0; i < permutation->n; i++) {
-        const int64_t depth = io_hdf5_integer(permutation, i);
-        if (depth < 0 || depth >= r->n_strata || (placed >> depth & 1))
+    for (int64_t i = 0; has_strata && i < list->n; i++) {
+        const int64_t depth = io_hdf5_integer(list, i);
+        if (depth < 0 || depth >= n_strata || (placed >> depth & 1))
             return io_hdf5_fail(r->file, r->topology, "permutation is none of the strata");
         placed |= 1u << depth;
         r->stratum[depth].first = n;
         n += r->stratum[depth].n;
     }
-    int status = make_points(r, n);
-    for (int d = 0; d < r->n_strata && !status; d++) {
+    status = make_points(r, n);
+    for (int d = 0; d < n_strata && !status; d++) {
         r->stratum[d].below = d > 0 ? r->stratum[d - 1].first : 0;
-        status = take_cones(r, group[d], &r->stratum[d], NULL);
+        status = take_cones(r, group[d], &r->stratum[d], has_strata ? NULL : list);
     }
     return status;
 }
@@ -164,12 +153,9 @@ static int find_kinds(plex_reader *r) {
 }
 
 int plex_read_topology(plex_reader *r) {
-    io_hdf5_integers permutation = {0};
-    int status = r->version < 3 ? read_together(r)
-                                : plex_read_list(r, r->topology, "permutation", &permutation);
-    if (!status && r->version == 3)
-        status = read_strata(r, &permutation);
-    io_hdf5_integers_release(&permutation);
+    io_hdf5_integers list = {0};
+    const int status = read_cones(r, &list);
+    io_hdf5_integers_release(&list);
     for (int d = 0; d < PLEX_MOST_STRATA; d++)
         io_hdf5_integers_release(&r->stratum[d].sizes);
     return status ? status : find_kinds(r);
@@ -301,7 +287,7 @@ int plex_has_simplices_alone(const plex_reader *r) {
 }
 
 int plex_fail_point(plex_reader *r, int64_t point) {
-    return io_hdf5_fail(r->file, r->root[0] ? r->root : "/topology",
+    return io_hdf5_fail(r->file, r->topology,
                         "point %lld is bounded by points that are none of its kind",
                         (long long)point);
 }
