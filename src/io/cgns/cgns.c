@@ -5,8 +5,8 @@
  * from 1, elements as their sections say.
  */
 #ifdef PL_HDF5
-#include "io/core/format.h"
 #include "io/cgns/cgns.h"
+#include "io/core/format.h"
 
 #include "base/memory.h"
 #include "base/status.h"
@@ -17,7 +17,7 @@ enum { LABEL_SIZE = 64, TEXT_SIZE = 128 };
 
 /* ---- nodes of CGNS ------------------------------------------------------------------------ */
 
-/** Whether the object is a node with that label. */
+/** Find whether the object is a node with that label. */
 static int has_label(cgns_reader *r, const char *path, const char *label, int *has) {
     char found_label[LABEL_SIZE] = "", type[LABEL_SIZE] = "";
     int found;
@@ -56,19 +56,19 @@ int cgns_children(cgns_reader *r, const char *path, const char *label, io_hdf5_n
     return status;
 }
 
-int cgns_integers(cgns_reader *r, const char *path, io_hdf5_integers *integers) {
+int cgns_integers(cgns_reader *r, const char *path, const char *child, io_hdf5_integers *integers) {
     char data[IO_HDF5_PATH_SIZE];
     *integers = (io_hdf5_integers){.n = 0};
-    int status = io_hdf5_path(r->file, data, "%s/ data", path);
+    int status = io_hdf5_path(r->file, data, "%s%s%s/ data", path, child[0] ? "/" : "", child);
     return status ? status : io_hdf5_integers_read(r->file, data, integers);
 }
 
-int cgns_text(cgns_reader *r, const char *path, char *text, size_t size) {
+int cgns_text(cgns_reader *r, const char *path, const char *child, char *text, size_t size) {
     char data[IO_HDF5_PATH_SIZE];
     char *content = NULL;
     int64_t n = 0, length = 0;
     text[0] = '\0';
-    int status = io_hdf5_path(r->file, data, "%s/ data", path);
+    int status = io_hdf5_path(r->file, data, "%s/%s/ data", path, child);
     if (status || io_hdf5_kind_of(r->file, data) == IO_HDF5_NONE)
         return status;
     status = io_hdf5_strings_read(r->file, data, &content, &n, &length);
@@ -84,7 +84,7 @@ int cgns_text(cgns_reader *r, const char *path, char *text, size_t size) {
     return status;
 }
 
-/** The one child with a label, as path. */
+/** Find the one child with a label, as path. */
 static int take_only(cgns_reader *r, const char *path, const char *label, const char *what,
                      char *child) {
     io_hdf5_names names;
@@ -95,12 +95,8 @@ static int take_only(cgns_reader *r, const char *path, const char *label, const 
             "there is no %s (no node with the label %s; files that meshio writes have no "
             "labels and are no CGNS files)",
             what, label);
-    if (!status && names.n > 1)
-        status =
-            io_hdf5_fail(r->file, path,
-                         "there are %lld of them (%.40s, %.40s, ...); planish reads files with "
-                         "one %s: write each to a file of its own, or join them",
-                         (long long)names.n, names.name[0], names.name[1], what);
+    if (!status)
+        status = io_hdf5_check_only(r->file, path, what, &names);
     if (!status)
         status = io_hdf5_path(r->file, child, "%s/%s", path[1] ? path : "", names.name[0]);
     io_hdf5_names_release(&names);
@@ -109,11 +105,12 @@ static int take_only(cgns_reader *r, const char *path, const char *label, const 
 
 /* ---- base and zone ------------------------------------------------------------------------ */
 
+/** Find the base, and how many coordinates nodes have. */
 static int read_base(cgns_reader *r) {
     io_hdf5_integers dims = {0};
     int status = take_only(r, "/", "CGNSBase_t", "base", r->base);
     if (!status)
-        status = cgns_integers(r, r->base, &dims);
+        status = cgns_integers(r, r->base, "", &dims);
     if (!status && dims.n != 2)
         status = io_hdf5_fail(r->file, r->base, "two dimensions were expected, of cells and space");
     if (!status) {
@@ -128,13 +125,23 @@ static int read_base(cgns_reader *r) {
     return status;
 }
 
-static int read_zone_size(cgns_reader *r, int64_t *n_nodes) {
+/** Find the zone, and how many nodes and elements it has. */
+static int read_zone(cgns_reader *r, int64_t *n_nodes) {
+    char type[TEXT_SIZE] = "";
     io_hdf5_integers size = {0};
-    int status = cgns_integers(r, r->zone, &size);
+    int status = take_only(r, r->base, "Zone_t", "zone", r->zone);
+    if (!status)
+        status = cgns_text(r, r->zone, "ZoneType", type, sizeof type);
+    if (!status && strcmp(type, "Unstructured") != 0)
+        status = io_hdf5_fail(r->file, r->zone,
+                              "a zone of type '%s'; planish smooths unstructured zones of "
+                              "tetrahedra or triangles",
+                              type[0] ? type : "Structured");
+    if (!status)
+        status = cgns_integers(r, r->zone, "", &size);
     if (!status && (size.n < 3 || io_hdf5_integer(&size, 0) < 0))
         status = io_hdf5_fail(r->file, r->zone,
-                              "its size was expected: nodes, cells, nodes on "
-                              "the boundary");
+                              "its size was expected: nodes, cells, nodes on the boundary");
     if (!status) {
         *n_nodes = io_hdf5_integer(&size, 0);
         r->n_elements = io_hdf5_integer(&size, 1);
@@ -143,97 +150,54 @@ static int read_zone_size(cgns_reader *r, int64_t *n_nodes) {
     return status;
 }
 
-static int read_zone(cgns_reader *r, int64_t *n_nodes) {
-    char path[IO_HDF5_PATH_SIZE], type[TEXT_SIZE] = "";
-    int status = take_only(r, r->base, "Zone_t", "zone", r->zone);
-    if (!status)
-        status = io_hdf5_path(r->file, path, "%s/ZoneType", r->zone);
-    if (!status)
-        status = cgns_text(r, path, type, sizeof type);
-    if (!status && strcmp(type, "Unstructured") != 0)
-        status = io_hdf5_fail(r->file, r->zone,
-                              "a zone of type '%s'; planish smooths unstructured zones of "
-                              "tetrahedra or triangles",
-                              type[0] ? type : "Structured");
-    return status ? status : read_zone_size(r, n_nodes);
-}
-
-/* ---- coordinates -------------------------------------------------------------------------- */
-
-static int read_coordinate(cgns_reader *r, const char *grid, int component) {
-    char path[IO_HDF5_PATH_SIZE];
-    int status = io_hdf5_path(r->file, path, "%s/Coordinate%c", grid, "XYZ"[component]);
-    if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
-        status = io_hdf5_fail(r->file, path,
-                              "there are no such coordinates (planish reads cartesian ones: "
-                              "CoordinateX, CoordinateY, CoordinateZ)");
-    if (!status)
-        status = io_hdf5_path(r->file, path, "%s/Coordinate%c/ data", grid, "XYZ"[component]);
-    const io_hdf5_place place = {path, component, 1, 1, 0};
-    return status ? status : io_hdf5_coordinates(r->file, &place);
-}
-
-/** The first coordinates tell whether there are as many nodes as the zone says, before room is made
- *  for them. */
-static int check_node_count(cgns_reader *r, const char *grid, int64_t n_nodes) {
-    char path[IO_HDF5_PATH_SIZE];
-    io_hdf5_shape shape;
-    int status = io_hdf5_path(r->file, path, "%s/CoordinateX/ data", grid);
-    if (!status)
-        status = io_hdf5_shape_of(r->file, path, &shape);
-    if (!status && shape.n != n_nodes)
-        status = io_hdf5_fail(r->file, path,
-                              "%lld coordinates for %lld nodes (nodes beyond the zone, Rind, are "
-                              "not read)",
-                              (long long)shape.n, (long long)n_nodes);
-    return status;
-}
-
 static int read_nodes(cgns_reader *r, int64_t n_nodes) {
-    char grid[IO_HDF5_PATH_SIZE];
+    io_model *model = r->model;
+    char grid[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
+    io_hdf5_shape shape;
     int status = io_hdf5_path(r->file, grid, "%s/GridCoordinates", r->zone);
     if (!status && io_hdf5_kind_of(r->file, grid) != IO_HDF5_GROUP)
         status = io_hdf5_fail(r->file, r->zone, "there are no GridCoordinates");
-    if (!status)
-        status = check_node_count(r, grid, n_nodes);
-    if (!status)
-        status = io_model_nodes(r->model, n_nodes, 0, r->error);
-    for (int64_t i = 0; !status && r->model->columns < 3 && i < n_nodes; i++)
-        r->model->xyz[3 * i + 2] = 0;
-    for (int d = 0; d < r->model->columns && !status; d++)
-        status = read_coordinate(r, grid, d);
-    r->model->first_number = 1;
+    for (int d = 0; d < model->columns && !status; d++) {
+        status = io_hdf5_path(r->file, path, "%s/Coordinate%c", grid, "XYZ"[d]);
+        if (!status && io_hdf5_kind_of(r->file, path) == IO_HDF5_NONE)
+            status = io_hdf5_fail(r->file, path,
+                                  "there are no such coordinates (planish reads cartesian ones: "
+                                  "CoordinateX, CoordinateY, CoordinateZ)");
+        if (!status)
+            status = io_hdf5_path(r->file, path, "%s/Coordinate%c/ data", grid, "XYZ"[d]);
+        /* The first ones tell whether there are as many nodes as the zone says, before room is made
+         * for them. */
+        if (!status && d == 0)
+            status = io_hdf5_shape_of(r->file, path, &shape);
+        if (!status && d == 0 && shape.n != n_nodes)
+            status = io_hdf5_fail(r->file, path,
+                                  "%lld coordinates for %lld nodes (nodes beyond the zone, Rind, "
+                                  "are not read)",
+                                  (long long)shape.n, (long long)n_nodes);
+        if (!status && d == 0)
+            status = io_model_nodes(model, n_nodes, 0, r->error);
+        const io_hdf5_place place = {path, d, 1, 1, 0};
+        if (!status)
+            status = io_hdf5_coordinates(r->file, &place);
+    }
+    for (int64_t i = 0; !status && model->columns < 3 && i < n_nodes; i++)
+        model->xyz[3 * i + 2] = 0;
+    model->first_number = 1;
     return status ? status : io_hdf5_coordinates_end(r->file);
 }
 
 /* ---- the format --------------------------------------------------------------------------- */
 
-/* Behind four characters that have their highest bit set. */
-static const char adf_mark[] = "ADF Database Version";
-enum { BEFORE_ADF_MARK = 4 };
-
+/** Whether a file is in ADF: its mark is behind four characters with their highest bit set. */
 static int is_adf(const char *data, int64_t size) {
-    const int64_t length = (int64_t)sizeof adf_mark - 1;
-    return size >= BEFORE_ADF_MARK + length &&
-           memcmp(data + BEFORE_ADF_MARK, adf_mark, (size_t)length) == 0;
-}
-
-static int read_all(cgns_reader *r) {
-    int64_t n_nodes = 0;
-    int status = read_base(r);
-    if (!status)
-        status = read_zone(r, &n_nodes);
-    if (!status)
-        status = read_nodes(r, n_nodes);
-    if (!status)
-        status = cgns_read_elements(r);
-    if (!status)
-        status = cgns_read_groups(r);
-    return status ? status : cgns_read_data(r);
+    static const char mark[] = "ADF Database Version";
+    enum { BEFORE_MARK = 4, LENGTH = sizeof mark - 1 };
+    return size >= BEFORE_MARK + LENGTH && memcmp(data + BEFORE_MARK, mark, LENGTH) == 0;
 }
 
 static int cgns_read(io_model *model, planish_error *error) {
     cgns_reader r = {.model = model, .error = error};
+    int64_t n_nodes = 0;
     if (is_adf(model->input.data, model->input.size))
         return pl_fail(
             error, PLANISH_ERROR_FORMAT,
@@ -242,7 +206,17 @@ static int cgns_read(io_model *model, planish_error *error) {
             model->input.path);
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
-        status = read_all(&r);
+        status = read_base(&r);
+    if (!status)
+        status = read_zone(&r, &n_nodes);
+    if (!status)
+        status = read_nodes(&r, n_nodes);
+    if (!status)
+        status = cgns_read_elements(&r);
+    if (!status)
+        status = cgns_read_groups(&r);
+    if (!status)
+        status = cgns_read_data(&r);
     if (!status)
         status = io_hdf5_check(r.file);
     cgns_release_sections(&r);

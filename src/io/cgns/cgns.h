@@ -1,6 +1,11 @@
 /* cgns: what the parts of the reader of CGNS files share; for cgns.c, cgns_elements.c,
  * cgns_groups.c and cgns_data.c.
  *
+ *   cgns_children, cgns_integers, cgns_text    nodes of CGNS and their data
+ *   cgns_read_elements, cgns_release_sections  sections of elements
+ *   cgns_read_groups                           boundary conditions, connections
+ *   cgns_read_data                             values of cells
+ *
  * A node of CGNS is a group of HDF5 with a label that tells what it is; its data are the array
  * " data" in it. All functions return 0 or a negative planish_status, *reader->error filled in.
  */
@@ -31,30 +36,33 @@ typedef struct cgns_reader {
 
 /* ---- cgns.c -------------------------------------------------------------------------------- */
 
-/** Names of the nodes in a node that have the label. Release in any case. */
+/** List the names of the nodes in a node that have the label. Release in any case. */
 int cgns_children(cgns_reader *r, const char *path, const char *label, io_hdf5_names *names);
 
-/** Whole numbers of a node. Release in any case. */
-int cgns_integers(cgns_reader *r, const char *path, io_hdf5_integers *integers);
+/** Read the whole numbers of the node called child in the node at path, or of that itself where
+ *  child is "". Release in any case. */
+int cgns_integers(cgns_reader *r, const char *path, const char *child, io_hdf5_integers *integers);
 
-/** Text of a node, without blanks at its end; "" if there is no such node. */
-int cgns_text(cgns_reader *r, const char *path, char *text, size_t size);
+/** Read the text of the node called child in the node at path, without blanks at its end; "" if
+ *  there is no such node. */
+int cgns_text(cgns_reader *r, const char *path, const char *child, char *text, size_t size);
 
 /* ---- cgns_elements.c ----------------------------------------------------------------------- */
 
-/** All sections of the zone: cells with their numbers, and as entity the index of their section. */
+/** Read all sections of the zone: cells with their numbers, and as entity the index of their
+ *  section. */
 int cgns_read_elements(cgns_reader *r);
 void cgns_release_sections(cgns_reader *r);
 
 /* ---- cgns_groups.c ------------------------------------------------------------------------- */
 
-/** Sections and boundary conditions become entities and groups; what connects the zone with itself
- *  holds its nodes. */
+/** Make entities and groups of sections and boundary conditions; hold the nodes where the zone is
+ *  connected with itself. */
 int cgns_read_groups(cgns_reader *r);
 
 /* ---- cgns_data.c --------------------------------------------------------------------------- */
 
-/** Values of cells in solutions become arrays (arrays.h); groups have been read. */
+/** Make arrays (arrays.h) of values of cells in solutions; groups have been read. */
 int cgns_read_data(cgns_reader *r);
 
 #endif

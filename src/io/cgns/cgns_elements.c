@@ -75,7 +75,7 @@ static const io_element_type types[] = {
 };
 enum { N_TYPES = sizeof types / sizeof *types };
 
-/** The type of that number, which must be one of elements that can be read. */
+/** Find the type of that number, which must be one of elements that can be read. */
 static int take_type(cgns_reader *r, const char *path, int64_t number,
                      const io_element_type **type) {
     *type = &types[number > 0 && number < N_TYPES ? number : 0];
@@ -100,24 +100,18 @@ typedef struct walk {
     cgns_section *section;
     char path[IO_HDF5_PATH_SIZE]; /* of the list of nodes */
     io_hdf5_integers nodes, offsets;
-    int64_t n, index; /* elements; the one that the walk came to, */
-    int64_t at;       /* its nodes in the list, */
-    const io_element_type *type;
+    int64_t n, index;            /* elements; the one that the walk came to, -1: none yet, */
+    int64_t at;                  /* its nodes in the list, */
+    const io_element_type *type; /* and its type: the section's, or in a mixed one its own */
 } walk;
 
-/** Before the first element. */
-static int begin_walk(walk *w) {
-    w->index = -1;
-    w->at = 0;
-    w->type = &types[0];
-    if (w->section->type != CGNS_MIXED)
-        return take_type(w->r, w->path, w->section->type, &w->type);
-    return PLANISH_OK;
-}
-
-/** Of a mixed section, the type leads the nodes. */
-static int take_mixed(walk *w) {
+/** Go to the next element; not behind the last. In a mixed section its type leads its nodes. */
+static int next_element(walk *w) {
     io_hdf5 *file = w->r->file;
+    w->at += w->index >= 0 ? w->type->nodes : 0;
+    w->index++;
+    if (w->section->type != CGNS_MIXED)
+        return PLANISH_OK;
     if (w->offsets.n > 0 && io_hdf5_integer(&w->offsets, w->index) != w->at)
         return io_hdf5_fail(file, w->path,
                             "element %lld begins at %lld, and ElementStartOffset says %lld",
@@ -135,23 +129,20 @@ static int take_mixed(walk *w) {
     return status;
 }
 
-/** To the next element; not behind the last. */
-static int next_element(walk *w) {
-    w->at += w->index >= 0 ? w->type->nodes : 0;
-    w->index++;
-    return w->section->type == CGNS_MIXED ? take_mixed(w) : PLANISH_OK;
-}
-
-/* ---- storing ------------------------------------------------------------------------------ */
-
-/** How many elements of each dimension are kept. */
+/** Count the elements of each dimension that are kept, and check the length of the list. */
 static int count_kept(walk *w, int64_t kept[4]) {
-    int status = begin_walk(w);
+    int status = PLANISH_OK;
     memset(kept, 0, 4 * sizeof *kept);
-    if (!status && w->section->type != CGNS_MIXED) {
+    if (w->section->type != CGNS_MIXED) {
         kept[io_element_dim(w->type)] = io_element_use(w->type) == IO_KEEP ? w->n : 0;
-        return PLANISH_OK;
+        if (w->nodes.n % w->type->nodes || w->nodes.n / w->type->nodes != w->n)
+            status = io_hdf5_fail(w->r->file, w->path, "%lld numbers for %lld elements of %d nodes",
+                                  (long long)w->nodes.n, (long long)w->n, w->type->nodes);
+        return status;
     }
+    if (w->offsets.n != 0 && w->offsets.n != w->n + 1)
+        return io_hdf5_fail(w->r->file, w->path, "%lld offsets for %lld elements",
+                            (long long)w->offsets.n, (long long)w->n);
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
         kept[io_element_dim(w->type)] += !status && io_element_use(w->type) == IO_KEEP;
@@ -164,121 +155,100 @@ static int count_kept(walk *w, int64_t kept[4]) {
     return status;
 }
 
-static int take_node(walk *w, int64_t at, int32_t *node) {
-    const int64_t number = io_hdf5_integer(&w->nodes, at);
-    if (number < 1 || number > w->r->model->n_nodes)
-        return io_hdf5_fail(w->r->file, w->path, "element %lld: node %lld is not in 1 .. %lld",
-                            (long long)(w->section->start + w->index), (long long)number,
-                            (long long)w->r->model->n_nodes);
-    *node = (int32_t)(number - 1);
-    return PLANISH_OK;
-}
-
-/** The element that the walk came to. */
+/** Store the element that the walk came to, of the section of that index. */
 static int store_element(walk *w, int32_t section) {
     io_model *model = w->r->model;
     const io_element_type *t = w->type;
     io_cells *cells = io_element_cells(model, t);
-    int32_t held;
-    int status = PLANISH_OK;
-    for (int j = 0; j < t->nodes && !status; j++) {
-        status = take_node(w, w->at + j, cells ? &cells->nodes[cells->n * t->nodes + j] : &held);
-        if (!status && !cells)
-            io_hold_node(model, held, io_element_reason(t));
+    const int64_t element = w->section->start + w->index;
+    for (int j = 0; j < t->nodes; j++) {
+        const int64_t number = io_hdf5_integer(&w->nodes, w->at + j);
+        if (number < 1 || number > model->n_nodes)
+            return io_hdf5_fail(w->r->file, w->path, "element %lld: node %lld is not in 1 .. %lld",
+                                (long long)element, (long long)number, (long long)model->n_nodes);
+        if (cells)
+            cells->nodes[cells->n * t->nodes + j] = (int32_t)(number - 1);
+        else
+            io_hold_node(model, number - 1, io_element_reason(t));
     }
     if (cells) {
         cells->entity[cells->n] = section;
-        cells->number[cells->n] = w->section->start + w->index;
-        cells->n += !status;
+        cells->number[cells->n++] = element;
     } else {
         io_element_count(model, t, 1);
     }
-    return status;
+    return PLANISH_OK;
 }
 
+/* ---- sections ----------------------------------------------------------------------------- */
+
+/** Store the elements of a section whose lists have been read. */
 static int store_elements(walk *w, int32_t section) {
+    io_model *model = w->r->model;
     int64_t kept[4];
     int status = count_kept(w, kept);
     for (int dim = 1; dim <= 3 && !status; dim++) {
-        io_cells *cells = io_model_cells(w->r->model, dim);
+        io_cells *cells = io_model_cells(model, dim);
         w->section->first[dim] = w->section->behind[dim] = cells->n;
         if (kept[dim] > 0)
             status = io_cells_reserve(cells, dim, kept[dim], 1, 1, w->r->error);
     }
-    if (!status)
-        status = begin_walk(w);
+    w->index = -1;
+    w->at = 0;
     for (int64_t i = 0; i < w->n && !status; i++) {
         status = next_element(w);
         if (!status)
             status = store_element(w, section);
     }
     for (int dim = 1; dim <= 3; dim++)
-        w->section->behind[dim] = io_model_cells(w->r->model, dim)->n;
+        w->section->behind[dim] = io_model_cells(model, dim)->n;
     return status;
 }
 
-/* ---- sections ----------------------------------------------------------------------------- */
-
-/** The list of nodes must be as long as the section's range says. */
-static int check_length(walk *w) {
-    w->n = w->section->end - w->section->start + 1;
-    if (w->section->type == CGNS_MIXED)
-        return w->offsets.n == 0 || w->offsets.n == w->n + 1
-                   ? PLANISH_OK
-                   : io_hdf5_fail(w->r->file, w->path, "%lld offsets for %lld elements",
-                                  (long long)w->offsets.n, (long long)w->n);
-    const io_element_type *type;
-    int status = take_type(w->r, w->path, w->section->type, &type);
-    if (!status && (w->nodes.n % type->nodes || w->nodes.n / type->nodes != w->n))
-        status = io_hdf5_fail(w->r->file, w->path, "%lld numbers for %lld elements of %d nodes",
-                              (long long)w->nodes.n, (long long)w->n, type->nodes);
-    return status;
-}
-
-static int read_lists(walk *w) {
-    cgns_reader *r = w->r;
-    char path[IO_HDF5_PATH_SIZE];
-    int status = io_hdf5_path(r->file, path, "%s/%s/ElementStartOffset", r->zone, w->section->name);
-    if (!status && w->section->type == CGNS_MIXED &&
-        io_hdf5_kind_of(r->file, path) == IO_HDF5_GROUP)
-        status = cgns_integers(r, path, &w->offsets);
+static int read_section(cgns_reader *r, int32_t index) {
+    cgns_section *section = &r->section[index];
+    walk w = {.r = r,
+              .section = section,
+              .n = section->end - section->start + 1,
+              .index = -1,
+              .type = &types[0]};
+    char path[IO_HDF5_PATH_SIZE], offsets[IO_HDF5_PATH_SIZE];
+    int status = io_hdf5_path(r->file, path, "%s/%s", r->zone, section->name);
+    if (!status && section->type != CGNS_MIXED) /* refused before its lists are looked for */
+        status = take_type(r, path, section->type, &w.type);
     if (!status)
-        status =
-            io_hdf5_path(r->file, path, "%s/%s/ElementConnectivity", r->zone, w->section->name);
+        status = io_hdf5_path(r->file, offsets, "%s/ElementStartOffset", path);
+    if (!status && section->type == CGNS_MIXED &&
+        io_hdf5_kind_of(r->file, offsets) == IO_HDF5_GROUP)
+        status = cgns_integers(r, offsets, "", &w.offsets);
     if (!status)
-        status = io_hdf5_path(r->file, w->path, "%s", path);
+        status = io_hdf5_path(r->file, w.path, "%s/ElementConnectivity", path);
     if (!status)
-        status = cgns_integers(r, path, &w->nodes);
-    return status ? status : check_length(w);
-}
-
-static int read_section(cgns_reader *r, int64_t index) {
-    walk w = {.r = r, .section = &r->section[index]};
-    int status = PLANISH_OK;
-    if (w.section->type != CGNS_MIXED) { /* refused before its lists are looked for */
-        char path[IO_HDF5_PATH_SIZE];
-        status = io_hdf5_path(r->file, path, "%s/%s", r->zone, w.section->name);
-        if (!status)
-            status = take_type(r, path, w.section->type, &w.type);
-    }
+        status = cgns_integers(r, w.path, "", &w.nodes);
     if (!status)
-        status = read_lists(&w);
-    if (!status)
-        status = store_elements(&w, (int32_t)index);
+        status = store_elements(&w, index);
     io_hdf5_integers_release(&w.nodes);
     io_hdf5_integers_release(&w.offsets);
     return status;
 }
 
-/** Type and range of a section. */
-static int read_head(cgns_reader *r, const char *path, cgns_section *s) {
-    char range_path[IO_HDF5_PATH_SIZE];
+/** Add the section called name, which is taken over, with type and range of its elements. */
+static int add_section(cgns_reader *r, char **name) {
+    char path[IO_HDF5_PATH_SIZE];
     io_hdf5_integers data = {0}, range = {0};
-    int status = cgns_integers(r, path, &data);
+    cgns_section *s =
+        pl_grow(r->section, r->n_sections, r->n_sections + 1, &r->capacity, sizeof *s);
+    if (!s)
+        return pl_fail_memory(r->error, "the sections of elements");
+    r->section = s;
+    s += r->n_sections++;
+    *s = (cgns_section){.name = *name};
+    *name = NULL;
+    int status = io_hdf5_path(r->file, path, "%s/%s", r->zone, s->name);
     if (!status)
-        status = io_hdf5_path(r->file, range_path, "%s/ElementRange", path);
+        status = cgns_integers(r, path, "", &data);
     if (!status)
-        status = cgns_integers(r, range_path, &range);
+        status = cgns_integers(r, path, "ElementRange", &range);
     if (!status && (data.n < 1 || range.n != 2))
         status = io_hdf5_fail(r->file, path, "type and range of its elements were expected");
     if (!status) {
@@ -287,27 +257,12 @@ static int read_head(cgns_reader *r, const char *path, cgns_section *s) {
         s->start = io_hdf5_integer(&range, 0);
         s->end = io_hdf5_integer(&range, 1);
         if (s->start < 1 || s->end < s->start - 1 || s->end == INT64_MAX)
-            status = io_hdf5_fail(r->file, range_path, "elements %lld to %lld are no range",
+            status = io_hdf5_fail(r->file, path, "ElementRange: elements %lld to %lld are no range",
                                   (long long)s->start, (long long)s->end);
     }
     io_hdf5_integers_release(&data);
     io_hdf5_integers_release(&range);
     return status;
-}
-
-/** Takes over name, which is NULL then. */
-static int add_section(cgns_reader *r, char **name) {
-    char path[IO_HDF5_PATH_SIZE];
-    cgns_section *grown =
-        pl_grow(r->section, r->n_sections, r->n_sections + 1, &r->capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(r->error, "the sections of elements");
-    r->section = grown;
-    cgns_section *s = &r->section[r->n_sections++];
-    *s = (cgns_section){.name = *name};
-    *name = NULL;
-    int status = io_hdf5_path(r->file, path, "%s/%s", r->zone, s->name);
-    return status ? status : read_head(r, path, s);
 }
 
 static int compare_sections(const void *a, const void *b) {
@@ -316,27 +271,21 @@ static int compare_sections(const void *a, const void *b) {
                                 : (x->end > y->end) - (x->end < y->end);
 }
 
-static int order_sections(cgns_reader *r) {
-    if (r->n_sections > 0)
-        qsort(r->section, (size_t)r->n_sections, sizeof *r->section, compare_sections);
-    for (int64_t i = 1; i < r->n_sections; i++)
-        if (r->section[i].start <= r->section[i - 1].end)
-            return io_hdf5_fail(
-                r->file, r->zone, "element %lld is in two sections, %.60s and %.60s",
-                (long long)r->section[i].start, r->section[i - 1].name, r->section[i].name);
-    return PLANISH_OK;
-}
-
 int cgns_read_elements(cgns_reader *r) {
     io_hdf5_names names;
     int status = cgns_children(r, r->zone, "Elements_t", &names);
     for (int64_t i = 0; i < names.n && !status; i++)
         status = add_section(r, &names.name[i]);
     io_hdf5_names_release(&names);
-    if (!status)
-        status = order_sections(r);
+    if (!status && r->n_sections > 0)
+        qsort(r->section, (size_t)r->n_sections, sizeof *r->section, compare_sections);
+    for (int64_t i = 1; i < r->n_sections && !status; i++)
+        if (r->section[i].start <= r->section[i - 1].end)
+            status = io_hdf5_fail(
+                r->file, r->zone, "element %lld is in two sections, %.60s and %.60s",
+                (long long)r->section[i].start, r->section[i - 1].name, r->section[i].name);
     for (int64_t i = 0; i < r->n_sections && !status; i++)
-        status = read_section(r, i);
+        status = read_section(r, (int32_t)i);
     return status;
 }
 

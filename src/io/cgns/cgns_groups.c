@@ -55,7 +55,7 @@ static int add_class(groups *g, int32_t before, int32_t in_condition, int32_t *i
     return PLANISH_OK;
 }
 
-/** A member of *class is in the condition, too. */
+/** Move a member of *class to the one whose members are in the condition, too. */
 static int move_member(groups *g, int32_t in_condition, int32_t *class) {
     cell_class *now = &g->class[*class];
     if (now->condition == in_condition) /* listed twice */
@@ -73,7 +73,7 @@ static int move_member(groups *g, int32_t in_condition, int32_t *class) {
     return PLANISH_OK;
 }
 
-/** Node classes, once there is a condition of nodes. */
+/** Begin the classes of nodes, once there is a condition of nodes. */
 static int begin_nodes(groups *g) {
     io_model *model = g->r->model;
     if (model->node_entity)
@@ -91,7 +91,8 @@ static int begin_nodes(groups *g) {
 
 /* ---- elements by their number -------------------------------------------------------------- */
 
-static const cgns_section *find_section(const cgns_reader *r, int64_t number) {
+/** Find the cell of that number: its dimension and *index, or 0 if it is not kept. */
+static int find_cell(const cgns_reader *r, int64_t number, int64_t *index) {
     int64_t low = 0, high = r->n_sections; /* the first that begins behind number is in there */
     while (low < high) {
         const int64_t middle = low + (high - low) / 2;
@@ -100,14 +101,13 @@ static const cgns_section *find_section(const cgns_reader *r, int64_t number) {
         else
             high = middle;
     }
-    return low > 0 && number <= r->section[low - 1].end ? &r->section[low - 1] : NULL;
-}
-
-/** The cell of that number: its dimension and *index, or 0 if it is not kept. */
-static int find_cell(const cgns_reader *r, const cgns_section *s, int64_t number, int64_t *index) {
+    if (low == 0 || number > r->section[low - 1].end)
+        return 0;
+    const cgns_section *s = &r->section[low - 1];
     for (int dim = 1; dim <= 3; dim++) {
         const io_cells *cells = io_model_cells(r->model, dim);
-        int64_t low = s->first[dim], high = s->behind[dim];
+        low = s->first[dim];
+        high = s->behind[dim];
         while (low < high) {
             const int64_t middle = low + (high - low) / 2;
             if (cells->number[middle] < number)
@@ -124,86 +124,63 @@ static int find_cell(const cgns_reader *r, const cgns_section *s, int64_t number
 
 /* ---- lists of elements or nodes ------------------------------------------------------------ */
 
-/** What is done with an element or node that a list names. */
-typedef int member_fn(groups *g, const char *path, int is_nodes, int64_t number, int32_t condition);
-
-static int put_in_condition(groups *g, const char *path, int is_nodes, int64_t number,
-                            int32_t in_condition) {
-    io_model *model = g->r->model;
-    if (is_nodes) {
-        if (number < 1 || number > model->n_nodes)
-            return io_hdf5_fail(g->r->file, path, "node %lld is not in 1 .. %lld",
-                                (long long)number, (long long)model->n_nodes);
-        return move_member(g, in_condition, &model->node_entity[number - 1]);
-    }
-    const cgns_section *s = find_section(g->r, number);
-    int64_t index;
-    const int dim = s ? find_cell(g->r, s, number, &index) : 0;
-    /* Conditions may list faces of structured or polyhedral parts that are not there. */
-    return dim ? move_member(g, in_condition, &io_model_cells(g->r->model, dim)->entity[index])
-               : PLANISH_OK;
-}
-
-/** Nodes that are joined with others of the zone stay. */
-static int hold_member(groups *g, const char *path, int is_nodes, int64_t number,
+/** Put an element or node that a list names in a condition; without one (NONE), its nodes are
+ *  joined with others of the zone, and stay. */
+static int take_member(groups *g, const char *path, int is_nodes, int64_t number,
                        int32_t in_condition) {
     io_model *model = g->r->model;
-    (void)in_condition;
-    if (is_nodes) {
-        if (number < 1 || number > model->n_nodes)
-            return io_hdf5_fail(g->r->file, path, "node %lld is not in 1 .. %lld",
-                                (long long)number, (long long)model->n_nodes);
-        io_hold_node(model, number - 1, IO_HELD_REQUIRED);
+    int64_t index = number - 1;
+    const int dim = is_nodes ? 0 : find_cell(g->r, number, &index);
+    if (is_nodes && (number < 1 || number > model->n_nodes))
+        return io_hdf5_fail(g->r->file, path, "node %lld is not in 1 .. %lld", (long long)number,
+                            (long long)model->n_nodes);
+    /* Conditions may list faces of structured or polyhedral parts that are not there. */
+    if (!is_nodes && dim == 0)
         return PLANISH_OK;
-    }
-    const cgns_section *s = find_section(g->r, number);
-    int64_t index;
-    const int dim = s ? find_cell(g->r, s, number, &index) : 0;
-    for (int j = 0; dim && j <= dim; j++)
-        io_hold_node(model, io_model_cells(g->r->model, dim)->nodes[index * (dim + 1) + j],
-                     IO_HELD_REQUIRED);
+    const io_cells *cells = is_nodes ? NULL : io_model_cells(model, dim);
+    if (in_condition != NONE)
+        return move_member(g, in_condition,
+                           is_nodes ? &model->node_entity[index] : &cells->entity[index]);
+    if (is_nodes)
+        io_hold_node(model, index, IO_HELD_REQUIRED);
+    for (int j = 0; !is_nodes && j <= dim; j++)
+        io_hold_node(model, cells->nodes[index * (dim + 1) + j], IO_HELD_REQUIRED);
     return PLANISH_OK;
 }
 
-/** Numbers so many may be listed in all. */
-static int count_listed(groups *g, const char *path, int64_t n) {
-    const cgns_reader *r = g->r;
-    const int64_t all = r->model->n_nodes + r->model->line.n + r->model->triangle.n +
-                        r->model->tetrahedron.n + r->model->n_other + r->model->n_lower;
-    if (n < 0 || n > MOST_LISTINGS * all - g->listed)
-        return io_hdf5_fail(r->file, path,
+/** Take all members of a list of numbers, or of the range that two numbers are. */
+static int take_list(groups *g, const char *path, int is_nodes, int is_range,
+                     const io_hdf5_integers *list, int32_t in_condition) {
+    const io_model *model = g->r->model;
+    const int64_t all = model->n_nodes + model->line.n + model->triangle.n + model->tetrahedron.n +
+                        model->n_other + model->n_lower;
+    int64_t first = 0, n = list->n;
+    if (is_range) {
+        if (list->n != 2)
+            return io_hdf5_fail(g->r->file, path, "two numbers were expected");
+        first = io_hdf5_integer(list, 0);
+        const int64_t last = io_hdf5_integer(list, 1);
+        if (first < 1 || last < first - 1 || last == INT64_MAX)
+            return io_hdf5_fail(g->r->file, path, "%lld to %lld is no range", (long long)first,
+                                (long long)last);
+        n = last - first + 1;
+    }
+    if (n > MOST_LISTINGS * all - g->listed)
+        return io_hdf5_fail(g->r->file, path,
                             "conditions up to this one list elements and nodes more than %d times "
                             "over; the file is damaged",
                             MOST_LISTINGS);
     g->listed += n;
-    return PLANISH_OK;
-}
-
-static int for_range(groups *g, const char *path, int is_nodes, const io_hdf5_integers *range,
-                     member_fn *put, int32_t in_condition) {
-    if (range->n != 2)
-        return io_hdf5_fail(g->r->file, path, "two numbers were expected");
-    const int64_t first = io_hdf5_integer(range, 0), last = io_hdf5_integer(range, 1);
-    if (first < 1 || last < first - 1 || last == INT64_MAX)
-        return io_hdf5_fail(g->r->file, path, "%lld to %lld is no range", (long long)first,
-                            (long long)last);
-    int status = count_listed(g, path, last - first + 1);
-    for (int64_t i = first; i <= last && !status; i++)
-        status = put(g, path, is_nodes, i, in_condition);
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < n && !status; i++)
+        status = take_member(g, path, is_nodes, is_range ? first + i : io_hdf5_integer(list, i),
+                             in_condition);
     return status;
 }
 
-static int for_list(groups *g, const char *path, int is_nodes, const io_hdf5_integers *list,
-                    member_fn *put, int32_t in_condition) {
-    int status = count_listed(g, path, list->n);
-    for (int64_t i = 0; i < list->n && !status; i++)
-        status = put(g, path, is_nodes, io_hdf5_integer(list, i), in_condition);
-    return status;
-}
-
-/** All that a node of CGNS lists: points, which are nodes or elements by its GridLocation, and
+/** Take all that a node of CGNS lists: points, which are nodes or elements by its GridLocation, and
  *  elements. */
-static int for_members(groups *g, const char *path, member_fn *put, int32_t in_condition) {
+static int take_members(groups *g, const char *path, int32_t in_condition) {
     static const struct {
         const char *name;
         int is_points, is_range;
@@ -213,9 +190,7 @@ static int for_members(groups *g, const char *path, member_fn *put, int32_t in_c
                  {"ElementList", 0, 0},
                  {"ElementRange", 0, 1}};
     char child[IO_HDF5_PATH_SIZE], location[NAME_SIZE] = "";
-    int status = io_hdf5_path(g->r->file, child, "%s/GridLocation", path);
-    if (!status)
-        status = cgns_text(g->r, child, location, sizeof location);
+    int status = cgns_text(g->r, path, "GridLocation", location, sizeof location);
     const int is_vertex = !location[0] || strcmp(location, "Vertex") == 0;
     for (size_t i = 0; i < sizeof lists / sizeof *lists && !status; i++) {
         io_hdf5_integers numbers = {0};
@@ -223,12 +198,11 @@ static int for_members(groups *g, const char *path, member_fn *put, int32_t in_c
         if (status || io_hdf5_kind_of(g->r->file, child) != IO_HDF5_GROUP)
             continue;
         const int is_nodes = lists[i].is_points && is_vertex;
-        status = cgns_integers(g->r, child, &numbers);
+        status = cgns_integers(g->r, child, "", &numbers);
         if (!status && is_nodes)
             status = begin_nodes(g);
         if (!status)
-            status = (lists[i].is_range ? for_range : for_list)(g, child, is_nodes, &numbers, put,
-                                                                in_condition);
+            status = take_list(g, child, is_nodes, lists[i].is_range, &numbers, in_condition);
         io_hdf5_integers_release(&numbers);
     }
     return status;
@@ -236,26 +210,22 @@ static int for_members(groups *g, const char *path, member_fn *put, int32_t in_c
 
 /* ---- conditions and connections ------------------------------------------------------------ */
 
-/** Takes over name, which is NULL then. */
+/** Add the condition called name, which is taken over. */
 static int add_condition(groups *g, const char *path, char **name) {
-    char family[IO_HDF5_PATH_SIZE];
-    condition *grown = pl_grow(g->condition, g->n_conditions, g->n_conditions + 1,
-                               &g->condition_capacity, sizeof *grown);
-    if (!grown)
+    condition *c = pl_grow(g->condition, g->n_conditions, g->n_conditions + 1,
+                           &g->condition_capacity, sizeof *c);
+    if (!c)
         return pl_fail_memory(g->r->error, "the groups of the file");
-    g->condition = grown;
-    condition *c = &g->condition[g->n_conditions++];
+    g->condition = c;
+    c += g->n_conditions++;
     *c = (condition){.name = *name};
     *name = NULL;
-    int status = io_hdf5_path(g->r->file, family, "%s/FamilyName", path);
-    if (!status)
-        status = cgns_text(g->r, family, c->family, sizeof c->family);
-    return status ? status : for_members(g, path, put_in_condition, (int32_t)g->n_conditions - 1);
+    return cgns_text(g->r, path, "FamilyName", c->family, sizeof c->family);
 }
 
-/** All children with a label, of children with another, of the zone. */
-static int for_grandchildren(groups *g, const char *label, const char *of,
-                             int (*take)(groups *g, const char *path, char **name)) {
+/** Take the members of all children with a label, of children of the zone with another; these are
+ *  conditions or connections. */
+static int read_lists(groups *g, const char *label, const char *of, int are_conditions) {
     char group[IO_HDF5_PATH_SIZE], path[IO_HDF5_PATH_SIZE];
     io_hdf5_names outer, inner;
     int status = cgns_children(g->r, g->r->zone, of, &outer);
@@ -266,8 +236,11 @@ static int for_grandchildren(groups *g, const char *label, const char *of,
         status = cgns_children(g->r, group, label, &inner);
         for (int64_t j = 0; j < inner.n && !status; j++) {
             status = io_hdf5_path(g->r->file, path, "%s/%s", group, inner.name[j]);
+            if (!status && are_conditions)
+                status = add_condition(g, path, &inner.name[j]);
             if (!status)
-                status = take(g, path, &inner.name[j]);
+                status =
+                    take_members(g, path, are_conditions ? (int32_t)g->n_conditions - 1 : NONE);
         }
         io_hdf5_names_release(&inner);
     }
@@ -275,14 +248,9 @@ static int for_grandchildren(groups *g, const char *label, const char *of,
     return status;
 }
 
-static int take_connection(groups *g, const char *path, char **name) {
-    (void)name;
-    return for_members(g, path, hold_member, NONE);
-}
-
 /* ---- entities and names -------------------------------------------------------------------- */
 
-/** The entity of each class in a dimension, in place. */
+/** Replace each class in a dimension by its entity; members of the class without have none. */
 static int index_entities(groups *g, int dim, int32_t *class, int64_t n, int32_t without) {
     int32_t last = NONE, entity = NONE;
     for (int64_t i = 0; i < n; i++) {
@@ -299,6 +267,7 @@ static int index_entities(groups *g, int dim, int32_t *class, int64_t n, int32_t
     return PLANISH_OK;
 }
 
+/** Give the entities of a class a name. */
 static int add_name(groups *g, int32_t class, const char *name) {
     int status = PLANISH_OK;
     for (int dim = 0; dim <= 3 && !status && name[0]; dim++)
@@ -308,51 +277,43 @@ static int add_name(groups *g, int32_t class, const char *name) {
     return status;
 }
 
-/** The names of a class: of its conditions, their families and its section. */
-static int name_class(groups *g, int32_t class) {
-    int status = PLANISH_OK;
-    int32_t at = class;
-    for (; g->class[at].condition != NONE && !status; at = g->class[at].before) {
-        const condition *c = &g->condition[g->class[at].condition];
-        status = add_name(g, class, c->name);
-        if (!status && strcmp(c->family, c->name) != 0)
-            status = add_name(g, class, c->family);
-    }
-    if (!status && at < g->r->n_sections)
-        status = add_name(g, class, g->r->section[at].name);
-    return status;
-}
-
+/** Make entities of classes, in place, and give them names: of their conditions, the families of
+ *  these and their section. */
 static int make_entities(groups *g) {
     io_model *model = g->r->model;
     int status = PLANISH_OK;
     for (int dim = 3; dim >= 1 && !status; dim--) {
-        io_cells *cells = io_model_cells(g->r->model, dim);
+        io_cells *cells = io_model_cells(model, dim);
         status = index_entities(g, dim, cells->entity, cells->n, NONE);
     }
     if (!status && model->node_entity)
         status = index_entities(g, 0, model->node_entity, model->n_nodes, g->other_nodes);
-    for (int64_t i = 0; i < g->n_classes && !status; i++)
-        status = name_class(g, (int32_t)i);
+    for (int32_t class = 0; class < g->n_classes && !status; class ++) {
+        int32_t at = class;
+        for (; g->class[at].condition != NONE && !status; at = g->class[at].before) {
+            const condition *c = &g->condition[g->class[at].condition];
+            status = add_name(g, class, c->name);
+            if (!status && strcmp(c->family, c->name) != 0)
+                status = add_name(g, class, c->family);
+        }
+        if (!status && at < g->r->n_sections)
+            status = add_name(g, class, g->r->section[at].name);
+    }
     return status;
-}
-
-static int read_groups(groups *g) {
-    int32_t index;
-    int status = PLANISH_OK;
-    for (int64_t i = 0; i < g->r->n_sections && !status; i++)
-        status = add_class(g, NONE, NONE, &index);
-    if (!status)
-        status = for_grandchildren(g, "BC_t", "ZoneBC_t", add_condition);
-    if (!status)
-        status =
-            for_grandchildren(g, "GridConnectivity_t", "ZoneGridConnectivity_t", take_connection);
-    return status ? status : make_entities(g);
 }
 
 int cgns_read_groups(cgns_reader *r) {
     groups g = {.r = r, .other_nodes = NONE};
-    int status = read_groups(&g);
+    int32_t index;
+    int status = PLANISH_OK;
+    for (int64_t i = 0; i < r->n_sections && !status; i++)
+        status = add_class(&g, NONE, NONE, &index);
+    if (!status)
+        status = read_lists(&g, "BC_t", "ZoneBC_t", 1);
+    if (!status)
+        status = read_lists(&g, "GridConnectivity_t", "ZoneGridConnectivity_t", 0);
+    if (!status)
+        status = make_entities(&g);
     for (int64_t i = 0; i < g.n_conditions; i++)
         pl_free(g.condition[i].name);
     pl_free(g.condition);

@@ -270,6 +270,18 @@ void io_hdf5_names_release(io_hdf5_names *names) {
     *names = (io_hdf5_names){0};
 }
 
+int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
+                       const io_hdf5_names *names) {
+    if (names->n == 1)
+        return PLANISH_OK;
+    if (names->n == 0)
+        return io_hdf5_fail(file, path, "there is no %s", what);
+    return io_hdf5_fail(file, path,
+                        "there are %lld of them (%.40s, %.40s, ...); planish reads files with one "
+                        "%s: write each to a file of its own",
+                        (long long)names->n, names->name[0], names->name[1], what);
+}
+
 /* ---- attributes --------------------------------------------------------------------------- */
 
 /** Open the attribute of one value; negative if there is none, or not of one value. */

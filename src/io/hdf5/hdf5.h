@@ -1,6 +1,15 @@
 /* hdf5: what the readers of formats in HDF5 share: objects by their path, numbers and text of
  * them, and coordinates with their places in the file's bytes.
  *
+ *   io_hdf5_recognise, _open, _close, _check, _fail        a file (hdf5.c)
+ *   io_hdf5_path, _kind_of, _list, _names_..., _check_only    objects
+ *   io_hdf5_attribute, _text_attribute                     attributes
+ *   io_hdf5_shape_of, _numbers_of, _integers_..., _strings_read, _reals_read
+ *                                                          datasets (hdf5_data.c)
+ *   io_hdf5_coordinates, _coordinates_again, _is_as_long, _coordinates_end, _find_rows
+ *                                                          coordinates (hdf5_coordinates.c)
+ *   io_hdf5_amend, _release                                for io_format
+ *
  * The HDF5 library is given the bytes that are in memory already, so that what it reads is what is
  * written back, of a pipe, too. It is used on one thread. Links to other files, data that are
  * stored in other files and filters that the library does not have by itself are refused, and so
@@ -22,25 +31,26 @@ typedef struct io_hdf5 io_hdf5;
 /** Whether the bytes are an HDF5 file that has an object at path. */
 int io_hdf5_recognise(const char *data, int64_t size, const char *path);
 
-/** Open model->input. All functions fail with *error of here, which must stay. */
+/** Open model->input; is_binary is set. All functions fail with *error of here, which must stay. */
 int io_hdf5_open(io_model *model, io_hdf5 **file, planish_error *error);
 void io_hdf5_close(io_hdf5 *file);
 
-/** "FILE: PATH: text" as a _FORMAT error. */
+/** Fail with "FILE: PATH: text" as a _FORMAT error. */
 int io_hdf5_fail(io_hdf5 *file, const char *path, const char *format, ...) PL_PRINTF(3, 4);
 
 /* ---- objects: paths begin at the root ------------------------------------------------------ */
 
 enum { IO_HDF5_PATH_SIZE = 1024 };
 
-/** The path that format gives, in path [IO_HDF5_PATH_SIZE]; fails if it is too long. */
+/** Put the path that format gives in path [IO_HDF5_PATH_SIZE]; fails if it is too long. */
 int io_hdf5_path(io_hdf5 *file, char *path, const char *format, ...) PL_PRINTF(3, 4);
 
 typedef enum io_hdf5_kind { IO_HDF5_NONE, IO_HDF5_GROUP, IO_HDF5_DATASET } io_hdf5_kind;
+/** Find the kind of the object at path. */
 io_hdf5_kind io_hdf5_kind_of(io_hdf5 *file, const char *path);
 
-/** After all of the file: fails if io_hdf5_kind_of has called anything _NONE that is there, but
- * could not be looked at (without memory, say). */
+/** Check, after all of the file, whether io_hdf5_kind_of has called anything _NONE that is there,
+ *  but could not be looked at (without memory, say): then that fails. */
 int io_hdf5_check(io_hdf5 *file);
 
 /** Names of the objects in a group, in the names' order. */
@@ -53,8 +63,11 @@ int io_hdf5_list(io_hdf5 *file, const char *path, io_hdf5_names *names);
 /** Add a name, which is taken over, or released on failure; NULL: without memory. */
 int io_hdf5_names_add(io_hdf5 *file, io_hdf5_names *names, char *name);
 void io_hdf5_names_release(io_hdf5_names *names);
+/** Check that there is one name in the group at path, of what (a mesh, say). */
+int io_hdf5_check_only(io_hdf5 *file, const char *path, const char *what,
+                       const io_hdf5_names *names);
 
-/** The attribute of an object, a whole number or text (cut off at size); *found, and value
+/** Read the attribute of an object, a whole number or text (cut off at size); *found, and value
  *  untouched without it. */
 int io_hdf5_attribute(io_hdf5 *file, const char *path, const char *name, int64_t *value,
                       int *found);
@@ -77,7 +90,7 @@ typedef struct io_hdf5_integers {
     int size, swapped; /* 4 or 8 bytes, signed */
     void *owned;       /* the copy, or NULL */
 } io_hdf5_integers;
-/** Release in any case. */
+/** Read the dataset at path. Release in any case. */
 int io_hdf5_integers_read(io_hdf5 *file, const char *path, io_hdf5_integers *integers);
 void io_hdf5_integers_release(io_hdf5_integers *integers);
 
@@ -86,16 +99,16 @@ static inline int64_t io_hdf5_integer(const io_hdf5_integers *integers, int64_t 
                                : io_load_i64(integers->data + 8 * i, integers->swapped);
 }
 
-/** What the values of a dataset are; _NEITHER of one that cannot be read as numbers in one or two
+/** Kind of the values of a dataset; _NEITHER of one that cannot be read as numbers in one or two
  *  dimensions. */
 typedef enum io_hdf5_numbers { IO_HDF5_NEITHER, IO_HDF5_WHOLE, IO_HDF5_REAL } io_hdf5_numbers;
 io_hdf5_numbers io_hdf5_numbers_of(io_hdf5 *file, const char *path, io_hdf5_shape *shape);
 
-/** Strings of one length, one after another, as they stand there: n of them. *text is owned by the
+/** Read n strings of one length, one after another, as they stand there. *text is owned by the
  *  caller. Numbers of one byte are text, too. */
 int io_hdf5_strings_read(io_hdf5 *file, const char *path, char **text, int64_t *n, int64_t *length);
 
-/** Numbers of any kind as doubles, and their shape; *values is owned by the caller. */
+/** Read numbers of any kind as doubles, and their shape; *values is owned by the caller. */
 int io_hdf5_reals_read(io_hdf5 *file, const char *path, double **values, io_hdf5_shape *shape);
 
 /* ---- coordinates --------------------------------------------------------------------------- */
@@ -108,22 +121,22 @@ typedef struct io_hdf5_place {
     int64_t node_step, component_step;
 } io_hdf5_place;
 
-/** Read coordinates; io_model_nodes has been called. The dataset must have as many values as
- *  nodes and components say. */
+/** Read coordinates, and tell the model their places; io_model_nodes has been called. The dataset
+ * must have as many values as nodes and components say. */
 int io_hdf5_coordinates(io_hdf5 *file, const io_hdf5_place *place);
 
-/** The same for what may be a copy of coordinates that have been read: of that the place is kept,
- *  too. *is_copy: it has the same values, of the same precision. */
+/** Look at what may be a copy of coordinates that have been read: of a copy the place is kept, too.
+ *  *is_copy: it has the same values, of the same precision. */
 int io_hdf5_coordinates_again(io_hdf5 *file, const io_hdf5_place *place, int *is_copy);
 
 /** Whether at path there is a dataset of n numbers of which the readers can make something. */
 int io_hdf5_is_as_long(io_hdf5 *file, const char *path, int64_t n);
 
-/** After all coordinates: tell the model their places. */
+/** Put the places in the model in order, after all coordinates. */
 int io_hdf5_coordinates_end(io_hdf5 *file);
 
-/** Where rows [n][width], or [n width], of doubles stand in the HDF5 file at path, whatever it is,
- *  as they are in memory: *span [*n_spans], to be released by pl_free, in which nodes are rows.
+/** Find where rows [n][width], or [n width], of doubles stand in the HDF5 file at path, whatever it
+ * is, as they are in memory: *span [*n_spans], to be released by pl_free, in which nodes are rows.
  * None if they do not stand there like that, or there is no such dataset. */
 int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int width, io_span **span,
                       int64_t *n_spans, planish_error *error);

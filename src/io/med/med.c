@@ -45,16 +45,9 @@ static const io_element_type types[] = {
 };
 enum { N_TYPES = sizeof types / sizeof *types };
 
-/** Find the row of a type by its name; a type that is not there is of any shape. */
-static const io_element_type *type_of(const char *name) {
-    static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0, NULL};
-    const io_element_type *type = io_element_find(types, N_TYPES, name, (int64_t)strlen(name));
-    return type ? type : &other;
-}
-
 /* ---- the mesh ----------------------------------------------------------------------------- */
 
-/** Fails unless there is no such attribute, or its value is the wanted one. */
+/** Fail unless there is no such attribute, or its value is the wanted one. */
 static int demand(reader *r, const char *path, const char *name, int64_t wanted,
                   const char *otherwise) {
     int64_t value = wanted;
@@ -65,37 +58,11 @@ static int demand(reader *r, const char *path, const char *name, int64_t wanted,
     return status;
 }
 
-/** The one name in a group. */
-static int take_only(reader *r, const char *path, const char *what, io_hdf5_names *names) {
-    int status = io_hdf5_list(r->file, path, names);
-    if (!status && names->n == 0)
-        status = io_hdf5_fail(r->file, path, "there is no %s", what);
-    if (!status && names->n > 1)
-        status =
-            io_hdf5_fail(r->file, path,
-                         "there are %lld of them (%.60s, %.60s, ...); planish reads files with "
-                         "one %s: write each to a file of its own",
-                         (long long)names->n, names->name[0], names->name[1], what);
-    return status;
-}
-
-/** Versions before 3 have no steps. */
-static int find_step(reader *r) {
+/** Find the mesh called r->name, and the step of its nodes and elements. */
+static int find_mesh(reader *r) {
     char nodes[IO_HDF5_PATH_SIZE];
     io_hdf5_names steps = {0};
-    int status = io_hdf5_path(r->file, nodes, "%s/NOE", r->mesh);
-    if (status || io_hdf5_kind_of(r->file, nodes) == IO_HDF5_GROUP)
-        return status ? status : io_hdf5_path(r->file, r->step, "%s", r->mesh);
-    status = take_only(r, r->mesh, "step of computation", &steps);
-    if (!status)
-        status = io_hdf5_path(r->file, r->step, "%s/%s", r->mesh, steps.name[0]);
-    io_hdf5_names_release(&steps);
-    return status;
-}
-
-static int find_mesh(reader *r, const char *name) {
-    r->name = name;
-    int status = io_hdf5_path(r->file, r->mesh, MESHES "/%s", name);
+    int status = io_hdf5_path(r->file, r->mesh, MESHES "/%s", r->name);
     if (!status)
         status = demand(r, r->mesh, "TYP", 0,
                         "a structured mesh; planish smooths unstructured meshes of tetrahedra or "
@@ -104,12 +71,22 @@ static int find_mesh(reader *r, const char *name) {
         status = demand(r, r->mesh, "REP", 0,
                         "its coordinates are cylindrical or spherical; planish reads cartesian "
                         "ones");
-    return status ? status : find_step(r);
+    if (!status)
+        status = io_hdf5_path(r->file, nodes, "%s/NOE", r->mesh);
+    if (status || io_hdf5_kind_of(r->file, nodes) == IO_HDF5_GROUP) /* before 3: no steps */
+        return status ? status : io_hdf5_path(r->file, r->step, "%s", r->mesh);
+    status = io_hdf5_list(r->file, r->mesh, &steps);
+    if (!status)
+        status = io_hdf5_check_only(r->file, r->mesh, "step of computation", &steps);
+    if (!status)
+        status = io_hdf5_path(r->file, r->step, "%s/%s", r->mesh, steps.name[0]);
+    io_hdf5_names_release(&steps);
+    return status;
 }
 
 /* ---- numbers beside elements or nodes ------------------------------------------------------ */
 
-/** Whole numbers at path, n of them, or none if there is no such data. */
+/** Read whole numbers called name in a group, n of them, or none if there is no such data. */
 static int read_optional(reader *r, const char *group, const char *name, int64_t n,
                          io_hdf5_integers *numbers) {
     char path[IO_HDF5_PATH_SIZE];
@@ -124,8 +101,8 @@ static int read_optional(reader *r, const char *group, const char *name, int64_t
     return status;
 }
 
-/** Entities of the families of n cells or nodes, most often the same for long stretches. without:
- *  that of family 0, or -1: none. */
+/** Find the entities of the families of n cells or nodes, most often the same for long stretches.
+ *  Family 0 has none unless zero_is_one. */
 static int take_families(reader *r, const char *group, int dim, const io_hdf5_integers *families,
                          int64_t n, int zero_is_one, int32_t *entity) {
     int64_t last = 0;
@@ -147,23 +124,6 @@ static int take_families(reader *r, const char *group, int dim, const io_hdf5_in
         }
         entity[i] = index;
     }
-    return PLANISH_OK;
-}
-
-/** The file's numbers of nodes, if they are not 1, 2, 3 ... */
-static int take_node_numbers(reader *r, const io_hdf5_integers *numbers) {
-    io_model *model = r->model;
-    int64_t i = 0;
-    model->first_number = 1;
-    while (i < numbers->n && io_hdf5_integer(numbers, i) == i + 1)
-        i++;
-    if (i == numbers->n)
-        return PLANISH_OK;
-    model->node_number = pl_alloc(model->n_nodes, sizeof *model->node_number);
-    if (!model->node_number)
-        return pl_fail_memory(r->error, "the numbers of nodes");
-    for (i = 0; i < numbers->n; i++)
-        model->node_number[i] = io_hdf5_integer(numbers, i);
     return PLANISH_OK;
 }
 
@@ -208,13 +168,22 @@ static int read_nodes(reader *r) {
     io_model *model = r->model;
     char group[IO_HDF5_PATH_SIZE];
     io_hdf5_integers families = {0}, numbers = {0};
+    int64_t counted = 0; /* first nodes with the numbers 1, 2, 3 ... */
     int status = io_hdf5_path(r->file, group, "%s/NOE", r->step);
     if (!status)
         status = read_coordinates(r, group);
     if (!status)
         status = read_optional(r, group, "NUM", model->n_nodes, &numbers);
-    if (!status)
-        status = take_node_numbers(r, &numbers);
+    model->first_number = 1;
+    while (!status && counted < numbers.n && io_hdf5_integer(&numbers, counted) == counted + 1)
+        counted++;
+    if (!status && counted < numbers.n) {
+        model->node_number = pl_alloc(model->n_nodes, sizeof *model->node_number);
+        if (!model->node_number)
+            status = pl_fail_memory(r->error, "the numbers of nodes");
+        for (int64_t i = 0; i < numbers.n && !status; i++)
+            model->node_number[i] = io_hdf5_integer(&numbers, i);
+    }
     if (!status)
         status = read_optional(r, group, "FAM", model->n_nodes, &families);
     if (!status && families.n > 0) {
@@ -238,62 +207,60 @@ typedef struct block {
     int64_t n; /* elements */
 } block;
 
-static int fail_node(reader *r, const block *b, int64_t element, int64_t node) {
+/** Take number i of the list, a node: its index. */
+static int take_node(reader *r, const block *b, int64_t i, int64_t *node) {
+    const int64_t number = io_hdf5_integer(&b->nodes, i);
+    *node = number - 1;
+    if (number >= 1 && number <= r->model->n_nodes)
+        return PLANISH_OK;
     return io_hdf5_fail(r->file, b->path, "element %lld: node %lld is not in 1 .. %lld",
-                        (long long)element + 1, (long long)node, (long long)r->model->n_nodes);
-}
-
-/** Numbers of the elements, where they are not 1, 2, 3 ... */
-static void take_cell_numbers(io_cells *cells, const io_hdf5_integers *numbers) {
-    for (int64_t i = 0; i < numbers->n; i++)
-        cells->number[i] = io_hdf5_integer(numbers, i);
+                        (long long)(b->n > 0 ? i % b->n : 0) + 1, (long long)number,
+                        (long long)r->model->n_nodes);
 }
 
 static int read_cells(reader *r, const block *b) {
-    const int corners = io_element_dim(b->type) + 1;
-    io_cells *cells = io_model_cells(r->model, io_element_dim(b->type));
+    const int dim = io_element_dim(b->type), corners = dim + 1;
+    io_cells *cells = io_model_cells(r->model, dim);
     io_hdf5_integers families = {0}, numbers = {0};
     int status = read_optional(r, b->group, "FAM", b->n, &families);
     if (!status)
         status = read_optional(r, b->group, "NUM", b->n, &numbers);
     if (!status)
-        status = io_cells_reserve(cells, io_element_dim(b->type), b->n, 1, numbers.n > 0, r->error);
-    for (int64_t j = 0; j < corners && !status; j++) {
-        for (int64_t i = 0; i < b->n; i++) {
-            const int64_t node = io_hdf5_integer(&b->nodes, j * b->n + i);
-            if (node < 1 || node > r->model->n_nodes) {
-                status = fail_node(r, b, i, node);
-                break;
-            }
-            cells->nodes[i * corners + j] = (int32_t)(node - 1);
+        status = io_cells_reserve(cells, dim, b->n, 1, numbers.n > 0, r->error);
+    for (int64_t j = 0; j < corners; j++)
+        for (int64_t i = 0; i < b->n && !status; i++) {
+            int64_t node;
+            status = take_node(r, b, j * b->n + i, &node);
+            cells->nodes[i * corners + j] = status ? 0 : (int32_t)node;
         }
-    }
+    for (int64_t i = 0; i < numbers.n && !status; i++)
+        cells->number[i] = io_hdf5_integer(&numbers, i);
+    if (!status)
+        status = take_families(r, b->group, dim, &families, b->n, 1, cells->entity);
     if (!status) {
         cells->first_number = 1;
-        take_cell_numbers(cells, &numbers);
-        status =
-            take_families(r, b->group, io_element_dim(b->type), &families, b->n, 1, cells->entity);
-    }
-    if (!status)
         cells->n = b->n;
+    }
     io_hdf5_integers_release(&families);
     io_hdf5_integers_release(&numbers);
     return status;
 }
 
-/** Polygons and polyhedra list the nodes of one element after another; all are nodes. */
+/** Hold the nodes of elements that are not kept. Polygons and polyhedra list the nodes of one
+ *  element after another; all are nodes. */
 static int hold_nodes(reader *r, const block *b) {
+    int status = PLANISH_OK;
     io_element_count(r->model, b->type, b->n);
-    for (int64_t i = 0; i < b->nodes.n; i++) {
-        const int64_t node = io_hdf5_integer(&b->nodes, i);
-        if (node < 1 || node > r->model->n_nodes)
-            return fail_node(r, b, b->n > 0 ? i % b->n : 0, node);
-        io_hold_node(r->model, node - 1, io_element_reason(b->type));
+    for (int64_t i = 0; i < b->nodes.n && !status; i++) {
+        int64_t node;
+        status = take_node(r, b, i, &node);
+        if (!status)
+            io_hold_node(r->model, node, io_element_reason(b->type));
     }
-    return PLANISH_OK;
+    return status;
 }
 
-/** How many elements the block has: simplices by their nodes, others by what the file says. */
+/** Count the elements of a block: simplices by their nodes, others by what the file says. */
 static int count_elements(reader *r, block *b) {
     int found;
     const int corners = io_element_dim(b->type) + 1;
@@ -311,7 +278,9 @@ static int count_elements(reader *r, block *b) {
 }
 
 static int read_block(reader *r, const char *name) {
-    block b = {.type = type_of(name)};
+    static const io_element_type other = {NULL, IO_ANY_SHAPE, 1, 0, NULL};
+    const io_element_type *type = io_element_find(types, N_TYPES, name, (int64_t)strlen(name));
+    block b = {.type = type ? type : &other};
     int status = io_hdf5_path(r->file, b.group, "%s/MAI/%s", r->step, name);
     if (!status)
         status = io_hdf5_path(r->file, b.path, "%s/NOD", b.group);
@@ -348,16 +317,7 @@ static int read_elements(reader *r) {
 
 /* ---- groups of families ------------------------------------------------------------------- */
 
-/** A name fills up its place with zeros or blanks. */
-static int64_t name_length(const char *text, int64_t size) {
-    const char *end = memchr(text, '\0', (size_t)size);
-    int64_t length = end ? end - text : size;
-    while (length > 0 && text[length - 1] == ' ')
-        length--;
-    return length;
-}
-
-/** Which dimensions elements of a family have: io_group is of one. */
+/** Add a group of a family, for each dimension that its elements have: io_group is of one. */
 static int add_group(reader *r, int64_t family, int is_of_nodes, const char *name, int64_t length) {
     int status = PLANISH_OK;
     for (int dim = is_of_nodes ? 0 : 1; dim <= (is_of_nodes ? 0 : 3) && !status; dim++)
@@ -366,7 +326,7 @@ static int add_group(reader *r, int64_t family, int is_of_nodes, const char *nam
     return status;
 }
 
-/** The groups that a family is of. */
+/** Read the groups that a family is of. */
 static int read_family(reader *r, const char *path, int is_of_nodes) {
     char names[IO_HDF5_PATH_SIZE];
     char *text = NULL;
@@ -382,9 +342,12 @@ static int read_family(reader *r, const char *path, int is_of_nodes) {
         return status;
     status = io_hdf5_strings_read(r->file, names, &text, &n, &size);
     for (int64_t i = 0; i < n && !status; i++) {
-        const int64_t length = name_length(text + i * size, size);
+        const char *name = text + i * size, *end = memchr(name, '\0', (size_t)size);
+        int64_t length = end ? end - name : size;
+        while (length > 0 && name[length - 1] == ' ') /* zeros or blanks fill up its place */
+            length--;
         if (length > 0)
-            status = add_group(r, family, is_of_nodes, text + i * size, length);
+            status = add_group(r, family, is_of_nodes, name, length);
     }
     pl_free(text);
     return status;
@@ -408,30 +371,29 @@ static int read_families(reader *r, const char *of) {
 
 /* ---- the format --------------------------------------------------------------------------- */
 
-static int read_mesh(reader *r) {
-    io_hdf5_names meshes = {0};
-    int status = take_only(r, MESHES, "mesh", &meshes);
-    if (!status)
-        status = find_mesh(r, meshes.name[0]);
-    if (!status)
-        status = read_nodes(r);
-    if (!status)
-        status = read_elements(r);
-    if (!status)
-        status = read_families(r, "ELEME");
-    if (!status)
-        status = read_families(r, "NOEUD");
-    io_hdf5_names_release(&meshes);
-    return status;
-}
-
 static int med_read(io_model *model, planish_error *error) {
     reader r = {.model = model, .error = error};
+    io_hdf5_names meshes = {0};
     int status = io_hdf5_open(model, &r.file, error);
     if (!status)
-        status = read_mesh(&r);
+        status = io_hdf5_list(r.file, MESHES, &meshes);
+    if (!status)
+        status = io_hdf5_check_only(r.file, MESHES, "mesh", &meshes);
+    if (!status) {
+        r.name = meshes.name[0];
+        status = find_mesh(&r);
+    }
+    if (!status)
+        status = read_nodes(&r);
+    if (!status)
+        status = read_elements(&r);
+    if (!status)
+        status = read_families(&r, "ELEME");
+    if (!status)
+        status = read_families(&r, "NOEUD");
     if (!status)
         status = io_hdf5_check(r.file);
+    io_hdf5_names_release(&meshes);
     io_hdf5_close(r.file);
     return status;
 }
