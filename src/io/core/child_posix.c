@@ -22,11 +22,11 @@
 #include <sys/prctl.h>
 #endif
 
-/** What the child says in the end. */
-typedef struct answer {
+/** The result that the child sends in the end. */
+typedef struct child_answer {
     int status;
     planish_error error;
-} answer;
+} child_answer;
 
 /** A crash is to end the child as the system does it: without the caller's handlers, a core file or
  *  text. What ends the caller ends the child; a signal that both get (Ctrl-C) is for the caller to
@@ -54,30 +54,26 @@ static void become_quiet(void) {
 
 #ifdef __linux__
 
-/** Bytes of memory that are this process's own; negative: not known. */
-static int64_t own_memory(void) {
+/** Let the child have, besides the memory that the caller had, no more than a mesh in size bytes
+ * can need, and of the machine's memory not all: in damaged files the HDF5 library follows lists
+ * that have no end, and takes memory for each entry. */
+static void limit_memory(int64_t size) {
+    const int64_t least = INT64_C(1) << 30;
+    const int64_t growth = 4096; /* a byte unpacks to a thousand at most, which are held as four */
+    const int64_t most = pl_system_memory() / 4 * 3;
+    const int64_t more = size < (most - least) / growth ? least + size * growth : most;
     char text[128];
-    long long pages;
+    long long pages; /* of memory that are this process's own */
+    struct rlimit limit;
     const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     const ssize_t length = file >= 0 ? read(file, text, sizeof text - 1) : -1;
     if (file >= 0)
         close(file);
     text[length > 0 ? length : 0] = '\0';
-    return sscanf(text, "%*s %*s %*s %*s %*s %lld", &pages) == 1 ? pages * sysconf(_SC_PAGESIZE)
-                                                                 : -1;
-}
-
-/** In damaged files the HDF5 library follows lists that have no end, and takes memory for each
- * entry. Let it have, besides what the caller had, no more than a mesh in size bytes can need; and
- * of the machine's memory not all. */
-static void limit_memory(int64_t size) {
-    const int64_t least = INT64_C(1) << 30;
-    const int64_t growth = 4096; /* a byte unpacks to a thousand at most, which are held as four */
-    const int64_t most = pl_system_memory() / 4 * 3;
-    const int64_t before = own_memory();
-    const int64_t more = size < (most - least) / growth ? least + size * growth : most;
-    struct rlimit limit;
-    if (before < 0 || more > INT64_MAX - before || getrlimit(RLIMIT_DATA, &limit))
+    if (sscanf(text, "%*s %*s %*s %*s %*s %lld", &pages) != 1 || getrlimit(RLIMIT_DATA, &limit))
+        return;
+    const int64_t before = pages * sysconf(_SC_PAGESIZE);
+    if (before < 0 || more > INT64_MAX - before)
         return;
     const rlim_t now = (rlim_t)(before + more);
     if (now < limit.rlim_cur) { /* RLIM_INFINITY is the largest number */
@@ -92,64 +88,34 @@ static void limit_memory(int64_t size) {
 }
 #endif
 
-/** In damaged files the library may also turn in circles. Let it have a minute of CPU, and a second
- *  more for each megabyte: a thousand times what it takes for a sound file. */
-static void limit_time(int64_t size) {
-    const rlim_t seconds = 60 + (rlim_t)(size >> 20);
+/** Call the function, tell the parent, and end. */
+static void be_child(io_child_fn *function, void *data, int64_t size, int to_parent) {
+    child_answer a;
     struct rlimit limit;
+    size_t n = 0;
+    memset(&a, 0, sizeof a);
+    become_quiet();
+    limit_memory(size);
+    /* In damaged files the library may also turn in circles. Let it have a minute of CPU, and a
+     * second more for each megabyte: a thousand times what it takes for a sound file. */
+    const rlim_t seconds = 60 + (rlim_t)(size >> 20);
     if (!getrlimit(RLIMIT_CPU, &limit) && seconds < limit.rlim_cur) {
         limit.rlim_cur = seconds;
         setrlimit(RLIMIT_CPU, &limit);
     }
-}
-
-/** A parent that is not told all of it takes it for a crash. */
-static void tell(int to_parent, const answer *a) {
-    size_t n = 0;
-    while (n < sizeof *a) {
-        const ssize_t put = write(to_parent, (const char *)a + n, sizeof *a - n);
+    a.status = function(data, &a.error);
+    /* A parent that is not told all of it takes it for a crash. */
+    while (n < sizeof a) {
+        const ssize_t put = write(to_parent, (const char *)&a + n, sizeof a - n);
         if (put >= 0)
             n += (size_t)put;
         else if (errno != EINTR)
             break;
     }
-}
-
-static void be_child(io_child_fn *function, void *data, int64_t size, int to_parent) {
-    answer a;
-    memset(&a, 0, sizeof a);
-    become_quiet();
-    limit_memory(size);
-    limit_time(size);
-    a.status = function(data, &a.error);
-    tell(to_parent, &a);
     _exit(0); /* nothing of the caller's is flushed or called */
 }
 
-/** Whether the child has answered. */
-static int hear(int from_child, answer *a) {
-    size_t n = 0;
-    while (n < sizeof *a) {
-        const ssize_t got = read(from_child, (char *)a + n, sizeof *a - n);
-        if (got > 0)
-            n += (size_t)got;
-        else if (got == 0 || errno != EINTR)
-            break;
-    }
-    return n == sizeof *a;
-}
-
-/** The signal that the child was ended by, or 0. A caller that ignores SIGCHLD is not told. */
-static int wait_for(pid_t child) {
-    int how = 0;
-    pid_t ended;
-    do
-        ended = waitpid(child, &how, 0);
-    while (ended < 0 && errno == EINTR);
-    return ended == child && WIFSIGNALED(how) ? WTERMSIG(how) : 0;
-}
-
-/** A pipe that programs started meanwhile by other threads do not get, or not for long. */
+/** Make a pipe that programs started meanwhile by other threads do not get, or not for long. */
 static int make_pipe(int ends[2]) {
 #ifdef __linux__
     return pipe2(ends, O_CLOEXEC);
@@ -158,41 +124,43 @@ static int make_pipe(int ends[2]) {
 #endif
 }
 
-/** Fork; the child, or a negative number. Errors are in errno. *from_child is to be closed. */
-static pid_t start(io_child_fn *function, void *data, int64_t size, int *from_child) {
-    int ends[2];
+int io_child_run(io_child_fn *function, void *data, const io_bytes *input, planish_error *error) {
+    child_answer a;
+    int ends[2], how = 0;
+    size_t n = 0;
     if (make_pipe(ends))
-        return -1;
+        return pl_fail_errno(error, input->path, "no process could be started to try it in");
     const pid_t child = fork();
     if (child == 0)
-        be_child(function, data, size, ends[1]);
+        be_child(function, data, input->size, ends[1]);
     const int why = errno;
     close(ends[1]);
-    if (child < 0)
+    if (child < 0) {
         close(ends[0]);
-    errno = why;
-    *from_child = ends[0];
-    return child;
-}
-
-int io_child_run(io_child_fn *function, void *data, const io_bytes *input, planish_error *error) {
-    answer a;
-    int from_child;
-    const pid_t child = start(function, data, input->size, &from_child);
-    if (child < 0)
+        errno = why;
         return pl_fail_errno(error, input->path, "no process could be started to try it in");
-    const int answered = hear(from_child, &a);
-    const int signal_number = wait_for(child);
-    close(from_child);
-    if (!answered && signal_number == SIGXCPU)
+    }
+    while (n < sizeof a) {
+        const ssize_t got = read(ends[0], (char *)&a + n, sizeof a - n);
+        if (got > 0)
+            n += (size_t)got;
+        else if (got == 0 || errno != EINTR)
+            break;
+    }
+    /* A caller that ignores SIGCHLD is not told how the child ended. */
+    pid_t ended;
+    do
+        ended = waitpid(child, &how, 0);
+    while (ended < 0 && errno == EINTR);
+    close(ends[0]);
+    const int signal_number = ended == child && WIFSIGNALED(how) ? WTERMSIG(how) : 0;
+    if (n < sizeof a)
         return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: the HDF5 library did not come to an end on it (signal %d, in a process "
-                       "of its own); the file is damaged",
-                       input->path, signal_number);
-    if (!answered)
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: the HDF5 library crashed on it (signal %d, in a process of its own); "
-                       "the file is damaged, or memory was short",
+                       signal_number == SIGXCPU
+                           ? "%s: the HDF5 library did not come to an end on it (signal %d, in a "
+                             "process of its own); the file is damaged"
+                           : "%s: the HDF5 library crashed on it (signal %d, in a process of its "
+                             "own); the file is damaged, or memory was short",
                        input->path, signal_number);
     if (a.status && error)
         *error = a.error;

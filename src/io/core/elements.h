@@ -15,7 +15,7 @@
 #ifndef PL_IO_CORE_ELEMENTS_H
 #define PL_IO_CORE_ELEMENTS_H
 
-#include "io/core/model.h"
+#include "io/core/text.h"
 
 typedef enum io_shape {
     IO_NO_SHAPE, /* the table has no such type */
@@ -85,7 +85,12 @@ static inline void io_element_count(io_model *model, const io_element_type *type
 }
 
 /** Find the row of a name in table [n], letter case respected. Return NULL if there is none. */
-const io_element_type *io_element_find(const io_element_type *table, int n, const char *name,
-                                       int64_t length);
+static inline const io_element_type *io_element_find(const io_element_type *table, int n,
+                                                     const char *name, int64_t length) {
+    for (int i = 0; i < n; i++)
+        if (table[i].name && io_word_is(name, length, table[i].name, 0))
+            return &table[i];
+    return NULL;
+}
 
 #endif

@@ -25,41 +25,36 @@ const char *io_extension(const char *path) {
     return dot ? dot : path + strlen(path);
 }
 
-/** Length of path without an extension of the format. */
-static size_t base_length(const io_format *format, const char *path) {
-    return io_format_has_extension(format, path) ? (size_t)(io_extension(path) - path)
-                                                 : strlen(path);
-}
-
-/** Whether that extension is in capitals. */
-static int is_capital(const char *extension) {
-    int letters = 0, small = 0;
-    for (; *extension; extension++) {
-        letters += isalpha((unsigned char)*extension) != 0;
-        small += islower((unsigned char)*extension) != 0;
-    }
-    return letters > 0 && small == 0;
-}
-
-/** The first length bytes of path, and extension behind them, in small letters. Owned. */
-static char *join(const char *path, size_t length, const char *extension) {
-    char *result = pl_alloc((int64_t)(length + strlen(extension) + 1), 1);
+/** Join path, without an extension of the format, and extension in small letters. Owned; *base:
+ *  where the latter begins. */
+static char *join_extension(const io_format *format, const char *path, const char *extension,
+                            size_t *base) {
+    *base =
+        io_format_has_extension(format, path) ? (size_t)(io_extension(path) - path) : strlen(path);
+    char *result = pl_alloc((int64_t)(*base + strlen(extension) + 1), 1);
     if (!result)
         return NULL;
-    memcpy(result, path, length);
+    memcpy(result, path, *base);
     for (size_t i = 0; i <= strlen(extension); i++)
-        result[length + i] = (char)tolower((unsigned char)extension[i]);
+        result[*base + i] = (char)tolower((unsigned char)extension[i]);
     return result;
 }
 
 char *io_plain_companion_path(const io_format *format, const char *path, const char *extension) {
-    return join(path, base_length(format, path), extension);
+    size_t base;
+    return join_extension(format, path, extension, &base);
 }
 
 char *io_companion_path(const io_format *format, const char *path, const char *extension) {
-    const size_t base = base_length(format, path);
-    char *result = join(path, base, extension);
-    for (char *at = result ? result + base : ""; *at && is_capital(path + base); at++)
+    size_t base;
+    int n_letters = 0, n_small = 0;
+    char *result = join_extension(format, path, extension, &base);
+    for (const char *c = path + base; result && *c; c++) {
+        n_letters += isalpha((unsigned char)*c) != 0;
+        n_small += islower((unsigned char)*c) != 0;
+    }
+    const int is_capital = n_letters > 0 && n_small == 0;
+    for (char *at = result ? result + base : ""; *at && is_capital; at++)
         *at = (char)toupper((unsigned char)*at);
     return result;
 }

@@ -125,35 +125,26 @@ void io_cells_release(io_cells *cells) {
 
 /* ---- entities and groups ------------------------------------------------------------------ */
 
-static int entity_is(const io_entity *entity, int dim, int32_t tag, int n_physical,
-                     const int32_t *physical) {
-    return entity->dim == dim && entity->tag == tag && entity->n_physical == n_physical &&
-           (n_physical == 0 ||
-            memcmp(entity->physical, physical, (size_t)n_physical * sizeof *physical) == 0);
-}
-
-/** FNV-1a over the numbers. */
-static uint32_t entity_hash(int dim, int32_t tag, int n_physical, const int32_t *physical) {
+/** The slot of the entity, or the free one where it belongs (FNV-1a over the numbers). */
+static int32_t *find_entity_slot(const io_model *model, int dim, int32_t tag, int n_physical,
+                                 const int32_t *physical) {
+    const size_t size = (size_t)n_physical * sizeof *physical;
+    const uint32_t mask = (uint32_t)model->n_slots - 1;
     uint32_t hash = (2166136261u ^ (uint32_t)dim) * 16777619u;
     hash = (hash ^ (uint32_t)tag) * 16777619u;
     for (int i = 0; i < n_physical; i++)
         hash = (hash ^ (uint32_t)physical[i]) * 16777619u;
-    return hash ^ hash >> 15;
-}
-
-/** The slot of the entity, or the free one where it belongs. */
-static int32_t *entity_find_slot(const io_model *model, int dim, int32_t tag, int n_physical,
-                                 const int32_t *physical) {
-    uint32_t mask = (uint32_t)model->n_slots - 1;
-    uint32_t at = entity_hash(dim, tag, n_physical, physical) & mask;
-    while (model->entity_slot[at] >= 0 &&
-           !entity_is(&model->entity[model->entity_slot[at]], dim, tag, n_physical, physical))
-        at = (at + 1) & mask;
-    return &model->entity_slot[at];
+    for (uint32_t at = (hash ^ hash >> 15) & mask;; at = (at + 1) & mask) {
+        int32_t *slot = &model->entity_slot[at];
+        const io_entity *e = *slot < 0 ? NULL : &model->entity[*slot];
+        if (!e || (e->dim == dim && e->tag == tag && e->n_physical == n_physical &&
+                   (n_physical == 0 || memcmp(e->physical, physical, size) == 0)))
+            return slot;
+    }
 }
 
 /** Keep the hash table at most half full. */
-static int entity_grow_slots(io_model *model, planish_error *error) {
+static int grow_entity_slots(io_model *model, planish_error *error) {
     enum { FIRST_SLOTS = 64 };
     if (2 * (int64_t)model->n_entities < model->n_slots)
         return PLANISH_OK;
@@ -170,13 +161,19 @@ static int entity_grow_slots(io_model *model, planish_error *error) {
     model->n_slots = n_slots;
     for (int32_t i = 0; i < model->n_entities; i++) {
         const io_entity *e = &model->entity[i];
-        *entity_find_slot(model, e->dim, e->tag, e->n_physical, e->physical) = i;
+        *find_entity_slot(model, e->dim, e->tag, e->n_physical, e->physical) = i;
     }
     return PLANISH_OK;
 }
 
-static int entity_append(io_model *model, int dim, int32_t tag, int n_physical,
-                         const int32_t *physical, planish_error *error) {
+int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
+                        const int32_t *physical, planish_error *error) {
+    const int status = grow_entity_slots(model, error);
+    if (status)
+        return status;
+    int32_t *slot = find_entity_slot(model, dim, tag, n_physical, physical);
+    if (*slot >= 0)
+        return *slot;
     int64_t capacity = model->entity_capacity;
     io_entity *grown =
         pl_grow(model->entity, model->n_entities, model->n_entities + 1, &capacity, sizeof *grown);
@@ -192,20 +189,6 @@ static int entity_append(io_model *model, int dim, int32_t tag, int n_physical,
     if (n_physical > 0)
         memcpy(copy, physical, (size_t)n_physical * sizeof *copy);
     model->entity[model->n_entities] = (io_entity){dim, tag, n_physical, copy};
-    return PLANISH_OK;
-}
-
-int32_t io_model_entity(io_model *model, int dim, int32_t tag, int n_physical,
-                        const int32_t *physical, planish_error *error) {
-    int status = entity_grow_slots(model, error);
-    if (status)
-        return status;
-    int32_t *slot = entity_find_slot(model, dim, tag, n_physical, physical);
-    if (*slot >= 0)
-        return *slot;
-    status = entity_append(model, dim, tag, n_physical, physical, error);
-    if (status)
-        return status;
     return *slot = model->n_entities++;
 }
 
@@ -218,7 +201,7 @@ void io_model_clear_entities(io_model *model) {
 }
 
 int io_model_has_entity(const io_model *model, int dim, int32_t tag) {
-    return model->n_slots > 0 && *entity_find_slot(model, dim, tag, 0, NULL) >= 0;
+    return model->n_slots > 0 && *find_entity_slot(model, dim, tag, 0, NULL) >= 0;
 }
 
 /** Most often tags are one number for long stretches. */

@@ -269,13 +269,18 @@ int io_numbers_create(const char *path, const char *what, const int64_t *numbers
                       io_numbers **table, planish_error *error);
 /** Keep the numbers that nodes and cells have been given only where they say more than the first:
  *  not if each is one more than that before. Of the nodes' a table is made where they are kept. A
- *  node that is given again with the same coordinates becomes one (copies.h); no array of nodes but
- *  xyz, hold and node_number may be there yet. */
+ *  node that is given again with the same coordinates becomes one (place_node), at other ones it is
+ *  an error; no array of nodes but xyz, hold and node_number may be there yet. */
 int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error);
 void io_settle_cell_numbers(io_cells *cells);
 /** Index of number, or -1. */
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);
+
+/** Find the coordinates of places in the file, as many as are written of each: nodes where each has
+ *  one, else *owned, to be released by pl_free. */
+int io_copies_places(const io_model *model, const double *nodes, int threads, const double **places,
+                     double **owned, planish_error *error);
 
 /** Return the number in the file of node i, or of cell i of cells. */
 static inline int64_t io_node_number(const io_model *model, int64_t i) {

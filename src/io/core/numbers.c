@@ -1,89 +1,202 @@
-/* numbers: from the file's node numbers to indices, whatever their order and gaps. */
-#include "io/core/copies.h"
+/* numbers: from the file's node numbers to indices, whatever their order and gaps; and nodes that a
+ * file gives more than once, with the same coordinates.
+ *
+ * The model has each of these once, at the index of the first; the places in the file stay as they
+ * are, and what is written goes to all of them. Programs that own such formats take the same node
+ * again, too. One that is given at different places is refused: which is meant, nobody knows.
+ */
+#include "base/memory.h"
+#include "base/parallel.h"
+#include "base/status.h"
 #include "io/core/model.h"
 
-#include "base/memory.h"
-#include "base/status.h"
-
 #include <stdlib.h>
+#include <string.h>
 
 /* Up to this many places per number (and a few) a table by number beats a search. */
-enum { PLACES_PER_NUMBER = 4, PLACES_AT_LEAST = 1024 };
+enum { PLACES_PER_NUMBER = 4, PLACES_AT_LEAST = 1024, CHUNK_NODES = 1 << 14 };
 
 typedef struct numbered {
     int64_t number;
     int32_t index;
 } numbered;
 
-struct io_numbers {
-    const char *path, *what; /* of the file, and of what has numbers */
-    int64_t n, first, last;  /* numbers first .. last occur */
-    int32_t *place;          /* [last - first + 1] index or -1; NULL: see sorted */
-    numbered *sorted;        /* [n] by number */
-};
-
-static int fail_twice(const io_numbers *table, int64_t number, planish_error *error) {
-    return pl_fail(error, PLANISH_ERROR_FORMAT, "%s: %s number %lld occurs twice", table->path,
-                   table->what, (long long)number);
-}
-
-static int fill_table(io_numbers *table, const int64_t *numbers, planish_error *error) {
-    int64_t places = table->last - table->first + 1;
-    table->place = pl_alloc(places, sizeof *table->place);
-    if (!table->place)
-        return pl_fail_memory(error, "node numbers");
-    for (int64_t i = 0; i < places; i++)
-        table->place[i] = -1;
-    for (int64_t i = 0; i < table->n; i++) {
-        int32_t *place = &table->place[numbers[i] - table->first];
-        if (*place >= 0)
-            return fail_twice(table, numbers[i], error);
-        *place = (int32_t)i;
-    }
-    return PLANISH_OK;
-}
-
-static int compare(const void *a, const void *b) {
-    int64_t p = ((const numbered *)a)->number, q = ((const numbered *)b)->number;
+static int compare_numbers(const void *a, const void *b) {
+    const int64_t p = ((const numbered *)a)->number, q = ((const numbered *)b)->number;
     return (p > q) - (p < q);
 }
 
-static int fill_sorted(io_numbers *table, const int64_t *numbers, planish_error *error) {
-    table->sorted = pl_alloc(table->n, sizeof *table->sorted);
-    if (!table->sorted)
-        return pl_fail_memory(error, "node numbers");
-    for (int64_t i = 0; i < table->n; i++)
-        table->sorted[i] = (numbered){numbers[i], (int32_t)i};
-    qsort(table->sorted, (size_t)table->n, sizeof *table->sorted, compare);
-    for (int64_t i = 1; i < table->n; i++)
-        if (table->sorted[i].number == table->sorted[i - 1].number)
-            return fail_twice(table, table->sorted[i].number, error);
-    return PLANISH_OK;
+/** By number, then by index. */
+static int compare_copies(const void *a, const void *b) {
+    const int32_t p = ((const numbered *)a)->index, q = ((const numbered *)b)->index;
+    const int order = compare_numbers(a, b);
+    return order ? order : (p > q) - (p < q);
 }
+
+/** The numbers [n] with their indices, sorted; owned, NULL without memory. */
+static numbered *sort_numbers(const int64_t *numbers, int64_t n) {
+    numbered *sorted = pl_alloc(n, sizeof *sorted);
+    for (int64_t i = 0; sorted && i < n; i++)
+        sorted[i] = (numbered){numbers[i], (int32_t)i};
+    if (sorted && n > 0)
+        qsort(sorted, (size_t)n, sizeof *sorted, compare_copies);
+    return sorted;
+}
+
+/* ---- a table of numbers -------------------------------------------------------------------- */
+
+struct io_numbers {
+    int64_t n, first, last; /* numbers first .. last occur */
+    int32_t *place;         /* [last - first + 1] index or -1; NULL: see sorted */
+    numbered *sorted;       /* [n] by number */
+};
 
 int io_numbers_create(const char *path, const char *what, const int64_t *numbers, int64_t n,
                       io_numbers **out, planish_error *error) {
     io_numbers *table = pl_alloc_zero(1, sizeof *table);
     if (!table)
         return pl_fail_memory(error, "node numbers");
-    table->path = path;
-    table->what = what;
-    table->n = n;
-    table->first = n ? INT64_MAX : 0;
-    table->last = n ? INT64_MIN : -1;
+    int64_t first = n ? INT64_MAX : 0, last = n ? INT64_MIN : -1, twice = -1;
     for (int64_t i = 0; i < n; i++) {
-        table->first = numbers[i] < table->first ? numbers[i] : table->first;
-        table->last = numbers[i] > table->last ? numbers[i] : table->last;
+        first = numbers[i] < first ? numbers[i] : first;
+        last = numbers[i] > last ? numbers[i] : last;
     }
-    uint64_t range = (uint64_t)table->last - (uint64_t)table->first;
-    int dense = range < (uint64_t)n * PLACES_PER_NUMBER + PLACES_AT_LEAST;
-    int status = dense ? fill_table(table, numbers, error) : fill_sorted(table, numbers, error);
+    const uint64_t range = (uint64_t)last - (uint64_t)first;
+    if (range < (uint64_t)n * PLACES_PER_NUMBER + PLACES_AT_LEAST) {
+        table->place = pl_alloc((int64_t)range + 1, sizeof *table->place);
+        for (int64_t i = 0; table->place && i <= last - first; i++)
+            table->place[i] = -1;
+        for (int64_t i = 0; table->place && i < n && twice < 0; i++) {
+            int32_t *place = &table->place[numbers[i] - first];
+            twice = *place < 0 ? -1 : i;
+            *place = (int32_t)i;
+        }
+    } else {
+        table->sorted = sort_numbers(numbers, n);
+        for (int64_t i = 1; table->sorted && i < n && twice < 0; i++)
+            if (table->sorted[i].number == table->sorted[i - 1].number)
+                twice = table->sorted[i].index;
+    }
+    table->n = n;
+    table->first = first;
+    table->last = last;
+    int status = PLANISH_OK;
+    if (!table->place && !table->sorted)
+        status = pl_fail_memory(error, "node numbers");
+    else if (twice >= 0)
+        status = pl_fail(error, PLANISH_ERROR_FORMAT, "%s: %s number %lld occurs twice", path, what,
+                         (long long)numbers[twice]);
     if (status)
         io_numbers_destroy(table);
     else
         *out = table;
     return status;
 }
+
+int64_t io_numbers_find(const io_numbers *table, int64_t number) {
+    if (number < table->first || number > table->last)
+        return -1;
+    if (table->place)
+        return table->place[number - table->first];
+    const numbered key = {number, 0};
+    const numbered *found =
+        bsearch(&key, table->sorted, (size_t)table->n, sizeof key, compare_numbers);
+    return found ? found->index : -1;
+}
+
+void io_numbers_destroy(io_numbers *table) {
+    if (!table)
+        return;
+    pl_free(table->place);
+    pl_free(table->sorted);
+    pl_free(table);
+}
+
+/* ---- copies of nodes ----------------------------------------------------------------------- */
+
+/** Find for each place the first one of the same number: first [n]. Fails if the coordinates of
+ *  places of a number differ. */
+static int find_first(const io_model *model, int32_t *first, planish_error *error) {
+    const int64_t n = model->n_nodes;
+    numbered *sorted = sort_numbers(model->node_number, n);
+    if (!sorted)
+        return pl_fail_memory(error, "node numbers");
+    int status = PLANISH_OK;
+    for (int64_t i = 0, begin = 0; i < n && !status; i++) {
+        if (sorted[i].number != sorted[begin].number)
+            begin = i;
+        first[sorted[i].index] = sorted[begin].index;
+        const double *a = model->xyz + 3 * (int64_t)sorted[begin].index;
+        const double *b = model->xyz + 3 * (int64_t)sorted[i].index;
+        if (a[0] != b[0] || a[1] != b[1] || a[2] != b[2])
+            status = pl_fail(error, PLANISH_ERROR_FORMAT,
+                             "%s: node number %lld occurs twice, at different places",
+                             model->input.path, (long long)sorted[i].number);
+    }
+    pl_free(sorted);
+    return status;
+}
+
+/** Make one node of all that have the same number: model->place_node. */
+static int unite_copies(io_model *model, planish_error *error) {
+    const int64_t n = model->n_nodes;
+    int32_t *first = pl_alloc(n, sizeof *first), kept = 0;
+    if (!first)
+        return pl_fail_memory(error, "node numbers");
+    const int status = find_first(model, first, error);
+    if (status) {
+        pl_free(first);
+        return status;
+    }
+    /* Close the gaps that copies leave; first becomes the node of each place. */
+    for (int64_t i = 0; i < n; i++) {
+        if (first[i] != i) { /* the first stands before it, and is a node already */
+            first[i] = first[first[i]];
+            model->hold[first[i]] |= model->hold[i];
+            continue;
+        }
+        memmove(model->xyz + 3 * (int64_t)kept, model->xyz + 3 * i, 3 * sizeof *model->xyz);
+        model->node_number[kept] = model->node_number[i];
+        model->hold[kept] = model->hold[i];
+        first[i] = kept++;
+    }
+    model->n_nodes = kept;
+    model->n_places = n;
+    model->place_node = first;
+    return PLANISH_OK;
+}
+
+/** Copying the coordinates of nodes to all their places. */
+typedef struct place_copying {
+    const io_model *model;
+    const double *nodes;
+    double *places;
+} place_copying;
+
+static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const place_copying *c = context;
+    const int width = c->model->written;
+    (void)thread;
+    for (int64_t i = begin; i < end; i++)
+        memcpy(c->places + width * i, c->nodes + width * (int64_t)c->model->place_node[i],
+               (size_t)width * sizeof *c->places);
+}
+
+int io_copies_places(const io_model *model, const double *nodes, int threads, const double **places,
+                     double **owned, planish_error *error) {
+    *owned = NULL;
+    *places = nodes;
+    if (!model->place_node)
+        return PLANISH_OK;
+    *places = *owned = pl_alloc(model->n_places, (size_t)model->written * sizeof **owned);
+    if (!*owned)
+        return pl_fail_memory(error, "the places of nodes");
+    place_copying c = {model, nodes, *owned};
+    pl_parallel_for(threads, model->n_places, CHUNK_NODES, copy_chunk, &c);
+    return PLANISH_OK;
+}
+
+/* ---- numbers of a model -------------------------------------------------------------------- */
 
 static int are_consecutive(const int64_t *number, int64_t n) {
     if (n == 0 || number[0] > INT64_MAX - n)
@@ -94,36 +207,27 @@ static int are_consecutive(const int64_t *number, int64_t n) {
     return 1;
 }
 
-static int create_node_numbers(const io_model *model, io_numbers **table, planish_error *error) {
-    return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes, table,
-                             error);
-}
-
-/** The first number if that tells all, or a table of them. */
-static int keep_first_number(io_model *model, io_numbers **table, planish_error *error) {
-    if (!are_consecutive(model->node_number, model->n_nodes))
-        return create_node_numbers(model, table, error);
+int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error) {
+    if (!are_consecutive(model->node_number, model->n_nodes)) {
+        planish_error twice = {.text = ""};
+        int status = io_numbers_create(model->input.path, "node", model->node_number,
+                                       model->n_nodes, table, &twice);
+        if (status && status != PLANISH_ERROR_FORMAT && error)
+            *error = twice;
+        if (status != PLANISH_ERROR_FORMAT)
+            return status;
+        /* Only where a number occurs twice are copies looked for. */
+        status = unite_copies(model, error);
+        if (status)
+            return status;
+        if (!are_consecutive(model->node_number, model->n_nodes))
+            return io_numbers_create(model->input.path, "node", model->node_number, model->n_nodes,
+                                     table, error);
+    }
     model->first_number = model->node_number[0];
     pl_free(model->node_number);
     model->node_number = NULL;
     return PLANISH_OK;
-}
-
-/** Numbers are looked at for copies only where one occurs twice. */
-int io_settle_node_numbers(io_model *model, io_numbers **table, planish_error *error) {
-    if (!are_consecutive(model->node_number, model->n_nodes)) {
-        planish_error twice = {.text = ""};
-        const int status = create_node_numbers(model, table, &twice);
-        if (status != PLANISH_ERROR_FORMAT) {
-            if (status && error)
-                *error = twice;
-            return status;
-        }
-        const int united = io_unite_copies(model, error);
-        if (united)
-            return united;
-    }
-    return keep_first_number(model, table, error);
 }
 
 void io_settle_cell_numbers(io_cells *cells) {
@@ -132,22 +236,4 @@ void io_settle_cell_numbers(io_cells *cells) {
     cells->first_number = cells->number[0];
     pl_free(cells->number);
     cells->number = NULL;
-}
-
-int64_t io_numbers_find(const io_numbers *table, int64_t number) {
-    if (number < table->first || number > table->last)
-        return -1;
-    if (table->place)
-        return table->place[number - table->first];
-    numbered key = {number, 0};
-    const numbered *found = bsearch(&key, table->sorted, (size_t)table->n, sizeof key, compare);
-    return found ? found->index : -1;
-}
-
-void io_numbers_destroy(io_numbers *table) {
-    if (!table)
-        return;
-    pl_free(table->place);
-    pl_free(table->sorted);
-    pl_free(table);
 }

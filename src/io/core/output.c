@@ -84,34 +84,20 @@ int io_output_is_stream(const char *path) {
             about.kind != PL_FILE_FOLDER);
 }
 
-/** Whether the system would follow the link at path: 0, or the error number. In a folder such as
- *  /tmp it may refuse (Linux, fs.protected_symlinks), as another user may have put the link there;
- *  one that is read here and followed by its text must be refused, too. What it leads to need not
- * be there. */
-static int check_link(const char *path) {
-    pl_file_status about;
-    return pl_file_find(path, &about) && errno != ENOENT ? errno : 0;
-}
-
-/** Whether path still leads to the file at target, or both to none: 0, or the error number. */
-static int check_leads_to(const char *path, const char *target) {
-    pl_file_status there, found;
-    const int absent = pl_file_find(path, &there) != 0, missing = pl_file_find(target, &found) != 0;
-    if (absent != missing || (!absent && !pl_file_is_same(&there, &found)))
-        return EACCES;
-    return 0;
-}
-
 char *io_output_target(const char *path) {
     char *at = pl_alloc(PATH_MAX, 1), *link = pl_alloc(PATH_MAX, 1);
     int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
-    int followed = 0;
+    pl_file_status there, found;
     if (!status)
         strcpy(at, path);
     for (int i = 0; !status && pl_path_read_link(at, link, PATH_MAX) == 0; i++) {
-        if ((status = check_link(at)))
+        /* In a folder such as /tmp the system may refuse to follow (Linux, fs.protected_symlinks),
+         * as another user may have put the link there; one that is read here and followed by its
+         * text must be refused, too. What it leads to need not be there. */
+        if (pl_file_find(at, &there) && errno != ENOENT) {
+            status = errno;
             break;
-        followed = 1;
+        }
         const size_t length = strlen(link);
         const size_t folder = pl_path_is_absolute(link) ? 0 : (size_t)(pl_path_name(at) - at);
         if (i == MAX_LINKS || folder + length >= PATH_MAX)
@@ -119,8 +105,13 @@ char *io_output_target(const char *path) {
         else
             memcpy(at + folder, link, length + 1);
     }
-    if (!status && followed)
-        status = check_leads_to(path, at);
+    /* path must still lead to the file at at, or both to none. */
+    if (!status && strcmp(path, at) != 0) {
+        const int is_absent = pl_file_find(path, &there) != 0;
+        const int is_missing = pl_file_find(at, &found) != 0;
+        if (is_absent != is_missing || (!is_absent && !pl_file_is_same(&there, &found)))
+            status = EACCES;
+    }
     pl_free(link);
     if (status) {
         pl_free(at);
@@ -130,42 +121,38 @@ char *io_output_target(const char *path) {
     return at;
 }
 
-/** Create the temporary file, which is listed before it is there. */
-static int create(const char *path, pl_file_use use, io_temporaries temporaries) {
-    if (pl_file_exists(path)) {
-        errno = EEXIST; /* another one's, which a signal must not remove */
-        return -1;
-    }
-    temporaries_add(temporaries, path);
-    const int fd = pl_file_open(path, use);
-    const int reason = errno;
-    if (fd < 0)
-        temporaries_remove(temporaries, path);
-    errno = reason;
-    return fd;
-}
-
 /** Create TARGET.planish-PROCESS-N beside target: as open for others as any new file if there is no
- * target whose mode it will get. */
+ *  target whose mode it will get. Return its descriptor, or -1: errno. */
 static int create_temporary(io_temporaries temporaries, io_output *output) {
     const pl_file_use use =
         pl_file_exists(output->target) ? PL_FILE_CREATE_PRIVATE : PL_FILE_CREATE;
-    size_t folder = (size_t)(pl_path_name(output->target) - output->target);
-    size_t size = folder + LONGEST_KEPT + 48, kept = strlen(output->target);
-    if (kept > folder + LONGEST_KEPT)
-        kept = folder + LONGEST_KEPT; /* the whole name must be legal, too */
+    const size_t folder = (size_t)(pl_path_name(output->target) - output->target);
+    const size_t size = folder + LONGEST_KEPT + 48, length = strlen(output->target);
+    /* The whole name must be legal, too. */
+    const size_t kept = length > folder + LONGEST_KEPT ? folder + LONGEST_KEPT : length;
     output->temporary = pl_alloc((int64_t)size, 1);
-    if (!output->temporary) {
-        errno = ENOMEM;
-        return -1;
-    }
-    for (int i = 0; i < MAX_NAMES; i++) {
+    errno = ENOMEM;
+    for (int i = 0; output->temporary && i < MAX_NAMES; i++) {
         snprintf(output->temporary, size, "%.*s.planish-%ld-%d", (int)kept, output->target,
                  pl_process_number(), i);
-        const int fd = create(output->temporary, use, temporaries);
-        if (fd >= 0 || errno != EEXIST)
+        if (pl_file_exists(output->temporary)) {
+            errno = EEXIST; /* another one's, which a signal must not remove */
+            continue;
+        }
+        temporaries_add(temporaries, output->temporary); /* it is listed before it is there */
+        const int fd = pl_file_open(output->temporary, use);
+        if (fd >= 0)
             return fd;
+        const int reason = errno;
+        temporaries_remove(temporaries, output->temporary);
+        errno = reason;
+        if (reason != EEXIST)
+            break;
     }
+    const int reason = errno;
+    pl_free(output->temporary);
+    output->temporary = NULL;
+    errno = reason;
     return -1;
 }
 
@@ -178,13 +165,8 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
     if (pl_file_find(output->target, &about) == 0 && about.kind == PL_FILE_FOLDER)
         return pl_fail(error, PLANISH_ERROR_FILE, "%s: is a folder; give a file to write", path);
     output->fd = create_temporary(temporaries, output);
-    if (output->fd < 0) {
-        int reason = errno;
-        pl_free(output->temporary);
-        output->temporary = NULL;
-        errno = reason;
+    if (output->fd < 0)
         return pl_fail_errno(error, path, "cannot be written");
-    }
     output->replaces = pl_file_exists(output->target);
     pl_file_take_access(output->fd, output->target);
     return PLANISH_OK;
@@ -222,15 +204,10 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
     return PLANISH_OK;
 }
 
-/** What it replaces may be the only copy: then the bytes must be on the disk before the rename. Not
- *  0: errno says why they are not. */
-static int settle(const io_output *output, int fd) {
-    return output->replaces && pl_file_settle(fd);
-}
-
 int io_output_finish(io_output *output, planish_error *error) {
-    int failed = settle(output, output->fd);
-    int reason = errno;
+    /* What it replaces may be the only copy: the bytes must be on the disk before the rename. */
+    int failed = output->replaces && pl_file_settle(output->fd);
+    const int reason = errno;
     if (pl_file_close(output->fd) == 0)
         errno = reason;
     else

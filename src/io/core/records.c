@@ -72,25 +72,6 @@ static void count_pieces(void *context, int64_t begin, int64_t end, int thread) 
             count_tokens(text->begin, piece_begin(text, piece), piece_begin(text, piece + 1));
 }
 
-/** 0 if there is no memory for it: then the caller goes on without threads. */
-static int index_tokens(io_text *text) {
-    if (text->before)
-        return 1;
-    int64_t pieces = piece_count(text);
-    text->before = pl_alloc(pieces + 1, sizeof *text->before);
-    if (!text->before)
-        return 0;
-    pl_parallel_for(text->threads, pieces, PIECES_AT_ONCE, count_pieces, text);
-    pl_prefix_sum(text->threads, pieces, text->before);
-    return 1;
-}
-
-/** Number of tokens that start before at. */
-static int64_t token_rank(const io_text *text, const char *at) {
-    int64_t piece = (at - text->begin) / PIECE;
-    return text->before[piece] + count_tokens(text->begin, piece_begin(text, piece), at);
-}
-
 /** First byte of token number rank (from 0), or the end if there are not so many. */
 static const char *token_begin(const io_text *text, int64_t rank) {
     int64_t low = 0, high = piece_count(text); /* before[low] <= rank < before[high] */
@@ -145,11 +126,22 @@ static void read_text_chunk(void *context, int64_t begin, int64_t end, int threa
         atomic_store_explicit(&job->failed, 1, memory_order_relaxed);
 }
 
-/** Read by threads: 0 if that was not to be, and nothing has been read for certain. */
+/** Read n records by several threads: 0 if they could not, and nothing has been read for certain.
+ */
 static int read_text_chunks(io_text *text, io_cursor *cursor, record_job *job, int64_t n) {
-    if (cursor->end != text->end || !index_tokens(text))
+    if (cursor->end != text->end)
         return 0;
-    job->rank = token_rank(text, cursor->at);
+    if (!text->before) {
+        const int64_t pieces = piece_count(text);
+        text->before = pl_alloc(pieces + 1, sizeof *text->before);
+        if (!text->before)
+            return 0;
+        pl_parallel_for(text->threads, pieces, PIECES_AT_ONCE, count_pieces, text);
+        pl_prefix_sum(text->threads, pieces, text->before);
+    }
+    const int64_t piece = (cursor->at - text->begin) / PIECE;
+    job->rank =
+        text->before[piece] + count_tokens(text->begin, piece_begin(text, piece), cursor->at);
     if (cursor->at != token_begin(text, job->rank))
         return 0;
     const char *end = token_begin(text, job->rank + n * job->size);

@@ -42,30 +42,20 @@ void io_skip_line(io_cursor *cursor) {
         cursor->at++;
 }
 
-/** The first line end of length bytes at at, or NULL. */
-static const char *find_line_end(const char *at, int64_t length) {
-    const char *feed = memchr(at, '\n', (size_t)length);
-    const char *carriage = memchr(at, '\r', (size_t)(feed ? feed - at : length));
-    return carriage ? carriage : feed;
-}
-
-const char *io_line(io_cursor *cursor, const char **end) {
+io_slice io_next_line(io_cursor *cursor) {
     /* By stretches: in a file whose lines end in \r alone, \n is looked for in vain. */
     enum { STRETCH = 256 };
-    const char *line = cursor->at, *found = NULL;
-    while (!found && cursor->at < cursor->end) {
+    io_slice line = {cursor->at, NULL};
+    while (!line.end && cursor->at < cursor->end) {
         const int64_t left = cursor->end - cursor->at, length = left < STRETCH ? left : STRETCH;
-        found = find_line_end(cursor->at, length);
-        cursor->at = found ? found : cursor->at + length;
+        const char *feed = memchr(cursor->at, '\n', (size_t)length);
+        const char *carriage =
+            memchr(cursor->at, '\r', (size_t)(feed ? feed - cursor->at : length));
+        line.end = carriage ? carriage : feed;
+        cursor->at = line.end ? line.end : cursor->at + length;
     }
-    *end = cursor->at;
+    line.end = cursor->at;
     io_skip_line(cursor);
-    return line;
-}
-
-io_slice io_next_line(io_cursor *cursor) {
-    io_slice line;
-    line.begin = io_line(cursor, &line.end);
     return line;
 }
 
@@ -106,7 +96,7 @@ int io_slice_integer(io_slice s, int64_t *value) {
     return io_integer(&cursor, value) || cursor.at != s.end ? -1 : 0;
 }
 
-/** What follows a number must be white space or the end. */
+/** Whether a number that ends at at is whole: white space or the end must follow. */
 static int ends_here(const io_cursor *cursor, const char *at) {
     return at == cursor->end || is_space(*at);
 }
@@ -142,36 +132,25 @@ const char *io_find_line(const char *from, const char *end, const char *name) {
     return end;
 }
 
-static int is_letter(char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
-}
-
-/** Skip blocks of bytes that hold nothing but numbers and white space. */
-static void skip_number_blocks(io_cursor *cursor) {
-    enum { BLOCK = 64 };
-    while (cursor->end - cursor->at >= BLOCK) {
-        int other = 0;
-        for (int i = 0; i < BLOCK; i++) /* also bytes that are negative where char is signed */
-            other |= ((unsigned char)cursor->at[i] >= 'A') | (cursor->at[i] == '#');
-        if (other)
-            return;
-        cursor->at += BLOCK;
-    }
-}
-
 void io_skip_numbers(io_cursor *cursor) {
+    enum { BLOCK = 64 };
     while (cursor->at < cursor->end) {
-        int64_t length;
-        const char *block = cursor->at;
-        skip_number_blocks(cursor);
-        while (cursor->at > block && cursor->at < cursor->end && !is_space(*cursor->at) &&
+        const char *begin = cursor->at;
+        /* Blocks of nothing but numbers and white space first. */
+        for (int other = 0; cursor->end - cursor->at >= BLOCK && !other;) {
+            for (int i = 0; i < BLOCK; i++) /* also bytes that are negative where char is signed */
+                other |= ((unsigned char)cursor->at[i] >= 'A') | (cursor->at[i] == '#');
+            cursor->at += other ? 0 : BLOCK;
+        }
+        while (cursor->at > begin && cursor->at < cursor->end && !is_space(*cursor->at) &&
                !is_space(cursor->at[-1]))
             cursor->at++; /* the rest of a number */
         io_skip_space_comments(cursor, '#');
-        io_cursor before = *cursor;
-        const char *word = io_word(cursor, &length);
-        if (length && is_letter(*word) && !io_word_is(word, length, "nan", 1) &&
-            !io_word_is(word, length, "inf", 1)) {
+        const io_cursor before = *cursor;
+        const io_slice word = io_next_word(cursor);
+        const char first = word.begin < word.end ? io_upper(*word.begin) : '0';
+        if (first >= 'A' && first <= 'Z' && !io_slice_is(word, "nan", 1) &&
+            !io_slice_is(word, "inf", 1)) {
             *cursor = before;
             return;
         }

@@ -62,9 +62,6 @@ void io_skip_line(io_cursor *cursor);
 /** To the next word that begins with a letter (nan and inf are numbers), over comments ('#'). The
  *  cursor stands behind a word. */
 void io_skip_numbers(io_cursor *cursor);
-/** The line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes: its
- * first byte, *end behind its last. */
-const char *io_line(io_cursor *cursor, const char **end);
 /** Take the line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes. */
 io_slice io_next_line(io_cursor *cursor);
 /** Take the next word (no white space in it) after white space; empty at the end of the text. */

@@ -5,7 +5,6 @@
  * coordinates is written anew (splice.c), the others are copied. All go to temporary files first.
  */
 #include "io/core/bytes.h"
-#include "io/core/copies.h"
 #include "io/core/output.h"
 #include "io/file/file.h"
 #include "io/file/plane.h"
