@@ -33,10 +33,19 @@ static int64_t put_back_nodes(const pl_run *r, int64_t element) {
     return n;
 }
 
-/** Nodes that move together go back together. */
-static void put_back_followers(const pl_run *r) {
+/** Put back the nodes of elements that are worse than the worst at the start; how many had moved.
+ */
+static int64_t put_back_bad(pl_run *r, uint8_t *state) {
     const planish_plan *plan = r->plan;
     const size_t size = (size_t)plan->dim * sizeof *plan->coordinates;
+    const pl_view all = pl_view_of_all_elements(&plan->work);
+    int64_t n = 0;
+    pl_find_worse(&all, plan->measured, sqrt(r->at_start.rr2), r->at_start.acuteness, plan->threads,
+                  state);
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
+        if (state[i] != PL_FINE)
+            n += put_back_nodes(r, i);
+    /* Nodes that move together go back together. */
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
         if (f->node < plan->work.n_nodes &&
@@ -44,31 +53,8 @@ static void put_back_followers(const pl_run *r) {
             memcpy(plan->coordinates + (int64_t)f->of * plan->dim, f->origin, size);
     }
     pl_follow(plan, &r->problem);
-}
-
-/** Put back the nodes of elements that are worse than the worst at the start; 0 if there are none.
- */
-static int64_t put_back_bad(pl_run *r, uint8_t *state) {
-    const planish_plan *plan = r->plan;
-    int64_t n = 0;
-    const pl_view all = pl_view_of_all_elements(&plan->work);
-    pl_find_worse(&all, plan->measured, sqrt(r->at_start.rr2), r->at_start.acuteness, plan->threads,
-                  state);
-    for (int64_t i = 0; i < plan->work.n_elements; i++)
-        if (state[i] != PL_FINE)
-            n += put_back_nodes(r, i);
-    put_back_followers(r);
-    pl_ghosts_update(plan, plan->coordinates, plan->dim * (int64_t)sizeof *plan->coordinates);
+    pl_ghosts_update(plan, plan->coordinates, (int64_t)size);
     pl_run_measure(r);
-    pl_parts_add(&n, 1);
-    return n;
-}
-
-/** Put back all nodes; how many had moved. */
-static int64_t put_all_back(const pl_run *r) {
-    int64_t n = 0;
-    for (int64_t i = 0; i < r->plan->work.n_elements; i++)
-        n += put_back_nodes(r, i);
     pl_parts_add(&n, 1);
     return n;
 }
@@ -93,21 +79,22 @@ static int is_worse(const pl_run *r) {
 }
 
 int pl_run_put_back_angles(pl_run *r, planish_error *error) {
-    planish_plan *plan = r->plan;
     if (!is_worse(r))
         return PLANISH_OK;
-    uint8_t *state = pl_alloc(plan->work.n_elements, sizeof *state);
+    uint8_t *state = pl_alloc(r->plan->work.n_elements, sizeof *state);
     if (!state)
         return pl_fail_memory(error, "the states of the elements");
-    for (int i = 0; i < ROUNDS; i++) {
-        const int64_t more = put_back_bad(r, state);
-        r->result->put_back += more;
-        if (more == 0)
-            break;
+    for (int64_t i = 0, n = 1; i < ROUNDS && n > 0; i++) {
+        n = put_back_bad(r, state);
+        r->result->put_back += n;
     }
     pl_free(state);
     if (is_worse(r) || pl_run_below(r) > r->below_at_start || has_risen(r)) {
-        r->result->put_back += put_all_back(r);
+        int64_t n = 0;
+        for (int64_t i = 0; i < r->plan->work.n_elements; i++)
+            n += put_back_nodes(r, i);
+        pl_parts_add(&n, 1);
+        r->result->put_back += n;
         pl_run_measure(r);
     }
     return PLANISH_OK;

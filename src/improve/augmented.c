@@ -9,11 +9,10 @@
  * promised.
  */
 #include "improve/improve.h"
-#include "sweep/trial.h"
 
 #include "base/memory.h"
-#include "base/parts.h"
 #include "base/parallel.h"
+#include "base/parts.h"
 
 #include <string.h>
 
@@ -51,24 +50,6 @@ static double update_shifts(const pl_run *r, int wake) {
     return u.largest;
 }
 
-/** Sweeps of the augmented Lagrangian around where a minimum volume is in force; 0 if cut short. */
-static int augmented_sweeps(pl_run *r) {
-    const int first = r->sweep;
-    int whole = 1;
-    int64_t visits = 1;
-    double change = 1;
-    memset(r->plan->changed, 0, (size_t)r->plan->work.n_nodes);
-    r->guard.star.penalty = PENALTY;
-    update_shifts(r, 1);
-    while (whole && visits > 0 && change > SETTLED && r->sweep - first < MOST_SWEEPS &&
-           pl_run_sweeps_left(r) > 0) {
-        whole = !pl_run_sweep(r, &visits);
-        change = update_shifts(r, 0);
-    }
-    r->guard.star.penalty = 0;
-    return whole;
-}
-
 /** Wake the stars of nodes that the trial has moved, and those around them. */
 static void wake_moved(const planish_plan *plan, const double *before) {
     const int dim = plan->dim;
@@ -84,30 +65,42 @@ static void wake_moved(const planish_plan *plan, const double *before) {
     pl_ghosts_wake(plan, before);
 }
 
-/** Better in every respect that is promised; what is left below cannot be helped, but must not be
- * lower either. A trial that was cut off does not count, whatever it has reached: more sweeps must
- * not give less.
- */
+/** Whether the mesh is better in every respect that is promised; elements that are left below
+ * cannot be helped, but must not be lower either. A trial that was cut off does not count, whatever
+ * it has reached: more sweeps must not give less. */
 static int is_better(const pl_run *r, const pl_objective_sums *standing,
                      const pl_star_limits *limits) {
+    const pl_objective_sums *now = &r->worth.totals;
     return r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
-           r->worth.totals.below <= standing->below &&
-           r->worth.totals.inverted <= standing->inverted &&
-           (r->worth.totals.below == 0 ||
-            r->worth.totals.shortfall <= (1 + LOWER) * standing->shortfall) &&
-           r->worth.totals.radius_max <= limits->rr2 * (1 + LIMIT_NOISE) &&
+           now->below <= standing->below && now->inverted <= standing->inverted &&
+           (now->below == 0 || now->shortfall <= (1 + LOWER) * standing->shortfall) &&
+           now->radius_max <= limits->rr2 * (1 + LIMIT_NOISE) &&
            pl_run_objective(r) < pl_objective_of_all(r->options, standing);
 }
 
-/** The trial; returns whether its mesh was taken. before: room for the coordinates. */
+/** Sweep the augmented Lagrangian around where a minimum volume is in force, then as usual; returns
+ *  whether the mesh was taken. before: room for the coordinates. */
 static int try_augmented(pl_run *r, double *before) {
     const planish_plan *plan = r->plan;
-    pl_run_measure(r); /* what was tracked will not do to compare with */
     const pl_star_limits limits = r->problem.limits;
+    const int first = r->sweep;
+    int whole = 1; /* not cut short */
+    int64_t visits = 1;
+    double change = 1;
     pl_trial trial;
+    pl_run_measure(r); /* what was tracked will not do to compare with */
     pl_trial_begin(r, before, &trial);
     r->stop = PLANISH_STOP_MAX_SWEEPS;
-    if (augmented_sweeps(r)) {
+    memset(plan->changed, 0, (size_t)plan->work.n_nodes);
+    r->guard.star.penalty = PENALTY;
+    update_shifts(r, 1);
+    while (whole && visits > 0 && change > SETTLED && r->sweep - first < MOST_SWEEPS &&
+           pl_run_sweeps_left(r) > 0) {
+        whole = !pl_run_sweep(r, &visits);
+        change = update_shifts(r, 0);
+    }
+    r->guard.star.penalty = 0;
+    if (whole) {
         wake_moved(plan, before);
         pl_run_measure(r);
         r->guard.star.strict = 1; /* or F would fall at the cost of the volumes' tolerance */
@@ -119,28 +112,23 @@ static int try_augmented(pl_run *r, double *before) {
     r->restoring = 0;
     const int is_taken = is_better(r, &trial.standing.totals, &limits);
     pl_trial_end(&trial, is_taken);
-    if (is_taken)
-        return 1;
-    if (r->stop == PLANISH_STOP_MAX_SWEEPS)
+    if (!is_taken && r->stop == PLANISH_STOP_MAX_SWEEPS)
         r->stop = PLANISH_STOP_CONVERGED;
-    return 0;
+    return is_taken;
 }
 
-/** Whether a minimum volume holds F up somewhere. */
-static int is_wanted(const pl_run *r) {
-    pl_star_optimality optimality = {0};
-    return r->guard.wanted && r->options->method == PLANISH_METHOD_PLANISH &&
-           r->stop == PLANISH_STOP_CONVERGED && pl_run_sweeps_left(r) > 0 &&
-           pl_optimality(r->plan, &r->plan->interior, &r->problem, &optimality, NULL) ==
-               PLANISH_OK &&
-           optimality.multiplier > 0;
-}
-
-void pl_run_augmented(pl_run *r) {
+int pl_run_augmented(pl_run *r, planish_error *error) {
     const planish_plan *plan = r->plan;
-    if (!is_wanted(r))
-        return;
     const int64_t n_links = plan->interior.stars.link_offset[plan->interior.stars.n_stars];
+    pl_star_optimality optimality = {0};
+    (void)error;
+    if (!r->guard.wanted || r->options->method != PLANISH_METHOD_PLANISH ||
+        r->stop != PLANISH_STOP_CONVERGED || pl_run_sweeps_left(r) <= 0)
+        return PLANISH_OK;
+    /* A minimum volume holds F up somewhere where its multiplier is positive. */
+    if (pl_optimality(plan, &plan->interior, &r->problem, &optimality, NULL) ||
+        !(optimality.multiplier > 0))
+        return PLANISH_OK;
     double *before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *before);
     r->guard.star.link_shift = pl_alloc_zero(n_links, sizeof *r->guard.star.link_shift);
     if (before && r->guard.star.link_shift && try_augmented(r, before))
@@ -148,4 +136,5 @@ void pl_run_augmented(pl_run *r) {
     pl_free(before);
     pl_free(r->guard.star.link_shift);
     r->guard.star.link_shift = NULL;
+    return PLANISH_OK;
 }

@@ -1,45 +1,35 @@
 /* improve: the phases of a call beside plain sweeps.
  *
- *   phases.c               pl_run_prepare, pl_run_phases       all phases, in their order
- *   slow.c                 pl_run_accelerate                         centring and L-BFGS for slow
- * meshes untangle/untangle.c    pl_run_untangle, _raise_volumes     inverted or too small elements
- *   angles.c               pl_run_has_followers, _put_back_angles   keep the smallest angle
- *   worst.c                pl_run_worst                        improve the worst elements
- *   augmented.c            pl_run_augmented                    minimum volumes by multipliers
+ *   phases.c               pl_run_phases                            all phases, in their order
+ *   slow.c                 pl_run_accelerate                        centring and L-BFGS for slow
+ * meshes untangle/untangle.c    pl_run_untangle, _raise_volumes          inverted or too small
+ * elements angles.c               pl_run_has_followers, _put_back_angles   keep the smallest angle
+ *   worst.c                pl_run_worst                             improve the worst elements
+ *   augmented.c            pl_run_augmented                         minimum volumes by multipliers
+ *
+ * A phase returns at once if options do not want it. If it makes sweeps r->stop says why they
+ * ended.
  */
 #ifndef PL_IMPROVE_IMPROVE_H
 #define PL_IMPROVE_IMPROVE_H
 
 #include "sweep/run.h"
 
-/* ---- phases.c -------------------------------------------------------------------------------- */
-
-/** Set up the problem of the plain sweeps for the mesh as measured last; all stars have changed. */
-void pl_run_prepare(pl_run *r);
-
-/** All phases of a call on a run that is measured and prepared. Errors: _MEMORY, _PARTS. */
+/** Do all phases of a call on a run that is measured and prepared. Errors: _MEMORY, _PARTS. */
 int pl_run_phases(pl_run *r, planish_error *error);
 
-/* ---- slow.c ---------------------------------------------------------------------------------- */
-
-/** Try it; it counts as one sweep or several. fall: what the last sweep has brought, relative. F
- * does not rise. Not 0 if it was cut short; without memory it does nothing. For the plain problem
- * only.
- */
+/** Move all nodes at once (a pl_accelerate_fn), counted as one sweep or several. fall: what the
+ * last sweep has brought, relative. F does not rise. Not 0 if it was cut short; without memory it
+ * does nothing. For the plain problem only. */
 int pl_run_accelerate(pl_run *r, pl_acceleration acceleration, double fall);
 
-/* ---- untangle/untangle.c --------------------------------------------------------------------- */
-
-/** Untangle the mesh as measured last: what is inverted or flat; or bring up what is below its
- * minimum volume. If anything was done r->stop is _CONVERGED then, unless it was cut short. Errors:
- * _MEMORY.
- */
+/** Untangle the mesh as measured last: what is inverted or flat. If anything was done r->stop is
+ *  _CONVERGED then, unless it was cut short, and the mesh is measured and prepared for sweeps.
+ *  Errors: _MEMORY. */
 int pl_run_untangle(pl_run *r, planish_error *error);
 
 /** Bring elements up to their minimum volumes, as described above. Errors: _MEMORY. */
 int pl_run_raise_volumes(pl_run *r, planish_error *error);
-
-/* ---- angles.c -------------------------------------------------------------------------------- */
 
 /** Whether nodes move with others, whose stars alone have been looked at: rounding may do to their
  * own elements what it has not done to those. */
@@ -50,15 +40,11 @@ int pl_run_has_followers(const pl_run *r);
  *  Errors: _MEMORY. */
 int pl_run_put_back_angles(pl_run *r, planish_error *error);
 
-/* ---- worst.c --------------------------------------------------------------------------------- */
-
 /** Improve the worst elements of a mesh that has been smoothed, and measured. Errors: _MEMORY. */
 int pl_run_worst(pl_run *r, planish_error *error);
 
-/* ---- augmented.c ----------------------------------------------------------------------------- */
-
 /** After the sweeps have converged with minimum volumes in force: look for a better mesh by
- * augmented Lagrangian, and take it if it is one. */
-void pl_run_augmented(pl_run *r);
+ * augmented Lagrangian, and take it if it is one. Without memory it does nothing. */
+int pl_run_augmented(pl_run *r, planish_error *error);
 
 #endif

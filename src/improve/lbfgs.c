@@ -22,7 +22,7 @@ static void slope_chunk(void *context, int64_t begin, int64_t end, int thread) {
             m->gradient[i * dim + d] = m->slope[m->p.star[i]].gradient[d];
 }
 
-/** Value where the nodes are; the gradient if it is at most enough. */
+/** Compute the value where the nodes are, and the gradient if it is at most enough. */
 static void evaluate(pl_lbfgs *m, double enough) {
     m->value = m->function(m->context, enough, m->slope);
     m->evaluations++;
@@ -35,7 +35,7 @@ void pl_lbfgs_begin(pl_lbfgs *m) {
     evaluate(m, INFINITY);
 }
 
-/** direction = B^-1 direction, B the nodes' own Hessians. */
+/** Set direction to B^-1 direction; B: the nodes' own Hessians. */
 static void precondition_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const pl_lbfgs *m = context;
     const int dim = m->p.dim;
@@ -71,6 +71,7 @@ static void find_direction(pl_lbfgs *m) {
     }
 }
 
+/** Remember the last step and what it did to the gradient, unless its curvature is next to 0. */
 static void remember(pl_lbfgs *m) {
     const pl_patch *p = &m->p;
     const int at = (m->newest + 1) % PL_LBFGS_SLOTS;
@@ -85,12 +86,6 @@ static void remember(pl_lbfgs *m) {
     m->n_pairs += m->n_pairs < PL_LBFGS_PAIRS;
 }
 
-/** Put the nodes step along the direction from start, but not out of their bounds. */
-static void place(pl_lbfgs *m, double step) {
-    pl_patch_combine(&m->p, m->position, m->start, step, m->direction);
-    pl_patch_admit(&m->p, m->position, m->start);
-}
-
 int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally) {
     pl_run *r = m->p.run;
     const double before = m->value;
@@ -101,9 +96,10 @@ int pl_lbfgs_iterate(pl_lbfgs *m, pl_sweep_tally *tally) {
     pl_patch_combine(&m->p, m->last_gradient, m->gradient, 0, m->gradient);
     for (int i = 0; slope < 0 && i < BACKTRACKS && !tally->stopped; i++) {
         const double enough = before + ARMIJO * slope * step;
-        place(m, step);
+        pl_patch_combine(&m->p, m->position, m->start, step, m->direction);
+        pl_patch_admit(&m->p, m->position, m->start);
         evaluate(m, enough);
-        tally->visits += m->p.n_all;
+        tally->stars.visits += m->p.n_all;
         tally->stopped = pl_run_ask_all(r, tally->colours, m->p.n);
         if (m->value < enough) {
             remember(m);

@@ -5,7 +5,7 @@
  * in visiting order, [n][dim]; their products are sums over the nodes, rounded once.
  *
  *   pl_patch_create, _destroy, _vector, _node         a patch, its vectors and nodes
- *   pl_patch_for, _product, _combine, _scale          arithmetic of vectors
+ *   pl_patch_for, _product, _combine                  arithmetic of vectors
  *   pl_patch_take, _put, _admit                       exchange with the mesh
  *   pl_box_of_fixed, pl_patch_centre                  nodes to the mean of their neighbours
  */
@@ -25,8 +25,6 @@ typedef struct pl_patch {
     double *vectors;  /* those that pl_patch_create was asked for, zero at first */
     double *field;    /* [n_nodes][dim] by inner numbers, 0 outside of the patch */
 } pl_patch;
-
-enum { PL_PATCH_CHUNK = 256 }; /* nodes that one thread takes at a time */
 
 /** Make a patch of the nodes that in_patch [n_nodes] marks by inner numbers; NULL: of all free
  *  nodes. Returns 0 without memory; destroy the patch in any case. */
@@ -49,17 +47,14 @@ static inline int64_t pl_patch_node(const pl_patch *p, int64_t i) {
 /** Call body for chunks of the patch's nodes. */
 void pl_patch_for(const pl_patch *p, pl_chunk_fn *body, void *context);
 
-/** b . c */
+/** Return b . c. */
 double pl_patch_product(const pl_patch *p, const double *b, const double *c);
 
-/** a = b + factor c */
+/** Set a to b + factor c; b NULL: to 0 + factor c, whose zeros have no sign. */
 void pl_patch_combine(const pl_patch *p, double *a, const double *b, double factor,
                       const double *c);
 
-/** a = factor b, whose zeros have no sign */
-void pl_patch_scale(const pl_patch *p, double *a, double factor, const double *b);
-
-/** a from an array [n_nodes][dim], and back. */
+/** Set a from an array field [n_nodes][dim]. */
 void pl_patch_take(const pl_patch *p, double *a, const double *field);
 
 /** Copy a vector a of the patch to an array field [n_nodes][dim]. */
@@ -78,8 +73,8 @@ typedef struct pl_box {
 /** Return the bounding box of the held nodes of the plan's elements. */
 pl_box pl_box_of_fixed(const planish_plan *plan);
 
-/** Move the nodes to where each is at the mean of its neighbours, by conjugate gradients
- * (centre.c); the patch has PL_CENTRE_VECTORS at least. Cut short where tally says so then. */
+/** Move the nodes to where each is at the mean of its neighbours, by conjugate gradients; the patch
+ *  has PL_CENTRE_VECTORS at least. Cut short where tally says so then. */
 void pl_patch_centre(const pl_patch *p, pl_sweep_tally *tally);
 
 enum { PL_CENTRE_VECTORS = 6 };

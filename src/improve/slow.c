@@ -6,7 +6,6 @@
  */
 #include "improve/improve.h"
 #include "improve/lbfgs.h"
-#include "sweep/trial.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -73,54 +72,38 @@ static double evaluate(void *context, double enough, pl_star_slope *slope) {
     return value;
 }
 
-/** Put the nodes part of the way from start to centred. */
-static void go(const pl_lbfgs *m, double part, const double *start, const double *centred) {
-    double *way = m->direction, *x = m->position, *from = m->start;
-    pl_patch_take(&m->p, from, start);
-    pl_patch_take(&m->p, way, centred);
-    pl_patch_combine(&m->p, way, way, -1, from);
-    pl_patch_combine(&m->p, x, from, part, way);
-    pl_patch_admit(&m->p, x, from);
-    pl_run_measure(m->p.run);
-}
-
-/** Centre the mesh, which is at start, as far as it stays valid, and sweep it some times. */
-static int centre_and_sweep(pl_lbfgs *m, const double *start, double *centred) {
-    pl_run *r = m->p.run;
-    const size_t size =
-        (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
-    pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
-    int stopped;
-    pl_run_begin_sweep(r);
-    pl_patch_centre(&m->p, &tally);
-    memcpy(centred, r->plan->coordinates, size);
-    for (int i = 0; i < PARTS && !tally.stopped; i++) {
-        go(m, ldexp(1, -i), start, centred);
-        if (r->worth.sums.inverted <= r->shown->sums.inverted)
-            break;
-    }
-    tally.visits = 0; /* no local problem was solved */
-    stopped = pl_run_end_sweep(r, &tally);
-    for (int i = 0; i < SWEEPS_OF_TRIAL && !stopped; i++) {
-        int64_t visits;
-        stopped = pl_run_sweep(r, &visits);
-    }
-    return stopped;
-}
-
-/** A trial: the mesh that stands stays the one that is seen, and comes back if it is better. */
+/** Centre the mesh, as far as it stays valid, and sweep it some times. A trial: the mesh that
+ * stands stays the one that is seen, and comes back unless the other is better. Not 0 if cut short.
+ */
 static int try_centring(pl_lbfgs *m) {
     pl_run *r = m->p.run;
-    const int64_t n = r->plan->work.n_nodes * r->plan->dim;
     const pl_star_limits limits = r->problem.limits;
-    double *start = pl_alloc(2 * n, sizeof *start);
+    double *start = pl_alloc(r->plan->work.n_nodes * r->plan->dim, sizeof *start);
+    pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
     pl_trial trial;
     if (!start)
         return 0;
     pl_trial_begin(r, start, &trial);
     r->problem.limits = pl_star_no_limits();
     pl_run_begin_anew(r);
-    const int stopped = centre_and_sweep(m, start, start + n);
+    pl_run_begin_sweep(r);
+    pl_patch_centre(&m->p, &tally);
+    pl_patch_take(&m->p, m->start, start);
+    pl_patch_take(&m->p, m->direction, r->plan->coordinates);
+    pl_patch_combine(&m->p, m->direction, m->direction, -1, m->start);
+    for (int i = 0; i < PARTS && !tally.stopped; i++) {
+        pl_patch_combine(&m->p, m->position, m->start, ldexp(1, -i), m->direction);
+        pl_patch_admit(&m->p, m->position, m->start);
+        pl_run_measure(r);
+        if (r->worth.sums.inverted <= trial.standing.sums.inverted)
+            break;
+    }
+    tally.stars.visits = 0; /* no local problem was solved */
+    int stopped = pl_run_end_sweep(r, &tally);
+    for (int i = 0; i < SWEEPS_OF_TRIAL && !stopped; i++) {
+        int64_t visits;
+        stopped = pl_run_sweep(r, &visits);
+    }
     pl_run_measure(r);
     const pl_ratio_sums *before = &trial.standing.sums, *now = &r->worth.sums;
     pl_trial_end(&trial, !stopped && now->inverted <= before->inverted && now->max <= before->max &&
@@ -131,70 +114,50 @@ static int try_centring(pl_lbfgs *m) {
     return stopped;
 }
 
-/** Run at most that many evaluations, each counted as a sweep. Returns not 0 if the run was cut
- *  short. *moved: descent can continue. */
-static int descend(pl_lbfgs *m, int most, int *moved) {
-    pl_run *r = m->p.run;
-    const int64_t end = m->evaluations + most;
-    int stopped = 0;
-    *moved = 1;
-    while (*moved && m->evaluations < end && !stopped && pl_run_sweeps_left(r) > 0) {
-        pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
-        pl_run_begin_sweep(r);
-        *moved = pl_lbfgs_iterate(m, &tally);
-        tally.evaluations = tally.visits;
-        stopped = pl_run_end_sweep(r, &tally);
-    }
-    return stopped;
-}
-
-/** L-BFGS for as long as it brings more than sweeps, which bring the RMS down by that part of
- * itself each. */
+/** Use L-BFGS for as long as it brings more than sweeps, which bring the RMS down by the part fall
+ * of itself each; each evaluation counts as a sweep. Not 0 if cut short. */
 static int try_descent(pl_lbfgs *m, double fall) {
+    pl_run *r = m->p.run;
     int stopped = 0, moved = 1;
-    while (moved && !stopped && pl_run_sweeps_left(m->p.run) > 0) {
+    while (moved && !stopped && pl_run_sweeps_left(r) > 0) {
         const double before = m->value;
-        const int64_t evaluations = m->evaluations;
-        stopped = descend(m, EVALUATIONS_OF_TRIAL, &moved);
-        const double n = (double)(m->evaluations - evaluations);
+        const int64_t first = m->evaluations;
+        while (moved && m->evaluations < first + EVALUATIONS_OF_TRIAL && !stopped &&
+               pl_run_sweeps_left(r) > 0) {
+            pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
+            pl_run_begin_sweep(r);
+            moved = pl_lbfgs_iterate(m, &tally);
+            tally.stars.evaluations = tally.stars.visits;
+            stopped = pl_run_end_sweep(r, &tally);
+        }
+        const double n = (double)(m->evaluations - first);
         if (!(1 - sqrt(m->value / before) > n * fall))
             break;
     }
     return stopped;
 }
 
-/** Which nodes move, and how bad an element may be: as bad as the worst of the input, or as the
- *  worst there is. */
-static void look(objective_of_all *f) {
-    pl_run *r = f->run;
-    const planish_plan *plan = r->plan;
-    f->rr2_limit = r->problem.limits.rr2;
-    f->rr2_measured = fmax(r->problem.limits.rr2, r->worth.sums.max);
-    f->acuteness = fmax(r->problem.limits.acuteness, r->worth.sums.acuteness);
-    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
-        pl_star_value value;
-        plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);
-        f->in_patch[plan->interior.centre[i]] = value.certain != 0;
-        if (value.certain)
-            f->rr2_limit = fmax(f->rr2_limit, value.max * (1 + value.error));
-    }
-    pl_parts_largest(&f->rr2_limit, 1);
-}
-
-/** Multiply all coordinates, and see to it that they are measured as before. */
-static void rescale(pl_run *r, double factor) {
-    for (int64_t i = 0; i < r->plan->work.n_nodes * r->plan->dim; i++)
-        r->plan->coordinates[i] *= factor;
-    r->unit /= factor;
-}
-
 static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall) {
-    objective_of_all f = {.run = r, .in_patch = pl_alloc_zero(r->plan->work.n_nodes, 1)};
+    const planish_plan *plan = r->plan;
+    objective_of_all f = {.run = r,
+                          .in_patch = pl_alloc_zero(plan->work.n_nodes, 1),
+                          .rr2_limit = r->problem.limits.rr2,
+                          .rr2_measured = fmax(r->problem.limits.rr2, r->worth.sums.max),
+                          .acuteness = fmax(r->problem.limits.acuteness, r->worth.sums.acuteness)};
     pl_lbfgs m;
     int stopped = 0;
     if (!f.in_patch)
         return 0;
-    look(&f);
+    /* Nodes whose stars are valid move; an element may be as bad as the worst of the input, or as
+     * the worst there is. */
+    for (int64_t i = 0; i < plan->interior.stars.n_stars; i++) {
+        pl_star_value value;
+        plan->kernel->evaluate[plan->dim - 2](&r->problem, i, plan->scratch, 1, &value);
+        f.in_patch[plan->interior.centre[i]] = value.certain != 0;
+        if (value.certain)
+            f.rr2_limit = fmax(f.rr2_limit, value.max * (1 + value.error));
+    }
+    pl_parts_largest(&f.rr2_limit, 1);
     if (pl_lbfgs_create(r, &r->problem, f.in_patch, evaluate, &f, &m)) {
         pl_lbfgs_begin(&m);
         if (m.value < INFINITY)
@@ -204,6 +167,13 @@ static int try_acceleration(pl_run *r, pl_acceleration acceleration, double fall
     pl_lbfgs_destroy(&m);
     pl_free(f.in_patch);
     return stopped;
+}
+
+/** Multiply all coordinates, and see to it that they are measured as before. */
+static void rescale(pl_run *r, double factor) {
+    for (int64_t i = 0; i < r->plan->work.n_nodes * r->plan->dim; i++)
+        r->plan->coordinates[i] *= factor;
+    r->unit /= factor;
 }
 
 /* L-BFGS keeps 31 vectors over the free nodes: 2 GB for so many in space. */

@@ -6,7 +6,6 @@
  * above, or makes F rise by more than is allowed, is undone.
  */
 #include "improve/improve.h"
-#include "sweep/trial.h"
 
 #include "base/context.h"
 #include "base/memory.h"
@@ -26,48 +25,49 @@ enum { STAGE_SWEEPS = 20, HALVINGS = 3 };
 /* A stage ends when no more than one star in so many improves. */
 enum { FEW = 50 };
 
-/** The phase under way. */
-typedef struct phase {
+/** Stages under way. */
+typedef struct stages {
     pl_run *run;
     uint8_t *state; /* [n_elements] */
     double *before; /* [n_nodes][dim] where a stage started */
     double most;    /* F */
-} phase;
+} stages;
 
 /** Find the elements above limit, a square; how many of them have a free node. */
-static int64_t find_bad(const phase *p, double limit) {
+static int64_t find_bad(const stages *p, double limit) {
     const planish_plan *plan = p->run->plan;
-    const uint8_t *is_counted = plan->work.is_counted;
+    const uint8_t *is_counted = plan->work.is_counted, *mobility = plan->work.mobility;
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE, corners = plan->dim + 1;
     int64_t n = 0;
     const pl_view all = pl_view_of_all_elements(&plan->work);
     pl_find_worse(&all, plan->measured, of_angle ? INFINITY : sqrt(limit),
                   of_angle ? limit : INFINITY, plan->threads, p->state);
-    for (int64_t i = 0; i < plan->work.n_elements; i++) {
-        int is_free = 0;
-        for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
-            is_free |= plan->work.mobility[plan->work.elements[i * corners + j]];
-        n += is_free && (!is_counted || is_counted[i]);
-    }
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
+        n += p->state[i] == PL_WORSE && (!is_counted || is_counted[i]) &&
+             pl_any_moves(mobility, plan->work.elements + i * corners, corners);
     pl_parts_add(&n, 1);
     return n;
 }
 
-/** Mark the nodes of the elements found. */
-static void wake_bad(const phase *p) {
-    const planish_plan *plan = p->run->plan;
+/** Try a stage: sweep stars with something above limit, a square, beginning with the nodes of the
+ *  elements above. *failed: F rose too much in it. The stage stands if not, and if fewer elements
+ * are above the limit. Not 0 if it was cut short. */
+static int try_stage(stages *p, double limit, int *failed) {
+    pl_run *r = p->run;
+    const planish_plan *plan = r->plan;
     const int corners = plan->dim + 1;
+    const int64_t n_bad = find_bad(p, limit);
+    int64_t most = 0;
+    int stopped = 0;
+    pl_trial trial;
+    *failed = 0;
+    if (n_bad == 0)
+        return 0;
     memset(plan->changed, 0, (size_t)plan->work.n_nodes);
     for (int64_t i = 0; i < plan->work.n_elements; i++)
         for (int j = 0; p->state[i] == PL_WORSE && j < corners; j++)
             plan->changed[plan->inner[plan->work.elements[i * corners + j]]] = 1;
-}
-
-/** Sweeps of stars with something above limit, a square; not 0 if they were cut short. */
-static int sweep_stage(const phase *p, double limit) {
-    pl_run *r = p->run;
-    int64_t most = 0;
-    int stopped = 0;
+    pl_trial_begin(r, p->before, &trial);
     r->guard.star.worst_limit = limit;
     for (int i = 0; i < STAGE_SWEEPS && !stopped; i++) {
         pl_sweep_tally tally = {0};
@@ -75,32 +75,18 @@ static int sweep_stage(const phase *p, double limit) {
         pl_run_sweep_colours(r, &tally);
         stopped = pl_run_end_sweep(r, &tally);
         r->result->worst_sweeps++;
-        most = tally.visits > most ? tally.visits : most;
-        if (tally.improved * FEW <= most)
+        most = tally.stars.visits > most ? tally.stars.visits : most;
+        if (tally.stars.improved * FEW <= most)
             break;
     }
     pl_run_measure(r);
-    return stopped;
-}
-
-/** A stage, which is a trial; *failed: F rose too much in it. It stands if not, and if fewer
- *  elements are above the limit. Not 0 if it was cut short. */
-static int try_stage(phase *p, double limit, int *failed) {
-    pl_run *r = p->run;
-    pl_trial trial;
-    const int64_t n_bad = find_bad(p, limit);
-    *failed = 0;
-    if (n_bad == 0)
-        return 0;
-    wake_bad(p);
-    pl_trial_begin(r, p->before, &trial);
-    const int stopped = sweep_stage(p, limit);
     *failed = !(pl_run_objective(r) <= p->most);
     pl_trial_end(&trial, !*failed && find_bad(p, limit) < n_bad);
     return stopped;
 }
 
-static void run_stages(phase *p) {
+/** Lower the limit stage by stage. */
+static void run_stages(stages *p) {
     const pl_star_limits worst = pl_run_limits(p->run, 1);
     const int of_angle = p->run->options->worst == PLANISH_WORST_ANGLE;
     double reached = sqrt(of_angle ? worst.acuteness : worst.rr2), refused = 1;
@@ -119,7 +105,7 @@ static void run_stages(phase *p) {
     }
 }
 
-/** The worst of the mesh as the caller wants to know it: RR, or degrees. */
+/** Worst value of the mesh as the caller wants to know it: RR, or degrees. */
 static double worst_of(const pl_run *r) {
     const double degrees = 57.295779513082320877; /* of a radian */
     const pl_star_limits now = pl_run_limits(r, 1);
@@ -129,12 +115,14 @@ static double worst_of(const pl_run *r) {
 }
 
 int pl_run_worst(pl_run *r, planish_error *error) {
-    planish_plan *plan = r->plan;
+    const planish_plan *plan = r->plan;
     const pl_star_guard guard = r->guard.star;
     const pl_star_problem problem = r->problem;
-    phase p = {.run = r,
-               .state = pl_alloc(plan->work.n_elements, sizeof *p.state),
-               .before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p.before)};
+    if (r->options->worst == PLANISH_WORST_NONE)
+        return PLANISH_OK;
+    stages p = {.run = r,
+                .state = pl_alloc(plan->work.n_elements, sizeof *p.state),
+                .before = pl_alloc(plan->work.n_nodes * plan->dim, sizeof *p.before)};
     int status = p.state && p.before ? PLANISH_OK : pl_fail_memory(error, "the worst elements");
     p.most = pl_run_objective(r) * (1 + r->options->worst_rise);
     r->guard.star.measure =

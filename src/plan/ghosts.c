@@ -61,16 +61,6 @@ static int64_t most_shared(const pl_visits *visits, int64_t most) {
     return most;
 }
 
-static void find_movable(const planish_plan *plan, const planish_mesh *mesh, uint8_t *is_movable) {
-    const int corners = mesh->dim + 1;
-    for (int64_t i = 0; i < mesh->n_elements; i++) {
-        int movable = 0;
-        for (int j = 0; j < corners; j++)
-            movable |= plan->work.mobility[mesh->elements[i * corners + j]];
-        is_movable[i] = (uint8_t)(mesh->part->is_counted[i] ? movable != 0 : PL_ELSEWHERE);
-    }
-}
-
 static int64_t message_size(const planish_plan *plan) {
     return plan->dim * (int64_t)sizeof(double) + 1;
 }
@@ -89,7 +79,11 @@ int pl_ghosts_create(planish_plan *plan, const planish_mesh *mesh, const int32_t
     if (!g->node || !g->is_movable || !g->before || !g->moved || !g->message)
         return pl_fail_memory(error, "the ghosts");
     memcpy(g->node, order, (size_t)mesh->n_nodes * sizeof *g->node);
-    find_movable(plan, mesh, g->is_movable);
+    for (int64_t i = 0; i < mesh->n_elements; i++) {
+        const int32_t *node = mesh->elements + i * (mesh->dim + 1);
+        const int movable = pl_any_moves(plan->work.mobility, node, mesh->dim + 1);
+        g->is_movable[i] = (uint8_t)(mesh->part->is_counted[i] ? movable : PL_ELSEWHERE);
+    }
     return find_neighbours(plan, mesh, g, error);
 }
 

@@ -24,12 +24,9 @@ static inline int64_t count_fixed(const planish_plan *plan, int dim, int64_t beg
     const int32_t *elements = plan->work.elements;
     const uint8_t *mobility = plan->work.mobility, *is_counted = plan->work.is_counted;
     int64_t n = 0;
-    for (int64_t i = begin; i < end; i++) {
-        int movable = 0;
-        for (int j = 0; j <= dim; j++)
-            movable |= mobility[elements[i * (dim + 1) + j]];
-        n += !movable && (!is_counted || is_counted[i]);
-    }
+    for (int64_t i = begin; i < end; i++)
+        n += !pl_any_moves(mobility, elements + i * (dim + 1), dim + 1) &&
+             (!is_counted || is_counted[i]);
     return n;
 }
 

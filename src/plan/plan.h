@@ -5,7 +5,7 @@
  *   pl_plan_colours, _order, _number_stars     colours; coordinates along the curve; stars
  *   pl_plan_points, _all_points, _dense        the caller's coordinates
  *   pl_plan_element, _node                     the caller's numbers
- *   pl_view_of_all_elements, pl_plan_check_call    what measurements and calls need
+ *   pl_view_of_all_elements, pl_any_moves, pl_plan_check_call    what measurements and calls need
  */
 #ifndef PL_PLAN_PLAN_H
 #define PL_PLAN_PLAN_H
@@ -139,6 +139,14 @@ static inline pl_view pl_view_of_all_elements(const pl_view *view) {
     pl_view v = *view;
     v.is_movable = NULL;
     return v;
+}
+
+/** Whether any node of an element may move; node [corners], mobility by these numbers. */
+static inline int pl_any_moves(const uint8_t *mobility, const int32_t *node, int corners) {
+    int any = 0;
+    for (int j = 0; j < corners; j++)
+        any |= mobility[node[j]];
+    return any != 0;
 }
 
 /** Check options, and that coordinates [n][dim] of the caller are finite: every call on coordinates

@@ -67,8 +67,8 @@ double pl_guard_weigh(pl_guard *guard, const planish_options *options,
 
 /* ---- bounds -------------------------------------------------------------------------------- */
 
-/** The work on all nodes. */
-typedef struct work {
+/** Bounds under way. */
+typedef struct bounding {
     const planish_plan *plan;
     const pl_visits *visits; /* of limit_stars */
     const planish_options *options;
@@ -77,7 +77,7 @@ typedef struct work {
     uint8_t *group; /* likewise: of nodes that move together, and LEFT_ALONE */
     uint8_t *mobility;
     int64_t held, left_alone; /* shared */
-} work;
+} bounding;
 
 enum { GROUPED = 1, LEFT_ALONE = 2 }; /* bits */
 
@@ -94,34 +94,28 @@ static double storable(const planish_options *options, double x, double towards)
     return rounded;
 }
 
-/** The bounds of coordinate d of node i of the plan's mesh. */
-static void bound(const work *w, int64_t i, int d, double *lower, double *upper) {
-    const planish_options *options = w->options;
-    double low = options->box_lower[d], high = options->box_upper[d];
-    int64_t k = pl_plan_node(w->plan, i) * w->plan->dim + d;
-    if (options->lower && options->lower[k] > low)
-        low = options->lower[k];
-    if (options->upper && options->upper[k] < high)
-        high = options->upper[k];
-    *lower = storable(options, low, 1);
-    *upper = storable(options, high, -1);
-}
-
 static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    bounding *w = context;
+    const planish_options *options = w->options;
     const int dim = w->plan->dim;
     int64_t held = 0;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
+        const int64_t inner = w->plan->inner[i], node = pl_plan_node(w->plan, i);
         const double *x = w->coordinates + i * dim;
-        double *lower = w->lower + (int64_t)w->plan->inner[i] * dim;
-        double *upper = w->upper + (int64_t)w->plan->inner[i] * dim;
+        double *lower = w->lower + inner * dim, *upper = w->upper + inner * dim;
         int outside = 0;
         for (int d = 0; d < dim; d++) {
-            bound(w, i, d, &lower[d], &upper[d]);
+            double low = options->box_lower[d], high = options->box_upper[d];
+            if (options->lower && options->lower[node * dim + d] > low)
+                low = options->lower[node * dim + d];
+            if (options->upper && options->upper[node * dim + d] < high)
+                high = options->upper[node * dim + d];
+            lower[d] = storable(options, low, 1);
+            upper[d] = storable(options, high, -1);
             outside |= !(lower[d] <= x[d] && x[d] <= upper[d]);
         }
-        const int stays = outside || (w->group && w->group[w->plan->inner[i]] & LEFT_ALONE);
+        const int stays = outside || (w->group && w->group[inner] & LEFT_ALONE);
         for (int d = 0; stays && d < dim; d++)
             lower[d] = upper[d] = x[d];
         w->mobility[i] = w->plan->work.mobility[i] && !stays;
@@ -130,43 +124,28 @@ static void bound_nodes(void *context, int64_t begin, int64_t end, int thread) {
     __atomic_fetch_add(&w->held, held, __ATOMIC_RELAXED);
 }
 
-/** Mean distance of the star's ring from its node. */
-static double mean_edge(const planish_plan *plan, const pl_visits *visits, int64_t star) {
-    const int dim = plan->dim;
-    const double *x = plan->coordinates + (int64_t)visits->centre[star] * dim;
-    int64_t begin = visits->stars.ring_offset[star], end = visits->stars.ring_offset[star + 1];
-    double sum = 0;
-    for (int64_t i = begin; i < end; i++) {
-        const double *y = plan->coordinates + (int64_t)visits->stars.ring[i] * dim;
-        sum += pl_distance(dim, x, y) / (double)(end - begin);
-    }
-    return sum;
-}
-
 static void limit_stars(void *context, int64_t begin, int64_t end, int thread) {
-    const work *w = context;
-    const planish_plan *plan = w->plan;
-    const int dim = plan->dim;
+    const bounding *w = context;
+    const pl_visits *visits = w->visits;
+    const int dim = w->plan->dim, by_edge = w->options->displacement_unit == PLANISH_UNIT_EDGE;
     (void)thread;
     for (int64_t s = begin; s < end; s++) {
-        int64_t node = w->visits->centre[s];
-        double unit =
-            w->options->displacement_unit == PLANISH_UNIT_EDGE ? mean_edge(plan, w->visits, s) : 1;
+        const int64_t node = visits->centre[s];
+        const int64_t first = visits->stars.ring_offset[s], last = visits->stars.ring_offset[s + 1];
+        const double *x = w->plan->coordinates + node * dim;
+        double unit = by_edge ? 0 : 1; /* or the mean distance of the ring from the node */
+        for (int64_t i = first; by_edge && i < last; i++) {
+            const double *y = w->plan->coordinates + (int64_t)visits->stars.ring[i] * dim;
+            unit += pl_distance(dim, x, y) / (double)(last - first);
+        }
         w->radius[node] = w->options->max_displacement * unit;
         for (int d = 0; d < dim; d++)
-            w->start[node * dim + d] = plan->coordinates[node * dim + d];
+            w->start[node * dim + d] = x[d];
     }
-}
-
-static int has_box(const planish_plan *plan, const planish_options *options) {
-    int any = options->lower || options->upper;
-    for (int d = 0; d < plan->dim; d++)
-        any |= options->box_lower[d] > -INFINITY || options->box_upper[d] < INFINITY;
-    return any;
 }
 
 static void leave_alone(void *context, int64_t begin, int64_t end, int thread) {
-    work *w = context;
+    bounding *w = context;
     const planish_plan *plan = w->plan;
     int64_t left_alone = 0;
     (void)thread;
@@ -191,7 +170,7 @@ static void leave_alone(void *context, int64_t begin, int64_t end, int thread) {
 /** Find the nodes at elements that are not positive and shall stay as they are, where some of them
  * move with others: the copy that the leader sees may be positive, by the rounding of its place.
  * 0 without memory. */
-static int find_left_alone(work *w) {
+static int find_left_alone(bounding *w) {
     const planish_plan *plan = w->plan;
     const pl_visits *visits = &plan->sliding;
     if (w->options->untangle || w->options->method != PLANISH_METHOD_PLANISH ||
@@ -240,7 +219,7 @@ static double bound_of_leader(const pl_follower *f, int d, double bound, int sig
 }
 
 /** Nodes that others follow are bounded by what bounds these, too; all are held if one is. */
-static void bound_leaders(const work *w) {
+static void bound_leaders(const bounding *w) {
     const planish_plan *plan = w->plan;
     const int dim = plan->dim;
     for (int64_t k = 0; w->lower && k < plan->sliding.n_followers; k++) {
@@ -260,9 +239,12 @@ static void bound_leaders(const work *w) {
 static int make_bounds(const planish_plan *plan, const planish_options *options,
                        const double *coordinates, pl_guard *guard, planish_error *error) {
     const int64_t values = plan->work.n_nodes * plan->dim;
-    work w = {.plan = plan, .options = options, .coordinates = coordinates};
+    bounding w = {.plan = plan, .options = options, .coordinates = coordinates};
     int memory = find_left_alone(&w);
-    if (memory && (has_box(plan, options) || w.left_alone > 0)) {
+    int is_bounded = options->lower || options->upper || w.left_alone > 0;
+    for (int d = 0; d < plan->dim; d++)
+        is_bounded |= options->box_lower[d] > -INFINITY || options->box_upper[d] < INFINITY;
+    if (memory && is_bounded) {
         guard->star.lower = w.lower = pl_alloc(values, sizeof *w.lower);
         guard->star.upper = w.upper = pl_alloc(values, sizeof *w.upper);
         guard->mobility = w.mobility = pl_alloc(plan->work.n_nodes, sizeof *w.mobility);
@@ -293,15 +275,6 @@ static int make_bounds(const planish_plan *plan, const planish_options *options,
 
 /* ---- the guard ----------------------------------------------------------------------------- */
 
-/** The first element without a minimum volume, by the caller's number, or -1. */
-static int64_t without_min_volume(const planish_plan *plan, double min_volume) {
-    const double *least = plan->all->min_volume;
-    for (int64_t i = 0; i < plan->all->n_elements && !(min_volume > 0); i++)
-        if (!least || !(least[i] > 0))
-            return plan->all == &plan->work ? pl_plan_element(plan, i) : i;
-    return -1;
-}
-
 int pl_check_delta(const planish_options *options, double delta, planish_error *error) {
     if (options->min_volume_fraction > 0 && (!(delta >= DBL_MIN) || !isfinite(delta)))
         return pl_fail(
@@ -319,12 +292,15 @@ static int check_area_weight(const planish_plan *plan, const planish_options *op
                              const double *coordinates, double delta, planish_error *error) {
     if (!(options->area_weight > 0))
         return PLANISH_OK;
-    int64_t element = without_min_volume(plan, delta);
-    if (element >= 0)
-        return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
-                          "options.area_weight is %g, but element %" PRId64
-                          " has no minimum volume; give min_volume or min_volume_fraction",
-                          options->area_weight, element);
+    const double *min_volume = plan->all->min_volume;
+    for (int64_t i = 0; i < plan->all->n_elements && !(delta > 0); i++) {
+        const int64_t element = plan->all == &plan->work ? pl_plan_element(plan, i) : i;
+        if (!min_volume || !(min_volume[i] > 0))
+            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, element, -1,
+                              "options.area_weight is %g, but element %" PRId64
+                              " has no minimum volume; give min_volume or min_volume_fraction",
+                              options->area_weight, element);
+    }
     const pl_objective_problem problem = {.mesh = pl_view_of_all_elements(&plan->work),
                                           .coordinates = coordinates,
                                           .objective = options->objective,

@@ -67,16 +67,6 @@ pl_star_limits pl_run_limits(const pl_run *r, double margin) {
                             pl_blunt_ratio_square(r->plan->dim, acuteness)};
 }
 
-static void measure_ratios(pl_run *r) {
-    const planish_plan *plan = r->plan;
-    pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, &r->worth.sums);
-    r->measured = r->worth.sums.movable;
-    if (plan->all == &plan->work)
-        return;
-    r->worth.sums.fixed = r->rest.ratio;
-    r->worth.sums.n_fixed = (int64_t)r->rest.n;
-}
-
 pl_objective_problem pl_run_objective_problem(const pl_run *r) {
     const planish_plan *plan = r->plan;
     pl_view mesh = pl_view_of_all_elements(&plan->work);
@@ -91,49 +81,44 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r) {
 
 void pl_run_measure(pl_run *r) {
     const planish_plan *plan = r->plan;
+    const int is_all = plan->all == &plan->work;
     pl_parallel_for(plan->threads, plan->work.n_nodes, CHUNK_NODES, transfer_measured, r);
     if (r->plain) {
-        measure_ratios(r);
+        pl_ratio_sums *sums = &r->worth.sums;
+        pl_sum_radius_ratio(&plan->work, plan->measured, plan->threads, sums);
+        r->measured = sums->movable;
+        sums->fixed = is_all ? sums->fixed : r->rest.ratio;
+        sums->n_fixed = is_all ? sums->n_fixed : (int64_t)r->rest.n;
         return;
     }
     const pl_objective_problem problem = pl_run_objective_problem(r);
     pl_sum_objective(&problem, &r->worth.totals);
     r->measured = r->worth.totals.ratio[1];
-    if (plan->all == &plan->work)
+    if (is_all)
         return;
     r->worth.totals.ratio[0] = r->rest.ratio;
     r->worth.totals.volume[0] = r->rest.volume;
     r->worth.totals.n[0] = r->rest.n;
 }
 
-/** Which of all elements have a free node. */
-static void find_movable(const pl_run *r) {
-    const planish_plan *plan = r->plan;
-    const uint8_t *mobility = r->guard.mobility ? r->guard.mobility : plan->work.mobility;
-    for (int64_t i = 0; i < plan->work.n_elements; i++) {
-        int movable = 0;
-        for (int j = 0; j <= plan->dim; j++)
-            movable |= mobility[plan->work.elements[i * (plan->dim + 1) + j]];
-        plan->is_movable[plan->element_of[i]] = movable != 0;
-    }
-}
-
 void pl_run_measure_rest(pl_run *r, const double *all) {
     const planish_plan *plan = r->plan;
-    pl_view whole = plan->whole;
-    pl_ratio_sums plain;
-    pl_objective_sums sums;
-    find_movable(r);
-    whole.is_movable = plan->is_movable;
-    if (r->plain) {
-        pl_sum_radius_ratio(&whole, all, plan->threads, &plain);
-        r->rest =
-            (pl_rest){.ratio = plain.fixed, .n = (double)plain.n_fixed, .inverted = plain.inverted};
-        return;
-    }
+    const uint8_t *mobility = r->guard.mobility ? r->guard.mobility : plan->work.mobility;
+    const int corners = plan->dim + 1;
+    for (int64_t i = 0; i < plan->work.n_elements; i++)
+        plan->is_movable[plan->element_of[i]] =
+            (uint8_t)pl_any_moves(mobility, plan->work.elements + i * corners, corners);
     pl_objective_problem problem =
         pl_objective_problem_of(plan, r->options, all, r->guard.min_volume);
     problem.mesh.is_movable = plan->is_movable;
+    if (r->plain) {
+        pl_ratio_sums sums;
+        pl_sum_radius_ratio(&problem.mesh, all, plan->threads, &sums);
+        r->rest =
+            (pl_rest){.ratio = sums.fixed, .n = (double)sums.n_fixed, .inverted = sums.inverted};
+        return;
+    }
+    pl_objective_sums sums;
     pl_sum_objective(&problem, &sums);
     r->rest = (pl_rest){.ratio = sums.ratio[0],
                         .volume = sums.volume[0],
@@ -142,26 +127,12 @@ void pl_run_measure_rest(pl_run *r, const double *all) {
                         .below = (int64_t)sums.below};
 }
 
-/** The sum of RR^2, or AR^2, over the movable elements falls by what the visits say, unless other
- *  things happened: then, and where rounding could show, it is measured. */
-static void keep_track(pl_run *r, const pl_sweep_tally *tally) {
-    if (r->guard.star.penalty > 0)
-        return; /* what falls is another function; it is measured in the end */
-    double *sum = r->plain ? &r->worth.sums.movable : &r->worth.totals.ratio[1];
-    *sum -= pl_sum_value(&tally->decrease);
-    if (r->restoring || r->options->area_weight > 0 ||
-        r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
-        pl_run_measure(r);
-    if (r->restoring) /* of elements that were brought up */
-        r->problem.limits.rr2 = fmax(r->worth.totals.radius_max, r->problem.limits.rr2);
-}
+/* ---- progress and limits ------------------------------------------------------------------- */
 
-/* ---- sweeps ------------------------------------------------------------------------------- */
-
-/** Progress for the caller. A trial stays hidden: the figures are those of the mesh that would
- *  be returned. */
+/** Progress for the caller. A trial stays hidden: the figures are those of the mesh that would be
+ *  returned. */
 static planish_progress progress_of(const pl_run *r, int colour, int64_t visits) {
-    double now = pl_seconds();
+    const double now = pl_seconds();
     pl_run seen = *r;
     if (r->shown)
         seen.worth = *r->shown;
@@ -217,22 +188,32 @@ int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits) {
     return (int)answer;
 }
 
-void pl_run_begin_sweep(pl_run *r) {
-    r->sweep++;
-    r->sweep_start = pl_seconds();
+int pl_run_sweeps_left(const pl_run *r) {
+    const int uncounted =
+        r->uncounted_sweeps > 0 ? r->uncounted_sweeps : r->result->untangling_sweeps;
+    return r->options->max_sweeps - (r->sweep - uncounted);
 }
 
-int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
-    r->result->visits += tally->visits;
-    r->result->evaluations += tally->evaluations;
-    planish_progress progress = progress_of(r, tally->colours, tally->visits);
-    progress.sweep_done = 1;
-    const int stopped = pl_parts_any(ask(r, &progress));
-    if (!tally->stopped && !stopped)
-        return 0;
-    /* The reason to stop that there was before stands, whatever the answer. */
-    r->stop = tally->stopped ? (planish_stop)tally->stopped : PLANISH_STOP_INTERRUPTED;
-    return 1;
+/* ---- sweeps ------------------------------------------------------------------------------- */
+
+/* See pl_star_problem.calm, as a part of the tolerance. Twice as much would save as much again, but
+ * leave the gradient three times as large. */
+#define CALM 0.5
+
+void pl_run_prepare(pl_run *r) {
+    const planish_plan *plan = r->plan;
+    const double worse = r->options->only_worse_than;
+    r->problem = pl_plan_problem(plan);
+    r->problem.direction = r->options->direction;
+    r->problem.limits.rr2 = pl_run_limits(r, PL_LIMIT_MARGIN).rr2;
+    /* In rings around bad elements good stars are meant, too. */
+    r->problem.rr2_skip = plan->is_selective && r->options->rings > 0 ? 0 : worse * worse;
+    r->problem.calm = plan->is_selective ? 0 : CALM * r->options->tolerance;
+    r->problem.storage = pl_storage_of(r->options);
+    r->problem.guard = r->guard.wanted ? &r->guard.star : NULL;
+    if (!r->guard.wanted && r->options->direction == PLANISH_NEWTON)
+        r->problem.kept = plan->kept;
+    pl_run_begin_anew(r);
 }
 
 pl_star_problem pl_run_sliding_problem(pl_run *r) {
@@ -265,6 +246,24 @@ void pl_run_begin_anew(pl_run *r) {
                         r->problem.kept);
 }
 
+void pl_run_begin_sweep(pl_run *r) {
+    r->sweep++;
+    r->sweep_start = pl_seconds();
+}
+
+int pl_run_end_sweep(pl_run *r, const pl_sweep_tally *tally) {
+    r->result->visits += tally->stars.visits;
+    r->result->evaluations += tally->stars.evaluations;
+    planish_progress progress = progress_of(r, tally->colours, tally->stars.visits);
+    progress.sweep_done = 1;
+    const int stopped = pl_parts_any(ask(r, &progress));
+    if (!tally->stopped && !stopped)
+        return 0;
+    /* The reason to stop that there was before stands, whatever the answer. */
+    r->stop = tally->stopped ? (planish_stop)tally->stopped : PLANISH_STOP_INTERRUPTED;
+    return 1;
+}
+
 void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally) {
     const planish_method method = r->options->method;
     pl_sweep(r->plan, &r->plan->interior, &r->problem, method, pl_run_after_colour, r, tally);
@@ -276,15 +275,26 @@ void pl_run_sweep_colours(pl_run *r, pl_sweep_tally *tally) {
 }
 
 int pl_run_sweep(pl_run *r, int64_t *visits) {
+    double *sum = r->plain ? &r->worth.sums.movable : &r->worth.totals.ratio[1];
     pl_sweep_tally tally = {0};
     pl_run_begin_sweep(r);
     if (!r->plain)
         r->factor = pl_guard_weigh(&r->guard, r->options, &r->worth.totals);
     pl_run_sweep_colours(r, &tally);
-    r->restoring = tally.restored > 0;
-    r->improved = tally.improved;
-    *visits = tally.visits;
-    keep_track(r, &tally);
+    r->restoring = tally.stars.restored > 0;
+    r->improved = tally.stars.improved;
+    *visits = tally.stars.visits;
+    /* The sum of RR^2, or AR^2, over the movable elements falls by what the visits say, unless
+     * other things happened: then, and where rounding could show, it is measured. With multipliers
+     * it is another function that falls; the sum is measured in the end. */
+    if (!(r->guard.star.penalty > 0)) {
+        *sum -= pl_sum_value(&tally.stars.decrease);
+        if (r->restoring || r->options->area_weight > 0 ||
+            r->options->method != PLANISH_METHOD_PLANISH || !(*sum > MEASURE_AGAIN * r->measured))
+            pl_run_measure(r);
+        if (r->restoring) /* of elements that were brought up */
+            r->problem.limits.rr2 = fmax(r->worth.totals.radius_max, r->problem.limits.rr2);
+    }
     return pl_run_end_sweep(r, &tally);
 }
 
@@ -296,10 +306,10 @@ int pl_run_sweep(pl_run *r, int64_t *visits) {
  *  them it must stay as it is. */
 static int has_converged(const pl_run *r, pl_convergence *convergence, double before,
                          int64_t visits) {
-    double after = objective_of_movable(r);
+    const double after = objective_of_movable(r);
+    const int64_t n_stars = r->plan->interior.n_all + r->plan->sliding.n_all;
     if (visits == 0)
         return 1;
-    const int64_t n_stars = r->plan->interior.n_all + r->plan->sliding.n_all;
     if (r->restoring || (double)r->improved > MANY_STARS * (double)n_stars) {
         convergence->n_falls = 0;
         return 0;
@@ -310,70 +320,70 @@ static int has_converged(const pl_run *r, pl_convergence *convergence, double be
     return pl_converged(convergence, before, after, r->options->tolerance);
 }
 
-int pl_run_sweeps_left(const pl_run *r) {
-    const int uncounted =
-        r->uncounted_sweeps > 0 ? r->uncounted_sweeps : r->result->untangling_sweeps;
-    return r->options->max_sweeps - (r->sweep - uncounted);
-}
-
 /* A mesh whose sweeps bring less than the first of these after so many of them, and would bring
- * more than the second in the end, is slow. */
+ * more than the second in the end, is slow: something is wrong that is much larger than the
+ * elements. */
 enum { SWEEPS_UNTIL_SLOW = 20 };
 #define SLOW_FALL      0.1
 #define SLOW_REMAINDER 0.01
 
-/** Whether help is wanted: something is wrong that is much larger than the elements. */
-static int is_slow(const pl_run *r, const pl_convergence *trend, int patience) {
-    return r->plain && r->plan->interior.n_all > 0 && r->options->direction == PLANISH_NEWTON &&
-           !(r->problem.rr2_skip > 0) && trend->n_falls >= patience &&
-           trend->fall[PL_CALM_SWEEPS - 1] < SLOW_FALL && pl_remainder(trend) > SLOW_REMAINDER;
-}
-
-/** History of the sweeps of a run. */
-typedef struct course {
-    pl_convergence convergence; /* of sweeps that leave the stars calm */
-    pl_convergence trend;       /* of all */
-    pl_acceleration next;       /* the one that comes next */
-    int patience;               /* sweeps until it comes */
-    int polished;               /* that was slow, and L-BFGS has had the last word */
-} course;
-
-/** Whether sweeps that have converged still promise more than the tolerance: L-BFGS may bring it.
- */
-static int wants_polish(const pl_run *r, const course *c) {
-    return c->next == PL_DESCENT && !c->polished && pl_remainder(&c->trend) > r->options->tolerance;
-}
-
-/** Help if it is wanted; not 0 if it was cut short. */
-static int accelerate_if_slow(pl_run *r, course *c, int converged) {
-    const int slow = is_slow(r, &c->trend, c->patience);
-    const int polish = converged && wants_polish(r, c);
-    if (!slow && !polish)
-        return 0;
-    const double fall = c->trend.fall[PL_CALM_SWEEPS - 1];
-    int stopped = r->accelerate(r, c->next, polish ? r->options->tolerance : fall);
-    c->polished |= polish;
-    c->patience *= c->next == PL_DESCENT ? 2 : 1;
-    c->next = PL_DESCENT;
-    c->convergence = c->trend = (pl_convergence){{0}, 0};
-    return stopped;
-}
-
 void pl_run_sweeps(pl_run *r) {
-    course c = {.next = PL_CENTRING, .patience = SWEEPS_UNTIL_SLOW};
+    const double tolerance = r->options->tolerance;
+    const int may_be_slow = r->plain && r->plan->interior.n_all > 0 &&
+                            r->options->direction == PLANISH_NEWTON && !(r->problem.rr2_skip > 0);
+    pl_convergence calm = {{0}, 0};  /* of sweeps that leave the stars calm */
+    pl_convergence trend = {{0}, 0}; /* of all */
+    pl_acceleration next = PL_CENTRING;
+    int patience = SWEEPS_UNTIL_SLOW; /* sweeps until it comes */
+    int polished = 0;                 /* that was slow, and L-BFGS has had the last word */
     r->stop = PLANISH_STOP_MAX_SWEEPS;
     while (pl_run_sweeps_left(r) > 0) {
-        double before = objective_of_movable(r);
+        const double before = objective_of_movable(r);
         int64_t visits;
         if (pl_run_sweep(r, &visits))
             return;
-        const int converged = has_converged(r, &c.convergence, before, visits);
-        pl_converged(&c.trend, before, objective_of_movable(r), 0);
-        if (converged && !wants_polish(r, &c)) {
+        const int converged = has_converged(r, &calm, before, visits);
+        pl_converged(&trend, before, objective_of_movable(r), 0);
+        const double fall = trend.fall[PL_CALM_SWEEPS - 1];
+        /* Sweeps that have converged may still promise more than the tolerance: L-BFGS may bring
+         * it. */
+        const int polish =
+            converged && next == PL_DESCENT && !polished && pl_remainder(&trend) > tolerance;
+        if (converged && !polish) {
             r->stop = PLANISH_STOP_CONVERGED;
             return;
         }
-        if (accelerate_if_slow(r, &c, converged))
+        const int is_slow = may_be_slow && trend.n_falls >= patience && fall < SLOW_FALL &&
+                            pl_remainder(&trend) > SLOW_REMAINDER;
+        if (!is_slow && !polish)
+            continue;
+        const int stopped = r->accelerate(r, next, polish ? tolerance : fall);
+        polished |= polish;
+        patience *= next == PL_DESCENT ? 2 : 1;
+        next = PL_DESCENT;
+        calm = trend = (pl_convergence){{0}, 0};
+        if (stopped)
             return;
     }
+}
+
+/* ---- trials ------------------------------------------------------------------------------- */
+
+static size_t size_of_coordinates(const pl_run *r) {
+    return (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
+}
+
+void pl_trial_begin(pl_run *r, double *before, pl_trial *trial) {
+    *trial = (pl_trial){.run = r, .standing = r->worth, .before = before};
+    memcpy(before, r->plan->coordinates, size_of_coordinates(r));
+    r->shown = &trial->standing;
+}
+
+void pl_trial_end(const pl_trial *trial, int is_taken) {
+    pl_run *r = trial->run;
+    r->shown = NULL;
+    if (is_taken)
+        return;
+    memcpy(r->plan->coordinates, trial->before, size_of_coordinates(r));
+    pl_run_measure(r);
 }

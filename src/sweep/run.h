@@ -1,13 +1,14 @@
-/* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps. All in run.c.
+/* run: one call of planish_smooth: its mesh, the mesh quality, its sweeps, trials. All in run.c.
  *
  *   pl_run_measure, _measure_rest             measure the mesh
  *   pl_run_objective, _inverted, _below       figures of the mesh as measured or tracked last
  *   pl_run_rms, _rms_of_movable               RMS values
  *   pl_run_limits                             the worst element's measures, as limits
- *   pl_run_objective_problem, _sliding_problem, _begin_anew    set up measurements and visits
- *   pl_run_sweeps, _sweep, _sweep_colours     sweep until convergence, once, or over the colours
- *   pl_run_begin_sweep, _end_sweep            frame of a sweep
- *   pl_run_after_colour, _limit, _ask_all, _sweeps_left        stop and limits
+ *   pl_run_objective_problem, _sliding_problem, _prepare, _begin_anew    problems of sums and
+ * visits pl_run_sweeps, _sweep, _sweep_colours     sweep until convergence, once, or over the
+ * colours pl_run_begin_sweep, _end_sweep            frame of a sweep pl_run_after_colour, _limit,
+ * _ask_all, _sweeps_left        stop and limits pl_trial_begin, _end                      change
+ * the mesh, and keep the change or undo it
  */
 #ifndef PL_SWEEP_RUN_H
 #define PL_SWEEP_RUN_H
@@ -36,7 +37,7 @@ struct pl_run;
 /** Methods that help a mesh on which sweeps are slow; all nodes move at once. */
 typedef enum pl_acceleration { PL_CENTRING, PL_DESCENT } pl_acceleration;
 
-/** Help by all nodes at once; see pl_run_accelerate. */
+/** Move all nodes at once; see pl_run_accelerate. */
 typedef int pl_accelerate_fn(struct pl_run *r, pl_acceleration acceleration, double fall);
 
 /** One call of planish_smooth. */
@@ -107,7 +108,10 @@ pl_objective_problem pl_run_objective_problem(const pl_run *r);
 /** The problem of the nodes that slide, as the interior's is at present. It has a guard always. */
 pl_star_problem pl_run_sliding_problem(pl_run *r);
 
-/** All stars have changed, and all that they have kept is void. */
+/** Set up the problem of the plain sweeps for the mesh as measured last; all stars have changed. */
+void pl_run_prepare(pl_run *r);
+
+/** Mark all stars as changed, and forget all that they have kept. */
 void pl_run_begin_anew(pl_run *r);
 
 /** Visit all colours, the interior's and those of the nodes that slide. */
@@ -135,7 +139,22 @@ int pl_run_ask_all(pl_run *r, int colours_done, int64_t visits);
 /** Sweeps that smooth may still be begun. */
 int pl_run_sweeps_left(const pl_run *r);
 
-/** Sweeps until they converge or must end: r->stop says why. */
+/** Sweep until that converges or must end: r->stop says why. */
 void pl_run_sweeps(pl_run *r);
+
+/** A trial under way. */
+typedef struct pl_trial {
+    pl_run *run;
+    pl_worth standing; /* of the mesh that stands */
+    double *before;    /* its coordinates, the caller's array */
+} pl_trial;
+
+/** Begin a trial with the mesh as measured last. before [n_nodes][dim] is room for coordinates, and
+ *  stays the caller's. Progress reports show what stands until the trial ends. */
+void pl_trial_begin(pl_run *r, double *before, pl_trial *trial);
+
+/** End the trial. is_taken: the mesh as it is now, and measured, stands from now on. Else the
+ *  coordinates from before come back and are measured. */
+void pl_trial_end(const pl_trial *trial, int is_taken);
 
 #endif

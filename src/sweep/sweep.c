@@ -1,11 +1,17 @@
-/* sweep: one pass over the colours of a plan. Nodes of one colour share no element, so they are
- * visited in parallel, each reading its neighbours and writing only itself. */
+/* sweep: one pass over the colours of a plan, and when another one pays. Nodes of one colour share
+ * no element, so they are visited in parallel, each reading its neighbours and writing only itself.
+ */
 #include "sweep/sweep.h"
 
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/parts.h"
+#include "base/status.h"
 
+#include <math.h>
 #include <string.h>
+
+/* ---- one pass over the colours ------------------------------------------------------------- */
 
 /** Some stars of a colour under way. */
 typedef struct colour_pass {
@@ -34,22 +40,17 @@ static void visit_chunk(void *context, int64_t begin, int64_t end, int thread) {
         visit(problem, begin, end, scratch, tally);
 }
 
-/** Place a follower. If the node that it follows has not moved, the follower keeps its first
- *  coordinates, unrounded. */
-static void place_follower(const planish_plan *plan, const pl_follower *f,
-                           const pl_storage *storage) {
-    const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
-    double *x = plan->coordinates + (int64_t)f->node * plan->dim;
-    for (int d = 0; d < plan->dim; d++) {
-        const double way = of[d] - f->origin[d], place = f->start[d] + way;
-        x[d] = way != 0 && storage ? pl_store(storage, place) : place;
-    }
-}
-
 void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     for (int64_t k = 0; k < plan->sliding.n_followers; k++) {
         const pl_follower *f = &plan->sliding.follower[k];
-        place_follower(plan, f, f->node < plan->work.n_nodes ? &problem->storage : NULL);
+        const double *of = plan->coordinates + (int64_t)f->of * plan->dim;
+        double *x = plan->coordinates + (int64_t)f->node * plan->dim;
+        const int is_stored = f->node < plan->work.n_nodes; /* images are in no result */
+        /* If the node that it follows has not moved, it keeps its first coordinates, unrounded. */
+        for (int d = 0; d < plan->dim; d++) {
+            const double way = of[d] - f->origin[d], place = f->start[d] + way;
+            x[d] = way != 0 && is_stored ? pl_store(&problem->storage, place) : place;
+        }
         uint8_t *changed = &plan->changed[f->of];
         *changed |= plan->changed[f->node];
         if (plan->changed[f->node] & PL_CHANGED)
@@ -58,21 +59,19 @@ void pl_follow(const planish_plan *plan, const pl_star_problem *problem) {
     }
 }
 
-/** How many of n stars a thread takes at a time: of few fewer, so that all threads end together;
- *  but one takes all if to wake the others would cost more than they save. */
-static int64_t chunk_of(int64_t n, int threads) {
-    enum { FEWEST = 4, CHUNKS_EACH = 8 };
-    const int64_t chunk = n / CHUNKS_EACH / threads;
-    if (n <= PL_CHUNK_STARS || chunk > PL_CHUNK_STARS)
-        return PL_CHUNK_STARS;
-    return chunk < FEWEST ? FEWEST : chunk;
-}
-
-/** Visit a range of stars of a colour. */
+/** Visit a range of stars of a colour. A thread takes so many at a time: few of few, so that all
+ *  threads end together; but one takes all if to wake the others would cost more than they save. */
 static void visit_stars(colour_pass *pass, int64_t begin, int64_t end) {
+    enum { FEWEST = 4, CHUNKS_EACH = 8 };
     const int threads = pass->plan->threads;
+    const int64_t n = end - begin;
+    int64_t chunk = n / CHUNKS_EACH / threads;
+    if (n <= PL_CHUNK_STARS || chunk > PL_CHUNK_STARS)
+        chunk = PL_CHUNK_STARS;
+    else if (chunk < FEWEST)
+        chunk = FEWEST;
     pass->first = begin;
-    pl_parallel_for(threads, end - begin, chunk_of(end - begin, threads), visit_chunk, pass);
+    pl_parallel_for(threads, n, chunk, visit_chunk, pass);
 }
 
 /** Visit a colour; while the others hear of the nodes that they wait for, those inside. */
@@ -90,47 +89,12 @@ static void visit_colour(colour_pass *pass, const pl_visits *visits, int colour)
         pl_ghosts_receive(plan);
 }
 
-/** Nodes that all threads have visited in this sweep. */
-static int64_t count_visits(const planish_plan *plan) {
-    int64_t visits = 0;
-    for (int t = 0; t < plan->threads; t++)
-        visits += plan->tally[t].of.visits;
-    return visits;
-}
-
-/** Add up the tallies of the threads. */
-static void add_threads(const planish_plan *plan, pl_sweep_tally *tally) {
-    for (int t = 0; t < plan->threads; t++) {
-        pl_star_tally *part = &plan->tally[t].of;
-        pl_sum_share(&tally->decrease, &part->decrease);
-        tally->visits += part->visits;
-        tally->evaluations += part->evaluations;
-        tally->improved += part->improved;
-        tally->restored += part->restored;
-    }
-}
-
-/** Combine the tallies and answers of all processes. */
-static void add_parts(pl_sweep_tally *tally) {
-    int64_t counts[] = {tally->visits, tally->evaluations, tally->improved, tally->restored};
-    double stopped = tally->stopped;
-    pl_parts_add_sums(&tally->decrease, 1);
-    pl_parts_add(counts, sizeof counts / sizeof *counts);
-    pl_parts_largest(&stopped, 1);
-    tally->visits = counts[0];
-    tally->evaluations = counts[1];
-    tally->improved = counts[2];
-    tally->restored = counts[3];
-    tally->stopped = (int)stopped;
-}
-
-static void add(pl_sweep_tally *tally, pl_sweep_tally *part) {
-    pl_sum_share(&tally->decrease, &part->decrease);
-    tally->visits += part->visits;
-    tally->evaluations += part->evaluations;
-    tally->improved += part->improved;
-    tally->restored += part->restored;
-    tally->stopped = part->stopped;
+static void add_tally(pl_star_tally *all, pl_star_tally *part) {
+    pl_sum_share(&all->decrease, &part->decrease);
+    all->visits += part->visits;
+    all->evaluations += part->evaluations;
+    all->improved += part->improved;
+    all->restored += part->restored;
 }
 
 void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
@@ -138,24 +102,112 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
               pl_sweep_tally *tally) {
     const int together = plan->context->part != NULL; /* none stops alone */
     colour_pass pass = {.plan = plan, .problem = problem, .method = method};
-    pl_sweep_tally mine = {.stopped = 0};
+    pl_star_tally mine = {.visits = 0};
+    double stopped = 0;
     int64_t visited = 0;
     if (tally->stopped)
         return;
     memset(plan->tally, 0, (size_t)plan->threads * sizeof *plan->tally);
     if (visits->n_followers > 0)
         pl_follow(plan, problem);
-    for (int c = 0; c < visits->n_colours && (!mine.stopped || together); c++) {
+    for (int c = 0; c < visits->n_colours && (!(stopped > 0) || together); c++) {
         const int64_t before = visited;
         visit_colour(&pass, visits, c);
-        visited = count_visits(plan);
+        visited = 0;
+        for (int t = 0; t < plan->threads; t++)
+            visited += plan->tally[t].of.visits;
         tally->colours++;
         if (visits->n_followers > 0)
             pl_follow(plan, problem);
-        const int said = after_colour(context, tally->colours, visited - before);
-        mine.stopped = said > mine.stopped ? said : mine.stopped;
+        stopped = fmax(stopped, after_colour(context, tally->colours, visited - before));
     }
-    add_threads(plan, &mine);
-    add_parts(&mine);
-    add(tally, &mine);
+    for (int t = 0; t < plan->threads; t++)
+        add_tally(&mine, &plan->tally[t].of);
+    int64_t counts[] = {mine.visits, mine.evaluations, mine.improved, mine.restored};
+    pl_parts_add_sums(&mine.decrease, 1);
+    pl_parts_add(counts, sizeof counts / sizeof *counts);
+    pl_parts_largest(&stopped, 1);
+    mine.visits = counts[0];
+    mine.evaluations = counts[1];
+    mine.improved = counts[2];
+    mine.restored = counts[3];
+    add_tally(&tally->stars, &mine);
+    tally->stopped = (int)stopped;
+}
+
+/* ---- optimality ---------------------------------------------------------------------------- */
+
+enum { CHUNK = 1024 }; /* stars that one thread takes at a time */
+
+/** A look at all stars. */
+typedef struct optimality_pass {
+    const planish_plan *plan;
+    const pl_star_problem *problem;
+    pl_star_optimality *of_thread; /* [threads] */
+} optimality_pass;
+
+static void judge_chunk(void *context, int64_t begin, int64_t end, int thread) {
+    const optimality_pass *pass = context;
+    const planish_plan *plan = pass->plan;
+    plan->kernel->guarded->optimality[plan->dim - 2](pass->problem, begin, end,
+                                                     plan->scratch + plan->scratch_stride * thread,
+                                                     &pass->of_thread[thread]);
+}
+
+static void add_optimality(pl_star_optimality *all, pl_star_optimality *part) {
+    all->residual = fmax(all->residual, part->residual);
+    all->multiplier = fmax(all->multiplier, part->multiplier);
+    pl_sum_share(&all->residual2, &part->residual2);
+    all->n_active += part->n_active;
+    all->n_stars += part->n_stars;
+}
+
+int pl_optimality(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
+                  pl_star_optimality *optimality, planish_error *error) {
+    optimality_pass pass = {plan, problem, pl_alloc_zero(plan->threads, sizeof *pass.of_thread)};
+    pl_star_optimality *mine = pass.of_thread;
+    if (!mine)
+        return pl_fail_memory(error, "the optimality of the stars");
+    pl_parallel_for(plan->threads, visits->stars.n_stars, CHUNK, judge_chunk, &pass);
+    for (int i = 1; i < plan->threads; i++)
+        add_optimality(mine, &mine[i]);
+    int64_t counts[] = {mine->n_active, mine->n_stars};
+    double most[] = {mine->residual, mine->multiplier};
+    pl_parts_add_sums(&mine->residual2, 1);
+    pl_parts_add(counts, 2);
+    pl_parts_largest(most, 2);
+    mine->n_active = counts[0];
+    mine->n_stars = counts[1];
+    mine->residual = most[0];
+    mine->multiplier = most[1];
+    add_optimality(optimality, mine);
+    pl_free(mine);
+    return PLANISH_OK;
+}
+
+/* ---- convergence --------------------------------------------------------------------------- */
+
+/* The fall that is still to come, by extrapolation, must be below this fraction of the RMS. */
+#define REMAINDER 0.01
+
+double pl_remainder(const pl_convergence *convergence) {
+    double first = convergence->fall[0], last = convergence->fall[PL_CALM_SWEEPS - 1];
+    if (!(last > 0))
+        return 0;
+    if (!(first > last))
+        return INFINITY;
+    double ratio = sqrt(last / first);
+    return last * ratio / (1 - ratio);
+}
+
+int pl_converged(pl_convergence *convergence, double before, double after, double tolerance) {
+    for (int i = 1; i < PL_CALM_SWEEPS; i++)
+        convergence->fall[i - 1] = convergence->fall[i];
+    convergence->fall[PL_CALM_SWEEPS - 1] = before > 0 ? (before - after) / before : 0;
+    if (++convergence->n_falls < PL_CALM_SWEEPS)
+        return 0;
+    for (int i = 0; i < PL_CALM_SWEEPS; i++)
+        if (convergence->fall[i] > tolerance)
+            return 0;
+    return pl_remainder(convergence) < REMAINDER;
 }

@@ -1,15 +1,16 @@
-/* sweep: one pass over the colours of a plan, optimality, and convergence of passes.
+/* sweep: one pass over the colours of a plan, optimality, and convergence of passes. All in
+ * sweep.c.
  *
- *   sweep.c          pl_sweep, pl_follow          visit all colours; place followers
- *   optimality.c     pl_optimality                how far the stars are from a minimum
- *   convergence.c    pl_remainder, pl_converged   what further sweeps promise
+ *   pl_sweep, pl_follow          visit all colours; place followers
+ *   pl_optimality                how far the stars are from a minimum
+ *   pl_remainder, pl_converged   what further sweeps promise
  */
 #ifndef PL_SWEEP_SWEEP_H
 #define PL_SWEEP_SWEEP_H
 
 #include "plan/plan.h"
 
-/* ---- sweep.c: one pass over the colours ---------------------------------------------------- */
+/* ---- one pass over the colours ------------------------------------------------------------- */
 
 /** Asked after every colour (colours done so far, nodes visited in this one): a result other than
  * 0, a planish_stop, ends the sweep there; with other processes, all of it, when the sweep ends. */
@@ -17,12 +18,9 @@ typedef int pl_after_colour_fn(void *context, int colours_done, int64_t visits);
 
 /** Tally of one sweep. */
 typedef struct pl_sweep_tally {
-    pl_sum decrease; /* of the stars' functions, see pl_star_tally */
-    int64_t visits, evaluations;
-    int64_t improved; /* stars whose function fell by more than a hundredth of itself */
-    int64_t restored; /* stars in which elements were brought nearer to their minimum volume */
-    int colours;      /* done */
-    int stopped;      /* what pl_after_colour_fn said; the largest of the processes */
+    pl_star_tally stars; /* of all visits */
+    int colours;         /* done */
+    int stopped;         /* answer of pl_after_colour_fn; the largest of the processes */
 } pl_sweep_tally;
 
 /** Put the nodes that follow others, and images, to where these say; a change of theirs is one of
@@ -34,14 +32,14 @@ void pl_sweep(const planish_plan *plan, const pl_visits *visits, const pl_star_p
               planish_method method, pl_after_colour_fn *after_colour, void *context,
               pl_sweep_tally *tally);
 
-/* ---- optimality.c ------------------------------------------------------------------------- */
+/* ---- optimality --------------------------------------------------------------------------- */
 
 /** Add the first-order optimality over all stars of visits, whose problem it is, with a guard.
  *  Errors: _MEMORY. */
 int pl_optimality(const planish_plan *plan, const pl_visits *visits, const pl_star_problem *problem,
                   pl_star_optimality *optimality, planish_error *error);
 
-/* ---- convergence.c ------------------------------------------------------------------------ */
+/* ---- convergence -------------------------------------------------------------------------- */
 
 enum { PL_CALM_SWEEPS = 3 }; /* sweeps in a row that must bring less than the tolerance */
 

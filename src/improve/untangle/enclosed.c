@@ -29,71 +29,65 @@ typedef struct enclosure {
                                    itself, as some of its elements may be repaired */
 } enclosure;
 
-/** The work; nodes by inner numbers. Arrays are owned. */
-typedef struct search {
+/** The elements that free nodes join; nodes by inner numbers. Arrays are owned. */
+typedef struct enclosures {
     const planish_plan *plan;
     const double *x;
     int exponent;    /* of the largest coordinate of a held node */
     int32_t *parent; /* [n_nodes] of a union-find structure over free nodes */
     enclosure *of;   /* [n_nodes] at roots */
-} search;
+} enclosures;
 
-static int32_t root_of(const search *s, int32_t node) {
-    while (s->parent[node] != node) {
-        s->parent[node] = s->parent[s->parent[node]];
-        node = s->parent[node];
-    }
-    return node;
-}
-
-static int32_t corner(const search *s, int64_t element, int j) {
+static int32_t corner(const enclosures *s, int64_t element, int j) {
     return s->plan->work.elements[element * (s->plan->dim + 1) + j];
 }
 
-/** The root of an element's free nodes, -1 if it has none; *n counts them. */
-static int32_t root_of_element(const search *s, int64_t element, int *n) {
+static int is_free(const enclosures *s, int32_t node) {
+    return s->plan->work.mobility[node] == PL_INTERIOR;
+}
+
+/** Root of an element's free nodes, -1 if it has none; *n counts them. */
+static int32_t root_of_element(const enclosures *s, int64_t element, int *n) {
     int32_t root = -1;
     *n = 0;
     for (int j = 0; j <= s->plan->dim; j++) {
         const int32_t node = corner(s, element, j);
-        if (s->plan->work.mobility[node] != PL_INTERIOR)
+        if (!is_free(s, node))
             continue;
-        root = *n == 0 ? root_of(s, s->plan->inner[node]) : root;
+        root = *n == 0 ? pl_root_of(s->parent, s->plan->inner[node]) : root;
         ++*n;
     }
     return root;
 }
 
-static void join_elements(search *s) {
+static void join_elements(enclosures *s) {
     for (int64_t i = 0; i < s->plan->work.n_nodes; i++) {
         s->parent[i] = (int32_t)i;
         s->of[i].anchor = -1;
     }
     for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
-        const int32_t first = root_of_element(s, i, &n);
-        for (int j = 0, root = first; j <= s->plan->dim && n > 1; j++) {
-            const int32_t node = corner(s, i, j);
-            if (s->plan->work.mobility[node] != PL_INTERIOR)
-                continue;
-            const int32_t other = root_of(s, s->plan->inner[node]);
-            const int32_t low = root < other ? root : other;
-            s->parent[root] = s->parent[other] = low;
-            root = low;
-        }
+        int32_t root = root_of_element(s, i, &n);
+        for (int j = 0; j <= s->plan->dim && n > 1; j++)
+            if (is_free(s, corner(s, i, j)))
+                root = pl_join(s->parent, root, s->plan->inner[corner(s, i, j)]);
     }
 }
 
-/** Anchors, how large coordinates are, and where nodes slide. */
-static void look_around(search *s) {
+/** Find anchors, how large coordinates are, where nodes slide, and elements with several free
+ *  nodes. */
+static void find_anchors(enclosures *s) {
     const int dim = s->plan->dim;
     double largest = 0;
     for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
         const int32_t root = root_of_element(s, i, &n);
-        for (int j = 0; j <= dim && root >= 0; j++) {
+        if (root < 0)
+            continue;
+        s->of[root].n_several += n > 1;
+        for (int j = 0; j <= dim; j++) {
             const int32_t node = corner(s, i, j), inner = s->plan->inner[node];
-            if (s->plan->work.mobility[node] == PL_INTERIOR)
+            if (is_free(s, node))
                 continue;
             s->of[root].is_open |= s->plan->work.mobility[node] != PL_HELD;
             if (s->of[root].anchor < 0)
@@ -105,7 +99,7 @@ static void look_around(search *s) {
     frexp(largest, &s->exponent);
 }
 
-/** The sum of the products that a determinant is made of, without signs. */
+/** Return the sum of the products that a determinant is made of, without signs. */
 static double products_of(int dim, const double (*e)[3]) {
     double a[3][3];
     for (int i = 0; i < dim; i++)
@@ -118,18 +112,17 @@ static double products_of(int dim, const double (*e)[3]) {
            a[0][2] * (a[1][0] * a[2][1] + a[1][1] * a[2][0]);
 }
 
-/** Add what an element with one free node measures with that at the anchor; others measure 0. */
-static void add_element(search *s, int64_t element, enclosure *of) {
+/** Add the measure of an element with one free node with that at the anchor; others measure 0. */
+static void add_element(enclosures *s, int64_t element, enclosure *of) {
     const planish_plan *plan = s->plan;
     const int dim = plan->dim;
     const double *x[4];
     double e[3][3];
     for (int j = 0; j <= dim; j++) {
         const int32_t node = corner(s, element, j), inner = plan->inner[node];
-        const int is_free = plan->work.mobility[node] == PL_INTERIOR;
-        if (!is_free && inner == of->anchor)
+        if (!is_free(s, node) && inner == of->anchor)
             return;
-        x[j] = s->x + (int64_t)(is_free ? of->anchor : inner) * dim;
+        x[j] = s->x + (int64_t)(is_free(s, node) ? of->anchor : inner) * dim;
     }
     for (int j = 0; j < dim; j++)
         for (int d = 0; d < dim; d++)
@@ -140,33 +133,18 @@ static void add_element(search *s, int64_t element, enclosure *of) {
     of->products += products_of(dim, (const double(*)[3])e);
 }
 
-static void add_elements(search *s) {
-    for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
-        int n;
-        const int32_t root = root_of_element(s, i, &n);
-        if (root >= 0)
-            s->of[root].n_several += n > 1;
-        if (n == 1 && s->of[root].anchor >= 0)
-            add_element(s, i, &s->of[root]);
-    }
-}
-
-/** Whether elements that are joined cannot all be positive. */
-static int is_lost(const enclosure *of) {
-    return !of->is_open && of->n_several > 0 &&
-           of->sum + ROUNDING * of->products <= MARGIN * of->size;
-}
-
-/** Mark what is lost: elements that are below, and nodes. */
-static int64_t mark(const search *s, uint8_t *state, uint8_t *lost) {
+/** Mark elements that are joined and cannot all be positive, if they are below, and their nodes. */
+static int64_t mark_lost(const enclosures *s, uint8_t *state, uint8_t *lost) {
     int64_t n_marked = 0;
     for (int64_t i = 0; i < s->plan->work.n_elements; i++) {
         int n;
         const int32_t root = root_of_element(s, i, &n);
-        if (root < 0 || !is_lost(&s->of[root]))
+        const enclosure *of = root < 0 ? NULL : &s->of[root];
+        if (!of || of->is_open || of->n_several == 0 ||
+            !(of->sum + ROUNDING * of->products <= MARGIN * of->size))
             continue;
         for (int j = 0; j <= s->plan->dim && lost; j++)
-            if (s->plan->work.mobility[corner(s, i, j)] == PL_INTERIOR)
+            if (is_free(s, corner(s, i, j)))
                 lost[s->plan->inner[corner(s, i, j)]] = 1;
         if (state[i] != PLANISH_VOLUME_BELOW)
             continue;
@@ -178,7 +156,7 @@ static int64_t mark(const search *s, uint8_t *state, uint8_t *lost) {
 
 int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, uint8_t *lost,
                      int64_t *n, planish_error *error) {
-    search s = {.plan = plan, .x = x};
+    enclosures s = {.plan = plan, .x = x};
     *n = 0;
     if (pl_part_here())
         return PLANISH_OK;
@@ -187,9 +165,14 @@ int pl_mark_enclosed(const planish_plan *plan, const double *x, uint8_t *state, 
     const int done = s.parent && s.of;
     if (done) {
         join_elements(&s);
-        look_around(&s);
-        add_elements(&s);
-        *n = mark(&s, state, lost);
+        find_anchors(&s);
+        for (int64_t i = 0; i < plan->work.n_elements; i++) {
+            int n_free;
+            const int32_t root = root_of_element(&s, i, &n_free);
+            if (n_free == 1 && s.of[root].anchor >= 0)
+                add_element(&s, i, &s.of[root]);
+        }
+        *n = mark_lost(&s, state, lost);
     }
     pl_free(s.parent);
     pl_free(s.of);

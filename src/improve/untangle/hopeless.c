@@ -24,8 +24,8 @@ typedef struct given_up {
     int64_t element;
 } given_up;
 
-/** The work. Arrays are owned. */
-typedef struct work {
+/** Messages about elements that are given up. Arrays are owned. */
+typedef struct messages {
     const planish_plan *plan;
     const planish_part *part;
     given_up *mine; /* [n_mine] at SHARED nodes */
@@ -35,29 +35,41 @@ typedef struct work {
     key *theirs;    /* [n_theirs] as told */
     int64_t n_theirs, capacity;
     int failed;
-} work;
+} messages;
 
-/** The elements given up by stars of SHARED nodes: the facets of a star are in the order of its
- *  elements. Returns how many at most a node has. */
-static int32_t list_mine(work *w, const uint8_t *of_facet, const int32_t *star_of, int32_t *seen,
-                         int32_t *rounds) {
+/** List the elements given up by stars of SHARED nodes: the facets of a star are in the order of
+ * its elements. Returns how many at most a node has; 0 without memory. */
+static int32_t list_mine(messages *w, const uint8_t *of_facet) {
     const planish_plan *plan = w->plan;
-    int32_t most = 0;
-    w->n_mine = 0;
-    for (int64_t i = 0; i < plan->work.n_elements; i++)
+    const pl_stars *stars = &plan->interior.stars;
+    int64_t most = 0;
+    int32_t most_rounds = 0;
+    for (int64_t i = 0; i < stars->link_offset[stars->n_stars]; i++)
+        most += of_facet[i] == PL_PROOF_GIVEN_UP;
+    w->mine = pl_alloc(most, sizeof *w->mine);
+    w->node = pl_alloc(most, sizeof *w->node);
+    w->value = pl_alloc(most * plan->dim, sizeof *w->value);
+    int32_t *star_of = pl_alloc(plan->work.n_nodes, sizeof *star_of);
+    int32_t *seen = pl_alloc_zero(stars->n_stars, sizeof *seen);
+    int32_t *rounds = pl_alloc_zero(stars->n_stars, sizeof *rounds);
+    w->failed = !star_of || !seen || !rounds || !w->mine || !w->node || !w->value;
+    if (!w->failed)
+        pl_plan_number_stars(plan, star_of);
+    for (int64_t i = 0; !w->failed && i < plan->work.n_elements; i++)
         for (int j = 0; j <= plan->dim; j++) {
             const int32_t node = plan->work.elements[i * (plan->dim + 1) + j];
-            const int32_t star =
-                plan->work.mobility[node] == PL_INTERIOR ? star_of[plan->inner[node]] : -1;
-            if (star < 0)
-                continue;
-            const int64_t facet = plan->interior.stars.link_offset[star] + seen[star]++;
-            if (of_facet[facet] != PL_PROOF_GIVEN_UP || w->part->node_role[node] != PLANISH_SHARED)
+            const int32_t star = star_of[plan->inner[node]];
+            if (star < 0 ||
+                of_facet[stars->link_offset[star] + seen[star]++] != PL_PROOF_GIVEN_UP ||
+                w->part->node_role[node] != PLANISH_SHARED)
                 continue;
             w->mine[w->n_mine++] = (given_up){node, rounds[star]++, i};
-            most = rounds[star] > most ? rounds[star] : most;
+            most_rounds = rounds[star] > most_rounds ? rounds[star] : most_rounds;
         }
-    return most;
+    pl_free(star_of);
+    pl_free(seen);
+    pl_free(rounds);
+    return most_rounds;
 }
 
 static int compare_nodes(const void *a, const void *b) {
@@ -75,8 +87,8 @@ static int compare_numbers(const void *a, const void *b) {
 }
 
 /** Note an element of a ghost that has been given up, if it is here. */
-static void take(int32_t ghost, const void *value, void *taker) {
-    work *w = taker;
+static void note_theirs(int32_t ghost, const void *value, void *taker) {
+    messages *w = taker;
     const planish_plan *plan = w->plan;
     key k = {.node = {ghost}};
     for (int j = 1; j <= plan->dim; j++) {
@@ -98,71 +110,42 @@ static void take(int32_t ghost, const void *value, void *taker) {
     w->theirs[w->n_theirs++] = k;
 }
 
-/** Tell the others of the elements of one round, and hear of theirs. */
-static void tell(work *w, int32_t round) {
-    const int dim = w->plan->dim;
-    int64_t n = 0;
-    for (int64_t i = 0; i < w->n_mine; i++) {
-        if (w->mine[i].round != round)
-            continue;
-        const int32_t *corner = w->plan->work.elements + w->mine[i].element * (dim + 1);
-        w->node[n] = w->mine[i].node;
-        for (int j = 0, k = 0; j <= dim; j++)
-            if (corner[j] != w->mine[i].node)
-                w->value[n * dim + k++] = w->part->node_number[corner[j]];
-        n++;
+int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
+                      planish_error *error) {
+    const int dim = plan->dim;
+    messages w = {.plan = plan, .part = pl_part_here()};
+    if (!w.part)
+        return PLANISH_OK;
+    double n_rounds = list_mine(&w, of_facet);
+    pl_parts_largest(&n_rounds, 1);
+    /* Tell the others of the elements of each round, and hear of theirs. */
+    for (int32_t round = 0; round < n_rounds && !w.failed; round++) {
+        int64_t n = 0;
+        for (int64_t i = 0; i < w.n_mine; i++) {
+            if (w.mine[i].round != round)
+                continue;
+            const int32_t *corner = plan->work.elements + w.mine[i].element * (dim + 1);
+            w.node[n] = w.mine[i].node;
+            for (int j = 0, k = 0; j <= dim; j++)
+                if (corner[j] != w.mine[i].node)
+                    w.value[n * dim + k++] = w.part->node_number[corner[j]];
+            n++;
+        }
+        pl_parts_send(w.node, n, w.value, dim * (int64_t)sizeof *w.value);
+        pl_parts_receive(note_theirs, &w);
     }
-    pl_parts_send(w->node, n, w->value, dim * (int64_t)sizeof *w->value);
-    pl_parts_receive(take, w);
-}
-
-/** Give up here what others have given up. */
-static void heed(work *w, uint8_t *state) {
-    const planish_plan *plan = w->plan;
-    if (w->n_theirs == 0)
-        return;
-    qsort(w->theirs, (size_t)w->n_theirs, sizeof *w->theirs, compare_keys);
-    for (int64_t i = 0; i < plan->work.n_elements; i++) {
+    /* Give up here what others have given up. */
+    if (w.n_theirs > 0)
+        qsort(w.theirs, (size_t)w.n_theirs, sizeof *w.theirs, compare_keys);
+    for (int64_t i = 0; !w.failed && w.n_theirs > 0 && i < plan->work.n_elements; i++) {
         key k = {.node = {0}};
         if (state[i] != PL_TANGLED)
             continue;
-        memcpy(k.node, plan->work.elements + i * (plan->dim + 1),
-               (size_t)(plan->dim + 1) * sizeof *k.node);
-        qsort(k.node, (size_t)plan->dim + 1, sizeof *k.node, compare_nodes);
-        if (bsearch(&k, w->theirs, (size_t)w->n_theirs, sizeof k, compare_keys))
+        memcpy(k.node, plan->work.elements + i * (dim + 1), (size_t)(dim + 1) * sizeof *k.node);
+        qsort(k.node, (size_t)dim + 1, sizeof *k.node, compare_nodes);
+        if (bsearch(&k, w.theirs, (size_t)w.n_theirs, sizeof k, compare_keys))
             state[i] = PL_HOPELESS;
     }
-}
-
-int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t *state,
-                      planish_error *error) {
-    work w = {.plan = plan, .part = pl_part_here()};
-    const int64_t n_stars = plan->interior.stars.n_stars;
-    int64_t most = 0;
-    if (!w.part)
-        return PLANISH_OK;
-    for (int64_t i = 0; i < plan->interior.stars.link_offset[n_stars]; i++)
-        most += of_facet[i] == PL_PROOF_GIVEN_UP;
-    int32_t *star_of = pl_alloc(plan->work.n_nodes, sizeof *star_of);
-    int32_t *seen = pl_alloc_zero(n_stars, sizeof *seen);
-    int32_t *rounds = pl_alloc_zero(n_stars, sizeof *rounds);
-    w.mine = pl_alloc(most, sizeof *w.mine);
-    w.node = pl_alloc(most, sizeof *w.node);
-    w.value = pl_alloc(most * plan->dim, sizeof *w.value);
-    w.failed = !star_of || !seen || !rounds || !w.mine || !w.node || !w.value;
-    double n_rounds = 0;
-    if (!w.failed) {
-        pl_plan_number_stars(plan, star_of);
-        n_rounds = list_mine(&w, of_facet, star_of, seen, rounds);
-    }
-    pl_parts_largest(&n_rounds, 1);
-    for (int32_t round = 0; round < n_rounds && !w.failed; round++)
-        tell(&w, round);
-    if (!w.failed)
-        heed(&w, state);
-    pl_free(star_of);
-    pl_free(seen);
-    pl_free(rounds);
     pl_free(w.mine);
     pl_free(w.node);
     pl_free(w.value);

@@ -1,20 +1,15 @@
-/* volumes: which elements are below their minimum volume, and which of these for ever. */
+/* proofs: which elements below their minimum volumes stay so for ever. */
 #include "improve/untangle/proofs.h"
 
-#include "sweep/guard.h"
-
 #include "base/clock.h"
-#include "base/context.h"
 #include "base/memory.h"
 #include "base/parts.h"
 #include "base/status.h"
 
-#include <string.h>
-
 /** The search for proofs. */
-typedef struct search {
+typedef struct proof_search {
     const planish_plan *plan;
-    pl_star_problem problem;
+    const pl_star_problem *problem;
     uint8_t *state;
     double *scratch;     /* of the kernels */
     int32_t *star_of;    /* [n] by inner numbers: the star of a free node; -1: of a ghost */
@@ -22,61 +17,32 @@ typedef struct search {
     uint8_t *is_fixed;   /* [n] by inner numbers */
     uint8_t *is_wanted;  /* [n_stars] a proof at the star would decide about an element */
     uint8_t *part;       /* [link facets of all stars] pl_star_part */
-} search;
+} proof_search;
 
-static int search_create(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
-                         search *s) {
-    const int64_t n = plan->work.n_nodes, n_stars = plan->interior.stars.n_stars;
-    *s = (search){.plan = plan, .problem = *problem, .state = state};
-    s->scratch = pl_alloc(plan->scratch_stride, sizeof *s->scratch);
-    s->star_of = pl_alloc(n, sizeof *s->star_of);
-    s->next_facet = pl_alloc_zero(n_stars, sizeof *s->next_facet);
-    s->is_fixed = pl_alloc(n, sizeof *s->is_fixed);
-    s->is_wanted = pl_alloc_zero(n_stars, sizeof *s->is_wanted);
-    s->part = pl_alloc_zero(plan->interior.stars.link_offset[n_stars], sizeof *s->part);
-    return s->scratch && s->star_of && s->next_facet && s->is_fixed && s->is_wanted && s->part;
-}
-
-static void search_destroy(search *s) {
-    pl_free(s->scratch);
-    pl_free(s->star_of);
-    pl_free(s->next_facet);
-    pl_free(s->is_fixed);
-    pl_free(s->is_wanted);
-    pl_free(s->part);
-}
-
-static void note_fixed(search *s) {
+/** The only star that can prove something of an element; -1: it has no free node, -2: it has
+ * several, or one that slides or is a ghost: of that nothing is proved. */
+static int32_t only_star(const proof_search *s, int64_t element) {
     const planish_plan *plan = s->plan;
-    for (int64_t i = 0; i < plan->work.n_nodes; i++)
-        s->is_fixed[plan->inner[i]] = !plan->work.mobility[i];
-}
-
-/** The only free node of an element; -1: it has none, -2: it has several, or one that slides: of
- *  that nothing is proved. */
-static int64_t only_free_node(const planish_plan *plan, int64_t element) {
-    int64_t node = -1;
+    int32_t node = -1;
     for (int j = 0; j <= plan->dim; j++) {
-        int32_t other = plan->work.elements[element * (plan->dim + 1) + j];
+        const int32_t other = plan->work.elements[element * (plan->dim + 1) + j];
         if (plan->work.mobility[other])
             node = node == -1 && plan->work.mobility[other] == PL_INTERIOR ? other : -2;
     }
-    return node;
-}
-
-static int32_t star_of_node(const search *s, int64_t node) {
-    return s->star_of[s->plan->inner[node]];
+    if (node < 0)
+        return node;
+    return s->star_of[plan->inner[node]] < 0 ? -2 : s->star_of[plan->inner[node]];
 }
 
 /** Whether two fixed nodes of an element are at the same place: it has no volume then. */
-static int has_coincident_nodes(const search *s, int64_t element) {
+static int has_coincident_nodes(const proof_search *s, int64_t element) {
     const planish_plan *plan = s->plan;
     const int dim = plan->dim;
     const int32_t *node = plan->work.elements + element * (dim + 1);
     for (int j = 0; j <= dim; j++)
         for (int k = 0; k < j; k++) {
-            const double *x = s->problem.coordinates + (int64_t)plan->inner[node[j]] * dim;
-            const double *y = s->problem.coordinates + (int64_t)plan->inner[node[k]] * dim;
+            const double *x = s->problem->coordinates + (int64_t)plan->inner[node[j]] * dim;
+            const double *y = s->problem->coordinates + (int64_t)plan->inner[node[k]] * dim;
             int same = !plan->work.mobility[node[j]] && !plan->work.mobility[node[k]];
             for (int d = 0; d < dim; d++)
                 same &= x[d] == y[d];
@@ -86,28 +52,24 @@ static int has_coincident_nodes(const search *s, int64_t element) {
     return 0;
 }
 
-/** Elements without a free node, or a volume, are infeasible; stars that could prove others so are
- * wanted. */
-static void look_at_elements(search *s) {
+/** Look for proofs at the stars that could decide about elements, one after another. A limit that
+ *  one process has reached is reached in all. */
+static void look_for_proofs(proof_search *s, pl_limit *limit) {
     const planish_plan *plan = s->plan;
+    const pl_stars *stars = &plan->interior.stars;
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         if (s->state[i] != PLANISH_VOLUME_BELOW)
             continue;
-        int64_t node = only_free_node(plan, i);
-        if (node == -1 || has_coincident_nodes(s, i))
+        const int32_t star = only_star(s, i);
+        if (star == -1 || has_coincident_nodes(s, i))
             s->state[i] = PLANISH_VOLUME_INFEASIBLE;
-        else if (node >= 0 && star_of_node(s, node) >= 0)
-            s->is_wanted[star_of_node(s, node)] = 1;
+        else if (star >= 0)
+            s->is_wanted[star] = 1;
     }
-}
-
-/** The stars one after another; a limit that one process has reached is reached in all. */
-static void look_for_proofs(search *s, pl_limit *limit) {
-    const planish_plan *plan = s->plan;
-    for (int64_t i = 0; i < plan->interior.stars.n_stars && !pl_limit_is_reached(limit); i++)
+    for (int64_t i = 0; i < stars->n_stars && !pl_limit_is_reached(limit); i++)
         if (s->is_wanted[i]) {
-            pl_star_infeasible(&s->problem, i, plan->dim, s->is_fixed, s->scratch,
-                               s->part + plan->interior.stars.link_offset[i], limit);
+            pl_star_infeasible(s->problem, i, plan->dim, s->is_fixed, s->scratch,
+                               s->part + stars->link_offset[i], limit);
             s->is_wanted[i] = pl_limit_is_reached(limit) != 0; /* and else it is decided */
         }
     if (!limit)
@@ -117,22 +79,21 @@ static void look_for_proofs(search *s, pl_limit *limit) {
     limit->answer = (int)answer;
 }
 
-/** Tell the elements: the facets of a star are in the order of its elements. If given_up only those
- * that are, else all that are below and part of a proof. */
-static int64_t mark_elements(search *s, int given_up) {
+/** Mark elements by the proofs of their stars, whose facets are in the order of their elements. If
+ *  given_up only those that are, else all that are below and part of a proof. */
+static int64_t mark_elements(proof_search *s, int given_up) {
     const planish_plan *plan = s->plan;
     int64_t n_infeasible = 0;
     for (int64_t i = 0; i < plan->work.n_elements; i++) {
         for (int j = 0; j <= plan->dim; j++) {
-            int32_t node = plan->work.elements[i * (plan->dim + 1) + j];
-            if (plan->work.mobility[node] != PL_INTERIOR || star_of_node(s, node) < 0)
+            const int32_t node = plan->work.elements[i * (plan->dim + 1) + j];
+            const int32_t star = s->star_of[plan->inner[node]];
+            if (star < 0)
                 continue;
-            int32_t star = star_of_node(s, node);
-            int64_t facet = plan->interior.stars.link_offset[star] + s->next_facet[star]++;
-            int wanted =
-                given_up ? s->part[facet] == PL_PROOF_GIVEN_UP
-                         : s->part[facet] != PL_PROOF_NONE && s->state[i] == PLANISH_VOLUME_BELOW;
-            if (wanted)
+            const uint8_t part =
+                s->part[plan->interior.stars.link_offset[star] + s->next_facet[star]++];
+            if (given_up ? part == PL_PROOF_GIVEN_UP
+                         : part != PL_PROOF_NONE && s->state[i] == PLANISH_VOLUME_BELOW)
                 s->state[i] = PLANISH_VOLUME_INFEASIBLE;
         }
         n_infeasible += s->state[i] == PLANISH_VOLUME_INFEASIBLE;
@@ -140,36 +101,43 @@ static int64_t mark_elements(search *s, int given_up) {
     return n_infeasible;
 }
 
-/** The elements of which the stars that were not searched to the end could tell more. */
-static int64_t count_undecided(const search *s) {
-    const planish_plan *plan = s->plan;
-    int64_t n = 0;
-    for (int64_t i = 0; i < plan->work.n_elements; i++) {
-        const int64_t node = s->state[i] == PLANISH_VOLUME_BELOW ? only_free_node(plan, i) : -1;
-        n += node >= 0 && star_of_node(s, node) >= 0 && s->is_wanted[star_of_node(s, node)];
-    }
-    return n;
-}
-
 int pl_mark_infeasible(const planish_plan *plan, const pl_star_problem *problem, uint8_t *state,
                        pl_limit *limit, pl_infeasible *found, uint8_t **part,
                        planish_error *error) {
-    search s;
-    int status = PLANISH_OK;
-    if (search_create(plan, problem, state, &s)) {
-        note_fixed(&s);
+    const int64_t n = plan->work.n_nodes, n_stars = plan->interior.stars.n_stars;
+    proof_search s = {.plan = plan,
+                      .problem = problem,
+                      .state = state,
+                      .scratch = pl_alloc(plan->scratch_stride, sizeof *s.scratch),
+                      .star_of = pl_alloc(n, sizeof *s.star_of),
+                      .next_facet = pl_alloc_zero(n_stars, sizeof *s.next_facet),
+                      .is_fixed = pl_alloc(n, sizeof *s.is_fixed),
+                      .is_wanted = pl_alloc_zero(n_stars, sizeof *s.is_wanted),
+                      .part =
+                          pl_alloc_zero(plan->interior.stars.link_offset[n_stars], sizeof *s.part)};
+    const int done = s.scratch && s.star_of && s.next_facet && s.is_fixed && s.is_wanted && s.part;
+    if (done) {
+        for (int64_t i = 0; i < n; i++)
+            s.is_fixed[plan->inner[i]] = !plan->work.mobility[i];
         pl_plan_number_stars(plan, s.star_of);
-        look_at_elements(&s);
         look_for_proofs(&s, limit);
         found->n = mark_elements(&s, part != NULL);
-        found->n_undecided = limit && limit->answer ? count_undecided(&s) : 0;
+        found->n_undecided = 0;
+        /* Stars that were not searched to the end could tell more of their elements. */
+        for (int64_t i = 0; limit && limit->answer && i < plan->work.n_elements; i++) {
+            const int32_t star = state[i] == PLANISH_VOLUME_BELOW ? only_star(&s, i) : -1;
+            found->n_undecided += star >= 0 && s.is_wanted[star];
+        }
         if (part) {
             *part = s.part;
             s.part = NULL;
         }
-    } else {
-        status = pl_fail_memory(error, "the search for infeasible elements");
     }
-    search_destroy(&s);
-    return status;
+    pl_free(s.scratch);
+    pl_free(s.star_of);
+    pl_free(s.next_facet);
+    pl_free(s.is_fixed);
+    pl_free(s.is_wanted);
+    pl_free(s.part);
+    return done ? PLANISH_OK : pl_fail_memory(error, "the search for infeasible elements");
 }

@@ -1,18 +1,17 @@
 /* tangle: the elements to untangle, and the patch of nodes that moves for them.
  *
  *   tangle.c      pl_tangle_create, _find, _mark, _measure ...    elements, patch and its energy
+ *   sizes.c       pl_tangle_find_sizes                 how large elements should be
  *   hopeless.c    pl_share_hopeless                    elements given up in another process
  *   return.c      pl_tangle_return                     nodes back to where the call began
- *   descent.c     pl_tangle_solve                      all nodes of the patch at once
- *   untangle.c    pl_first_epsilon, pl_next_epsilon    the ladder of epsilons
+ *   here          pl_root_of, pl_join                  nodes that are joined, one to the next
+ *
+ * untangle.c has the ladder (improve.h).
  */
 #ifndef PL_IMPROVE_UNTANGLE_TANGLE_H
 #define PL_IMPROVE_UNTANGLE_TANGLE_H
 
-#include "base/parallel.h"
 #include "sweep/run.h"
-
-enum { PL_TANGLE_CHUNK = 256 }; /* stars that one thread takes at a time */
 
 /** State of an element that is not PLANISH_VOLUME_MET. */
 typedef enum pl_tangle_state {
@@ -34,14 +33,14 @@ typedef struct pl_tangle {
     uint8_t *state;           /* [n_elements] pl_tangle_state, as found last */
     double *best;             /* [n_nodes][dim] the best coordinates so far */
     uint8_t *is_ghost;        /* [n_nodes] of a mesh in parts; NULL: there are none */
-    int32_t *ghost;           /* [n_ghosts] ghosts whose nodes may move, by inner numbers, */
-    int32_t *ghost_node;      /* [n_ghosts] by their own, */
+    int32_t *ghost;           /* [n_ghosts] ghosts whose nodes may move, */
     uint8_t *was_in_patch;    /* [n_ghosts] and whether they were in the patch a ring ago */
     int64_t n_ghosts;
     int32_t *star_of;          /* [n_nodes] the star of each free node; else -1 */
     int32_t *queue;            /* [n_stars] */
     double scale;              /* a power of two: times it the domain is about 1 wide */
     pl_star_energy *of_thread; /* [threads] of the stars that each has looked at */
+    pl_star_slope *slope;      /* [n_stars] to be filled with the energy; NULL: not asked for */
     int64_t n_tangled;         /* elements whose state is PL_TANGLED */
     int stopped;               /* a planish_stop: the run is to end before anything is done */
     int64_t n_patch;           /* nodes of the patch */
@@ -66,22 +65,18 @@ enum { PL_ALL_RINGS = INT32_MAX };
 /** Make the patch: the free nodes of tangled elements, and of so many rings of elements around. */
 void pl_tangle_mark(pl_tangle *t, int rings);
 
+/** Compute the patch's energy with the present epsilon. slope [n_stars] (may be NULL) is filled for
+ *  the stars of the patch. */
+void pl_tangle_measure(pl_tangle *t, pl_star_slope *slope);
+
+/** The sum of the energies, as computed last. */
+double pl_tangle_energy(const pl_tangle *t);
+
+/* ---- sizes.c ------------------------------------------------------------------------------- */
+
 /** Find how large the elements should be around each node: as they are now on average, inverted
  * ones counting negative. Without memory they are what they were. */
 void pl_tangle_find_sizes(pl_tangle *t);
-
-/** The patch's energy with the present epsilon. */
-void pl_tangle_measure(pl_tangle *t);
-
-/** Sum the energies that add_chunk finds. add_chunk is called with context for chunks of
- *  PL_TANGLE_CHUNK stars, and hands each energy to pl_tangle_add. */
-void pl_tangle_total(pl_tangle *t, pl_chunk_fn *add_chunk, void *context);
-
-/** Add an energy that a thread has found to the total. */
-void pl_tangle_add(pl_tangle *t, int thread, pl_star_energy *found);
-
-/** The sum of energies of the total. */
-double pl_tangle_energy(const pl_tangle *t);
 
 /* ---- hopeless.c ---------------------------------------------------------------------------- */
 
@@ -98,28 +93,23 @@ int pl_share_hopeless(const planish_plan *plan, const uint8_t *of_facet, uint8_t
  *  mesh in parts. */
 void pl_tangle_return(pl_tangle *t);
 
-/* ---- descent.c: all nodes of the patch at once ------------------------------------------------
- */
+/* ---- nodes that are joined ----------------------------------------------------------------- */
 
-typedef enum pl_patience { PL_NOT_AT_ALL = 0, PL_QUICK, PL_PATIENT } pl_patience;
+/** Root of node in a union-find structure parent [n_nodes], whose paths become shorter. */
+static inline int32_t pl_root_of(int32_t *parent, int32_t node) {
+    while (parent[node] != node) {
+        parent[node] = parent[parent[node]];
+        node = parent[node];
+    }
+    return node;
+}
 
-/** Lower the energy of the patch by L-BFGS for falling epsilons until nothing is tangled. Like the
- *  next, not 0 if it was cut short; without memory it does nothing. */
-int pl_tangle_solve(pl_tangle *t, pl_patience patience);
-
-/** Lower the energy of the patch further, but let nothing become tangled again: the sweeps that
- *  follow are slow to even out what the barriers of a solve have left over many elements. */
-int pl_tangle_mend(pl_tangle *t);
-
-/* ---- untangle.c ---------------------------------------------------------------------------- */
-
-/** The epsilon to begin with, and the next one, from what the last one has reached. */
-double pl_first_epsilon(double least);
-
-/** Return the next epsilon, from the energies before and after the last one. */
-double pl_next_epsilon(double epsilon, double before, double after, double least);
-
-/** Begin a sweep that untangles. */
-void pl_begin_untangling_sweep(pl_run *r);
+/** Join node to what root is the root of; returns the root of both. */
+static inline int32_t pl_join(int32_t *parent, int32_t root, int32_t node) {
+    const int32_t other = pl_root_of(parent, node);
+    const int32_t low = root < other ? root : other;
+    parent[root] = parent[other] = low;
+    return low;
+}
 
 #endif

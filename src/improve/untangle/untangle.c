@@ -9,48 +9,52 @@
 #include "base/context.h"
 #include "base/memory.h"
 #include "base/parallel.h"
-#include "improve/patch.h"
+#include "base/parts.h"
+#include "improve/lbfgs.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
+/** How long the patch is tried as one problem. */
+typedef enum patience { NOT_AT_ALL = 0, QUICK, PATIENT } patience;
+
 /** One rung: what is done about the elements that are still tangled. */
-typedef struct measures {
-    int rings;         /* of elements around the tangled ones, whose nodes may move too */
-    int push_offs;     /* sweeps of the paper's push-off, at most */
-    int centre;        /* 1: the patch's nodes go to the mean of their neighbours first */
-    int sweeps;        /* of the regularised energy, at most */
-    pl_patience solve; /* then the patch as one problem */
-} measures;
+typedef struct rung {
+    int rings;      /* of elements around the tangled ones, whose nodes may move too */
+    int push_offs;  /* sweeps of the paper's push-off, at most */
+    int centre;     /* 1: the patch's nodes go to the mean of their neighbours first */
+    int sweeps;     /* of the regularised energy, at most */
+    patience solve; /* then the patch as one problem */
+} rung;
 
 /* Elements that are inverted, or flat. The first rung does it in most cases. A mesh that is valid
  * but for rounding gets the first ones only. */
-static const measures LADDER[] = {
+static const rung LADDER[] = {
     {.rings = 0, .centre = 1, .sweeps = 1},
     {.rings = 2, .sweeps = 10},
     {.rings = 0, .push_offs = 10},
     {.rings = 4, .centre = 1, .sweeps = 4},
     {.rings = 16, .centre = 1, .sweeps = 4},
     {.rings = PL_ALL_RINGS, .centre = 1, .sweeps = 4},
-    {.rings = 8, .solve = PL_QUICK},
-    {.rings = PL_ALL_RINGS, .centre = 1, .solve = PL_QUICK},
-    {.rings = PL_ALL_RINGS, .solve = PL_QUICK},
-    {.rings = PL_ALL_RINGS, .centre = 1, .solve = PL_PATIENT},
-    {.rings = PL_ALL_RINGS, .solve = PL_PATIENT},
+    {.rings = 8, .solve = QUICK},
+    {.rings = PL_ALL_RINGS, .centre = 1, .solve = QUICK},
+    {.rings = PL_ALL_RINGS, .solve = QUICK},
+    {.rings = PL_ALL_RINGS, .centre = 1, .solve = PATIENT},
+    {.rings = PL_ALL_RINGS, .solve = PATIENT},
 };
 enum { N_RUNGS = sizeof LADDER / sizeof *LADDER, N_RUNGS_IF_VALID = 3 };
 
 /* Elements that the sweeps' push-offs have left below their minimum volume: it may be too much to
  * ask for. */
-static const measures LADDER_OF_VOLUMES[] = {
+static const rung LADDER_OF_VOLUMES[] = {
     {.rings = 2, .sweeps = 10},
-    {.rings = 8, .solve = PL_QUICK},
+    {.rings = 8, .solve = QUICK},
 };
 enum { N_RUNGS_OF_VOLUMES = sizeof LADDER_OF_VOLUMES / sizeof *LADDER_OF_VOLUMES };
 
-/* Layers of elements around tangled ones that are repaired after these were solved. */
-enum { REPAIRED_RINGS = 40 };
+/* Rings of elements around tangled ones that are evened out after these were solved. */
+enum { EVENED_RINGS = 40 };
 /* Push-offs end when so many sweeps in a row have left no fewer elements tangled. */
 enum { VAIN_PUSH_OFFS = 3 };
 /* What push-offs bring elements without a minimum volume to, relative to the volume wanted. */
@@ -68,54 +72,58 @@ enum { VAIN_PUSH_OFFS = 3 };
 #define EPSILON_AT_LAST  1e-9
 #define LEAST_FALL       0.1
 
-double pl_first_epsilon(double least) {
-    return fmax(EPSILON_AT_FIRST, -EPSILON_BY_LEAST * least);
+/** Set the first epsilon, from the least measure; most: a multiple of what is inverted most that it
+ *  is at least. */
+static void set_first_epsilon(pl_tangle *t, double most) {
+    t->asked.epsilon = 1;
+    pl_tangle_measure(t, NULL);
+    t->asked.epsilon =
+        fmax(fmax(EPSILON_AT_FIRST, -EPSILON_BY_LEAST * t->energy.least), -most * t->energy.least);
 }
 
-/** The schedule of Garanzha et al. (2021, section 3.2), which reaches validity in finitely many
- *  steps if each lowers the energy by a fixed part. */
-double pl_next_epsilon(double epsilon, double before, double after, double least) {
-    const double fall = fmax(1 - after / before, LEAST_FALL);
+/** Set the next epsilon; before: the energy with the last one, before the nodes moved. By the
+ *  schedule of Garanzha et al. (2021, section 3.2), which reaches validity in finitely many steps
+ *  if each lowers the energy by a fixed part. */
+static void set_next_epsilon(pl_tangle *t, double before) {
+    const double epsilon = t->asked.epsilon, least = t->energy.least;
+    const double fall = fmax(1 - pl_tangle_energy(t) / before, LEAST_FALL);
     const double s = sqrt(least * least + epsilon * epsilon);
     const double part = least >= 0 ? fall : fall * s / (s - least);
-    return fmax(epsilon * (1 - part), EPSILON_AT_LAST);
+    t->asked.epsilon = fmax(epsilon * (1 - part), EPSILON_AT_LAST);
 }
 
 /* ---- sweeps -------------------------------------------------------------------------------- */
 
-void pl_begin_untangling_sweep(pl_run *r) {
+static void begin_sweep(pl_run *r) {
     pl_run_begin_sweep(r);
     r->result->untangling_sweeps++;
 }
 
-/** One sweep of the problem over its stars; not 0 if cut short. */
+/** Sweep the problem over its stars once; not 0 if cut short. */
 static int sweep(pl_run *r, const pl_star_problem *problem) {
-    pl_begin_untangling_sweep(r);
     pl_sweep_tally tally = {0};
+    begin_sweep(r);
     pl_sweep(r->plan, &r->plan->interior, problem, PLANISH_METHOD_PLANISH, pl_run_after_colour, r,
              &tally);
     pl_run_measure(r);
     return pl_run_end_sweep(r, &tally);
 }
 
-/** Sweeps of the regularised energy. */
+/** Sweep the regularised energy. */
 static int regularised_sweeps(pl_tangle *t, int most) {
     int stopped = 0;
     if (most == 0)
         return 0;
-    t->asked.epsilon = 1;
-    pl_tangle_measure(t);
-    t->asked.epsilon = pl_first_epsilon(t->energy.least);
-    pl_tangle_measure(t);
+    set_first_epsilon(t, 0);
+    pl_tangle_measure(t, NULL);
     for (int i = 0; i < most && t->energy.tangled > 0 && !stopped; i++) {
         const double before = pl_tangle_energy(t);
         stopped = sweep(t->run, &t->problem);
-        pl_tangle_measure(t);
+        pl_tangle_measure(t, NULL);
         if (t->energy.tangled == 0)
             break;
-        t->asked.epsilon =
-            pl_next_epsilon(t->asked.epsilon, before, pl_tangle_energy(t), t->energy.least);
-        pl_tangle_measure(t);
+        set_next_epsilon(t, before);
+        pl_tangle_measure(t, NULL);
     }
     return stopped;
 }
@@ -127,7 +135,7 @@ static int centre(pl_tangle *t) {
     int stopped = 0;
     if (pl_patch_create(r, &t->problem, t->in_patch, PL_CENTRE_VECTORS, &p)) {
         pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
-        pl_begin_untangling_sweep(r);
+        begin_sweep(r);
         pl_patch_centre(&p, &tally);
         pl_run_measure(r);
         stopped = pl_run_end_sweep(r, &tally);
@@ -158,7 +166,7 @@ static void floor_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** The paper's case 3 at the nodes of tangled elements, as often as it helps. */
+/** Push off (the paper's case 3) the nodes of tangled elements, as often as it helps. */
 static int push_offs(pl_tangle *t, int most) {
     const planish_plan *plan = t->run->plan;
     int stopped = 0, vain = 0;
@@ -188,33 +196,125 @@ static int push_offs(pl_tangle *t, int most) {
     return stopped;
 }
 
-/* ---- the ladder ---------------------------------------------------------------------------- */
+/* ---- the patch as one problem --------------------------------------------------------------- */
 
-/** The patch as one problem, and what is around it after that. */
-static int solve(pl_tangle *t, const measures *rung) {
-    if (pl_tangle_solve(t, rung->solve))
-        return 1;
-    if (t->energy.tangled > 0)
-        return 0;
-    pl_tangle_mark(t, rung->rings > REPAIRED_RINGS ? rung->rings : REPAIRED_RINGS);
-    return pl_tangle_mend(t);
+/** Limits of a solution. */
+static const struct {
+    double first_epsilon; /* at least, relative to what is inverted most */
+    int epsilons;         /* at most */
+    int iterations;       /* for each, at most; or until */
+    double calm_fall;     /* some in a row have brought no more than this, relative */
+    double visits;        /* of link facets, in all: some 2e7 a second on one core */
+} PATIENCE[] = {
+    [QUICK] = {0, 100, 100, 1e-4, 1e8},
+    [PATIENT] = {1, 200, 1000, 1e-6, 1.5e9}, /* meets shears of ten times a domain's width */
+};
+enum { CALM_ITERATIONS = 3 };
+/* However large the patch, it gets so many evaluations. */
+enum { LEAST_EVALUATIONS = 100 };
+/* An epsilon this far below what is still inverted helps no more. */
+#define EPSILON_IN_VAIN 0.02
+/* Evening out ends when an iteration brings less than this. */
+enum { EVENING_ITERATIONS = 500 };
+#define EVENING_FALL    1e-4
+#define EVENING_EPSILON 1e-6
+
+/** The minimisation under way. */
+typedef struct descent {
+    pl_lbfgs m;
+    pl_tangle *t;
+    int keep;     /* nothing may become tangled again */
+    int64_t most; /* evaluations */
+} descent;
+
+/** Compute the patch's energy, and its slopes: a pl_lbfgs_function. */
+static double energy_of_patch(void *context, double enough, pl_star_slope *slope) {
+    const descent *d = context;
+    (void)enough;
+    pl_tangle_measure(d->t, slope);
+    return d->keep && d->t->energy.tangled > 0 ? INFINITY : pl_tangle_energy(d->t);
 }
 
-/** Not 0 if cut short. */
-static int climb(pl_tangle *t, const measures *rung) {
+/** Iterate with one epsilon, as one sweep; not 0 if cut short. */
+static int descend(descent *d, int most, double calm_fall) {
+    pl_run *r = d->t->run;
+    pl_sweep_tally tally = {.colours = pl_plan_colours(r->plan)};
+    int calm = 0;
+    begin_sweep(r);
+    for (int i = 0; i < most && d->m.evaluations < d->most && calm < CALM_ITERATIONS; i++) {
+        const double before = d->m.value;
+        if (tally.stopped || (!d->keep && d->t->energy.tangled == 0) ||
+            !pl_lbfgs_iterate(&d->m, &tally))
+            break;
+        calm = d->m.value > (1 - calm_fall) * before ? calm + 1 : 0;
+    }
+    tally.stars.evaluations = tally.stars.visits;
+    pl_run_measure(r);
+    return pl_run_end_sweep(r, &tally);
+}
+
+/** Lower the energy of the patch by L-BFGS for falling epsilons until nothing is tangled; or, to
+ *  even out, lower it further, but let nothing become tangled again: the sweeps that follow are
+ *  slow to even out what the barriers of a solution have left over many elements. Not 0 if it was
+ *  cut short; without memory it does nothing. */
+static int solve(pl_tangle *t, patience how, int evens_out) {
+    const pl_stars *stars = &t->run->plan->interior.stars;
+    descent d = {.t = t, .keep = evens_out};
+    int64_t facets = 0;
+    int stopped = 0;
+    if (!pl_lbfgs_create(t->run, &t->problem, t->in_patch, energy_of_patch, &d, &d.m)) {
+        pl_lbfgs_destroy(&d.m);
+        return 0;
+    }
+    for (int64_t i = 0; i < d.m.p.n; i++)
+        facets += stars->link_offset[d.m.p.star[i] + 1] - stars->link_offset[d.m.p.star[i]];
+    pl_parts_add(&facets, 1);
+    d.most = (int64_t)fmax(PATIENCE[how].visits / (double)(facets + 1), LEAST_EVALUATIONS);
+    if (evens_out)
+        t->asked.epsilon = fmax(t->energy.least, EVENING_EPSILON);
+    else
+        set_first_epsilon(t, PATIENCE[how].first_epsilon);
+    pl_lbfgs_begin(&d.m);
+    if (evens_out)
+        stopped = descend(&d, EVENING_ITERATIONS, EVENING_FALL);
+    for (int i = 0; !evens_out && i < PATIENCE[how].epsilons && t->energy.tangled > 0 &&
+                    d.m.evaluations < d.most;
+         i++) {
+        const double before = pl_tangle_energy(t);
+        stopped = descend(&d, PATIENCE[how].iterations, PATIENCE[how].calm_fall);
+        if (stopped || t->asked.epsilon < -EPSILON_IN_VAIN * t->energy.least)
+            break;
+        set_next_epsilon(t, before);
+        pl_lbfgs_begin(&d.m);
+    }
+    pl_lbfgs_destroy(&d.m);
+    return stopped;
+}
+
+/* ---- the ladder ---------------------------------------------------------------------------- */
+
+/** Do what the rung says to the elements that are still tangled; not 0 if cut short. */
+static int climb(pl_tangle *t, const rung *step) {
     pl_tangle_mark(t, 0);
     if (t->n_patch == 0) /* their nodes are all held */
         return 0;
-    pl_tangle_mark(t, rung->rings);
-    if (rung->centre && centre(t))
+    pl_tangle_mark(t, step->rings);
+    if (step->centre && centre(t))
         return 1;
     pl_tangle_find_sizes(t);
-    if (push_offs(t, rung->push_offs) || regularised_sweeps(t, rung->sweeps))
+    if (push_offs(t, step->push_offs) || regularised_sweeps(t, step->sweeps))
         return 1;
-    return rung->solve == PL_NOT_AT_ALL ? 0 : solve(t, rung);
+    if (step->solve == NOT_AT_ALL)
+        return 0;
+    if (solve(t, step->solve, 0))
+        return 1;
+    if (t->energy.tangled > 0)
+        return 0;
+    pl_tangle_mark(t, step->rings > EVENED_RINGS ? step->rings : EVENED_RINGS);
+    return solve(t, QUICK, 1);
 }
 
-/** Quality of the mesh when a rung began. */
+/** Quality of the mesh before or after a rung. */
 typedef struct standing {
     int64_t tangled, inverted;
     double rr2, objective;
@@ -226,63 +326,55 @@ static standing standing_of(const pl_tangle *t) {
                       pl_run_objective(r)};
 }
 
-/** Whether a rung has won: fewer elements are tangled, and no more inverted. Of a mesh that was
- *  valid F and the worst RR must not have risen either, unless it is volumes that count. */
-static int has_won(const standing *before, const standing *now, int volumes) {
-    const int better = now->rr2 <= before->rr2 && now->objective <= before->objective;
-    return now->tangled < before->tangled && now->inverted <= before->inverted &&
-           (before->inverted > 0 || volumes || better);
-}
-
-static void climb_all(pl_tangle *t, int volumes, const measures *ladder, int n) {
-    const planish_plan *plan = t->run->plan;
-    const size_t size = (size_t)plan->work.n_nodes * (size_t)plan->dim * sizeof *t->best;
+/** Climb the n rungs of ladder. A rung counts if fewer elements are tangled after it, and no more
+ *  inverted. In a mesh that was valid F and the worst RR must not have risen either, unless it is
+ *  volumes that count (floors). */
+static int untangle(pl_run *r, int floors, const rung *ladder, int n, planish_error *error) {
+    const size_t size =
+        (size_t)r->plan->work.n_nodes * (size_t)r->plan->dim * sizeof *r->plan->coordinates;
+    const int sweeps = r->result->untangling_sweeps;
+    pl_tangle t;
+    const int status = pl_tangle_create(r, floors, &t, error);
+    const int climbs = !status && !t.stopped;
     int stopped = 0;
-    t->problem.untangling = &t->asked;
-    memcpy(t->best, plan->coordinates, size);
-    for (int i = 0; i < n && t->n_tangled > 0 && !stopped; i++) {
-        const standing before = standing_of(t);
-        stopped = climb(t, &ladder[i]);
-        pl_tangle_find(t);
-        const standing now = standing_of(t);
-        if (has_won(&before, &now, volumes)) {
-            memcpy(t->best, plan->coordinates, size);
+    r->restoring = 1;
+    r->stop = t.stopped ? (planish_stop)t.stopped : PLANISH_STOP_CONVERGED;
+    t.problem.untangling = &t.asked;
+    if (climbs && t.n_tangled > 0)
+        memcpy(t.best, r->plan->coordinates, size);
+    for (int i = 0; climbs && i < n && t.n_tangled > 0 && !stopped; i++) {
+        const standing before = standing_of(&t);
+        stopped = climb(&t, &ladder[i]);
+        pl_tangle_find(&t);
+        const standing now = standing_of(&t);
+        if (now.tangled < before.tangled && now.inverted <= before.inverted &&
+            (before.inverted > 0 || floors ||
+             (now.rr2 <= before.rr2 && now.objective <= before.objective))) {
+            memcpy(t.best, r->plan->coordinates, size);
         } else {
-            memcpy(plan->coordinates, t->best, size);
-            pl_run_measure(t->run);
-            pl_tangle_find(t);
+            memcpy(r->plan->coordinates, t.best, size);
+            pl_run_measure(r);
+            pl_tangle_find(&t);
         }
     }
-}
-
-/** Climb the n rungs of ladder. */
-static int untangle(pl_run *r, int floors, const measures *ladder, int n, planish_error *error) {
-    pl_tangle t;
-    int status = pl_tangle_create(r, floors, &t, error);
-    r->restoring = 1;
-    r->stop = PLANISH_STOP_CONVERGED;
-    if (t.stopped)
-        r->stop = (planish_stop)t.stopped;
-    else if (!status && t.n_tangled > 0)
-        climb_all(&t, floors, ladder, n);
-    if (!status && !t.stopped && !floors && t.n_tangled > 0 && pl_run_inverted(r) > 0)
+    if (climbs && !floors && t.n_tangled > 0 && pl_run_inverted(r) > 0)
         pl_tangle_return(&t);
     r->restoring = 0;
     pl_tangle_destroy(&t);
+    if (!status && r->result->untangling_sweeps > sweeps) {
+        pl_run_measure(r);
+        pl_run_prepare(r);
+    }
     return status;
 }
 
-/** Whether elements of the mesh as measured last are inverted, or so flat that they count as such.
- */
-static int is_tangled(const pl_run *r) {
-    return pl_run_inverted(r) > 0 || pl_run_limits(r, 1).rr2 > FLAT_RR2;
-}
-
 int pl_run_untangle(pl_run *r, planish_error *error) {
-    if (!is_tangled(r))
+    const int64_t inverted = pl_run_inverted(r);
+    if (!r->options->untangle || r->options->method != PLANISH_METHOD_PLANISH ||
+        (inverted == 0 && !(pl_run_limits(r, 1).rr2 > FLAT_RR2)))
         return PLANISH_OK;
-    pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", pl_run_inverted(r));
-    return untangle(r, 0, LADDER, pl_run_inverted(r) > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
+    pl_log(PLANISH_LOG_DETAIL, "untangling %" PRId64 " elements", inverted);
+    return untangle(r, 0, LADDER, inverted > 0 ? N_RUNGS : N_RUNGS_IF_VALID, error);
 }
 
 int pl_run_raise_volumes(pl_run *r, planish_error *error) {
