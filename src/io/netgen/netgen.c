@@ -17,7 +17,7 @@
 
 /* ---- keywords ----------------------------------------------------------------------------- */
 
-static const netgen_keyword keywords[] = {
+const netgen_keyword netgen_keywords[] = {
     {"points", NETGEN_POINTS, 3, 0, 0, 0, {0}},
     {"surfaceelements", NETGEN_ELEMENTS, 5, 1, 0, 2, {0}},
     {"surfaceelementsgi", NETGEN_ELEMENTS, 5, 1, 1, 2, {0}},
@@ -42,185 +42,130 @@ static const netgen_keyword keywords[] = {
     {"curvedelements", NETGEN_REFUSED, 0, 0, 0, 0, {0}},
 };
 
-static const netgen_keyword *find_keyword(const char *word, int64_t length) {
-    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
-        if (io_word_is(word, length, keywords[i].name, 0))
-            return &keywords[i];
-    return NULL;
-}
+enum { N_KEYWORDS = sizeof netgen_keywords / sizeof *netgen_keywords };
 
 /* ---- the sections of a file --------------------------------------------------------------- */
 
-static int take_number(netgen_reader *r, io_cursor *cursor, const char *name, int64_t *value) {
-    if (io_integer(cursor, value))
-        return io_fail_at(r->model, cursor->at, r->error, "a whole number expected after %s", name);
-    return PLANISH_OK;
-}
-
-/** The count of a section; as many records can be in what is left of the file. */
-static int take_count(netgen_reader *r, io_cursor *cursor, const netgen_keyword *k,
-                      int64_t *count) {
-    const int64_t words = k->words + (k->kind == NETGEN_ELEMENTS ? NETGEN_LEAST_CORNERS : 0);
-    const int64_t least = k->kind == NETGEN_LINES ? 1 : 2 * words; /* lines may be empty */
-    int status = take_number(r, cursor, k->name, count);
-    if (!status && (*count < 0 || *count > (io_left(cursor) + 1) / least))
-        return io_fail_at(r->model, cursor->at, r->error,
-                          "%lld %s cannot be in the %lld bytes that are left; the count is wrong "
-                          "or the file is cut short",
-                          (long long)*count, k->name, (long long)io_left(cursor));
-    return status;
-}
-
-/** The rest of the line as the name of group number of codimension. */
-static int take_name(netgen_reader *r, io_cursor *cursor, int codimension, int64_t number) {
-    const char *begin = cursor->at, *end;
-    io_skip_line(cursor);
-    end = cursor->at;
-    while (begin < end && io_is_blank(*begin))
-        begin++;
-    while (end > begin && (io_is_blank(end[-1]) || end[-1] == '\n' || end[-1] == '\r'))
-        end--;
-    if (begin == end || codimension > r->dim)
-        return PLANISH_OK;
-    if (number < INT32_MIN || number > INT32_MAX)
-        return io_fail_at(r->model, begin, r->error, "number %lld of a name is out of range",
-                          (long long)number);
-    return io_model_group(r->model, r->dim - codimension, (int32_t)number, begin, end - begin,
-                          r->error);
-}
-
-/** Names may be anything, keywords as well: lines are counted. */
-static int read_lines(netgen_reader *r, io_cursor *cursor, const netgen_keyword *k) {
-    int64_t count = 0, number;
-    int status = take_count(r, cursor, k, &count);
-    if (k->kind == NETGEN_LINES)
+/** Read count lines, which may be anything, keywords as well; NETGEN_NAMES: of a number and the
+ *  name of the group of that number. */
+static int read_lines(netgen_reader *r, io_cursor *cursor, const netgen_keyword *k, int64_t count) {
+    const int has_names = k->kind == NETGEN_NAMES;
+    int64_t number = 0;
+    if (!has_names)
         io_skip_line(cursor); /* that of the count */
-    for (int64_t i = 0; i < count && !status; i++) {
-        if (k->kind == NETGEN_NAMES)
+    for (int64_t i = 0; i < count; i++) {
+        if (has_names)
             io_skip_space(cursor);
-        if (cursor->at == cursor->end || (k->kind == NETGEN_NAMES && io_integer(cursor, &number)))
+        if (cursor->at == cursor->end || (has_names && io_integer(cursor, &number)))
             return io_fail_at(r->model, cursor->at, r->error,
                               "%s: line %lld of %lld expected%s (the file may be cut short)",
                               k->name, (long long)i + 1, (long long)count,
-                              k->kind == NETGEN_NAMES ? ", which begins with a number" : "");
-        if (k->kind == NETGEN_NAMES)
-            status = take_name(r, cursor, k->group, number);
-        else
-            io_skip_line(cursor);
+                              has_names ? ", which begins with a number" : "");
+        const io_slice name = io_slice_trim(io_next_line(cursor));
+        const int dim = r->dim - k->group;
+        if (!has_names || io_slice_length(name) == 0 || dim < 0)
+            continue;
+        if (number < INT32_MIN || number > INT32_MAX)
+            return io_fail_at(r->model, name.begin, r->error,
+                              "number %lld of a name is out of range", (long long)number);
+        const int status = io_model_group(r->model, dim, (int32_t)number, name.begin,
+                                          io_slice_length(name), r->error);
+        if (status)
+            return status;
     }
-    return status;
-}
-
-static int add_section(netgen_reader *r, io_cursor *cursor, const netgen_keyword *k) {
-    int64_t count;
-    int status = take_count(r, cursor, k, &count);
-    if (status)
-        return status;
-    netgen_section *grown =
-        pl_grow(r->sections, r->n_sections, r->n_sections + 1, &r->capacity, sizeof *grown);
-    if (!grown)
-        return pl_fail_memory(r->error, "the sections of the file");
-    const char *data = cursor->at;
-    io_skip_numbers(cursor);
-    r->sections = grown;
-    r->sections[r->n_sections++] = (netgen_section){k, count, data, cursor->at};
     return PLANISH_OK;
 }
 
-static int read_dimension(netgen_reader *r, io_cursor *cursor) {
-    int64_t dim;
-    int status = take_number(r, cursor, "dimension", &dim);
-    if (!status && dim != 2 && dim != 3)
-        return io_fail_at(r->model, cursor->at, r->error,
-                          "dimension %lld: only meshes of 2 or 3 dimensions can be smoothed",
-                          (long long)dim);
-    r->dim = (int)dim;
-    return status;
-}
-
-static int read_keyword(netgen_reader *r, io_cursor *cursor, const char *word, int64_t length) {
-    const netgen_keyword *k = find_keyword(word, length);
-    r->last = k;
-    if (io_word_is(word, length, "dimension", 0))
-        return read_dimension(r, cursor);
-    if (!k) {
+/** Read what follows a keyword, word, or pass over it; keyword: its row, N_KEYWORDS: none. */
+static int read_keyword(netgen_reader *r, io_cursor *cursor, io_slice word, int keyword) {
+    const io_model *model = r->model;
+    const netgen_keyword *k = keyword < N_KEYWORDS ? &netgen_keywords[keyword] : NULL;
+    const int is_dimension = io_slice_is(word, "dimension", 0);
+    int64_t number;
+    if (!k && !is_dimension) {
         io_skip_numbers(cursor);
         return PLANISH_OK;
     }
-    if (k->kind == NETGEN_REFUSED)
-        return io_fail_at(r->model, word, r->error,
+    if (k && k->kind == NETGEN_REFUSED)
+        return io_fail_at(model, word.begin, r->error,
                           "%s: curved elements cannot be smoothed; save the mesh before Curve()",
                           k->name);
-    return k->kind == NETGEN_NAMES || k->kind == NETGEN_LINES ? read_lines(r, cursor, k)
-                                                              : add_section(r, cursor, k);
+    if (io_integer(cursor, &number))
+        return io_fail_at(model, cursor->at, r->error, "a whole number expected after %.*s",
+                          (int)io_slice_length(word), word.begin);
+    if (is_dimension && number != 2 && number != 3)
+        return io_fail_at(model, cursor->at, r->error,
+                          "dimension %lld: only meshes of 2 or 3 dimensions can be smoothed",
+                          (long long)number);
+    if (!k) {
+        r->dim = (int)number;
+        return PLANISH_OK;
+    }
+    const int64_t words = k->words + (k->kind == NETGEN_ELEMENTS ? NETGEN_LEAST_CORNERS : 0);
+    const int64_t least = k->kind == NETGEN_LINES ? 1 : 2 * words; /* lines may be empty */
+    const int status = io_check_room(model, *cursor, number, least, k->name, r->error);
+    if (status)
+        return status;
+    if (k->kind == NETGEN_NAMES || k->kind == NETGEN_LINES)
+        return read_lines(r, cursor, k, number);
+    const char *data = cursor->at;
+    io_skip_numbers(cursor);
+    return io_sections_add(&r->sections, (io_section){keyword, number, data, cursor->at}, r->error);
 }
 
-/** Whether the file may end here without endmesh: behind a section whose records are counted, at
- * the end of a line. Netgen reads such a file as whole, too. */
-static int may_end(const netgen_reader *r) {
+/** Find the sections. The file may end without endmesh behind a section whose records are counted,
+ *  at the end of a line: Netgen reads such a file as whole, too. */
+static int walk_file(netgen_reader *r) {
     const io_bytes *input = &r->model->input;
     const char last = input->size > 0 ? input->data[input->size - 1] : '\0';
-    return r->last && (last == '\n' || last == '\r');
-}
-
-static int walk_file(netgen_reader *r) {
-    io_cursor cursor = io_begin_text(r->model->input.data, r->model->input.size);
-    int status = PLANISH_OK;
-    for (int is_first = 1; !status; is_first = 0) {
-        int64_t length;
+    io_cursor cursor = io_begin_text(input->data, input->size);
+    io_skip_space_comments(&cursor, '#');
+    io_slice word = io_next_word(&cursor);
+    if (!io_slice_is(word, "mesh3d", 0))
+        return io_fail_at(r->model, word.begin, r->error,
+                          "no mesh3d in the first line: this is no mesh of Netgen's");
+    for (int keyword = N_KEYWORDS;;) {
         io_skip_space_comments(&cursor, '#');
-        const char *word = io_word(&cursor, &length);
-        if (is_first && !io_word_is(word, length, "mesh3d", 0))
-            return io_fail_at(r->model, word, r->error,
-                              "no mesh3d in the first line: this is no mesh of Netgen's");
-        if (io_word_is(word, length, "endmesh", 0) || (length == 0 && may_end(r)))
-            break;
-        if (length == 0)
-            return io_fail_at(r->model, word, r->error,
+        word = io_next_word(&cursor);
+        if (io_slice_is(word, "endmesh", 0))
+            return PLANISH_OK;
+        if (io_slice_length(word) == 0) {
+            if (keyword < N_KEYWORDS && (last == '\n' || last == '\r'))
+                return PLANISH_OK;
+            return io_fail_at(r->model, word.begin, r->error,
                               "there is no endmesh (the file may be cut short)");
-        if (!is_first)
-            status = read_keyword(r, &cursor, word, length);
+        }
+        for (keyword = 0; keyword < N_KEYWORDS; keyword++)
+            if (io_slice_is(word, netgen_keywords[keyword].name, 0))
+                break;
+        const int status = read_keyword(r, &cursor, word, keyword);
+        if (status)
+            return status;
     }
-    return status;
 }
 
-/** The sections of one kind, which may be anywhere in the file. */
-static int read_sections(netgen_reader *r, netgen_kind wanted) {
-    int status = PLANISH_OK;
-    for (int64_t i = 0; i < r->n_sections && !status; i++)
-        if (r->sections[i].keyword->kind == wanted)
-            status = netgen_read_section(r, &r->sections[i]);
-    return status;
-}
-
-static int read_all(netgen_reader *r) {
-    int status = walk_file(r);
-    if (!status)
-        status = read_sections(r, NETGEN_POINTS);
-    if (!status && !r->model->xyz)
-        return io_fail_at(r->model, r->model->input.data + r->model->input.size, r->error,
-                          "there are no points (the file may be cut short)");
-    for (netgen_kind k = NETGEN_ELEMENTS; k < NETGEN_N_READ && !status; k++)
-        status = read_sections(r, k);
-    return status;
-}
+/* ---- the format --------------------------------------------------------------------------- */
 
 static int read_netgen(io_model *model, planish_error *error) {
     netgen_reader r = {.model = model, .error = error, .dim = 3};
     io_text_init(&r.text, model);
-    int status = read_all(&r);
+    int status = walk_file(&r);
+    for (int kind = 0; kind < NETGEN_N_READ && !status; kind++) {
+        for (int64_t i = 0; i < r.sections.n && !status; i++)
+            if (netgen_keywords[r.sections.section[i].keyword].kind == (netgen_kind)kind)
+                status = netgen_read_section(&r, &r.sections.section[i]);
+        if (!status && !model->xyz)
+            status = io_fail_at(model, io_input_end(model), error,
+                                "there are no points (the file may be cut short)");
+    }
     io_text_release(&r.text);
     pl_free(r.is_periodic);
-    pl_free(r.sections);
+    io_sections_release(&r.sections);
     return status;
 }
 
 static int recognise_netgen(const char *data, int64_t size) {
-    io_cursor cursor = io_begin_text(data, size);
-    int64_t length;
-    io_skip_space_comments(&cursor, '#');
-    const char *word = io_word(&cursor, &length);
-    return io_word_is(word, length, "mesh3d", 0);
+    return io_slice_is(io_first_word(data, size), "mesh3d", 0);
 }
 
 static const char *const extensions[] = {".vol", NULL};

@@ -1,6 +1,9 @@
-/* netgen: what the parts of the reader of Netgen's files share; for netgen.c (what is where) and
- * netgen_mesh.c (what it says). All functions return 0 or a negative planish_status with the error
- * filled in.
+/* netgen: what the parts of the reader of Netgen's files share.
+ *
+ *   netgen.c        keywords; where the sections are
+ *   netgen_mesh.c   netgen_read_section: what they say
+ *
+ * All functions return 0 or a negative planish_status with the error filled in.
  */
 #ifndef PL_IO_NETGEN_NETGEN_H
 #define PL_IO_NETGEN_NETGEN_H
@@ -38,29 +41,24 @@ enum {
     NETGEN_MOST_CORNERS = 32
 };
 
-typedef struct netgen_section {
-    const netgen_keyword *keyword;
-    int64_t count;
-    const char *data, *end; /* end: where the next word is that is no number */
-} netgen_section;
+/** By the numbers of io_section. */
+extern const netgen_keyword netgen_keywords[];
 
 typedef struct netgen_reader {
     io_model *model;
     planish_error *error;
     io_text text;
     int dim;
-    netgen_section *sections; /* [n_sections] owned */
-    int64_t n_sections, capacity;
-    const netgen_keyword *last; /* of the keyword that was read last; NULL: one that is unknown */
-    const netgen_section *current;
-    int corners;         /* of all elements of the current section; 0: they differ */
-    int64_t first_cell;  /* of the current section in its io_cells */
-    int64_t n_kept;      /* of them, where they differ */
-    int8_t *is_periodic; /* [n_types] owned: by number of identification, from 1 */
+    io_sections sections;
+    const netgen_keyword *current; /* of the section that is read */
+    int corners;                   /* of all elements of the current section; 0: they differ */
+    int64_t first_cell;            /* of the current section in its io_cells */
+    int64_t n_kept;                /* of them, where they differ */
+    int8_t *is_periodic;           /* [n_types] owned: by number of identification, from 1 */
     int64_t n_types;
 } netgen_reader;
 
 /** Read a section; points come first, then elements and segments, then what refers to them. */
-int netgen_read_section(netgen_reader *reader, const netgen_section *section);
+int netgen_read_section(netgen_reader *reader, const io_section *section);
 
 #endif
