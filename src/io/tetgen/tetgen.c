@@ -27,20 +27,23 @@
 #include <string.h>
 #include <strings.h>
 
-/** One of the files. */
-typedef struct part {
-    io_model view; /* only what messages and records need: input (borrowed) and
-                      threads */
-    io_cursor cursor;
-    int64_t n;        /* lines after the first */
-    int64_t count[3]; /* what follows n in the first line; 0 where it ends before */
-    int64_t first;    /* number of the first of the n */
-} part;
+static const char *const extensions[] = {".node", ".ele", NULL};
 
-/** What the rows of a file are read with. */
-typedef struct rows {
+/* The first ones are read, the others written along only. Of .poly, .smesh and .vol, see
+ * is_companion. */
+static const char *const companions[] = {".ele", ".face", ".edge", ".neigh", ".t2f",
+                                         ".t2e", ".f2t",  ".f2e",  ".e2t",   ".mtr",
+                                         ".var", ".vol",  ".poly", ".smesh", NULL};
+enum { N_READ = 3, N_COMPANIONS = sizeof companions / sizeof *companions - 1 };
+
+/** One of the files, and where its rows go. */
+typedef struct table {
     io_model *model;
-    const part *part;
+    io_model view;  /* only what messages and records need: input (borrowed) and threads */
+    io_cursor rows; /* behind the first line */
+    int64_t n;
+    int64_t count[3];      /* what follows n in the first line; 0 where it ends before */
+    int64_t first;         /* number of the first row */
     const char *what;      /* of a row, for messages */
     int dim;               /* nodes: number of coordinates; else nodes of an element less one */
     int64_t skipped;       /* words between coordinates or corners and the tag */
@@ -48,13 +51,13 @@ typedef struct rows {
     int32_t *tag;          /* [n] marker or attribute, or NULL: rows have none */
     int real_tag;          /* attributes are written as reals */
     atomic_int fractional; /* not 0: a real tag is no integer */
-} rows;
+} table;
 
 /* ---- words of a line --------------------------------------------------------------------- */
 
-/** Whether the line goes on at the cursor, with blanks skipped. */
+/** Skip blanks. Return whether the line goes on at the cursor. */
 static int line_goes_on(io_cursor *cursor) {
-    while (cursor->at < cursor->end && (*cursor->at == ' ' || *cursor->at == '\t'))
+    while (cursor->at < cursor->end && io_is_blank(*cursor->at))
         cursor->at++;
     return cursor->at < cursor->end && *cursor->at != '\n' && *cursor->at != '\r' &&
            *cursor->at != '#';
@@ -64,165 +67,148 @@ static int line_integer(io_cursor *cursor, int64_t *value) {
     return line_goes_on(cursor) ? io_integer(cursor, value) : -1;
 }
 
-static int line_real(io_cursor *cursor, double *value) {
-    return line_goes_on(cursor) ? io_real(cursor, value) : -1;
-}
-
 /* ---- the first line ---------------------------------------------------------------------- */
 
-static int part_begin(part *p, const io_bytes *file, int threads, int64_t words,
-                      planish_error *error) {
-    *p = (part){.view = {.input = *file, .threads = threads},
-                .cursor = io_begin_text(file->data, file->size)};
-    io_skip_space_comments(&p->cursor, '#');
-    if (line_integer(&p->cursor, &p->n) || p->n < 0)
-        return io_fail_at(&p->view, p->cursor.at, error, "a first line of counts was expected");
-    for (int i = 0; i < 3 && line_goes_on(&p->cursor); i++)
-        if (io_integer(&p->cursor, &p->count[i]) || p->count[i] < 0)
-            return io_fail_at(&p->view, p->cursor.at, error, "a count was expected");
-    const char *counts = p->cursor.at;
-    io_skip_line(&p->cursor);
+/** Begin a table of rows of so many words at least with its first line. */
+static int begin_table(table *t, io_model *model, const io_bytes *file, const char *what,
+                       int64_t words, planish_error *error) {
+    *t = (table){.model = model,
+                 .view = {.input = *file, .threads = model->threads},
+                 .rows = io_begin_text(file->data, file->size),
+                 .what = what};
+    io_cursor *cursor = &t->rows;
+    io_skip_space_comments(cursor, '#');
+    if (line_integer(cursor, &t->n) || t->n < 0)
+        return io_fail_at(&t->view, cursor->at, error, "a first line of counts was expected");
+    for (int i = 0; i < 3 && line_goes_on(cursor); i++)
+        if (io_integer(cursor, &t->count[i]) || t->count[i] < 0)
+            return io_fail_at(&t->view, cursor->at, error, "a count was expected");
+    const char *counts = cursor->at;
+    io_skip_line(cursor);
     /* Every word takes two bytes at least, with what parts it from the next. */
-    if (p->n > (io_left(&p->cursor) + 1) / (2 * words))
-        return io_fail_at(&p->view, counts, error,
+    if (t->n > (io_left(cursor) + 1) / (2 * words))
+        return io_fail_at(&t->view, counts, error,
                           "%lld lines were promised, the file is too short for that",
-                          (long long)p->n);
-    io_cursor peek = p->cursor;
+                          (long long)t->n);
+    io_cursor peek = *cursor;
     io_skip_space_comments(&peek, '#');
-    if (p->n > 0 && line_integer(&peek, &p->first))
-        return io_fail_at(&p->view, peek.at, error, "a number was expected");
-    if (p->first > INT64_MAX - p->n)
-        return io_fail_at(&p->view, peek.at, error, "number %lld is out of range",
-                          (long long)p->first);
+    if (t->n > 0 && line_integer(&peek, &t->first))
+        return io_fail_at(&t->view, peek.at, error, "a number was expected");
+    if (t->first > INT64_MAX - t->n)
+        return io_fail_at(&t->view, peek.at, error, "number %lld is out of range",
+                          (long long)t->first);
     return PLANISH_OK;
 }
 
-/** Lines may have fewer attributes than were promised, so that the size of the file is no bound:
- * with shorter coordinates what was read could not be read again. */
-static int check_attributes(const part *p, int64_t promised, planish_error *error) {
-    if (promised <= INT32_MAX)
+/** Check the number of attributes. Lines may have fewer than were promised, so that the size of the
+ *  file is no bound: with shorter coordinates what was read could not be read again. */
+static int check_attributes(const table *t, planish_error *error) {
+    if (t->count[1] <= INT32_MAX)
         return PLANISH_OK;
-    return io_fail_at(&p->view, p->view.input.data, error,
-                      "%lld attributes were promised, no line has so many", (long long)promised);
+    return io_fail_at(&t->view, t->view.input.data, error,
+                      "%lld attributes were promised, no line has so many", (long long)t->count[1]);
 }
 
 /* ---- rows -------------------------------------------------------------------------------- */
 
-/** The number that each row begins with: in sequence. */
-static int read_number(const rows *r, io_cursor *cursor, int64_t row, planish_error *error) {
-    const part *p = r->part;
-    int64_t number;
-    io_skip_space_comments(cursor, '#');
-    if (cursor->at == cursor->end)
-        return io_fail_at(&p->view, cursor->at, error,
-                          "the file ends after %lld of %lld %ss (it may be cut short)",
-                          (long long)row, (long long)p->n, r->what);
-    const char *at = cursor->at;
-    if (io_integer(cursor, &number) || (uint64_t)number - (uint64_t)p->first != (uint64_t)row)
-        return io_fail_at(&p->view, at, error, "%s number %lld was expected", r->what,
-                          (long long)((uint64_t)p->first + (uint64_t)row));
+static int read_coordinates(const table *t, io_cursor *cursor, int64_t node, planish_error *error) {
+    double *xyz = t->model->xyz + 3 * node;
+    line_goes_on(cursor);
+    t->model->text_offset[node] = cursor->at - t->model->input.data;
+    xyz[2] = 0;
+    for (int i = 0; i < t->dim; i++)
+        if (!line_goes_on(cursor) || io_real(cursor, &xyz[i]) || !isfinite(xyz[i]))
+            return io_fail_at(&t->view, cursor->at, error,
+                              "node %lld: a finite coordinate was expected",
+                              (long long)(t->first + node));
     return PLANISH_OK;
 }
 
-/** The marker or attribute at the end of a row; 0 where the line ends before. */
-static int read_tag(rows *r, io_cursor *cursor, int64_t row, planish_error *error) {
+/** Read the corners of an element, face or edge as indices of nodes. */
+static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_error *error) {
+    const io_model *model = t->model;
+    int64_t number;
+    for (int i = 0; i <= t->dim; i++) {
+        if (line_integer(cursor, &number))
+            return io_fail_at(&t->view, cursor->at, error, "a node of %s %lld was expected",
+                              t->what, (long long)(t->first + row));
+        const int64_t node = io_node_index(model, NULL, number);
+        if (node < 0)
+            return io_fail_at(&t->view, cursor->at, error,
+                              "%s %lld has node %lld, but there are nodes %lld to %lld only",
+                              t->what, (long long)(t->first + row), (long long)number,
+                              (long long)model->first_number,
+                              (long long)(model->first_number + model->n_nodes - 1));
+        t->nodes[row * (t->dim + 1) + i] = (int32_t)node;
+    }
+    return PLANISH_OK;
+}
+
+/** Read the marker or attribute at the end of a row; 0 where the line ends before. */
+static int read_tag(table *t, io_cursor *cursor, int64_t row, planish_error *error) {
     double real = 0;
     int64_t length, tag = 0;
     int failed = 0;
-    for (int64_t i = 0; i < r->skipped && line_goes_on(cursor); i++)
+    for (int64_t i = 0; i < t->skipped && line_goes_on(cursor); i++)
         io_word(cursor, &length);
     io_cursor found = *cursor;
-    if (line_goes_on(cursor) && (r->real_tag || io_integer(cursor, &tag))) {
+    if (line_goes_on(cursor) && (t->real_tag || io_integer(cursor, &tag))) {
         failed = io_real(cursor, &real);
-        if (!failed && !r->real_tag) { /* some programs write markers as 1.0 */
+        if (!failed && !t->real_tag) { /* some programs write markers as 1.0 */
             failed = !(fabs(real) <= INT32_MAX) || floor(real) != real;
             tag = failed ? 0 : (int64_t)real;
         }
     }
     if (failed) {
         const char *word = io_word(&found, &length);
-        return io_fail_at(&r->part->view, word, error, "a %s was expected, not '%.*s'",
-                          r->real_tag ? "region attribute (a number)"
+        return io_fail_at(&t->view, word, error, "a %s was expected, not '%.*s'",
+                          t->real_tag ? "region attribute (a number)"
                                       : "boundary marker (a whole number)",
                           (int)(length < 24 ? length : 24), word);
     }
-    if (r->real_tag && !(real >= INT32_MIN && real <= INT32_MAX && floor(real) == real))
-        atomic_store_explicit(&r->fractional, 1, memory_order_relaxed);
-    else if (r->real_tag)
+    if (t->real_tag && !(real >= INT32_MIN && real <= INT32_MAX && floor(real) == real))
+        atomic_store_explicit(&t->fractional, 1, memory_order_relaxed);
+    else if (t->real_tag)
         tag = (int64_t)real;
     if (tag < INT32_MIN || tag > INT32_MAX)
-        return io_fail_at(&r->part->view, cursor->at, error, "boundary marker %lld is out of range",
+        return io_fail_at(&t->view, cursor->at, error, "boundary marker %lld is out of range",
                           (long long)tag);
-    r->tag[row] = (int32_t)tag;
+    t->tag[row] = (int32_t)tag;
     return PLANISH_OK;
 }
 
-static int read_nodes(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                      planish_error *error) {
-    rows *r = context;
-    for (int64_t node = begin; node < end; node++) {
-        double *xyz = r->model->xyz + 3 * node;
-        int status = read_number(r, cursor, node, error);
-        if (status)
-            return status;
-        line_goes_on(cursor);
-        r->model->text_offset[node] = cursor->at - r->model->input.data;
-        xyz[2] = 0;
-        for (int i = 0; i < r->dim; i++)
-            if (line_real(cursor, &xyz[i]) || !isfinite(xyz[i]))
-                return io_fail_at(&r->part->view, cursor->at, error,
-                                  "node %lld: a finite coordinate was expected",
-                                  (long long)(r->part->first + node));
-        if (r->tag && (status = read_tag(r, cursor, node, error)))
-            return status;
-        io_skip_line(cursor);
-    }
-    return PLANISH_OK;
-}
-
-/** The corners of one element, face or edge as indices of nodes. */
-static int read_corners(const rows *r, io_cursor *cursor, int64_t row, int32_t *corner,
-                        planish_error *error) {
+/** Read rows, each a line that begins with its number, in sequence. */
+static int read_rows(void *context, io_cursor *cursor, int64_t begin, int64_t end,
+                     planish_error *error) {
+    table *t = context;
     int64_t number;
-    for (int i = 0; i <= r->dim; i++) {
-        if (line_integer(cursor, &number))
-            return io_fail_at(&r->part->view, cursor->at, error, "a node of %s %lld was expected",
-                              r->what, (long long)(r->part->first + row));
-        uint64_t index = (uint64_t)number - (uint64_t)r->model->first_number;
-        if (index >= (uint64_t)r->model->n_nodes)
-            return io_fail_at(&r->part->view, cursor->at, error,
-                              "%s %lld has node %lld, but there are nodes %lld to %lld only",
-                              r->what, (long long)(r->part->first + row), (long long)number,
-                              (long long)r->model->first_number,
-                              (long long)(r->model->first_number + r->model->n_nodes - 1));
-        corner[i] = (int32_t)index;
-    }
-    return PLANISH_OK;
-}
-
-static int read_elements(void *context, io_cursor *cursor, int64_t begin, int64_t end,
-                         planish_error *error) {
-    rows *r = context;
     if (error) /* what threads saw, which will not be read as they did, says nothing */
-        atomic_store_explicit(&r->fractional, 0, memory_order_relaxed);
-    for (int64_t i = begin; i < end; i++) {
-        int status = read_number(r, cursor, i, error);
-        if (!status)
-            status = read_corners(r, cursor, i, r->nodes + i * (r->dim + 1), error);
-        if (!status && r->tag)
-            status = read_tag(r, cursor, i, error);
-        if (status)
-            return status;
+        atomic_store_explicit(&t->fractional, 0, memory_order_relaxed);
+    for (int64_t row = begin; row < end; row++) {
+        io_skip_space_comments(cursor, '#');
+        if (cursor->at == cursor->end)
+            return io_fail_at(&t->view, cursor->at, error,
+                              "the file ends after %lld of %lld %ss (it may be cut short)",
+                              (long long)row, (long long)t->n, t->what);
+        const char *at = cursor->at;
+        if (io_integer(cursor, &number) || (uint64_t)number - (uint64_t)t->first != (uint64_t)row)
+            return io_fail_at(&t->view, at, error, "%s number %lld was expected", t->what,
+                              (long long)((uint64_t)t->first + (uint64_t)row));
+        if (t->nodes ? read_corners(t, cursor, row, error)
+                     : read_coordinates(t, cursor, row, error))
+            return PLANISH_ERROR_FORMAT;
+        if (t->tag && read_tag(t, cursor, row, error))
+            return PLANISH_ERROR_FORMAT;
         io_skip_line(cursor);
     }
     return PLANISH_OK;
 }
 
-static int read_rows(rows *r, io_records_fn *read, int64_t words, planish_error *error) {
+/** Read all rows, as a rule of so many words. */
+static int read_table(table *t, int64_t words, planish_error *error) {
     io_text text;
-    io_cursor cursor = r->part->cursor;
-    io_text_init(&text, &r->part->view);
-    int status = io_text_records(&text, &cursor, r->part->n, words, read, r, error);
+    io_text_init(&text, &t->view);
+    const int status = io_text_records(&text, &t->rows, t->n, words, read_rows, t, error);
     io_text_release(&text);
     return status;
 }
@@ -230,188 +216,123 @@ static int read_rows(rows *r, io_records_fn *read, int64_t words, planish_error 
 /* ---- the files --------------------------------------------------------------------------- */
 
 static int read_node_file(io_model *model, int *dim, planish_error *error) {
-    part p;
-    int status = part_begin(&p, &model->input, model->threads, 3, error);
+    table t;
+    int status = begin_table(&t, model, &model->input, "node", 3, error);
     if (status)
         return status;
-    if (p.count[0] != 2 && p.count[0] != 3)
-        return io_fail_at(&p.view, model->input.data, error, "dimension %lld: 2 or 3 was expected",
-                          (long long)p.count[0]);
-    *dim = (int)p.count[0];
-    model->columns = *dim;
-    model->first_number = p.first;
-    status = check_attributes(&p, p.count[1], error);
-    if (status)
-        return status;
-    const int64_t words = 1 + *dim + p.count[1] + (p.count[2] > 0);
-    status = io_model_nodes(model, p.n, 1, error);
+    if (t.count[0] != 2 && t.count[0] != 3)
+        return io_fail_at(&t.view, model->input.data, error, "dimension %lld: 2 or 3 was expected",
+                          (long long)t.count[0]);
+    const int has_marker = t.count[2] > 0;
+    *dim = model->columns = t.dim = (int)t.count[0];
+    model->first_number = t.first;
+    t.skipped = t.count[1];
+    status = check_attributes(&t, error);
     if (!status)
-        status = io_model_span(model, (io_span){.n_nodes = p.n, .encoding = IO_TEXT}, error);
-    if (!status && p.count[2] > 0 &&
-        !(model->node_entity = pl_alloc(p.n, sizeof *model->node_entity)))
-        status = pl_fail_memory(error, "boundary markers");
-    if (status)
-        return status;
-    rows r = {.model = model,
-              .part = &p,
-              .what = "node",
-              .dim = *dim,
-              .skipped = p.count[1],
-              .tag = model->node_entity};
-    status = read_rows(&r, read_nodes, words, error);
-    if (!status && model->node_entity)
-        status = io_model_index_tags(model, 0, model->node_entity, p.n, error);
+        status = io_model_points(model, t.n, 8, 0, 0, NULL, error);
+    if (!status && has_marker) {
+        t.tag = model->node_entity = pl_alloc(t.n, sizeof *model->node_entity);
+        status = t.tag ? PLANISH_OK : pl_fail_memory(error, "boundary markers");
+    }
+    if (!status)
+        status = read_table(&t, 1 + *dim + t.skipped + has_marker, error);
+    if (!status && has_marker)
+        status = io_model_index_tags(model, 0, model->node_entity, t.n, error);
     return status;
 }
 
 static int read_ele_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
-    part p;
-    io_cells *cells = dim == 3 ? &model->tetrahedron : &model->triangle;
-    int status = part_begin(&p, file, model->threads, dim + 2, error);
+    table t;
+    io_cells *cells = io_model_cells(model, dim);
+    int status = begin_table(&t, model, file, "element", dim + 2, error);
     if (status)
         return status;
-    if (p.count[0] == (dim == 3 ? 10 : 6))
-        return io_fail_at(&p.view, file->data, error,
+    if (t.count[0] == (dim == 3 ? 10 : 6))
+        return io_fail_at(&t.view, file->data, error,
                           "elements of second order (%lld nodes): only linear ones can be "
                           "smoothed, write the mesh without -o2",
-                          (long long)p.count[0]);
-    if (p.count[0] != dim + 1)
-        return io_fail_at(&p.view, file->data, error,
+                          (long long)t.count[0]);
+    if (t.count[0] != dim + 1)
+        return io_fail_at(&t.view, file->data, error,
                           "elements of %lld nodes: %d were expected in %d dimensions",
-                          (long long)p.count[0], dim + 1, dim);
-    status = check_attributes(&p, p.count[1], error);
+                          (long long)t.count[0], dim + 1, dim);
+    status = check_attributes(&t, error);
     if (!status)
-        status = io_cells_reserve(cells, dim, p.n, p.count[1] > 0, 0, error);
+        status = io_cells_reserve(cells, dim, t.n, t.count[1] > 0, 0, error);
     if (status)
         return status;
-    rows r = {.model = model,
-              .part = &p,
-              .what = "element",
-              .dim = dim,
-              .nodes = cells->nodes,
-              .tag = cells->entity,
-              .real_tag = 1};
-    status = read_rows(&r, read_elements, dim + 2 + p.count[1], error);
+    t.dim = dim;
+    t.nodes = cells->nodes;
+    t.tag = cells->entity;
+    t.real_tag = 1;
+    status = read_table(&t, dim + 2 + t.count[1], error);
     if (status)
         return status;
-    cells->n = p.n;
-    cells->first_number = p.first;
-    if (atomic_load(&r.fractional)) {
+    cells->n = t.n;
+    cells->first_number = t.first;
+    if (atomic_load(&t.fractional)) {
         pl_free(cells->entity);
         cells->entity = NULL;
     }
-    return cells->entity ? io_model_index_tags(model, dim, cells->entity, p.n, error) : PLANISH_OK;
+    return cells->entity ? io_model_index_tags(model, dim, cells->entity, t.n, error) : PLANISH_OK;
 }
 
-/** Leave of the cells those that are marked; marker [n]. */
-static void keep_marked(io_cells *cells, int dim, const int32_t *marker, int64_t n) {
-    for (int64_t i = 0; i < n; i++) {
-        if (marker[i] == 0)
-            continue;
-        memmove(cells->nodes + cells->n * (dim + 1), cells->nodes + i * (dim + 1),
-                (size_t)(dim + 1) * sizeof *cells->nodes);
-        cells->entity[cells->n++] = marker[i];
-    }
-}
-
-/** .face (dim 2) or .edge (dim 1): those with a marker are kept, and hold their nodes. */
+/** Read .face (dim 2) or .edge (dim 1): those with a marker are kept, and hold their nodes. */
 static int read_face_file(io_model *model, const io_bytes *file, int dim, planish_error *error) {
-    part p;
-    io_cells *cells = dim == 2 ? &model->triangle : &model->line;
-    int status = part_begin(&p, file, model->threads, dim + 2, error);
+    table t;
+    io_cells *cells = io_model_cells(model, dim);
+    const size_t size = (size_t)(dim + 1) * sizeof *cells->nodes;
+    int status = begin_table(&t, model, file, dim == 2 ? "face" : "edge", dim + 2, error);
     if (status)
         return status;
-    if (p.count[0] == 0) {
-        model->n_lower += p.n;
+    if (t.count[0] == 0) {
+        model->n_lower += t.n;
         return PLANISH_OK;
     }
-    int32_t *marker = pl_alloc(p.n, sizeof *marker);
-    status = marker ? io_cells_reserve(cells, dim, p.n, 1, 0, error)
-                    : pl_fail_memory(error, "boundary markers");
-    rows r = {.model = model,
-              .part = &p,
-              .what = dim == 2 ? "face" : "edge",
-              .dim = dim,
-              .nodes = cells->nodes,
-              .tag = marker};
+    t.tag = pl_alloc(t.n, sizeof *t.tag);
+    status = t.tag ? io_cells_reserve(cells, dim, t.n, 1, 0, error)
+                   : pl_fail_memory(error, "boundary markers");
+    t.dim = dim;
+    t.nodes = cells->nodes;
     if (!status)
-        status = read_rows(&r, read_elements, dim + 3, error);
-    if (!status) {
-        keep_marked(cells, dim, marker, p.n);
-        model->n_lower += p.n - cells->n; /* those that are kept are counted with the others */
-        status = io_model_index_tags(model, dim, cells->entity, cells->n, error);
+        status = read_table(&t, dim + 3, error);
+    for (int64_t i = 0; i < t.n && !status; i++) {
+        if (t.tag[i] == 0)
+            continue;
+        memmove(cells->nodes + cells->n * (dim + 1), cells->nodes + i * (dim + 1), size);
+        cells->entity[cells->n++] = t.tag[i];
     }
-    pl_free(marker);
-    return status;
+    pl_free(t.tag);
+    if (status)
+        return status;
+    model->n_lower += t.n - cells->n; /* those that are kept are counted with the others */
+    return io_model_index_tags(model, dim, cells->entity, cells->n, error);
 }
 
 /* ---- which files ------------------------------------------------------------------------- */
 
-/** The file of that extension beside path: as path is written, or else in small letters. Owned;
- *  NULL without memory. */
-static char *find_beside(const char *path, const char *extension) {
-    char *beside = io_companion_path(&io_format_tetgen, path, extension);
-    if (!beside || pl_file_exists(beside))
-        return beside;
-    strcpy(beside + strlen(beside) - strlen(extension), extension);
-    return beside;
-}
-
-/** Open the file of that extension beside path as *bytes; absent (data NULL) is no error where it
- *  is not needed; nor then is an empty one, which is as good as none. */
+/** Open the file of that extension beside path as *bytes: as path is written, or else in small
+ *  letters. Absent (data NULL) is no error where it is not needed; nor then is an empty one, which
+ *  is as good as none. */
 static int open_beside(const io_model *model, const char *path, const char *extension, int needed,
                        io_bytes *bytes, planish_error *error) {
-    char *beside = find_beside(path, extension);
+    char *beside = io_companion_path(&io_format_tetgen, path, extension);
     if (!beside)
         return pl_fail_memory(error, path);
+    if (!pl_file_exists(beside))
+        strcpy(beside + strlen(beside) - strlen(extension), extension);
     int status = PLANISH_OK;
     memset(bytes, 0, sizeof *bytes);
     if (pl_file_exists(beside))
         status = io_bytes_open(beside, model->largest_copy, bytes, error);
     else if (needed)
         status = pl_fail(error, PLANISH_ERROR_FILE,
-                         "%s: there is no %s beside it; TetGen's meshes are a "
-                         ".node and an .ele file",
+                         "%s: there is no %s beside it; TetGen's meshes are a .node and an .ele "
+                         "file",
                          path, beside);
     if (status == PLANISH_ERROR_FORMAT && !needed)
         status = PLANISH_OK;
     pl_free(beside);
-    return status;
-}
-
-/* .ele, .face and .edge are read; */
-static const char *const read_extensions[] = {".ele", ".face", ".edge"};
-enum { N_READ = sizeof read_extensions / sizeof *read_extensions };
-
-/* these are written along only. Of .poly, .smesh and .vol, see is_companion. */
-static const char *const other_extensions[] = {".neigh", ".t2f", ".t2e", ".f2t",  ".f2e",  ".e2t",
-                                               ".mtr",   ".var", ".vol", ".poly", ".smesh"};
-enum { N_OTHER = sizeof other_extensions / sizeof *other_extensions };
-
-/** model->input: .node; model->companion: .ele and, if they are there, .face
- * and .edge. dim_of [n_companions] of their elements, -1 for .ele. */
-static int gather_files(io_model *model, int *dim_of, planish_error *error) {
-    static const int dims[N_READ] = {-1, 2, 1};
-    io_bytes named = model->input, other;
-    const int is_ele = io_format_has_extension(&io_format_tetgen, named.path) &&
-                       strcasecmp(io_extension(named.path), ".ele") == 0;
-    model->companion = pl_alloc(N_READ + N_OTHER, sizeof *model->companion);
-    if (!model->companion)
-        return pl_fail_memory(error, named.path);
-    int status = open_beside(model, named.path, is_ele ? ".node" : ".ele", 1, &other, error);
-    if (status)
-        return status;
-    model->input = is_ele ? other : named;
-    model->companion[0] = is_ele ? named : other;
-    dim_of[0] = dims[0];
-    model->n_companions = 1;
-    for (int i = 1; i < N_READ && !status; i++) {
-        status = open_beside(model, model->input.path, read_extensions[i], 0, &other, error);
-        if (!status && other.data) {
-            dim_of[model->n_companions] = dims[i];
-            model->companion[model->n_companions++] = other;
-        }
-    }
     return status;
 }
 
@@ -433,34 +354,40 @@ static int is_companion(const io_model *model, const io_bytes *file) {
     return count == (is_boundary ? 0 : elements->n);
 }
 
-/** Companions that are not read; number of elements is known. */
-static int gather_others(io_model *model, planish_error *error) {
-    int status = PLANISH_OK;
-    for (int i = 0; i < N_OTHER && !status; i++) {
-        io_bytes other;
-        status = open_beside(model, model->input.path, other_extensions[i], 0, &other, error);
-        if (status || !other.data)
-            continue;
-        if (is_companion(model, &other))
-            model->companion[model->n_companions++] = other;
-        else
-            io_bytes_close(&other);
-    }
-    return status;
-}
-
+/** Read .node, which becomes model->input, and the files beside it: model->companion. */
 static int read_tetgen(io_model *model, planish_error *error) {
-    int dim_of[N_READ], dim = 0;
-    int status = gather_files(model, dim_of, error);
-    if (!status)
-        status = read_node_file(model, &dim, error);
+    static const int dims[N_READ] = {0, 2, 1}; /* of .face and .edge */
+    const io_bytes named = model->input;
+    const int is_ele = io_format_has_extension(&io_format_tetgen, named.path) &&
+                       strcasecmp(io_extension(named.path), ".ele") == 0;
+    io_bytes other;
+    int dim = 0;
+    model->companion = pl_alloc(N_COMPANIONS, sizeof *model->companion);
+    if (!model->companion)
+        return pl_fail_memory(error, named.path);
+    int status = open_beside(model, named.path, is_ele ? ".node" : ".ele", 1, &other, error);
+    if (status)
+        return status;
+    model->input = is_ele ? other : named;
+    model->companion[0] = is_ele ? named : other;
+    model->n_companions = model->n_read = 1;
+    status = read_node_file(model, &dim, error);
     if (!status)
         status = read_ele_file(model, &model->companion[0], dim, error);
-    model->n_read = model->n_companions;
-    for (int i = 1; i < model->n_companions && !status; i++)
-        if (dim_of[i] < dim)
-            status = read_face_file(model, &model->companion[i], dim_of[i], error);
-    return status ? status : gather_others(model, error);
+    for (int i = 1; i < N_COMPANIONS && !status; i++) {
+        status = open_beside(model, model->input.path, companions[i], 0, &other, error);
+        if (status || !other.data)
+            continue;
+        if (!is_companion(model, &other)) {
+            io_bytes_close(&other);
+            continue;
+        }
+        model->companion[model->n_companions++] = other;
+        model->n_read += i < N_READ;
+        if (i < N_READ && dims[i] < dim)
+            status = read_face_file(model, &other, dims[i], error);
+    }
+    return status;
 }
 
 /* Nothing but numbers: any table looks like that. */
@@ -470,15 +397,10 @@ static int recognise_tetgen(const char *data, int64_t size) {
     return 0;
 }
 
-static const char *const tetgen_extensions[] = {".node", ".ele", NULL};
-static const char *const tetgen_companions[] = {".ele", ".face", ".edge", ".neigh", ".t2f",
-                                                ".t2e", ".f2t",  ".f2e",  ".e2t",   ".mtr",
-                                                ".var", ".vol",  ".poly", ".smesh", NULL};
-
 const io_format io_format_tetgen = {.name = "tetgen",
-                                    .extensions = tetgen_extensions,
+                                    .extensions = extensions,
                                     .has_no_end = 1,
                                     .recognise = recognise_tetgen,
                                     .read = read_tetgen,
-                                    .companions = tetgen_companions,
+                                    .companions = companions,
                                     .is_companion = is_companion};
