@@ -45,13 +45,11 @@ KNOWS = {
 
 # Single arrows that are allowed beside these: from and to are beginnings of rooms.
 ALLOWED = [
-    ("tools/job/output", "src/io/", "the program writes its reports as io writes meshes"),
+    ("tools/job/output", "src/io/file/", "names of the files of a mesh"),
     ("tools/job/worst_place", "src/geometry/", "angles"),
     ("tools/report/surface", "src/topology/", "facets"),
-    ("tools/report/markup", "src/io/", "base64"),
     ("tools/mpi/surface", "src/topology/", "facets"),
-    ("tools/mpi/plexrows", "src/io/", "writing HDF5"),
-    ("tools/mpi/plexfile", "src/io/", "writing HDF5"),
+    ("tools/mpi/plexrows", "src/io/", "where coordinates stand in HDF5"),
 ]
 
 

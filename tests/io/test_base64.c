@@ -8,6 +8,7 @@
 
 #include <cmocka.h>
 
+#include "base/base64.h"
 #include "io/vtk/base64.h"
 #include "io/vtk/compression.h"
 
@@ -30,8 +31,8 @@ static void known_texts(void **state) {
     for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
         char out[16];
         const int64_t n = (int64_t)strlen(known[i].bytes);
-        assert_int_equal(io_base64_write(known[i].bytes, n, out), strlen(known[i].text));
-        assert_int_equal(io_base64_length(n), strlen(known[i].text));
+        assert_int_equal(pl_base64_write(known[i].bytes, n, out), strlen(known[i].text));
+        assert_int_equal(pl_base64_length(n), strlen(known[i].text));
         assert_memory_equal(out, known[i].text, strlen(known[i].text));
         io_base64 stream = stream_of(known[i].text);
         assert_int_equal(io_base64_read(&stream, n, out), 0);

@@ -10,6 +10,7 @@
 
 #include <cmocka.h>
 
+#include "base/base64.h"
 #include "io/vtk/base64.h"
 #include "io/core/binary.h"
 #include "io/vtk/compression.h"
@@ -141,9 +142,9 @@ static file_builder written(const variant *v, const array *a) {
     if (v->compression == IO_PLAIN)
         header = 0;
     file_builder text = {0};
-    char *out = malloc((size_t)(io_base64_length(header) + io_base64_length(bytes.size)) + 1);
-    int64_t length = io_base64_write(bytes.data, header, out);
-    length += io_base64_write(bytes.data + header, bytes.size - header, out + length);
+    char *out = malloc((size_t)(pl_base64_length(header) + pl_base64_length(bytes.size)) + 1);
+    int64_t length = pl_base64_write(bytes.data, header, out);
+    length += pl_base64_write(bytes.data + header, bytes.size - header, out + length);
     put_bytes(&text, out, length);
     free(out);
     builder_release(&bytes);

@@ -12,6 +12,7 @@
 #include "terminal/signals.h"
 #include "terminal/text.h"
 
+#include "base/output.h"
 #include "base/system.h"
 
 #include <errno.h>

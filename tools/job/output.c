@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/system.h"
 #include "io/file/file.h"
-#include "io/core/output.h"
+#include "base/output.h"
 
 #include <errno.h>
 #include <limits.h>
@@ -21,10 +21,6 @@ int pl_output_is_stdout(const char *path) {
         return 1;
     return pl_file_find(path, &named) == 0 && pl_file_find_open(STDOUT_FILENO, &standard) == 0 &&
            named.kind != PL_FILE_CHARACTERS && pl_file_is_same(&named, &standard);
-}
-
-int pl_output_is_stream(const char *path) {
-    return io_output_is_stream(path);
 }
 
 /** The folder that path is in, as folder [PATH_MAX], which is cut as no name of a file can be. */
@@ -45,7 +41,7 @@ static int same_place(const char *a, const char *b) {
 
 /** The same of where links lead to, which need not be there yet either. */
 static int same_target(const char *a, const char *b) {
-    char *target_a = io_output_target(a), *target_b = io_output_target(b);
+    char *target_a = pl_output_target(a), *target_b = pl_output_target(b);
     const int same = target_a && target_b && same_place(target_a, target_b);
     pl_free(target_a);
     pl_free(target_b);
@@ -86,7 +82,7 @@ int pl_output_check(const char *path) {
                            strerror(reason));
     if (exists && status.kind == PL_FILE_FOLDER)
         return pl_complain(PL_EXIT_FAILED, "%s: is a folder; name a file in it", path);
-    if (io_output_is_stream(path) || (!exists && is_link))
+    if (pl_output_is_stream(path) || (!exists && is_link))
         return 0; /* nothing is made beside it, or it is made where the link leads */
     if (path[0] && !*pl_path_name(path))
         return pl_complain(PL_EXIT_FAILED, "%s: is not the name of a file", path);
@@ -150,15 +146,15 @@ int pl_output_write_text(const char *path, pl_temporary which, const char *text,
         clearerr(stdout); /* told once is enough */
         return PLANISH_ERROR_FILE;
     }
-    const io_temporaries temporaries = {pl_signals_temporary(which), PL_TEMPORARY_SIZE};
-    io_output output;
-    int status = io_output_open(path, temporaries, &output, error);
+    const pl_temporaries temporaries = {pl_signals_temporary(which), PL_TEMPORARY_SIZE};
+    pl_output output;
+    int status = pl_output_open(path, temporaries, &output, error);
     if (!status)
-        status = io_output_write(&output, text, (int64_t)length, error);
+        status = pl_output_write(&output, text, (int64_t)length, error);
     if (!status)
-        status = io_output_finish(&output, error);
+        status = pl_output_finish(&output, error);
     if (!status)
-        status = io_output_commit(&output, temporaries, error);
-    io_output_release(&output, temporaries);
+        status = pl_output_commit(&output, temporaries, error);
+    pl_output_release(&output, temporaries);
     return status;
 }

@@ -14,9 +14,6 @@
 /** Whether what is written to path ends up where standard output goes. */
 int pl_output_is_stdout(const char *path);
 
-/** Whether path is no regular file, but a pipe, a device or a name of an open file. */
-int pl_output_is_stream(const char *path);
-
 /** Whether the two paths name one file, which need not exist. */
 int pl_output_same_file(const char *a, const char *b);
 

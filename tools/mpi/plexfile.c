@@ -429,13 +429,13 @@ static PetscErrorCode view(MPI_Comm comm, DM dm, const char *path) {
     return PetscViewerDestroy(&viewer);
 }
 
-static io_temporaries temporaries(void) {
-    return (io_temporaries){pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE};
+static pl_temporaries temporaries(void) {
+    return (pl_temporaries){pl_signals_temporary(PL_TEMPORARY_MESH), PL_TEMPORARY_SIZE};
 }
 
 /** Make the file, which its owner may read and write whatever mode it is to have. */
 static int make_beside(const char *path, pl_plexout *out, planish_error *error) {
-    const int code = io_output_open(path, temporaries(), &out->output, error);
+    const int code = pl_output_open(path, temporaries(), &out->output, error);
     if (code)
         return code;
     if (!out->output.temporary)
@@ -468,14 +468,14 @@ static int begin_beside(MPI_Comm comm, const char *path, pl_plexout *out, char *
 }
 
 int pl_plexfile_finish(pl_plexout *out, int code, planish_error *error) {
-    io_output *output = &out->output;
+    pl_output *output = &out->output;
     if (output->temporary && out->mode >= 0)
         pl_file_set_mode(output->temporary, out->mode);
     if (output->temporary && !code)
-        code = io_output_finish(output, error);
+        code = pl_output_finish(output, error);
     if (output->temporary && !code)
-        code = io_output_commit(output, temporaries(), error);
-    io_output_release(output, temporaries());
+        code = pl_output_commit(output, temporaries(), error);
+    pl_output_release(output, temporaries());
     memset(temporaries().paths, 0, PL_TEMPORARY_SIZE);
     return code;
 }

@@ -6,7 +6,7 @@
 
 #include "mpi/share.h"
 
-#include "io/core/output.h"
+#include "base/output.h"
 
 /** What has to be known of a file before PETSc can read it. */
 typedef struct pl_plexform {
@@ -47,7 +47,7 @@ int pl_plexfile_cut(pl_plexfile *file, pl_piece *piece, planish_error *error);
 
 /** A file that processes write together, beside its place until it is whole: the first one's. */
 typedef struct pl_plexout {
-    io_output output;
+    pl_output output;
     int mode; /* that it is to have in the end; -1: the one that it has */
 } pl_plexout;
 

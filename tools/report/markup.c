@@ -3,7 +3,7 @@
 
 #include "terminal/utf8.h"
 
-#include "io/vtk/base64.h"
+#include "base/base64.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -94,10 +94,10 @@ void pl_markup_put_text(pl_markup *markup, const char *text) {
 }
 
 void pl_markup_put_base64(pl_markup *markup, const void *bytes, int64_t n) {
-    const int64_t length = io_base64_length(n);
+    const int64_t length = pl_base64_length(n);
     if (!reserve(markup, (size_t)length))
         return;
-    io_base64_write(bytes, n, markup->text + markup->length);
+    pl_base64_write(bytes, n, markup->text + markup->length);
     markup->length += (size_t)length;
 }
 

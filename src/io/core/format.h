@@ -30,7 +30,7 @@ typedef struct io_format {
     /** Change in the finished copy, output, what neither spans nor encode can say (compressed
      *  coordinates). If that goes to a pipe or device: before anything is written, fail if there is
      *  any such change. NULL: there is nothing of the kind. */
-    int (*amend)(const io_model *model, const double *coordinates, io_output *output,
+    int (*amend)(const io_model *model, const double *coordinates, pl_output *output,
                  planish_error *error);
     void (*release)(io_model *model); /* of model->encoding; NULL: there is none */
 } io_format;

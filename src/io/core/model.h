@@ -12,7 +12,7 @@
 
 #include <planish/planish_io.h>
 
-#include "io/core/output.h"
+#include "base/output.h"
 
 #include <math.h>
 

@@ -154,7 +154,7 @@ static int try_file(void *data, planish_error *error) {
     int status = choose_format(file, t->format, error);
     if (!status)
         status = read_model(file, error);
-    io_output none = {.fd = -1}; /* nothing differs that would be written */
+    pl_output none = {.fd = -1}; /* nothing differs that would be written */
     if (!status && file->format->amend)
         status =
             file->format->amend(&file->model, io_model_places_read(&file->model), &none, error);

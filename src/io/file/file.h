@@ -42,6 +42,6 @@ char *io_mesh_file(const char *path, const char *format, int i);
 /** Write the bytes of the input with coordinates of places [n_places][written] to output, and
  *  finish it. */
 int io_splice_write(const planish_file *file, const double *coordinates, int threads,
-                    io_output *output, planish_error *error);
+                    pl_output *output, planish_error *error);
 
 #endif

@@ -13,7 +13,7 @@
 #include "io/core/binary.h"
 #include "io/core/bytes.h"
 #include "io/core/number.h"
-#include "io/core/output.h"
+#include "base/output.h"
 #include "io/core/text.h"
 #include "io/file/file.h"
 
@@ -278,7 +278,7 @@ static void make_piece(void *context, int64_t begin, int64_t end, int thread) {
 /* ---- the file ----------------------------------------------------------------------------- */
 
 /** Write the input's bytes from at to end, with the edits among them made. */
-static int copy_input(splice *s, const char *at, const char *end, io_output *output,
+static int copy_input(splice *s, const char *at, const char *end, pl_output *output,
                       planish_error *error) {
     const char *data = s->model->input.data;
     int status = PLANISH_OK;
@@ -288,16 +288,16 @@ static int copy_input(splice *s, const char *at, const char *end, io_output *out
             break;
         if (data + edit->begin < at || edit->end < edit->begin || data + edit->end > end)
             return io_bytes_fail_changed(&s->model->input, error);
-        status = io_output_write(output, at, data + edit->begin - at, error);
+        status = pl_output_write(output, at, data + edit->begin - at, error);
         if (!status)
-            status = io_output_write(output, edit->text, edit->length, error);
+            status = pl_output_write(output, edit->text, edit->length, error);
         at = data + edit->end;
     }
-    return status ? status : io_output_write(output, at, end - at, error);
+    return status ? status : pl_output_write(output, at, end - at, error);
 }
 
 /** Make and write the pieces of one wave; *at: how far the input has been written. */
-static int write_wave(splice *s, int64_t n_pieces, const char **at, io_output *output,
+static int write_wave(splice *s, int64_t n_pieces, const char **at, pl_output *output,
                       planish_error *error) {
     int status = PLANISH_OK;
     pl_parallel_for(s->threads, n_pieces, 1, make_piece, s);
@@ -310,14 +310,14 @@ static int write_wave(splice *s, int64_t n_pieces, const char **at, io_output *o
         if (!status)
             status = copy_input(s, *at, p->begin, output, error);
         if (!status)
-            status = io_output_write(output, p->text, p->length, error);
+            status = pl_output_write(output, p->text, p->length, error);
         *at = p->end;
         pl_free(p->text);
     }
     return status;
 }
 
-static int write_spans(splice *s, io_output *output, planish_error *error) {
+static int write_spans(splice *s, pl_output *output, planish_error *error) {
     const io_model *model = s->model;
     const int64_t wave = s->threads;
     const char *at = model->input.data, *end = at + model->input.size;
@@ -335,7 +335,7 @@ static int write_spans(splice *s, io_output *output, planish_error *error) {
 }
 
 int io_splice_write(const planish_file *file, const double *coordinates, int threads,
-                    io_output *output, planish_error *error) {
+                    pl_output *output, planish_error *error) {
     const io_format *format = file->format;
     const io_model *model = &file->model;
     io_edits edits = {0};
@@ -355,7 +355,7 @@ int io_splice_write(const planish_file *file, const double *coordinates, int thr
     io_edits_destroy(&edits);
     pl_free(s.pieces);
     if (!status)
-        status = io_output_finish(output, error);
+        status = pl_output_finish(output, error);
     if (!status && format->amend && model->encoding && output->temporary) {
         /* The finished copy may have the mode of a file that must not be written, or read. */
         const int former = pl_file_make_accessible(output->temporary);

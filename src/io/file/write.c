@@ -5,7 +5,7 @@
  * coordinates is written anew (splice.c), the others are copied. All go to temporary files first.
  */
 #include "io/core/bytes.h"
-#include "io/core/output.h"
+#include "base/output.h"
 #include "io/file/file.h"
 #include "io/file/plane.h"
 #include "io/view/view.h"
@@ -65,7 +65,7 @@ static int is_companion(const planish_file *file, const char *path) {
 /** Count the companions that planish_file_write to path writes: none into a pipe or device, nor
  *  where the input itself is replaced, beside which they are. */
 static int companions_to_write(const planish_file *file, const char *path) {
-    if (file->model.n_companions == 0 || io_output_is_stream(path))
+    if (file->model.n_companions == 0 || pl_output_is_stream(path))
         return 0;
     char *main_path = main_path_of(file->format, path);
     const int is_input = main_path && strcmp(main_path, file->model.input.path) == 0;
@@ -108,7 +108,7 @@ int planish_file_can_write(const planish_file *file, const char *path) {
     const io_format *format = file->format;
     const int is_name = io_format_has_extension(format, path) &&
                         (!format->may_be_called || format->may_be_called(&file->model, path));
-    return io_output_is_stream(path) || is_name ||
+    return pl_output_is_stream(path) || is_name ||
            strcasecmp(io_extension(path), io_extension(file->model.input.path)) == 0;
 }
 
@@ -134,7 +134,7 @@ int planish_file_check_output(const planish_file *file, const char *path, planis
     const int status = check_name(file, path, error);
     if (status)
         return status;
-    if (file->format->amend && file->model.encoding && io_output_is_stream(path))
+    if (file->format->amend && file->model.encoding && pl_output_is_stream(path))
         return pl_fail(error, PLANISH_ERROR_FILE,
                        "%s: its coordinates are compressed or packed, so that the result cannot be "
                        "written to a pipe or device; give the name of a file",
@@ -163,18 +163,18 @@ static int check_inputs_unchanged(const planish_file *file, planish_error *error
 /* ---- writing ------------------------------------------------------------------------------ */
 
 static int write_companion(const io_format *format, const io_bytes *companion, const char *path,
-                           io_temporaries temporaries, io_output *output, planish_error *error) {
+                           pl_temporaries temporaries, pl_output *output, planish_error *error) {
     char *target = io_companion_path(format, path, io_extension(companion->path));
     if (!target)
         return pl_fail_memory(error, companion->path);
     pl_file_status a, b;
     int status = PLANISH_OK;
     if (pl_file_find(target, &a) || pl_file_find(companion->path, &b) || !pl_file_is_same(&a, &b)) {
-        status = io_output_open(target, temporaries, output, error);
+        status = pl_output_open(target, temporaries, output, error);
         if (!status)
-            status = io_output_write(output, companion->data, companion->size, error);
+            status = pl_output_write(output, companion->data, companion->size, error);
         if (!status)
-            status = io_output_finish(output, error);
+            status = pl_output_finish(output, error);
     }
     pl_free(target);
     return status;
@@ -182,14 +182,14 @@ static int write_companion(const io_format *format, const io_bytes *companion, c
 
 /** Rename all temporary files: the one with the coordinates, the first, in the end, so that no file
  *  is new if that one is not. */
-static int commit_all(io_output *output, int n, io_temporaries temporaries, planish_error *error) {
+static int commit_all(pl_output *output, int n, pl_temporaries temporaries, planish_error *error) {
     int status = PLANISH_OK, replaced = 0;
     for (int i = n - 1; i >= 0 && !status; i--) {
-        status = io_output_commit(&output[i], temporaries, error);
+        status = pl_output_commit(&output[i], temporaries, error);
         replaced += !status && output[i].is_committed && output[i].replaces;
     }
     for (int i = 0; i < n && status; i++)
-        io_output_undo(&output[i]);
+        pl_output_undo(&output[i]);
     if (status && replaced > 0 && error) {
         const size_t used = strlen(error->text);
         snprintf(error->text + used, sizeof error->text - used,
@@ -201,12 +201,12 @@ static int commit_all(io_output *output, int n, io_temporaries temporaries, plan
 
 /** Write all temporary files, then rename all. output [1 + n_companions]. */
 static int write_all(const planish_file *file, const char *path, const char *main_path,
-                     const double *coordinates, int threads, io_temporaries temporaries,
-                     io_output *output, int n_companions, planish_error *error) {
+                     const double *coordinates, int threads, pl_temporaries temporaries,
+                     pl_output *output, int n_companions, planish_error *error) {
     const io_bytes *input = &file->model.input;
     int status = check_inputs_unchanged(file, error); /* before they are read again */
     if (!status)
-        status = io_output_open(main_path, temporaries, &output[0], error);
+        status = pl_output_open(main_path, temporaries, &output[0], error);
     /* What is written as it is, and in the input itself, would be read while it is overwritten. */
     if (!status && !output[0].temporary && io_bytes_are_of(input, output[0].fd))
         status = pl_fail(error, PLANISH_ERROR_FILE,
@@ -229,7 +229,7 @@ static int write_all(const planish_file *file, const char *path, const char *mai
     if (!status)
         status = commit_all(output, 1 + n_companions, temporaries, error);
     for (int i = 0; i <= n_companions; i++)
-        io_output_release(&output[i], temporaries);
+        pl_output_release(&output[i], temporaries);
     return status;
 }
 
@@ -239,16 +239,16 @@ int planish_file_write(const planish_file *file, const char *path, const double 
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "file, path and coordinates must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
-    const io_temporaries temporaries = {temporary, temporary_size};
+    const pl_temporaries temporaries = {temporary, temporary_size};
     const int n_companions = companions_to_write(file, path);
     const double *places = NULL;
     double *owned = NULL, *owned_places = NULL;
     char *main_path =
-        io_output_is_stream(path) ? pl_copy_text(path) : main_path_of(file->format, path);
-    io_output *output = pl_alloc(n_companions + 1, sizeof *output);
+        pl_output_is_stream(path) ? pl_copy_text(path) : main_path_of(file->format, path);
+    pl_output *output = pl_alloc(n_companions + 1, sizeof *output);
     int status = main_path && output ? PLANISH_OK : pl_fail_memory(error, path);
     for (int i = 0; i <= n_companions && output; i++)
-        output[i] = (io_output){.fd = -1};
+        output[i] = (pl_output){.fd = -1};
     threads = pl_thread_count(threads);
     if (!status)
         status = check_name(file, path, error);
@@ -276,7 +276,7 @@ int planish_file_write(const planish_file *file, const char *path, const double 
 /** A format that can be converted to. */
 static const struct target {
     const io_format *format;
-    int (*write)(const io_view *view, io_output *output, const char **lost, planish_error *error);
+    int (*write)(const io_view *view, pl_output *output, const char **lost, planish_error *error);
 } targets[] = {{&io_format_vtu, io_view_write_vtu}, {&io_format_vtk, io_view_write_vtk}};
 
 static const struct target *find_target(const planish_file *file, const char *path) {
@@ -331,7 +331,7 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
                          const uint8_t *constraint, const double *radius_ratio, char *temporary,
                          size_t temporary_size, char *lost, size_t lost_size,
                          planish_error *error) {
-    const io_temporaries temporaries = {temporary, temporary_size};
+    const pl_temporaries temporaries = {temporary, temporary_size};
     const char *of_writer = NULL;
     const double *places;
     double *owned;
@@ -343,21 +343,21 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
         return pl_fail(error, PLANISH_ERROR_ARGUMENT,
                        "%s: meshes are converted to .vtu and .vtk only", path);
     const pl_outside outside = pl_call_enter(NULL);
-    io_output output = {.fd = -1};
+    pl_output output = {.fd = -1};
     int status =
         io_model_places(&file->model, coordinates, file->model.threads, &places, &owned, error);
     const io_view view = io_view_of(&file->model, places, constraint, radius_ratio);
     if (!status)
-        status = io_output_open(path, temporaries, &output, error);
+        status = pl_output_open(path, temporaries, &output, error);
     if (!status)
         status = target->write(&view, &output, &of_writer, error);
     if (!status)
-        status = io_output_finish(&output, error);
+        status = pl_output_finish(&output, error);
     if (!status)
         status = io_bytes_check_unchanged(&file->model.input, error);
     if (!status)
-        status = io_output_commit(&output, temporaries, error);
-    io_output_release(&output, temporaries);
+        status = pl_output_commit(&output, temporaries, error);
+    pl_output_release(&output, temporaries);
     pl_free(owned);
     pl_call_leave(&outside);
     if (!status && lost && lost_size > 0)

@@ -142,7 +142,7 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
                       int64_t *n_spans, planish_error *error);
 
 /* For io_format: what io_hdf5_coordinates has left in model->encoding. */
-int io_hdf5_amend(const io_model *model, const double *coordinates, io_output *output,
+int io_hdf5_amend(const io_model *model, const double *coordinates, pl_output *output,
                   planish_error *error);
 void io_hdf5_release(io_model *model);
 

@@ -9,7 +9,7 @@
 #include "base/status.h"
 #include "io/core/bytes.h"
 #include "io/core/child.h"
-#include "io/core/output.h"
+#include "base/output.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -323,7 +323,7 @@ int io_hdf5_find_rows(const char *path, const char *dataset, int64_t n, int widt
 typedef struct request {
     const io_model *model;
     const double *coordinates; /* [n_nodes][written] */
-    io_output *output;
+    pl_output *output;
 } request;
 
 /** Put the coordinates that differ among the dataset's values; not 0: there are any. */
@@ -449,12 +449,12 @@ static int amend(void *data, planish_error *error) {
     }
     hdf5_restore(voice);
     if (!status && is_changed)
-        status = io_output_rewrite(r->output, bytes, size, error);
+        status = pl_output_rewrite(r->output, bytes, size, error);
     pl_free(bytes);
     return status;
 }
 
-int io_hdf5_amend(const io_model *model, const double *coordinates, io_output *output,
+int io_hdf5_amend(const io_model *model, const double *coordinates, pl_output *output,
                   planish_error *error) {
     const amended *list = model->encoding;
     request r = {model, coordinates, output};

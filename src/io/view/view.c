@@ -197,7 +197,7 @@ static void store_value(const io_view *view, const io_view_array *array, int64_t
     }
 }
 
-int io_view_write(const io_view *view, const io_view_array *array, int swapped, io_output *output,
+int io_view_write(const io_view *view, const io_view_array *array, int swapped, pl_output *output,
                   planish_error *error) {
     const int size = io_view_type_size(array->type);
     char *block = pl_alloc(VALUES_AT_ONCE, (size_t)size);
@@ -214,7 +214,7 @@ int io_view_write(const io_view *view, const io_view_array *array, int swapped, 
                 at[size - 1 - k] = t;
             }
         }
-        status = io_output_write(output, block, n * size, error);
+        status = pl_output_write(output, block, n * size, error);
     }
     pl_free(block);
     return status;

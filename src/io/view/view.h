@@ -10,7 +10,7 @@
 #define PL_IO_VIEW_VIEW_H
 
 #include "io/core/model.h"
-#include "io/core/output.h"
+#include "base/output.h"
 
 /** A mesh to be shown. */
 typedef struct io_view {
@@ -62,16 +62,16 @@ io_view_arrays io_view_arrays_of(const io_view *view);
 int io_view_type_size(io_view_type type);
 
 /** Write an array's values, in the other byte order if swapped. */
-int io_view_write(const io_view *view, const io_view_array *array, int swapped, io_output *output,
+int io_view_write(const io_view *view, const io_view_array *array, int swapped, pl_output *output,
                   planish_error *error);
 
 /** Write the named group number i of the model as "DIM:TAG NAME"; return snprintf's. */
 int io_view_group(const io_model *model, int32_t i, char *text, size_t size);
 
 /** Write a file. *lost: what else is left out, or NULL. */
-int io_view_write_vtu(const io_view *view, io_output *output, const char **lost,
+int io_view_write_vtu(const io_view *view, pl_output *output, const char **lost,
                       planish_error *error);
-int io_view_write_vtk(const io_view *view, io_output *output, const char **lost,
+int io_view_write_vtk(const io_view *view, pl_output *output, const char **lost,
                       planish_error *error);
 
 #endif

@@ -12,12 +12,12 @@
 enum { MOST_TITLE = 256 }; /* with the end of the line, as VTK says */
 
 /** Write text and then the values of an array. */
-static int put(const io_view *view, const char *text, const io_view_array *array, io_output *output,
+static int put(const io_view *view, const char *text, const io_view_array *array, pl_output *output,
                planish_error *error) {
-    int status = io_output_write(output, text, (int64_t)strlen(text), error);
+    int status = pl_output_write(output, text, (int64_t)strlen(text), error);
     if (!status && array)
         status = io_view_write(view, array, io_machine_is_little(), output, error);
-    return status ? status : io_output_write(output, "\n", 1, error);
+    return status ? status : pl_output_write(output, "\n", 1, error);
 }
 
 /** The title: 0 if not all groups are in it. */
@@ -38,7 +38,7 @@ static int make_title(const io_model *model, char title[MOST_TITLE]) {
 }
 
 static int put_data(const io_view *view, const char *section, int64_t n,
-                    const io_view_array *arrays, int n_arrays, io_output *output,
+                    const io_view_array *arrays, int n_arrays, pl_output *output,
                     planish_error *error) {
     static const char *const types[] = {"unsigned_char", "int", "vtktypeint64", "float", "double"};
     char text[160];
@@ -52,7 +52,7 @@ static int put_data(const io_view *view, const char *section, int64_t n,
     return status;
 }
 
-int io_view_write_vtk(const io_view *view, io_output *output, const char **lost,
+int io_view_write_vtk(const io_view *view, pl_output *output, const char **lost,
                       planish_error *error) {
     const io_view_arrays a = io_view_arrays_of(view);
     const int64_t n_nodes = view->model->n_nodes, n_cells = view->n_cells;

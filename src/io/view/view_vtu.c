@@ -17,7 +17,7 @@ enum { BUFFER = 1 << 14 };
 /** Markup under way. */
 typedef struct markup {
     const io_view *view;
-    io_output *output;
+    pl_output *output;
     planish_error *error;
     int status;
     int64_t offset; /* of the next array in the appended data */
@@ -27,7 +27,7 @@ typedef struct markup {
 
 static void flush_text(markup *m) {
     if (!m->status)
-        m->status = io_output_write(m->output, m->text, (int64_t)m->length, m->error);
+        m->status = pl_output_write(m->output, m->text, (int64_t)m->length, m->error);
     m->length = 0;
 }
 
@@ -157,12 +157,12 @@ static void put_values(markup *m, const io_view_array *array) {
     const uint64_t bytes = (uint64_t)bytes_of(array);
     flush_text(m);
     if (!m->status)
-        m->status = io_output_write(m->output, (const char *)&bytes, sizeof bytes, m->error);
+        m->status = pl_output_write(m->output, (const char *)&bytes, sizeof bytes, m->error);
     if (!m->status)
         m->status = io_view_write(m->view, array, 0, m->output, m->error);
 }
 
-int io_view_write_vtu(const io_view *view, io_output *output, const char **lost,
+int io_view_write_vtu(const io_view *view, pl_output *output, const char **lost,
                       planish_error *error) {
     const io_view_arrays a = io_view_arrays_of(view);
     markup m = {.view = view, .output = output, .error = error};

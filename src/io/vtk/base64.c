@@ -1,11 +1,11 @@
 /* base64: bytes from base64 text and back, as a stream. */
 #include "io/vtk/base64.h"
 
+#include "base/base64.h"
+
 #include <string.h>
 
 enum { PADDING = 64, SPACE = 65, INVALID = 66 };
-
-static const char alphabet[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
 /* The value of each character, by its place in the alphabet. */
 #define X INVALID
@@ -99,27 +99,6 @@ int io_base64_read(io_base64 *stream, int64_t n, char *out) {
     return 0;
 }
 
-int64_t io_base64_length(int64_t n) {
-    return (n + 2) / 3 * 4;
-}
-
-static void put_group(const unsigned char bytes[3], int n, char *out) {
-    const unsigned char second = n > 1 ? bytes[1] : 0, third = n > 2 ? bytes[2] : 0;
-    out[0] = alphabet[bytes[0] >> 2];
-    out[1] = alphabet[(bytes[0] << 4 | second >> 4) & 63];
-    out[2] = n > 1 ? alphabet[(second << 2 | third >> 6) & 63] : '=';
-    out[3] = n > 2 ? alphabet[third & 63] : '=';
-}
-
-int64_t io_base64_write(const char *data, int64_t n, char *out) {
-    char *to = out;
-    for (int64_t i = 0; i < n; i += 3, to += 4) {
-        const int in_group = n - i < 3 ? (int)(n - i) : 3;
-        put_group((const unsigned char *)data + i, in_group, to);
-    }
-    return to - out;
-}
-
 int64_t io_base64_replace(char *text, int64_t length, int64_t first, int64_t n, const char *data) {
     io_cursor cursor = {text, text + length};
     group g;
@@ -132,7 +111,7 @@ int64_t io_base64_replace(char *text, int64_t length, int64_t first, int64_t n, 
                 bytes[k] = (unsigned char)data[at + k - first];
         if (memcmp(bytes, g.bytes, (size_t)g.n) == 0)
             continue;
-        put_group(bytes, g.n, written);
+        pl_base64_write((const char *)bytes, g.n, written);
         for (int k = 0; k < 4; k++)
             text[g.place[k] - text] = written[k];
     }

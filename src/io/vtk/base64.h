@@ -16,12 +16,6 @@ typedef struct io_base64 {
  *  there). */
 int io_base64_read(io_base64 *stream, int64_t n, char *out);
 
-/** Characters that n bytes become. */
-int64_t io_base64_length(int64_t n);
-
-/** Write the text of n bytes at data to out; returns its length. */
-int64_t io_base64_write(const char *data, int64_t n, char *out);
-
 /** Replace bytes first .. first + n - 1 of the stream that text [length] is by data [n], in the
  * same characters: groups of four whose bytes do not change, white space and padding stay. Returns
  * how many characters, from the first, these bytes and those before them are. */

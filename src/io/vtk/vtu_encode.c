@@ -11,6 +11,7 @@
 #include "base/status.h"
 #include "io/core/binary.h"
 #include "io/core/bytes.h"
+#include "base/base64.h"
 #include "io/vtk/base64.h"
 #include "io/vtk/vtu_parts.h"
 
@@ -125,10 +126,10 @@ static char *join_blocks(const point_rewrite *r, int64_t *length) {
     if (r->array->form != VTU_BASE64)
         return joined;
     const int64_t data = *length - header;
-    char *text = pl_alloc(io_base64_length(header) + io_base64_length(data), 1);
+    char *text = pl_alloc(pl_base64_length(header) + pl_base64_length(data), 1);
     if (text) {
-        *length = io_base64_write(joined, header, text);
-        *length += io_base64_write(joined + header, data, text + *length);
+        *length = pl_base64_write(joined, header, text);
+        *length += pl_base64_write(joined + header, data, text + *length);
     }
     pl_free(joined);
     return text;

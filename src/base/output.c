@@ -1,5 +1,5 @@
 /* output: write a file beside its place and rename it, or straight into a pipe or device. */
-#include "io/core/output.h"
+#include "base/output.h"
 
 #include "base/access.h"
 #include "base/memory.h"
@@ -26,7 +26,7 @@ static void set_first(char *path, char byte) {
     __atomic_store_n(path, byte, __ATOMIC_SEQ_CST);
 }
 
-static void temporaries_add(io_temporaries list, const char *path) {
+static void temporaries_add(pl_temporaries list, const char *path) {
     size_t at = 0, length = strlen(path);
     if (!list.paths)
         return;
@@ -39,7 +39,7 @@ static void temporaries_add(io_temporaries list, const char *path) {
     set_first(&list.paths[at], path[0]);
 }
 
-static void temporaries_remove(io_temporaries list, const char *path) {
+static void temporaries_remove(pl_temporaries list, const char *path) {
     size_t at = 0;
     if (!list.paths)
         return;
@@ -77,14 +77,14 @@ static int named_descriptor(const char *path) {
     return -1;
 }
 
-int io_output_is_stream(const char *path) {
+int pl_output_is_stream(const char *path) {
     pl_file_status about;
     return named_descriptor(path) >= 0 ||
            (pl_file_find(path, &about) == 0 && about.kind != PL_FILE_REGULAR &&
             about.kind != PL_FILE_FOLDER);
 }
 
-char *io_output_target(const char *path) {
+char *pl_output_target(const char *path) {
     char *at = pl_alloc(PATH_MAX, 1), *link = pl_alloc(PATH_MAX, 1);
     int status = !at || !link ? ENOMEM : strlen(path) < PATH_MAX ? 0 : ENAMETOOLONG;
     pl_file_status there, found;
@@ -123,7 +123,7 @@ char *io_output_target(const char *path) {
 
 /** Create TARGET.planish-PROCESS-N beside target: as open for others as any new file if there is no
  *  target whose mode it will get. Return its descriptor, or -1: errno. */
-static int create_temporary(io_temporaries temporaries, io_output *output) {
+static int create_temporary(pl_temporaries temporaries, pl_output *output) {
     const pl_file_use use =
         pl_file_exists(output->target) ? PL_FILE_CREATE_PRIVATE : PL_FILE_CREATE;
     const size_t folder = (size_t)(pl_path_name(output->target) - output->target);
@@ -156,10 +156,10 @@ static int create_temporary(io_temporaries temporaries, io_output *output) {
     return -1;
 }
 
-static int open_beside(const char *path, io_temporaries temporaries, io_output *output,
+static int open_beside(const char *path, pl_temporaries temporaries, pl_output *output,
                        planish_error *error) {
     pl_file_status about;
-    output->target = io_output_target(path);
+    output->target = pl_output_target(path);
     if (!output->target)
         return pl_fail_errno(error, path, "cannot be written");
     if (pl_file_find(output->target, &about) == 0 && about.kind == PL_FILE_FOLDER)
@@ -172,10 +172,10 @@ static int open_beside(const char *path, io_temporaries temporaries, io_output *
     return PLANISH_OK;
 }
 
-int io_output_open(const char *path, io_temporaries temporaries, io_output *output,
+int pl_output_open(const char *path, pl_temporaries temporaries, pl_output *output,
                    planish_error *error) {
-    *output = (io_output){.fd = -1};
-    if (!io_output_is_stream(path))
+    *output = (pl_output){.fd = -1};
+    if (!pl_output_is_stream(path))
         return open_beside(path, temporaries, output, error);
     int named = named_descriptor(path);
     output->fd = named >= 0 ? pl_file_duplicate(named) : pl_file_open(path, PL_FILE_WRITE);
@@ -188,7 +188,7 @@ int io_output_open(const char *path, io_temporaries temporaries, io_output *outp
     return PLANISH_OK;
 }
 
-int io_output_write(io_output *output, const char *data, int64_t size, planish_error *error) {
+int pl_output_write(pl_output *output, const char *data, int64_t size, planish_error *error) {
     while (size > 0) {
         unsigned wanted = size < WRITE_AT_ONCE ? (unsigned)size : WRITE_AT_ONCE;
         ssize_t written = write(output->fd, data, wanted);
@@ -204,7 +204,7 @@ int io_output_write(io_output *output, const char *data, int64_t size, planish_e
     return PLANISH_OK;
 }
 
-int io_output_finish(io_output *output, planish_error *error) {
+int pl_output_finish(pl_output *output, planish_error *error) {
     /* What it replaces may be the only copy: the bytes must be on the disk before the rename. */
     int failed = output->replaces && pl_file_settle(output->fd);
     const int reason = errno;
@@ -216,15 +216,15 @@ int io_output_finish(io_output *output, planish_error *error) {
     return failed ? pl_fail_errno(error, output->target, "cannot be written") : PLANISH_OK;
 }
 
-int io_output_rewrite(io_output *output, const char *data, int64_t size, planish_error *error) {
+int pl_output_rewrite(pl_output *output, const char *data, int64_t size, planish_error *error) {
     output->fd = pl_file_open(output->temporary, PL_FILE_REWRITE);
     if (output->fd < 0)
         return pl_fail_errno(error, output->target, "cannot be written");
-    const int status = io_output_write(output, data, size, error);
-    return status ? status : io_output_finish(output, error);
+    const int status = pl_output_write(output, data, size, error);
+    return status ? status : pl_output_finish(output, error);
 }
 
-int io_output_commit(io_output *output, io_temporaries temporaries, planish_error *error) {
+int pl_output_commit(pl_output *output, pl_temporaries temporaries, planish_error *error) {
     if (!output->temporary)
         return PLANISH_OK;
     if (pl_file_replace(output->temporary, output->target))
@@ -236,12 +236,12 @@ int io_output_commit(io_output *output, io_temporaries temporaries, planish_erro
     return PLANISH_OK;
 }
 
-void io_output_undo(const io_output *output) {
+void pl_output_undo(const pl_output *output) {
     if (output->is_committed && !output->replaces)
         unlink(output->target);
 }
 
-void io_output_release(io_output *output, io_temporaries temporaries) {
+void pl_output_release(pl_output *output, pl_temporaries temporaries) {
     if (output->fd >= 0)
         close(output->fd);
     if (output->temporary) {
@@ -250,5 +250,5 @@ void io_output_release(io_output *output, io_temporaries temporaries) {
     }
     pl_free(output->temporary);
     pl_free(output->target);
-    *output = (io_output){.fd = -1};
+    *output = (pl_output){.fd = -1};
 }
