@@ -1,4 +1,4 @@
-/* What a program that embeds the library relies on: memory, threads, what is left as found. */
+/* What a program that embeds the library relies on: memory, callbacks, what is left as found. */
 #define _GNU_SOURCE /* sched.h: affinities */
 #include "support/meshes.h"
 #include "support/run.h"
@@ -24,12 +24,6 @@
 #include <cmocka.h>
 
 enum { CELLS = 7 };
-
-static double *copy_of(const planish_mesh *mesh) {
-    double *copy = malloc(test_bytes_of(mesh));
-    memcpy(copy, mesh->coordinates, test_bytes_of(mesh));
-    return copy;
-}
 
 /** In the plane larger, so that a colour is more than one thread takes at a time. */
 static void box_for_threads(test_mesh *mesh, int dim) {
@@ -96,7 +90,7 @@ static void shared_pages_do_not_show(void **state) {
         ones.allocate = ones_allocate;
         test_mesh_box(&box, 3, 16);
         test_mesh_perturb(&box, is_tangled ? 0.5 : 0.14, 12345);
-        double *expected = copy_of(&box.mesh), *x = copy_of(&box.mesh);
+        double *expected = test_copy_of(&box.mesh), *x = test_copy_of(&box.mesh);
         options.allocator = &ones;
         assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
         assert_int_equal(planish_smooth(plan, expected, &options, NULL, NULL), 0);
@@ -142,7 +136,7 @@ static void calls_allocate_once(void **state) {
             if (which == 5)
                 options.only_worse_than = 1.8;
             assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error), 0);
-            double *a = copy_of(&box.mesh), *b = copy_of(&box.mesh);
+            double *a = test_copy_of(&box.mesh), *b = test_copy_of(&box.mesh);
             assert_int_equal(planish_smooth(plan, a, &options, &first, &error), 0);
             assert_int_equal(planish_measure(plan, a, &quality, &error), 0);
             assert_true(first.moved_nodes > 0);
@@ -177,7 +171,7 @@ static void allocators_may_fail(void **state) {
     tangled_box(&box, 3);
     options.allocator = &allocator;
     options.max_sweeps = 2;
-    double *copy = copy_of(&box.mesh);
+    double *copy = test_copy_of(&box.mesh);
     int64_t n = 0, failures = 0;
     for (int status = PLANISH_ERROR_MEMORY; status == PLANISH_ERROR_MEMORY; n++) {
         planish_plan *plan = NULL;
@@ -217,7 +211,7 @@ static void results_do_not_depend_on_memory(void **state) {
         tangled_box(&box, dim);
         options.allocator = &allocator;
         options.max_sweeps = 3;
-        double *expected = copy_of(&box.mesh), *x = copy_of(&box.mesh);
+        double *expected = test_copy_of(&box.mesh), *x = test_copy_of(&box.mesh);
         assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
         const int64_t calls = h.calls;
         assert_int_equal(planish_smooth(plan, expected, &options, NULL, NULL), 0);
@@ -260,7 +254,7 @@ static void kept_memory_is_bounded(void **state) {
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
     planish_plan_get_info(plan, &info);
     const int64_t bytes = info.bytes;
-    double *x = copy_of(&box.mesh);
+    double *x = test_copy_of(&box.mesh);
     unsigned random = 1;
     int64_t most = 0;
     for (int i = 0; i < 60; i++) {
@@ -316,7 +310,7 @@ static void failures_in_callbacks_stay_there(void **state) {
     asker a = {.heap = &h};
     bad_box(&box, 3);
     options.allocator = &allocator;
-    double *x = copy_of(&box.mesh), *expected = copy_of(&box.mesh);
+    double *x = test_copy_of(&box.mesh), *expected = test_copy_of(&box.mesh);
     assert_int_equal(planish_plan_create(&box.mesh, &options, &a.plan, NULL), 0);
     a.coordinates = box.coordinates;
     options.progress = ask_without_memory;
@@ -356,7 +350,7 @@ static void callbacks_may_call_the_library(void **state) {
     inner in = {NULL, &box.mesh};
     options.progress = make_a_plan;
     options.progress_user = &in;
-    double *a = copy_of(&box.mesh), *b = copy_of(&box.mesh);
+    double *a = test_copy_of(&box.mesh), *b = test_copy_of(&box.mesh);
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
     assert_int_equal(planish_smooth(plan, a, &options, NULL, NULL), 0);
     planish_plan_destroy(plan);
@@ -412,10 +406,10 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
         (which == 1 ? tangled_box : bad_box)(&box, 3);
         options.min_volume = which == 2 ? 0.1 : 0;
         volumes.min_volume = 0.2;
-        double *expected = copy_of(&box.mesh);
+        double *expected = test_copy_of(&box.mesh);
         reader_on_the_way a = {.volumes = &volumes,
-                               .coordinates = copy_of(&box.mesh),
-                               .start = copy_of(&box.mesh),
+                               .coordinates = test_copy_of(&box.mesh),
+                               .start = test_copy_of(&box.mesh),
                                .bytes = test_bytes_of(&box.mesh),
                                .state = malloc((size_t)box.mesh.n_elements),
                                .thread = pthread_self()};
@@ -438,185 +432,6 @@ static void callbacks_may_ask_of_the_mesh(void **state) {
     }
 }
 
-/* ---- threads of the caller ------------------------------------------------------------------ */
-
-typedef struct pool {
-    int kind; /* 0: one after the other, 1: from the last to the first, 2: threads */
-    _Atomic int calls;
-} pool;
-
-typedef struct job {
-    planish_task_fn *task;
-    void *data;
-    int index;
-} job;
-
-static void *run_job(void *a_job) {
-    job *j = a_job;
-    j->task(j->data, j->index);
-    return NULL;
-}
-
-static void pool_run(int n_tasks, planish_task_fn *task, void *data, void *user) {
-    enum { MOST = 8 };
-    pool *p = user;
-    pthread_t thread[MOST];
-    job jobs[MOST];
-    p->calls++;
-    assert_true(n_tasks <= MOST);
-    for (int i = 0; i < n_tasks; i++) {
-        jobs[i] = (job){task, data, p->kind == 1 ? n_tasks - 1 - i : i};
-        if (p->kind < 2)
-            run_job(&jobs[i]);
-        else
-            assert_int_equal(pthread_create(&thread[i], NULL, run_job, &jobs[i]), 0);
-    }
-    for (int i = 0; p->kind == 2 && i < n_tasks; i++)
-        pthread_join(thread[i], NULL);
-}
-
-static void threads_may_be_the_callers(void **state) {
-    (void)state;
-    for (int dim = 2; dim <= 3; dim++)
-        for (int which = 0; which < 2; which++) {
-            test_mesh box;
-            planish_options options = test_options(2);
-            planish_plan *plan;
-            (which ? tangled_box : bad_box)(&box, dim);
-            options.max_sweeps = 5;
-            double *expected = copy_of(&box.mesh);
-            assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
-            assert_int_equal(planish_smooth(plan, expected, &options, NULL, NULL), 0);
-            planish_plan_destroy(plan);
-            for (int kind = 0; kind < 3; kind++)
-                for (options.threads = 1; options.threads < 6; options.threads += 2) {
-                    if (which && kind == 2)
-                        continue; /* untangling has very many loops, each of which makes threads */
-                    pool p = {.kind = kind};
-                    planish_plan_info info;
-                    double *x = copy_of(&box.mesh);
-                    options.parallel = pool_run;
-                    options.parallel_user = &p;
-                    options.bind = 1;
-                    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
-                    planish_plan_get_info(plan, &info);
-                    assert_int_equal(info.threads, options.threads);
-                    assert_int_equal(planish_smooth(plan, x, &options, NULL, NULL), 0);
-                    planish_plan_destroy(plan);
-                    assert_memory_equal(x, expected, test_bytes_of(&box.mesh));
-                    assert_true((p.calls > 0) == (options.threads > 1));
-                    free(x);
-                }
-            free(expected);
-            test_mesh_destroy(&box);
-        }
-}
-
-/** Several meshes at once, each on a thread of its own. */
-typedef struct customer {
-    test_mesh box;
-    double *x, *expected;
-    planish_plan *plan;
-    int status;
-} customer;
-
-static void *smooth_often(void *a_customer) {
-    customer *u = a_customer;
-    planish_options options = test_options(2);
-    options.threads = 0;
-    for (int i = 0; i < 5 && !u->status; i++) {
-        memcpy(u->x, u->box.mesh.coordinates, test_bytes_of(&u->box.mesh));
-        u->status = planish_plan_create(&u->box.mesh, &options, &u->plan, NULL);
-        if (!u->status)
-            u->status = planish_smooth(u->plan, u->x, &options, NULL, NULL);
-        planish_plan_destroy(u->plan);
-        u->status =
-            u->status ? u->status : memcmp(u->x, u->expected, test_bytes_of(&u->box.mesh)) != 0;
-    }
-    return NULL;
-}
-
-enum { USERS = 6 };
-
-static void create_users(customer *users) {
-    for (int i = 0; i < USERS; i++) {
-        customer *u = &users[i];
-        planish_plan *plan;
-        u->status = 0;
-        test_mesh_box(&u->box, 2 + i % 2, CELLS + i);
-        test_mesh_perturb(&u->box, 0.12, (unsigned)i + 1);
-        u->x = copy_of(&u->box.mesh);
-        u->expected = copy_of(&u->box.mesh);
-        assert_int_equal(planish_plan_create(&u->box.mesh, NULL, &plan, NULL), 0);
-        assert_int_equal(planish_smooth(plan, u->expected, NULL, NULL, NULL), 0);
-        planish_plan_destroy(plan);
-    }
-}
-
-static void destroy_users(customer *users) {
-    for (int i = 0; i < USERS; i++) {
-        assert_int_equal(users[i].status, 0);
-        free(users[i].x);
-        free(users[i].expected);
-        test_mesh_destroy(&users[i].box);
-    }
-}
-
-static void meshes_may_be_smoothed_at_once(void **state) {
-    (void)state;
-    customer users[USERS];
-    pthread_t thread[USERS];
-    create_users(users);
-    for (int i = 0; i < USERS; i++)
-        assert_int_equal(pthread_create(&thread[i], NULL, smooth_often, &users[i]), 0);
-    for (int i = 0; i < USERS; i++)
-        pthread_join(thread[i], NULL);
-    destroy_users(users);
-}
-
-#ifdef _OPENMP
-/** And inside of a parallel region of the caller's. */
-static void regions_may_be_around(void **state) {
-    (void)state;
-    customer users[USERS];
-    create_users(users);
-    for (int levels = 1; levels < 3; levels++) {
-        omp_set_max_active_levels(levels);
-#pragma omp parallel for num_threads(3) schedule(dynamic, 1)
-        for (int i = 0; i < USERS; i++)
-            smooth_often(&users[i]);
-    }
-    omp_set_max_active_levels(1);
-    destroy_users(users);
-}
-
-/** The caller's own number of threads is what 0 means, and stays. */
-static void the_number_of_threads_is_the_callers(void **state) {
-    (void)state;
-    test_mesh box;
-    planish_plan *plan;
-    planish_plan_info info;
-    planish_options options = test_options(2);
-    test_mesh_box(&box, 3, 16);
-    options.threads = 0;
-    omp_set_num_threads(3);
-    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
-    planish_plan_get_info(plan, &info);
-    assert_int_equal(info.threads, 3);
-    planish_plan_destroy(plan);
-    assert_int_equal(omp_get_max_threads(), 3);
-    test_mesh_destroy(&box);
-
-    /* A small mesh is not worth more than one. */
-    test_mesh_box(&box, 3, 4);
-    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
-    planish_plan_get_info(plan, &info);
-    assert_int_equal(info.threads, 1);
-    planish_plan_destroy(plan);
-    test_mesh_destroy(&box);
-}
-#endif
-
 /* ---- left as found -------------------------------------------------------------------------- */
 
 static void count_signal(int number) {
@@ -631,7 +446,7 @@ static void the_process_is_left_as_found(void **state) {
     struct sigaction action = {.sa_handler = count_signal}, found;
     fenv_t before, after;
     tangled_box(&box, 3);
-    double *x = copy_of(&box.mesh);
+    double *x = test_copy_of(&box.mesh);
     options.bind = 1;
     sigaction(SIGINT, &action, NULL);
     setlocale(LC_ALL, "C.UTF-8");
@@ -791,7 +606,7 @@ static void arrays_may_be_the_same(void **state) {
     planish_options options = test_options(2);
     planish_result result;
     bad_box(&box, 3);
-    double *start = copy_of(&box.mesh);
+    double *start = test_copy_of(&box.mesh);
     options.lower = options.upper = box.coordinates; /* every node stays where it is */
     assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, NULL), 0);
     assert_int_equal(planish_smooth(plan, box.coordinates, &options, &result, NULL), 0);
@@ -847,94 +662,6 @@ static void cancelling_at_once_is_safe(void **state) {
     }
 }
 
-/** Without what it needs every function says so. */
-static void nothing_is_an_argument(void **state) {
-    (void)state;
-    test_mesh box;
-    planish_plan *plan, *none = NULL;
-    planish_plan_info info;
-    planish_quality quality;
-    int64_t n;
-    bad_box(&box, 2);
-    double *x = box.coordinates;
-    assert_int_equal(planish_plan_create(&box.mesh, NULL, &plan, NULL), 0);
-    const int refusals[] = {planish_plan_create(NULL, NULL, &none, NULL),
-                            planish_plan_create(&box.mesh, NULL, NULL, NULL),
-                            planish_smooth(NULL, x, NULL, NULL, NULL),
-                            planish_smooth(plan, NULL, NULL, NULL, NULL),
-                            planish_measure(NULL, x, &quality, NULL),
-                            planish_measure(plan, NULL, &quality, NULL),
-                            planish_measure(plan, x, NULL, NULL),
-                            planish_measure_mesh(NULL, NULL, &quality, NULL),
-                            planish_measure_mesh(&box.mesh, NULL, NULL, NULL),
-                            planish_check_volumes(NULL, x, NULL, NULL, &n, NULL),
-                            planish_check_volumes(plan, x, NULL, NULL, NULL, NULL),
-                            planish_find_unfixable(NULL, x, NULL, &n, NULL),
-                            planish_find_unfixable(plan, NULL, NULL, &n, NULL),
-                            planish_find_slides(NULL, NULL, 1, NULL, NULL, NULL, NULL),
-                            planish_find_slides(&box.mesh, NULL, 1, NULL, x, NULL, NULL)};
-    for (size_t i = 0; i < sizeof refusals / sizeof refusals[0]; i++)
-        assert_int_equal(refusals[i], PLANISH_ERROR_ARGUMENT);
-    planish_plan_get_info(NULL, &info);
-    assert_int_equal(info.n_free, 0);
-    planish_plan_get_info(plan, NULL);
-    planish_plan_get_free(plan, NULL);
-    planish_plan_get_free(NULL, (uint8_t *)x);
-    planish_options_init(NULL);
-    planish_plan_destroy(NULL);
-    planish_plan_destroy(plan);
-    test_mesh_destroy(&box);
-}
-
-static void wrong_options_are_named(void **state) {
-    (void)state;
-    test_mesh box;
-    planish_plan *plan = NULL;
-    planish_error error;
-    planish_options options = test_options(2);
-    const planish_allocator half = {heap_allocate, NULL, NULL};
-    bad_box(&box, 2);
-    options.allocator = &half;
-    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
-                     PLANISH_ERROR_ARGUMENT);
-    assert_non_null(strstr(error.text, "allocator"));
-    assert_null(plan);
-    options = test_options(2);
-    options.isa = (planish_isa)77;
-    assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
-                     PLANISH_ERROR_ARGUMENT);
-    assert_non_null(strstr(error.text, "isa"));
-    for (int threads = -1; threads <= 1025; threads += 1026) {
-        options = test_options(2);
-        options.threads = threads;
-        assert_int_equal(planish_plan_create(&box.mesh, &options, &plan, &error),
-                         PLANISH_ERROR_ARGUMENT);
-        assert_non_null(strstr(error.text, "threads"));
-    }
-    assert_null(plan);
-    test_mesh_destroy(&box);
-}
-
-/** What planish.h says of planish_options_init. */
-static void defaults_are_as_documented(void **state) {
-    (void)state;
-    planish_options o;
-    planish_options_init(&o);
-    assert_int_equal(o.struct_size, sizeof o);
-    assert_true(o.threads == 0 && o.bind == 0 && o.isa == PLANISH_ISA_AUTO);
-    assert_true(o.method == PLANISH_METHOD_PLANISH && o.objective == PLANISH_RADIUS_RATIO &&
-                o.direction == PLANISH_NEWTON);
-    assert_true(o.min_volume == 0 && o.min_volume_fraction == 0 && o.area_weight == 0);
-    assert_true(!o.lower && !o.upper && o.max_displacement == 0);
-    for (int d = 0; d < 3; d++)
-        assert_true(o.box_lower[d] == -INFINITY && o.box_upper[d] == INFINITY);
-    assert_true(o.precision == PLANISH_DOUBLE && o.untangle);
-    assert_true(o.worst == PLANISH_WORST_NONE && o.worst_rise == 0.01);
-    assert_true(o.max_sweeps == 200 && o.tolerance == 1e-5 && o.time_limit == 0);
-    assert_true(o.only_worse_than == 0 && o.rings == 0 && o.n_around == 0 && !o.around);
-    assert_true(!o.progress && !o.project && !o.allocator && !o.parallel && !o.log && !o.round);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(calls_allocate_once),
@@ -945,12 +672,6 @@ int main(void) {
         cmocka_unit_test(failures_in_callbacks_stay_there),
         cmocka_unit_test(callbacks_may_call_the_library),
         cmocka_unit_test(callbacks_may_ask_of_the_mesh),
-        cmocka_unit_test(threads_may_be_the_callers),
-        cmocka_unit_test(meshes_may_be_smoothed_at_once),
-#ifdef _OPENMP
-        cmocka_unit_test(regions_may_be_around),
-        cmocka_unit_test(the_number_of_threads_is_the_callers),
-#endif
         cmocka_unit_test(the_process_is_left_as_found),
         cmocka_unit_test(a_log_tells_what_is_done),
         cmocka_unit_test(features_are_told),
@@ -958,9 +679,6 @@ int main(void) {
         cmocka_unit_test(checksums_tell_bits_apart),
         cmocka_unit_test(arrays_may_be_the_same),
         cmocka_unit_test(cancelling_at_once_is_safe),
-        cmocka_unit_test(nothing_is_an_argument),
-        cmocka_unit_test(wrong_options_are_named),
-        cmocka_unit_test(defaults_are_as_documented),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

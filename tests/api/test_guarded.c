@@ -459,92 +459,6 @@ static void the_multiplier_is_that_of_f(void **state) {
 
 /* ---- what is refused ----------------------------------------------------------------------- */
 
-/** What is wrong, and a word of the message. */
-typedef struct wrong {
-    const char *word;
-    void (*spoil)(planish_options *options);
-} wrong;
-
-#define SPOIL(name, statement)                                                                     \
-    static void name(planish_options *options) {                                                   \
-        options->statement;                                                                        \
-    }
-SPOIL(method_large, method = (planish_method)4)
-SPOIL(method_small, method = (planish_method)-1)
-SPOIL(objective_large, objective = (planish_objective)3)
-SPOIL(objective_small, objective = (planish_objective)-1)
-SPOIL(direction_large, direction = (planish_direction)2)
-SPOIL(precision_large, precision = (planish_precision)3)
-SPOIL(precision_without_round, precision = PLANISH_ROUNDED)
-SPOIL(unit_large, displacement_unit = (planish_length_unit)2)
-SPOIL(volume_negative, min_volume = -1)
-SPOIL(volume_nan, min_volume = NAN)
-SPOIL(volume_infinite, min_volume = INFINITY)
-SPOIL(fraction_negative, min_volume_fraction = -0.1)
-SPOIL(fraction_nan, min_volume_fraction = NAN)
-SPOIL(fraction_one, min_volume_fraction = 1)
-SPOIL(weight_negative, area_weight = -0.1)
-SPOIL(weight_large, area_weight = 1.1)
-SPOIL(weight_nan, area_weight = NAN)
-SPOIL(weight_without_volume, area_weight = 0.5)
-SPOIL(box_nan, box_lower[1] = NAN)
-SPOIL(box_empty, box_upper[0] = -INFINITY; options->box_lower[0] = 0)
-SPOIL(distance_negative, max_displacement = -1)
-SPOIL(distance_nan, max_displacement = NAN)
-SPOIL(distance_infinite, max_displacement = INFINITY)
-SPOIL(both_volumes, min_volume = 0.1; options->min_volume_fraction = 0.1)
-SPOIL(size_wrong, struct_size -= 1)
-
-static void wrong_options_are_refused(void **state) {
-    int dim = *(int *)*state;
-    static const wrong all[] = {
-        {"method", method_large},
-        {"method", method_small},
-        {"objective", objective_large},
-        {"objective", objective_small},
-        {"direction", direction_large},
-        {"precision", precision_large},
-        {"round", precision_without_round},
-        {"unit", unit_large},
-        {"min_volume", volume_negative},
-        {"min_volume", volume_nan},
-        {"min_volume", volume_infinite},
-        {"fraction", fraction_negative},
-        {"fraction", fraction_nan},
-        {"fraction", fraction_one},
-        {"area_weight", weight_negative},
-        {"area_weight", weight_large},
-        {"area_weight", weight_nan},
-        {"minimum volume", weight_without_volume},
-        {"box_lower", box_nan},
-        {"box", box_empty},
-        {"max_displacement", distance_negative},
-        {"max_displacement", distance_nan},
-        {"max_displacement", distance_infinite},
-        {"both", both_volumes},
-        {"struct_size", size_wrong},
-    };
-    test_mesh mesh;
-    planish_plan *plan;
-    test_bad_box(&mesh, dim, 3, 1);
-    double *copy = malloc(test_bytes_of(&mesh.mesh));
-    memcpy(copy, mesh.coordinates, test_bytes_of(&mesh.mesh));
-    assert_int_equal(planish_plan_create(&mesh.mesh, NULL, &plan, NULL), 0);
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        planish_options options = test_options(1);
-        planish_error error = {.text = ""};
-        all[i].spoil(&options);
-        assert_int_equal(planish_smooth(plan, copy, &options, NULL, &error),
-                         PLANISH_ERROR_ARGUMENT);
-        assert_int_equal(error.code, PLANISH_ERROR_ARGUMENT);
-        assert_non_null(strstr(error.text, all[i].word));
-        assert_memory_equal(copy, mesh.coordinates, test_bytes_of(&mesh.mesh));
-    }
-    planish_plan_destroy(plan);
-    free(copy);
-    test_mesh_destroy(&mesh);
-}
-
 /** Elements without a minimum volume cannot have a weight; the message says which. */
 static void weights_need_volumes(void **state) {
     int dim = *(int *)*state;
@@ -635,7 +549,6 @@ int main(void) {
         BOTH(an_inverted_star_excuses_nobody),
         BOTH(optimality_is_reported),
         BOTH(the_multiplier_is_that_of_f),
-        BOTH(wrong_options_are_refused),
         BOTH(weights_need_volumes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

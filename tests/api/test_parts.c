@@ -279,20 +279,6 @@ static void compare(const planish_mesh *mesh, const planish_options *options, in
 
 /* ---- who owns what -------------------------------------------------------------------------- */
 
-enum { SLABS, SCATTERED, ONE_HAS_ALL, N_OWNINGS };
-
-static void own(const planish_mesh *mesh, int owning, int n, uint64_t seed, int *owner) {
-    uint64_t random = effort_seed(seed);
-    for (int64_t i = 0; i < mesh->n_nodes; i++) {
-        if (owning == SLABS)
-            owner[i] = (int)(i * n / mesh->n_nodes);
-        else if (owning == SCATTERED)
-            owner[i] = (int)random_below(&random, n);
-        else
-            owner[i] = n - 1;
-    }
-}
-
 /** All ways, with the boundary held and sliding. */
 static void check(test_mesh *m, int n, int owning, uint64_t seed) {
     const size_t nodes = (size_t)m->mesh.n_nodes;
@@ -300,7 +286,7 @@ static void check(test_mesh *m, int n, int owning, uint64_t seed) {
     uint8_t *constraint = malloc(nodes);
     double *direction = calloc(3 * nodes, sizeof *direction);
     planish_mesh slides = m->mesh;
-    own(&m->mesh, owning, n, seed, owner);
+    processes_own(&m->mesh, owning, n, seed, owner);
     assert_int_equal(planish_find_slides(&m->mesh, NULL, 1, constraint, direction, NULL, NULL), 0);
     slides.constraint = constraint;
     slides.direction = direction;
@@ -344,7 +330,7 @@ static void threads_do_not_change_them(void **state) {
         test_mesh_box(&m, 3, 17);
         test_mesh_perturb(&m, 0.14, 3);
         int *owner = malloc((size_t)m.mesh.n_nodes * sizeof *owner);
-        own(&m.mesh, owning[k], 2, 1, owner);
+        processes_own(&m.mesh, owning[k], 2, 1, owner);
         compare(&m.mesh, &options, 2, owner);
         free(owner);
         test_mesh_destroy(&m);
@@ -362,7 +348,7 @@ static void processes_that_are_lost_end_the_call(void **state) {
     int owner[1000], n_failed = 0, n_later = 0, status;
     test_mesh_box(&m, dim, 3);
     test_mesh_perturb(&m, 0.14, 5);
-    own(&m.mesh, SLABS, 3, 0, owner);
+    processes_own(&m.mesh, SLABS, 3, 0, owner);
     for (int call = 0;; call++) {
         processes w;
         job j = {.options = &options};
@@ -495,7 +481,7 @@ static void tangled_meshes_have_those_bits_too(void **state) {
             test_mesh_box(&m, dim, how == HOPELESS ? 3 : dim == 3 ? 5 : 12);
             double *x = malloc((size_t)(m.mesh.n_nodes * dim) * sizeof *x);
             tangle(&m, how, (unsigned)i + 1, x);
-            own(&m.mesh, i < 4 ? SLABS : SCATTERED, n, (uint64_t)i, owner);
+            processes_own(&m.mesh, i < 4 ? SLABS : SCATTERED, n, (uint64_t)i, owner);
             const int from_the_start = i % 2;
             if (from_the_start)
                 memcpy(m.coordinates, x, (size_t)(m.mesh.n_nodes * dim) * sizeof *x);
@@ -547,7 +533,7 @@ static void bodies_have_signs_of_their_own(void **state) {
             test_mesh_box(&box, dim, dim == 3 ? 3 : 6);
             test_mesh_perturb(&box, 0.14, (unsigned)n);
             const planish_mesh mesh = bodies_of(&box, BODIES, 0);
-            own(&mesh, owning, n, (uint64_t)n, owner);
+            processes_own(&mesh, owning, n, (uint64_t)n, owner);
             const outcome o = compare_from(&mesh, NULL, &options, n, owner);
             assert_int_equal(o.info.n_components, BODIES);
             assert_int_equal(o.info.n_reversed, box.mesh.n_elements);
@@ -641,7 +627,7 @@ static void disorder_is_seen_together(void **state) {
             }
             mesh.elements = elements;
             int *owner = malloc((size_t)mesh.n_nodes * sizeof *owner);
-            own(&mesh, owning, n, (uint64_t)n, owner);
+            processes_own(&mesh, owning, n, (uint64_t)n, owner);
             options.untangle = how != MANY && how != FLAT; /* what encloses nothing is given up
                                                               where the whole mesh is known */
             const outcome o = compare_from(&mesh, NULL, &options, n, owner);
@@ -657,121 +643,6 @@ static void disorder_is_seen_together(void **state) {
                 (dim == 3 || n_held > 0));
 }
 
-/* ---- elements that are not what they should be ---------------------------------------------- */
-
-/** States of the elements of a mesh, as planish_check_volumes, planish_find_unfixable and
- *  planish_find_reversed say. */
-typedef struct states {
-    const double *spoilt;       /* coordinates, of the whole mesh */
-    uint8_t *below, *unfixable; /* [n_elements], of the whole mesh */
-    uint8_t *reversed;          /* [n_elements] likewise */
-    int64_t n_reversed;
-    planish_options options;
-} states;
-
-/** Of mesh, whose nodes and elements have these numbers (NULL: their own): the worst that is known
- *  of each element. */
-static void find_states(const planish_mesh *mesh, const int64_t *node_number,
-                        const int64_t *element_number, states *s) {
-    const int dim = mesh->dim;
-    double *x = malloc((size_t)mesh->n_nodes * (size_t)dim * sizeof *x);
-    uint8_t *below = malloc((size_t)mesh->n_elements),
-            *unfixable = malloc((size_t)mesh->n_elements),
-            *reversed = malloc((size_t)mesh->n_elements);
-    planish_plan *plan;
-    int64_t n;
-    for (int64_t i = 0; i < mesh->n_nodes; i++)
-        memcpy(x + i * dim, s->spoilt + (node_number ? node_number[i] : i) * dim,
-               (size_t)dim * sizeof *x);
-    assert_int_equal(planish_plan_create(mesh, &s->options, &plan, NULL), 0);
-    assert_int_equal(planish_check_volumes(plan, x, &s->options, below, &n, NULL), 0);
-    assert_int_equal(planish_find_unfixable(plan, x, unfixable, &n, NULL), 0);
-    assert_int_equal(planish_find_reversed(plan, x, reversed, &s->n_reversed, NULL), 0);
-    for (int64_t i = 0; i < mesh->n_elements; i++) {
-        const int64_t at = element_number ? element_number[i] : i;
-        s->reversed[at] |= reversed[i];
-        if (below[i] > s->below[at])
-            s->below[at] = below[i];
-        if (unfixable[i] > s->unfixable[at])
-            s->unfixable[at] = unfixable[i];
-    }
-    planish_plan_destroy(plan);
-    free(x);
-    free(below);
-    free(unfixable);
-    free(reversed);
-}
-
-static void find_states_of_part(process *part, void *user) {
-    static pthread_mutex_t turn = PTHREAD_MUTEX_INITIALIZER;
-    states *all = user, mine = *all;
-    const size_t n = 100000; /* more than there are */
-    mine.below = calloc(n, 1);
-    mine.unfixable = calloc(n, 1);
-    mine.reversed = calloc(n, 1);
-    find_states(&part->mesh, part->node_number, part->element_number, &mine);
-    pthread_mutex_lock(&turn);
-    for (int64_t i = 0; i < part->mesh.n_elements; i++) {
-        const int64_t at = part->element_number[i];
-        all->below[at] = mine.below[at] > all->below[at] ? mine.below[at] : all->below[at];
-        all->unfixable[at] |= mine.unfixable[at];
-        all->reversed[at] |= mine.reversed[at];
-    }
-    all->n_reversed = mine.n_reversed; /* every process counts those of all */
-    pthread_mutex_unlock(&turn);
-    free(mine.below);
-    free(mine.unfixable);
-    free(mine.reversed);
-}
-
-/** What all processes together know of elements that are inverted, or below their minimum volume,
- * is what one knows that has them all. */
-static void bad_elements_are_found_together(void **state) {
-    const int dim = *(int *)*state;
-    int64_t n_infeasible = 0, n_unfixable = 0, n_reversed = 0;
-    for (int i = 0; i < 4; i++) {
-        test_mesh m;
-        int owner[1000];
-        processes w;
-        unsigned seed = (unsigned)i + 1;
-        test_mesh_box(&m, dim, dim == 3 ? 4 : 9);
-        const int64_t values = m.mesh.n_nodes * dim;
-        double *spoilt = malloc((size_t)values * sizeof *spoilt);
-        for (int64_t k = 0; k < values; k++)
-            spoilt[k] = m.coordinates[k] + (dim == 3 ? 0.8 : 1.6) * (test_random(&seed) - 0.5);
-        states whole = {.spoilt = spoilt}, parts = {.spoilt = spoilt};
-        planish_options_init(&whole.options);
-        whole.options.threads = 1;
-        whole.options.min_volume = 0.3;
-        parts.options = whole.options;
-        uint8_t *state_of[6];
-        for (int k = 0; k < 6; k++)
-            state_of[k] = calloc((size_t)m.mesh.n_elements, 1);
-        whole.below = state_of[0], whole.unfixable = state_of[1];
-        parts.below = state_of[2], parts.unfixable = state_of[3];
-        whole.reversed = state_of[4], parts.reversed = state_of[5];
-        find_states(&m.mesh, NULL, NULL, &whole);
-        own(&m.mesh, SCATTERED, 3, 0, owner);
-        processes_create(&w, &m.mesh, 3, owner);
-        processes_run(&w, find_states_of_part, &parts);
-        assert_memory_equal(whole.below, parts.below, (size_t)m.mesh.n_elements);
-        assert_memory_equal(whole.unfixable, parts.unfixable, (size_t)m.mesh.n_elements);
-        assert_memory_equal(whole.reversed, parts.reversed, (size_t)m.mesh.n_elements);
-        assert_int_equal(whole.n_reversed, parts.n_reversed);
-        n_reversed += whole.n_reversed;
-        for (int64_t k = 0; k < m.mesh.n_elements; k++) {
-            n_infeasible += whole.below[k] == PLANISH_VOLUME_INFEASIBLE;
-            n_unfixable += whole.unfixable[k];
-        }
-        for (int k = 0; k < 6; k++)
-            free(state_of[k]);
-        processes_destroy(&w);
-        test_mesh_destroy(&m);
-        free(spoilt);
-    }
-    assert_true(n_infeasible > 0 && n_unfixable > 0 && n_reversed > 0);
-}
-
 /** What is only possible in one process is refused in all. */
 static void what_is_not_possible_in_parts_is_refused(void **state) {
     (void)state;
@@ -784,7 +655,7 @@ static void what_is_not_possible_in_parts_is_refused(void **state) {
     options.around = &centre;
     options.n_around = 1;
     test_mesh_box(&m, 3, 4);
-    own(&m.mesh, SLABS, 2, 0, owner);
+    processes_own(&m.mesh, SLABS, 2, 0, owner);
     processes_create(&w, &m.mesh, 2, owner);
     processes_run(&w, smooth_part, &j);
     for (int k = 0; k < 2; k++) {
@@ -810,8 +681,6 @@ int main(void) {
         cmocka_unit_test_prestate(bodies_have_signs_of_their_own, &dims[1]),
         cmocka_unit_test_prestate(disorder_is_seen_together, &dims[0]),
         cmocka_unit_test_prestate(disorder_is_seen_together, &dims[1]),
-        cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[0]),
-        cmocka_unit_test_prestate(bad_elements_are_found_together, &dims[1]),
         cmocka_unit_test(what_is_not_possible_in_parts_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,7 @@
 /* processes: a mesh in parts, and threads that have them. */
 #define _GNU_SOURCE /* pthread_attr_setaffinity_np */
 #include "support/processes.h"
+#include "support/effort.h"
 
 #include <sched.h>
 #include <stdlib.h>
@@ -303,5 +304,17 @@ void processes_gather(const processes *w, int dim, double *coordinates) {
             if (p->node_role[i] != PLANISH_GHOST)
                 memcpy(coordinates + p->node_number[i] * dim, p->coordinates + i * dim,
                        (size_t)dim * sizeof *coordinates);
+    }
+}
+
+void processes_own(const planish_mesh *mesh, int owning, int n, uint64_t seed, int *owner) {
+    uint64_t random = effort_seed(seed);
+    for (int64_t i = 0; i < mesh->n_nodes; i++) {
+        if (owning == SLABS)
+            owner[i] = (int)(i * n / mesh->n_nodes);
+        else if (owning == SCATTERED)
+            owner[i] = (int)random_below(&random, n);
+        else
+            owner[i] = n - 1;
     }
 }

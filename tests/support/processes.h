@@ -33,6 +33,12 @@ struct processes {
     int fails_at;      /* call of a function that fails in every process, counted down; -1: none */
 };
 
+/** Ways to share out the nodes: in slabs, at random, all to the last process. */
+enum { SLABS, SCATTERED, ONE_HAS_ALL, N_OWNINGS };
+
+/** Fill owner [n_nodes] < n: which process owns a node, by one of these ways. */
+void processes_own(const planish_mesh *mesh, int owning, int n, uint64_t seed, int *owner);
+
 /** Split mesh into n parts; owner [n_nodes] < n says which process owns a node. */
 void processes_create(processes *w, const planish_mesh *mesh, int n, const int *owner);
 void processes_destroy(processes *w);

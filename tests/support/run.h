@@ -1,7 +1,7 @@
 /* run: a mesh smoothed with a plan of its own, measured before and after.
  *
- *   test_options, test_bytes_of, test_has_isa    what a call needs
- *   test_smooth                                  the call
+ *   test_options, test_bytes_of, test_copy_of, test_has_isa    what a call needs
+ *   test_smooth                                                the call
  */
 #ifndef TEST_SUPPORT_RUN_H
 #define TEST_SUPPORT_RUN_H
@@ -21,6 +21,9 @@ planish_options test_options(int threads);
 
 /** Size of the coordinates of mesh in bytes. */
 size_t test_bytes_of(const planish_mesh *mesh);
+
+/** A copy of the coordinates of mesh, to be freed. */
+double *test_copy_of(const planish_mesh *mesh);
 
 /** Whether this CPU has the instructions of isa; mesh is any valid one. */
 int test_has_isa(const planish_mesh *mesh, planish_isa isa);
