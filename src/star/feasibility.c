@@ -27,7 +27,7 @@ enum { MANY_FACETS = 1024, FACETS_OF_SHARE = 128 };
 /** State of a link facet during the search. */
 enum { NOT_FIXED, CANDIDATE, MEMBER, GIVEN_UP };
 
-/** Floors of elements without a minimum volume, with the node at x. */
+/** Set the floors of elements without a minimum volume, with the node at x. */
 static void set_floors(const star *s, const double *x, const int dim) {
     const double place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
     double mean = 0, size2 = 0;
@@ -46,18 +46,24 @@ static void set_floors(const star *s, const double *x, const int dim) {
     }
 }
 
-/** The facets that have a row, and whose nodes are fixed, become candidates. */
-static void find_candidates(const local *here, const uint8_t *is_fixed, uint8_t *state,
-                            const int dim) {
+/** Find the candidates: facets that have a row, and whose nodes are fixed; and with the node at x
+ * the heights of all elements over their facets, in the column RATE. */
+static void find_candidates(const local *here, const double *x, const uint8_t *is_fixed,
+                            uint8_t *state, const int dim) {
     const star *s = &here->s;
+    const lanes place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
     for (int64_t i = 0; i < s->n_facets; i++) {
+        aspect a;
         int fixed = *entry(s, INVERSE_FLOOR, i) > 0 && *entry(s, LENGTH, i) > 0;
         for (int j = 0; j < dim; j++)
             fixed &= is_fixed[node_of_facet(s, i, j, dim)];
         state[i] = fixed ? CANDIDATE : NOT_FIXED;
+        measure_at(s, i, place, &a, dim);
+        *entry(s, RATE, i) = a.D / *entry(s, LENGTH, i);
     }
 }
 
+/** Whether an element of that state is still in question. */
 static int is_wanted(uint8_t state) {
     return state == CANDIDATE || state == MEMBER;
 }
@@ -66,15 +72,6 @@ static int is_wanted(uint8_t state) {
 typedef struct share {
     int64_t first, step;
 } share;
-
-/** Rows of the facets of the share that are still in question, in their order. */
-static active rows_in_question(const local *here, const uint8_t *state, share part, const int dim) {
-    active a = active_none(here);
-    for (int64_t i = part.first; i < here->s.n_facets; i += part.step)
-        if (is_wanted(state[i])) /* its minimum volume is to be met, as it is counted */
-            add_homogeneous_row(here, i, -VIOLATED_ABOVE, 0, &a, dim);
-    return a;
-}
 
 /** Whether the weights are a proof: their sum of the gradients must be as good as 0. */
 static int proves(const active *a, const cone_point *point, int dim) {
@@ -85,17 +82,6 @@ static int proves(const active *a, const cone_point *point, int dim) {
     for (int d = 0; d < dim; d++)
         residual += fabs(sum[d]);
     return point->n_active > 0 && sum[dim] > PROOF_REACH * residual;
-}
-
-/** The middle of the ring: a proof holds wherever the node is, and is clearest from there. */
-static void middle_of_ring(const local *here, double *x, const int dim) {
-    const star *s = &here->s;
-    for (int d = 0; d < dim; d++) {
-        x[d] = 0;
-        for (int64_t i = 0; i < s->n_ring; i++)
-            x[d] += here->problem->coordinates[(int64_t)s->ring[i] * dim + d] * s->scale /
-                    (double)s->n_ring;
-    }
 }
 
 /** Mark the members of the proof, and give up the one that is lowest at its place. */
@@ -114,17 +100,6 @@ static void mark_members(const cone_point *point, const star *s, share part, uin
     state[lowest] = GIVEN_UP;
 }
 
-/** D of the elements with the node at x, over their link facets: in the column RATE. */
-static void find_heights(const local *here, const double *x, const int dim) {
-    const star *s = &here->s;
-    lanes place[3] = {x[0], x[1], dim == 3 ? x[2] : 0};
-    for (int64_t i = 0; i < s->n_facets; i++) {
-        aspect a;
-        measure_at(s, i, place, &a, dim);
-        *entry(s, RATE, i) = a.D / *entry(s, LENGTH, i);
-    }
-}
-
 /** Give up elements of a share until the others have a common place; returns how many. */
 static int64_t search_share(const local *here, share of, uint8_t *state, pl_limit *limit,
                             const int dim) {
@@ -132,7 +107,10 @@ static int64_t search_share(const local *here, share of, uint8_t *state, pl_limi
     cone_point point;
     int64_t n_given_up = 0;
     for (; !pl_limit_is_reached(limit); n_given_up++) {
-        active a = rows_in_question(here, state, of, dim);
+        active a = active_none(here);
+        for (int64_t i = of.first; i < here->s.n_facets; i += of.step)
+            if (is_wanted(state[i])) /* its minimum volume is to be met, as it is counted */
+                add_homogeneous_row(here, i, -VIOLATED_ABOVE, 0, &a, dim);
         if (a.m == 0 || shortest_displacement(&a, displacement, &point, dim) ||
             !proves(&a, &point, dim))
             break;
@@ -141,36 +119,34 @@ static int64_t search_share(const local *here, share of, uint8_t *state, pl_limi
     return n_given_up;
 }
 
-/** Search the star: all facets at once, or from small shares to large ones. Returns how many are
- *  given up. */
-static int64_t search_star(const local *here, uint8_t *state, pl_limit *limit, const int dim) {
-    const int64_t n = here->s.n_facets;
-    int64_t step = 1, n_given_up = 0;
-    while (n > MANY_FACETS && n > step * FACETS_OF_SHARE)
-        step *= 2;
-    for (; step > 0; step /= 2)
-        for (int64_t first = 0; first < step; first++)
-            n_given_up += search_share(here, (share){first, step}, state, limit, dim);
-    return n_given_up;
-}
-
 static int64_t infeasible(const pl_star_problem *problem, int64_t star_index,
                           const uint8_t *is_fixed, double *scratch, uint8_t *part, pl_limit *limit,
                           const int dim) {
     const double *place = problem->coordinates + (int64_t)problem->node[star_index] * dim;
-    int64_t evaluations = 0;
+    int64_t evaluations = 0, n_given_up = 0, step = 1;
     double at[3], x[3];
     derivatives derivative;
     local here = local_of(problem, star_index, place, NULL, scratch, &evaluations, 1, dim);
+    const star *s = &here.s;
     to_star(&here, place, at, dim);
-    middle_of_ring(&here, x, dim);
-    set_floors(&here.s, x, dim);
+    /* the middle of the ring: a proof holds wherever the node is, and is clearest from there */
+    for (int d = 0; d < dim; d++) {
+        x[d] = 0;
+        for (int64_t i = 0; i < s->n_ring; i++)
+            x[d] +=
+                problem->coordinates[(int64_t)s->ring[i] * dim + d] * s->scale / (double)s->n_ring;
+    }
+    set_floors(s, x, dim);
     here.b.any = 0; /* bounds are no part of the proof */
-    guarded_at(&here.s, &here.q, x, &derivative, 1, dim);
-    find_heights(&here, at, dim);
-    find_candidates(&here, is_fixed, part, dim);
-    const int64_t n_given_up = search_star(&here, part, limit, dim);
-    for (int64_t i = 0; i < here.s.n_facets; i++)
+    guarded_at(s, &here.q, x, &derivative, 1, dim);
+    find_candidates(&here, at, is_fixed, part, dim);
+    /* all facets at once, or from small shares to large ones */
+    while (s->n_facets > MANY_FACETS && s->n_facets > step * FACETS_OF_SHARE)
+        step *= 2;
+    for (; step > 0; step /= 2)
+        for (int64_t first = 0; first < step; first++)
+            n_given_up += search_share(&here, (share){first, step}, part, limit, dim);
+    for (int64_t i = 0; i < s->n_facets; i++)
         part[i] = part[i] == MEMBER     ? PL_PROOF_MEMBER
                   : part[i] == GIVEN_UP ? PL_PROOF_GIVEN_UP
                                         : PL_PROOF_NONE;

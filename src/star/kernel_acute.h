@@ -1,22 +1,9 @@
-/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h). */
+/* kernel_acute: whether an element of a star has an angle that is too small (geometry/angle.h):
+ * has_acute_angle. */
 #ifndef PL_STAR_KERNEL_ACUTE_H
 #define PL_STAR_KERNEL_ACUTE_H
 
 #include "star/kernel_tetrahedra.h"
-
-/** Edges from the node, whichever kernel the star was gathered for: the other one still has the
- *  ring's coordinates where they were gathered. */
-PL_INLINE void acute_edges(const star *s, int64_t i, vec3 x, vec3 r[3], const int guarded) {
-    if (guarded) {
-        edges_from(s, i, x, r);
-        return;
-    }
-    for (int j = 0; j < 3; j++) {
-        lanes p[PL_ROW];
-        points_to_columns(s->spare, s->facet + 3 * i + j, 3, p);
-        r[j] = vec3_minus(x, (vec3){p[0], p[1], p[2]});
-    }
-}
 
 /** Lanes in which the facets with these normals enclose an angle that is acute (cosine > 0) and of
  *  larger acuteness than the limit; limit: times D^2, square: of their common edge. */
@@ -34,7 +21,13 @@ PL_INLINE lanes_mask acute_3d(const star *s, int64_t i, const double *position, 
     const lanes nn = load(s, NN, i);
     vec3 r[3], m[3];
     lanes mm[3];
-    acute_edges(s, i, x, r, guarded);
+    if (guarded)
+        edges_from(s, i, x, r);
+    for (int j = 0; j < 3 && !guarded; j++) { /* the ring is still where it was gathered */
+        lanes p[PL_ROW];
+        points_to_columns(s->spare, s->facet + 3 * i + j, 3, p);
+        r[j] = vec3_minus(x, (vec3){p[0], p[1], p[2]});
+    }
     for (int j = 0; j < 3; j++) {
         m[j] = vec3_cross(r[j], r[(j + 1) % 3]);
         mm[j] = vec3_dot(m[j], m[j]);

@@ -4,6 +4,10 @@
  * derivatives; and how far elements are below their floor. One body serves both dimensions and
  * all aspect ratios. kernel_objective.h has the radius ratio alone, faster. Formulas:
  * docs/algorithm.md.
+ *
+ *   mean_ratio, edge_ratio, radius_ratio, worst_ratio, worst_angle_2d, _3d    a pack's measures
+ *   measure_at, aspect_at, volume_constraint                                  a pack
+ *   guarded_at                                                                a star
  */
 #ifndef PL_STAR_KERNEL_ASPECT_H
 #define PL_STAR_KERNEL_ASPECT_H
@@ -59,8 +63,11 @@ typedef struct edges {
     lanes square[6]; /* of these, then of the link's own */
 } edges;
 
-/** Edges of the pack's elements at facet i, with the node at x [dim]. */
-PL_INLINE edges edges_at(const star *s, int64_t i, const lanes *x, const int dim) {
+/** Find the edges of the pack's elements at facet i, with the node at x [dim]. is_sharp: the link's
+ *  own edges from its nodes. As differences of those at x short ones lose their digits, which sums
+ *  of the squares do not mind. */
+PL_INLINE edges edges_at(const star *s, int64_t i, const lanes *x, const int is_sharp,
+                         const int dim) {
     static const uint8_t columns[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
     edges e;
     for (int j = 0; j < dim; j++) {
@@ -74,25 +81,20 @@ PL_INLINE edges edges_at(const star *s, int64_t i, const lanes *x, const int dim
         for (int other = j + 1; other < dim; other++, k++) {
             e.square[k] = lanes_of(0);
             for (int d = 0; d < dim; d++) {
-                lanes difference = e.at[other][d] - e.at[j][d];
+                lanes difference = is_sharp
+                                       ? load(s, columns[other][d], i) - load(s, columns[j][d], i)
+                                       : e.at[other][d] - e.at[j][d];
                 e.square[k] += difference * difference;
             }
         }
     return e;
 }
 
-/** The link's own edges from its nodes: as differences of those at x short ones lose their digits,
- *  which sums of the squares do not mind. */
-PL_INLINE void sharpen_link(const star *s, int64_t i, edges *e, const int dim) {
-    static const uint8_t columns[3][3] = {{P0X, P0Y, P0Z}, {P1X, P1Y, P1Z}, {P2X, P2Y, P2Z}};
-    for (int j = 0, k = dim; j < dim; j++)
-        for (int other = j + 1; other < dim; other++, k++) {
-            e->square[k] = lanes_of(0);
-            for (int d = 0; d < dim; d++) {
-                lanes difference = load(s, columns[other][d], i) - load(s, columns[j][d], i);
-                e->square[k] += difference * difference;
-            }
-        }
+/** Square a so many times. */
+PL_INLINE lanes squared(lanes a, int times) {
+    for (int i = 0; i < times; i++)
+        a *= a;
+    return a;
 }
 
 /** Number of edges of an element. */
@@ -106,7 +108,7 @@ static inline int n_edges(const int dim) {
  *  hess AR^2 / AR^2 = l l^T + 2 (hess E / E - grad E grad E^T / E^2) + k n n^T / D^2. */
 PL_INLINE void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
                           const int dim) {
-    edges e = edges_at(s, i, x, dim);
+    edges e = edges_at(s, i, x, 0, dim);
     lanes sum = e.square[0];
     for (int k = 1; k < n_edges(dim); k++)
         sum += e.square[k];
@@ -137,20 +139,6 @@ PL_INLINE void mean_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
 }
 
 /* ---- edge ratio ---------------------------------------------------------------------------- */
-
-/** a^(2^SHARPNESS) and its inverse function. */
-PL_INLINE lanes sharpened(lanes a) {
-    for (int i = 0; i < SHARPNESS; i++)
-        a *= a;
-    return a;
-}
-
-/** Inverse of sharpened. */
-PL_INLINE lanes unsharpened(lanes a) {
-    for (int i = 0; i < SHARPNESS; i++)
-        a = lanes_sqrt(a);
-    return a;
-}
 
 /** Sum of a [n]. */
 PL_INLINE lanes sum_of(const lanes *a, int n) {
@@ -193,8 +181,7 @@ PL_INLINE void smoothed_extreme(const edges *e, const lanes *share, lanes total,
 PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, const int derive,
                           const int dim) {
     const int n = n_edges(dim);
-    edges e = edges_at(s, i, x, dim);
-    sharpen_link(s, i, &e, dim);
+    edges e = edges_at(s, i, x, 1, dim);
     lanes longest = e.square[0], shortest = e.square[0], large[6], small[6];
     for (int k = 1; k < n; k++) {
         longest = lanes_max(e.square[k], longest);
@@ -202,11 +189,14 @@ PL_INLINE void edge_ratio(const star *s, int64_t i, const lanes *x, aspect *a, c
     }
     lanes to_longest = lanes_of(1) / longest;
     for (int k = 0; k < n; k++) {
-        large[k] = sharpened(e.square[k] * to_longest);
-        small[k] = sharpened(shortest / e.square[k]);
+        large[k] = squared(e.square[k] * to_longest, SHARPNESS);
+        small[k] = squared(shortest / e.square[k], SHARPNESS);
     }
     lanes of_large = sum_of(large, n), of_small = sum_of(small, n), share = lanes_of(1.0 / n);
-    a->square = longest / shortest * unsharpened(of_large * share * (of_small * share));
+    lanes means = of_large * share * (of_small * share);
+    for (int k = 0; k < SHARPNESS; k++)
+        means = lanes_sqrt(means);
+    a->square = longest / shortest * means;
     if (!derive)
         return;
     for (int k = 0; k < 3; k++)
@@ -281,20 +271,13 @@ PL_INLINE void radius_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
 
 /* ---- the worst ------------------------------------------------------------------------------- */
 
-/** Raise a to the power that makes the worst element dominate. */
-PL_INLINE lanes to_worst_power(lanes a) {
-    for (int i = 0; i < WORST_POWER; i++)
-        a *= a;
-    return a;
-}
-
 /** (RR^2 / limit)^q: l = q times that of RR^2, hess = q hess log RR^2 + q^2 its l l^T. */
 PL_INLINE void worst_ratio(const star *s, int64_t i, const lanes *x, aspect *a,
                            double inverse_limit, const int derive, const int dim) {
     const lanes q = lanes_of(WORST_EXPONENT),
                 more = lanes_of(WORST_EXPONENT * (WORST_EXPONENT - 1));
     radius_ratio(s, i, x, a, derive, dim);
-    a->square = to_worst_power(a->square * lanes_of(inverse_limit));
+    a->square = squared(a->square * lanes_of(inverse_limit), WORST_POWER);
     if (!derive)
         return;
     for (int r = 0, k = 0; r < dim; r++)
@@ -348,13 +331,13 @@ PL_INLINE void finish_worst(const worst_part *part, int n, aspect *a, const int 
 /** Triangles: sin^2 of the angle between two edges is D^2 by the squares of both. */
 PL_INLINE void worst_angle_2d(const star *s, int64_t i, const lanes *x, aspect *a,
                               lanes inverse_limit, const int derive) {
-    const edges e = edges_at(s, i, x, 2);
+    const edges e = edges_at(s, i, x, 0, 2);
     const lanes scale = inverse_limit * (a->inverse_d * a->inverse_d);
     static const uint8_t ends[3][2] = {{0, 1}, {0, 2}, {1, 2}};
     worst_part part[3];
     a->square = lanes_of(0);
     for (int p = 0; p < 3; p++) {
-        part[p].S = to_worst_power(e.square[ends[p][0]] * e.square[ends[p][1]] * scale);
+        part[p].S = squared(e.square[ends[p][0]] * e.square[ends[p][1]] * scale, WORST_POWER);
         a->square += part[p].S;
     }
     if (!derive)
@@ -395,8 +378,8 @@ PL_INLINE void worst_angle_3d(const star *s, int64_t i, const lanes *x, aspect *
     }
     a->square = lanes_of(0);
     for (int j = 0; j < 3; j++) {
-        part[j].S = to_worst_power(mm[(j + 2) % 3] * mm[j] / rr[j] * scale);
-        part[3 + j].S = to_worst_power(mm[j] * nn / ee[j] * scale);
+        part[j].S = squared(mm[(j + 2) % 3] * mm[j] / rr[j] * scale, WORST_POWER);
+        part[3 + j].S = squared(mm[j] * nn / ee[j] * scale, WORST_POWER);
         a->square += part[j].S + part[3 + j].S;
     }
     if (!derive)
@@ -427,15 +410,6 @@ PL_INLINE void worst_angle_3d(const star *s, int64_t i, const lanes *x, aspect *
         add_log_square(of_edge[j], NULL, lanes_of(1), lanes_of(1) / rr[j], -part[j].S, a->h, 3);
     }
     finish_worst(part, 6, a, 3);
-}
-
-/** Compute the sum of powers over the angles of a pack, and with derive its derivatives. */
-PL_INLINE void worst_angle(const star *s, int64_t i, const lanes *x, aspect *a,
-                           double inverse_limit, const int derive, const int dim) {
-    if (dim == 3)
-        worst_angle_3d(s, i, x, a, lanes_of(inverse_limit), derive);
-    else
-        worst_angle_2d(s, i, x, a, lanes_of(inverse_limit), derive);
 }
 
 /* ---- one pack ------------------------------------------------------------------------------ */
@@ -470,8 +444,10 @@ PL_INLINE void aspect_at(const star *s, int64_t i, const lanes *x, aspect *a, co
         radius_ratio(s, i, x, a, derive, dim);
     else if (kind == PL_WORST_RATIO)
         worst_ratio(s, i, x, a, q->inverse_limit, derive, dim);
+    else if (kind == PL_WORST_ANGLE && dim == 3)
+        worst_angle_3d(s, i, x, a, lanes_of(q->inverse_limit), derive);
     else if (kind == PL_WORST_ANGLE)
-        worst_angle(s, i, x, a, q->inverse_limit, derive, dim);
+        worst_angle_2d(s, i, x, a, lanes_of(q->inverse_limit), derive);
     else if (kind == PLANISH_MEAN_RATIO)
         mean_ratio(s, i, x, a, derive, dim);
     else
@@ -490,13 +466,6 @@ PL_INLINE lanes volume_constraint(const star *s, int64_t i, lanes D) {
 /* The fraction of the way to a barrier that is gone at most; a floor may be reached. */
 #define FLOOR_FRACTION 0.9
 
-/** Value of RATE: 1 / D, or FLOOR_FRACTION / (D - floor). */
-PL_INLINE lanes feasible_rate(lanes D, lanes inverse_d, lanes floor) {
-    lanes slack = lanes_max(D - floor, lanes_of(SLACK_LEAST) * floor);
-    return lanes_select(lanes_greater(floor, lanes_of(0)), lanes_of(FLOOR_FRACTION) / slack,
-                        inverse_d);
-}
-
 /* ---- a star -------------------------------------------------------------------------------- */
 
 /** Accumulators besides those of accumulator. */
@@ -508,14 +477,6 @@ typedef struct guarded_accumulator {
     lanes worst[PL_PACKS];     /* largest g */
     lanes g[3][PL_PACKS], h[6][PL_PACKS], size2[PL_PACKS];
 } guarded_accumulator;
-
-/** Set the accumulators to 0. */
-PL_INLINE void guarded_init(guarded_accumulator *t) {
-    memset(t, 0, sizeof *t);
-    accumulator_init(&t->ratios);
-    for (int k = 0; k < PL_PACKS; k++)
-        t->worst[k] = lanes_of(NEVER_ACTIVE);
-}
 
 /** Add the volumes of a pack to the function, and to its derivatives -slope n and bend n n^T.
  *  With a penalty rho, rho / 2 max(0, lambda / rho + g)^2 stands for the constraint g <= 0:
@@ -557,17 +518,6 @@ PL_INLINE void add_guarded(guarded_accumulator *t, int k, const question *q, con
     t->size2[k] += a->aa * weight;
 }
 
-/** Return the objective from the accumulators. */
-PL_INLINE objective guarded_result(const guarded_accumulator *t, const question *q) {
-    objective f = accumulator_result(&t->ratios, 1);
-    f.error *= is_of_worst(q->measure) ? WORST_EXPONENT : 1;
-    f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t->volumes) +
-            0.5 * q->penalty * lanes_sum(t->penalties);
-    f.shortfall = lanes_sum(t->shortfall);
-    f.worst = lanes_largest(t->worst);
-    return f;
-}
-
 /** guarded_at for one objective, which is constant where this is inlined. */
 PL_INLINE objective guarded_sums(const star *s, const question *q, const double *position,
                                  derivatives *out, const int kind, const int derive,
@@ -575,7 +525,10 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
     const lanes x[3] = {lanes_of(position[0]), lanes_of(position[1]),
                         lanes_of(dim == 3 ? position[2] : 0)};
     guarded_accumulator t;
-    guarded_init(&t);
+    memset(&t, 0, sizeof t);
+    accumulator_init(&t.ratios);
+    for (int k = 0; k < PL_PACKS; k++)
+        t.worst[k] = lanes_of(NEVER_ACTIVE);
     for (int64_t i = 0; i < s->padded; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;
@@ -588,9 +541,11 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
             if (!derive)
                 continue;
             store(s, GVALUE, j, g);
-            store(
-                s, RATE, j,
-                feasible_rate(a.D, a.inverse_d, q->penalty > 0 ? lanes_of(0) : load(s, FLOOR, j)));
+            const lanes floor = q->penalty > 0 ? lanes_of(0) : load(s, FLOOR, j);
+            const lanes slack = lanes_max(a.D - floor, lanes_of(SLACK_LEAST) * floor);
+            store(s, RATE, j,
+                  lanes_select(lanes_greater(floor, lanes_of(0)), lanes_of(FLOOR_FRACTION) / slack,
+                               a.inverse_d));
             add_guarded(&t, k, q, &a, weight, slope, bend, dim);
         }
     if (derive) {
@@ -600,7 +555,13 @@ PL_INLINE objective guarded_sums(const star *s, const question *q, const double 
             out->hessian[c] = lanes_sum(t.h[c]);
         out->size2 = lanes_sum(t.size2) / (double)s->n_facets;
     }
-    return guarded_result(&t, q);
+    objective f = accumulator_result(&t.ratios, 1);
+    f.error *= is_of_worst(q->measure) ? WORST_EXPONENT : 1;
+    f.sum = q->ratio_weight * f.sum + q->volume_weight * lanes_sum(t.volumes) +
+            0.5 * q->penalty * lanes_sum(t.penalties);
+    f.shortfall = lanes_sum(t.shortfall);
+    f.worst = lanes_largest(t.worst);
+    return f;
 }
 
 /** guarded_at, inlined where derive and dim are constant. */

@@ -1,17 +1,89 @@
-/* kernel_entry: the kernel's table of functions for one instruction set.
+/* kernel_entry: the functions of the kernel's table for one instruction set, and the table.
+ *
+ *   visit_range, evaluate     stars of either kernel
+ *   PL_ENTRIES                the functions of the table for one dimension
  *
  * Each of kernel_*.c and guarded_*.c includes this file once. It defines before: PL_PACK, lanes of
- * a pack; PL_ISA, the name of the instruction set; and PL_GUARDED in guarded_*.c. Their compiler
- * flags are in CMakeLists.txt.
+ * a pack; PL_ISA, the name of the instruction set; and PL_GUARDED, 1 in guarded_*.c, else 0. Their
+ * compiler flags are in CMakeLists.txt.
  */
+#if PL_GUARDED
+#include "star/kernel_guarded.h"
+#include "star/kernel_untangle.h"
+#else
+#include "star/kernel_visit.h"
+#endif
+
+/** Visit stars begin .. end - 1. */
+static inline void visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
+                               double *scratch, pl_star_tally *tally, const int dim) {
+    for (int64_t i = begin; i < begin + AHEAD; i++)
+        fetch_ahead(problem, i, end, dim);
+    for (int64_t i = begin; i < end; i++) {
+        fetch_ahead(problem, i + AHEAD, end, dim);
+        const int flags = claim(problem, i);
+        if (!flags || (PL_GUARDED && pl_star_is_held(problem->guard, problem->node[i], dim)))
+            continue;
+        visit_star(problem, i, flags, scratch, tally, dim);
+        tally->visits++;
+    }
+}
+
+/** Evaluate the star of index where its node is. */
+static inline int evaluate(const pl_star_problem *problem, int64_t index, double *scratch,
+                           int with_derivatives, pl_star_value *value, const int dim) {
+    const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
+    int64_t evaluations = 0;
+    local here = local_of(problem, index, place, NULL, scratch, &evaluations, PL_GUARDED, dim);
+    double x[3];
+    to_star(&here, place, x, dim);
+    derivatives derivative = {{0}, {0}, 0};
+    const objective f = evaluate_at(&here, x, with_derivatives, &derivative, dim);
+    value->sum = f.sum;
+    value->max = f.max;
+    value->error = f.error;
+    value->certain = f.certain;
+    to_mesh(&here, &derivative, value->gradient, value->hessian);
+    return f.positive;
+}
+
 #define PL_JOIN_(a, b) a##b
 #define PL_JOIN(a, b)  PL_JOIN_(a, b)
 #define PL_TEXT_(a)    #a
 #define PL_TEXT(a)     PL_TEXT_(a)
 
-#ifdef PL_GUARDED
-#include "star/kernel_guarded.h"
-#include "star/kernel_untangle.h"
+/* Functions of a table for stars of one dimension, which is a constant in them. */
+#define PL_ENTRIES(stars, dim)                                                                     \
+    static void visit_##stars(const pl_star_problem *problem, int64_t begin, int64_t end,          \
+                              double *scratch, pl_star_tally *tally) {                             \
+        visit_range(problem, begin, end, scratch, tally, dim);                                     \
+    }                                                                                              \
+    static int evaluate_##stars(const pl_star_problem *problem, int64_t index, double *scratch,    \
+                                int with_derivatives, pl_star_value *value) {                      \
+        return evaluate(problem, index, scratch, with_derivatives, value, dim);                    \
+    }
+
+PL_ENTRIES(triangles, 2)
+PL_ENTRIES(tetrahedra, 3)
+
+#if PL_GUARDED
+
+#define PL_GUARDED_ENTRIES(stars, dim)                                                             \
+    static void optimality_##stars(const pl_star_problem *problem, int64_t begin, int64_t end,     \
+                                   double *scratch, pl_star_optimality *optimality) {              \
+        optimality_range(problem, begin, end, scratch, optimality, dim);                           \
+    }                                                                                              \
+    static void untangle_##stars(const pl_star_problem *problem, int64_t begin, int64_t end,       \
+                                 double *scratch, pl_star_tally *tally) {                          \
+        untangle_range(problem, begin, end, scratch, tally, dim);                                  \
+    }                                                                                              \
+    static pl_star_energy energy_##stars(const pl_star_problem *problem, int64_t begin,            \
+                                         int64_t end, double *scratch, pl_star_slope *slope) {     \
+        return energy_range(problem, begin, end, scratch, slope, dim);                             \
+    }
+
+PL_GUARDED_ENTRIES(triangles, 2)
+PL_GUARDED_ENTRIES(tetrahedra, 3)
 
 const pl_star_guarded PL_JOIN(pl_star_guarded_, PL_ISA) = {
     .visit = {visit_triangles, visit_tetrahedra},
@@ -20,8 +92,8 @@ const pl_star_guarded PL_JOIN(pl_star_guarded_, PL_ISA) = {
     .untangle = {untangle_triangles, untangle_tetrahedra},
     .energy = {energy_triangles, energy_tetrahedra},
 };
+
 #else
-#include "star/kernel_visit.h"
 
 const pl_star_kernel PL_JOIN(pl_star_kernel_, PL_ISA) = {
     .name = PL_TEXT(PL_ISA),
@@ -29,4 +101,5 @@ const pl_star_kernel PL_JOIN(pl_star_kernel_, PL_ISA) = {
     .evaluate = {evaluate_triangles, evaluate_tetrahedra},
     .guarded = &PL_JOIN(pl_star_guarded_, PL_ISA),
 };
+
 #endif

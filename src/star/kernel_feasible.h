@@ -3,6 +3,10 @@
  *
  * Both are one projection on a cone (kernel_cone.h, docs/algorithm.md). Constraints: g_k = 1 - D_k
  * / floor_k of the elements, the bounds of the coordinates, and the distance moved.
+ *
+ *   active_none, add_row, add_facet_row, active_within    rows: gradients of constraints
+ *   project_direction, guarded_direction                  case 2: constraints active
+ *   shortest_displacement, restore                        case 3: constraints violated
  */
 #ifndef PL_STAR_KERNEL_FEASIBLE_H
 #define PL_STAR_KERNEL_FEASIBLE_H
@@ -47,19 +51,15 @@ static inline double restore_margin(const local *here) {
  * to the star's size. A minimum volume may be next to nothing. */
 #define SOUND_HEIGHT 0.02
 
-/** The D that element i is to have in the end, if it can be: above its floor by margin, and sound
- * if it has to be brought up. */
-static inline double wanted_measure(const local *here, int64_t i, double margin, double size) {
+/** Return how much D of element i, at the position that GVALUE is of, is short of what it is to
+ * have in the end, if it can: above its floor by margin, and sound if it has to be brought up. */
+static inline double missing_measure(const local *here, int64_t i, double margin, double size) {
     const star *s = &here->s;
     double floor = *entry(s, FLOOR, i) * (1 + margin);
     double sound = SOUND_HEIGHT * size * *entry(s, LENGTH, i);
     int is_violated = *entry(s, GVALUE, i) > violated_above(here);
-    return is_violated && !here->problem->guard->strict && sound > floor ? sound : floor;
-}
-
-/** D of element i at the position that GVALUE is of. */
-static inline double present_measure(const star *s, int64_t i) {
-    return (1 - *entry(s, GVALUE, i)) * *entry(s, FLOOR, i);
+    int is_raised = is_violated && !here->problem->guard->strict && sound > floor;
+    return (is_raised ? sound : floor) - (1 - *entry(s, GVALUE, i)) * *entry(s, FLOOR, i);
 }
 
 /* ---- rows ---------------------------------------------------------------------------------- */
@@ -82,7 +82,12 @@ static inline double *add_row(active *a, const double *gradient, const int dim) 
     double *row = a->rows[a->m++];
     for (int d = 0; d < ROW_LENGTH; d++)
         row[d] = d < dim ? gradient[d] : 0;
-    slide_row(a->slide, row, dim);
+    if (!a->slide || a->slide->kind == PLANISH_FREE)
+        return row;
+    slide_along(a->slide, row, dim);
+    const int nothing = dot(row, row, dim) < SLIDE_NOTHING * SLIDE_NOTHING;
+    for (int d = 0; nothing && d < dim; d++)
+        row[d] = 0;
     return row;
 }
 
@@ -163,26 +168,7 @@ static inline void to_metric(const factors *f, const double *b, double *y, const
         y[d] = z[d] / sqrt(f->pivot[d]);
 }
 
-/** Transform y from the metric of the Hessian back to x. */
-static inline void from_metric(const factors *f, const double *y, double *x, const int dim) {
-    double z[3];
-    for (int d = 0; d < dim; d++)
-        z[d] = y[d] * sqrt(f->pivot[d]);
-    substitute_back(f, z, x, dim);
-}
-
-/** The metric of the direction: that of the shifted Hessian, in which the projected gradient is the
- *  Newton step within the cone; or that of the space, as in equation 4 of the paper. */
-static inline int metric_of(planish_direction kind, const derivatives *derivative, factors *f,
-                            const int dim) {
-    if (kind == PLANISH_NEWTON)
-        return factorise_shifted(derivative->hessian, f, dim);
-    for (int d = 0; d < dim; d++)
-        f->pivot[d] = f->inverse[d] = 1;
-    return 1;
-}
-
-/** -grad f projected on the cone that the rows leave: direction [dim]. The rows are changed. */
+/** Project -grad f on the cone that the rows leave: direction [dim]. The rows are changed. */
 static inline int project_direction(const derivatives *derivative, const factors *f,
                                     const active *a, double *direction, cone_point *point,
                                     const int dim) {
@@ -194,35 +180,23 @@ static inline int project_direction(const derivatives *derivative, const factors
         to_metric(f, a->rows[i], a->rows[i], dim);
     if (!cone_project((const double(*)[CONE_DIM])a->rows, a->m, p, dim, point))
         return 0;
-    from_metric(f, point->point, direction, dim);
+    double z[3]; /* back from the metric */
+    for (int d = 0; d < dim; d++)
+        z[d] = point->point[d] * sqrt(f->pivot[d]);
+    substitute_back(f, z, direction, dim);
     return 1;
 }
 
-/** Bring a direction of the metric of the space to the length of a Newton step along it. */
-static inline void newton_length(const derivatives *derivative, double *direction, const int dim) {
-    double bend = curvature(derivative->hessian, direction, dim);
-    double square = dot(direction, direction, dim);
-    double slope = dot(derivative->gradient, direction, dim);
-    double length = bend > 0 ? -slope / bend : square > 0 ? sqrt(derivative->size2 / square) : 0;
-    for (int d = 0; d < dim; d++)
-        direction[d] *= length;
-}
-
-/** By how much the quadratic model falls on the way that is free along direction. */
-static inline double promised_fall(const local *here, const double *x,
-                                   const derivatives *derivative, const double *direction,
-                                   const int dim) {
-    double rate = limiting_rate(here, x, direction, 1, dim);
-    double step = rate > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : 1;
-    return -dot(derivative->gradient, direction, dim) * step * (1 - 0.5 * step);
-}
-
-/** Equation 4 of the paper, for bands of active constraints: the direction that promises most. */
+/** Find the direction of equation 4 of the paper that promises most, over bands of active
+ *  constraints. Newton's is in the metric of the shifted Hessian, in which the projected gradient
+ * is the Newton step within the cone; others are in that of the space. */
 static inline int constrained_direction(const local *here, const double *x,
                                         const derivatives *derivative, double *direction,
                                         const int dim) {
-    factors f = {.pivot = {0}};
-    if (!metric_of(here->kind, derivative, &f, dim))
+    const double *gradient = derivative->gradient;
+    const int is_newton = here->kind == PLANISH_NEWTON;
+    factors f = {.pivot = {1, 1, 1}, .inverse = {1, 1, 1}};
+    if (is_newton && !factorise_shifted(derivative->hessian, &f, dim))
         return 0;
     double best = 0, band = -ACTIVE_ABOVE, size = sqrt(derivative->size2);
     int64_t rows = -1;
@@ -234,10 +208,20 @@ static inline int constrained_direction(const local *here, const double *x,
         rows = a.m;
         if (same || !project_direction(derivative, &f, &a, candidate, &point, dim))
             continue;
-        if (here->kind != PLANISH_NEWTON)
-            newton_length(derivative, candidate, dim);
+        if (!is_newton) { /* to the length of a Newton step along it */
+            double bend = curvature(derivative->hessian, candidate, dim);
+            double square = dot(candidate, candidate, dim), slope = dot(gradient, candidate, dim);
+            double length = bend > 0     ? -slope / bend
+                            : square > 0 ? sqrt(derivative->size2 / square)
+                                         : 0;
+            for (int d = 0; d < dim; d++)
+                candidate[d] *= length;
+        }
         limit_length(candidate, derivative->size2, dim);
-        double fall = promised_fall(here, x, derivative, candidate, dim);
+        /* by how much the quadratic model falls on the way that is free */
+        double rate = limiting_rate(here, x, candidate, 1, dim);
+        double step = rate > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : 1;
+        double fall = -dot(gradient, candidate, dim) * step * (1 - 0.5 * step);
         if (fall > best) {
             best = fall;
             memcpy(direction, candidate, (size_t)dim * sizeof *direction);
@@ -292,56 +276,37 @@ static inline int keeps_positive(const star *s, const double *x, const double *p
     return kept;
 }
 
-/** Whether a trial brings the star nearer to its minimum volumes and breaks nothing. Volumes come
- *  first: the limit on the radius ratio does not count here. */
-static inline int restores(const local *here, const trial *t, const objective *now, const double *x,
-                           double size, const int dim) {
-    return t->value.shortfall < (1 - RESTORE_FALL) * now->shortfall &&
-           within_bounds(&here->b, t->position, dim) &&
-           keeps_positive(&here->s, x, t->position, size, dim);
-}
-
-/** Search along direction for a position that restores constraints; returns whether *best was
- *  found. */
+/** Search along direction for a position that brings the star nearer to its minimum volumes and
+ *  breaks nothing; returns whether *best was found. Volumes come first: the limit on the radius
+ *  ratio does not count here. */
 static inline int restoring_search(const local *here, const double *x, const objective *now,
                                    const double *direction, double step, double size, trial *best,
                                    const int dim) {
     for (int i = 0; i < RESTORE_TRIALS; i++, step *= 0.5) {
         *best = try_step(here, x, direction, step, 1, dim);
-        if (restores(here, best, now, x, size, dim))
+        if (best->value.shortfall < (1 - RESTORE_FALL) * now->shortfall &&
+            within_bounds(&here->b, best->position, dim) &&
+            keeps_positive(&here->s, x, best->position, size, dim))
             return 1;
     }
     return 0;
 }
 
-/** Factor by which a constraint of value g pushes the direction off. */
-static inline double push_off_factor(double g) {
-    double root = 1 - g / ACTIVE_ABOVE;
-    double factor = root * root;
-    return factor < PUSH_OFF_LARGEST ? factor : PUSH_OFF_LARGEST;
-}
-
-/** The violated and active elements and bounds, with the push-off factors of the violated ones as
- *  the entry after the gradient. */
-static inline active critical(const local *here, const double *x, double size, const int dim) {
-    const star *s = &here->s;
-    active a = active_none(here);
-    for (int64_t i = 0; i < s->n_facets; i++) {
-        double *row = *entry(s, GVALUE, i) > ACTIVE_ABOVE ? add_facet_row(s, i, &a, dim) : NULL;
-        if (row)
-            row[dim] = *entry(s, GVALUE, i) > violated_above(here)
-                           ? push_off_factor(*entry(s, GVALUE, i))
-                           : 0;
-    }
-    add_bound_rows(here, x, -ACTIVE_ABOVE, size, &a, dim);
-    return a;
-}
-
-/** Equation 5 of the paper: the direction for phi, or 0 if it brings no violated element up. */
+/** Find the direction of equation 5 of the paper for phi, or return 0 if it brings no violated
+ * element up. Rows are the violated and active elements and bounds; the entry after the gradient is
+ * the push-off factor of the violated ones. */
 static inline int push_off_direction(const local *here, const double *x,
                                      const derivatives *derivative, double phi, double *direction,
                                      const int dim) {
-    active a = critical(here, x, sqrt(derivative->size2), dim);
+    const star *s = &here->s;
+    active a = active_none(here);
+    for (int64_t i = 0; i < s->n_facets; i++) {
+        const double g = *entry(s, GVALUE, i), root = 1 - g / ACTIVE_ABOVE, factor = root * root;
+        double *row = g > ACTIVE_ABOVE ? add_facet_row(s, i, &a, dim) : NULL;
+        if (row && g > violated_above(here))
+            row[dim] = factor < PUSH_OFF_LARGEST ? factor : PUSH_OFF_LARGEST;
+    }
+    add_bound_rows(here, x, -ACTIVE_ABOVE, sqrt(derivative->size2), &a, dim);
     cone_point point;
     double p[4], norm = sqrt(dot(derivative->gradient, derivative->gradient, dim));
     for (int d = 0; d < dim; d++)
@@ -362,8 +327,7 @@ static inline double restoring_step(const local *here, const double *x, const do
         if (!(*entry(s, GVALUE, i) > violated_above(here)) || !facet_normal(s, i, n, dim))
             continue;
         double rise = dot(n, direction, dim) * *entry(s, LENGTH, i);
-        double missing =
-            wanted_measure(here, i, restore_margin(here), size) - present_measure(s, i);
+        double missing = missing_measure(here, i, restore_margin(here), size);
         double step = rise > 0 ? missing / rise : 0;
         goal = step > goal ? step : goal;
     }
@@ -393,8 +357,7 @@ static inline int add_homogeneous_row(const local *here, int64_t i, double margi
     const star *s = &here->s;
     double *row = *entry(s, FLOOR, i) > 0 ? add_facet_row(s, i, a, dim) : NULL;
     if (row)
-        row[dim] =
-            (wanted_measure(here, i, margin, size) - present_measure(s, i)) / *entry(s, LENGTH, i);
+        row[dim] = missing_measure(here, i, margin, size) / *entry(s, LENGTH, i);
     return row != NULL;
 }
 

@@ -9,6 +9,9 @@
  *
  * It is finite and smooth for inverted elements, too, and becomes a barrier as epsilon falls to 0.
  * Symbols as in docs/algorithm.md.
+ *
+ *   untangling_of    gather a star
+ *   energy_at        its energy
  */
 #ifndef PL_STAR_KERNEL_FOLDOVER_H
 #define PL_STAR_KERNEL_FOLDOVER_H
@@ -19,15 +22,16 @@
 #define REGULAR_MEASURE_3D 0.70710678118654752
 #define REGULAR_MEASURE_2D 0.86602540378443865
 
-/* ---- gather -------------------------------------------------------------------------------- */
-
-/** Fill in what the wanted sizes and the patch say of each facet; first: the star's first link
- *  facet of all. Elements that cannot be helped get no weight. */
-static inline void gather_targets(const pl_star_problem *problem, int64_t index, const star *s,
+/** Return the star of index for untangling, with its node at place: with what the wanted sizes and
+ *  the patch say of each facet. Elements that cannot be helped get no weight. */
+static inline local untangling_of(const pl_star_problem *problem, int64_t index,
+                                  const double *place, double *scratch, int64_t *evaluations,
                                   const int dim) {
     const pl_star_untangling *u = problem->untangling;
     const int64_t first = problem->link_offset[index];
     const int32_t node = problem->node[index];
+    const local here = local_of(problem, index, place, NULL, scratch, evaluations, 1, dim);
+    const star *s = &here.s;
     for (int64_t i = 0; i < s->padded; i++) {
         const int64_t facet = i < s->n_facets ? first + i : first;
         double size = u->size[node];
@@ -45,14 +49,6 @@ static inline void gather_targets(const pl_star_problem *problem, int64_t index,
         if (u->link_skip && u->link_skip[facet])
             *entry(s, WEIGHT, i) = 0;
     }
-}
-
-/** Return the star of index for untangling, with its node at place. */
-static inline local untangling_of(const pl_star_problem *problem, int64_t index,
-                                  const double *place, double *scratch, int64_t *evaluations,
-                                  const int dim) {
-    local here = local_of(problem, index, place, NULL, scratch, evaluations, 1, dim);
-    gather_targets(problem, index, &here.s, dim);
     return here;
 }
 
@@ -123,7 +119,7 @@ static inline regularised energy_at(const star *s, double epsilon, const double 
             const lanes weight = load(s, WEIGHT, j), share = load(s, SHARE, j);
             const lanes target = load(s, INVERSE_TARGET, j);
             const lanes_mask counts = lanes_greater(weight, zero);
-            const edges e = edges_at(s, j, x, dim);
+            const edges e = edges_at(s, j, x, 0, dim);
             const lanes edge2 = load(s, INVERSE_EDGE2, j) * per_edge, floor = load(s, FLOOR, j);
             aspect a;
             measure_at(s, j, x, &a, dim);

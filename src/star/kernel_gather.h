@@ -1,4 +1,9 @@
-/* kernel_gather: a star from the mesh into scratch. */
+/* kernel_gather: a star from the mesh into scratch.
+ *
+ *   fetch_ahead                    ask for the memory of a later visit
+ *   gather, scratch_doubles        the star, and the scratch that it needs
+ *   power_of_two, exponent_of      scales
+ */
 #ifndef PL_STAR_KERNEL_GATHER_H
 #define PL_STAR_KERNEL_GATHER_H
 
@@ -25,17 +30,6 @@ static inline int exponent_of(double x) {
     return (int)(bits >> 52 & 0x7ff) - 1023;
 }
 
-/** Choose the scale from extent, half of the largest difference of a coordinate in the star. */
-static inline void choose_scale(star *s, double extent) {
-    int exponent = exponent_of(extent);
-    if (exponent > SCALE_LIMIT)
-        exponent = SCALE_LIMIT;
-    if (exponent < -SCALE_LIMIT)
-        exponent = -SCALE_LIMIT;
-    s->scale = power_of_two(-exponent);
-    s->unscale = power_of_two(exponent);
-}
-
 /* Stars that are asked for ahead of their visits: on meshes that outgrow the caches they would be
  * waited for, and so would what a thread on a core far away has written, or read. */
 enum { AHEAD = 3, MOST_AHEAD = 64 }; /* of a giant ring only the first nodes */
@@ -59,32 +53,50 @@ PL_INLINE void fetch_ahead(const pl_star_problem *problem, int64_t index, int64_
     pl_fetch_to_write(&problem->changed[problem->node[index]]);
 }
 
-/** Choose the scale that the star has with its node at x. */
-static inline void scale_by_ring(const pl_star_problem *problem, star *s, const double *x,
-                                 const int dim) {
-    const point_row half_of_x = row_halved(row_of(x, dim));
-    point_row extent = row_minus(half_of_x, half_of_x);
+/** Choose the scale that the star has with its node at x, from half of the largest difference of a
+ *  coordinate; half, because the whole could overflow. Return its exponent. */
+static inline int choose_scale(const pl_star_problem *problem, const star *s, const double *x,
+                               const int dim) {
+    const point_row at = row_of(x, dim);
+    lanes extent[PL_PACKS];
+    for (int k = 0; k < PL_PACKS; k++)
+        extent[k] = lanes_of(0);
     for (int64_t i = 0; i < s->n_ring; i++) {
         const point_row p = row_of(problem->coordinates + (int64_t)s->ring[i] * dim, dim);
-        /* half, because the whole could overflow */
-        extent = row_max(row_abs(row_minus(row_halved(p), half_of_x)), extent);
+        for (int k = 0; k < PL_PACKS; k++)
+            extent[k] = lanes_max(lanes_abs(p.pack[k] * lanes_of(0.5) - at.pack[k] * lanes_of(0.5)),
+                                  extent[k]);
     }
-    choose_scale(s, row_largest(extent));
+    const int exponent = exponent_of(lanes_largest(extent));
+    return exponent > SCALE_LIMIT    ? -SCALE_LIMIT
+           : exponent < -SCALE_LIMIT ? SCALE_LIMIT
+                                     : -exponent;
 }
 
 /** Copy the ring's coordinates to ring [n_ring][PL_ROW], scaled: by 2^*exponent, or NULL, and the
  *  scale is chosen. */
 static inline void gather_ring(const pl_star_problem *problem, star *s, const double *x,
                                const int *exponent, double *ring, const int dim) {
-    if (exponent) {
-        s->scale = power_of_two(*exponent);
-        s->unscale = power_of_two(-*exponent);
-    } else {
-        scale_by_ring(problem, s, x, dim);
+    const int power = exponent ? *exponent : choose_scale(problem, s, x, dim);
+    s->scale = power_of_two(power);
+    s->unscale = power_of_two(-power);
+    for (int64_t i = 0; i < s->n_ring; i++) {
+        const double *p = problem->coordinates + (int64_t)s->ring[i] * dim;
+        double *row = ring + PL_ROW * i;
+#if PL_PACK == 4 && defined(__AVX__)
+        /* By pairs, as points_to_columns reads it soon after. A load that is wider than the stores
+         * before it waits until these have left the core. */
+        const __m128d f = _mm_set1_pd(s->scale);
+        const __m128d last = dim == 3 ? _mm_load_sd(p + 2) : _mm_setzero_pd();
+        _mm_store_pd(row, _mm_mul_pd(_mm_loadu_pd(p), f));
+        _mm_store_pd(row + 2, _mm_mul_pd(last, f));
+#else
+        point_row scaled = row_of(p, dim);
+        for (int k = 0; k < PL_PACKS; k++)
+            scaled.pack[k] *= lanes_of(s->scale);
+        row_store(row, scaled);
+#endif
     }
-    for (int64_t i = 0; i < s->n_ring; i++)
-        store_scaled(ring + PL_ROW * i, problem->coordinates + (int64_t)s->ring[i] * dim, s->scale,
-                     dim);
 }
 
 /* Floors are kept within this and its inverse, of stars of a size of about 1: nothing over- or
@@ -172,14 +184,6 @@ PL_INLINE void unpack(const pl_link *link, int64_t from, int64_t n, int64_t padd
         row[i] = row[i % count];
 }
 
-/** Weight 1 for the facets, 0 for what they are padded with. */
-PL_INLINE void weigh(const star *s) {
-    for (int64_t i = 0; i < s->padded; i += PL_PACK)
-        store(s, WEIGHT, i, lanes_of(1));
-    for (int64_t i = s->n_facets; i < s->padded; i++)
-        *entry(s, WEIGHT, i) = 0;
-}
-
 /** Gather star index of problem, with its node at x (as in the mesh), into scratch; exponent of its
  * scale, or NULL. Inlined, like the sums over a star: what they return is not handed over through
  * memory then. */
@@ -228,7 +232,10 @@ PL_INLINE star gather(const pl_star_problem *problem, int64_t index, const doubl
         s.facet_edge = NULL;
         facets_2d(&s, ring);
     }
-    weigh(&s);
+    for (int64_t i = 0; i < s.padded; i += PL_PACK)
+        store(&s, WEIGHT, i, lanes_of(1));
+    for (int64_t i = s.n_facets; i < s.padded; i++)
+        *entry(&s, WEIGHT, i) = 0;
     if (guarded)
         gather_floors(problem, &s, first, dim);
     return s;

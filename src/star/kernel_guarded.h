@@ -1,7 +1,11 @@
 /* kernel_guarded: visits of stars with other objectives, minimum volumes and bounds.
  *
- * Included by every guarded_*.c after it has defined PL_PACK; see kernel.c. kernel_visit.h has the
- * plain problem alone, faster.
+ *   visit_star          move the node of a star to a better place
+ *   optimality_range    first-order optimality of stars
+ *   evaluate_at         the function of a star
+ *
+ * kernel_entry.h includes this file for every guarded_*.c. kernel_visit.h has the plain problem
+ * alone, faster.
  */
 #ifndef PL_STAR_KERNEL_GUARDED_H
 #define PL_STAR_KERNEL_GUARDED_H
@@ -15,9 +19,14 @@ enum { RESTORING_STEPS = 4, CONSTRAINED_STEPS = 4 };
 /* A visit along constraints that brought more than this, relative, is worth another one. */
 #define CONSTRAINED_FALL 1e-8
 
-/** Leave of the derivatives at x what the node's directions have. */
-static inline void slide_derivatives(local *here, const double *x, derivatives *derivative,
-                                     const int dim) {
+/** Find the function and derivatives at x, in the node's directions, with the columns that
+ *  directions and steps need. */
+static inline objective find_derivatives(local *here, const double *x, derivatives *derivative,
+                                         const int dim) {
+    ++*here->evaluations;
+    const objective now = guarded_at(&here->s, &here->q, x, derivative, 1, dim);
+    if (here->slide.kind == PLANISH_FREE)
+        return now;
     double place[3];
     for (int d = 0; d < dim; d++)
         place[d] = x[d] * here->s.unscale;
@@ -25,18 +34,10 @@ static inline void slide_derivatives(local *here, const double *x, derivatives *
         !slide_ask(here->problem, &here->slide, place, NULL, dim)) {
         for (int d = 0; d < dim; d++)
             derivative->gradient[d] = 0; /* no direction is downhill */
-        return;
+        return now;
     }
     slide_along(&here->slide, derivative->gradient, dim);
     slide_hessian(&here->slide, derivative->hessian, dim);
-}
-
-/** The function and derivatives at x, with the columns that directions and steps need. */
-static inline objective look(local *here, const double *x, derivatives *derivative, const int dim) {
-    ++*here->evaluations;
-    objective now = guarded_at(&here->s, &here->q, x, derivative, 1, dim);
-    if (here->slide.kind != PLANISH_FREE)
-        slide_derivatives(here, x, derivative, dim);
     return now;
 }
 
@@ -54,26 +55,10 @@ static inline int worth_a_step(const local *here, const double *x, const objecti
 }
 
 /** Move the node to the trial position. */
-static inline void take(const trial *t, double *x, objective *now, const int dim) {
+static inline void move_to_trial(const trial *t, double *x, objective *now, const int dim) {
     for (int d = 0; d < dim; d++)
         x[d] = t->position[d];
     *now = t->value;
-}
-
-/** Bring violated elements up; returns how often the node moved. now is what holds at x. */
-static inline int restoring_steps(local *here, double *x, objective *now, derivatives *derivative,
-                                  const int dim) {
-    int moves = 0;
-    while (!here->problem->guard->keep_below && moves < RESTORING_STEPS &&
-           now->worst > violated_above(here)) {
-        trial best;
-        if (!restore(here, x, now, derivative, &best, dim))
-            break;
-        take(&best, x, now, dim);
-        *now = look(here, x, derivative, dim);
-        moves++;
-    }
-    return moves;
 }
 
 /** One step of cases 1 and 2 in a direction of this kind. */
@@ -87,92 +72,75 @@ static inline int step_by(local *here, planish_direction kind, conjugate *memory
     double slope = dot(derivative->gradient, direction, dim);
     if (!(slope < 0) || !search(here, x, now, direction, slope, &best, 1, dim))
         return 0;
-    take(&best, x, now, dim);
+    move_to_trial(&best, x, now, dim);
     return 1;
-}
-
-/** One step. The limit on the radius ratio is no part of other objectives, and Newton's direction
- * may run into it: then that of steepest descent is tried. */
-static inline int guarded_step(local *here, conjugate *memory, double *x, objective *now,
-                               const derivatives *derivative, const int dim) {
-    const planish_direction kind = here->problem->direction;
-    conjugate none = {{0, 0, 0}, 0};
-    return step_by(here, kind, memory, x, now, derivative, dim) ||
-           (kind == PLANISH_NEWTON && here->q.measure != PLANISH_RADIUS_RATIO &&
-            step_by(here, PLANISH_FLETCHER_REEVES, &none, x, now, derivative, dim));
 }
 
 /** Step until nothing improves or the steps are used up; returns how many steps were taken. */
 static inline int guarded_steps(local *here, double *x, objective *now, derivatives *derivative,
                                 const int dim) {
+    const planish_direction kind = here->problem->direction;
     conjugate memory = {{0, 0, 0}, 0};
     int moves = 0, wanted;
     do {
         const double before = now->sum;
-        if (!worth_a_step(here, x, now, dim) ||
-            !guarded_step(here, &memory, x, now, derivative, dim))
+        if (!worth_a_step(here, x, now, dim))
+            break;
+        /* The limit on the radius ratio is no part of other objectives, and Newton's direction may
+         * run into it: then that of steepest descent is tried. */
+        conjugate none = {{0, 0, 0}, 0};
+        if (!step_by(here, kind, &memory, x, now, derivative, dim) &&
+            !(kind == PLANISH_NEWTON && here->q.measure != PLANISH_RADIUS_RATIO &&
+              step_by(here, PLANISH_FLETCHER_REEVES, &none, x, now, derivative, dim)))
             break;
         /* With a weight of the volumes, the function is F's only next to where it was weighed. */
         const double fall = here->q.volume_weight > 0 ? 0 : before - now->sum;
-        wanted = here->constrained ? CONSTRAINED_STEPS
-                                   : steps_of_visit(here->problem->direction, fall, before, dim);
+        wanted = here->constrained ? CONSTRAINED_STEPS : steps_of_visit(kind, fall, before, dim);
         if (++moves < wanted)
-            *now = look(here, x, derivative, dim);
+            *now = find_derivatives(here, x, derivative, dim);
     } while (moves < wanted);
     return moves;
 }
 
-/** Relative fall of the function by a visit, if the visit was for the objective alone; else
- *  FALL_TOLD. */
-static inline double fall_to_tell(const local *here, int restored, double before, double after) {
-    const int for_more =
-        restored || here->constrained || here->q.volume_weight > 0 || here->q.penalty > 0;
-    return for_more ? FALL_TOLD : (before - after) / before;
-}
-
 /** Visit one star with a guard. */
-static inline void visit_star_guarded(const pl_star_problem *problem, int64_t index, int flags,
-                                      double *scratch, pl_star_tally *tally, const int dim) {
+static inline void visit_star(const pl_star_problem *problem, int64_t index, int flags,
+                              double *scratch, pl_star_tally *tally, const int dim) {
     int32_t node = problem->node[index];
     double *place = problem->coordinates + (int64_t)node * dim, x[3];
     local here = local_of(problem, index, place, NULL, scratch, &tally->evaluations, 1, dim);
     derivatives derivative;
     here.alone = (flags & PL_TOLD) != 0;
     to_star(&here, place, x, dim);
-    objective now = look(&here, x, &derivative, dim);
+    objective now = find_derivatives(&here, x, &derivative, dim);
     if (here.slide.kind != PLANISH_FREE && !now.positive)
         return; /* no facet of the surface can fold over only while the elements are positive */
     double size2 = derivative.size2;
-    int restored = restoring_steps(&here, x, &now, &derivative, dim), moved = restored;
+    int restored = 0; /* moves that bring violated elements up */
+    while (!problem->guard->keep_below && restored < RESTORING_STEPS &&
+           now.worst > violated_above(&here)) {
+        trial best;
+        if (!restore(&here, x, &now, &derivative, &best, dim))
+            break;
+        move_to_trial(&best, x, &now, dim);
+        now = find_derivatives(&here, x, &derivative, dim);
+        restored++;
+    }
+    int moved = restored;
     const double before = now.sum;
     if (problem->guard->keep_below || !(now.worst > violated_above(&here)))
         moved += guarded_steps(&here, x, &now, &derivative, dim);
-    if (moved)
-        settle(&here, node, x, size2, fall_to_tell(&here, restored, before, now.sum), 1, place,
-               dim);
+    if (moved) {
+        const int for_more =
+            restored || here.constrained || here.q.volume_weight > 0 || here.q.penalty > 0;
+        const double fall = for_more ? FALL_TOLD : (before - now.sum) / before;
+        move_node(&here, node, x, size2, fall, 1, place, dim);
+    }
     if (here.constrained && before - now.sum > CONSTRAINED_FALL * before)
         __atomic_fetch_or(&problem->changed[node], PL_CHANGED, __ATOMIC_RELAXED);
     tally->restored += restored > 0;
     if (moved > restored)
         pl_sum_add(&tally->decrease, before - now.sum);
     tally->improved += before - now.sum > IMPROVED * before;
-}
-
-/* ---- ranges of stars ----------------------------------------------------------------------- */
-
-/** Visit stars begin .. end - 1. */
-static inline void visit_range(const pl_star_problem *problem, int64_t begin, int64_t end,
-                               double *scratch, pl_star_tally *tally, const int dim) {
-    for (int64_t i = begin; i < begin + AHEAD; i++)
-        fetch_ahead(problem, i, end, dim);
-    for (int64_t i = begin; i < end; i++) {
-        fetch_ahead(problem, i + AHEAD, end, dim);
-        const int flags = claim(problem, i);
-        if (!flags || pl_star_is_held(problem->guard, problem->node[i], dim))
-            continue;
-        visit_star_guarded(problem, i, flags, scratch, tally, dim);
-        tally->visits++;
-    }
 }
 
 /** Add what the star's projected gradient and multipliers say. */
@@ -186,7 +154,7 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     derivatives derivative;
     cone_point point;
     to_star(&here, place, x, dim);
-    objective now = look(&here, x, &derivative, dim);
+    objective now = find_derivatives(&here, x, &derivative, dim);
     if (!now.positive || now.worst > violated_above(&here) || !(now.sum < INFINITY))
         return;
     const double size = sqrt(derivative.size2);
@@ -210,61 +178,19 @@ static inline void add_optimality(const pl_star_problem *problem, int64_t index,
     }
 }
 
-/** Evaluate the star of index where its node is. */
-static inline int evaluate(const pl_star_problem *problem, int64_t index, double *scratch,
-                           int with_derivatives, pl_star_value *value, const int dim) {
-    const double *place = problem->coordinates + (int64_t)problem->node[index] * dim;
-    int64_t evaluations = 0;
-    local here = local_of(problem, index, place, NULL, scratch, &evaluations, 1, dim);
-    double x[3];
-    to_star(&here, place, x, dim);
-    derivatives derivative = {{0}, {0}, 0};
-    objective f = with_derivatives ? look(&here, x, &derivative, dim)
-                                   : guarded_at(&here.s, &here.q, x, NULL, 0, dim);
-    give_value(&here, &f, &derivative, value);
-    return f.positive;
-}
-
-/* ---- the functions of a variant ------------------------------------------------------------ */
-
-/** Visit stars begin .. end - 1 of triangles. */
-static void visit_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
-                            double *scratch, pl_star_tally *tally) {
-    visit_range(problem, begin, end, scratch, tally, 2);
-}
-
-/** Visit stars begin .. end - 1 of tetrahedra. */
-static void visit_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
-                             double *scratch, pl_star_tally *tally) {
-    visit_range(problem, begin, end, scratch, tally, 3);
-}
-
-/** Evaluate a star of triangles. */
-static int evaluate_triangles(const pl_star_problem *problem, int64_t star_index, double *scratch,
-                              int with_derivatives, pl_star_value *value) {
-    return evaluate(problem, star_index, scratch, with_derivatives, value, 2);
-}
-
-/** Evaluate a star of tetrahedra. */
-static int evaluate_tetrahedra(const pl_star_problem *problem, int64_t star_index, double *scratch,
-                               int with_derivatives, pl_star_value *value) {
-    return evaluate(problem, star_index, scratch, with_derivatives, value, 3);
-}
-
-/** Add the optimality of stars begin .. end - 1 of triangles. */
-static void optimality_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                 double *scratch, pl_star_optimality *optimality) {
+/** Add the optimality of stars begin .. end - 1. */
+static inline void optimality_range(const pl_star_problem *problem, int64_t begin, int64_t end,
+                                    double *scratch, pl_star_optimality *sum, const int dim) {
     for (int64_t i = begin; i < end; i++)
-        if (!pl_star_is_held(problem->guard, problem->node[i], 2))
-            add_optimality(problem, i, scratch, optimality, 2);
+        if (!pl_star_is_held(problem->guard, problem->node[i], dim))
+            add_optimality(problem, i, scratch, sum, dim);
 }
 
-/** Add the optimality of stars begin .. end - 1 of tetrahedra. */
-static void optimality_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                  double *scratch, pl_star_optimality *optimality) {
-    for (int64_t i = begin; i < end; i++)
-        if (!pl_star_is_held(problem->guard, problem->node[i], 3))
-            add_optimality(problem, i, scratch, optimality, 3);
+/** Evaluate the star with its node at x; with_derivatives as for pl_star_evaluate_fn. */
+static inline objective evaluate_at(local *here, const double *x, int with_derivatives,
+                                    derivatives *derivative, const int dim) {
+    return with_derivatives ? find_derivatives(here, x, derivative, dim)
+                            : guarded_at(&here->s, &here->q, x, NULL, 0, dim);
 }
 
 #endif

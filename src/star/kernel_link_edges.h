@@ -5,6 +5,10 @@
  * m / |m| x e are orthogonal to each other, hence
  *
  *     hess |m| = (|e|^2 I - e e^T - u u^T) / |m| = |e|^2 m m^T / |m|^3
+ *
+ *   gather_edges              constants of the edges
+ *   find_areas, sum_areas     areas of the faces at x
+ *   find_slopes, add_bends    gradients and Hessians of these
  */
 #ifndef PL_STAR_KERNEL_LINK_EDGES_H
 #define PL_STAR_KERNEL_LINK_EDGES_H
@@ -61,7 +65,7 @@ PL_INLINE vec3 face_normal(const star *s, int64_t i, vec3 x, vec3 *e) {
     return vec3_cross(*e, vec3_minus(x, load_edge_vec3(s, QX, i)));
 }
 
-/** The areas of all faces at x, times two. */
+/** Find the areas of all faces at x, times two. */
 PL_INLINE void find_areas(const star *s, vec3 x) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         vec3 e, m = face_normal(s, i, x, &e);
@@ -76,8 +80,8 @@ PL_INLINE lanes sum_areas(const star *s, int64_t i) {
            numbers_of_rows(s->area, edge + 2, 3);
 }
 
-/** The slopes and areas of all faces at x, as rows; and for add_bends their normals and inverse
- *  areas, and weights of 0. */
+/** Find the slopes and areas of all faces at x, as rows, and their sums over the faces of each
+ *  tetrahedron; and for add_bends the faces' normals and inverse areas, and weights of 0. */
 PL_INLINE void find_slopes(const star *s, vec3 x, const int with_bends) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_PACK) {
         vec3 e, m = face_normal(s, i, x, &e);
@@ -96,10 +100,6 @@ PL_INLINE void find_slopes(const star *s, vec3 x, const int with_bends) {
         store_edge(s, INVERSE_AREA, i, inverse);
         lanes_store(s->shared + i, lanes_of(0));
     }
-}
-
-/** Sums of the slopes and of the areas of the faces at x of each tetrahedron. */
-PL_INLINE void sum_slopes(const star *s) {
     for (int64_t i = 0; i < s->padded; i += PL_PACK) {
         point_row rows[PL_PACK];
         lanes sum[PL_ROW];
@@ -115,17 +115,13 @@ PL_INLINE void sum_slopes(const star *s) {
     }
 }
 
-/** Add the weights of each tetrahedron's surface to those of its faces. */
-PL_INLINE void share_weights(const star *s) {
+/** Add the sum of the Hessians of the areas to h, weighted by the surfaces of the tetrahedra. */
+PL_INLINE void add_bends(const star *s, lanes h[6][PL_PACKS]) {
     for (int64_t i = 0; i < s->n_facets; i++) {
         const double weight = *entry(s, OF_S, i);
         for (int c = 0; c < 3; c++)
             *number_of_row(s->shared, s->facet_edge[3 * i + c]) += weight;
     }
-}
-
-/** Add the sum of the Hessians of the areas, by their weights, to h. */
-PL_INLINE void add_bends(const star *s, lanes h[6][PL_PACKS]) {
     for (int64_t i = 0; i < s->padded_edges; i += PL_LANES)
         for (int k = 0; k < PL_PACKS; k++) {
             int64_t j = i + k * PL_PACK;

@@ -1,4 +1,9 @@
-/* kernel_local: everything about the star under visit, and the bounds of its node. */
+/* kernel_local: everything about the star under visit, and the bounds of its node.
+ *
+ *   local_of, to_star, to_mesh                          gather a star; scale to it and back
+ *   claim, acquit, move_node                            flags and place of its node
+ *   bounds_of, within_bounds, clamp, bounds_rate        bounds of the node
+ */
 #ifndef PL_STAR_KERNEL_LOCAL_H
 #define PL_STAR_KERNEL_LOCAL_H
 
@@ -79,8 +84,8 @@ PL_INLINE local local_of(const pl_star_problem *problem, int64_t index, const do
 /* A star counts as improved where a visit made its function fall by more than this, relative. */
 #define IMPROVED 0.01
 
-/** The flags of a star that has changed since its last visit, else 0; it then counts as visited,
- *  and as bad until that is known. */
+/** Return the flags of a star that has changed since its last visit, else 0. It then counts as
+ *  visited, and as bad until that is known. */
 static inline int claim(const pl_star_problem *problem, int64_t index) {
     uint8_t *changed = &problem->changed[problem->node[index]];
     const int flags = __atomic_load_n(changed, __ATOMIC_RELAXED);
@@ -90,29 +95,21 @@ static inline int claim(const pl_star_problem *problem, int64_t index) {
     return flags;
 }
 
-/** The star under visit has no element above rr2_skip. */
+/** Note that the star under visit has no element above rr2_skip. */
 static inline void acquit(const pl_star_problem *problem, int32_t node) {
     __atomic_store_n(&problem->changed[node], 0, __ATOMIC_RELAXED);
-}
-
-/** Tell the nodes of the star, and its own, that their stars have changed: if it is bad. Else only
- *  those that are. Several threads may tell one node at the same time; all write one value. */
-static inline void tell_neighbours(const pl_star_problem *problem, int32_t node, const star *s,
-                                   int is_bad) {
-    __atomic_store_n(&problem->changed[node], is_bad ? PL_CHANGED | PL_TOLD | PL_BAD : PL_TOLD,
-                     __ATOMIC_RELAXED);
-    for (int64_t i = 0; i < s->n_ring; i++)
-        if (is_bad || __atomic_load_n(&problem->changed[s->ring[i]], __ATOMIC_RELAXED) & PL_BAD)
-            __atomic_store_n(&problem->changed[s->ring[i]], PL_CHANGED, __ATOMIC_RELAXED);
 }
 
 /* What else a visit was for is told of, however little the function fell. */
 #define FALL_TOLD INFINITY
 
 /** Move the node from place (as in the mesh) to x (scaled), where the star is_bad, or may be, and
- *  its function lower by fall, relative. */
-static inline void settle(const local *here, int32_t node, const double *x, double size2,
-                          double fall, int is_bad, double *place, const int dim) {
+ *  its function lower by fall, relative. If the move matters, tell the nodes of the star, and its
+ *  own, that their stars have changed: if it is bad. Else only those that are bad. Several threads
+ *  may tell one node at the same time; all write one value. */
+static inline void move_node(const local *here, int32_t node, const double *x, double size2,
+                             double fall, int is_bad, double *place, const int dim) {
+    uint8_t *changed = here->problem->changed;
     double moved2 = 0;
     for (int d = 0; d < dim; d++) {
         double move = x[d] - place[d] * here->s.scale;
@@ -120,10 +117,16 @@ static inline void settle(const local *here, int32_t node, const double *x, doub
         place[d] = x[d] * here->s.unscale;
     }
     const double still = here->problem->still;
-    if (moved2 > still * still * size2 && !(fall < here->problem->calm))
-        tell_neighbours(here->problem, node, &here->s, is_bad);
-    else if (!is_bad)
-        acquit(here->problem, node);
+    if (!(moved2 > still * still * size2) || fall < here->problem->calm) {
+        if (!is_bad)
+            acquit(here->problem, node);
+        return;
+    }
+    __atomic_store_n(&changed[node], is_bad ? PL_CHANGED | PL_TOLD | PL_BAD : PL_TOLD,
+                     __ATOMIC_RELAXED);
+    for (int64_t i = 0; i < here->s.n_ring; i++)
+        if (is_bad || __atomic_load_n(&changed[here->s.ring[i]], __ATOMIC_RELAXED) & PL_BAD)
+            __atomic_store_n(&changed[here->s.ring[i]], PL_CHANGED, __ATOMIC_RELAXED);
 }
 
 /** Scale place [dim] of the mesh to x in the star. */
@@ -132,17 +135,13 @@ static inline void to_star(const local *here, const double *place, double *x, co
         x[d] = place[d] * here->s.scale;
 }
 
-/** Fill value with the star's function and derivatives, in the mesh's scale. */
-static inline void give_value(const local *here, const objective *f, const derivatives *derivative,
-                              pl_star_value *value) {
-    value->sum = f->sum;
-    value->max = f->max;
-    value->error = f->error;
-    value->certain = f->certain;
+/** Scale the derivatives to the mesh: gradient [3], hessian [6]. */
+static inline void to_mesh(const local *here, const derivatives *derivative, double *gradient,
+                           double *hessian) {
     for (int d = 0; d < 3; d++)
-        value->gradient[d] = derivative->gradient[d] * here->s.scale;
+        gradient[d] = derivative->gradient[d] * here->s.scale;
     for (int d = 0; d < 6; d++)
-        value->hessian[d] = derivative->hessian[d] * here->s.scale * here->s.scale;
+        hessian[d] = derivative->hessian[d] * here->s.scale * here->s.scale;
 }
 
 /* ---- bounds -------------------------------------------------------------------------------- */
@@ -187,29 +186,28 @@ static inline void clamp(const bounds *b, double *x, const int dim) {
     }
 }
 
-/** Largest t with |v + t direction| <= radius, v = x - start; none for directions that do not lead
- *  outwards from next to the sphere: the little that they leave it by is clamped. */
-static inline double step_to_radius(const bounds *b, const double *x, const double *direction,
-                                    const int dim) {
-    double dd = 0, vd = 0, vv = 0;
-    for (int d = 0; d < dim; d++) {
-        double v = x[d] - b->start[d];
-        dd += direction[d] * direction[d];
-        vd += v * direction[d];
-        vv += v * v;
-    }
-    double room = b->radius * b->radius - vv;
-    if (vd <= PARALLEL * sqrt(vv * dd) && sqrt(vv) > (1 + ACTIVE_ABOVE) * b->radius)
-        return INFINITY;
-    return dd > 0 ? (sqrt(vd * vd + dd * (room > 0 ? room : 0)) - vd) / dd : INFINITY;
-}
-
-/** 1 / (largest step within bounds), 0 if there is no bound ahead. */
+/** Return 1 / (largest step within bounds), 0 if there is no bound ahead. */
 static inline double bounds_rate(const bounds *b, const double *x, const double *direction,
                                  const int dim) {
     if (!b->any)
         return 0;
-    double least = b->radius < INFINITY ? step_to_radius(b, x, direction, dim) : INFINITY;
+    double least = INFINITY;
+    if (b->radius < INFINITY) {
+        /* largest t with |v + t direction| <= radius, v = x - start; none for directions that do
+         * not lead outwards from next to the sphere: the little that they leave it by is clamped */
+        double dd = 0, vd = 0, vv = 0;
+        for (int d = 0; d < dim; d++) {
+            double v = x[d] - b->start[d];
+            dd += direction[d] * direction[d];
+            vd += v * direction[d];
+            vv += v * v;
+        }
+        double room = b->radius * b->radius - vv;
+        int is_inwards =
+            vd <= PARALLEL * sqrt(vv * dd) && sqrt(vv) > (1 + ACTIVE_ABOVE) * b->radius;
+        if (!is_inwards && dd > 0)
+            least = (sqrt(vd * vd + dd * (room > 0 ? room : 0)) - vd) / dd;
+    }
     double parallel = PARALLEL * sqrt(dot(direction, direction, dim));
     for (int d = 0; d < dim; d++) {
         double room = direction[d] > 0 ? b->upper[d] - x[d] : b->lower[d] - x[d];

@@ -3,6 +3,10 @@
  * Formulas and symbols: docs/algorithm.md. In 3-D RR^2 = N s^2 / (36 D^4), in 2-D
  * RR^2 = (L d e (L + d + e) / (4 D^2))^2 with D twice the area; the constant factors 1/36 and 1/16
  * are applied to the sums.
+ *
+ *   value_at, derivatives_at                                   a star of either dimension
+ *   accumulator_init, accumulate, accumulator_result           sums over the packs
+ *   triangles_at, log_derivatives_2d                           a pack of triangles
  */
 #ifndef PL_STAR_KERNEL_OBJECTIVE_H
 #define PL_STAR_KERNEL_OBJECTIVE_H
@@ -186,11 +190,9 @@ PL_INLINE objective derivatives_3d(const star *s, const double *position, deriva
     memset(&sums, 0, sizeof sums);
     accumulator_init(&sums.values);
     find_slopes(s, x, with_hessian);
-    sum_slopes(s);
     if (with_hessian) {
         prepare_derivatives_3d(s, x, &sums);
         add_derivatives_3d(s, &sums);
-        share_weights(s);
         add_bends(s, sums.h);
     } else {
         add_half_gradients_3d(s, x, &sums);

@@ -3,6 +3,10 @@
  * A facet or an edge names points, which lie anywhere; lanes want one coordinate of PL_PACK points.
  * To load whole rows and to exchange rows and columns in registers takes a third of the loads that
  * picking single numbers would.
+ *
+ *   number_of_row, numbers_of_rows                          numbers by row
+ *   row_load, row_store, row_plus, row_of                   rows
+ *   rows_to_columns, columns_to_rows, points_to_columns     exchange
  */
 #ifndef PL_STAR_KERNEL_ROWS_H
 #define PL_STAR_KERNEL_ROWS_H
@@ -55,44 +59,6 @@ PL_INLINE point_row row_plus(point_row a, point_row b) {
     for (int k = 0; k < PL_PACKS; k++)
         a.pack[k] += b.pack[k];
     return a;
-}
-
-/** Difference a - b. */
-PL_INLINE point_row row_minus(point_row a, point_row b) {
-    for (int k = 0; k < PL_PACKS; k++)
-        a.pack[k] -= b.pack[k];
-    return a;
-}
-
-/** Row a times f. */
-PL_INLINE point_row row_scaled(point_row a, double f) {
-    for (int k = 0; k < PL_PACKS; k++)
-        a.pack[k] *= lanes_of(f);
-    return a;
-}
-
-/** Half of a. */
-PL_INLINE point_row row_halved(point_row a) {
-    return row_scaled(a, 0.5);
-}
-
-/** Absolute values of a. */
-PL_INLINE point_row row_abs(point_row a) {
-    for (int k = 0; k < PL_PACKS; k++)
-        a.pack[k] = lanes_abs(a.pack[k]);
-    return a;
-}
-
-/** Larger numbers of a and b. */
-PL_INLINE point_row row_max(point_row a, point_row b) {
-    for (int k = 0; k < PL_PACKS; k++)
-        a.pack[k] = lanes_max(a.pack[k], b.pack[k]);
-    return a;
-}
-
-/** Largest number of a. */
-PL_INLINE double row_largest(point_row a) {
-    return lanes_largest(a.pack);
 }
 
 #if PL_PACK == 4
@@ -179,19 +145,6 @@ PL_INLINE void columns_to_rows(const lanes column[PL_ROW], point_row rows[PL_PAC
 }
 
 #endif
-
-/** Write the point p of dim numbers, times f, to a row: by pairs, as points_to_columns reads it
- * soon after. A load that is wider than the stores before it waits until these have left the core.
- */
-PL_INLINE void store_scaled(double *row, const double *p, double f, const int dim) {
-#if PL_PACK == 4 && defined(__AVX__)
-    const __m128d last = dim == 3 ? _mm_load_sd(p + 2) : _mm_setzero_pd();
-    _mm_store_pd(row, _mm_mul_pd(_mm_loadu_pd(p), _mm_set1_pd(f)));
-    _mm_store_pd(row + 2, _mm_mul_pd(last, _mm_set1_pd(f)));
-#else
-    row_store(row, row_scaled(row_of(p, dim), f));
-#endif
-}
 
 #if PL_PACK == 4 && defined(__AVX__)
 /** The pairs at a and b. By intrinsics: left to themselves compilers load both and shuffle, for

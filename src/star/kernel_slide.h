@@ -4,6 +4,10 @@
  * the Hessian is made a multiple of the identity in the others, and every trial position is brought
  * back to where the node belongs, from the place where the call began: so rounding does not add up,
  * and a coordinate in whose direction the node cannot go keeps its bits.
+ *
+ *   sliding_of                     directions of a node
+ *   slide_along, slide_hessian     vectors and Hessians in these directions
+ *   slide_ask, slide_place         places on the plane, line or surface
  */
 #ifndef PL_STAR_KERNEL_SLIDE_H
 #define PL_STAR_KERNEL_SLIDE_H
@@ -47,18 +51,7 @@ static inline void slide_along(const sliding *s, double *v, const int dim) {
     }
 }
 
-/** Project a row of constraints, of unit length at first, as slide_along does: 0 if nothing is
- *  left of it. */
-static inline void slide_row(const sliding *s, double *row, const int dim) {
-    if (!s || s->kind == PLANISH_FREE)
-        return;
-    slide_along(s, row, dim);
-    const int nothing = dot(row, row, dim) < SLIDE_NOTHING * SLIDE_NOTHING;
-    for (int d = 0; nothing && d < dim; d++)
-        row[d] = 0;
-}
-
-/** P H P + largest |H_ii| (I - P), P the projection. */
+/** Replace the Hessian H by P H P + largest |H_ii| (I - P), P the projection. */
 static inline void slide_hessian(const sliding *s, double *hessian, const int dim) {
     double column[3][3], largest = 0;
     for (int i = 0; i < dim; i++) {

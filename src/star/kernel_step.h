@@ -1,5 +1,10 @@
 /* kernel_step: how far to go along a direction. The largest feasible step is exact, because the
- * measures of a star's elements are affine in the position of its node (docs/algorithm.md). */
+ * measures of a star's elements are affine in the position of its node (docs/algorithm.md).
+ *
+ *   find_direction, limit_length, steps_of_visit    a direction without constraints
+ *   limiting_rate, place_along, try_step            steps along a direction
+ *   acceptable, search                              the step that is taken
+ */
 #ifndef PL_STAR_KERNEL_STEP_H
 #define PL_STAR_KERNEL_STEP_H
 
@@ -73,10 +78,12 @@ static inline int find_direction(planish_direction kind, const derivatives *deri
 
 /* ---- how far --------------------------------------------------------------------------------- */
 
-/** 1 / (largest feasible step) along direction, 0 if nothing is in the way: the largest of
- *  -(n . S) / D over the facets; RATE holds 1 / D (see feasible_rate for the guarded kernel). */
-static inline double blocking_rate(const star *s, const double *direction, const int guarded,
-                                   const int dim) {
+/** Return the largest rate, 1 / step, at which facets or the node's bounds block the direction; 0
+ * if nothing is in the way. Of facets: the largest of -(n . S) / D; RATE holds 1 / D, or
+ *  for the guarded kernel what guarded_at says. */
+static inline double limiting_rate(const local *here, const double *x, const double *direction,
+                                   const int guarded, const int dim) {
+    const star *s = &here->s;
     lanes most[PL_PACKS];
     for (int k = 0; k < PL_PACKS; k++)
         most[k] = lanes_of(0);
@@ -97,13 +104,7 @@ static inline double blocking_rate(const star *s, const double *direction, const
                                      lanes_of(0));
             most[k] = lanes_max(slope * load(s, RATE, j), most[k]);
         }
-    return lanes_largest(most);
-}
-
-/** Largest rate at which facets or the node's bounds block the direction. */
-static inline double limiting_rate(const local *here, const double *x, const double *direction,
-                                   const int guarded, const int dim) {
-    double rate = blocking_rate(&here->s, direction, guarded, dim);
+    double rate = lanes_largest(most);
     if (!guarded)
         return rate;
     double of_bounds = FLOOR_FRACTION * bounds_rate(&here->b, x, direction, dim);
@@ -116,26 +117,23 @@ typedef struct trial {
     objective value;
 } trial;
 
-/** The position as the mesh will hold it: rounded if need be, and to what is left of a
- *  double where coordinates are subnormal. */
-static inline double as_stored(const pl_star_problem *problem, const star *s, double position) {
-    double stored = position * s->unscale;
-    if (problem->storage.precision != PLANISH_DOUBLE)
-        stored = pl_store(&problem->storage, stored);
-    return stored * s->scale;
-}
-
-/** The position step along direction from x0, as it will be stored. */
+/** Find the position step along direction from x0, as it will be stored: rounded if need be, and to
+ *  what is left of a double where coordinates are subnormal. */
 static inline void place_along(const local *here, const double *x0, const double *direction,
                                double step, double *position, const int guarded, const int dim) {
+    const pl_storage *storage = &here->problem->storage;
     for (int d = 0; d < dim; d++)
         position[d] = x0[d] + step * direction[d];
     if (guarded) {
         clamp(&here->b, position, dim);
         slide_place(here->problem, &here->slide, &here->s, position, dim);
     }
-    for (int d = 0; d < dim; d++)
-        position[d] = as_stored(here->problem, &here->s, position[d]);
+    for (int d = 0; d < dim; d++) {
+        double stored = position[d] * here->s.unscale;
+        if (storage->precision != PLANISH_DOUBLE)
+            stored = pl_store(storage, stored);
+        position[d] = stored * here->s.scale;
+    }
 }
 
 /** Evaluate the star at the position step along direction from x0, as it will be stored. */
@@ -147,20 +145,6 @@ PL_INLINE trial try_step(const local *here, const double *x0, const double *dire
                       : value_at(&here->s, t.position, 0, dim);
     ++*here->evaluations;
     return t;
-}
-
-/** Whether a trial stands where the node stood: the step was lost in rounding. */
-static inline int stands_still(const trial *t, const double *x0, const int dim) {
-    int same = 1;
-    for (int d = 0; d < dim; d++)
-        same &= t->position[d] == x0[d];
-    return same;
-}
-
-/** The sum that a trial must be below by more than the rounding errors of both. Not a number if one
- *  of them is none. */
-static inline double surely_below(const objective *now, const objective *next) {
-    return now->sum - (STEP_NOISE + now->error) * now->sum - next->error * next->sum;
 }
 
 /** Whether no element of a trial has a worse RR or a smaller angle than the limits. The guarded
@@ -206,12 +190,14 @@ static inline int lowers_none(const local *here, const double *position, const i
 }
 
 /** Whether a trial may be taken: valid beyond doubt, no element worse than the limit, and the sum
- *  below bound and surely below that of now; guarded: no element below its floor, and the node
- *  within its bounds. Not so for values that are not numbers. */
+ *  below bound and below that of now by more than the rounding errors of both; guarded: no element
+ *  below its floor, and the node within its bounds. Not so for values that are not numbers. */
 static inline int acceptable(const local *here, const trial *t, const objective *now, double bound,
                              const int guarded, const int dim) {
     const objective *value = &t->value;
-    if (!(value->certain && value->sum < bound && value->sum < surely_below(now, value)))
+    const double below =
+        now->sum - (STEP_NOISE + now->error) * now->sum - value->error * value->sum;
+    if (!(value->certain && value->sum < bound && value->sum < below))
         return 0;
     if (guarded && !(value->worst <= (now->worst > GRAZE ? now->worst : GRAZE) &&
                      within_bounds(&here->b, t->position, dim)))
@@ -234,33 +220,15 @@ static inline void expand(const local *here, const double *x0, const objective *
     }
 }
 
-/** The next shorter step: the minimum of the parabola through the sum and slope at 0 and the sum
- *  at step, kept within 0.1 to 0.5 of it. */
-static inline double shorter_step(double step, double sum0, double slope, const trial *t) {
-    double rise = t->value.sum - sum0 - slope * step;
-    double next = rise > 0 && t->value.positive ? -0.5 * slope * step * step / rise : 0;
-    if (!(next < 0.5 * step))
-        next = 0.5 * step;
-    return next > 0.1 * step ? next : 0.1 * step;
-}
-
-/** How far along direction to try first. */
-static inline double first_step(const local *here, const objective *now, double slope,
-                                const int guarded) {
-    const int has_multipliers = guarded && here->q.penalty > 0;
-    if (here->kind != PLANISH_NEWTON || here->constrained || here->alone)
-        return 1;
-    return has_multipliers || !(-slope < STEP_NEAR * now->sum) ? STEP_OVER_RELAXATION
-                                                               : STEP_OVER_RELAXATION_NEAR;
-}
-
 /** Search along direction from x0, where the objective is now, with slope grad F . direction < 0.
  *  Returns whether an acceptable position was found. */
 static inline int search(const local *here, const double *x0, const objective *now,
                          const double *direction, double slope, trial *best, const int guarded,
                          const int dim) {
+    const int is_relaxed = here->kind == PLANISH_NEWTON && !here->constrained && !here->alone;
+    const int is_near = -slope < STEP_NEAR * now->sum && !(guarded && here->q.penalty > 0);
     double rate = limiting_rate(here, x0, direction, guarded, dim);
-    double wanted = first_step(here, now, slope, guarded);
+    double wanted = !is_relaxed ? 1 : is_near ? STEP_OVER_RELAXATION_NEAR : STEP_OVER_RELAXATION;
     double step = rate * wanted > STEP_FRACTION_FIRST ? STEP_FRACTION_FIRST / rate : wanted;
     double last = guarded ? STEP_FRACTION_FIRST : STEP_FRACTION_LAST;
     double largest = rate > 0 ? last / rate : INFINITY;
@@ -272,9 +240,17 @@ static inline int search(const local *here, const double *x0, const objective *n
                 expand(here, x0, now, direction, step, largest, best, guarded, dim);
             return 1;
         }
-        if (-slope * step < noise || stands_still(best, x0, dim))
+        int is_lost = 1; /* in rounding: the trial stands where the node stood */
+        for (int d = 0; d < dim; d++)
+            is_lost &= best->position[d] == x0[d];
+        if (-slope * step < noise || is_lost)
             return 0;
-        step = shorter_step(step, now->sum, slope, best);
+        /* the minimum of the parabola through the sum and slope at 0 and the sum at step */
+        double rise = best->value.sum - now->sum - slope * step;
+        double next = rise > 0 && best->value.positive ? -0.5 * slope * step * step / rise : 0;
+        if (!(next < 0.5 * step))
+            next = 0.5 * step;
+        step = next > 0.1 * step ? next : 0.1 * step;
     }
     return 0;
 }

@@ -1,7 +1,9 @@
-/* kernel_untangle: visits that lower the regularised energy of a patch, and its sums over ranges of
- * stars.
+/* kernel_untangle: the regularised energy of a patch.
  *
- * Included by every guarded_*.c.
+ *   untangle_range    visit stars to lower the energy
+ *   energy_range      sum the energy over stars
+ *
+ * kernel_entry.h includes this file for every guarded_*.c.
  */
 #ifndef PL_STAR_KERNEL_UNTANGLE_H
 #define PL_STAR_KERNEL_UNTANGLE_H
@@ -82,7 +84,7 @@ static inline void untangle_star(const pl_star_problem *problem, int64_t index, 
         fall += now.sum - best.energy.sum;
     }
     if (fall > 0)
-        settle(&here, node, x, size2, FALL_TOLD, 1, place, dim);
+        move_node(&here, node, x, size2, FALL_TOLD, 1, place, dim);
     pl_sum_add(&tally->decrease, fall);
 }
 
@@ -104,15 +106,6 @@ static inline void untangle_range(const pl_star_problem *problem, int64_t begin,
 
 /* ---- the energy of a range ------------------------------------------------------------------ */
 
-/** Fill slope with the derivatives, in the mesh's scale. */
-static inline void give_slope(const local *here, const derivatives *derivative,
-                              pl_star_slope *slope) {
-    for (int d = 0; d < 3; d++)
-        slope->gradient[d] = derivative->gradient[d] * here->s.scale;
-    for (int d = 0; d < 6; d++)
-        slope->hessian[d] = derivative->hessian[d] * here->s.scale * here->s.scale;
-}
-
 /** Sum the energy of stars begin .. end - 1; slope may be NULL. */
 static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_t begin,
                                           int64_t end, double *scratch, pl_star_slope *slope,
@@ -131,38 +124,12 @@ static inline pl_star_energy energy_range(const pl_star_problem *problem, int64_
             slope ? energy_at(&here.s, problem->untangling->epsilon, x, &derivative, 1, dim)
                   : energy_at(&here.s, problem->untangling->epsilon, x, NULL, 0, dim);
         if (slope)
-            give_slope(&here, &derivative, &slope[i - begin]);
+            to_mesh(&here, &derivative, slope[i - begin].gradient, slope[i - begin].hessian);
         pl_sum_add(&total.sum, now.shared);
         total.least = now.least < total.least ? now.least : total.least;
         total.tangled += (int64_t)now.tangled;
     }
     return total;
-}
-
-/* ---- the functions of a variant ------------------------------------------------------------- */
-
-/** Untangle stars begin .. end - 1 of triangles. */
-static void untangle_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
-                               double *scratch, pl_star_tally *tally) {
-    untangle_range(problem, begin, end, scratch, tally, 2);
-}
-
-/** Untangle stars begin .. end - 1 of tetrahedra. */
-static void untangle_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                double *scratch, pl_star_tally *tally) {
-    untangle_range(problem, begin, end, scratch, tally, 3);
-}
-
-/** Sum the energy of stars begin .. end - 1 of triangles. */
-static pl_star_energy energy_triangles(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                       double *scratch, pl_star_slope *slope) {
-    return energy_range(problem, begin, end, scratch, slope, 2);
-}
-
-/** Sum the energy of stars begin .. end - 1 of tetrahedra. */
-static pl_star_energy energy_tetrahedra(const pl_star_problem *problem, int64_t begin, int64_t end,
-                                        double *scratch, pl_star_slope *slope) {
-    return energy_range(problem, begin, end, scratch, slope, 3);
 }
 
 #endif

@@ -9,13 +9,14 @@ typedef struct average {
     double sum[3], weight;
 } average;
 
-static void add(average *a, const double *offset, double weight, const int dim) {
+/** Add an offset [dim] with its weight. */
+static void add_offset(average *a, const double *offset, double weight, const int dim) {
     for (int d = 0; d < dim; d++)
         a->sum[d] += weight * offset[d];
     a->weight += weight;
 }
 
-/** offset of the ring's node i from x. */
+/** Find the offset of the ring's node i from x. */
 static void offset_of(const local *here, int64_t i, const double *x, double *offset,
                       const int dim) {
     const double *y = here->problem->coordinates + (int64_t)here->s.ring[i] * dim;
@@ -33,19 +34,10 @@ static average of_neighbours(const local *here, const double *x, int by_length, 
         double offset[3] = {0, 0, 0};
         offset_of(here, i, x, offset, dim);
         double square = dot(offset, offset, dim);
-        add(&a, offset, by_length ? sqrt(square) : 1, dim);
+        add_offset(&a, offset, by_length ? sqrt(square) : 1, dim);
         *size2 += square / (double)here->s.n_ring;
     }
     return a;
-}
-
-/** |det| of dim vectors. */
-static double volume_of(double v[3][3], const int dim) {
-    if (dim == 2)
-        return fabs(v[0][0] * v[1][1] - v[0][1] * v[1][0]);
-    return fabs(v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
-                v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
-                v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]));
 }
 
 /** Mean of the elements' centroids, weighted by their volumes. */
@@ -58,18 +50,14 @@ static average of_centroids(const local *here, const double *x, const int dim) {
             for (int d = 0; d < dim; d++)
                 centroid[d] += v[j][d] / (dim + 1);
         }
-        add(&a, centroid, volume_of(v, dim), dim);
+        const double volume = /* times 2 or 6 */
+            dim == 2 ? v[0][0] * v[1][1] - v[0][1] * v[1][0]
+                     : v[0][0] * (v[1][1] * v[2][2] - v[1][2] * v[2][1]) +
+                           v[0][1] * (v[1][2] * v[2][0] - v[1][0] * v[2][2]) +
+                           v[0][2] * (v[1][0] * v[2][1] - v[1][1] * v[2][0]);
+        add_offset(&a, centroid, fabs(volume), dim);
     }
     return a;
-}
-
-/** Whether the node is to be moved at all. */
-static int is_wanted(const local *here, int32_t node, const double *x, const int dim) {
-    const pl_star_problem *problem = here->problem;
-    if (problem->guard && pl_star_is_held(problem->guard, node, dim))
-        return 0;
-    return !(problem->rr2_skip > 0) ||
-           value_at(&here->s, x, problem->guard != NULL, dim).max > problem->rr2_skip;
 }
 
 /** Move one node, but no farther than its bounds. */
@@ -81,7 +69,9 @@ static void visit(const pl_star_problem *problem, planish_method method, int64_t
     int64_t evaluations = 0;
     const local here = local_of(problem, index, place, NULL, scratch, &evaluations, guarded, dim);
     to_star(&here, place, x, dim);
-    if (!is_wanted(&here, node, x, dim))
+    if (guarded && pl_star_is_held(problem->guard, node, dim))
+        return;
+    if (problem->rr2_skip > 0 && !(value_at(&here.s, x, guarded, dim).max > problem->rr2_skip))
         return;
     average a = of_neighbours(&here, x, method == PLANISH_METHOD_LENGTH_LAPLACIAN, &size2, dim);
     if (method == PLANISH_METHOD_AREA_LAPLACIAN)
@@ -92,7 +82,7 @@ static void visit(const pl_star_problem *problem, planish_method method, int64_t
         a.sum[d] /= a.weight;
     place_along(&here, x, a.sum, 1, to, guarded, dim);
     if (!guarded || within_bounds(&here.b, to, dim)) /* rounding to float may have left them */
-        settle(&here, node, to, size2, FALL_TOLD, 1, place, dim);
+        move_node(&here, node, to, size2, FALL_TOLD, 1, place, dim);
 }
 
 void pl_star_average(const pl_star_problem *problem, planish_method method, int dim, int64_t begin,
