@@ -17,25 +17,83 @@
 
 enum {
     MIN_CHUNK = 512, /* elements that pay for being handed to a thread */
-    MAX_CHUNKS = 512 /* more than threads need, few enough for their sums to live on the stack */
+    MAX_CHUNKS = 512 /* more than threads need, few enough for their sums */
 };
+
+/* ---- Sums of a chunk ---------------------------------------------------------------------- */
+
+static pl_full_sums no_sums(void) {
+    pl_full_sums none = {.worst_element = -1, .movable_angle = INFINITY};
+    for (int k = 0; k < PL_N_QUANTITIES; k++) {
+        none.min[k] = INFINITY;
+        none.max[k] = -INFINITY;
+    }
+    return none;
+}
+
+static void clear_full(pl_full_lanes *lanes) {
+    memset(lanes, 0, sizeof *lanes);
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        lanes->movable_angle[l] = INFINITY;
+        for (int k = 0; k < PL_N_QUANTITIES; k++) {
+            lanes->min[k][l] = INFINITY;
+            lanes->max[k][l] = -INFINITY;
+        }
+    }
+}
+
+static void add_sums(const pl_full_sums *part, pl_full_sums *sums) {
+    for (int i = 0; i < PL_N_COUNTS; i++)
+        sums->count[i] += part->count[i];
+    for (int k = 0; k < PL_N_QUANTITIES; k++) {
+        sums->sum[k] += part->sum[k];
+        sums->min[k] = pl_smaller(part->min[k], sums->min[k]);
+        sums->max[k] = pl_larger(part->max[k], sums->max[k]);
+    }
+    if (part->worst_ratio > sums->worst_ratio ||
+        (part->worst_ratio == sums->worst_ratio && part->worst_element < sums->worst_element))
+        sums->worst_element = part->worst_element; /* the lowest element wins a tie */
+    sums->worst_ratio = pl_larger(part->worst_ratio, sums->worst_ratio);
+    sums->worst_fixed_ratio = pl_larger(part->worst_fixed_ratio, sums->worst_fixed_ratio);
+    sums->movable_ratio = pl_larger(part->movable_ratio, sums->movable_ratio);
+    sums->movable_angle = pl_smaller(part->movable_angle, sums->movable_angle);
+}
+
+/** Add up the lanes of pl_measure, in their order. */
+static void reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums) {
+    *sums = no_sums();
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        pl_full_sums lane = {.worst_ratio = lanes->worst_ratio[l],
+                             .worst_fixed_ratio = lanes->worst_fixed_ratio[l],
+                             .movable_ratio = lanes->movable_ratio[l],
+                             .movable_angle = lanes->movable_angle[l],
+                             .worst_element = (int64_t)lanes->worst_element[l]};
+        for (int i = 0; i < PL_N_COUNTS; i++)
+            lane.count[i] = (int64_t)lanes->count[i][l];
+        for (int k = 0; k < PL_N_QUANTITIES; k++) {
+            lane.sum[k] = lanes->sum[k][l];
+            lane.min[k] = lanes->min[k][l];
+            lane.max[k] = lanes->max[k][l];
+        }
+        add_sums(&lane, sums);
+    }
+}
 
 /* ---- Chunks ------------------------------------------------------------------------------- */
 
 /** The mesh and the results of its chunks: sums over elements, or what each element is. */
 typedef struct pass {
     const pl_mesh_state *mesh;
-    int64_t chunk;        /* elements of a chunk, a function of the mesh alone */
-    int64_t n_chunks;     /* at most MAX_CHUNKS */
-    pl_ratio_sums *basic; /* [n_chunks], or NULL: no sums, but state or ratio */
-    pl_full_sums *full;   /* [n_chunks], or NULL: not wanted */
-    uint8_t *state;       /* [n_elements] PL_FINE, ..., or NULL: not wanted */
-    double *ratio;        /* [n_elements] RR, 0 of elements that are not valid; if no state */
-    double limit2;        /* RR^2 above which an element is worse, */
-    double acute_limit;   /* or the acuteness of an angle, */
-    double blunt;         /* and RR^2 up to which it has no such angle */
-    int64_t acuteness;    /* bits of the largest so far; shared */
-    pl_sum sum[2];        /* of RR^2 of elements that are fixed, and movable; shared */
+    int64_t chunk;       /* elements of a chunk, a function of the mesh alone */
+    int64_t n_chunks;    /* at most MAX_CHUNKS */
+    pl_ratio_sums basic; /* those of all chunks so far, but for the sums of RR^2; shared */
+    pl_sum sum[2];       /* of RR^2 of elements that are fixed, and movable; shared */
+    pl_full_sums *full;  /* [n_chunks], or NULL: not wanted */
+    uint8_t *state;      /* [n_elements] PL_FINE, ..., */
+    double *ratio;       /* or [n_elements] RR, 0 of elements that are not valid; instead of sums */
+    double limit2;       /* RR^2 above which an element is worse, */
+    double acute_limit;  /* or the acuteness of an angle, */
+    double blunt;        /* and RR^2 up to which it has no such angle */
 } pass;
 
 static pass begin_pass(const pl_mesh_state *mesh) {
@@ -45,27 +103,12 @@ static pass begin_pass(const pl_mesh_state *mesh) {
     return (pass){.mesh = mesh, .chunk = chunk, .n_chunks = n_chunks};
 }
 
-/** The largest acuteness that is known by now, whichever chunk it is of: doubles that are not
- *  negative are ordered as their bits are. */
-static double largest_so_far(const pass *p) {
-    const int64_t bits = __atomic_load_n(&p->acuteness, __ATOMIC_RELAXED);
+/** RR^2 up to which an element has no smaller angle than the smallest that is known by now,
+ *  whichever chunk it is of. */
+static double blunt_so_far(pass *p, const int dim) {
     double acuteness;
-    memcpy(&acuteness, &bits, sizeof acuteness);
-    return acuteness;
-}
-
-/** Find the angles of lanes whose RR^2 is above *blunt: the others have none smaller than the
- *  smallest so far. */
-static void find_sharp_angles(pass *p, const pl_block *b, double *blunt, const int dim) {
-    for (int l = 0; l < PL_SUM_LANES; l++) {
-        if (b->valid[l] == 0 || b->is_free[l] == 0 || b->square[l] <= *blunt)
-            continue;
-        const double acuteness = pl_block_acuteness(b, l, dim);
-        int64_t bits;
-        memcpy(&bits, &acuteness, sizeof bits);
-        pl_raise_to(&p->acuteness, bits);
-        *blunt = pl_blunt_ratio_square(dim, largest_so_far(p));
-    }
+    __atomic_load(&p->basic.acuteness, &acuteness, __ATOMIC_RELAXED);
+    return pl_blunt_ratio_square(dim, acuteness);
 }
 
 /** The elements from first on, at most PL_SUM_LANES; how many. */
@@ -108,12 +151,12 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
     pl_full_lanes more;
     pl_sum movable, fixed;
     pl_block b;
-    double blunt = pl_blunt_ratio_square(dim, largest_so_far(p));
+    double blunt = blunt_so_far(p, dim), max = 0, n_movable = 0, n_fixed = 0, inverted = 0;
     memset(&basic, 0, sizeof basic);
     memset(&movable, 0, sizeof movable);
     memset(&fixed, 0, sizeof fixed);
     if (full)
-        pl_clear_full(&more);
+        clear_full(&more);
     for (int64_t first = begin; first < end; first += PL_SUM_LANES) {
         double largest = 0;
         evaluate_block(p, first, end, &b, dim, full);
@@ -124,18 +167,31 @@ PL_INLINE void sum_chunk(pass *p, int64_t begin, int64_t end, const int dim, con
         }
         for (int l = 0; l < PL_SUM_LANES; l++)
             largest = pl_larger(b.square[l], largest);
-        if (largest > blunt)
-            find_sharp_angles(p, &b, &blunt, dim);
+        for (int l = 0; largest > blunt && l < PL_SUM_LANES; l++) {
+            if (b.valid[l] == 0 || b.is_free[l] == 0 || b.square[l] <= blunt)
+                continue;
+            pl_raise_double(&p->basic.acuteness, pl_block_acuteness(&b, l, dim));
+            blunt = blunt_so_far(p, dim);
+        }
     }
-    pl_reduce_basic(&basic, &p->basic[begin / p->chunk]);
+    for (int l = 0; l < PL_SUM_LANES; l++) {
+        max = pl_larger(basic.max[l], max);
+        n_movable += basic.n_movable[l];
+        n_fixed += basic.n_fixed[l];
+        inverted += basic.inverted[l];
+    }
+    pl_raise_double(&p->basic.max, max);
+    __atomic_fetch_add(&p->basic.n_movable, (int64_t)n_movable, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&p->basic.n_fixed, (int64_t)n_fixed, __ATOMIC_RELAXED);
+    __atomic_fetch_add(&p->basic.inverted, (int64_t)inverted, __ATOMIC_RELAXED);
     pl_sum_share(&p->sum[1], &movable);
     pl_sum_share(&p->sum[0], &fixed);
     if (full)
-        pl_reduce_full(&more, &p->full[begin / p->chunk]);
+        reduce_full(&more, &p->full[begin / p->chunk]);
 }
 
 PL_INLINE void chunk_of_dim(pass *p, int64_t begin, int64_t end, const int dim) {
-    if (!p->basic)
+    if (p->state || p->ratio)
         classify_chunk(p, begin, end, dim);
     else if (p->full)
         sum_chunk(p, begin, end, dim, 1);
@@ -168,16 +224,12 @@ static void any_chunk(void *context, int64_t begin, int64_t end, int thread) {
     inline_chunk(context, begin, end);
 }
 
-/** Add up the chunks, and the sums of all processes. */
-static pl_ratio_sums total_ratio_sums(pass *p) {
-    int64_t counts[3] = {0};
-    double most[2] = {0, largest_so_far(p)};
-    for (int64_t i = 0; i < p->n_chunks; i++) {
-        most[0] = pl_larger(p->basic[i].max, most[0]);
-        counts[0] += p->basic[i].n_movable;
-        counts[1] += p->basic[i].n_fixed;
-        counts[2] += p->basic[i].inverted;
-    }
+/** Run a pass of sums. Returns the radius ratios over all processes. */
+static pl_ratio_sums sum_ratios(pass *p, int threads) {
+    pl_parallel_for(threads, p->mesh->of->n_elements, p->chunk, any_chunk, p);
+    const pl_ratio_sums *basic = &p->basic;
+    int64_t counts[] = {basic->n_movable, basic->n_fixed, basic->inverted};
+    double most[] = {basic->max, basic->acuteness};
     pl_parts_add_sums(p->sum, 2);
     pl_parts_add(counts, 3);
     pl_parts_largest(most, 2);
@@ -193,11 +245,8 @@ static pl_ratio_sums total_ratio_sums(pass *p) {
 void pl_sum_radius_ratio(const pl_view *view, const double *coordinates, int threads,
                          pl_ratio_sums *sums) {
     const pl_mesh_state mesh = {view, coordinates};
-    pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
-    p.basic = part;
-    pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
-    *sums = total_ratio_sums(&p);
+    *sums = sum_ratios(&p, threads);
 }
 
 void pl_find_worse(const pl_view *view, const double *coordinates, double ratio, double acuteness,
@@ -288,7 +337,7 @@ static void fill_ratios(const pl_ratio_sums *basic, const pl_full_sums *full, pl
     q->rms_radius_ratio = root_mean(basic->movable + basic->fixed, n_valid);
     q->rms_radius_ratio_movable = root_mean(basic->movable, basic->n_movable);
     q->fixed_rms_radius_ratio = root_mean(basic->fixed, basic->n_fixed);
-    q->n_fixed = full->n_unmovable;
+    q->n_fixed = full->count[PL_UNMOVABLE];
     q->worst_element = -1;
     if (n_valid == 0)
         return;
@@ -315,35 +364,23 @@ static void fill_spreads(int64_t n_valid, const pl_full_sums *full, planish_qual
     }
 }
 
-/** Sums of what the processes have summed up. */
-static void add_sums_of_parts(double *sums, int n) {
-    pl_sum exact;
-    for (int i = 0; i < n && pl_part_here(); i++) {
-        memset(&exact, 0, sizeof exact);
-        pl_sum_add(&exact, sums[i]);
-        pl_parts_add_sums(&exact, 1);
-        sums[i] = pl_sum_value(&exact);
-    }
-}
-
 /** Add the sums of the other processes. The processes that have the worst element report it. */
 static void add_full_parts(pl_full_sums *f) {
     const double worst_here = f->worst_ratio;
-    double *const largest[] = {&f->largest_volume, &f->worst_ratio, &f->worst_fixed_ratio,
-                               &f->movable_ratio};
-    pl_parts_add(&f->n_unmovable, 1);
-    pl_parts_add(&f->n_positive, 1);
-    pl_parts_add(&f->n_negative, 1);
-    pl_parts_add(f->at_least, PLANISH_HISTOGRAM_BINS);
-    pl_parts_add(f->by_angle, PLANISH_ANGLE_BINS);
-    add_sums_of_parts(&f->volume_sum, 1);
-    add_sums_of_parts(f->sum, PL_N_MEASURES);
-    pl_parts_smallest(&f->smallest_volume, 1);
+    pl_parts_add(f->count, PL_N_COUNTS);
+    for (int k = 0; k < PL_N_QUANTITIES && pl_part_here(); k++) {
+        pl_sum exact;
+        memset(&exact, 0, sizeof exact);
+        pl_sum_add(&exact, f->sum[k]);
+        pl_parts_add_sums(&exact, 1);
+        f->sum[k] = pl_sum_value(&exact);
+    }
+    pl_parts_smallest(f->min, PL_N_QUANTITIES);
     pl_parts_smallest(&f->movable_angle, 1);
-    pl_parts_smallest(f->min, PL_N_MEASURES);
-    pl_parts_largest(f->max, PL_N_MEASURES);
-    for (size_t i = 0; i < sizeof largest / sizeof *largest; i++)
-        pl_parts_largest(largest[i], 1);
+    pl_parts_largest(f->max, PL_N_QUANTITIES);
+    pl_parts_largest(&f->worst_ratio, 1);
+    pl_parts_largest(&f->worst_fixed_ratio, 1);
+    pl_parts_largest(&f->movable_ratio, 1);
     if (f->worst_ratio > worst_here)
         f->worst_element = -1;
 }
@@ -352,15 +389,14 @@ int pl_measure(const pl_view *view, const double *coordinates, int threads,
                planish_quality *quality, planish_error *error) {
     enum { BINS = PLANISH_HISTOGRAM_BINS };
     const pl_mesh_state mesh = {view, coordinates};
-    pl_ratio_sums part[MAX_CHUNKS];
     pass p = begin_pass(&mesh);
-    p.basic = part;
     p.full = pl_alloc(p.n_chunks, sizeof *p.full);
     if (!p.full)
         return pl_fail_memory(error, "measuring the mesh");
-    pl_parallel_for(threads, view->n_elements, p.chunk, any_chunk, &p);
-    const pl_ratio_sums basic = total_ratio_sums(&p);
-    pl_full_sums full = pl_total_full(p.n_chunks, p.full);
+    const pl_ratio_sums basic = sum_ratios(&p, threads);
+    pl_full_sums full = no_sums();
+    for (int64_t i = 0; i < p.n_chunks; i++)
+        add_sums(&p.full[i], &full);
     pl_free(p.full);
     add_full_parts(&full);
     int64_t n = view->n_elements;
@@ -374,17 +410,17 @@ int pl_measure(const pl_view *view, const double *coordinates, int threads,
     fill_spreads(n_valid, &full, &q);
     memcpy(q.histogram_edges, PL_HISTOGRAM_EDGES, sizeof PL_HISTOGRAM_EDGES);
     for (int i = 0; i < BINS; i++) { /* the first bin also holds what rounding puts below 1 */
-        const int64_t from = i > 0 ? full.at_least[i] : n_valid;
-        q.histogram_counts[i] = from - (i + 1 < BINS ? full.at_least[i + 1] : 0);
+        const int64_t from = i > 0 ? full.count[PL_AT_LEAST + i] : n_valid;
+        q.histogram_counts[i] = from - (i + 1 < BINS ? full.count[PL_AT_LEAST + i + 1] : 0);
     }
     for (int i = 0; i <= PLANISH_ANGLE_BINS; i++)
         q.angle_edges_deg[i] = PL_ANGLE_BIN_DEGREES * i;
-    memcpy(q.angle_counts, full.by_angle, sizeof full.by_angle);
-    q.reversed = count_reversed(full.n_positive, full.n_negative);
+    memcpy(q.angle_counts, full.count + PL_BY_ANGLE, sizeof q.angle_counts);
+    q.reversed = count_reversed(full.count[PL_POSITIVE], full.count[PL_NEGATIVE]);
     if (n > 0) {
-        q.min_volume = full.smallest_volume + 0.0; /* one zero, not one of two */
-        q.max_volume = full.largest_volume + 0.0;
-        q.total_volume = full.volume_sum;
+        q.min_volume = full.min[PL_VOLUME] + 0.0; /* one zero, not one of two */
+        q.max_volume = full.max[PL_VOLUME] + 0.0;
+        q.total_volume = full.sum[PL_VOLUME];
     }
     *quality = q;
     return PLANISH_OK;

@@ -3,9 +3,7 @@
  * The sums of RR^2 are rounded once (base/sum.h). Every other sum has one accumulator per lane
  * within a chunk; then the lanes are added in their order, and the chunks in theirs.
  *
- *   pl_add_basic, _full                       add a block
- *   pl_clear_full, pl_reduce_basic, _full     begin and end a chunk
- *   pl_total_full                             add up the chunks
+ *   pl_add_basic, pl_add_full     add a block
  */
 #ifndef PL_QUALITY_MEASURE_SUMS_H
 #define PL_QUALITY_MEASURE_SUMS_H
@@ -29,33 +27,38 @@ typedef struct pl_basic_lanes {
     double n_movable[PL_SUM_LANES], n_fixed[PL_SUM_LANES], inverted[PL_SUM_LANES];
 } pl_basic_lanes;
 
+/** Quantities of which pl_measure wants the sum, and the smallest and the largest value: the
+ *  measures of a block, over the valid elements (angles in radians), and the volume, over all. */
+enum { PL_VOLUME = PL_N_MEASURES, PL_N_QUANTITIES };
+
+/** Counts of elements. */
+enum {
+    PL_UNMOVABLE,                                       /* without a free node, valid or not */
+    PL_POSITIVE,                                        /* in the listed order of their nodes, */
+    PL_NEGATIVE,                                        /* likewise */
+    PL_AT_LEAST,                                        /* of RR >= each edge of the histogram */
+    PL_BY_ANGLE = PL_AT_LEAST + PLANISH_HISTOGRAM_BINS, /* by the smallest angle */
+    PL_N_COUNTS = PL_BY_ANGLE + PLANISH_ANGLE_BINS
+};
+
 /** Further accumulators of pl_measure. */
 typedef struct pl_full_lanes {
-    double n_unmovable[PL_SUM_LANES]; /* elements without a free node, valid or not */
-    double n_positive[PL_SUM_LANES],
-        n_negative[PL_SUM_LANES]; /* in the listed order of their nodes */
-    double volume_sum[PL_SUM_LANES], smallest_volume[PL_SUM_LANES], largest_volume[PL_SUM_LANES];
-    double sum[PL_N_MEASURES][PL_SUM_LANES]; /* of angles in radians, here and below */
-    double min[PL_N_MEASURES][PL_SUM_LANES];
-    double max[PL_N_MEASURES][PL_SUM_LANES];
+    double count[PL_N_COUNTS][PL_SUM_LANES];
+    double sum[PL_N_QUANTITIES][PL_SUM_LANES];
+    double min[PL_N_QUANTITIES][PL_SUM_LANES];
+    double max[PL_N_QUANTITIES][PL_SUM_LANES];
     double worst_ratio[PL_SUM_LANES], worst_fixed_ratio[PL_SUM_LANES];
     double movable_ratio[PL_SUM_LANES]; /* largest with a free node, */
     double movable_angle[PL_SUM_LANES]; /* and smallest */
     double worst_element[PL_SUM_LANES]; /* exact: element numbers are below 2^53 */
-    double at_least[PLANISH_HISTOGRAM_BINS][PL_SUM_LANES]; /* elements of RR >= each edge */
-    double by_angle[PLANISH_ANGLE_BINS][PL_SUM_LANES];     /* elements by their smallest angle */
 } pl_full_lanes;
 
 /** Sums of a chunk, or of the mesh, besides pl_ratio_sums. */
 typedef struct pl_full_sums {
-    int64_t n_unmovable;
-    int64_t n_positive, n_negative; /* in the listed order of their nodes */
-    double volume_sum, smallest_volume, largest_volume;
-    double sum[PL_N_MEASURES], min[PL_N_MEASURES], max[PL_N_MEASURES]; /* as those of the lanes */
-    double worst_ratio, worst_fixed_ratio, movable_ratio, movable_angle;
-    int64_t worst_element; /* -1: none */
-    int64_t at_least[PLANISH_HISTOGRAM_BINS];
-    int64_t by_angle[PLANISH_ANGLE_BINS];
+    int64_t count[PL_N_COUNTS];
+    double sum[PL_N_QUANTITIES], min[PL_N_QUANTITIES], max[PL_N_QUANTITIES];
+    double worst_ratio, worst_fixed_ratio, movable_ratio, movable_angle; /* as those of the lanes */
+    int64_t worst_element;                                               /* -1: none */
 } pl_full_sums;
 
 /** Add the elements of a block to the sums of both passes, and RR^2 of the valid ones to movable or
@@ -83,12 +86,12 @@ PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums
         double present = b->present[l];
         double low = present != 0 ? b->volume[l] : INFINITY;
         double high = present != 0 ? b->volume[l] : -INFINITY;
-        sums->n_unmovable[l] += b->is_free[l] != 0 ? 0 : present;
-        sums->n_positive[l] += b->listed[l] > 0 ? 1 : 0;
-        sums->n_negative[l] += b->listed[l] < 0 ? 1 : 0;
-        sums->volume_sum[l] += present != 0 ? b->volume[l] : 0;
-        sums->smallest_volume[l] = pl_smaller(low, sums->smallest_volume[l]);
-        sums->largest_volume[l] = pl_larger(high, sums->largest_volume[l]);
+        sums->count[PL_UNMOVABLE][l] += b->is_free[l] != 0 ? 0 : present;
+        sums->count[PL_POSITIVE][l] += b->listed[l] > 0 ? 1 : 0;
+        sums->count[PL_NEGATIVE][l] += b->listed[l] < 0 ? 1 : 0;
+        sums->sum[PL_VOLUME][l] += present != 0 ? b->volume[l] : 0;
+        sums->min[PL_VOLUME][l] = pl_smaller(low, sums->min[PL_VOLUME][l]);
+        sums->max[PL_VOLUME][l] = pl_larger(high, sums->max[PL_VOLUME][l]);
     }
     for (int m = 0; m < PL_N_MEASURES; m++)
         for (int l = 0; l < PL_SUM_LANES; l++) {
@@ -112,26 +115,14 @@ PL_INLINE void pl_add_full(const pl_block *b, int64_t first, pl_full_lanes *sums
     }
     for (int i = 1; i < PLANISH_HISTOGRAM_BINS; i++)
         for (int l = 0; l < PL_SUM_LANES; l++)
-            sums->at_least[i][l] += ratios[l] >= PL_HISTOGRAM_EDGES[i] ? b->valid[l] : 0;
+            sums->count[PL_AT_LEAST + i][l] += ratios[l] >= PL_HISTOGRAM_EDGES[i] ? b->valid[l] : 0;
     int bin[PL_SUM_LANES]; /* adding to one is less work than comparing with all edges */
     for (int l = 0; l < PL_SUM_LANES; l++) {
         const double place = angles[l] * BINS_PER_RADIAN + PL_ANGLE_BIN_ROUNDING;
         bin[l] = (int)pl_smaller(b->valid[l] != 0 ? place : 0, LAST);
     }
     for (int l = 0; l < PL_SUM_LANES; l++)
-        sums->by_angle[bin[l]][l] += b->valid[l];
+        sums->count[PL_BY_ANGLE + bin[l]][l] += b->valid[l];
 }
-
-/** Set the accumulators to their values without any element. */
-void pl_clear_full(pl_full_lanes *lanes);
-
-/** Add up the lanes, in their order. */
-void pl_reduce_basic(const pl_basic_lanes *lanes, pl_ratio_sums *sums);
-
-/** Add up the lanes of pl_measure, in their order. */
-void pl_reduce_full(const pl_full_lanes *lanes, pl_full_sums *sums);
-
-/** Return the sums of pl_measure over the chunks part [n_chunks]. */
-pl_full_sums pl_total_full(int64_t n_chunks, const pl_full_sums *part);
 
 #endif

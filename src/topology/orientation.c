@@ -99,12 +99,6 @@ static void count_chunk(void *context, int64_t begin, int64_t end, int thread) {
         count_signs(s, 3, &s->frame, begin, end);
 }
 
-static void set_negative(void *context, int64_t begin, int64_t end, int thread) {
-    signs *s = context;
-    (void)thread;
-    memset(s->boundary->sign + begin, -1, (size_t)(end - begin));
-}
-
 /* ---- components --------------------------------------------------------------------------- */
 
 static uint32_t load(const signs *s, uint32_t element) {
@@ -169,19 +163,6 @@ static void join_facets(void *context, int32_t node, const pl_facet *facets, int
     }
 }
 
-/** Hand the conflict of an element on to its root, where its whole component finds it. Which
- *  elements saw the conflict depends on the threads; that the component has one does not. */
-static void mark_roots(void *context, int64_t begin, int64_t end, int thread) {
-    signs *s = context;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++) {
-        if (__atomic_load_n(s->boundary->sign + i, __ATOMIC_RELAXED) != CONFLICT)
-            continue;
-        uint32_t parity = 0, root = find_root(s, (uint32_t)i, &parity);
-        __atomic_store_n(s->boundary->sign + root, CONFLICT, __ATOMIC_RELAXED);
-    }
-}
-
 /** Hold the nodes of facets that contradict the file's order in a component that keeps it. */
 static void hold_conflicts(void *context, int32_t node, const pl_facet *facets, int32_t n_facets,
                            int thread) {
@@ -200,13 +181,18 @@ static void hold_conflicts(void *context, int32_t node, const pl_facet *facets, 
     }
 }
 
-/** Link every element to its root. */
+/** Link every element to its root, and hand its conflict on to the root, where the whole component
+ *  finds it. Which elements saw the conflict depends on the threads; that the component has one
+ *  does not. */
 static void link_chunk(void *context, int64_t begin, int64_t end, int thread) {
     signs *s = context;
+    int8_t *sign = s->boundary->sign;
     (void)thread;
     for (int64_t i = begin; i < end; i++) {
         uint32_t parity = 0, root = find_root(s, (uint32_t)i, &parity);
         __atomic_store_n(s->link + i, root << 1 | parity, __ATOMIC_RELAXED);
+        if (__atomic_load_n(sign + i, __ATOMIC_RELAXED) == CONFLICT)
+            __atomic_store_n(sign + root, CONFLICT, __ATOMIC_RELAXED);
     }
 }
 
@@ -220,8 +206,6 @@ static int find_components(signs *s, const pl_incidence *incidence, int threads,
     int status = pl_facets_match(mesh, incidence, NULL, threads, join_facets, s, error);
     if (status)
         return status;
-    if (s->n_conflicts)
-        pl_parallel_for(threads, m, CHUNK, mark_roots, s);
     pl_parallel_for(threads, m, CHUNK, link_chunk, s);
     if (mesh->part) {
         s->settlement.conflict = s->boundary->sign;
@@ -468,7 +452,7 @@ int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *bou
     boundary->n_reversed = m;
     for (int64_t i = 0; mesh->part && i < m; i++)
         boundary->n_reversed -= !mesh->part->is_counted[i];
-    pl_parallel_for(threads, m, CHUNK, set_negative, &s);
+    memset(boundary->sign, -1, (size_t)m);
     return PLANISH_OK;
 }
 
