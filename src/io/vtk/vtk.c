@@ -189,31 +189,16 @@ static int take_dataset(vtk_reader *reader) {
                       "meshio convert IN.vtk OUT.msh");
 }
 
-static const struct {
-    const char *name;
-    int (*read)(vtk_reader *reader);
-    int width; /* numbers of a tuple */
-} keywords[] = {
-    {"DATASET", take_dataset, 0},      {"POINTS", take_points, 0},
-    {"CELLS", take_cells, 0},          {"CELL_TYPES", take_cell_types, 0},
-    {"POINT_DATA", vtk_point_data, 0}, {"CELL_DATA", vtk_cell_data, 0},
-    {"SCALARS", vtk_scalars, 1},       {"VECTORS", vtk_attribute, 3},
-    {"NORMALS", vtk_attribute, 3},     {"TENSORS", vtk_attribute, 9},
-    {"TENSORS6", vtk_attribute, 6},    {"TEXTURE_COORDINATES", vtk_texture, 0},
-    {"COLOR_SCALARS", vtk_colours, 0}, {"LOOKUP_TABLE", vtk_lookup_table, 4},
-    {"GLOBAL_IDS", vtk_attribute, 1},  {"PEDIGREE_IDS", vtk_attribute, 1},
-    {"EDGE_FLAGS", vtk_attribute, 1},  {"FIELD", vtk_field, 0},
-    {"METADATA", vtk_metadata, 0},
-};
-
 static int read_keyword(vtk_reader *reader, io_slice word) {
-    for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
-        if (io_slice_is(word, keywords[i].name, 1)) {
-            reader->width = keywords[i].width;
-            return keywords[i].read(reader);
-        }
-    reader->cursor.at = word.begin;
-    return vtk_stop(reader);
+    if (io_slice_is(word, "DATASET", 1))
+        return take_dataset(reader);
+    if (io_slice_is(word, "POINTS", 1))
+        return take_points(reader);
+    if (io_slice_is(word, "CELLS", 1))
+        return take_cells(reader);
+    if (io_slice_is(word, "CELL_TYPES", 1))
+        return take_cell_types(reader);
+    return vtk_read_data(reader, word);
 }
 
 /** The first three lines are version, title, ASCII or BINARY; keywords follow. */

@@ -20,7 +20,6 @@ typedef struct vtk_reader {
     vtk_grid grid;    /* its lists until CELL_TYPES has been read */
     int64_t n_tuples; /* of the attributes of POINT_DATA or CELL_DATA; -1: in neither */
     int on_points;    /* in POINT_DATA */
-    int width;        /* numbers of a tuple, where the keyword says that */
 } vtk_reader;
 
 /** Fail at the cursor. */
@@ -33,20 +32,8 @@ void vtk_end_line(io_cursor *cursor);
  *  before it, as the next bytes may be data. */
 int vtk_take_if(vtk_reader *reader, const char *name);
 
-/** Begin the attributes of points or cells. */
-int vtk_point_data(vtk_reader *reader);
-int vtk_cell_data(vtk_reader *reader);
-
-/** Read or pass over attributes: one of the words NAME TYPE, and others. */
-int vtk_attribute(vtk_reader *reader);
-int vtk_scalars(vtk_reader *reader);
-int vtk_texture(vtk_reader *reader);
-int vtk_colours(vtk_reader *reader);
-int vtk_lookup_table(vtk_reader *reader);
-int vtk_field(vtk_reader *reader);
-int vtk_metadata(vtk_reader *reader);
-
-/** Stop at something unknown: the end if the mesh is there, an error if it is not. */
-int vtk_stop(vtk_reader *reader);
+/** Read what stands behind a keyword of data: hold nodes, take arrays, or pass over it. Anything
+ *  unknown is the end if the mesh is there, and an error if it is not. */
+int vtk_read_data(vtk_reader *reader, io_slice keyword);
 
 #endif

@@ -184,17 +184,20 @@ static int read_array(const value_array *array, io_slice name) {
 
 /* ---- keywords ----------------------------------------------------------------------------- */
 
-int vtk_stop(vtk_reader *reader) {
+/** Stop at something unknown: the end if the mesh is there, an error if it is not. */
+static int stop_reading(vtk_reader *reader) {
     reader->done = reader->have_types;
     return reader->done ? PLANISH_OK
                         : vtk_fail_here(reader, "this is not understood, and no mesh came before");
 }
 
-static int begin_attributes(vtk_reader *reader, int on_points, int64_t n_expected) {
+/** Begin the attributes of points or cells. */
+static int begin_attributes(vtk_reader *reader, int on_points) {
     int64_t n;
     if (!reader->have_types)
         return vtk_fail_here(reader, "attributes stand before the mesh is complete");
-    if (io_integer(&reader->cursor, &n) || n != n_expected)
+    if (io_integer(&reader->cursor, &n) ||
+        n != (on_points ? reader->model->n_nodes : reader->grid.n))
         return vtk_fail_here(reader,
                              "POINT_DATA or CELL_DATA: as many as points or cells expected");
     vtk_end_line(&reader->cursor);
@@ -203,76 +206,8 @@ static int begin_attributes(vtk_reader *reader, int on_points, int64_t n_expecte
     return PLANISH_OK;
 }
 
-int vtk_point_data(vtk_reader *reader) {
-    return begin_attributes(reader, 1, reader->model->n_nodes);
-}
-
-int vtk_cell_data(vtk_reader *reader) {
-    return begin_attributes(reader, 0, reader->grid.n);
-}
-
-/** Read an attribute whose line has n words: its name, and its type at type_word. */
-static int read_attribute(vtk_reader *reader, const io_slice *words, int n, int type_word,
-                          int64_t width) {
-    const vtk_type *type = type_word < n ? vtk_find_type(words[type_word]) : NULL;
-    if (!type || reader->n_tuples < 0)
-        return vtk_stop(reader);
-    const value_array array = {reader, type, reader->n_tuples, width};
-    return read_array(&array, words[0]);
-}
-
-int vtk_attribute(vtk_reader *reader) {
-    io_slice words[MAX_WORDS];
-    const int n = take_words(&reader->cursor, words);
-    return read_attribute(reader, words, n, 1, reader->width);
-}
-
-int vtk_scalars(vtk_reader *reader) {
-    io_slice words[MAX_WORDS], ignored[MAX_WORDS];
-    int64_t width = 1;
-    const int n = take_words(&reader->cursor, words);
-    if (n > 2 && io_slice_integer(words[2], &width))
-        return vtk_stop(reader);
-    if (vtk_take_if(reader, "LOOKUP_TABLE"))
-        take_words(&reader->cursor, ignored);
-    return read_attribute(reader, words, n, 1, width);
-}
-
-int vtk_texture(vtk_reader *reader) {
-    io_slice words[MAX_WORDS];
-    int64_t width;
-    const int n = take_words(&reader->cursor, words);
-    if (n < 3 || io_slice_integer(words[1], &width))
-        return vtk_stop(reader);
-    return read_attribute(reader, words, n, 2, width);
-}
-
-/** Pass over n colours of width numbers. They have no type: they are bytes where binary. */
-static int skip_colours(vtk_reader *reader, int64_t n, int64_t width) {
-    static const vtk_type byte = {"unsigned_char", VTK_UNSIGNED, 1};
-    const value_array array = {reader, &byte, n, width};
-    return read_array(&array, (io_slice){NULL, NULL});
-}
-
-int vtk_colours(vtk_reader *reader) {
-    io_slice words[MAX_WORDS];
-    int64_t width;
-    if (take_words(&reader->cursor, words) < 2 || io_slice_integer(words[1], &width) ||
-        reader->n_tuples < 0)
-        return vtk_stop(reader);
-    return skip_colours(reader, reader->n_tuples, width);
-}
-
-int vtk_lookup_table(vtk_reader *reader) {
-    io_slice words[MAX_WORDS];
-    int64_t size;
-    if (take_words(&reader->cursor, words) < 2 || io_slice_integer(words[1], &size))
-        return vtk_stop(reader);
-    return skip_colours(reader, size, 4);
-}
-
 /** Skip to the empty line that ends a METADATA block. */
-int vtk_metadata(vtk_reader *reader) {
+static int skip_metadata(vtk_reader *reader) {
     io_slice words[MAX_WORDS];
     vtk_end_line(&reader->cursor);
     while (io_left(&reader->cursor) > 0 && take_words(&reader->cursor, words) > 0)
@@ -280,23 +215,23 @@ int vtk_metadata(vtk_reader *reader) {
     return PLANISH_OK;
 }
 
-/** FIELD name n, and n arrays: name, width, tuples, type, and the numbers. */
-int vtk_field(vtk_reader *reader) {
+/** Read FIELD name n, and n arrays: name, width, tuples, type, and the numbers. */
+static int read_field(vtk_reader *reader) {
     io_slice words[MAX_WORDS];
     int64_t n, width, tuples;
     if (take_words(&reader->cursor, words) < 2 || io_slice_integer(words[1], &n))
-        return vtk_stop(reader);
+        return stop_reading(reader);
     while (n > 0) {
         io_skip_space(&reader->cursor);
         const int n_words = take_words(&reader->cursor, words);
         if (n_words > 0 && io_slice_is(words[0], "METADATA", 1)) {
             reader->cursor.at = words[0].begin;
-            vtk_metadata(reader);
+            skip_metadata(reader);
             continue;
         }
         const vtk_type *type = n_words < 4 ? NULL : vtk_find_type(words[3]);
         if (!type || io_slice_integer(words[1], &width) || io_slice_integer(words[2], &tuples))
-            return vtk_stop(reader);
+            return stop_reading(reader);
         const value_array array = {reader, type, tuples, width};
         const int status = read_array(&array, words[0]);
         if (status)
@@ -304,4 +239,54 @@ int vtk_field(vtk_reader *reader) {
         n--;
     }
     return PLANISH_OK;
+}
+
+/** A keyword of one array. The words behind it are a name, and by their index: */
+typedef struct attribute {
+    const char *name;
+    int type;     /* its type; 0: bytes where binary, and the array is passed over, */
+    int n_tuples; /* the number of tuples; 0: as many as points or cells, */
+    int width;    /* the numbers of a tuple; 0: see usual */
+    int usual;    /* numbers of a tuple, if no word says them; 0: one must */
+} attribute;
+
+static const attribute attributes[] = {
+    {"SCALARS", 1, 0, 2, 1},       {"VECTORS", 1, 0, 0, 3},
+    {"NORMALS", 1, 0, 0, 3},       {"TENSORS", 1, 0, 0, 9},
+    {"TENSORS6", 1, 0, 0, 6},      {"TEXTURE_COORDINATES", 2, 0, 1, 0},
+    {"COLOR_SCALARS", 0, 0, 1, 0}, {"LOOKUP_TABLE", 0, 1, 0, 4},
+    {"GLOBAL_IDS", 1, 0, 0, 1},    {"PEDIGREE_IDS", 1, 0, 0, 1},
+    {"EDGE_FLAGS", 1, 0, 0, 1},
+};
+
+static int read_attribute(vtk_reader *reader, const attribute *a) {
+    static const vtk_type byte = {"unsigned_char", VTK_UNSIGNED, 1};
+    static const io_slice no_name = {NULL, NULL};
+    io_slice words[MAX_WORDS], ignored[MAX_WORDS];
+    value_array array = {reader, &byte, reader->n_tuples, a->usual};
+    const int n = take_words(&reader->cursor, words);
+    if (n <= a->type || n <= a->n_tuples || (!a->usual && n <= a->width) ||
+        (a->n_tuples && io_slice_integer(words[a->n_tuples], &array.n)) ||
+        (a->width && n > a->width && io_slice_integer(words[a->width], &array.width)))
+        return stop_reading(reader);
+    if (a->width == 2 && vtk_take_if(reader, "LOOKUP_TABLE")) /* the second line of SCALARS */
+        take_words(&reader->cursor, ignored);
+    array.type = a->type ? vtk_find_type(words[a->type]) : &byte;
+    if (!array.type || (!a->n_tuples && reader->n_tuples < 0))
+        return stop_reading(reader);
+    return read_array(&array, a->type ? words[0] : no_name);
+}
+
+int vtk_read_data(vtk_reader *reader, io_slice keyword) {
+    if (io_slice_is(keyword, "POINT_DATA", 1) || io_slice_is(keyword, "CELL_DATA", 1))
+        return begin_attributes(reader, io_slice_is(keyword, "POINT_DATA", 1));
+    if (io_slice_is(keyword, "FIELD", 1))
+        return read_field(reader);
+    if (io_slice_is(keyword, "METADATA", 1))
+        return skip_metadata(reader);
+    for (size_t i = 0; i < sizeof attributes / sizeof *attributes; i++)
+        if (io_slice_is(keyword, attributes[i].name, 1))
+            return read_attribute(reader, &attributes[i]);
+    reader->cursor.at = keyword.begin;
+    return stop_reading(reader);
 }
