@@ -74,25 +74,22 @@ static void number_keys(int64_t *key, int64_t n, int64_t *different) {
 /** Make entities and regions of cells. key [cells] is zeroed, different [cells] is scratch. */
 static int make_cell_entities(abaqus_reader *r, io_memberships *m, int64_t *key,
                               int64_t *different) {
-    int32_t last = -1;
     fill_region_keys(r, key);
     number_keys(key, r->n[ELEMENTS], different);
     for (int dim = 1; dim <= 3; dim++) {
         io_cells *cells = io_model_cells(r->model, dim);
+        const int64_t first = r->first_cell[dim];
         if (cells->n == 0)
             continue;
         cells->region = pl_alloc(cells->n, sizeof *cells->region);
         if (!cells->region)
             return pl_fail_memory(r->error, "the regions of the file");
-        for (int64_t i = 0; i < cells->n; i++) {
-            const int64_t cell = r->first_cell[dim] + i;
-            const int32_t region = (int32_t)key[cell];
-            last = io_memberships_entity(m, r->model, cell, dim, region + 1, last, r->error);
-            if (last < 0)
-                return last;
-            cells->entity[i] = last;
-            cells->region[i] = region;
-        }
+        for (int64_t i = 0; i < cells->n; i++)
+            cells->region[i] = (int32_t)key[first + i];
+        const int status = io_memberships_entities(m, r->model, dim, first, cells->n, cells->region,
+                                                   cells->entity, r->error);
+        if (status)
+            return status;
     }
     return PLANISH_OK;
 }

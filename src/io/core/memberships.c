@@ -34,32 +34,33 @@ int io_memberships_counted(io_memberships *m, planish_error *error) {
     return m->list ? PLANISH_OK : pl_fail_memory(error, "the sets of the file");
 }
 
-int32_t io_memberships_entity(const io_memberships *m, io_model *model, int64_t thing, int dim,
-                              int32_t tag, int32_t last, planish_error *error) {
-    const int32_t *list = m->list + m->start[thing];
-    const int64_t n = m->start[thing + 1] - m->start[thing];
-    const io_entity *e = last >= 0 ? &model->entity[last] : NULL;
-    if (e && e->dim == dim && e->tag == tag && e->n_physical == n &&
-        (n == 0 || memcmp(e->physical, list, (size_t)n * sizeof *list) == 0))
-        return last;
-    return io_model_entity(model, dim, tag, (int)n, list, error);
+int io_memberships_entities(const io_memberships *m, io_model *model, int dim, int64_t first,
+                            int64_t n, const int32_t *region, int32_t *entity,
+                            planish_error *error) {
+    int32_t last = -1; /* most often the next thing is of the same entity */
+    for (int64_t i = 0; i < n; i++) {
+        const int64_t begin = m->start[first + i];
+        const int n_sets = (int)(m->start[first + i + 1] - begin);
+        const int32_t *list = m->list + begin, tag = region ? region[i] + 1 : 0;
+        const io_entity *e = last >= 0 ? &model->entity[last] : NULL;
+        entity[i] = -1;
+        if (dim == 0 && n_sets == 0)
+            continue;
+        if (!e || e->tag != tag || e->n_physical != n_sets ||
+            (n_sets > 0 && memcmp(e->physical, list, (size_t)n_sets * sizeof *list) != 0))
+            last = io_model_entity(model, dim, tag, n_sets, list, error);
+        if (last < 0)
+            return last;
+        entity[i] = last;
+    }
+    return PLANISH_OK;
 }
 
 int io_memberships_of_nodes(const io_memberships *m, io_model *model, planish_error *error) {
-    int32_t last = -1;
     model->node_entity = pl_alloc(model->n_nodes, sizeof *model->node_entity);
     if (!model->node_entity)
         return pl_fail_memory(error, "the sets of nodes");
-    for (int64_t i = 0; i < model->n_nodes; i++) {
-        model->node_entity[i] = -1;
-        if (m->start[i] == m->start[i + 1])
-            continue;
-        last = io_memberships_entity(m, model, i, 0, 0, last, error);
-        if (last < 0)
-            return last;
-        model->node_entity[i] = last;
-    }
-    return PLANISH_OK;
+    return io_memberships_entities(m, model, 0, 0, model->n_nodes, NULL, model->node_entity, error);
 }
 
 void io_memberships_destroy(io_memberships *m) {

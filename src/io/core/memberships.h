@@ -26,12 +26,14 @@ void io_memberships_add(io_memberships *memberships, int64_t thing, int32_t tag)
 /** All have been counted: next they are to be listed. */
 int io_memberships_counted(io_memberships *memberships, planish_error *error);
 
-/** The entity of dim and tag whose physical tags are the thing's sets; last: the one of another
- *  thing, which most often is the same, or -1. Negative on failure. */
-int32_t io_memberships_entity(const io_memberships *memberships, io_model *model, int64_t thing,
-                              int dim, int32_t tag, int32_t last, planish_error *error);
+/** Find the entities of n things from first on, made if new: entity [n]. Their physical tags are
+ * the sets of the thing, their tag is 1 + region [n], or 0 where region is NULL. With dim 0 a thing
+ * in no set has none (-1). */
+int io_memberships_entities(const io_memberships *memberships, io_model *model, int dim,
+                            int64_t first, int64_t n, const int32_t *region, int32_t *entity,
+                            planish_error *error);
 
-/** The same for all nodes, which the things are: model->node_entity. */
+/** Find the entities of all nodes, which the things are: model->node_entity. */
 int io_memberships_of_nodes(const io_memberships *memberships, io_model *model,
                             planish_error *error);
 

@@ -42,12 +42,13 @@ typedef struct plex_reader {
     int dim;                             /* of the elements */
     plex_stratum stratum[PLEX_MOST_STRATA];
     int64_t n_points, n_elements, n_nodes; /* elements and nodes are the first points */
-    int64_t *start;    /* [n_points] where a point's cone begins in its stratum's, */
-    uint8_t *size;     /* [n_points] and how many points it has; 0: a node */
-    int32_t *of_point; /* [n_points] index among the cells of its dimension of a point that is one
-                          of the model's; else -1 */
-    int64_t first_face, n_faces; /* all faces are among these points */
-    int32_t *triangle;           /* [n_faces][3] nodes of those that have three edges; else -1 */
+    int64_t *start;     /* [n_points] where a point's cone begins in its stratum's, */
+    uint8_t *size;      /* [n_points] and how many points it has; 0: a node */
+    int32_t *of_point;  /* [n_points] index among the cells of its dimension of a point that is one
+                           of the model's; else -1 */
+    int64_t first_face; /* all faces are among the points from here on */
+    int32_t *triangle;  /* [faces][3] nodes of those that have three edges, else -1; of meshes of
+                           tetrahedra, once plex_read_elements has found them */
 } plex_reader;
 
 /* ---- plex.c -------------------------------------------------------------------------------- */

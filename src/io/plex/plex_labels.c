@@ -184,7 +184,6 @@ static int make_entities(labels *l, int dim) {
     io_model *model = l->r->model;
     io_cells *cells = dim > 0 ? io_model_cells(model, dim) : NULL;
     io_memberships m = {.n = 0};
-    int32_t last = -1;
     int status = io_memberships_begin(&m, cells ? cells->n : l->r->n_nodes, l->r->error);
     for (int pass = 0; pass < 2 && !status; pass++) {
         for (int64_t i = 0; i < l->n && !status; i++)
@@ -194,11 +193,9 @@ static int make_entities(labels *l, int dim) {
     }
     if (!status && !cells)
         status = io_memberships_of_nodes(&m, model, l->r->error);
-    for (int64_t i = 0; cells && i < cells->n && !status; i++) {
-        last = io_memberships_entity(&m, model, i, dim, 0, last, l->r->error);
-        cells->entity[i] = last;
-        status = last < 0 ? last : PLANISH_OK;
-    }
+    if (!status && cells)
+        status =
+            io_memberships_entities(&m, model, dim, 0, cells->n, NULL, cells->entity, l->r->error);
     io_memberships_destroy(&m);
     return status;
 }

@@ -213,43 +213,39 @@ static int is_orientation(int64_t o, int size) {
     return o >= -size && o < size;
 }
 
-/** Add the nodes of a cone of edges, from edge o on; backwards where o is negative, which -1 does
- *  from edge 1 on. */
-static void add_face(const plex_reader *r, int64_t face, int64_t o, nodes *to) {
-    const int size = r->size[face];
-    const int is_reversed = o < 0;
-    to->is_broken |= !is_orientation(o, size);
-    const int first = (int)((is_reversed ? -(o % size) : o % size) % size);
-    for (int k = 0; k < size; k++) {
-        int64_t orientation;
-        const int at = (first + (is_reversed ? size - k : k)) % size;
-        const int64_t edge = in_cone(r, face, at, &orientation);
+/** Add the nodes of a cone of edges. */
+static void add_face(const plex_reader *r, int64_t face, nodes *to) {
+    for (int k = 0; k < r->size[face]; k++) {
+        int64_t o;
+        const int64_t edge = in_cone(r, face, k, &o);
         if (edge < 0 || plex_dim_of(r, edge) != 1)
             to->is_broken = 1;
         else
-            add_cone(r, edge, is_reversed != (orientation < 0), to);
+            add_cone(r, edge, o < 0, to);
     }
 }
 
+/** Add the nodes of a cone of faces, in the order of simplices; elements of other faces than
+ *  triangles are none. */
 static void add_faces(const plex_reader *r, int64_t element, nodes *to) {
-    for (int k = 0; k < r->size[element]; k++) {
+    for (int k = 0; k < r->size[element] && !to->is_broken; k++) {
         int64_t o;
-        const int64_t face = in_cone(r, element, k, &o), i = face - r->first_face;
-        if (face < r->n_elements || plex_dim_of(r, face) != 2) {
-            to->is_broken = 1;
+        const int64_t face = in_cone(r, element, k, &o);
+        to->is_broken =
+            face < r->n_elements || plex_dim_of(r, face) != 2 || !is_orientation(o, r->size[face]);
+        if (to->is_broken)
             return;
-        }
-        if (i < 0 || i >= r->n_faces || r->triangle[3 * i] < 0) {
-            add_face(r, face, o, to);
+        if (r->size[face] != 3) {
+            add_face(r, face, to);
             continue;
         }
-        /* A triangle whose nodes are known: edge k leads from node k on. */
+        /* Edge k of a triangle leads from node k on. A cone goes from edge o on; backwards where o
+         * is negative, which -1 does from edge 1 on. */
+        const int32_t *node = r->triangle + 3 * (face - r->first_face);
         const int first = (int)(o < 0 ? (1 - o % 3) % 3 : o % 3);
-        to->is_broken |= !is_orientation(o, 3);
-        for (int j = 0; j < 3; j++) {
-            const int32_t node = r->triangle[3 * i + (first + (o < 0 ? 3 - j : j)) % 3];
-            add_node(r, r->n_elements + node, to);
-        }
+        to->is_broken = node[0] < 0;
+        for (int j = 0; j < 3 && !to->is_broken; j++)
+            add_node(r, r->n_elements + node[(first + (o < 0 ? 3 - j : j)) % 3], to);
     }
 }
 
@@ -261,7 +257,7 @@ int plex_nodes_of(const plex_reader *r, int64_t point, int32_t *node) {
     else if (dim == 1 || is_node(r, in_cone(r, point, 0, NULL)))
         add_cone(r, point, 0, &to);
     else if (dim == 2)
-        add_face(r, point, 0, &to);
+        add_face(r, point, &to);
     else
         add_faces(r, point, &to);
     return to.is_broken ? -1 : to.n;
@@ -378,7 +374,6 @@ int plex_read_elements(plex_reader *r) {
     if (!r->triangle)
         return pl_fail_memory(r->error, "the faces of the file");
     pl_parallel_for(r->model->threads, n_faces, CHUNK, find_triangle_chunk, r);
-    r->n_faces = n_faces;
     pl_parallel_for(r->model->threads, r->n_elements, CHUNK, fill_chunk, &f);
     return f.first_wrong < INT64_MAX ? plex_fail_point(r, f.first_wrong) : PLANISH_OK;
 }
