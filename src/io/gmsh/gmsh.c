@@ -98,30 +98,21 @@ static const known_section sections[] = {
     {"ELM", {gmsh2_elements, NULL}, 1, 1},
 };
 
-static const known_section *find_section(const char *name, int64_t length) {
-    for (size_t i = 0; i < sizeof sections / sizeof sections[0]; i++)
-        if (io_word_is(name, length, sections[i].name, 0))
-            return &sections[i];
-    return NULL;
-}
-
 /** Whether the word at the cursor is the end mark of a section; the cursor goes behind it. */
 static int take_end(io_cursor *cursor, const char *end_mark) {
-    int64_t length;
-    const char *word = io_word(cursor, &length);
-    return io_word_is(word, length, end_mark, 0);
+    return io_slice_is(io_next_word(cursor), end_mark, 0);
 }
 
 /** Pass over a section that is not read, up to its end mark; in binary, data are passed over by
  *  their count if the end mark is found behind them. Values of elements are kept in mind. */
-static int pass_over(gmsh_reader *reader, const char *name, int64_t length, const char *end_mark) {
+static int pass_over(gmsh_reader *reader, io_slice name, const char *end_mark) {
     io_cursor *cursor = &reader->cursor, ahead;
     const char *begin = cursor->at;
-    const int of_element_nodes = io_word_is(name, length, "ElementNodeData", 0);
-    const int of_elements = io_word_is(name, length, "ElementData", 0);
+    const int of_element_nodes = io_slice_is(name, "ElementNodeData", 0);
+    const int of_elements = io_slice_is(name, "ElementData", 0);
     int is_found = 0;
     if (reader->model->is_binary &&
-        (of_elements || of_element_nodes || io_word_is(name, length, "NodeData", 0)) &&
+        (of_elements || of_element_nodes || io_slice_is(name, "NodeData", 0)) &&
         !gmsh_skip_data(reader, of_element_nodes)) {
         ahead = *cursor;
         is_found = take_end(&ahead, end_mark);
@@ -145,25 +136,34 @@ static int fail_foreign(gmsh_reader *reader, const char *at) {
 
 /** Read the section of that name: the header, which must come first but in MSH 1, or another. What
  *  its reader leaves must be its end mark. */
-static int read_section(gmsh_reader *reader, const char *name, int64_t length) {
-    const known_section *section = find_section(name, length);
+static int read_section(gmsh_reader *reader, io_slice name) {
+    const known_section *section = NULL;
+    for (size_t i = 0; i < sizeof sections / sizeof *sections && !section; i++)
+        if (io_slice_is(name, sections[i].name, 0))
+            section = &sections[i];
     const int is_old = section && section->is_old;
+    const int64_t length = io_slice_length(name);
     char end_mark[64];
     const int written = snprintf(end_mark, sizeof end_mark, "$%s%.*s", is_old ? "END" : "End",
-                                 (int)(length < 64 ? length : 64), name);
+                                 (int)(length < 64 ? length : 64), name.begin);
     if (reader->version == 0 && is_old)
         reader->version = 10;
     if (reader->version == 0 && section && section->read[0] != read_header)
-        return io_fail_at(reader->model, name, reader->error, "no $MeshFormat before this section");
+        return io_fail_at(reader->model, name.begin, reader->error,
+                          "no $MeshFormat before this section");
     section_fn *read = section ? section->read[reader->version >= 40] : NULL;
     if (read && section->needs_nodes && !reader->have_nodes)
-        return io_fail_at(reader->model, name, reader->error, "$%s stands before $Nodes",
+        return io_fail_at(reader->model, name.begin, reader->error, "$%s stands before $Nodes",
                           section->name);
-    if (!read && (written < 0 || written >= (int)sizeof end_mark))
-        return io_fail_at(reader->model, name, reader->error, "section name is too long");
-    const int status = read ? read(reader) : pass_over(reader, name, length, end_mark);
+    int status;
+    if (read)
+        status = read(reader);
+    else if (written > 0 && written < (int)sizeof end_mark)
+        status = pass_over(reader, name, end_mark);
+    else
+        status = io_fail_at(reader->model, name.begin, reader->error, "section name is too long");
     if (status == PLANISH_ERROR_FORMAT && reader->version == 0 && !read)
-        return fail_foreign(reader, name);
+        return fail_foreign(reader, name.begin);
     if (status)
         return status;
     io_skip_space(&reader->cursor);
@@ -177,12 +177,12 @@ static int read_section(gmsh_reader *reader, const char *name, int64_t length) {
 static int read_sections(gmsh_reader *reader) {
     io_cursor *cursor = &reader->cursor;
     for (;;) {
-        int64_t length;
         cursor->at = io_find_line(cursor->at, cursor->end, "$"); /* other lines are comments */
-        const char *word = io_word(cursor, &length);
-        if (length < 2)
+        io_slice name = io_next_word(cursor);
+        if (io_slice_length(name) < 2)
             break;
-        const int status = read_section(reader, word + 1, length - 1);
+        name.begin++; /* the $ */
+        const int status = read_section(reader, name);
         if (status)
             return status;
     }

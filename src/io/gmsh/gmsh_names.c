@@ -54,48 +54,32 @@ int gmsh_names(gmsh_reader *reader) {
 
 /* ---- names without a dimension ------------------------------------------------------------ */
 
-/** A physical group that some entity is in. */
-typedef struct used_group {
-    int32_t tag;
-    int dim;
-} used_group;
-
-static int compare_used(const void *left, const void *right) {
-    const used_group *a = left, *b = right;
-    if (a->tag != b->tag)
-        return a->tag < b->tag ? -1 : 1;
-    return (a->dim > b->dim) - (a->dim < b->dim);
-}
-
-/** List the groups of all entities, by number and dimension, each once: *n of them. */
-static used_group *list_used(const io_model *model, int64_t *n) {
-    int64_t n_all = 0, kept = 0;
+/** List the physical groups of all entities, *n of them, by dimension and number; owned. */
+static gmsh_place *list_used(const io_model *model, int64_t *n) {
+    int64_t n_all = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
         n_all += model->entity[i].n_physical;
-    used_group *used = pl_alloc(n_all, sizeof *used);
+    gmsh_place *used = pl_alloc(n_all, sizeof *used);
     if (!used)
         return NULL;
-    n_all = 0;
+    *n = 0;
     for (int32_t i = 0; i < model->n_entities; i++)
         for (int k = 0; k < model->entity[i].n_physical; k++)
-            used[n_all++] = (used_group){model->entity[i].physical[k], model->entity[i].dim};
+            used[(*n)++] =
+                (gmsh_place){.dim = model->entity[i].dim, .tag = model->entity[i].physical[k]};
     if (n_all > 0)
-        qsort(used, (size_t)n_all, sizeof *used, compare_used);
-    for (int64_t i = 0; i < n_all; i++)
-        if (i == 0 || compare_used(&used[i], &used[i - 1]))
-            used[kept++] = used[i];
-    *n = kept;
+        qsort(used, (size_t)n_all, sizeof *used, gmsh_compare_places);
     return used;
 }
 
 /** Give the name of group index the dimensions in which its number is used; where there is none,
  * that of the elements. */
-static int settle_name(io_model *model, int32_t index, const used_group *used, int64_t n,
+static int settle_name(io_model *model, int32_t index, const gmsh_place *used, int64_t n,
                        planish_error *error) {
     const int32_t tag = model->group[index].tag;
     for (int dim = 0; dim < N_DIMS; dim++) {
-        const used_group key = {tag, dim};
-        if (n == 0 || !bsearch(&key, used, (size_t)n, sizeof key, compare_used))
+        const gmsh_place key = {.dim = dim, .tag = tag};
+        if (n == 0 || !bsearch(&key, used, (size_t)n, sizeof key, gmsh_compare_places))
             continue;
         const char *name = model->group[index].name;
         int status = PLANISH_OK;
@@ -113,7 +97,7 @@ static int settle_name(io_model *model, int32_t index, const used_group *used, i
 
 int gmsh_settle_names(gmsh_reader *reader) {
     io_model *model = reader->model;
-    used_group *used = NULL;
+    gmsh_place *used = NULL;
     int64_t n_used = 0;
     int status = PLANISH_OK;
     const int32_t n = model->n_groups;
