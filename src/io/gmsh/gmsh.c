@@ -98,13 +98,13 @@ static const known_section sections[] = {
     {"ELM", {gmsh2_elements, NULL}, 1, 1},
 };
 
-/** Whether the word at the cursor is the end mark of a section; the cursor goes behind it. */
+/** Take the word at the cursor. Return whether it is the end mark of a section. */
 static int take_end(io_cursor *cursor, const char *end_mark) {
     return io_slice_is(io_next_word(cursor), end_mark, 0);
 }
 
-/** Pass over a section that is not read, up to its end mark; in binary, data are passed over by
- *  their count if the end mark is found behind them. Values of elements are kept in mind. */
+/** Pass over a section that is not read, up to its end mark. In binary, data are passed over by
+ *  their count if the end mark is found behind them. Note values of elements. */
 static int pass_over(gmsh_reader *reader, io_slice name, const char *end_mark) {
     io_cursor *cursor = &reader->cursor, ahead;
     const char *begin = cursor->at;
@@ -217,7 +217,7 @@ static int read_gmsh(io_model *model, planish_error *error) {
     return status;
 }
 
-/** A first line of $ and letters, the first a capital: no other format begins so. */
+/** Recognise a first line of $ and letters, the first a capital: no other format begins so. */
 static int recognise_gmsh(const char *data, int64_t size) {
     io_cursor cursor = io_begin_text(data, size);
     io_skip_space(&cursor);

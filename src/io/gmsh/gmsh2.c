@@ -34,13 +34,13 @@ int gmsh2_nodes(gmsh_reader *reader) {
 
 /* ---- one element -------------------------------------------------------------------------- */
 
-/** Where an element belongs. */
+/** Owner of an element: its dimension, physical group and elementary entity. */
 typedef struct element_owner {
     int dim;
     int32_t physical, elementary;
 } element_owner;
 
-/** All of an element but its nodes. */
+/** Head of an element: all but its nodes. */
 typedef struct element_head {
     const char *at; /* where it stands, for messages */
     int64_t number;
@@ -130,6 +130,7 @@ static int skip_tokens(io_cursor *cursor, int n) {
     return 1;
 }
 
+/** Count the elements of a chunk, and note the runs of elements of one owner. */
 static int count_chunk(const gmsh_reader *reader, element_chunk *chunk, planish_error *error) {
     io_cursor cursor = chunk->lines;
     element_head head;

@@ -117,7 +117,7 @@ int gmsh4_entities(gmsh_reader *reader) {
     return status ? status : read_entities(reader, 0);
 }
 
-/** $PartitionedEntities: number of parts, ghost entities (tag and part of each), entities. */
+/** Read $PartitionedEntities: number of parts, ghost entities (tag and part of each), entities. */
 int gmsh4_partitioned_entities(gmsh_reader *reader) {
     int64_t n_parts, n_ghosts, ignored;
     if (gmsh_end_line(reader) ||
@@ -289,7 +289,7 @@ int gmsh4_elements(gmsh_reader *reader) {
 
 /* ---- periodic pairs ----------------------------------------------------------------------- */
 
-/** Each pair of entities: dimension and tags, transform, pairs of nodes. */
+/** Read each pair of entities: dimension and tags, transform, pairs of nodes. */
 int gmsh4_periodic(gmsh_reader *reader) {
     enum { TRANSFORM_40 = 16 };
     const int bytes = short_size(reader), is_binary = reader->model->is_binary;

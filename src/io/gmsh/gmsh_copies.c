@@ -51,9 +51,8 @@ static copy_candidate make_candidate(const io_model *model, const io_cells *cell
 
 /* ---- entities in several groups ----------------------------------------------------------- */
 
-/** shared [n_entities]: 1 where another entity has the same dimension and tag; *any: whether one
- * is.
- */
+/** Set shared [n_entities] to 1 where another entity has the same dimension and tag; *any: whether
+ *  one is. */
 static int find_shared(const io_model *model, uint8_t *shared, int *any, planish_error *error) {
     int32_t n = model->n_entities;
     gmsh_place *list = pl_alloc(n, sizeof *list);

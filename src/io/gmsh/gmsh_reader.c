@@ -9,7 +9,7 @@
 
 /* ---- element types ------------------------------------------------------------------------ */
 
-/** By Gmsh's number of the type. */
+/** Element types by Gmsh's numbers. */
 static const io_element_type types[] = {
     [1] = {NULL, IO_LINE, 1, 2, NULL},
     [2] = {NULL, IO_TRIANGLE, 1, 3, NULL},

@@ -160,7 +160,7 @@ static int walk_text(medit_reader *r) {
 
 /* ---- binary ------------------------------------------------------------------------------- */
 
-/** Read the first two words and the dimension's code; whether they are what they should be. */
+/** Read the first two words and the dimension's code. Return whether they are those of a mesh. */
 static int begins_well(const char *data, int64_t size, int *swapped, int64_t *version) {
     if (size < 3 * WORD_SIZE)
         return 0;
@@ -182,7 +182,8 @@ static int fail_cut(const medit_reader *r, const char *at, const char *what) {
                       what);
 }
 
-/** Find the next keyword, whose position is at at: behind data, in the file. 0: there is none. */
+/** Find the next keyword, whose position is at at; position 0: there is none, and *next is the end
+ *  of the file. The next keyword must be behind data. */
 static int find_next(const medit_reader *r, const char *at, const char *data, int position_size,
                      const char **next) {
     const io_bytes *input = &r->model->input;
@@ -282,7 +283,8 @@ static int recognise_medit(const char *data, int64_t size) {
            is_medit_binary(data, size);
 }
 
-/** Other programs tell text from binary by the name. */
+/** Return whether path may be the name of the output: other programs tell text from binary by it.
+ */
 static int may_be_called(const io_model *model, const char *path) {
     return (strcasecmp(io_extension(path), ".mesh") == 0) != model->is_binary;
 }

@@ -11,7 +11,7 @@
 #include "io/core/elements.h"
 #include "io/core/records.h"
 
-/** What sections say; they are read in this order. */
+/** Kinds of sections, in the order in which they are read. */
 typedef enum medit_kind {
     MEDIT_VERTICES,
     MEDIT_ELEMENTS,
@@ -26,7 +26,7 @@ typedef struct medit_keyword {
     medit_kind kind;
 } medit_keyword;
 
-/** By the numbers of io_section. */
+/** Keywords by the numbers of io_section. */
 extern const medit_keyword medit_keywords[];
 
 typedef struct medit_reader {

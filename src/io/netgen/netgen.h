@@ -41,7 +41,7 @@ enum {
     NETGEN_MOST_CORNERS = 32
 };
 
-/** By the numbers of io_section. */
+/** Keywords by the numbers of io_section. */
 extern const netgen_keyword netgen_keywords[];
 
 typedef struct netgen_reader {

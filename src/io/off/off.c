@@ -40,8 +40,8 @@ static int take_prefix(io_slice *word, const char *prefix) {
     return 1;
 }
 
-/** Whether the word is such as OFF is. *extra: numbers of a vertex besides its three coordinates,
- *  or -1: there are four of these, or any number. */
+/** Return whether the word is OFF or a variant. *extra: numbers of a vertex besides its three
+ * coordinates, or -1: there are four of these, or any number. */
 static int parse_header(io_slice word, int *extra) {
     *extra = 2 * take_prefix(&word, "ST") + 4 * take_prefix(&word, "C");
     *extra += 3 * take_prefix(&word, "N");
@@ -94,23 +94,15 @@ static int read_counts(off_reader *r, int64_t counts[N_COUNTS]) {
 
 /* ---- vertices ----------------------------------------------------------------------------- */
 
-/** Words from the cursor to the end of the line or a comment. */
+/** Count the words from the cursor to the end of the line or a comment. */
 static int64_t words_of_line(io_cursor cursor) {
-    io_cursor line = cursor;
-    int64_t n = 0, length;
-    io_skip_line(&cursor);
-    line.end = cursor.at;
-    for (;;) {
-        const char *word = io_word(&line, &length);
-        if (length == 0 || *word == '#')
+    const io_slice line = io_next_line(&cursor);
+    io_cursor rest = {line.begin, line.end};
+    for (int64_t n = 0;; n++) {
+        const io_slice word = io_next_word(&rest);
+        if (io_slice_length(word) == 0 || *word.begin == '#')
             return n;
-        n++;
     }
-}
-
-static int has_line_end(const char *begin, const char *end) {
-    const size_t size = (size_t)(end - begin);
-    return memchr(begin, '\n', size) || memchr(begin, '\r', size);
 }
 
 static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_t end,
@@ -125,12 +117,14 @@ static int read_vertices(void *context, io_cursor *cursor, int64_t begin, int64_
         }
         io_skip_space_comments(cursor, '#');
         const char *row = cursor->at;
+        io_cursor line = *cursor;
+        io_skip_line(&line);
         if (io_read_point(r->model, cursor, i, error))
             return PLANISH_ERROR_FORMAT;
-        if (has_line_end(row, cursor->at))
+        if (cursor->at > line.at)
             return io_fail_at(r->model, row, error,
                               "vertex %lld: three coordinates expected in one line", (long long)i);
-        io_skip_line(cursor);
+        cursor->at = line.at;
     }
     return PLANISH_OK;
 }

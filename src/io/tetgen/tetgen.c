@@ -336,9 +336,9 @@ static int open_beside(const io_model *model, const char *path, const char *exte
     return status;
 }
 
-/** Whether a file of such a name beside .node belongs to it: a .poly or .smesh that has nodes of
- *  its own is a mesh's source, and a .vol may be Netgen's mesh: volume constraints begin with the
- *  number of elements. */
+/** Return whether a file of such a name beside .node belongs to it: a .poly or .smesh that has
+ * nodes of its own is a mesh's source, and a .vol may be Netgen's mesh: volume constraints begin
+ * with the number of elements. */
 static int is_companion(const io_model *model, const io_bytes *file) {
     const char *extension = io_extension(file->path);
     const int is_boundary =
