@@ -9,256 +9,8 @@
 #include <cmocka.h>
 
 #include "support/file_builder.h"
+#include "support/gmsh_builder.h"
 #include "support/reading.h"
-
-/* A tetrahedron cut into four by a node inside, with one surface triangle, one line, one point. */
-enum { N_NODES = 6, INSIDE = 4, FAR = 5 };
-static const double points[N_NODES][3] = {{0, 0, 0}, {1, 0, 0},          {0, 1, 0},
-                                          {0, 0, 1}, {0.25, 0.125, 0.2}, {5, 6, 7}};
-static const int tets[4][4] = {{0, 1, 2, 4}, {0, 1, 3, 4}, {0, 2, 3, 4}, {1, 2, 3, 4}};
-
-/* How a test file is written. */
-struct variant {
-    int binary, swapped;
-    int sparse;     /* node tags 1000, 990, 980, ...; else 1, 2, 3, ... */
-    int parametric; /* MSH 4: u (and v) behind the coordinates of nodes on lines and surfaces */
-    int wrap;       /* as in file_builder */
-    int is_40;      /* MSH 4: 4.0, not 4.1 */
-};
-
-static int64_t node_tag(const struct variant *variant, int node) {
-    return variant->sparse ? 1000 - 10 * node : node + 1;
-}
-
-static file_builder begin_file(const struct variant *variant, const char *version) {
-    file_builder file = {.binary = variant->binary, .swapped = variant->swapped};
-    file.wrap = variant->wrap;
-    builder_text(&file, "$MeshFormat\n%s %d 8\n", version, variant->binary);
-    if (variant->binary) {
-        builder_integer(&file, 1, 4);
-        builder_text(&file, "\n");
-    }
-    builder_text(&file, "$EndMeshFormat\n$Comments\n$Nodes are below\n$EndComments\n");
-    builder_text(&file, "$PhysicalNames\n2\n3 7 \"the part\"\n2 8 \"skin\"\n$EndPhysicalNames\n");
-    return file;
-}
-
-/* An element of MSH 2: its header if binary, number, tags, nodes. */
-static void put_element2(file_builder *file, const struct variant *variant, int type, int number,
-                         int physical, int elementary, int n, const int *nodes) {
-    if (variant->binary) {
-        builder_integer(file, type, 4);
-        builder_integer(file, 1, 4);
-        builder_integer(file, 2, 4);
-        builder_integer(file, number, 4);
-    } else {
-        builder_integer(file, number, 4);
-        builder_integer(file, type, 4);
-        builder_integer(file, 2, 4);
-    }
-    builder_integer(file, physical, 4);
-    builder_integer(file, elementary, 4);
-    for (int i = 0; i < n; i++)
-        builder_integer(file, node_tag(variant, nodes[i]), 4);
-    builder_line(file);
-}
-
-static file_builder make_msh2(const struct variant *variant, int64_t *place) {
-    file_builder file = begin_file(variant, "2.2");
-    builder_text(&file, "$Nodes\n%d\n", N_NODES);
-    for (int i = 0; i < N_NODES; i++) {
-        builder_integer(&file, node_tag(variant, i), 4);
-        place[i] = builder_place(&file);
-        for (int d = 0; d < 3; d++)
-            builder_real(&file, points[i][d], 8);
-        builder_line(&file);
-    }
-    builder_text(&file, "\n$EndNodes\n$Elements\n7\n");
-    put_element2(&file, variant, 15, 1, 0, 1, 1, (int[]){0});
-    put_element2(&file, variant, 1, 2, 0, 2, 2, (int[]){0, 1});
-    put_element2(&file, variant, 2, 3, 8, 3, 3, (int[]){0, 1, 2});
-    for (int i = 0; i < 4; i++)
-        put_element2(&file, variant, 4, 10 + i * i, 7, i < 3 ? 4 : 5, 4, tets[i]);
-    builder_text(&file, "\n$EndElements\n$Periodic\n1\n2 1 2\n");
-    builder_text(&file, "Affine 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n1\n%d %d\n$EndPeriodic\n",
-                 (int)node_tag(variant, 3), (int)node_tag(variant, FAR));
-    builder_text(&file, "$NodeData\n1\n\"$Elements\"\n$EndNodeData\n");
-    return file;
-}
-
-/* An element of MSH 1: number, type, groups, number of nodes, nodes. */
-static void put_element1(file_builder *file, const struct variant *variant, int type, int number,
-                         int physical, int elementary, int n, const int *nodes) {
-    const int head[] = {number, type, physical, elementary, n};
-    for (int i = 0; i < 5; i++)
-        builder_integer(file, head[i], 4);
-    for (int i = 0; i < n; i++)
-        builder_integer(file, node_tag(variant, nodes[i]), 4);
-    builder_line(file);
-}
-
-/* MSH 1 has neither a header nor names or pairs: the reader takes what else it finds. */
-static file_builder make_msh1(const struct variant *variant, int64_t *place) {
-    file_builder file = {.wrap = variant->wrap};
-    builder_text(&file, "$NOD\n%d\n", N_NODES);
-    for (int i = 0; i < N_NODES; i++) {
-        builder_integer(&file, node_tag(variant, i), 4);
-        place[i] = builder_place(&file);
-        for (int d = 0; d < 3; d++)
-            builder_real(&file, points[i][d], 8);
-        builder_line(&file);
-    }
-    builder_text(&file, "\n$ENDNOD\n$ELM\n7\n");
-    put_element1(&file, variant, 15, 1, 0, 1, 1, (int[]){0});
-    put_element1(&file, variant, 1, 2, 0, 2, 2, (int[]){0, 1});
-    put_element1(&file, variant, 2, 3, 8, 3, 3, (int[]){0, 1, 2});
-    for (int i = 0; i < 4; i++)
-        put_element1(&file, variant, 4, 10 + i * i, 7, i < 3 ? 4 : 5, 4, tets[i]);
-    builder_text(&file, "\n$ENDELM\n$Periodic\n1\n2 1 2\n1\n%d %d\n$EndPeriodic\n",
-                 (int)node_tag(variant, 3), (int)node_tag(variant, FAR));
-    builder_text(&file, "$PhysicalNames\n2\n3 7 \"the part\"\n2 8 \"skin\"\n$EndPhysicalNames\n");
-    return file;
-}
-
-/* $Entities: a curve, a surface of the skin, two volumes of the part. */
-static void put_entity(file_builder *file, int tag, int physical) {
-    builder_integer(file, tag, 4);
-    for (int i = 0; i < 6; i++)
-        builder_real(file, i, 8);
-    builder_integer(file, physical != 0, 8);
-    if (physical != 0)
-        builder_integer(file, physical, 4);
-    builder_integer(file, 1, 8);
-    builder_integer(file, -tag, 4);
-    builder_line(file);
-}
-
-static void put_sizes(file_builder *file, int64_t a, int64_t b, int64_t c, int64_t d) {
-    builder_integer(file, a, 8);
-    builder_integer(file, b, 8);
-    builder_integer(file, c, 8);
-    builder_integer(file, d, 8);
-    builder_line(file);
-}
-
-static void put_head(file_builder *file, const struct variant *variant, int dim, int tag, int kind,
-                     int64_t n) {
-    builder_integer(file, variant->is_40 ? tag : dim, 4);
-    builder_integer(file, variant->is_40 ? dim : tag, 4);
-    builder_integer(file, kind, 4);
-    builder_integer(file, n, 8);
-    builder_line(file);
-}
-
-/* Nodes first .. first + n - 1 as a block on an entity of dim. */
-static void put_nodes4(file_builder *file, const struct variant *variant, int dim, int first, int n,
-                       int64_t *place) {
-    int extra = variant->parametric ? dim : 0;
-    put_head(file, variant, dim, dim + 1, variant->parametric, n);
-    for (int i = first; i < first + n && !variant->is_40; i++) {
-        builder_integer(file, node_tag(variant, i), 8);
-        builder_line(file);
-    }
-    for (int i = first; i < first + n; i++) {
-        if (variant->is_40)
-            builder_integer(file, node_tag(variant, i), 4);
-        place[i] = builder_place(file);
-        for (int d = 0; d < 3; d++)
-            builder_real(file, points[i][d], 8);
-        for (int d = 0; d < extra; d++)
-            builder_real(file, 99, 8);
-        builder_line(file);
-    }
-}
-
-static void put_element4(file_builder *file, const struct variant *variant, int number, int n,
-                         const int *nodes) {
-    const int size = variant->is_40 ? 4 : 8;
-    builder_integer(file, number, size);
-    for (int i = 0; i < n; i++)
-        builder_integer(file, node_tag(variant, nodes[i]), size);
-    builder_line(file);
-}
-
-/* The numbers of blocks and of what is in them; MSH 4.1: and tags. */
-static void put_section(file_builder *file, const struct variant *variant, int blocks, int n) {
-    builder_integer(file, blocks, 8);
-    builder_integer(file, n, 8);
-    builder_line(file);
-    for (int i = 0; i < 2 && !variant->is_40; i++)
-        builder_integer(file, i == 0 ? 1 : 1000, 8);
-    builder_line(file);
-}
-
-static void put_elements4(file_builder *file, const struct variant *variant) {
-    builder_text(file, "\n$EndNodes\n$Elements\n");
-    put_section(file, variant, 5, 7);
-    put_head(file, variant, 0, 1, 15, 1);
-    put_element4(file, variant, 1, 1, (int[]){0});
-    put_head(file, variant, 1, 2, 1, 1);
-    put_element4(file, variant, 2, 2, (int[]){0, 1});
-    put_head(file, variant, 2, 3, 2, 1);
-    put_element4(file, variant, 3, 3, (int[]){0, 1, 2});
-    put_head(file, variant, 3, 4, 4, 3);
-    for (int i = 0; i < 3; i++)
-        put_element4(file, variant, 10 + i * i, 4, tets[i]);
-    put_head(file, variant, 3, 5, 4, 1);
-    put_element4(file, variant, 19, 4, tets[3]);
-}
-
-/* An entity that is a point: in MSH 4.0 it has a box, too. */
-static void put_point_entity(file_builder *file, const struct variant *variant) {
-    builder_integer(file, 1, 4);
-    for (int i = 0; i < (variant->is_40 ? 6 : 3); i++)
-        builder_real(file, i, 8);
-    builder_integer(file, 0, 8);
-    builder_line(file);
-}
-
-/* A pair of surfaces with a transform, and one pair of nodes. */
-static void put_periodic4(file_builder *file, const struct variant *variant) {
-    const int size = variant->is_40 ? 4 : 8;
-    builder_integer(file, 1, size);
-    for (int i = 0; i < 3; i++)
-        builder_integer(file, (const int[]){2, 1, 2}[i], 4);
-    if (!variant->is_40)
-        builder_integer(file, 16, 8);
-    else if (variant->binary)
-        builder_integer(file, -1, 8);
-    else
-        builder_text(file, "\nAffine ");
-    const int wrap = file->wrap; /* the word and its numbers are one line */
-    file->wrap = variant->is_40 ? 0 : wrap;
-    for (int i = 0; i < 16; i++)
-        builder_real(file, i % 5 == 0, 8);
-    builder_line(file);
-    file->wrap = wrap;
-    builder_integer(file, 1, 8);
-    builder_integer(file, node_tag(variant, 3), size);
-    builder_integer(file, node_tag(variant, FAR), size);
-}
-
-static file_builder make_msh4(const struct variant *variant, int64_t *place) {
-    file_builder file = begin_file(variant, variant->is_40 ? "4" : "4.1");
-    builder_text(&file, "$Entities\n");
-    put_sizes(&file, 1, 1, 1, 2);
-    put_point_entity(&file, variant);
-    put_entity(&file, 2, 0);
-    put_entity(&file, 3, -8);
-    put_entity(&file, 4, 7);
-    put_entity(&file, 5, 7);
-    builder_text(&file, "\n$EndEntities\n$Nodes\n");
-    put_section(&file, variant, 4, N_NODES);
-    put_nodes4(&file, variant, 1, 0, 2, place);
-    put_nodes4(&file, variant, 2, 2, 2, place);
-    put_nodes4(&file, variant, 0, 4, 0, place);
-    put_nodes4(&file, variant, 3, 4, 2, place);
-    put_elements4(&file, variant);
-    builder_text(&file, "\n$EndElements\n$Periodic\n");
-    put_periodic4(&file, variant);
-    builder_text(&file, "\n$EndPeriodic\n");
-    return file;
-}
 
 /* ---- what must have been read ------------------------------------------------------------- */
 
@@ -285,9 +37,9 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
     assert_int_equal(model->dim, 3);
     assert_int_equal(model->columns, 3);
     assert_int_equal(model->n_nodes, N_NODES);
-    assert_memory_equal(model->coordinates, points, sizeof points);
+    assert_memory_equal(model->coordinates, gmsh_points, sizeof gmsh_points);
     assert_int_equal(cells->n, 4);
-    assert_memory_equal(cells->nodes, tets, sizeof tets);
+    assert_memory_equal(cells->nodes, gmsh_tets, sizeof gmsh_tets);
     assert_int_equal(model->triangle.n, 1);
     assert_int_equal(model->n_lower, 3);
     assert_int_equal(model->n_other, 0);
@@ -297,7 +49,7 @@ static void expect_mesh(const planish_file *file, const struct variant *variant)
     assert_int_equal(model->triangle.first_number, 3);
     assert_int_equal(model->node_number == NULL, !variant->sparse);
     for (int i = 0; i < N_NODES; i++)
-        assert_int_equal(planish_file_node_number(file, i), node_tag(variant, i));
+        assert_int_equal(planish_file_node_number(file, i), gmsh_node_tag(variant, i));
     static const uint8_t held[] = {IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE | IO_HELD_BY_POINT,
                                    IO_HELD_BY_TRIANGLE | IO_HELD_BY_LINE, IO_HELD_BY_TRIANGLE};
     const int with = variant->parametric ? IO_HAS_PARAMETERS : 0;
@@ -358,13 +110,13 @@ static void test_msh2(void **state) {
                                        {.binary = 1},
                                        {.binary = 1, .swapped = 1, .sparse = 1},
                                        {.sparse = 1, .wrap = 5}};
-    check_variants(make_msh2, 5, variants);
+    check_variants(gmsh_make_msh2, 5, variants);
 }
 
 static void test_msh1(void **state) {
     (void)state;
     const struct variant variants[] = {{.sparse = 0}, {.sparse = 1}, {.sparse = 1, .wrap = 5}};
-    check_variants(make_msh1, 3, variants);
+    check_variants(gmsh_make_msh1, 3, variants);
 }
 
 static void test_msh40(void **state) {
@@ -375,7 +127,7 @@ static void test_msh40(void **state) {
                                        {.is_40 = 1, .binary = 1, .swapped = 1, .sparse = 1},
                                        {.is_40 = 1, .parametric = 1},
                                        {.is_40 = 1, .parametric = 1, .binary = 1}};
-    check_variants(make_msh4, 6, variants);
+    check_variants(gmsh_make_msh4, 6, variants);
 }
 
 static void test_msh4(void **state) {
@@ -387,7 +139,7 @@ static void test_msh4(void **state) {
                                        {.parametric = 1},
                                        {.binary = 1, .sparse = 1, .parametric = 1},
                                        {.sparse = 1, .parametric = 1, .wrap = 7}};
-    check_variants(make_msh4, 7, variants);
+    check_variants(gmsh_make_msh4, 7, variants);
 }
 
 /* ---- other kinds of mesh ------------------------------------------------------------------ */
@@ -560,8 +312,8 @@ static void check_large_msh4(const struct variant *variant) {
         file_builder file = {.wrap = wrap};
         int n = 2 * (SIDE - 1) * (SIDE - 1);
         builder_text(&file, "$MeshFormat\n4.%d 0 8\n$EndMeshFormat\n$Nodes\n", !variant->is_40);
-        put_section(&file, variant, 1, SIDE * SIDE);
-        put_head(&file, variant, 2, 1, 0, SIDE * SIDE);
+        gmsh_put_section(&file, variant, 1, SIDE * SIDE);
+        gmsh_put_head(&file, variant, 2, 1, 0, SIDE * SIDE);
         for (int i = 0; i < SIDE * SIDE && !variant->is_40; i++) {
             builder_integer(&file, 3 * (i + 1), 8);
             builder_line(&file);
@@ -572,8 +324,8 @@ static void check_large_msh4(const struct variant *variant) {
             put_grid_point(&file, i);
         }
         builder_text(&file, "\n$EndNodes\n$Elements\n");
-        put_section(&file, variant, 1, n);
-        put_head(&file, variant, 2, 1, 2, n);
+        gmsh_put_section(&file, variant, 1, n);
+        gmsh_put_head(&file, variant, 2, 1, 2, n);
         for (int i = 0; i < n; i++) {
             builder_integer(&file, 7 * i, 8);
             put_grid_triangle(&file, i);
@@ -664,7 +416,7 @@ static void put_data(file_builder *file, const char *name, int with_nodes, const
 
 static file_builder make_with_data(const struct variant *variant, const char *tail,
                                    int64_t *place) {
-    file_builder file = make_msh2(variant, place);
+    file_builder file = gmsh_make_msh2(variant, place);
     put_data(&file, "ElementData", 0, tail);
     put_data(&file, "NodeData", 0, tail);
     put_data(&file, "ElementNodeData", 1, tail);
@@ -706,7 +458,7 @@ static void test_binary_data_that_lie(void **state) {
         planish_file *file;
         planish_error error = {0};
         const struct variant variant = {.binary = 1};
-        file_builder builder = make_msh2(&variant, place);
+        file_builder builder = gmsh_make_msh2(&variant, place);
         builder_text(&builder, "$ElementNodeData\n%sabcdefgh", heads[i]);
         builder_integer(&builder, -1, 4);
         builder_text(&builder, "\n$EndElementNodeData\n");

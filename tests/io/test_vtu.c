@@ -17,198 +17,7 @@
 #include "support/file_builder.h"
 #include "support/files.h"
 #include "support/reading.h"
-
-enum { N_NODES = 6, N_CELLS = 6, N_ARRAYS = 7, MOST_VALUES = 32 };
-static const double points[N_NODES][3] = {{0, 0, 0}, {1, 0, 0},         {0, 1, 0},
-                                          {0, 0, 1}, {0.1, 0.125, 0.2}, {5, 5, 5}};
-/* A line, a tetrahedron, a triangle, and the other tetrahedra: nodes, and VTK's types. */
-static const int cells[N_CELLS][4] = {{0, 1, -1, -1}, {0, 1, 2, 4}, {0, 1, 2, -1},
-                                      {0, 1, 3, 4},   {0, 2, 3, 4}, {1, 2, 3, 4}};
-static const int types[N_CELLS] = {3, 10, 5, 10, 10, 10};
-static const int regions[N_CELLS] = {1, 7, 2, 7, 8, 8};
-
-typedef enum form { ASCII, INLINE, APPENDED_RAW, APPENDED_BASE64 } form;
-
-/** How a test file is written. */
-typedef struct variant {
-    form form;
-    int is_float, header_size, is_big;
-    io_compression compression;
-    int block;       /* bytes of a block, if packed */
-    int keys;        /* information keys in the elements: 1 before the numbers, 2 behind them */
-    int tells_whole; /* the size of a last block that is whole is told, in place of 0 */
-    int surplus;     /* numbers that each array has behind those that are promised */
-} variant;
-
-/** An array of the file. */
-typedef struct array {
-    const char *section, *name, *type;
-    int size, is_real, n;
-    double value[MOST_VALUES];
-} array;
-
-/* ---- the file ------------------------------------------------------------------------------ */
-
-static void make_arrays(const variant *v, array a[N_ARRAYS]) {
-    memset(a, 0, N_ARRAYS * sizeof *a);
-    a[0] = (array){"PointData", "fixed", "UInt8", 1, 0, N_NODES, {0, 0, 0, 1}};
-    a[1] = (array){.section = "Points",
-                   .name = "Points",
-                   .type = v->is_float ? "Float32" : "Float64",
-                   .size = v->is_float ? 4 : 8,
-                   .is_real = 1,
-                   .n = 3 * N_NODES};
-    memcpy(a[1].value, points, sizeof points);
-    a[2] = (array){"Cells", "connectivity", "Int64", 8, 0, 0, {0}};
-    a[3] = (array){"Cells", "offsets", "Int32", 4, 0, N_CELLS, {0}};
-    a[4] = (array){"Cells", "types", "UInt8", 1, 0, N_CELLS, {0}};
-    a[5] = (array){"CellData", "material", "Int16", 2, 0, N_CELLS, {0}};
-    a[6] = (array){"CellData", "region", "Float64", 8, 1, N_CELLS, {0}};
-    for (int c = 0; c < N_CELLS; c++) {
-        for (int k = 0; k < 4 && cells[c][k] >= 0; k++)
-            a[2].value[a[2].n++] = cells[c][k];
-        a[3].value[c] = a[2].n;
-        a[4].value[c] = types[c];
-        a[5].value[c] = c;
-        a[6].value[c] = regions[c];
-    }
-    for (int i = 0; i < N_ARRAYS; i++)
-        for (int k = 0; k < v->surplus; k++)
-            a[i].value[a[i].n++] = 77 + k;
-}
-
-static void put_values(file_builder *f, const array *a) {
-    for (int i = 0; i < a->n; i++)
-        if (a->is_real)
-            builder_real(f, a->value[i], a->size);
-        else
-            builder_integer(f, (int64_t)a->value[i], a->size);
-}
-
-/** Raw bytes, whatever they are. */
-static void put_bytes(file_builder *f, const char *data, int64_t n) {
-    const int binary = f->binary;
-    f->binary = 1;
-    for (int64_t i = 0; i < n; i++)
-        builder_integer(f, data[i], 1);
-    f->binary = binary;
-}
-
-/** Header and data of a binary array: blocks with compression. *header: bytes of the header. */
-static file_builder encode(const variant *v, const array *a, int64_t *header) {
-    file_builder values = {.binary = 1, .swapped = io_machine_is_little() == v->is_big};
-    file_builder out = {.binary = 1, .swapped = values.swapped};
-    put_values(&values, a);
-    if (v->compression == IO_PLAIN) {
-        builder_integer(&out, values.size, v->header_size);
-        *header = out.size;
-        put_bytes(&out, values.data, values.size);
-    } else {
-        char packed[1 << 14];
-        const int64_t n = (values.size + v->block - 1) / v->block;
-        int64_t size[1 << 9], total = 0;
-        for (int64_t i = 0; i < n; i++) {
-            const int64_t left = values.size - i * v->block;
-            size[i] = io_pack(v->compression, values.data + i * v->block,
-                              left < v->block ? left : v->block, "\x78\x9c", packed + total);
-            assert_true(size[i] > 0);
-            total += size[i];
-        }
-        builder_integer(&out, n, v->header_size);
-        builder_integer(&out, v->block, v->header_size);
-        const int64_t last = values.size % v->block;
-        builder_integer(&out, last == 0 && v->tells_whole ? v->block : last, v->header_size);
-        for (int64_t i = 0; i < n; i++)
-            builder_integer(&out, size[i], v->header_size);
-        *header = out.size;
-        put_bytes(&out, packed, total);
-    }
-    builder_release(&values);
-    return out;
-}
-
-/** As it stands in the file. */
-static file_builder written(const variant *v, const array *a) {
-    int64_t header;
-    if (v->form == ASCII) {
-        file_builder text = {0};
-        put_values(&text, a);
-        return text;
-    }
-    file_builder bytes = encode(v, a, &header);
-    if (v->form == APPENDED_RAW)
-        return bytes;
-    /* Packed arrays have their header apart. */
-    if (v->compression == IO_PLAIN)
-        header = 0;
-    file_builder text = {0};
-    char *out = malloc((size_t)(pl_base64_length(header) + pl_base64_length(bytes.size)) + 1);
-    int64_t length = pl_base64_write(bytes.data, header, out);
-    length += pl_base64_write(bytes.data + header, bytes.size - header, out + length);
-    put_bytes(&text, out, length);
-    free(out);
-    builder_release(&bytes);
-    return text;
-}
-
-static int is_appended(const variant *v) {
-    return v->form >= APPENDED_RAW;
-}
-
-static const char *compressor(const variant *v) {
-    static const char *const names[] = {"", " compressor=\"vtkZLibDataCompressor\"",
-                                        " compressor='vtkLZ4DataCompressor'",
-                                        " compressor = \"vtkLZMADataCompressor\""};
-    return names[v->compression];
-}
-
-static file_builder make_file(const variant *v) {
-    static const char key[] = "<InformationKey name=\"x\"><Value index=\"0\">1</Value>"
-                              "</InformationKey>\n";
-    array a[N_ARRAYS];
-    file_builder f = {0}, data = {0};
-    make_arrays(v, a);
-    builder_text(
-        &f,
-        "<?xml version=\"1.0\"?>\n<!-- <DataArray offset=\"7\"> -->\n<VTKFile "
-        "type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"%s\" header_type=\"%s\"%s>\n",
-        v->is_big ? "BigEndian" : "LittleEndian", v->header_size == 8 ? "UInt64" : "UInt32",
-        compressor(v));
-    builder_text(&f, "<UnstructuredGrid><Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">\n",
-                 N_NODES, N_CELLS);
-    for (int i = 0; i < N_ARRAYS; i++) {
-        file_builder values = written(v, &a[i]);
-        builder_text(&f, "<%s><DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" ",
-                     a[i].section, a[i].type, a[i].name, i == 1 ? 3 : 1);
-        if (is_appended(v)) {
-            builder_text(&f,
-                         "RangeMin=\"a 'b' offset=0\" format='appended' offset=\"%" PRId64
-                         "%s\"></DataArray>",
-                         data.size, i == 6 ? "    " : "");
-            put_bytes(&data, values.data, values.size);
-        } else {
-            builder_text(&f, "format=\"%s\">\n", v->form == ASCII ? "ascii" : "binary");
-            if (v->keys == 1)
-                builder_text(&f, key);
-            put_bytes(&f, values.data, values.size);
-            if (v->keys == 2)
-                builder_text(&f, key);
-            builder_text(&f, "</DataArray>");
-        }
-        builder_text(&f, "</%s>\n", a[i].section);
-        builder_release(&values);
-    }
-    builder_text(&f, "</Piece></UnstructuredGrid>\n");
-    if (is_appended(v)) {
-        builder_text(&f, "<AppendedData encoding=\"%s\">\n  _",
-                     v->form == APPENDED_RAW ? "raw" : "base64");
-        put_bytes(&f, data.data, data.size);
-        builder_text(&f, "\n</AppendedData>\n");
-    }
-    builder_text(&f, "</VTKFile>\n");
-    builder_release(&data);
-    return f;
-}
+#include "support/vtu_builder.h"
 
 /* ---- the mesh ------------------------------------------------------------------------------ */
 
@@ -223,11 +32,11 @@ static void expect_mesh(const planish_file *file, const variant *v) {
     assert_int_equal(model->line.n, 1);
     for (int i = 0; i < 4; i++) {
         const int cell = (int)numbers[i];
-        assert_memory_equal(&model->tetrahedron.nodes[4 * i], cells[cell], sizeof cells[0]);
+        assert_memory_equal(&model->tetrahedron.nodes[4 * i], vtu_cells[cell], sizeof vtu_cells[0]);
         assert_int_equal(planish_file_element_number(file, i), cell);
-        assert_int_equal(model->entity[model->tetrahedron.entity[i]].tag, regions[cell]);
+        assert_int_equal(model->entity[model->tetrahedron.entity[i]].tag, vtu_regions[cell]);
     }
-    assert_int_equal(model->entity[model->triangle.entity[0]].tag, regions[2]);
+    assert_int_equal(model->entity[model->triangle.entity[0]].tag, vtu_regions[2]);
     for (int k = 0; k < N_NODES; k++)
         assert_int_equal((model->hold[k] & IO_HELD_MARKED) != 0, k == 3);
 }
@@ -239,7 +48,7 @@ static void expect_points(const planish_file *file, const double *expected) {
 
 static void stored_points(const variant *v, double scale, double out[3 * N_NODES]) {
     for (int i = 0; i < 3 * N_NODES; i++) {
-        const double value = points[i / 3][i % 3] * (i / 3 == 4 ? scale : 1);
+        const double value = vtu_points[i / 3][i % 3] * (i / 3 == 4 ? scale : 1);
         volatile float rounded = (float)value;
         out[i] = v->is_float ? (double)rounded : value;
     }
@@ -269,7 +78,7 @@ static void each_variant(void (*visit)(const variant *v, void *context), void *c
 static void read_one(const variant *v, void *context) {
     double expected[3 * N_NODES];
     planish_file *file;
-    file_builder f = make_file(v);
+    file_builder f = vtu_make_file(v);
     ++*(int *)context;
     assert_true(io_format_vtu.recognise(f.data, f.size));
     stored_points(v, 1, expected);
@@ -295,7 +104,7 @@ static void write_one(const variant *v, void *context) {
     size_t size;
     planish_file *file, *again;
     planish_error error = {.text = ""};
-    file_builder f = make_file(v);
+    file_builder f = vtu_make_file(v);
     read_file(&f, &file);
     test_path(path, context, "out.vtu");
     assert_int_equal(
@@ -331,7 +140,7 @@ static void every_encoding_is_written(void **state) {
 static void break_one(const variant *v, void *context) {
     (void)context;
     if (v->header_size == 8 && !v->is_big && v->is_float && v->keys == 0) {
-        file_builder f = make_file(v);
+        file_builder f = vtu_make_file(v);
         builder_try_to_break(&f, &io_format_vtu);
         builder_release(&f);
     }
@@ -463,7 +272,7 @@ static void points_in_the_element(void **state) {
     file_builder f = {0}, data = {0};
     if (!io_compression_is_built(IO_ZLIB))
         skip();
-    make_arrays(&v, a);
+    vtu_make_arrays(&v, a);
     builder_text(&f, "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" "
                      "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">");
     builder_text(&f, "<UnstructuredGrid><Piece NumberOfPoints=\"%d\" NumberOfCells=\"%d\">",
@@ -471,19 +280,19 @@ static void points_in_the_element(void **state) {
     for (int i = 0; i < N_ARRAYS; i++) {
         builder_text(&f, "<%s><DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" ",
                      a[i].section, a[i].type, a[i].name, i == 1 ? 3 : 1);
-        file_builder values = written(i == 1 ? &v : &raw, &a[i]);
+        file_builder values = vtu_written(i == 1 ? &v : &raw, &a[i]);
         if (i == 1) {
             builder_text(&f, "format=\"binary\">");
-            put_bytes(&f, values.data, values.size);
+            vtu_put_bytes(&f, values.data, values.size);
         } else {
             builder_text(&f, "format=\"appended\" offset=\"%" PRId64 "\">", data.size);
-            put_bytes(&data, values.data, values.size);
+            vtu_put_bytes(&data, values.data, values.size);
         }
         builder_text(&f, "</DataArray></%s>", a[i].section);
         builder_release(&values);
     }
     builder_text(&f, "</Piece></UnstructuredGrid><AppendedData encoding=\"raw\">_");
-    put_bytes(&f, data.data, data.size);
+    vtu_put_bytes(&f, data.data, data.size);
     builder_text(&f, "</AppendedData></VTKFile>");
     read_file(&f, &file);
     stored_points(&v, 1.0 / 7, moved);
@@ -756,7 +565,7 @@ static void packed_lies_are_refused(void **state) {
         builder_integer(&f, lies[i].size, 8);
         builder_integer(&f, lies[i].last, 8);
         builder_integer(&f, lies[i].packed, 8);
-        put_bytes(&f, "x\x9c-7-7-7-7-", 12);
+        vtu_put_bytes(&f, "x\x9c-7-7-7-7-", 12);
         if (io_compression_is_built(IO_ZLIB))
             builder_expect_error(&f, &io_format_vtu, lies[i].word);
         builder_release(&f);

@@ -2,6 +2,7 @@
  * sums over patches of several nodes. */
 #include "support/hand_star.h"
 #include "support/meshes.h"
+#include "support/tangled_star.h"
 #include "sweep/sweep.h"
 
 #include <math.h>
@@ -18,114 +19,6 @@ enum { N_VARIANTS = sizeof variants / sizeof *variants };
 
 static const double epsilons[] = {1e-6, 1e-3, 0.1, 1, 10};
 enum { N_EPSILONS = sizeof epsilons / sizeof *epsilons };
-
-/* ---- a star to be untangled ---------------------------------------------------------------- */
-
-/** A hand-made star with all that untangling asks. */
-typedef struct tangled_star {
-    hand_star s;
-    pl_star_guard guard;
-    pl_star_untangling asked;
-    uint8_t in_patch[HAND_STAR_MAX_NODES], skip[HAND_STAR_MAX_FACETS];
-    double size[HAND_STAR_MAX_NODES], floors[HAND_STAR_MAX_FACETS];
-    double lower[HAND_STAR_MAX_NODES * 3], upper[HAND_STAR_MAX_NODES * 3];
-    double start[HAND_STAR_MAX_NODES * 3], radius[HAND_STAR_MAX_NODES];
-} tangled_star;
-
-/** Where the node of a star is. */
-enum { INSIDE, OUTSIDE, FAR_AWAY, ON_A_FACET, ON_A_NODE, PLACES };
-
-/** Coordinates of few bits: sums of their products are exact, so that even the measures of nearly
- *  flat elements are. */
-static double of_few_bits(double x) {
-    return ldexp(rint(ldexp(x, 10)), -10);
-}
-
-static void put_node(tangled_star *t, int where, unsigned *random) {
-    const int dim = t->s.dim;
-    const uint16_t *facet =
-        t->s.link; /* its mean, of few bits, is on it in 2-D only; near enough */
-    for (int d = 0; d < dim; d++) {
-        const double there = t->s.coordinates[(1 + facet[0]) * dim + d];
-        const double next = t->s.coordinates[(1 + facet[1]) * dim + d];
-        const double way = 2 * test_random(random) - 1;
-        double *x = t->s.coordinates + d;
-        *x = where == INSIDE      ? 0.3 * way
-             : where == OUTSIDE   ? 3 * way
-             : where == FAR_AWAY  ? 500 * way
-             : where == ON_A_NODE ? there
-                                  : 0.5 * (there + next);
-        *x = where == ON_A_FACET ? *x : of_few_bits(*x);
-    }
-}
-
-/** A star with wanted sizes of all kinds; seed says where its node is. */
-static void create(tangled_star *t, int dim, unsigned seed) {
-    unsigned random = seed * 2654435761u + 1;
-    memset(t, 0, sizeof *t);
-    hand_star_create(&t->s, dim, 0.5 * test_random(&random), seed);
-    for (int i = 0; i < HAND_STAR_MAX_NODES; i++) {
-        for (int d = 0; d < dim; d++)
-            t->s.coordinates[i * dim + d] = of_few_bits(t->s.coordinates[i * dim + d]);
-        t->size[i] = 0.3 + 2 * test_random(&random);
-    }
-    put_node(t, (int)(seed % PLACES), &random);
-    t->guard.ratio_weight = 1;
-    t->in_patch[0] = 1;
-    t->asked = (pl_star_untangling){.in_patch = t->in_patch, .size = t->size, .epsilon = 1};
-    t->s.problem.guard = &t->guard;
-    t->s.problem.untangling = &t->asked;
-}
-
-/** Floors of few bits for some elements and for all others, neighbours that share the elements, and
- *  elements that do not count. */
-static void ask_for_more(tangled_star *t, unsigned seed) {
-    unsigned random = seed * 2246822519u + 7;
-    t->guard.min_volume = of_few_bits(0.2 * test_random(&random));
-    t->guard.link_min_volume = t->floors;
-    t->asked.link_skip = t->skip;
-    for (int i = 0; i < HAND_STAR_MAX_FACETS; i++) {
-        t->floors[i] = test_random(&random) < 0.5 ? 0 : of_few_bits(0.5 * test_random(&random));
-        t->skip[i] = test_random(&random) < 0.2;
-    }
-    for (int i = 1; i < HAND_STAR_MAX_NODES; i++)
-        t->in_patch[i] = test_random(&random) < 0.5;
-}
-
-static void destroy(tangled_star *t) {
-    hand_star_destroy(&t->s);
-}
-
-static int64_t facets(const tangled_star *t) {
-    return t->s.link_offset[1];
-}
-
-static pl_star_energy energy(tangled_star *t, planish_isa isa, pl_star_slope *slope) {
-    return pl_star_kernel_select(isa)->guarded->energy[t->s.dim - 2](&t->s.problem, 0, 1,
-                                                                     t->s.scratch, slope);
-}
-
-static pl_star_tally visit(tangled_star *t, planish_isa isa) {
-    pl_star_tally tally = {.visits = 0};
-    pl_star_kernel_select(isa)->guarded->untangle[t->s.dim - 2](&t->s.problem, 0, 1, t->s.scratch,
-                                                                &tally);
-    return tally;
-}
-
-static double energy_sum(tangled_star *t, planish_isa isa) {
-    const pl_star_energy found = energy(t, isa, NULL);
-    return pl_sum_value(&found.sum);
-}
-
-static double decrease_of_visit(tangled_star *t) {
-    const pl_star_tally tally = visit(t, PLANISH_ISA_AUTO);
-    return pl_sum_value(&tally.decrease);
-}
-
-static void position(const tangled_star *t, long double *x) {
-    for (int d = 0; d < t->s.dim; d++)
-        x[d] = t->s.coordinates[d];
-}
 
 /* ---- the formulas -------------------------------------------------------------------------- */
 
@@ -190,7 +83,7 @@ static long double share(const tangled_star *t, int64_t facet) {
 /** The star's share of the patch's energy with its node at x. */
 static long double sum_at(const tangled_star *t, const long double *x) {
     long double sum = 0;
-    for (int64_t f = 0; f < facets(t); f++) {
+    for (int64_t f = 0; f < tangled_facets(t); f++) {
         const element e = element_at(t, f, x);
         sum += counts(t, f) * share(t, f) * function_of(&e, 0, t->asked.epsilon, t->s.dim);
     }
@@ -225,8 +118,8 @@ static long double length(const long double *v, int dim) {
 static void check_energy(tangled_star *t) {
     long double x[3], least = INFINITY;
     int64_t tangled = 0;
-    position(t, x);
-    for (int64_t f = 0; f < facets(t); f++) {
+    tangled_position(t, x);
+    for (int64_t f = 0; f < tangled_facets(t); f++) {
         const element e = element_at(t, f, x);
         if (!counts(t, f))
             continue;
@@ -234,7 +127,7 @@ static void check_energy(tangled_star *t) {
         if (e.u <= 0 || e.measure <= 0)
             tangled += lrintl(PL_SHARES * share(t, f));
     }
-    const pl_star_energy now = energy(t, PLANISH_ISA_PLAIN, NULL);
+    const pl_star_energy now = tangled_energy(t, PLANISH_ISA_PLAIN, NULL);
     const long double sum = sum_at(t, x);
     assert_true(fabsl(pl_sum_value(&now.sum) - sum) < 1e-12L * sum);
     assert_true(fabsl(now.least - least) < 1e-13L * (1 + fabsl(least)));
@@ -246,19 +139,19 @@ static void the_energy_is_that_of_the_formulas(void **state) {
     for (unsigned seed = 0; seed < 200; seed++)
         for (int i = 0; i < N_EPSILONS; i++) {
             tangled_star t;
-            create(&t, dim, seed);
+            tangled_create(&t, dim, seed);
             t.asked.epsilon = epsilons[i];
             check_energy(&t);
-            ask_for_more(&t, seed);
+            tangled_ask_for_more(&t, seed);
             check_energy(&t);
-            destroy(&t);
+            tangled_destroy(&t);
         }
 }
 
 /** The length over which an element changes: u by sqrt(u^2 + epsilon^2), but no more than 1. */
 static long double reach(const tangled_star *t, int64_t facet) {
     long double x[3], g[3];
-    position(t, x);
+    tangled_position(t, x);
     gradient_of_u(t, facet, g);
     const long double rate = length(g, t->s.dim) / slope_length(element_at(t, facet, x).u, t);
     return 1 / (1 + rate);
@@ -271,7 +164,7 @@ static long double difference(const tangled_star *t, int64_t facet, int i, int j
     for (int level = 0; level < 2; level++, h /= 2) {
         long double f[3], x[3];
         for (int k = 0; k < 3; k++) {
-            position(t, x);
+            tangled_position(t, x);
             for (int d = 0; d < t->s.dim; d++)
                 x[d] += (k - 1) * h * ((d == i) + (d == j));
             const element e = element_at(t, facet, x);
@@ -303,7 +196,7 @@ typedef struct slopes {
 static void add_element(const tangled_star *t, int64_t facet, slopes *s) {
     const int dim = t->s.dim;
     long double x[3], g[3], second[3][3];
-    position(t, x);
+    tangled_position(t, x);
     const element e = element_at(t, facet, x);
     const long double value = function_of(&e, 0, t->asked.epsilon, dim), far = reach(t, facet);
     const long double left_out = fminl(bend_of(&e, t), 0);
@@ -327,10 +220,10 @@ static void add_element(const tangled_star *t, int64_t facet, slopes *s) {
 static int check_slope(tangled_star *t) {
     slopes wanted = {{0}, {{0}}, 0, 0, 0};
     pl_star_slope slope;
-    const pl_star_energy with = energy(t, PLANISH_ISA_PLAIN, &slope);
-    const pl_star_energy without = energy(t, PLANISH_ISA_PLAIN, NULL);
+    const pl_star_energy with = tangled_energy(t, PLANISH_ISA_PLAIN, &slope);
+    const pl_star_energy without = tangled_energy(t, PLANISH_ISA_PLAIN, NULL);
     assert_memory_equal(&with, &without, sizeof with);
-    for (int64_t f = 0; f < facets(t); f++)
+    for (int64_t f = 0; f < tangled_facets(t); f++)
         if (counts(t, f))
             add_element(t, f, &wanted);
     for (int i = 0, k = 0; i < t->s.dim; i++)
@@ -347,14 +240,14 @@ static void slopes_match_differences(void **state) {
     for (unsigned seed = 0; seed < 50; seed++)
         for (int i = 0; i < N_EPSILONS; i++) {
             tangled_star t;
-            create(&t, dim, seed);
+            tangled_create(&t, dim, seed);
             t.asked.epsilon = epsilons[i];
             int n = check_slope(&t);
-            ask_for_more(&t, seed);
+            tangled_ask_for_more(&t, seed);
             n += check_slope(&t);
             n_clipped += n > 0;
             n_whole += n == 0;
-            destroy(&t);
+            tangled_destroy(&t);
         }
     assert_true(n_whole > 0);
     if (dim == 3)
@@ -370,7 +263,7 @@ static void create_regular(tangled_star *t, int dim, double edge) {
         {{1, 1, 1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, 1}},
     };
     const double factor = dim == 3 ? edge / sqrt(8) : edge;
-    create(t, dim, 0);
+    tangled_create(t, dim, 0);
     t->s.ring_offset[1] = dim;
     t->s.link_offset[1] = 1;
     for (int j = 0; j <= dim; j++) {
@@ -398,7 +291,7 @@ static void the_wanted_element_is_the_best(void **state) {
         unsigned random = (unsigned)i;
         create_regular(&t, dim, edges[i]);
         t.asked.epsilon = 1e-9;
-        const pl_star_energy best = energy(&t, PLANISH_ISA_PLAIN, &slope);
+        const pl_star_energy best = tangled_energy(&t, PLANISH_ISA_PLAIN, &slope);
         assert_true(fabs(best.least - 1) < 1e-14);
         assert_true(fabs(pl_sum_value(&best.sum) - 2) < 1e-14);
         assert_int_equal(best.tangled, 0);
@@ -410,9 +303,9 @@ static void the_wanted_element_is_the_best(void **state) {
             const double far = edges[i] * ldexp(1, -(k % 20));
             for (int d = 0; d < dim; d++)
                 t.s.coordinates[d] = from[d] + far * (2 * test_random(&random) - 1);
-            assert_true(energy_sum(&t, PLANISH_ISA_PLAIN) > pl_sum_value(&best.sum));
+            assert_true(tangled_energy_sum(&t, PLANISH_ISA_PLAIN) > pl_sum_value(&best.sum));
         }
-        destroy(&t);
+        tangled_destroy(&t);
     }
 }
 
@@ -426,27 +319,27 @@ static void powers_of_two_change_no_bit(void **state) {
             const int e = exponents[k];
             tangled_star a, b;
             pl_star_slope p, q;
-            create(&a, dim, seed);
-            create(&b, dim, seed);
+            tangled_create(&a, dim, seed);
+            tangled_create(&b, dim, seed);
             for (int i = 0; i < HAND_STAR_MAX_NODES * dim; i++)
                 b.s.coordinates[i] = ldexp(a.s.coordinates[i], e);
             for (int i = 0; i < HAND_STAR_MAX_NODES; i++)
                 b.size[i] = ldexp(a.size[i], e);
             a.asked.epsilon = b.asked.epsilon = epsilons[seed % N_EPSILONS];
-            const pl_star_energy of_a = energy(&a, PLANISH_ISA_AUTO, &p);
-            const pl_star_energy of_b = energy(&b, PLANISH_ISA_AUTO, &q);
+            const pl_star_energy of_a = tangled_energy(&a, PLANISH_ISA_AUTO, &p);
+            const pl_star_energy of_b = tangled_energy(&b, PLANISH_ISA_AUTO, &q);
             assert_memory_equal(&of_a, &of_b, sizeof of_a);
             for (int d = 0; d < dim; d++)
                 assert_true(ldexp(q.gradient[d], e) == p.gradient[d]);
             for (int d = 0; d < dim * (dim + 1) / 2; d++)
                 assert_true(ldexp(q.hessian[d], 2 * e) == p.hessian[d]);
             for (int i = 0; i < 5; i++) {
-                assert_true(decrease_of_visit(&a) == decrease_of_visit(&b));
+                assert_true(tangled_decrease(&a) == tangled_decrease(&b));
                 for (int d = 0; d < dim; d++)
                     assert_true(ldexp(a.s.coordinates[d], e) == b.s.coordinates[d]);
             }
-            destroy(&a);
-            destroy(&b);
+            tangled_destroy(&a);
+            tangled_destroy(&b);
         }
 }
 
@@ -475,24 +368,26 @@ static void compare_variant(planish_isa isa, int dim, unsigned seed) {
     pl_star_slope p = {{0}, {0}}, q = {{0}, {0}};
     tangled_star *const both[] = {&plain, &other};
     for (int i = 0; i < 2; i++) {
-        create(both[i], dim, seed);
+        tangled_create(both[i], dim, seed);
         both[i]->asked.epsilon = epsilons[seed / PLACES % N_EPSILONS];
         if (seed & 1)
-            ask_for_more(both[i], seed);
+            tangled_ask_for_more(both[i], seed);
         bound(both[i], seed / 3);
         both[i]->s.problem.storage.precision = seed % 7 == 0 ? PLANISH_FLOAT : PLANISH_DOUBLE;
     }
     for (int i = 0; i < 5; i++) {
-        const pl_star_energy a = energy(&plain, PLANISH_ISA_PLAIN, &p), b = energy(&other, isa, &q);
+        const pl_star_energy a = tangled_energy(&plain, PLANISH_ISA_PLAIN, &p),
+                             b = tangled_energy(&other, isa, &q);
         assert_memory_equal(&a, &b, sizeof a);
         assert_memory_equal(&p, &q, sizeof p);
-        const pl_star_tally v = visit(&plain, PLANISH_ISA_PLAIN), w = visit(&other, isa);
+        const pl_star_tally v = tangled_visit(&plain, PLANISH_ISA_PLAIN),
+                            w = tangled_visit(&other, isa);
         assert_memory_equal(&v, &w, sizeof v);
         assert_memory_equal(plain.s.coordinates, other.s.coordinates, sizeof plain.s.coordinates);
         assert_memory_equal(plain.s.changed, other.s.changed, sizeof plain.s.changed);
     }
-    destroy(&plain);
-    destroy(&other);
+    tangled_destroy(&plain);
+    tangled_destroy(&other);
 }
 
 static void variants_give_the_same_bits(void **state) {
@@ -507,9 +402,10 @@ static void variants_give_the_same_bits(void **state) {
 /** The energy never rises and falls by what the visit says; nothing but the node moves. */
 static void check_visit(tangled_star *t) {
     const tangled_star before = *t;
-    const double was = energy_sum(t, PLANISH_ISA_AUTO);
-    const pl_star_tally tally = visit(t, PLANISH_ISA_AUTO);
-    const double now = energy_sum(t, PLANISH_ISA_AUTO), fall = pl_sum_value(&tally.decrease);
+    const double was = tangled_energy_sum(t, PLANISH_ISA_AUTO);
+    const pl_star_tally tally = tangled_visit(t, PLANISH_ISA_AUTO);
+    const double now = tangled_energy_sum(t, PLANISH_ISA_AUTO),
+                 fall = pl_sum_value(&tally.decrease);
     const size_t node = (size_t)t->s.dim;
     assert_int_equal(tally.visits, 1);
     assert_true(now <= was * (1 + 1e-15) && fall >= 0); /* shares are rounded */
@@ -524,13 +420,13 @@ static void visits_lower_the_energy(void **state) {
     int dim = *(int *)*state, n_mended = 0, n_tangled = 0;
     for (unsigned seed = 0; seed < 200; seed++) {
         tangled_star t;
-        create(&t, dim, seed);
+        tangled_create(&t, dim, seed);
         t.asked.epsilon = epsilons[seed % N_EPSILONS];
-        n_tangled += energy(&t, PLANISH_ISA_AUTO, NULL).tangled > 0;
+        n_tangled += tangled_energy(&t, PLANISH_ISA_AUTO, NULL).tangled > 0;
         for (int i = 0; i < 30; i++)
             check_visit(&t);
-        n_mended += energy(&t, PLANISH_ISA_AUTO, NULL).tangled == 0;
-        destroy(&t);
+        n_mended += tangled_energy(&t, PLANISH_ISA_AUTO, NULL).tangled == 0;
+        tangled_destroy(&t);
     }
     /* Epsilons of all sizes, and no schedule: that most are repaired will do here. */
     assert_true(n_tangled >= 120);
@@ -541,19 +437,19 @@ static void nodes_outside_of_the_patch_stay(void **state) {
     int dim = *(int *)*state;
     for (unsigned seed = 0; seed < 20; seed++) {
         tangled_star t;
-        create(&t, dim, seed);
+        tangled_create(&t, dim, seed);
         pl_star_slope slope = {{7, 7, 7}, {7, 7, 7, 7, 7, 7}};
         const pl_star_slope same = slope;
         const tangled_star before = t;
         t.in_patch[0] = 0;
         t.in_patch[1] = 1;
-        const pl_star_energy nothing = energy(&t, PLANISH_ISA_AUTO, &slope);
+        const pl_star_energy nothing = tangled_energy(&t, PLANISH_ISA_AUTO, &slope);
         assert_true(pl_sum_value(&nothing.sum) == 0 && nothing.tangled == 0 &&
                     nothing.least == INFINITY);
         assert_memory_equal(&slope, &same, sizeof slope);
-        assert_int_equal(visit(&t, PLANISH_ISA_AUTO).visits, 0);
+        assert_int_equal(tangled_visit(&t, PLANISH_ISA_AUTO).visits, 0);
         assert_memory_equal(t.s.coordinates, before.s.coordinates, sizeof t.s.coordinates);
-        destroy(&t);
+        tangled_destroy(&t);
     }
 }
 
@@ -573,7 +469,7 @@ static void bounds_are_kept(void **state) {
     int dim = *(int *)*state, moved = 0, met = 0;
     for (unsigned seed = 0; seed < 200; seed++) {
         tangled_star t;
-        create(&t, dim, seed);
+        tangled_create(&t, dim, seed);
         t.asked.epsilon = epsilons[seed % N_EPSILONS];
         bound(&t, 2 + seed % 6);
         t.s.problem.storage.precision =
@@ -586,7 +482,7 @@ static void bounds_are_kept(void **state) {
         moved += memcmp(t.s.coordinates, before.s.coordinates, sizeof(double)) != 0;
         for (int d = 0; d < dim; d++)
             met += t.s.coordinates[d] == t.lower[d] || t.s.coordinates[d] == t.upper[d];
-        destroy(&t);
+        tangled_destroy(&t);
     }
     assert_true(moved > 50 && met > 50);
 }
@@ -604,16 +500,16 @@ static void positions_are_floats_where_asked(void **state) {
     int dim = *(int *)*state, moved = 0;
     for (unsigned seed = 0; seed < 100; seed++) {
         tangled_star t;
-        create(&t, dim, seed);
+        tangled_create(&t, dim, seed);
         t.asked.epsilon = epsilons[seed % N_EPSILONS];
         t.s.problem.storage.precision = PLANISH_FLOAT;
         assert_true(are_floats(t.s.coordinates, dim));
         for (int i = 0; i < 10; i++) {
             check_visit(&t);
-            moved += t.s.coordinates[0] != of_few_bits(t.s.coordinates[0]);
+            moved += t.s.coordinates[0] != test_few_bits(t.s.coordinates[0]);
             assert_true(are_floats(t.s.coordinates, dim));
         }
-        destroy(&t);
+        tangled_destroy(&t);
     }
     assert_true(moved > 500);
 }
@@ -622,7 +518,7 @@ static void positions_are_floats_where_asked(void **state) {
 static void places_are_admitted(void **state) {
     int dim = *(int *)*state;
     tangled_star t;
-    create(&t, dim, 0);
+    tangled_create(&t, dim, 0);
     double x[3] = {9, 9, 9};
     assert_true(pl_star_admit(&t.s.problem, 0, dim, x));
     for (int d = 0; d < dim; d++)
@@ -637,7 +533,7 @@ static void places_are_admitted(void **state) {
         t.upper[d] = 1 + 0x1p-39;
     }
     assert_false(pl_star_admit(&t.s.problem, 0, dim, x));
-    destroy(&t);
+    tangled_destroy(&t);
 }
 
 /* ---- patches of several nodes -------------------------------------------------------------- */

@@ -3,6 +3,7 @@
  * of the polytope. */
 #define PL_PACK 1
 #include "star/kernel_lanes.h"
+#include "support/guarded_star.h"
 #include "support/halfspaces.h"
 #include "support/hand_star.h"
 #include "support/meshes.h"
@@ -25,102 +26,6 @@ enum { MEASURES = PL_WORST_ANGLE + 1 };
 /* A volume counts as reached to this, as g. */
 #define MET 0.003
 
-/** A start of test_random that differs much from those of the seeds next to it. */
-static unsigned mixed(unsigned seed) {
-    return seed * 2654435761u + 12345;
-}
-
-/* ---- stars with a guard -------------------------------------------------------------------- */
-
-typedef struct guarded_star {
-    hand_star s;
-    pl_star_guard guard;
-    double floors[HAND_STAR_MAX_FACETS];
-    double lower[HAND_STAR_MAX_NODES * 3], upper[HAND_STAR_MAX_NODES * 3];
-    double start[HAND_STAR_MAX_NODES * 3], radius[HAND_STAR_MAX_NODES];
-} guarded_star;
-
-static void create(guarded_star *g, int dim, double unevenness, unsigned seed) {
-    hand_star_create(&g->s, dim, unevenness, seed);
-    g->guard = (pl_star_guard){.ratio_weight = 1, .worst_limit = WORST_LIMIT};
-    g->s.problem.guard = &g->guard;
-    memset(g->floors, 0, sizeof g->floors);
-    for (int i = 0; i < HAND_STAR_MAX_NODES * 3; i++) {
-        g->lower[i] = -INFINITY;
-        g->upper[i] = INFINITY;
-    }
-}
-
-static void destroy(guarded_star *g) {
-    hand_star_destroy(&g->s);
-}
-
-static void position(const guarded_star *g, long double *x) {
-    for (int d = 0; d < g->s.dim; d++)
-        x[d] = g->s.coordinates[d];
-}
-
-static long double measure(const guarded_star *g, int64_t facet) {
-    long double x[3];
-    position(g, x);
-    return hand_star_measure(&g->s, facet, x);
-}
-
-static int64_t facets(const guarded_star *g) {
-    return g->s.link_offset[1];
-}
-
-/** Largest g = 1 - V / floor. */
-static long double worst(const guarded_star *g) {
-    long double most = -INFINITY;
-    for (int64_t f = 0; f < facets(g); f++)
-        if (hand_star_floor(&g->s, f) > 0)
-            most = fmaxl(most, 1 - measure(g, f) / hand_star_floor(&g->s, f));
-    return most;
-}
-
-static long double mean_measure(const guarded_star *g) {
-    long double sum = 0;
-    for (int64_t f = 0; f < facets(g); f++)
-        sum += measure(g, f);
-    return sum / facets(g);
-}
-
-static pl_star_tally visit(guarded_star *g, planish_isa isa) {
-    g->s.changed[0] = 1;
-    pl_star_tally tally = {.visits = 0};
-    pl_star_kernel_select(isa)->guarded->visit[g->s.dim - 2](&g->s.problem, 0, 1, g->s.scratch,
-                                                             &tally);
-    return tally;
-}
-
-static void visits(guarded_star *g, int n) {
-    for (int i = 0; i < n; i++)
-        visit(g, PLANISH_ISA_AUTO);
-}
-
-static int evaluate(guarded_star *g, planish_isa isa, int derive, pl_star_value *value) {
-    memset(value, 0, sizeof *value); /* padding, too, which is compared */
-    return pl_star_kernel_select(isa)->guarded->evaluate[g->s.dim - 2](&g->s.problem, 0,
-                                                                       g->s.scratch, derive, value);
-}
-
-static pl_star_optimality optimality(guarded_star *g, planish_isa isa) {
-    pl_star_optimality o = {0};
-    pl_star_kernel_select(isa)->guarded->optimality[g->s.dim - 2](&g->s.problem, 0, 1, g->s.scratch,
-                                                                  &o);
-    return o;
-}
-
-/** Floors of every kind: for all, for some, larger or smaller than the volumes. */
-static void random_floors(guarded_star *g, unsigned *state) {
-    g->guard.min_volume = (double)mean_measure(g) * 0.5 * test_random(state);
-    g->guard.link_min_volume = g->floors;
-    for (int64_t f = 0; f < facets(g); f++)
-        g->floors[f] =
-            test_random(state) < 0.5 ? 0 : (double)measure(g, f) * 1.2 * test_random(state);
-}
-
 /* ---- the function -------------------------------------------------------------------------- */
 
 static void inverse_cube_roots_are_accurate(void **state) {
@@ -141,7 +46,7 @@ static long double difference(const guarded_star *g, int i, int j, int second) {
         long double h = level ? 1e-5L : 2e-5L, f[3];
         for (int k = 0; k < 3; k++) {
             long double x[3];
-            position(g, x);
+            guarded_position(g, x);
             for (int d = 0; d < g->s.dim; d++)
                 x[d] += (k - 1) * h * ((d == i) + (d == j));
             f[k] = hand_star_function(&g->s, x);
@@ -155,10 +60,10 @@ static void check_derivatives(guarded_star *g) {
     pl_star_value value, alone;
     const int dim = g->s.dim;
     long double x[3], second[3][3], size = 0;
-    position(g, x);
+    guarded_position(g, x);
     long double f = hand_star_function(&g->s, x);
-    assert_true(evaluate(g, PLANISH_ISA_PLAIN, 1, &value));
-    assert_true(evaluate(g, PLANISH_ISA_PLAIN, 0, &alone));
+    assert_true(guarded_evaluate(g, PLANISH_ISA_PLAIN, 1, &value));
+    assert_true(guarded_evaluate(g, PLANISH_ISA_PLAIN, 0, &alone));
     assert_true(value.sum == alone.sum && value.max == alone.max);
     assert_true(fabsl(value.sum - f) < 1e-12L * f);
     for (int i = 0; i < dim; i++)
@@ -180,16 +85,16 @@ static void derivatives_match_differences(void **state) {
     for (int objective = 0; objective < MEASURES; objective++)
         for (unsigned seed = 0; seed < STARS; seed++) {
             guarded_star g;
-            unsigned random = mixed(seed);
-            create(&g, dim, 0.4 * seed / STARS, seed);
+            unsigned random = test_mixed_seed(seed);
+            guarded_create(&g, dim, 0.4 * seed / STARS, seed);
             g.guard.measure = objective;
             g.guard.ratio_weight = 0.3 + test_random(&random);
             check_derivatives(&g);
-            random_floors(&g, &random);
+            guarded_random_floors(&g, &random);
             check_derivatives(&g);
             g.guard.volume_weight = 2 * test_random(&random);
             check_derivatives(&g);
-            destroy(&g);
+            guarded_destroy(&g);
         }
 }
 
@@ -198,10 +103,10 @@ static void radius_ratio_is_that_of_the_plain_kernel(void **state) {
     for (unsigned seed = 0; seed < 200; seed++) {
         guarded_star g;
         pl_star_value a, b;
-        create(&g, dim, 0.5 * seed / 200, seed);
+        guarded_create(&g, dim, 0.5 * seed / 200, seed);
         pl_star_kernel_select(PLANISH_ISA_PLAIN)
             ->evaluate[dim - 2](&g.s.problem, 0, g.s.scratch, 1, &a);
-        evaluate(&g, PLANISH_ISA_PLAIN, 1, &b);
+        guarded_evaluate(&g, PLANISH_ISA_PLAIN, 1, &b);
         double trace = 0;
         for (int k = 0; k < 6; k++)
             trace += fabs(a.hessian[k]);
@@ -210,7 +115,7 @@ static void radius_ratio_is_that_of_the_plain_kernel(void **state) {
             assert_true(fabs(a.hessian[k] - b.hessian[k]) < 1e-12 * trace);
         for (int k = 0; k < 3; k++)
             assert_true(fabs(a.gradient[k] - b.gradient[k]) < 1e-12 * trace);
-        destroy(&g);
+        guarded_destroy(&g);
     }
 }
 
@@ -220,11 +125,11 @@ enum { FREE, ACTIVE, VIOLATED, INVERTED, SOME_VIOLATED, BOXED, WITHIN_RADIUS, TO
 
 /** Half of the elements want more than they have, the others nothing. */
 static void ask_of_some(guarded_star *g, unsigned seed) {
-    unsigned random = mixed(seed);
+    unsigned random = test_mixed_seed(seed);
     g->guard.min_volume = 0;
     g->guard.link_min_volume = g->floors;
-    for (int64_t f = 0; f < facets(g); f++)
-        g->floors[f] = test_random(&random) < 0.5 ? 3 * (double)measure(g, f) : 0;
+    for (int64_t f = 0; f < guarded_facets(g); f++)
+        g->floors[f] = test_random(&random) < 0.5 ? 3 * (double)guarded_measure(g, f) : 0;
 }
 
 /** Set a star up in the way that scene says. */
@@ -233,7 +138,7 @@ static void set_scene(guarded_star *g, int scene, unsigned seed) {
     g->guard.measure = (int)(seed % MEASURES);
     g->guard.volume_weight = seed % 2 ? 0.1 : 0;
     g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
-    g->guard.min_volume = (double)mean_measure(g) * (scene == ACTIVE ? 0.7 : 0.3);
+    g->guard.min_volume = (double)guarded_mean_measure(g) * (scene == ACTIVE ? 0.7 : 0.3);
     if (scene == VIOLATED || scene == INVERTED)
         g->s.coordinates[0] += scene == INVERTED ? 1.2 : 0.6;
     if (scene == SOME_VIOLATED)
@@ -258,23 +163,24 @@ static void set_scene(guarded_star *g, int scene, unsigned seed) {
 static void compare_variant(planish_isa isa, int dim, int scene, unsigned seed) {
     guarded_star plain, other;
     pl_star_value a, b;
-    create(&plain, dim, 0.4, seed);
-    create(&other, dim, 0.4, seed);
+    guarded_create(&plain, dim, 0.4, seed);
+    guarded_create(&other, dim, 0.4, seed);
     set_scene(&plain, scene, seed);
     set_scene(&other, scene, seed);
     for (int i = 0; i < 5; i++) {
-        assert_int_equal(evaluate(&plain, PLANISH_ISA_PLAIN, 1, &a), evaluate(&other, isa, 1, &b));
+        assert_int_equal(guarded_evaluate(&plain, PLANISH_ISA_PLAIN, 1, &a),
+                         guarded_evaluate(&other, isa, 1, &b));
         assert_memory_equal(&a, &b, sizeof a);
-        pl_star_tally p = visit(&plain, PLANISH_ISA_PLAIN), q = visit(&other, isa);
+        pl_star_tally p = guarded_visit(&plain, PLANISH_ISA_PLAIN), q = guarded_visit(&other, isa);
         assert_memory_equal(&p, &q, sizeof p);
         assert_memory_equal(plain.s.coordinates, other.s.coordinates, sizeof plain.s.coordinates);
         assert_memory_equal(plain.s.changed, other.s.changed, sizeof plain.s.changed);
-        pl_star_optimality o = optimality(&plain, PLANISH_ISA_PLAIN);
-        pl_star_optimality r = optimality(&other, isa);
+        pl_star_optimality o = guarded_optimality(&plain, PLANISH_ISA_PLAIN);
+        pl_star_optimality r = guarded_optimality(&other, isa);
         assert_memory_equal(&o, &r, sizeof o);
     }
-    destroy(&plain);
-    destroy(&other);
+    guarded_destroy(&plain);
+    guarded_destroy(&other);
 }
 
 static void variants_give_the_same_bits(void **state) {
@@ -290,7 +196,7 @@ static void variants_give_the_same_bits(void **state) {
 /** Whether x keeps all floors, exactly, and is inside the star. */
 static int is_feasible(const guarded_star *g, const long double *x) {
     int feasible = 1;
-    for (int64_t f = 0; feasible && f < facets(g); f++) {
+    for (int64_t f = 0; feasible && f < guarded_facets(g); f++) {
         long double v = hand_star_measure(&g->s, f, x);
         feasible = v > 0 && v >= hand_star_floor(&g->s, f);
     }
@@ -333,11 +239,11 @@ static int forbid_the_optimum(guarded_star *g, int most) {
     long double before[HAND_STAR_MAX_FACETS];
     int n = 0;
     memcpy(from, g->s.coordinates, sizeof from);
-    for (int64_t f = 0; f < facets(g); f++)
-        before[f] = measure(g, f);
-    visits(g, 60);
-    for (int64_t f = 0; f < facets(g) && n < most; f++) {
-        long double after = measure(g, f);
+    for (int64_t f = 0; f < guarded_facets(g); f++)
+        before[f] = guarded_measure(g, f);
+    guarded_visits(g, 60);
+    for (int64_t f = 0; f < guarded_facets(g) && n < most; f++) {
+        long double after = guarded_measure(g, f);
         g->floors[f] = after < 0.95L * before[f] ? (double)(0.5L * (before[f] + after)) : 0;
         n += g->floors[f] > 0;
     }
@@ -350,13 +256,13 @@ static int forbid_the_optimum(guarded_star *g, int most) {
  * weight all have floors. Returns how many forbid. */
 static int create_forbidden(guarded_star *g, int dim, int objective, int most, double volume_weight,
                             unsigned seed) {
-    create(g, dim, 0.25, seed);
-    unsigned random = mixed(seed);
+    guarded_create(g, dim, 0.25, seed);
+    unsigned random = test_mixed_seed(seed);
     for (int d = 0; d < dim; d++)
         g->s.coordinates[d] += 0.5 * (test_random(&random) - 0.5);
     g->guard.measure = objective;
     g->guard.volume_weight = volume_weight;
-    g->guard.min_volume = volume_weight > 0 ? 0.3 * (double)mean_measure(g) : 0;
+    g->guard.min_volume = volume_weight > 0 ? 0.3 * (double)guarded_mean_measure(g) : 0;
     return forbid_the_optimum(g, most);
 }
 
@@ -365,10 +271,10 @@ static void check_optimum(guarded_star *g, planish_direction direction, long dou
     long double x[3];
     memcpy(from, g->s.coordinates, sizeof from);
     g->s.problem.direction = direction;
-    visits(g, 300);
-    position(g, x);
-    pl_star_optimality o = optimality(g, PLANISH_ISA_AUTO);
-    assert_true(worst(g) <= 1e-6L);
+    guarded_visits(g, 300);
+    guarded_position(g, x);
+    pl_star_optimality o = guarded_optimality(g, PLANISH_ISA_AUTO);
+    assert_true(guarded_worst(g) <= 1e-6L);
     assert_int_equal(o.n_stars, 1);
     assert_true(o.residual < 1e-4);
     assert_true(o.n_active > 0);
@@ -390,14 +296,14 @@ static void visits_reach_the_constrained_optimum(void **state) {
             long double best = search_all(&g, x, 1);
             check_optimum(&g, PLANISH_NEWTON, best);
             check_optimum(&g, PLANISH_FLETCHER_REEVES, best);
-            destroy(&g);
+            guarded_destroy(&g);
         }
 }
 
 /** Norm of the gradient of g of one facet's element, which is affine. */
 static long double steepness(const guarded_star *g, int64_t facet) {
     long double square = 0, x[3];
-    position(g, x);
+    guarded_position(g, x);
     long double here = hand_star_measure(&g->s, facet, x);
     for (int d = 0; d < g->s.dim; d++) {
         x[d] += 1;
@@ -414,20 +320,20 @@ static void the_multiplier_balances_the_gradient(void **state) {
     for (unsigned seed = 0; seed < 30; seed++) {
         guarded_star g;
         int n = create_forbidden(&g, dim, (int)seed % 3, 1, 0, seed);
-        visits(&g, n ? 300 : 0);
-        pl_star_optimality o = optimality(&g, PLANISH_ISA_AUTO);
-        for (int64_t f = 0; f < facets(&g) && n; f++) {
+        guarded_visits(&g, n ? 300 : 0);
+        pl_star_optimality o = guarded_optimality(&g, PLANISH_ISA_AUTO);
+        for (int64_t f = 0; f < guarded_facets(&g) && n; f++) {
             long double square = 0;
             for (int d = 0; g.floors[f] > 0 && d < dim; d++)
                 square += difference(&g, d, -1, 0) * difference(&g, d, -1, 0);
             if (!(g.floors[f] > 0))
                 continue;
             assert_int_equal(o.n_active, 1);
-            assert_true(fabsl(1 - measure(&g, f) / g.floors[f]) < 1e-6L);
+            assert_true(fabsl(1 - guarded_measure(&g, f) / g.floors[f]) < 1e-6L);
             assert_true(fabsl(o.multiplier * steepness(&g, f) / sqrtl(square) - 1) < 1e-3L);
             checked++;
         }
-        destroy(&g);
+        guarded_destroy(&g);
     }
     assert_true(checked > 20);
 }
@@ -440,7 +346,7 @@ static void polytope(const guarded_star *g, const uint8_t *wanted, int box, long
                      int positive, halfspaces *h) {
     const int dim = g->s.dim;
     halfspaces_start(h, dim, 1e6L);
-    for (int64_t f = 0; f < facets(g); f++) {
+    for (int64_t f = 0; f < guarded_facets(g); f++) {
         long double at[3] = {0, 0, 0}, normal[3] = {0, 0, 0};
         if ((wanted && !wanted[f]) || !(positive || hand_star_floor(&g->s, f) > 0))
             continue;
@@ -468,13 +374,13 @@ static void polytope(const guarded_star *g, const uint8_t *wanted, int box, long
 /** A star with a floor for every element, of a random part of the largest that could be, its node
  * somewhere: perhaps inside, perhaps outside. */
 static void create_lost(guarded_star *g, int dim, unsigned seed, double part) {
-    unsigned random = mixed(seed);
-    create(g, dim, 0.4, seed);
+    unsigned random = test_mixed_seed(seed);
+    guarded_create(g, dim, 0.4, seed);
     g->guard.measure = (int)(seed % MEASURES);
     g->s.problem.direction = seed / 3 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
     g->guard.link_min_volume = g->floors;
-    for (int64_t f = 0; f < facets(g); f++)
-        g->floors[f] = (double)mean_measure(g) * part * (0.5 + test_random(&random));
+    for (int64_t f = 0; f < guarded_facets(g); f++)
+        g->floors[f] = (double)guarded_mean_measure(g) * part * (0.5 + test_random(&random));
     for (int d = 0; d < dim; d++)
         g->s.coordinates[d] += 3 * (test_random(&random) - 0.5);
 }
@@ -482,11 +388,11 @@ static void create_lost(guarded_star *g, int dim, unsigned seed, double part) {
 /** Visit; no element that was positive may become less. Returns whether elements were restored. */
 static int64_t visit_and_watch(guarded_star *g, planish_isa isa) {
     long double before[HAND_STAR_MAX_FACETS];
-    for (int64_t f = 0; f < facets(g); f++)
-        before[f] = measure(g, f);
-    pl_star_tally tally = visit(g, isa);
-    for (int64_t f = 0; f < facets(g); f++)
-        assert_true(!(before[f] > 0) || measure(g, f) > 0);
+    for (int64_t f = 0; f < guarded_facets(g); f++)
+        before[f] = guarded_measure(g, f);
+    pl_star_tally tally = guarded_visit(g, isa);
+    for (int64_t f = 0; f < guarded_facets(g); f++)
+        assert_true(!(before[f] > 0) || guarded_measure(g, f) > 0);
     return tally.restored;
 }
 
@@ -498,12 +404,12 @@ static void feasible_stars_are_restored(void **state) {
         create_lost(&g, dim, seed, 0.1 + 0.9 * seed / 300);
         polytope(&g, NULL, 0, 1, 0, &h);
         int can_be = halfspaces_meet(&h, CLEAR, NULL);
-        outside += worst(&g) > 1;
+        outside += guarded_worst(&g) > 1;
         for (int i = 0; i < 20; i++)
             visit_and_watch(&g, i % 2 ? PLANISH_ISA_AUTO : PLANISH_ISA_PLAIN);
-        assert_true(!can_be || worst(&g) <= MET);
+        assert_true(!can_be || guarded_worst(&g) <= MET);
         feasible += can_be;
-        destroy(&g);
+        guarded_destroy(&g);
     }
     assert_true(feasible > 100 && feasible < 300 && outside > 100);
 }
@@ -513,11 +419,11 @@ static void elements_without_floors_stay_positive(void **state) {
     int dim = *(int *)*state, restored = 0;
     for (unsigned seed = 0; seed < 100; seed++) {
         guarded_star g;
-        create(&g, dim, 0.3, seed);
+        guarded_create(&g, dim, 0.3, seed);
         ask_of_some(&g, seed);
         for (int i = 0; i < 10; i++)
             restored += visit_and_watch(&g, i % 2 ? PLANISH_ISA_AUTO : PLANISH_ISA_PLAIN) > 0;
-        destroy(&g);
+        guarded_destroy(&g);
     }
     assert_true(restored > 100);
 }
@@ -528,7 +434,7 @@ static void feasible_stars_are_restored_within_bounds(void **state) {
     for (unsigned seed = 0; seed < 300; seed++) {
         guarded_star g;
         halfspaces h;
-        unsigned random = mixed(seed);
+        unsigned random = test_mixed_seed(seed);
         create_lost(&g, dim, seed, 0.05 + 0.4 * seed / 300);
         g.guard.lower = g.lower;
         g.guard.upper = g.upper;
@@ -543,9 +449,9 @@ static void feasible_stars_are_restored_within_bounds(void **state) {
             for (int d = 0; d < dim; d++)
                 assert_true(g.s.coordinates[d] >= g.lower[d] && g.s.coordinates[d] <= g.upper[d]);
         }
-        assert_true(!can_be || worst(&g) <= MET);
+        assert_true(!can_be || guarded_worst(&g) <= MET);
         feasible += can_be;
-        destroy(&g);
+        guarded_destroy(&g);
     }
     assert_true(feasible > 30 && feasible < 270);
 }
@@ -557,7 +463,7 @@ static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
     uint8_t rest[HAND_STAR_MAX_FACETS];
     halfspaces h;
     const int dim = g->s.dim;
-    for (int64_t f = 0; f < facets(g); f++) {
+    for (int64_t f = 0; f < guarded_facets(g); f++) {
         of_fixed[f] = 1;
         for (int j = 0; j < dim; j++)
             of_fixed[f] &= is_fixed[g->s.ring[g->s.link[f * dim + j]]];
@@ -570,7 +476,7 @@ static int check_proof(guarded_star *g, const uint8_t *is_fixed) {
     int proof = given_up > 0;
     assert_true(!(proof && feasible) && !(!proof && infeasible));
     int n = 0;
-    for (int64_t f = 0; f < facets(g); f++) {
+    for (int64_t f = 0; f < guarded_facets(g); f++) {
         assert_true(part[f] == PL_PROOF_NONE || of_fixed[f]);
         rest[f] = of_fixed[f] && part[f] != PL_PROOF_GIVEN_UP;
         n += part[f] != PL_PROOF_NONE;
@@ -590,9 +496,9 @@ static void infeasible_stars_are_proven(void **state) {
     for (unsigned seed = 0; seed < 300; seed++) {
         guarded_star g;
         uint8_t is_fixed[HAND_STAR_MAX_NODES];
-        unsigned random = mixed(seed);
+        unsigned random = test_mixed_seed(seed);
         create_lost(&g, dim, seed, 0.3 + 1.2 * seed / 300);
-        for (int64_t f = 0; f < facets(&g); f++)
+        for (int64_t f = 0; f < guarded_facets(&g); f++)
             if (test_random(&random) < 0.2)
                 g.floors[f] = 0;
         memset(is_fixed, 1, sizeof is_fixed);
@@ -603,7 +509,7 @@ static void infeasible_stars_are_proven(void **state) {
         memset(is_fixed, 0, sizeof is_fixed);
         assert_false(check_proof(&g, is_fixed));
         proven += all_fixed;
-        destroy(&g);
+        guarded_destroy(&g);
     }
     assert_true(proven > 50 && proven < 250 && without > 5);
 }
@@ -613,13 +519,13 @@ static void infeasible_stars_are_proven(void **state) {
 /** A star away from its optimum, which goes to optimum. */
 static void create_away(guarded_star *g, int dim, unsigned seed, double *optimum) {
     double from[3];
-    unsigned random = mixed(seed);
-    create(g, dim, 0.2, seed);
+    unsigned random = test_mixed_seed(seed);
+    guarded_create(g, dim, 0.2, seed);
     g->guard.measure = seed % 2 ? PLANISH_MEAN_RATIO : PLANISH_RADIUS_RATIO;
     g->s.problem.direction = seed / 2 % 2 ? PLANISH_NEWTON : PLANISH_FLETCHER_REEVES;
     for (int d = 0; d < dim; d++)
         from[d] = g->s.coordinates[d] += 0.6 * (test_random(&random) - 0.5);
-    visits(g, 100);
+    guarded_visits(g, 100);
     memcpy(optimum, g->s.coordinates, (size_t)dim * sizeof *optimum);
     memcpy(g->s.coordinates, from, (size_t)dim * sizeof *from);
 }
@@ -632,7 +538,7 @@ static void bounds_are_kept_and_reached(void **state) {
         const int d = (int)seed % dim;
         create_away(&g, dim, seed, optimum);
         if (fabs(g.s.coordinates[d] - optimum[d]) < 0.01) {
-            destroy(&g);
+            guarded_destroy(&g);
             continue;
         }
         double bound = 0.5 * (g.s.coordinates[d] + optimum[d]);
@@ -645,11 +551,11 @@ static void bounds_are_kept_and_reached(void **state) {
             assert_true(is_upper ? g.s.coordinates[d] <= bound : g.s.coordinates[d] >= bound);
         }
         assert_true(fabs(g.s.coordinates[d] - bound) < 1e-6);
-        pl_star_optimality o = optimality(&g, PLANISH_ISA_AUTO);
+        pl_star_optimality o = guarded_optimality(&g, PLANISH_ISA_AUTO);
         assert_true(o.residual < 1e-4 && o.n_active == 1);
         assert_true(o.multiplier == 0); /* of volumes: there are none */
         checked++;
-        destroy(&g);
+        guarded_destroy(&g);
     }
     assert_true(checked > 80);
 }
@@ -664,11 +570,11 @@ static void a_node_without_room_is_held(void **state) {
         g.lower[d] = g.upper[d] = from[d];
     g.guard.lower = g.lower;
     g.guard.upper = g.upper;
-    pl_star_tally tally = visit(&g, PLANISH_ISA_AUTO);
+    pl_star_tally tally = guarded_visit(&g, PLANISH_ISA_AUTO);
     assert_int_equal(tally.visits, 0);
-    assert_int_equal(optimality(&g, PLANISH_ISA_AUTO).n_stars, 0);
+    assert_int_equal(guarded_optimality(&g, PLANISH_ISA_AUTO).n_stars, 0);
     assert_memory_equal(g.s.coordinates, from, (size_t)dim * sizeof *from);
-    destroy(&g);
+    guarded_destroy(&g);
 }
 
 static long double distance(const double *x, const double *y, int dim) {
@@ -681,7 +587,7 @@ static long double distance(const double *x, const double *y, int dim) {
 /** Put the node on the sphere, aside of where the way to the optimum crosses it. */
 static void put_aside(guarded_star *g, const double *optimum, unsigned seed) {
     const int dim = g->s.dim;
-    unsigned random = mixed(seed);
+    unsigned random = test_mixed_seed(seed);
     double aside[3], length = 0;
     memcpy(g->start, g->s.coordinates, sizeof g->start);
     g->radius[0] = 0.5 * (double)distance(g->start, optimum, dim);
@@ -697,9 +603,9 @@ static void put_aside(guarded_star *g, const double *optimum, unsigned seed) {
 
 /** No point of the ball next to the node is better. */
 static void check_ball(const guarded_star *g, unsigned seed) {
-    unsigned random = mixed(seed);
+    unsigned random = test_mixed_seed(seed);
     long double x[3];
-    position(g, x);
+    guarded_position(g, x);
     long double here = hand_star_function(&g->s, x);
     for (int i = 0; i < 200; i++) {
         double y[3];
@@ -725,10 +631,10 @@ static void nodes_move_along_the_sphere(void **state) {
         }
         assert_true(distance(g.s.coordinates, g.start, dim) > (1 - 1e-4L) * g.radius[0]);
         /* Fletcher-Reeves goes along constraints by steepest descent, which takes longer. */
-        assert_true(optimality(&g, PLANISH_ISA_AUTO).residual <
+        assert_true(guarded_optimality(&g, PLANISH_ISA_AUTO).residual <
                     (g.s.problem.direction == PLANISH_NEWTON ? 1e-3 : 1e-2));
         check_ball(&g, seed);
-        destroy(&g);
+        guarded_destroy(&g);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "geometry/simplex.h"
 #include "support/allocations.h"
+#include "support/boundary_reference.h"
 #include "support/meshes.h"
 #include "support/rings.h"
 #include "support/tangles.h"
@@ -54,186 +55,6 @@ static int sign_of(const pl_boundary *boundary, int64_t element) {
     return boundary->sign ? boundary->sign[element] : 1;
 }
 
-/* ---- a reference: every facet against every other one ------------------------------------- */
-
-typedef struct facet {
-    int32_t node[3]; /* ascending; node[2] = -1 in 2-D */
-    int64_t element;
-    int direction; /* 0 or 1: how the element traverses it */
-} facet;
-
-typedef struct reference {
-    pl_boundary boundary;
-    int64_t n_facets;
-    facet *facet; /* [n_facets] (dim + 1) per element */
-} reference;
-
-/** Parity of the permutation that sorts node [n]. */
-static int inversions(const int32_t *node, int n) {
-    int count = 0;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < i; j++)
-            count += node[j] > node[i];
-    return count % 2;
-}
-
-static int ascending(const void *a, const void *b) {
-    int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
-    return (x > y) - (x < y);
-}
-
-/** Facet opposite node j: its own order, preceded by node j, is a permutation of the element. */
-static facet facet_of(const planish_mesh *mesh, int64_t element, int j) {
-    facet f = {{-1, -1, -1}, element, 0};
-    int dim = mesh->dim;
-    for (int i = 0, n = 0; i <= dim; i++)
-        if (i != j)
-            f.node[n++] = mesh->elements[element * (dim + 1) + i];
-    f.direction = (inversions(f.node, dim) + j) % 2;
-    qsort(f.node, (size_t)dim, sizeof f.node[0], ascending);
-    return f;
-}
-
-static int same_nodes(const planish_mesh *mesh, int64_t a, int64_t b) {
-    int32_t x[4], y[4];
-    size_t k = (size_t)mesh->dim + 1;
-    memcpy(x, mesh->elements + a * (int64_t)k, k * sizeof *x);
-    memcpy(y, mesh->elements + b * (int64_t)k, k * sizeof *y);
-    qsort(x, k, sizeof *x, ascending);
-    qsort(y, k, sizeof *y, ascending);
-    return memcmp(x, y, k * sizeof *x) == 0;
-}
-
-static void hold(reference *r, const int32_t *node, int n) {
-    for (int i = 0; i < n; i++)
-        r->boundary.on_boundary[node[i]] = 1;
-}
-
-/** The facet that joins facet i's element to another one, or -1. *count: elements of facet i. */
-static int64_t partner(const planish_mesh *mesh, const reference *r, int64_t i, int *count,
-                       int *first) {
-    int64_t other = -1;
-    *count = 0;
-    *first = 1;
-    for (int64_t j = 0; j < r->n_facets; j++) {
-        if (memcmp(r->facet[i].node, r->facet[j].node, sizeof r->facet[i].node) != 0)
-            continue;
-        ++*count;
-        *first &= j >= i;
-        other = j == i ? other : j;
-    }
-    int joins = *count == 2 && !same_nodes(mesh, r->facet[i].element, r->facet[other].element);
-    return joins ? other : -1;
-}
-
-/** Spread an orientation from the first element of each component until nothing changes; component
- *  [m] gets its first element, sign [m] the order relative to that. */
-static void spread(const planish_mesh *mesh, const reference *r, const int64_t *partners,
-                   int64_t *component, int8_t *sign) {
-    int k = mesh->dim + 1;
-    for (int64_t e = 0; e < mesh->n_elements; e++) {
-        if (component[e] >= 0)
-            continue;
-        component[e] = e;
-        sign[e] = 1;
-        for (int changed = 1; changed;) {
-            changed = 0;
-            for (int64_t i = 0; i < r->n_facets; i++) {
-                int64_t a = i / k, b = partners[i] / k;
-                if (partners[i] < 0 || component[a] != e || component[b] >= 0)
-                    continue;
-                int same = r->facet[i].direction == r->facet[partners[i]].direction;
-                component[b] = e;
-                sign[b] = (int8_t)(same ? -sign[a] : sign[a]);
-                changed = 1;
-            }
-        }
-    }
-}
-
-static double measure_of(const planish_mesh *mesh, int64_t element) {
-    const double *vertex[4];
-    for (int j = 0; j <= mesh->dim; j++)
-        vertex[j] =
-            mesh->coordinates + (int64_t)mesh->elements[element * (mesh->dim + 1) + j] * mesh->dim;
-    return pl_simplex_measure(mesh->dim, vertex);
-}
-
-/** Signs from the components: those in which facets contradict one another keep the file's order,
- *  and hold the nodes of the facets that do. */
-static void orient(const planish_mesh *mesh, reference *r, const int64_t *partners) {
-    size_t m = (size_t)mesh->n_elements;
-    int64_t *component = malloc(m * sizeof *component);
-    int8_t *bad = calloc(m, 1), *sign = malloc(m);
-    double *sum = calloc(m, sizeof *sum);
-    assert_true(component && bad && sum && sign);
-    memset(component, -1, m * sizeof *component);
-    spread(mesh, r, partners, component, sign);
-    int k = mesh->dim + 1;
-    for (int64_t i = 0; i < r->n_facets; i++) {
-        int64_t j = partners[i];
-        if (j >= 0 &&
-            (sign[i / k] != sign[j / k]) != (r->facet[i].direction == r->facet[j].direction))
-            bad[component[i / k]] = 1;
-    }
-    for (int64_t i = 0; i < r->n_facets; i++)
-        if (partners[i] >= 0 && bad[component[i / k]] &&
-            r->facet[i].direction == r->facet[partners[i]].direction)
-            hold(r, r->facet[i].node, mesh->dim);
-    for (size_t e = 0; e < m; e++) {
-        sign[e] = bad[component[e]] ? 1 : sign[e];
-        sum[component[e]] += sign[e] * measure_of(mesh, (int64_t)e);
-    }
-    for (size_t e = 0; e < m; e++) {
-        sign[e] = (int8_t)(sum[component[e]] < 0 ? -sign[e] : sign[e]);
-        r->boundary.n_reversed += sign[e] < 0;
-        r->boundary.n_components += component[e] == (int64_t)e;
-    }
-    r->boundary.sign = sign;
-    free(component);
-    free(bad);
-    free(sum);
-}
-
-static void find_duplicates(const planish_mesh *mesh, reference *r) {
-    for (int64_t a = 0; a < mesh->n_elements; a++) {
-        int duplicate = 0;
-        for (int64_t b = 0; b < a && !duplicate; b++)
-            duplicate = same_nodes(mesh, a, b);
-        r->boundary.n_duplicate_elements += duplicate;
-        if (duplicate)
-            hold(r, mesh->elements + a * (mesh->dim + 1), mesh->dim + 1);
-    }
-}
-
-static void reference_create(const planish_mesh *mesh, reference *r) {
-    int k = mesh->dim + 1;
-    *r = (reference){.n_facets = mesh->n_elements * k};
-    r->facet = malloc((size_t)r->n_facets * sizeof *r->facet);
-    int64_t *partners = malloc((size_t)r->n_facets * sizeof *partners);
-    r->boundary.on_boundary = calloc((size_t)mesh->n_nodes, 1);
-    assert_true(r->facet && partners && r->boundary.on_boundary);
-    for (int64_t i = 0; i < r->n_facets; i++)
-        r->facet[i] = facet_of(mesh, i / k, (int)(i % k));
-    for (int64_t i = 0; i < r->n_facets; i++) {
-        int count, first;
-        partners[i] = partner(mesh, r, i, &count, &first);
-        r->boundary.n_boundary_facets += count == 1;
-        r->boundary.n_nonmanifold_facets += first && count > 2;
-        if (count != 2)
-            hold(r, r->facet[i].node, mesh->dim);
-    }
-    find_duplicates(mesh, r);
-    orient(mesh, r, partners);
-    free(partners);
-}
-
-static void reference_destroy(reference *r) {
-    free(r->boundary.on_boundary);
-    free(r->boundary.sign);
-    free(r->facet);
-}
-
 static void compare(const planish_mesh *mesh, const pl_boundary *b, const pl_boundary *expected) {
     assert_memory_equal(b->on_boundary, expected->on_boundary, (size_t)mesh->n_nodes);
     assert_int_equal(b->n_boundary_facets, expected->n_boundary_facets);
@@ -248,8 +69,8 @@ static void compare(const planish_mesh *mesh, const pl_boundary *b, const pl_bou
 
 /** Compare with the reference, on several numbers of threads. */
 static void check(const planish_mesh *mesh) {
-    reference r;
-    reference_create(mesh, &r);
+    boundary_reference r;
+    boundary_reference_create(mesh, &r);
     for (int threads = 1; threads <= 5; threads++) {
         pl_boundary b;
         create(mesh, threads, &b);
@@ -260,7 +81,7 @@ static void check(const planish_mesh *mesh) {
             pl_boundary_destroy(&b);
         }
     }
-    reference_destroy(&r);
+    boundary_reference_destroy(&r);
 }
 
 /* ---- boxes -------------------------------------------------------------------------------- */
@@ -534,7 +355,8 @@ static void expect_wrapped(const test_mesh *mesh, const uint8_t *is_wrapped) {
             n += is_wrapped[i];
             assert_int_equal(b.flags && b.flags[i] & PL_WRAPPED, is_wrapped[i]);
             if (!is_wrapped[i])
-                assert_true(sign_of(&b, i) * measure_of(&mesh->mesh, i) > 0);
+                assert_true(
+                    sign_of(&b, i) * test_measure_of(&mesh->mesh, mesh->mesh.coordinates, i) > 0);
             for (int j = 0; j < k && is_wrapped[i]; j++)
                 assert_int_equal(b.on_boundary[mesh->elements[i * k + j]], 1);
         }
@@ -608,7 +430,7 @@ static void a_mirrored_interior(void **state) {
         pl_boundary_destroy(&b);
         create(&box.mesh, 2, &b);
         for (int64_t i = 0; i < box.mesh.n_elements; i++) {
-            n_inverted += !(measure_of(&box.mesh, i) > 0);
+            n_inverted += !(test_measure_of(&box.mesh, (&box.mesh)->coordinates, i) > 0);
             assert_int_equal(sign_of(&b, i), 1);
         }
         assert_true(n_inverted > box.mesh.n_elements / 2);
@@ -636,7 +458,8 @@ static void most_elements_decide(void **state) {
         create(&box.mesh, 2, &b);
         assert_int_equal(b.n_wrapped, 0);
         for (int64_t i = 0; i < box.mesh.n_elements; i++)
-            n_negative += sign_of(&b, i) * measure_of(&box.mesh, i) < 0;
+            n_negative +=
+                sign_of(&b, i) * test_measure_of(&box.mesh, (&box.mesh)->coordinates, i) < 0;
         assert_true(n_negative < box.mesh.n_elements / 5);
         pl_boundary_destroy(&b);
         free(is_wrapped);
