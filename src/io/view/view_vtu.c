@@ -48,19 +48,16 @@ static int64_t bytes_of(const io_view_array *array) {
     return array->n * io_view_type_size(array->type);
 }
 
-static void put_array(markup *m, const io_view_array *array) {
-    static const char *const types[] = {"UInt8", "Int32", "Int64", "Float32", "Float64"};
-    put(m,
-        "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" "
-        "offset=\"%" PRId64 "\"/>\n",
-        types[array->type], array->name, array->n_components, m->offset);
-    m->offset += (int64_t)sizeof(uint64_t) + bytes_of(array);
-}
-
 static void put_section(markup *m, const char *name, const io_view_array *arrays, int n) {
+    static const char *const types[] = {"UInt8", "Int32", "Int64", "Float32", "Float64"};
     put(m, "<%s>\n", name);
-    for (int i = 0; i < n; i++)
-        put_array(m, &arrays[i]);
+    for (int i = 0; i < n; i++) {
+        put(m,
+            "<DataArray type=\"%s\" Name=\"%s\" NumberOfComponents=\"%d\" format=\"appended\" "
+            "offset=\"%" PRId64 "\"/>\n",
+            types[arrays[i].type], arrays[i].name, arrays[i].n_components, m->offset);
+        m->offset += (int64_t)sizeof(uint64_t) + bytes_of(&arrays[i]);
+    }
     put(m, "</%s>\n", name);
 }
 
@@ -81,42 +78,25 @@ static int utf8_length(const unsigned char *text) {
     return length;
 }
 
-/** Whether XML knows no such character: control characters, U+FFFE and U+FFFF. */
-static int is_unknown(const unsigned char *text, int length) {
-    return text[0] < ' ' ||
-           (length == 3 && text[0] == 0xEF && text[1] == 0xBF && (text[2] & 0xFE) == 0xBE);
-}
-
 /** A name as an attribute's value. What is no UTF-8 is taken for Latin-1, which older files have.
  */
 static void put_name(markup *m, const char *name) {
-    static const struct {
-        char character;
-        const char *text;
-    } special[] = {{'"', "&quot;"}, {'<', "&lt;"}, {'>', "&gt;"}, {'&', "&amp;"}};
+    static const char special[] = "\"<>&", *const texts[] = {"&quot;", "&lt;", "&gt;", "&amp;"};
     const unsigned char *c = (const unsigned char *)name;
     while (*c) {
         const int length = utf8_length(c);
-        const char *text = NULL;
-        for (size_t i = 0; i < sizeof special / sizeof *special; i++)
-            if (*c == (unsigned char)special[i].character)
-                text = special[i].text;
-        if (text)
-            put(m, "%s", text);
+        const char *found = strchr(special, *c);
+        /* XML knows no control characters, and not U+FFFE and U+FFFF. */
+        const int is_unknown =
+            *c < ' ' || (length == 3 && c[0] == 0xEF && c[1] == 0xBF && (c[2] & 0xFE) == 0xBE);
+        if (found)
+            put(m, "%s", texts[found - special]);
         else if (length == 0)
             put(m, "%c%c", 0xC0 | *c >> 6, 0x80 | (*c & 0x3F));
         else
-            put(m, "%.*s", length, is_unknown(c, length) ? " " : (const char *)c);
+            put(m, "%.*s", length, is_unknown ? " " : (const char *)c);
         c += length > 0 ? length : 1;
     }
-}
-
-/** Whether a group before that of index i has its name: what follows the name then tells it. */
-static int is_named_before(const io_model *model, int32_t i) {
-    for (int32_t k = 0; k < i; k++)
-        if (strcmp(model->group[k].name, model->group[i].name) == 0)
-            return 1;
-    return 0;
 }
 
 /** Groups as field data called by their names, with tag and dimension, as meshio has them. */
@@ -127,9 +107,12 @@ static void put_groups(markup *m) {
     put(m, "<FieldData>\n");
     for (int32_t i = 0; i < model->n_groups; i++) {
         const io_group *group = &model->group[i];
+        int32_t before = 0;
+        while (before < i && strcmp(model->group[before].name, group->name) != 0)
+            before++;
         put(m, "<DataArray type=\"Int32\" Name=\"");
         put_name(m, group->name);
-        if (is_named_before(model, i)) /* arrays of one name would be one */
+        if (before < i) /* arrays of one name would be one */
             put(m, " %d:%ld", group->dim, (long)group->tag);
         put(m, "\" NumberOfTuples=\"2\" format=\"ascii\">%ld %d</DataArray>\n", (long)group->tag,
             group->dim);
@@ -137,45 +120,38 @@ static void put_groups(markup *m) {
     put(m, "</FieldData>\n");
 }
 
-static void put_head(markup *m, const io_view_arrays *a) {
-    put(m,
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-        "byte_order=\"%s\" header_type=\"UInt64\">\n<UnstructuredGrid>\n",
-        io_machine_is_little() ? "LittleEndian" : "BigEndian");
-    put_groups(m);
-    put(m, "<Piece NumberOfPoints=\"%" PRId64 "\" NumberOfCells=\"%" PRId64 "\">\n",
-        m->view->model->n_nodes, m->view->n_cells);
-    put_section(m, "PointData", a->point_data, a->n_point_data);
-    put_section(m, "CellData", a->cell_data, a->n_cell_data);
-    put_section(m, "Points", &a->points, 1);
-    const io_view_array cells[] = {a->connectivity, a->offsets, a->types};
-    put_section(m, "Cells", cells, 3);
-    put(m, "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
-}
-
-static void put_values(markup *m, const io_view_array *array) {
-    const uint64_t bytes = (uint64_t)bytes_of(array);
+static void put_values(markup *m, const io_view_array *arrays, int n) {
     flush_text(m);
-    if (!m->status)
+    for (int i = 0; i < n && !m->status; i++) {
+        const uint64_t bytes = (uint64_t)bytes_of(&arrays[i]);
         m->status = pl_output_write(m->output, (const char *)&bytes, sizeof bytes, m->error);
-    if (!m->status)
-        m->status = io_view_write(m->view, array, 0, m->output, m->error);
+        if (!m->status)
+            m->status = io_view_write(m->view, &arrays[i], 0, m->output, m->error);
+    }
 }
 
 int io_view_write_vtu(const io_view *view, pl_output *output, const char **lost,
                       planish_error *error) {
     const io_view_arrays a = io_view_arrays_of(view);
+    const io_view_array cells[] = {a.connectivity, a.offsets, a.types};
     markup m = {.view = view, .output = output, .error = error};
     *lost = NULL;
-    put_head(&m, &a);
-    for (int i = 0; i < a.n_point_data; i++)
-        put_values(&m, &a.point_data[i]);
-    for (int i = 0; i < a.n_cell_data; i++)
-        put_values(&m, &a.cell_data[i]);
-    put_values(&m, &a.points);
-    put_values(&m, &a.connectivity);
-    put_values(&m, &a.offsets);
-    put_values(&m, &a.types);
+    put(&m,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
+        "byte_order=\"%s\" header_type=\"UInt64\">\n<UnstructuredGrid>\n",
+        io_machine_is_little() ? "LittleEndian" : "BigEndian");
+    put_groups(&m);
+    put(&m, "<Piece NumberOfPoints=\"%" PRId64 "\" NumberOfCells=\"%" PRId64 "\">\n",
+        view->model->n_nodes, view->n_cells);
+    put_section(&m, "PointData", a.point_data, a.n_point_data);
+    put_section(&m, "CellData", a.cell_data, a.n_cell_data);
+    put_section(&m, "Points", &a.points, 1);
+    put_section(&m, "Cells", cells, 3);
+    put(&m, "</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
+    put_values(&m, a.point_data, a.n_point_data);
+    put_values(&m, a.cell_data, a.n_cell_data);
+    put_values(&m, &a.points, 1);
+    put_values(&m, cells, 3);
     put(&m, "\n</AppendedData>\n</VTKFile>\n");
     flush_text(&m);
     return m.status;
