@@ -301,14 +301,21 @@ static int read_abaqus(io_model *model, planish_error *error) {
         status = abaqus_read_sets(&r);
     for (int dim = 1; dim <= 3; dim++)
         io_settle_cell_numbers(io_model_cells(model, dim));
-    abaqus_release_sets(&r);
-    io_numbers_destroy(r.numbers);
+    for (int64_t i = 0; i < r.n_sets; i++)
+        pl_free(r.set[i].member);
+    for (int i = 0; i < 2; i++) {
+        pl_free(r.slot[i]);
+        pl_free(r.stamp[i]);
+    }
+    pl_free(r.set);
     pl_free(r.block);
     pl_free(r.range);
+    io_numbers_destroy(r.elements);
+    io_numbers_destroy(r.numbers);
     return status;
 }
 
-/** The first keyword is one that such files begin with, and few others do. */
+/** Recognise a file by its first keyword: few other files begin with one of these. */
 static int recognise(const char *data, int64_t size) {
     static const char *const first[] = {"HEADING", "PREPRINT", "PART", "NODE", "ELEMENT"};
     io_cursor cursor = io_begin_text(data, size);
@@ -327,27 +334,22 @@ static int recognise(const char *data, int64_t size) {
 
 /* ---- writing ------------------------------------------------------------------------------ */
 
-/** Whether a comma is before at, with nothing but blanks between. */
-static int follows_comma(const char *data, const char *at) {
-    while (at > data && io_is_blank(at[-1]))
-        at--;
-    return at > data && at[-1] == ',';
-}
-
 static int abaqus_field(const io_model *model, io_cursor *cursor, int d, io_field *field) {
     io_cursor from = *cursor;
     io_slice rest = io_next_line(&from);
+    /* The comma before the coordinate; behind the one before the first there may be blanks. */
+    const char *comma = d == 0 ? rest.begin - 1 : rest.begin;
+    while (d == 0 && comma > model->input.data && io_is_blank(*comma))
+        comma--;
     *field = (io_field){.width = FIELD_WIDTH};
-    const int is_there = d == 0 ? follows_comma(model->input.data, rest.begin)
-                                : rest.begin < rest.end && *rest.begin == ',';
-    if (!is_there) { /* the line ends before */
+    if (comma == rest.end || *comma != ',') { /* the line ends before */
         field->begin = field->end = cursor->at = rest.end;
         field->lead = ", ";
         field->n_lead = 2;
         return 0;
     }
     rest.begin += d > 0;
-    const char *comma = memchr(rest.begin, ',', (size_t)io_slice_length(rest));
+    comma = memchr(rest.begin, ',', (size_t)io_slice_length(rest));
     const io_slice item = io_slice_trim((io_slice){rest.begin, comma ? comma : rest.end});
     field->begin = item.begin;
     field->end = item.end;

@@ -25,6 +25,9 @@ typedef enum abaqus_keyword {
     ABAQUS_IN_PART,    /* a part or instance begins, */
     ABAQUS_IN_OTHERS,  /* the assembly begins, or an instance in it ends, */
     ABAQUS_IN_NO_PART, /* a part or the assembly ends */
+    ABAQUS_INCLUDE,
+    ABAQUS_SYSTEM,
+    ABAQUS_RULE, /* makes nodes or elements */
     ABAQUS_OTHER
 } abaqus_keyword;
 
@@ -127,9 +130,6 @@ int abaqus_fail_item(const abaqus_reader *r, io_slice item, const char *text);
 /** Read sets of elements and nodes into entities, regions and groups of the model, and hold nodes
  *  of equations. Everything else has been read. */
 int abaqus_read_sets(abaqus_reader *r);
-
-/** Release what abaqus_read_sets has made. */
-void abaqus_release_sets(abaqus_reader *r);
 
 /** Return the index of the set of that name in a scope, or of one that differs by the case of its
  *  letters; or -1. */

@@ -116,44 +116,46 @@ int abaqus_fail_item(const abaqus_reader *r, io_slice item, const char *text) {
 typedef struct known_keyword {
     const char *name; /* without blanks */
     abaqus_keyword keyword;
-    const char *refusal; /* why planish cannot read the file, or NULL */
 } known_keyword;
 
-static const char by_rules[] = "nodes and elements that are made by rules are not read; write all "
-                               "of them as *NODE and *ELEMENT, as preprocessors do";
-
 static const known_keyword keywords[] = {
-    {"NODE", ABAQUS_NODE, NULL},
-    {"ELEMENT", ABAQUS_ELEMENT, NULL},
-    {"NSET", ABAQUS_NSET, NULL},
-    {"ELSET", ABAQUS_ELSET, NULL},
-    {"SOLIDSECTION", ABAQUS_SECTION, NULL},
-    {"SHELLSECTION", ABAQUS_SECTION, NULL},
-    {"SHELLGENERALSECTION", ABAQUS_SECTION, NULL},
-    {"MEMBRANESECTION", ABAQUS_SECTION, NULL},
-    {"SURFACESECTION", ABAQUS_SECTION, NULL},
-    {"EULERIANSECTION", ABAQUS_SECTION, NULL},
-    {"EQUATION", ABAQUS_EQUATION, NULL},
-    {"MPC", ABAQUS_MPC, NULL},
-    {"PART", ABAQUS_IN_PART, NULL},
-    {"ENDPART", ABAQUS_IN_NO_PART, NULL},
-    {"INSTANCE", ABAQUS_IN_PART, NULL},
-    {"ENDINSTANCE", ABAQUS_IN_OTHERS, NULL},
-    {"ASSEMBLY", ABAQUS_IN_OTHERS, NULL},
-    {"ENDASSEMBLY", ABAQUS_IN_NO_PART, NULL},
-    {"INCLUDE", ABAQUS_OTHER,
-     "what it brings in may be part of the mesh; put that file's lines in its place, or smooth the "
-     "file that has the mesh"},
-    {"SYSTEM", ABAQUS_OTHER,
-     "the nodes behind it are in other coordinates; write all of them in the global system"},
-    {"NGEN", ABAQUS_OTHER, by_rules},
-    {"NFILL", ABAQUS_OTHER, by_rules},
-    {"NCOPY", ABAQUS_OTHER, by_rules},
-    {"NMAP", ABAQUS_OTHER, by_rules},
-    {"ELGEN", ABAQUS_OTHER, by_rules},
-    {"ELCOPY", ABAQUS_OTHER, by_rules},
-    {"IMPORT", ABAQUS_OTHER, by_rules},
-    {NULL, ABAQUS_OTHER, NULL},
+    {"NODE", ABAQUS_NODE},
+    {"ELEMENT", ABAQUS_ELEMENT},
+    {"NSET", ABAQUS_NSET},
+    {"ELSET", ABAQUS_ELSET},
+    {"SOLIDSECTION", ABAQUS_SECTION},
+    {"SHELLSECTION", ABAQUS_SECTION},
+    {"SHELLGENERALSECTION", ABAQUS_SECTION},
+    {"MEMBRANESECTION", ABAQUS_SECTION},
+    {"SURFACESECTION", ABAQUS_SECTION},
+    {"EULERIANSECTION", ABAQUS_SECTION},
+    {"EQUATION", ABAQUS_EQUATION},
+    {"MPC", ABAQUS_MPC},
+    {"PART", ABAQUS_IN_PART},
+    {"ENDPART", ABAQUS_IN_NO_PART},
+    {"INSTANCE", ABAQUS_IN_PART},
+    {"ENDINSTANCE", ABAQUS_IN_OTHERS},
+    {"ASSEMBLY", ABAQUS_IN_OTHERS},
+    {"ENDASSEMBLY", ABAQUS_IN_NO_PART},
+    {"INCLUDE", ABAQUS_INCLUDE},
+    {"SYSTEM", ABAQUS_SYSTEM},
+    {"NGEN", ABAQUS_RULE},
+    {"NFILL", ABAQUS_RULE},
+    {"NCOPY", ABAQUS_RULE},
+    {"NMAP", ABAQUS_RULE},
+    {"ELGEN", ABAQUS_RULE},
+    {"ELCOPY", ABAQUS_RULE},
+    {"IMPORT", ABAQUS_RULE},
+};
+
+/** Why planish cannot read a file with a keyword; NULL: it can. */
+static const char *const refusals[ABAQUS_OTHER + 1] = {
+    [ABAQUS_INCLUDE] = "what it brings in may be part of the mesh; put that file's lines in its "
+                       "place, or smooth the file that has the mesh",
+    [ABAQUS_SYSTEM] = "the nodes behind it are in other coordinates; write all of them in the "
+                      "global system",
+    [ABAQUS_RULE] = "nodes and elements that are made by rules are not read; write all of them as "
+                    "*NODE and *ELEMENT, as preprocessors do",
 };
 
 int abaqus_find_blocks(abaqus_reader *r) {
@@ -179,15 +181,14 @@ int abaqus_find_blocks(abaqus_reader *r) {
         char name[ABAQUS_NAME_SIZE];
         abaqus_item(&rest, &item);
         abaqus_squeeze(item, name);
-        const known_keyword *known = keywords;
-        while (known->name && strcmp(name, known->name) != 0)
-            known++;
-        if (known->refusal)
-            return io_fail_at(r->model, line.begin, r->error, "*%s: %s", name, known->refusal);
+        abaqus_keyword keyword = ABAQUS_OTHER;
+        for (size_t i = 0; i < sizeof keywords / sizeof *keywords; i++)
+            keyword = strcmp(name, keywords[i].name) == 0 ? keywords[i].keyword : keyword;
+        if (refusals[keyword])
+            return io_fail_at(r->model, line.begin, r->error, "*%s: %s", name, refusals[keyword]);
         r->has_cavities |= strcmp(name, "FLUIDPROPERTY") == 0;
         /* Parts have numbers of their own, and so have instances that have a mesh of theirs, and
          * the assembly. */
-        const abaqus_keyword keyword = known->keyword;
         if (keyword == ABAQUS_IN_PART)
             scope = ++n_parts;
         else if (keyword == ABAQUS_IN_OTHERS)

@@ -406,14 +406,3 @@ int abaqus_read_sets(abaqus_reader *r) {
         status = abaqus_make_entities(r, NODES);
     return status ? status : abaqus_make_groups(r);
 }
-
-void abaqus_release_sets(abaqus_reader *r) {
-    for (int64_t i = 0; i < r->n_sets; i++)
-        pl_free(r->set[i].member);
-    pl_free(r->set);
-    for (int i = 0; i < 2; i++) {
-        pl_free(r->slot[i]);
-        pl_free(r->stamp[i]);
-    }
-    io_numbers_destroy(r->elements);
-}

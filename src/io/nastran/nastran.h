@@ -27,6 +27,7 @@ typedef struct line {
     io_slice text; /* before a comment and the continuation's mark */
     io_slice name; /* its first field, with the star */
     int is_free, is_long;
+    int n_fields, width; /* of its fields, behind the name */
 } line;
 
 /** A card while its fields are taken one after the other. They are numbered from 0, the one behind

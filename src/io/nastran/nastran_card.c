@@ -15,14 +15,6 @@ static io_slice leading_part(io_slice s, int64_t n) {
     return s.end - s.begin > n ? (io_slice){s.begin, s.begin + n} : s;
 }
 
-static int fields_of(const line *l) {
-    return l->is_long ? LONG_FIELDS : SHORT_FIELDS;
-}
-
-static int width_of(const line *l) {
-    return l->is_long ? LONG_FIELD : SHORT_FIELD;
-}
-
 /* ---- lines -------------------------------------------------------------------------------- */
 
 line nastran_take_line(io_cursor *cursor) {
@@ -33,6 +25,8 @@ line nastran_take_line(io_cursor *cursor) {
     l.is_free = comma < start.end;
     l.name = l.is_free ? (io_slice){l.text.begin, comma} : leading_part(l.text, NAME_COLUMNS);
     l.is_long = find_character(l.name, '*') < l.name.end;
+    l.n_fields = l.is_long ? LONG_FIELDS : SHORT_FIELDS;
+    l.width = l.is_long ? LONG_FIELD : SHORT_FIELD;
     if (!l.is_free)
         l.text = leading_part(l.text, LAST_COLUMN);
     return l;
@@ -101,8 +95,8 @@ io_slice nastran_line_field(const card *c) {
         return c->at ? (io_slice){c->at, find_character((io_slice){c->at, text.end}, ',')}
                      : (io_slice){text.end, text.end};
     const int64_t length = text.end - text.begin;
-    const int64_t from = NAME_COLUMNS + c->n_of_line * width_of(&c->line);
-    const int64_t to = from + width_of(&c->line);
+    const int64_t from = NAME_COLUMNS + c->n_of_line * c->line.width;
+    const int64_t to = from + c->line.width;
     return (io_slice){text.begin + (from < length ? from : length),
                       text.begin + (to < length ? to : length)};
 }
@@ -135,7 +129,7 @@ static int continue_card(card *c) {
 }
 
 int nastran_take_field(card *c, io_slice *field) {
-    if (c->n_of_line == fields_of(&c->line) && !continue_card(c))
+    if (c->n_of_line == c->line.n_fields && !continue_card(c))
         return 0;
     const io_slice text = nastran_line_field(c), s = io_slice_trim(text);
     /* = and == stand for the fields of the card before, *(1) for the number that follows there. */
@@ -157,8 +151,7 @@ int nastran_take_field(card *c, io_slice *field) {
 /** Return whether the line has the next field, be it empty. */
 static int has_field(const card *c) {
     const int64_t length = io_slice_length(c->line.text);
-    return c->line.is_free ? c->at != NULL
-                           : length > NAME_COLUMNS + c->n_of_line * width_of(&c->line);
+    return c->line.is_free ? c->at != NULL : length > NAME_COLUMNS + c->n_of_line * c->line.width;
 }
 
 /** Make the field of the third coordinate of a long GRID, which is in the next line, where there is
@@ -206,7 +199,7 @@ int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *fie
         absent += !has_field(&c);
         nastran_take_field(&c, &skipped);
     }
-    if (c.n_of_line == fields_of(&c.line) && !continue_card(&c)) {
+    if (c.n_of_line == c.line.n_fields && !continue_card(&c)) {
         field_of_next_line(&c, field);
         cursor->at = field->end;
         return 0;
@@ -219,8 +212,8 @@ int nastran_field(const io_model *model, io_cursor *cursor, int d, io_field *fie
             field->n_lead = d == 0 ? absent + 1 : 1;
         }
     } else {
-        *field = (io_field){
-            .begin = text.begin, .end = text.end, .width = width_of(&c.line), .is_fixed = 1};
+        *field =
+            (io_field){.begin = text.begin, .end = text.end, .width = c.line.width, .is_fixed = 1};
         if (!has_field(&c)) {
             /* Coordinates before it in the line are written in full width. */
             const int64_t column = NAME_COLUMNS + c.n_of_line * field->width;

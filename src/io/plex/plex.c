@@ -311,31 +311,6 @@ static int check_coordinates(plex_reader *r) {
 
 /* ---- the format ----------------------------------------------------------------------------- */
 
-static int read_mesh(plex_reader *r) {
-    io_model *model = r->model;
-    char name[256];
-    int status = find_mesh(r, name, sizeof name);
-    if (!status)
-        status = plex_read_topology(r);
-    if (!status)
-        status = check_coordinates(r);
-    if (!status)
-        status = io_model_nodes(model, r->n_nodes, 0, r->error);
-    if (status)
-        return status;
-    for (int64_t i = 0; model->columns < 3 && i < r->n_nodes; i++)
-        model->xyz[3 * i + 2] = 0;
-    const io_hdf5_place place = {r->coordinates, 0, model->columns, model->columns, 1};
-    status = io_hdf5_coordinates(r->file, &place);
-    if (!status)
-        status = visit_copies(r, NULL);
-    if (!status)
-        status = io_hdf5_coordinates_end(r->file);
-    if (!status)
-        status = plex_read_elements(r);
-    return status ? status : plex_read_labels(r);
-}
-
 /** Release all that a reader holds, after it has come to a status; return the status. */
 static int end_reading(plex_reader *r, int status) {
     status = status ? status : io_hdf5_check(r->file);
@@ -346,8 +321,30 @@ static int end_reading(plex_reader *r, int status) {
 
 static int plex_read(io_model *model, planish_error *error) {
     plex_reader r = {.model = model, .error = error};
-    const int status = io_hdf5_open(model, &r.file, error);
-    return end_reading(&r, status ? status : read_mesh(&r));
+    char name[256];
+    int status = io_hdf5_open(model, &r.file, error);
+    if (!status)
+        status = find_mesh(&r, name, sizeof name);
+    if (!status)
+        status = plex_read_topology(&r);
+    if (!status)
+        status = check_coordinates(&r);
+    if (!status)
+        status = io_model_nodes(model, r.n_nodes, 0, error);
+    for (int64_t i = 0; !status && model->columns < 3 && i < r.n_nodes; i++)
+        model->xyz[3 * i + 2] = 0;
+    const io_hdf5_place place = {r.coordinates, 0, model->columns, model->columns, 1};
+    if (!status)
+        status = io_hdf5_coordinates(r.file, &place);
+    if (!status)
+        status = visit_copies(&r, NULL);
+    if (!status)
+        status = io_hdf5_coordinates_end(r.file);
+    if (!status)
+        status = plex_read_elements(&r);
+    if (!status)
+        status = plex_read_labels(&r);
+    return end_reading(&r, status);
 }
 
 static int plex_recognise(const char *data, int64_t size) {
@@ -366,37 +363,36 @@ const io_format io_format_plex = {.name = "dmplex",
 
 /* ---- for those who load such files with PETSc ----------------------------------------------- */
 
-static int outline_mesh(plex_reader *r, io_plex_outline *o) {
-    int status = find_mesh(r, o->name, sizeof o->name);
-    if (!status)
-        status = plex_read_topology(r);
-    if (!status)
-        status = check_coordinates(r);
-    if (!status)
-        status = visit_copies(r, &o->has_copies);
-    if (!status)
-        status = plex_check_labels(r, &o->has_regions_alone);
-    if (status)
-        return status;
-    o->version = r->version;
-    o->dim = r->dim;
-    o->columns = r->model->columns;
-    o->n_nodes = r->n_nodes;
-    o->has_simplices_alone = plex_has_simplices_alone(r);
-    memcpy(o->coordinates, r->coordinates, sizeof o->coordinates);
-    return PLANISH_OK;
-}
-
 int io_plex_outline_of(const char *path, io_plex_outline *outline, planish_error *error) {
     io_model model = {.n_nodes = 0};
     plex_reader r = {.model = &model, .error = error};
-    *outline = (io_plex_outline){.version = 0};
+    io_plex_outline o = {.version = 0};
+    *outline = o;
     int status = io_bytes_open(path, INT64_MAX, &model.input, error);
     if (status)
         return status;
     status = io_hdf5_open(&model, &r.file, error);
-    status = end_reading(&r, status ? status : outline_mesh(&r, outline));
+    if (!status)
+        status = find_mesh(&r, o.name, sizeof o.name);
+    if (!status)
+        status = plex_read_topology(&r);
+    if (!status)
+        status = check_coordinates(&r);
+    if (!status)
+        status = visit_copies(&r, &o.has_copies);
+    if (!status)
+        status = plex_check_labels(&r, &o.has_regions_alone);
+    if (!status) {
+        o.version = r.version;
+        o.dim = r.dim;
+        o.columns = model.columns;
+        o.n_nodes = r.n_nodes;
+        o.has_simplices_alone = plex_has_simplices_alone(&r);
+        memcpy(o.coordinates, r.coordinates, sizeof o.coordinates);
+    }
+    status = end_reading(&r, status);
     io_bytes_close(&model.input);
+    *outline = o;
     return status;
 }
 

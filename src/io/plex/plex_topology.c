@@ -201,7 +201,7 @@ static void add_node(const plex_reader *r, int64_t point, nodes *to) {
         to->is_broken = 1;
 }
 
-/** A cone of nodes, in its order or the other one. */
+/** Add the nodes of a cone of nodes, in its order or the other one. */
 static void add_cone(const plex_reader *r, int64_t point, int is_reversed, nodes *to) {
     const int size = r->size[point];
     for (int k = 0; k < size; k++)
@@ -334,7 +334,7 @@ static void fill_chunk(void *context, int64_t begin, int64_t end, int thread) {
     }
 }
 
-/** Each face is one of two elements: its nodes are found once. */
+/** Find the nodes of triangles, once: most are of two elements. */
 static void find_triangle_chunk(void *context, int64_t begin, int64_t end, int thread) {
     plex_reader *r = context;
     (void)thread;
