@@ -75,7 +75,7 @@ done
 # Both together, told on the terminal; a box around everything changes nothing.
 expect_status 0 "$program" smooth square.mesh -o out.mesh --box 0,0,0.5,1 --max-displacement 1e-3
 expect_status 0 "$program" smooth square.mesh -o out.mesh --box 0.3,0,0.5,1
-grep -q "outside of the bounds" out || fail "nodes outside of their bounds are not told"
+grep -q "outside the bounds" out || fail "nodes outside of their bounds are not told"
 expect_status 0 "$program" smooth square.mesh -o free.mesh -q
 expect_status 0 "$program" smooth square.mesh -o out.mesh --box=-1e9,-1e9,1e9,1e9 -q
 cmp free.mesh out.mesh || fail "bounds that are far away change the mesh"

@@ -66,7 +66,7 @@ open("twice.mesh", "w").write("\n".join(lines))
 END
 expect_status 0 "$program" quality ./cut.node "$work/square.msh" ./twice.mesh
 [ "$(cat err)" = "$(
-    echo "note: ./cut.node: the last line of ./cut.ele has no end: if the file was cut short there, its last number may be wrong"
+    echo "note: ./cut.node: the last line of ./cut.ele has no end; if the file was cut there, its last number may be wrong"
     "$program" quality ./twice.mesh 2>&1 >/dev/null | sed 's|^note: |note: ./twice.mesh: |'
 )" ] || fail "notes of several: $(cat err)"
 grep -q "twice.mesh: 1 element has the nodes of another one; it is held" err || fail "a copy: $(cat err)"

@@ -62,7 +62,7 @@ for dim in 2 3; do
     make "$dim" box.vtk ascii "GeometryIds:int32:halves"
     expect_free "${half[dim]}" box.vtk
     expect_arrays "['GeometryIds']"
-    expect_text "the values of array 'GeometryIds' are taken for regions"
+    expect_text "the values of array 'GeometryIds' for regions"
 
     # Gmsh's values of elements add to its entities, which hold whatever arrays are chosen.
     for how in ascii binary; do
@@ -73,7 +73,7 @@ for dim in 2 3; do
         make "$dim" box.msh "$how" "color:float64:halves" "T:float64:fraction" "rank:float64:quarters"
         expect_free "${quarter[dim]}" box.msh
         expect_arrays "['color']"
-        expect_text "the values of array 'color' are taken for regions"
+        expect_text "the values of array 'color' for regions"
         expect_free "${half[dim]}" box.msh --regions rank
         expect_arrays "['rank']"
         expect_free "${all[dim]}" box.msh --regions none
@@ -107,7 +107,7 @@ for dim in 2 3; do
     make "$dim" box.vtk field "part id:int16:halves" zone:float32:quarters n:int64:number rank:int8:quarters
     expect_free "${quarter[dim]}" box.vtk
     expect_arrays "['part id', 'zone']"
-    expect_text "the values of arrays 'part id', 'zone' are taken for regions"
+    expect_text "the values of arrays 'part id', 'zone' for regions"
     expect_free "${half[dim]}" box.vtk --regions "part id"
     expect_arrays "['part id']"
     expect_no_note
@@ -159,7 +159,7 @@ for threads in 1 2 5; do
     cmp -s out1.vtk out$threads.vtk || fail "$threads threads: other bits"
 done
 python3 -c "$on_interface" box.vtk out1.vtk "held == 0" || fail "the interface moves"
-grep -q "Regions are told by the array <code>mat_id</code>" page.html || fail "the page names no array"
+grep -q "between the values of array <code>mat_id</code>" page.html || fail "the page names no array"
 expect_status 0 "$program" smooth box.vtk -o slid.vtk -q --slide auto
 python3 -c "$on_interface" box.vtk slid.vtk "held >= 25 and off < 1e-9" || fail "the interface is not slid on"
 expect_status 0 "$program" smooth box.vtk -o free.vtk -q --regions none

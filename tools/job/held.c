@@ -39,6 +39,10 @@ const char *pl_held_name(int reason) {
     return names[reason];
 }
 
+const char *pl_held_text(int reason) {
+    return words[reason];
+}
+
 /* ---- finding -------------------------------------------------------------------------------- */
 
 /** The bits of one source for bits of the program. */

@@ -9,6 +9,9 @@
 /** The name of a reason in reports: pl_held.n is in this order. */
 const char *pl_held_name(int reason);
 
+/** Text for a number of nodes held for a reason: "on the boundary". */
+const char *pl_held_text(int reason);
+
 /** Count the held nodes by reason, if somebody is going to be told: in the log, a report, or
  * because nothing can move. There is a plan. Returns 0, or an exit status after a message. */
 int pl_held_count(pl_job *job);

@@ -7,12 +7,12 @@
 
 #include "base/parallel.h"
 
-#include <planish/planish_io.h>
-
 #include <errno.h>
+#include <float.h>
 #include <getopt.h>
 #include <limits.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,11 +31,6 @@ static const char *const objective_names[] = {
     [PLANISH_EDGE_RATIO] = "edge-ratio",
 };
 
-enum {
-    N_METHODS = sizeof method_names / sizeof method_names[0],
-    N_OBJECTIVES = sizeof objective_names / sizeof objective_names[0]
-};
-
 const char *pl_method_name(planish_method method) {
     return method_names[method];
 }
@@ -46,14 +41,6 @@ const char *pl_objective_name(planish_objective objective) {
 
 const char *pl_worst_name(planish_worst worst) {
     return worst == PLANISH_WORST_ANGLE ? "dihedral" : "radius-ratio";
-}
-
-/** Index of word among names [n], or -1. */
-static int find_name(const char *const *names, int n, const char *word) {
-    for (int i = 0; i < n; i++)
-        if (strcmp(names[i], word) == 0)
-            return i;
-    return -1;
 }
 
 /* ---- values: strictly the whole word, in range, finite ------------------------------------- */
@@ -100,80 +87,106 @@ static int parse_reals(const char *text, int most, double *values) {
     return -1;
 }
 
-/* ---- one setter per option: takes the value, or says what it must be ----------------------- */
+/* ---- setters: each takes the value, or says what it must be --------------------------------- */
 
-typedef const char *option_setter(pl_arguments *arguments, const char *value);
+/* What it must be are the words of its row. */
+static const char NOT_LISTED[] = "";
 
-static const char *set_output(pl_arguments *arguments, const char *value) {
-    arguments->output = value;
-    return value[0] ? NULL : "must be the name of a file";
+typedef struct option_row option_row;
+typedef const char *option_setter(pl_arguments *arguments, const option_row *row,
+                                  const char *value);
+
+struct option_row {
+    int letter;        /* short option, or 0 */
+    const char *name;  /* long option */
+    const char *value; /* what its value is called, or NULL: takes none */
+    unsigned commands; /* bits of pl_command, and OPTIMISES, OF_WORST */
+    option_setter *set;
+    size_t at;          /* offset in pl_arguments of the field that it sets */
+    double low, high;   /* of a number; of an option without a value low is what is set */
+    const char *wanted; /* what a value must be; NULL: one of values */
+    const char *help;   /* lines separated by '\n' */
+    const char *values; /* words that the value may be, separated by blanks; "file": a file's name;
+                           NULL: anything else */
+};
+
+/** The field that row sets. */
+static void *field_of(pl_arguments *arguments, const option_row *row) {
+    return (char *)arguments + row->at;
 }
 
-static const char *set_format(pl_arguments *arguments, const char *value) {
-    for (const char *const *name = planish_file_formats(); *name; name++)
-        if (strcmp(*name, value) == 0) {
-            arguments->format = *name;
-            return NULL;
-        }
-    return "must be one of those that --help lists";
-}
-
-static const char *set_direction(pl_arguments *arguments, const char *value) {
-    if (strcmp(value, "newton") == 0)
-        arguments->library.direction = PLANISH_NEWTON;
-    else if (strcmp(value, "fletcher-reeves") == 0)
-        arguments->library.direction = PLANISH_FLETCHER_REEVES;
-    else
-        return "must be newton or fletcher-reeves";
+static const char *set_flag(pl_arguments *arguments, const option_row *row, const char *value) {
+    (void)value;
+    *(int *)field_of(arguments, row) = (int)row->low;
     return NULL;
 }
 
-static const char *set_method(pl_arguments *arguments, const char *value) {
-    const int i = find_name(method_names, N_METHODS, value);
-    if (i < 0)
-        return "must be planish, laplacian, area-laplacian or length-laplacian";
-    arguments->library.method = (planish_method)i;
-    return NULL;
+static const char *set_integer(pl_arguments *arguments, const option_row *row, const char *value) {
+    int *number = field_of(arguments, row);
+    return parse_integer(value, (int)row->low, (int)row->high, number) ? row->wanted : NULL;
 }
 
-static const char *set_objective(pl_arguments *arguments, const char *value) {
+static const char *set_real(pl_arguments *arguments, const option_row *row, const char *value) {
+    double *number = field_of(arguments, row);
+    return parse_real(value, number) || *number < row->low || *number > row->high ? row->wanted
+                                                                                  : NULL;
+}
+
+static const char *set_text(pl_arguments *arguments, const option_row *row, const char *value) {
+    *(const char **)field_of(arguments, row) = value;
+    return value[0] ? NULL : row->wanted;
+}
+
+/** Index of value among the words of row, or -1. */
+static int find_value(const option_row *row, const char *value) {
+    const size_t length = strlen(value);
+    int i = 0;
+    for (const char *word = row->values; *word; i++) {
+        const size_t n = strcspn(word, " ");
+        if (n == length && strncmp(word, value, n) == 0)
+            return i;
+        word += n + strspn(word + n, " ");
+    }
+    return -1;
+}
+
+/** The words of row are those of an enumeration, in its order. */
+static const char *set_choice(pl_arguments *arguments, const option_row *row, const char *value) {
+    const int i = find_value(row, value);
+    *(int *)field_of(arguments, row) = i;
+    return i < 0 ? NOT_LISTED : NULL;
+}
+
+static const char *set_format(pl_arguments *arguments, const option_row *row, const char *value) {
+    arguments->format = value;
+    return find_value(row, value) < 0 ? NOT_LISTED : NULL;
+}
+
+static const char *set_objective(pl_arguments *arguments, const option_row *row,
+                                 const char *value) {
     arguments->worst = strcmp(value, "worst") == 0;
-    const int i =
-        arguments->worst ? PLANISH_RADIUS_RATIO : find_name(objective_names, N_OBJECTIVES, value);
-    if (i < 0)
-        return "must be radius-ratio, mean-ratio, edge-ratio or worst";
+    const int i = arguments->worst ? PLANISH_RADIUS_RATIO : find_value(row, value);
     arguments->library.objective = (planish_objective)i;
-    return NULL;
+    return i < 0 ? NOT_LISTED : NULL;
 }
 
-static const char *set_worst_measure(pl_arguments *arguments, const char *value) {
-    arguments->of_worst = "worst-measure";
-    if (strcmp(value, "radius-ratio") == 0)
-        arguments->worst_measure = PLANISH_WORST_RADIUS_RATIO;
-    else if (strcmp(value, "dihedral") == 0)
-        arguments->worst_measure = PLANISH_WORST_ANGLE;
-    else
-        return "must be radius-ratio or dihedral";
-    return NULL;
-}
-
-static const char *set_worst_rise(pl_arguments *arguments, const char *value) {
-    double *rise = &arguments->library.worst_rise;
-    arguments->of_worst = "worst-rise";
-    return parse_real(value, rise) || *rise < 0 || *rise > 1e6 ? "must be a number, 0 to 1e6"
-                                                               : NULL;
+static const char *set_worst_measure(pl_arguments *arguments, const option_row *row,
+                                     const char *value) {
+    const int i = find_value(row, value);
+    arguments->worst_measure = i == 0 ? PLANISH_WORST_ANGLE : PLANISH_WORST_RADIUS_RATIO;
+    return i < 0 ? NOT_LISTED : NULL;
 }
 
 /** V for all elements; the last '=' ends a tag, which may have others in its name. */
-static const char *set_min_volume(pl_arguments *arguments, const char *value) {
-    const char *wanted = "must be a volume (area in 2-D) above 0, or TAG=V with such a V";
+static const char *set_min_volume(pl_arguments *arguments, const option_row *row,
+                                  const char *value) {
     const char *sign = strrchr(value, '=');
     double volume;
     if (parse_real(sign ? sign + 1 : value, &volume) || volume <= 0 || sign == value)
-        return wanted;
+        return row->wanted;
     if (!sign) {
         if (arguments->library.min_volume > 0)
-            return "is a second volume for all elements; that for a group is TAG=V";
+            return "is a second volume for all elements; give TAG=V for a group";
         arguments->library.min_volume = volume;
         return NULL;
     }
@@ -186,24 +199,11 @@ static const char *set_min_volume(pl_arguments *arguments, const char *value) {
     return NULL;
 }
 
-static const char *set_min_volume_fraction(pl_arguments *arguments, const char *value) {
-    double *fraction = &arguments->library.min_volume_fraction;
-    return parse_real(value, fraction) || *fraction <= 0 || *fraction >= 1
-               ? "must be a number between 0 and 1"
-               : NULL;
-}
-
-static const char *set_area_weight(pl_arguments *arguments, const char *value) {
-    double *weight = &arguments->library.area_weight;
-    return parse_real(value, weight) || *weight < 0 || *weight > 1 ? "must be a number from 0 to 1"
-                                                                   : NULL;
-}
-
-static const char *set_box(pl_arguments *arguments, const char *value) {
+static const char *set_box(pl_arguments *arguments, const option_row *row, const char *value) {
     double *box = arguments->box;
     const int n = parse_reals(value, 6, box), dim = n / 2;
     if (n != 4 && n != 6)
-        return "must be X0,Y0,X1,Y1, in 3-D X0,Y0,Z0,X1,Y1,Z1";
+        return row->wanted;
     for (int d = 0; d < dim; d++)
         if (box[d] > box[dim + d])
             return "must begin with the lower corner: X0 <= X1 and so on";
@@ -211,158 +211,49 @@ static const char *set_box(pl_arguments *arguments, const char *value) {
     return NULL;
 }
 
-static const char *set_max_displacement(pl_arguments *arguments, const char *value) {
+static const char *set_max_displacement(pl_arguments *arguments, const option_row *row,
+                                        const char *value) {
     double *distance = &arguments->library.max_displacement;
     const char *unit = take_real(value, distance);
     if (!unit || *distance <= 0 || (strcmp(unit, "") != 0 && strcmp(unit, "h") != 0))
-        return "must be a distance above 0, or a number and h for that many edge lengths";
+        return row->wanted;
     arguments->library.displacement_unit = *unit ? PLANISH_UNIT_EDGE : PLANISH_UNIT_MESH;
     return NULL;
 }
 
-static const char *set_no_untangle(pl_arguments *arguments, const char *value) {
-    (void)value;
-    arguments->library.untangle = 0;
-    return NULL;
-}
-
-static const char *set_max_sweeps(pl_arguments *arguments, const char *value) {
-    return parse_integer(value, 0, INT_MAX, &arguments->library.max_sweeps)
-               ? "must be a whole number, 0 or more"
-               : NULL;
-}
-
-static const char *set_tolerance(pl_arguments *arguments, const char *value) {
-    double *tolerance = &arguments->library.tolerance;
-    return parse_real(value, tolerance) || *tolerance < 0 || *tolerance >= 1
-               ? "must be a number from 0 to less than 1"
-               : NULL;
-}
-
-static const char *set_time_limit(pl_arguments *arguments, const char *value) {
-    double *limit = &arguments->library.time_limit;
-    return parse_real(value, limit) || *limit <= 0 ? "must be a number of seconds above 0" : NULL;
-}
-
-static const char *set_only_worse_than(pl_arguments *arguments, const char *value) {
-    double *ratio = &arguments->library.only_worse_than;
-    return parse_real(value, ratio) || *ratio < 1 ? "must be a radius ratio, 1 or more" : NULL;
-}
-
-static const char *set_rings(pl_arguments *arguments, const char *value) {
-    return parse_integer(value, 0, 100, &arguments->library.rings)
-               ? "must be a whole number, 0 to 100"
-               : NULL;
-}
-
-static const char *set_fix(pl_arguments *arguments, const char *value) {
+static const char *set_fix(pl_arguments *arguments, const option_row *row, const char *value) {
     arguments->fix[arguments->n_fix++] = value;
-    return value[0] ? NULL : "must be a group's NAME, N or DIM:N";
+    return value[0] ? NULL : row->wanted;
 }
 
-static const char *set_fix_layers(pl_arguments *arguments, const char *value) {
-    (void)value;
-    arguments->fix_layers = 1;
-    return NULL;
-}
-
-static const char *set_slide(pl_arguments *arguments, const char *value) {
+static const char *set_slide(pl_arguments *arguments, const option_row *row, const char *value) {
     const int is_none = strcmp(value, "none") == 0;
     arguments->slide = !is_none;
     if (is_none || strcmp(value, "auto") == 0)
         arguments->n_slide_tags = 0;
     else
         arguments->slide_tag[arguments->n_slide_tags++] = value;
-    return value[0] ? NULL : "must be auto, none, or a group's NAME, N or DIM:N";
+    return value[0] ? NULL : row->wanted;
 }
 
-static const char *set_slide_tolerance(pl_arguments *arguments, const char *value) {
-    double *tolerance = &arguments->slide_tolerance;
-    return parse_real(value, tolerance) || *tolerance <= 0 || *tolerance > 1e-3
-               ? "must be a fraction above 0, up to 1e-3"
-               : NULL;
-}
-
-static const char *set_ignore_regions(pl_arguments *arguments, const char *value) {
-    (void)value;
-    arguments->ignore_regions = 1;
-    arguments->n_regions = 0;
-    return NULL;
-}
-
-static const char *set_regions(pl_arguments *arguments, const char *value) {
-    const int is_none = strcmp(value, "none") == 0;
-    arguments->ignore_regions = is_none;
-    if (is_none)
+/** --regions NAME, and --ignore-regions. */
+static const char *set_regions(pl_arguments *arguments, const option_row *row, const char *value) {
+    arguments->ignore_regions = !value || strcmp(value, "none") == 0;
+    if (arguments->ignore_regions)
         arguments->n_regions = 0;
     else
         arguments->regions[arguments->n_regions++] = value;
-    return value[0] ? NULL : "must be the name of an array of the file, or none";
+    return !value || value[0] ? NULL : row->wanted;
 }
 
-static const char *set_threads(pl_arguments *arguments, const char *value) {
-    return parse_integer(value, 1, PL_MAX_THREADS, &arguments->library.threads)
-               ? "must be a whole number from 1 to 1024"
-               : NULL;
-}
-
-static const char *set_bind(pl_arguments *arguments, const char *value) {
-    arguments->leave_unbound = !strcmp(value, "none");
-    return arguments->leave_unbound || !strcmp(value, "auto") ? NULL : "must be auto or none";
-}
-
-static const char *set_json(pl_arguments *arguments, const char *value) {
-    arguments->json = value;
-    return value[0] ? NULL : "must be the name of a file, or - for standard output";
-}
-
-static const char *set_report(pl_arguments *arguments, const char *value) {
-    arguments->report = value;
-    return value[0] ? NULL : "must be the name of a file, or - for standard output";
-}
-
-static const char *set_n_worst(pl_arguments *arguments, const char *value) {
-    return parse_integer(value, 1, INT_MAX, &arguments->n_worst)
-               ? "must be a whole number, 1 or more"
-               : NULL;
-}
-
-static const char *set_verbose(pl_arguments *arguments, const char *value) {
+static const char *set_verbose(pl_arguments *arguments, const option_row *row, const char *value) {
+    (void)row;
     (void)value;
     arguments->verbosity = arguments->verbosity >= PL_VERBOSE ? PL_DETAILED : PL_VERBOSE;
     return NULL;
 }
 
-static const char *set_quiet(pl_arguments *arguments, const char *value) {
-    (void)value;
-    arguments->verbosity = PL_QUIET;
-    return NULL;
-}
-
-static const char *set_help(pl_arguments *arguments, const char *value) {
-    (void)value;
-    arguments->help = 1;
-    return NULL;
-}
-
-static const char *set_version(pl_arguments *arguments, const char *value) {
-    (void)value;
-    arguments->version = 1;
-    return NULL;
-}
-
 /* ---- the table ------------------------------------------------------------------------------ */
-
-typedef struct option_row {
-    int letter;        /* short option, or 0 */
-    const char *name;  /* long option */
-    const char *value; /* what its value is called, or NULL: takes none */
-    unsigned commands; /* bits of pl_command, and OPTIMISES: heeded by no Laplacian method */
-    option_setter *set;
-    const char *help;   /* lines separated by '\n' */
-    const char *values; /* words that the value may be, separated by blanks; "file": a file's name;
-                           NULL: anything else */
-} option_row;
 
 enum {
     SMOOTH = PL_COMMAND_SMOOTH,
@@ -370,145 +261,169 @@ enum {
     REPORT = PL_COMMAND_REPORT,
     BOTH = SMOOTH | QUALITY,
     ALL = PL_COMMANDS_ALL,
-    OPTIMISES = 8
+    OPTIMISES = 8, /* heeded by no Laplacian method */
+    OF_WORST = 16  /* has an effect with --objective worst alone */
 };
 
+#define AT(field) offsetof(pl_arguments, field)
+/* Bounds that are not reached: the doubles next to 0 and 1. */
+#define ABOVE_0        0x1p-1074
+#define BELOW_1        (1 - DBL_EPSILON / 2)
+#define FILE_OR_STDOUT "must be the name of a file, or - for standard output"
+
 static const option_row option_table[] = {
-    {'o', "output", "OUT", SMOOTH, set_output,
+    {'o', "output", "OUT", SMOOTH, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the smoothed mesh to OUT, which may be IN; keep\n"
      "the format of IN and change coordinates only; write\n"
      "a copy for viewing if OUT ends in .vtu or .vtk",
      "file"},
-    {'o', "output", "FILE", REPORT, set_output,
+    {'o', "output", "FILE", REPORT, set_text, AT(output), 0, 0, "must be the name of a file",
      "write the page to FILE, - for standard output\n"
      "(default: RESULT.html beside RESULT.json)",
      "file"},
-    {0, "format", "NAME", BOTH, set_format,
+    {0, "format", "NAME", BOTH, set_format, 0, 0, 0, NULL,
      "set the format of the input: gmsh, medit, vtk, vtu,\n"
      "vtkhdf, tetgen, netgen, abaqus, nastran, cgns, med,\n"
      "dmplex or off (default: detect it by content, then\n"
      "by name)",
      "gmsh medit vtk vtu vtkhdf tetgen netgen abaqus nastran cgns med dmplex off"},
-    {0, "method", "NAME", SMOOTH, set_method,
+    {0, "method", "NAME", SMOOTH, set_choice, AT(library.method), 0, 0, NULL,
      "move nodes by planish (default) or, for comparison,\n"
      "laplacian, area-laplacian or length-laplacian, which\n"
      "may invert elements",
      "planish laplacian area-laplacian length-laplacian"},
-    {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective,
+    {0, "objective", "NAME", SMOOTH | OPTIMISES, set_objective, 0, 0, 0, NULL,
      "minimise the RMS of radius-ratio (default),\n"
      "mean-ratio or edge-ratio; or worst: minimise\n"
      "radius-ratio, then improve the worst elements",
      "radius-ratio mean-ratio edge-ratio worst"},
-    {0, "worst-measure", "NAME", SMOOTH | OPTIMISES, set_worst_measure,
+    {0, "worst-measure", "NAME", SMOOTH | OPTIMISES | OF_WORST, set_worst_measure, 0, 0, 0, NULL,
      "improve this with --objective worst: dihedral (the\n"
      "smallest and largest angles, default) or\n"
      "radius-ratio",
      "dihedral radius-ratio"},
-    {0, "worst-rise", "R", SMOOTH | OPTIMISES, set_worst_rise,
+    {0, "worst-rise", "R", SMOOTH | OPTIMISES | OF_WORST, set_real, AT(library.worst_rise), 0, 1e6,
+     "must be a number from 0 to 1e6",
      "allow a relative RMS increase of R for the worst\n"
      "elements (default 0.01)",
      NULL},
-    {0, "direction", "NAME", SMOOTH | OPTIMISES, set_direction,
+    {0, "direction", "NAME", SMOOTH | OPTIMISES, set_choice, AT(library.direction), 0, 0, NULL,
      "use the search direction newton (default) or\n"
      "fletcher-reeves",
      "newton fletcher-reeves"},
-    {0, "min-volume", "[TAG=]V", BOTH, set_min_volume,
+    {0, "min-volume", "[TAG=]V", BOTH, set_min_volume, 0, 0, 0,
+     "must be a volume (area in 2-D) above 0, or TAG=V with such a V",
      "require volume V (area in 2-D) or more of every\n"
      "element, or of those of group TAG (default: none);\n"
      "repeatable with a TAG",
      NULL},
-    {0, "min-volume-fraction", "F", BOTH, set_min_volume_fraction,
-     "set V to F times the volume of all elements", NULL},
-    {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_area_weight,
+    {0, "min-volume-fraction", "F", BOTH, set_real, AT(library.min_volume_fraction), ABOVE_0,
+     BELOW_1, "must be a number between 0 and 1", "set V to F times the volume of all elements",
+     NULL},
+    {0, "area-weight", "MU2", SMOOTH | OPTIMISES, set_real, AT(library.area_weight), 0, 1,
+     "must be a number from 0 to 1",
      "minimise (1 - MU2) RMS of the objective + MU2 RMS of\n1 - volume/V (default 0)", NULL},
-    {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box,
+    {0, "box", "X0,Y0[,Z0],X1,Y1[,Z1]", SMOOTH, set_box, 0, 0, 0,
+     "must be X0,Y0,X1,Y1, in 3-D X0,Y0,Z0,X1,Y1,Z1",
      "keep movable nodes in the box; nodes outside stay", NULL},
-    {0, "max-displacement", "D", SMOOTH, set_max_displacement,
+    {0, "max-displacement", "D", SMOOTH, set_max_displacement, 0, 0, 0,
+     "must be a distance above 0, or a number and h for that many edge lengths",
      "move no node farther than D from its place in IN, or\n"
      "with Dh than D times the mean length of its edges\n"
      "(default: no limit)",
      NULL},
-    {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_no_untangle,
+    {0, "no-untangle", NULL, SMOOTH | OPTIMISES, set_flag, AT(library.untangle), 0, 0, NULL,
      "leave inverted elements alone (default: repair them\n"
      "first if possible)",
      NULL},
-    {0, "max-sweeps", "N", SMOOTH, set_max_sweeps,
+    {0, "max-sweeps", "N", SMOOTH, set_integer, AT(library.max_sweeps), 0, INT_MAX,
+     "must be a whole number, 0 or more",
      "stop after N sweeps of the untangled mesh, and N more\n"
      "if nodes have to return (default 200)",
      NULL},
-    {0, "tolerance", "T", SMOOTH, set_tolerance,
+    {0, "tolerance", "T", SMOOTH, set_real, AT(library.tolerance), 0, BELOW_1,
+     "must be a number from 0 to less than 1",
      "stop when the RMS falls by less than the fraction T\n"
      "per sweep (default 1e-5)",
      NULL},
-    {0, "time-limit", "S", SMOOTH, set_time_limit,
+    {0, "time-limit", "S", SMOOTH, set_real, AT(library.time_limit), ABOVE_0, DBL_MAX,
+     "must be a number of seconds above 0",
      "stop smoothing after S seconds (reading and set-up do\n"
      "not count), write the mesh and exit with status 1\n"
      "(default: no limit)",
      NULL},
-    {0, "fix", "TAG", BOTH, set_fix,
+    {0, "fix", "TAG", BOTH, set_fix, 0, 0, 0, "must be the NAME, N or DIM:N of a group",
      "hold all nodes of group TAG: its NAME, N or DIM:N;\n"
      "repeatable",
      NULL},
-    {0, "fix-layers", NULL, BOTH, set_fix_layers,
+    {0, "fix-layers", NULL, BOTH, set_flag, AT(fix_layers), 1, 0, NULL,
      "hold all nodes of boundary layers: elements that are\n"
      "thin in layers",
      NULL},
-    {0, "regions", "NAME", BOTH, set_regions,
+    {0, "regions", "NAME", BOTH, set_regions, 0, 0, 0,
+     "must be the name of an array of the file, or none",
      "hold nodes between the values of array NAME (default:\n"
      "all arrays that look like regions); repeatable;\n"
      "none: let nodes between regions move",
      "none"},
-    {0, "ignore-regions", NULL, BOTH, set_ignore_regions,
+    {0, "ignore-regions", NULL, BOTH, set_regions, 0, 0, 0, NULL,
      "let nodes between regions (materials) move; same as\n"
      "--regions none",
      NULL},
-    {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide,
+    {0, "slide", "HOW", SMOOTH | OPTIMISES, set_slide, 0, 0, 0,
+     "must be auto, none, or the NAME, N or DIM:N of a group",
      "let boundary nodes slide where the shape stays the\n"
      "same: auto (planes and straight edges), none\n"
      "(default), or group TAG only (NAME, N or DIM:N;\n"
      "repeatable)",
      "auto none"},
-    {0, "slide-tolerance", "T", BOTH, set_slide_tolerance,
+    {0, "slide-tolerance", "T", BOTH, set_real, AT(slide_tolerance), ABOVE_0, 1e-3,
+     "must be a fraction above 0, up to 1e-3",
      "accept nodes up to T times the diagonal of the\n"
      "bounding box off their plane or line (default 1e-8,\n"
      "more for files of few digits); also for triangles in\n"
      "a tilted plane",
      NULL},
-    {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_only_worse_than,
+    {0, "only-worse-than", "RR", SMOOTH | OPTIMISES, set_real, AT(library.only_worse_than), 1,
+     DBL_MAX, "must be a radius ratio, 1 or more",
      "move only nodes of elements with a radius ratio above\n"
      "RR (default: move all)",
      NULL},
-    {0, "rings", "K", SMOOTH | OPTIMISES, set_rings,
+    {0, "rings", "K", SMOOTH | OPTIMISES, set_integer, AT(library.rings), 0, 100,
+     "must be a whole number from 0 to 100",
      "with --only-worse-than: move K rings of elements\naround these as well (default 0)", NULL},
-    {'j', "threads", "N", BOTH, set_threads,
+    {'j', "threads", "N", BOTH, set_integer, AT(library.threads), 1, PL_MAX_THREADS,
+     "must be a whole number from 1 to 1024",
      "run on N threads (default: OMP_NUM_THREADS, else one\n"
      "for each core, fewer for a small mesh)",
      NULL},
-    {0, "bind", "HOW", BOTH, set_bind,
+    {0, "bind", "HOW", BOTH, set_choice, AT(leave_unbound), 0, 0, NULL,
      "bind one thread to each core if there are enough\n"
      "cores and OpenMP's variables say nothing (auto,\n"
      "default), or leave threads unbound (none)",
      "auto none"},
-    {0, "json", "FILE", BOTH, set_json,
+    {0, "json", "FILE", BOTH, set_text, AT(json), 0, 0, FILE_OR_STDOUT,
      "write the result as JSON to FILE, - for standard\n"
      "output",
      "file"},
-    {0, "report", "FILE.html", BOTH, set_report,
+    {0, "report", "FILE.html", BOTH, set_text, AT(report), 0, 0, FILE_OR_STDOUT,
      "write an HTML report with tables, histograms,\n"
      "convergence and a picture to FILE.html, - for\n"
      "standard output",
      "file"},
-    {0, "worst", "N", QUALITY, set_n_worst,
+    {0, "worst", "N", QUALITY, set_integer, AT(n_worst), 1, INT_MAX,
+     "must be a whole number, 1 or more",
      "list the N worst elements, here and in the reports\n"
      "(default: none here, 10 in the reports)",
      NULL},
-    {'v', "verbose", NULL, SMOOTH, set_verbose,
+    {'v', "verbose", NULL, SMOOTH, set_verbose, 0, 0, 0, NULL,
      "print one line per sweep, and the placement of the\n"
      "threads; -vv: one line per colour as well",
      NULL},
-    {'q', "quiet", NULL, ALL, set_quiet, "print nothing but errors", NULL},
-    {'h', "help", NULL, ALL, set_help, "show this help and exit", NULL},
-    {0, "version", NULL, ALL, set_version, "show the version and exit", NULL},
+    {'q', "quiet", NULL, ALL, set_flag, AT(verbosity), PL_QUIET, 0, NULL,
+     "print nothing but errors", NULL},
+    {'h', "help", NULL, ALL, set_flag, AT(help), 1, 0, NULL, "show this help and exit", NULL},
+    {0, "version", NULL, ALL, set_flag, AT(version), 1, 0, NULL, "show the version and exit", NULL},
 };
 
 enum { N_OPTIONS = sizeof option_table / sizeof option_table[0] };
@@ -574,6 +489,21 @@ static int complain_unknown(pl_command command, const char *name, const char *wo
     if (nearest)
         return pl_complain_usage(name, "unknown option '--%s'; did you mean --%s?", typed, nearest);
     return pl_complain_usage(name, "unknown option '--%s'", typed);
+}
+
+/** Message for a value that a setter has refused, as it must be wanted; "": one of the row's words.
+ */
+static int complain_value(const char *name, const option_row *row, const char *value,
+                          const char *wanted) {
+    char list[256] = "must be ";
+    size_t used = strlen(list);
+    for (const char *word = row->values; !wanted[0] && *word;) {
+        const size_t n = strcspn(word, " "), next = n + strspn(word + n, " ");
+        const char *joint = !word[next] ? "" : strchr(word + next, ' ') ? ", " : " or ";
+        used += (size_t)snprintf(list + used, sizeof list - used, "%.*s%s", (int)n, word, joint);
+        word += next;
+    }
+    return pl_complain_usage(name, "--%s '%s' %s", row->name, value, wanted[0] ? wanted : list);
 }
 
 /** Message for what getopt refused; word: the argument it was looking at. */
@@ -685,9 +615,11 @@ int pl_arguments_parse(pl_arguments *arguments, pl_command command, int argc, ch
         if (code == '?' || code == ':')
             return complain_option(command, argv[0], code, optopt, argv[optind - 1]);
         const option_row *row = find_row(command, code);
-        const char *wanted = row->set(arguments, optarg);
+        const char *wanted = row->set(arguments, row, optarg);
         if (wanted)
-            return pl_complain_usage(argv[0], "--%s '%s' %s", row->name, optarg, wanted);
+            return complain_value(argv[0], row, optarg, wanted);
+        if (row->commands & OF_WORST)
+            arguments->of_worst = row->name;
         if (row->commands & OPTIMISES)
             arguments->optimiser = row->name;
         if (arguments->help || arguments->version)

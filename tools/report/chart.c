@@ -131,20 +131,15 @@ static double place(const scale *s, double value) {
     return (value - s->low) / (s->high - s->low);
 }
 
-/** The next step of 1, 2, 5, 10 ... that cuts length into MOST_TICKS pieces or fewer. */
-static double nice_step(double length) {
-    double step = pow(10, floor(log10(length / MOST_TICKS)));
-    while (length / step > MOST_TICKS)
-        step *= length / step > 5 * MOST_TICKS ? 10 : length / step > 2 * MOST_TICKS ? 5 : 2;
-    return step;
-}
-
 typedef void put_tick_fn(pl_markup *page, double at, double value, int digits);
 
 /** Ticks at even steps; origin and length: where the axis is in the drawing. */
 static void put_even_ticks(pl_markup *page, const scale *s, double origin, double length,
                            put_tick_fn *put) {
-    const double step = nice_step(s->high - s->low);
+    const double range = s->high - s->low;
+    double step = pow(10, floor(log10(range / MOST_TICKS))); /* 1, 2, 5, 10 ... */
+    while (range / step > MOST_TICKS)
+        step *= range / step > 5 * MOST_TICKS ? 10 : range / step > 2 * MOST_TICKS ? 5 : 2;
     const double first = ceil(s->low / step - 1e-9);
     const double to_tell = log10(fmax(fabs(s->high), step) / step) + 2; /* digits, ticks apart */
     const int digits = to_tell > DIGITS ? (int)to_tell : DIGITS;
@@ -185,33 +180,27 @@ static scale find_range(const pl_curves *c) {
     return (scale){c->floor > 0 ? c->floor : s.low / margin, s.high * margin, 1};
 }
 
-/* Stretches of a phase that are narrower are not shaded. */
-static const double NARROWEST = 1;
-
-/** Shade the stretch of points first .. last if their phase is not the plain one. */
-static void put_phase(pl_markup *page, const pl_curves *c, const scale *x, int64_t first,
-                      int64_t last) {
-    const char *phase = c->phase[first];
-    const int64_t from = first > 0 ? first - 1 : 0;
-    const double begin = LEFT + FRAME_WIDTH * place(x, c->x[from]);
-    const double end = LEFT + FRAME_WIDTH * place(x, c->x[last]);
-    if (strcmp(phase, "smooth") == 0 || phase[0] == '\0' || end - begin < NARROWEST)
-        return;
-    pl_markup_put(page,
-                  "<rect class=\"phase\" x=\"%.1f\" y=\"%d\" width=\"%.1f\" height=\"%.0f\"/>"
-                  "<text class=\"quiet\" x=\"%.1f\" y=\"%d\">",
-                  begin, TOP, end - begin, FRAME_HEIGHT, begin + 4, TOP + 14);
-    pl_markup_put_text(page, phase);
-    pl_markup_put(page, "</text>\n");
-}
-
+/** Shade stretches of points whose phase is not the plain one, unless they are too narrow. */
 static void put_phases(pl_markup *page, const pl_curves *c, const scale *x) {
+    static const double NARROWEST = 1;
     int64_t first = 0;
-    for (int64_t i = 1; c->phase && i <= c->n; i++)
-        if (i == c->n || strcmp(c->phase[i], c->phase[first]) != 0) {
-            put_phase(page, c, x, first, i - 1);
-            first = i;
-        }
+    for (int64_t i = 1; c->phase && i <= c->n; i++) {
+        const char *phase = c->phase[first];
+        if (i < c->n && strcmp(c->phase[i], phase) == 0)
+            continue;
+        const int64_t from = first > 0 ? first - 1 : 0;
+        const double begin = LEFT + FRAME_WIDTH * place(x, c->x[from]);
+        const double end = LEFT + FRAME_WIDTH * place(x, c->x[i - 1]);
+        first = i;
+        if (strcmp(phase, "smooth") == 0 || phase[0] == '\0' || end - begin < NARROWEST)
+            continue;
+        pl_markup_put(page,
+                      "<rect class=\"phase\" x=\"%.1f\" y=\"%d\" width=\"%.1f\" height=\"%.0f\"/>"
+                      "<text class=\"quiet\" x=\"%.1f\" y=\"%d\">",
+                      begin, TOP, end - begin, FRAME_HEIGHT, begin + 4, TOP + 14);
+        pl_markup_put_text(page, phase);
+        pl_markup_put(page, "</text>\n");
+    }
 }
 
 /** A line through the points of series k; of thousands as many as can be told apart. */

@@ -74,20 +74,6 @@ static void put_value(FILE *stream, int c, double value, double best) {
 
 /* ---- names ----------------------------------------------------------------------------------- */
 
-/** Bytes that the names of mesh [n] begin with and that end a folder's name; 0 for "/" alone. */
-static size_t common_folder(const pl_compared *mesh, int n) {
-    size_t common = n > 1 ? strlen(mesh[0].name) : 0;
-    for (int i = 1; i < n; i++) {
-        size_t same = 0;
-        while (same < common && mesh[i].name[same] == mesh[0].name[same])
-            same++;
-        common = same;
-    }
-    while (common > 0 && !pl_path_is_separator(mesh[0].name[common - 1]))
-        common--;
-    return common > 1 ? common : 0;
-}
-
 /** The names of a comparison. */
 typedef struct names {
     size_t folder; /* bytes of each that are left out */
@@ -95,16 +81,19 @@ typedef struct names {
     char **shown;  /* [n] what fits there, owned */
 } names;
 
-static void free_names(names *of, int n) {
-    for (int i = 0; i < n && of->shown; i++)
-        free(of->shown[i]);
-    free(of->shown);
-}
-
 /** least, most: columns that the names may take. Returns 0, or -1 without memory. */
 static int make_names(const pl_compared *mesh, int n, int least, int most, names *of) {
     int widest = least;
-    *of = (names){.folder = common_folder(mesh, n), .shown = calloc((size_t)n, sizeof *of->shown)};
+    size_t common = n > 1 ? strlen(mesh[0].name) : 0; /* bytes that all names begin with, */
+    for (int i = 1; i < n; i++) {
+        size_t same = 0;
+        while (same < common && mesh[i].name[same] == mesh[0].name[same])
+            same++;
+        common = same;
+    }
+    while (common > 0 && !pl_path_is_separator(mesh[0].name[common - 1])) /* of a folder */
+        common--;
+    *of = (names){.folder = common > 1 ? common : 0, .shown = calloc((size_t)n, sizeof *of->shown)};
     for (int i = 0; i < n; i++) {
         const int wanted = pl_text_columns(mesh[i].name + of->folder);
         widest = wanted > widest ? wanted : widest;
@@ -132,23 +121,23 @@ static int is_ambiguous(const pl_compared *mesh, int n, const names *of, int i) 
     return 0;
 }
 
-/** In its column, or, if it would say too little there, on a line before. */
-static void put_name(FILE *stream, const char *name, const names *of, const char *shown,
-                     int is_long) {
-    if (is_long) {
-        pl_text_put(stream, name + of->folder);
+/* ---- rows ------------------------------------------------------------------------------------ */
+
+/** Put the name in its column, or if it would say too little there on a line before; and the
+ * values.
+ */
+static void put_row(FILE *stream, const pl_compared *mesh, int n, int i, const names *of,
+                    const double *best, int has_volumes) {
+    const char *shown = of->shown[i];
+    if (is_ambiguous(mesh, n, of, i)) {
+        pl_text_put(stream, mesh[i].name + of->folder);
         fputc('\n', stream);
         shown = "";
     }
     fprintf(stream, "%s%*s", shown, of->width - pl_text_columns(shown), "");
-}
-
-/* ---- rows ------------------------------------------------------------------------------------ */
-
-static void put_values(FILE *stream, const pl_compared *mesh, const double *best, int has_volumes) {
     for (int c = 0; c < N_COLUMNS; c++)
         if (c != BELOW || has_volumes)
-            put_value(stream, c, value_of(mesh, c), best[c]);
+            put_value(stream, c, value_of(&mesh[i], c), best[c]);
     fputc('\n', stream);
 }
 
@@ -166,10 +155,10 @@ int pl_comparison_print(FILE *stream, const pl_compared *mesh, int n, int has_vo
     const int status = make_names(mesh, n, least, room > PL_TEXT_WIDTH ? room - width : least, &of);
     if (!status)
         put_head(stream, of.width, has_volumes);
-    for (int i = 0; i < n && !status; i++) {
-        put_name(stream, mesh[i].name, &of, of.shown[i], is_ambiguous(mesh, n, &of, i));
-        put_values(stream, &mesh[i], best, has_volumes);
-    }
-    free_names(&of, n);
+    for (int i = 0; i < n && !status; i++)
+        put_row(stream, mesh, n, i, &of, best, has_volumes);
+    for (int i = 0; i < n && of.shown; i++)
+        free(of.shown[i]);
+    free(of.shown);
     return status;
 }

@@ -20,15 +20,11 @@ int pl_page_can_draw(void) {
 
 /* ---- head ----------------------------------------------------------------------------------- */
 
-/** The last part of a path. */
-static const char *name_of(const char *path) {
-    const char *name = pl_path_name(path);
-    return name[0] ? name : path;
-}
-
+/** Name of the input without its folder. */
 static const char *input_of(const pl_figures *figures) {
     const char *input = pl_figure_text(figures->result, "input");
-    return input[0] ? name_of(input) : "a mesh";
+    const char *name = pl_path_name(input);
+    return name[0] ? name : input[0] ? input : "a mesh";
 }
 
 /** Nothing from elsewhere is ever loaded: the policy forbids it. */
@@ -53,10 +49,15 @@ static void put_mesh(pl_markup *page, const pl_figures *figures, const cJSON *me
                             figures->is_solid ? "tetrahedra" : "triangles");
 }
 
-static void put_movement(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
+/** Put who moved, how far, and what that brought. */
+static void put_change(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
     const cJSON *result = figures->result;
-    const int64_t threads = pl_figure_count(result, "threads");
+    const cJSON *seconds = cJSON_GetObjectItemCaseSensitive(result, "seconds");
     const int sweeps = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(result, "sweeps"));
+    const double before = pl_figure(figures->state[0], "rms_radius_ratio");
+    const double after = pl_figure(figures->state[1], "rms_radius_ratio");
+    const int64_t inverted = pl_figure_count(figures->state[0], "inverted");
+    const int64_t left = pl_figure_count(figures->state[1], "inverted");
     pl_markup_put(page, "planish moved ");
     pl_markup_put_count(page, pl_figure_count(result, "moved_nodes"));
     pl_markup_put(page, " of ");
@@ -64,17 +65,9 @@ static void put_movement(pl_markup *page, const pl_figures *figures, const cJSON
     pl_markup_put(page, " nodes by up to ");
     pl_markup_put_real(page, pl_figure(result, "max_displacement"));
     pl_markup_put(page, ", in %d sweep%s and ", sweeps, sweeps == 1 ? "" : "s");
-    pl_markup_put_real(page,
-                       pl_figure(cJSON_GetObjectItemCaseSensitive(result, "seconds"), "total"));
+    pl_markup_put_real(page, pl_figure(seconds, "total"));
     pl_markup_put(page, " s on ");
-    pl_markup_put_number_of(page, threads, "thread. ", "threads. ");
-}
-
-static void put_gain(pl_markup *page, const pl_figures *figures) {
-    const double before = pl_figure(figures->state[0], "rms_radius_ratio");
-    const double after = pl_figure(figures->state[1], "rms_radius_ratio");
-    const int64_t inverted = pl_figure_count(figures->state[0], "inverted");
-    const int64_t left = pl_figure_count(figures->state[1], "inverted");
+    pl_markup_put_number_of(page, pl_figure_count(result, "threads"), "thread. ", "threads. ");
     if (before == after)
         pl_markup_put(page, "The RMS of the radius ratios stayed at %.5g.", after);
     else if (isfinite(before) && isfinite(after))
@@ -90,54 +83,46 @@ static void put_gain(pl_markup *page, const pl_figures *figures) {
     }
 }
 
-/** Layers that smoothing makes regular: their elements, if they are many. */
-static void put_layers(pl_markup *page, const cJSON *mesh) {
-    const int64_t n = pl_figure_count(mesh, "free_layer_elements");
-    if (!pl_layers_are_many(n, pl_figure_count(mesh, "elements")))
-        return;
-    pl_markup_put(page, "<p class=\"quiet\">");
-    pl_markup_put_count(page, n);
-    pl_markup_put(page, " elements were thin in layers, as in a boundary layer, and free to move: "
-                        "smoothing makes them regular, unless <code>--fix-layers</code> holds "
-                        "them.</p>\n");
-}
-
-/** Which arrays tell regions. */
-static void put_regions(pl_markup *page, const cJSON *mesh) {
-    const cJSON *names = cJSON_GetObjectItemCaseSensitive(mesh, "region_arrays"), *name;
-    const int n = cJSON_GetArraySize(names);
-    if (n == 0)
-        return;
-    int i = 0;
-    pl_markup_put(page, "<p class=\"quiet\">Regions are told by the array%s ", n == 1 ? "" : "s");
-    cJSON_ArrayForEach(name, names) {
-        pl_markup_put(page, i++ ? ", <code>" : "<code>");
-        pl_markup_put_text(page, cJSON_IsString(name) ? name->valuestring : "");
-        pl_markup_put(page, "</code>");
-    }
-    pl_markup_put(page, ": nodes between different values stay on the interfaces.</p>\n");
-}
-
-/** What an end that is not the plain one needs to be said of. */
-static void put_remarks(pl_markup *page, const pl_figures *figures) {
+/** Put why not all was reached, and what a reader should know of nodes and elements. */
+static void put_remarks(pl_markup *page, const pl_figures *figures, const cJSON *mesh) {
     const char *reason = pl_figure_text(figures->result, "reason");
     const int64_t back = pl_figure_count(figures->result, "put_back");
     const int64_t outside = pl_figure_count(figures->result, "held_outside");
+    const int64_t thin = pl_figure_count(mesh, "free_layer_elements");
+    const cJSON *names = cJSON_GetObjectItemCaseSensitive(mesh, "region_arrays"), *name;
+    const char *between = cJSON_GetArraySize(names) == 1 ? " " : "s ";
+    if (pl_layers_are_many(thin, pl_figure_count(mesh, "elements"))) {
+        pl_markup_put(page, "<p class=\"quiet\">");
+        pl_markup_put_count(page, thin);
+        pl_markup_put(page, " movable elements were thin in layers, as in a boundary layer. "
+                            "Smoothing makes them regular; <code>--fix-layers</code> holds "
+                            "them.</p>\n");
+    }
+    if (cJSON_GetArraySize(names) > 0) {
+        pl_markup_put(page, "<p class=\"quiet\">Nodes stay on the interfaces between the values of "
+                            "array");
+        cJSON_ArrayForEach(name, names) {
+            pl_markup_put(page, "%s<code>", between);
+            pl_markup_put_text(page, cJSON_IsString(name) ? name->valuestring : "");
+            pl_markup_put(page, "</code>");
+            between = ", ";
+        }
+        pl_markup_put(page, ".</p>\n");
+    }
     if (reason[0]) {
         pl_markup_put(page, "<p class=\"verdict bad\">");
         pl_markup_put_text(page, reason);
         pl_markup_put(page, "</p>\n");
     }
     if (back > 0) {
-        pl_markup_put(page, "<p class=\"quiet\">");
+        pl_markup_put(page, "<p class=\"quiet\">planish put a node back ");
         pl_markup_put_number_of(page, back, "time", "times");
-        pl_markup_put(page, " a node was put back, because the smallest angle of the mesh was "
-                            "getting smaller.</p>\n");
+        pl_markup_put(page, ", because the smallest angle of the mesh became smaller.</p>\n");
     }
     if (outside > 0) {
         pl_markup_put(page, "<p class=\"quiet\">");
         pl_markup_put_number_of(page, outside, "node was", "nodes were");
-        pl_markup_put(page, " outside of the bounds and stayed there.</p>\n");
+        pl_markup_put(page, " outside the bounds and stayed there.</p>\n");
     }
 }
 
@@ -148,10 +133,9 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
     pl_markup_put_text(page, input_of(figures));
     pl_markup_put(page, "</h1>\n<p class=\"lead\">");
     if (figures->n_states == 2) {
-        put_movement(page, figures, mesh);
-        put_gain(page, figures);
+        put_change(page, figures, mesh);
     } else {
-        pl_markup_put(page, "The quality of a mesh of ");
+        pl_markup_put(page, "Quality of a mesh of ");
         put_mesh(page, figures, mesh);
         pl_markup_put(page, " and ");
         pl_markup_put_number_of(page, pl_figure_count(mesh, "nodes"), "node.", "nodes.");
@@ -159,64 +143,54 @@ static void put_summary(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "</p>\n<p class=\"verdict%s\">%s: ", valid ? "" : " bad",
                   valid ? "Valid" : "Not valid");
     put_mesh(page, figures, mesh);
-    pl_markup_put(page, valid ? ", each of them positive, decided exactly." : ", some inverted.");
+    pl_markup_put(page, valid ? ", all positive, decided exactly." : ", some inverted.");
     pl_markup_put(page, "</p>\n");
-    put_layers(page, mesh);
-    put_regions(page, mesh);
-    put_remarks(page, figures);
+    put_remarks(page, figures, mesh);
     pl_markup_put(page, "</header>\n");
 }
 
 /* ---- the picture ---------------------------------------------------------------------------- */
 
-/** What a view shows, for those who do not see it; state: its figures, or NULL. */
-static void put_label(pl_markup *page, const pl_figures *figures, const char *name,
-                      const cJSON *state) {
-    pl_markup_put(page, "%s the mesh%s%s: worst radius ratio ",
+/** Put the place of a view, with a description for those who do not see the picture. */
+static void put_view(pl_markup *page, const pl_figures *figures, const char *name) {
+    const cJSON *state = cJSON_GetObjectItemCaseSensitive(figures->result, name);
+    const char *shown = figures->n_states == 2 ? name : "";
+    state = state ? state : pl_figures_last(figures);
+    pl_markup_put(page,
+                  "<figure><div class=\"view\" data-label=\"%s the mesh%s%s: worst radius ratio ",
                   figures->is_solid ? "The surface and the bad elements of" : "The triangles of",
-                  figures->n_states == 2 ? " " : "", figures->n_states == 2 ? name : "");
+                  shown[0] ? " " : "", shown);
     pl_markup_put_real(page, pl_figure(state, "max_radius_ratio"));
     pl_markup_put(page, ", RMS ");
     pl_markup_put_real(page, pl_figure(state, "rms_radius_ratio"));
     pl_markup_put(page, ", inverted ");
     pl_markup_put_count(page, pl_figure_count(state, "inverted"));
-}
-
-static void put_view(pl_markup *page, const pl_figures *figures, const char *name) {
-    const cJSON *state = cJSON_GetObjectItemCaseSensitive(figures->result, name);
-    pl_markup_put(page, "<figure><div class=\"view\" data-label=\"");
-    put_label(page, figures, name, state ? state : pl_figures_last(figures));
     pl_markup_put(page,
                   "\"><p class=\"fallback\">The picture needs JavaScript and WebGL.</p></div>"
                   "<figcaption>%s%s<span class=\"count\"></span></figcaption></figure>\n",
-                  figures->n_states == 2 ? name : "", figures->n_states == 2 ? ": " : "");
-}
-
-static void put_coarseness(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
-    int64_t n_all, n_drawn;
-    pl_picture_count(picture, &n_all, &n_drawn);
-    if (n_drawn >= n_all)
-        return;
-    pl_markup_put(page, " It is drawn coarsely, with ");
-    pl_markup_put_count(page, n_drawn);
-    pl_markup_put(page, " of %s ", figures->is_solid ? "the surface's" : "all");
-    pl_markup_put_count(page, n_all);
-    pl_markup_put(page, " triangles; bad elements are drawn as they are.");
+                  shown, shown[0] ? ": " : "");
 }
 
 static void put_views(pl_markup *page, const pl_figures *figures, const pl_picture *picture) {
+    int64_t n_all, n_drawn;
     pl_markup_put(
         page, "<p class=\"quiet help\" id=\"picture-help\" hidden>%s",
         figures->is_solid
-            ? "The surface of the mesh, and in it the elements that are worse than a "
-              "radius ratio of your choice. Drag to turn it, drag with the right button "
-              "to move it; after a click the wheel zooms. Or tap it first, and turn it with "
-              "one finger, move and zoom it with two; or by the arrow keys, + and "
-              "\xE2\x88\x92, and 0 for all of it."
-            : "Each triangle in the colour of its radius ratio. Drag to move it; after a "
-              "click the wheel zooms. Or tap it first, and move and zoom it with fingers; or "
-              "by the arrow keys, + and \xE2\x88\x92, and 0 for all of it.");
-    put_coarseness(page, figures, picture);
+            ? "The picture shows the surface of the mesh, and the elements that are worse than a "
+              "radius ratio of your choice. Drag to turn the mesh; drag with the right button to "
+              "move it; click it and use the wheel to zoom. On a touch screen tap it first: one "
+              "finger turns, two move and zoom. Keys: arrows, + and \xE2\x88\x92; 0 shows all."
+            : "The colour of each triangle is its radius ratio. Drag to move the mesh; click it "
+              "and use the wheel to zoom. On a touch screen tap it first, then move and zoom it "
+              "with fingers. Keys: arrows, + and \xE2\x88\x92; 0 shows all.");
+    pl_picture_count(picture, &n_all, &n_drawn);
+    if (n_drawn < n_all) {
+        pl_markup_put(page, " The picture is coarse: it has ");
+        pl_markup_put_count(page, n_drawn);
+        pl_markup_put(page, " of %s ", figures->is_solid ? "the surface's" : "all");
+        pl_markup_put_count(page, n_all);
+        pl_markup_put(page, " triangles. Bad elements are drawn exactly.");
+    }
     pl_markup_put(page,
                   "</p>\n<div class=\"controls\" hidden>\n<label>elements worse than <input "
                   "type=\"range\" min=\"0\" max=\"100\" step=\"0.5\"> <output></output></label>\n"
@@ -234,11 +208,11 @@ static void put_picture(pl_markup *page, const pl_figures *figures, const pl_pic
                         const char *no_picture) {
     pl_markup_put(page, "<section id=\"picture\"><h2>The mesh</h2>\n");
     if (!pl_page_can_draw())
-        no_picture = "There is no picture: this planish was built without three.js.";
+        no_picture = "This planish draws no picture: it was built without three.js.";
     else if (pl_picture_n_states(picture) > 0)
         put_views(page, figures, picture);
     else if (!no_picture)
-        no_picture = "There is no picture: the mesh is too large for its numbers.";
+        no_picture = "There is no picture: the coordinates are too large.";
     if (no_picture && no_picture[0]) {
         pl_markup_put(page, "<p class=\"quiet\">");
         pl_markup_put_text(page, no_picture);

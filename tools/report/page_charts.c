@@ -79,9 +79,9 @@ static void put_histogram(pl_markup *page, const pl_figures *figures, const char
 
 void pl_page_put_histograms(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page, "<section id=\"histograms\"><h2>Elements by quality</h2>\n"
-                        "<p class=\"quiet\">Numbers of elements on a logarithmic axis, so that a "
-                        "few bad ones show beside many good ones. Inverted elements have no "
-                        "quality and are not counted.</p>\n<div class=\"charts\">\n");
+                        "<p class=\"quiet\">The axis of the numbers is logarithmic, so that a "
+                        "few bad elements show beside many good ones. Inverted elements have "
+                        "no quality and are not counted.</p>\n<div class=\"charts\">\n");
     put_histogram(page, figures, "histogram", "Radius ratio",
                   figures->is_solid ? "radius ratio R/(3r) (regular: 1)"
                                     : "radius ratio R/(2r) (regular: 1)");
@@ -105,40 +105,24 @@ typedef struct history {
     int any_inverted;
 } history;
 
-static int make_history(int64_t n, history *h) {
+/** Read the sweeps, 1 of h->n and up, of the state before and after each; 0 without memory. */
+static int read_history(const pl_figures *figures, const cJSON *sweeps, history *h) {
+    const cJSON *before = figures->state[0], *sweep;
+    const cJSON *objective = cJSON_GetObjectItemCaseSensitive(figures->result, "objective");
+    const char *name = pl_figure_text(objective, "name");
+    /* What sweeps minimise is the measure of the table only if that is the objective. */
+    const int known = name[0] == '\0' || strcmp(name, "radius-ratio") == 0;
+    const int64_t n = (int64_t)cJSON_GetArraySize(sweeps) + 1;
     double *block = malloc((size_t)(5 * n) * sizeof *block);
-    h->phase = malloc((size_t)n * sizeof *h->phase);
-    if (!block || !h->phase) {
-        free(block);
-        free(h->phase);
+    const char **phase = malloc((size_t)n * sizeof *phase);
+    int64_t i = 1;
+    *h = (history){.n = n, .phase = phase, .sweep = block};
+    if (!block || !phase)
         return 0;
-    }
-    h->n = n;
-    h->any_inverted = 0;
-    h->sweep = block;
     h->time = block + n;
     h->rms = block + 2 * n;
     h->movable = block + 3 * n;
     h->inverted = block + 4 * n;
-    return 1;
-}
-
-static void free_history(history *h) {
-    free(h->sweep);
-    free(h->phase);
-}
-
-/** What sweeps minimise is the measure of the table only if that is the objective. */
-static int minimises_radius_ratio(const pl_figures *figures) {
-    const cJSON *objective = cJSON_GetObjectItemCaseSensitive(figures->result, "objective");
-    const char *name = pl_figure_text(objective, "name");
-    return name[0] == '\0' || strcmp(name, "radius-ratio") == 0;
-}
-
-static void read_history(const pl_figures *figures, const cJSON *sweeps, history *h) {
-    const cJSON *before = figures->state[0], *sweep;
-    const int known = minimises_radius_ratio(figures);
-    int64_t i = 1;
     h->sweep[0] = h->time[0] = 0;
     h->rms[0] = known ? pl_figure(before, "rms_radius_ratio") : NAN;
     h->movable[0] = known ? pl_figure(before, "rms_radius_ratio_movable") : NAN;
@@ -154,10 +138,11 @@ static void read_history(const pl_figures *figures, const cJSON *sweeps, history
         i++;
     }
     h->phase[0] = h->phase[1];
-    for (i = 0; i < h->n; i++) {
+    for (i = 0; i < n; i++) {
         h->any_inverted |= h->inverted[i] > 0;
         h->inverted[i] = fmax(h->inverted[i], NONE_INVERTED);
     }
+    return 1;
 }
 
 static void put_curves(pl_markup *page, const history *h, int over_time) {
@@ -188,7 +173,7 @@ static void put_inverted(pl_markup *page, const history *h) {
                               .floor = NONE_INVERTED};
     if (!h->any_inverted)
         return;
-    pl_markup_put(page, "<figure><h3>Inverted elements (the foot is none)</h3>\n");
+    pl_markup_put(page, "<figure><h3>Inverted elements (bottom: none)</h3>\n");
     pl_chart_curves(page, &curves);
     pl_markup_put(page, "</figure>\n");
 }
@@ -218,32 +203,28 @@ static void put_history_table(pl_markup *page, const history *h) {
     pl_markup_put(page, "</tbody></table></div></details>\n");
 }
 
-static void put_history(pl_markup *page, const pl_figures *figures, const cJSON *sweeps) {
-    history h;
-    if (!make_history((int64_t)cJSON_GetArraySize(sweeps) + 1, &h)) {
-        page->failed = 1;
-        return;
-    }
-    read_history(figures, sweeps, &h);
-    pl_markup_put(page, "<p class=\"quiet\">Root mean square of the ratio that is minimised, over "
-                        "the valid elements. Stretches that untangle, or improve the worst "
-                        "elements, are shaded.</p>\n<div class=\"charts\">\n");
-    put_curves(page, &h, 0);
-    put_curves(page, &h, 1);
-    put_inverted(page, &h);
-    pl_markup_put(page, "</div>\n");
-    put_history_table(page, &h);
-    free_history(&h);
-}
-
 void pl_page_put_convergence(pl_markup *page, const pl_figures *figures) {
     const cJSON *sweeps = cJSON_GetObjectItemCaseSensitive(figures->result, "sweeps");
+    const int has_sweeps = cJSON_IsArray(sweeps) && cJSON_GetArraySize(sweeps) > 0;
+    history h = {.n = 0};
     if (figures->n_states < 2)
         return;
     pl_markup_put(page, "<section id=\"convergence\"><h2>Convergence</h2>\n");
-    if (cJSON_IsArray(sweeps) && cJSON_GetArraySize(sweeps) > 0)
-        put_history(page, figures, sweeps);
-    else
-        pl_markup_put(page, "<p>No sweep was made.</p>\n");
+    if (!has_sweeps) {
+        pl_markup_put(page, "<p>There were no sweeps.</p>\n");
+    } else if (!read_history(figures, sweeps, &h)) {
+        page->failed = 1;
+    } else {
+        pl_markup_put(page, "<p class=\"quiet\">Root mean square of the ratio that is minimised, "
+                            "over the valid elements. Sweeps that untangle the mesh or improve the "
+                            "worst elements are shaded.</p>\n<div class=\"charts\">\n");
+        put_curves(page, &h, 0);
+        put_curves(page, &h, 1);
+        put_inverted(page, &h);
+        pl_markup_put(page, "</div>\n");
+        put_history_table(page, &h);
+    }
+    free(h.sweep);
+    free(h.phase);
     pl_markup_put(page, "</section>\n");
 }

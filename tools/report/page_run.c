@@ -6,54 +6,41 @@
 
 /* ---- time and machine ----------------------------------------------------------------------- */
 
-typedef struct span_of_time {
-    const char *name;
-    double seconds;
-} span_of_time;
-
-enum { MOST_SPANS = 6 };
-
-/** The phases that took time; the last one is what remains of the total. */
-static int read_times(const cJSON *seconds, span_of_time *span) {
-    static const char *const keys[] = {"read", "shape", "setup", "smooth", "write"};
-    static const char *const names[] = {"read", "find what slides", "set up", "smooth", "write"};
-    double rest = pl_figure(seconds, "total");
-    int n = 0;
-    for (int i = 0; i < MOST_SPANS - 1; i++) {
-        const double value = pl_figure(seconds, keys[i]);
-        if (!(value > 0))
-            continue;
-        span[n++] = (span_of_time){names[i], value};
-        rest -= value;
-    }
-    if (rest > 0)
-        span[n++] = (span_of_time){"measure and check", rest};
-    return n;
-}
-
+/** Put a bar and a table of the steps that took time; the last one is what remains of the total. */
 static void put_times(pl_markup *page, const cJSON *seconds) {
-    span_of_time span[MOST_SPANS];
-    const int n = read_times(seconds, span);
+    static const char *const keys[] = {"read", "shape", "setup", "smooth", "write", NULL};
+    static const char *const names[] = {"read",  "find what slides", "set up", "smooth",
+                                        "write", "measure and check"};
+    enum { N = sizeof names / sizeof *names };
     const double total = pl_figure(seconds, "total");
-    if (n == 0 || !(total > 0))
+    double time[N], rest = total;
+    if (!(total > 0))
         return;
+    for (int i = 0; i < N; i++) {
+        time[i] = keys[i] ? pl_figure(seconds, keys[i]) : rest;
+        rest -= time[i] > 0 ? time[i] : 0;
+    }
     pl_markup_put(page, "<div class=\"times\" aria-hidden=\"true\">");
-    for (int i = 0; i < n; i++)
-        pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>",
-                      100 * span[i].seconds / total, span[i].name);
+    for (int i = 0; i < N; i++)
+        if (time[i] > 0)
+            pl_markup_put(page, "<span style=\"flex:%.6g\" title=\"%s\"></span>",
+                          100 * time[i] / total, names[i]);
     pl_markup_put(page, "</div>\n<div class=\"scroll\"><table><thead><tr><th scope=\"col\">phase"
                         "</th><th scope=\"col\">seconds</th><th scope=\"col\">share</th></tr>"
                         "</thead><tbody>\n");
-    for (int i = 0; i < n; i++)
-        pl_markup_put(
-            page, "<tr><th scope=\"row\"><i></i>%s</th><td>%.3g</td><td>%.0f&#8239;%%</td></tr>\n",
-            span[i].name, span[i].seconds, 100 * span[i].seconds / total);
+    for (int i = 0; i < N; i++)
+        if (time[i] > 0)
+            pl_markup_put(page,
+                          "<tr><th scope=\"row\"><i></i>%s</th><td>%.3g</td><td>%.0f&#8239;%%"
+                          "</td></tr>\n",
+                          names[i], time[i], 100 * time[i] / total);
     pl_markup_put(page,
                   "<tr class=\"main\"><th scope=\"row\">total</th><td>%.3g</td><td></td></tr>\n"
                   "</tbody></table></div>\n",
                   total);
 }
 
+/** Put a row, if there is a value. */
 static void put_fact(pl_markup *page, const char *name, const char *value) {
     if (!value[0])
         return;
@@ -144,27 +131,6 @@ static void put_list(pl_markup *page, const pl_figures *figures, const char *key
     pl_markup_put(page, "%s</p>\n", n > MOST ? " ..." : ".");
 }
 
-static void put_claims(pl_markup *page, const pl_figures *figures) {
-    const char *method = pl_figure_text(figures->result, "method");
-    pl_markup_put(page, "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
-                        "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
-                        "<th scope=\"col\" class=\"word\">claim</th></tr></thead><tbody>\n");
-    put_claim(page, figures, "inverted elements", "inverted", 1);
-    put_claim(page, figures, "worst radius ratio of elements with a free node",
-              "max_radius_ratio_movable", 1);
-    put_claim(page, figures, "smallest angle of elements with a free node",
-              "min_dihedral_movable_deg", 0);
-    put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
-    pl_markup_put(
-        page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
-        strcmp(method, "planish") == 0
-            ? "planish promises all of these for a mesh that was valid and its default "
-              "objective; repairing inverted elements, minimum volumes and other objectives "
-              "may cost the last three."
-            : "The method is one that planish is compared with; it promises none of "
-              "these.");
-}
-
 void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
     const cJSON *result = figures->result;
     const int64_t inverted = pl_figure_count(pl_figures_last(figures), "inverted");
@@ -175,11 +141,26 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
         pl_markup_put_number_of(page, inverted, "element is", "elements are");
         pl_markup_put(page, " inverted or flat.");
     }
-    pl_markup_put(page,
-                  " The sign of each was decided exactly, on the coordinates as they are %s.</p>\n",
-                  figures->n_states == 2 ? "written" : "in the file");
-    if (figures->n_states == 2)
-        put_claims(page, figures);
+    pl_markup_put(page, " planish decided the sign of each exactly, on the coordinates %s.</p>\n",
+                  figures->n_states == 2 ? "as written" : "in the file");
+    if (figures->n_states == 2) {
+        pl_markup_put(page,
+                      "<div class=\"scroll\"><table><thead><tr><th scope=\"col\">not worse than "
+                      "before</th><th scope=\"col\">before</th><th scope=\"col\">after</th>"
+                      "<th scope=\"col\" class=\"word\">claim</th></tr></thead><tbody>\n");
+        put_claim(page, figures, "inverted elements", "inverted", 1);
+        put_claim(page, figures, "worst radius ratio of elements with a free node",
+                  "max_radius_ratio_movable", 1);
+        put_claim(page, figures, "smallest angle of elements with a free node",
+                  "min_dihedral_movable_deg", 0);
+        put_claim(page, figures, "RMS radius ratio", "rms_radius_ratio", 1);
+        pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">%s</p>\n",
+                      strcmp(pl_figure_text(result, "method"), "planish") == 0
+                          ? "planish promises all of these for a valid mesh and the default "
+                            "objective. Untangling, minimum volumes and other objectives may cost "
+                            "the last three."
+                          : "This method serves for comparison; planish promises nothing of it.");
+    }
     put_list(page, figures, "unfixable", "element cannot be repaired wherever the free nodes are",
              "elements cannot be repaired wherever the free nodes are");
     put_list(page, figures, "below_min", "element is below its minimum volume",
@@ -190,7 +171,7 @@ void pl_page_put_certificate(pl_markup *page, const pl_figures *figures) {
              figures->n_states == 2 ? "checksum of the coordinates written"
                                     : "checksum of the coordinates",
              pl_figure_text(result, "checksum"));
-    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">The checksum is of the bits of "
-                        "all coordinates, the same on any number of threads; <code>planish quality "
-                        "FILE --json -</code> prints that of a file.</p>\n</section>\n");
+    pl_markup_put(page, "</tbody></table></div>\n<p class=\"quiet\">The checksum is that of "
+                        "the bits of all coordinates; it is the same on any number of threads. "
+                        "<code>planish quality FILE --json -</code> prints it.</p>\n</section>\n");
 }

@@ -1,6 +1,8 @@
 /* page_tables: what a page says of the mesh: its measures before and after, its worst elements. */
 #include "report/page.h"
 
+#include "job/held.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -25,7 +27,7 @@ static const measure measures[] = {
     {"inverted", "inverted elements", "inverted elements", "", LESS_IS_BETTER, "main", 1},
     {"reversed_elements", "reversed in the file's order", "reversed in the file's order", "",
      LESS_IS_BETTER, "", 1},
-    {"below_min_volume", "elements below their minimum volume", "elements below their least area",
+    {"below_min_volume", "elements below their minimum volume", "elements below their minimum area",
      "", LESS_IS_BETTER, "", 1},
     {"max_radius_ratio", "worst radius ratio", "worst radius ratio", "", LESS_IS_BETTER, "main", 0},
     {"max_radius_ratio_movable", "of elements with a free node", "of elements with a free node", "",
@@ -67,41 +69,31 @@ static void put_value(pl_markup *page, const measure *m, const cJSON *state) {
     pl_markup_put(page, "%s</td>", isfinite(value) ? m->unit : "");
 }
 
-/** From before to after as a percentage, or where that says little as a factor. */
-static void put_factor(pl_markup *page, double before, double after) {
-    const double factor = after / before, large = 10;
-    if (factor >= 2 && isfinite(factor)) /* no percentages above 100 */
+/** Put by how much a measure changed, as a percentage or where that says little as a factor, and in
+ *  words whether for the better. */
+static void put_change(pl_markup *page, const measure *m, const pl_figures *figures) {
+    const double before = pl_figure(figures->state[0], m->key);
+    const double after = pl_figure(figures->state[1], m->key);
+    const double change = after - before, factor = after / before, large = 10;
+    const int differs = m->is_count ? change != 0 : fabs(change / fabs(before)) >= NOTABLE;
+    /* Ratios and angles are those of the valid elements, others before than after. */
+    const int is_of_same = m->is_count || strstr(m->key, "volume") ||
+                           pl_figure_count(figures->state[0], "inverted") ==
+                               pl_figure_count(figures->state[1], "inverted");
+    const int better = (change < 0) == (m->sense == LESS_IS_BETTER);
+    if (!isfinite(change) || !differs || m->sense == NEITHER || !is_of_same) {
+        pl_markup_put(page, "<td class=\"change\"></td><td class=\"word\"></td>");
+        return;
+    }
+    pl_markup_put(page, "<td class=\"change\">");
+    if (m->is_count)
+        pl_markup_put(page, "%+.0f", change);
+    else if (factor >= 2 && isfinite(factor)) /* no percentages above 100 */
         pl_markup_put(page, "\xC3\x97&#8239;%.4g", factor);
     else if (factor > 0 && 1 / factor >= large && isfinite(1 / factor))
         pl_markup_put(page, "\xC3\xB7&#8239;%.4g", 1 / factor);
     else if (factor > 0 && isfinite(factor))
         pl_markup_put(page, "%+.3g&#8239;%%", 100 * (factor - 1));
-}
-
-/** Whether the measure is of the same elements before and after: ratios and angles are those of the
- *  valid ones. */
-static int is_of_same(const measure *m, const pl_figures *figures) {
-    const int is_of_all = m->is_count || strstr(m->key, "volume");
-    return is_of_all || pl_figure_count(figures->state[0], "inverted") ==
-                            pl_figure_count(figures->state[1], "inverted");
-}
-
-/** By how much it changed, and in words whether for the better. */
-static void put_change(pl_markup *page, const measure *m, const pl_figures *figures) {
-    const double before = pl_figure(figures->state[0], m->key);
-    const double after = pl_figure(figures->state[1], m->key);
-    const double change = after - before, relative = change / fabs(before);
-    const int differs = m->is_count ? change != 0 : fabs(relative) >= NOTABLE;
-    if (!isfinite(change) || !differs || m->sense == NEITHER || !is_of_same(m, figures)) {
-        pl_markup_put(page, "<td class=\"change\"></td><td class=\"word\"></td>");
-        return;
-    }
-    const int better = (change < 0) == (m->sense == LESS_IS_BETTER);
-    pl_markup_put(page, "<td class=\"change\">");
-    if (m->is_count)
-        pl_markup_put(page, "%+.0f", change);
-    else
-        put_factor(page, before, after);
     pl_markup_put(page, "</td><td class=\"word %s\">%s</td>", better ? "good" : "bad",
                   better ? "better" : "worse");
 }
@@ -119,17 +111,7 @@ static int is_asked(const pl_figures *figures, const measure *m) {
     return is_volume && isfinite(pl_figure(figures->result, "min_volume"));
 }
 
-static void put_heading(pl_markup *page, const pl_figures *figures) {
-    pl_markup_put(page, "<thead><tr><th scope=\"col\">measure</th>");
-    for (int s = 0; s < figures->n_states; s++)
-        pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
-    if (figures->n_states == 2)
-        pl_markup_put(page, "<th scope=\"col\" class=\"change\">change</th><th scope=\"col\" "
-                            "class=\"word\">verdict</th>");
-    pl_markup_put(page, "</tr></thead>\n<tbody>\n");
-}
-
-/** The elements that nothing can change, and so the floor of what can be reached. */
+/** Put the floor of what can be reached: the elements that nothing can change. */
 static void put_floor(pl_markup *page, const pl_figures *figures) {
     const cJSON *fixed = cJSON_GetObjectItemCaseSensitive(figures->result, "fixed");
     const int64_t n = pl_figure_count(fixed, "count");
@@ -137,44 +119,30 @@ static void put_floor(pl_markup *page, const pl_figures *figures) {
     if (n <= 0)
         return;
     pl_markup_put(page, "<p class=\"quiet\">");
-    pl_markup_put_number_of(page, n, "element has no free node and stays as it is",
-                            "elements have no free node and stay as they are");
+    pl_markup_put_number_of(page, n, "element has no free node and stays as it is.",
+                            "elements have no free node and stay as they are.");
     if (isfinite(worst)) {
-        pl_markup_put(page, ": their worst radius ratio, ");
+        pl_markup_put(page, " No smoothing can bring the worst radius ratio below theirs, ");
         pl_markup_put_real(page, worst);
-        pl_markup_put(page, ", is the least that any smoothing of the other nodes can leave");
+        pl_markup_put(page, ".");
     }
-    pl_markup_put(page, ".</p>\n");
+    pl_markup_put(page, "</p>\n");
 }
 
-/** Why nodes are held: the reasons that any has. */
+/** Put why nodes are held: the reasons that any has. */
 static void put_held(pl_markup *page, const pl_figures *figures) {
-    static const char *const reasons[][2] = {
-        {"boundary", "on the boundary"},
-        {"lines_and_points", "on lines or points of the file"},
-        {"faces_inside", "on faces that the file lists inside the mesh"},
-        {"interface", "between regions"},
-        {"other_elements", "on elements of other types"},
-        {"periodic", "on periodic sides"},
-        {"fix", "in groups of --fix"},
-        {"required", "required by the file"},
-        {"doubled_points", "at the place of other nodes"},
-        {"nonmanifold", "where the mesh is no manifold"},
-        {"layers", "on thin layers"},
-        {"wrapped", "on elements that wrap around the domain"},
-        {"not_chosen", "not chosen by --only-worse-than"}};
     const cJSON *mesh = cJSON_GetObjectItemCaseSensitive(figures->result, "mesh");
     const cJSON *held = cJSON_GetObjectItemCaseSensitive(mesh, "held");
     const int64_t n_doubled = pl_figure_count(mesh, "doubled_nodes");
     if (!cJSON_IsObject(held))
         return;
-    pl_markup_put(page, "<details id=\"held\"><summary>Nodes that are held</summary><div "
+    pl_markup_put(page, "<details id=\"held\"><summary>Held nodes</summary><div "
                         "class=\"scroll\"><table><tbody>\n");
-    for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++) {
-        const int64_t n = pl_figure_count(held, reasons[i][0]);
+    for (int i = 0; i < PL_N_HELD_BY; i++) {
+        const int64_t n = pl_figure_count(held, pl_held_name(i));
         if (n <= 0)
             continue;
-        pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td>", reasons[i][1]);
+        pl_markup_put(page, "<tr><th scope=\"row\">%s</th><td>", pl_held_text(i));
         pl_markup_put_count(page, n);
         pl_markup_put(page, "</td></tr>\n");
     }
@@ -224,9 +192,14 @@ static void put_spreads(pl_markup *page, const pl_figures *figures) {
 void pl_page_put_measures(pl_markup *page, const pl_figures *figures) {
     pl_markup_put(page,
                   "<section id=\"measures\" class=\"whole\"><h2>%s</h2>\n<div "
-                  "class=\"scroll\"><table>\n",
+                  "class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">measure</th>",
                   figures->n_states == 2 ? "Before and after" : "Quality");
-    put_heading(page, figures);
+    for (int s = 0; s < figures->n_states; s++)
+        pl_markup_put(page, "<th scope=\"col\">%s</th>", figures->name[s]);
+    if (figures->n_states == 2)
+        pl_markup_put(page, "<th scope=\"col\" class=\"change\">change</th><th scope=\"col\" "
+                            "class=\"word\">verdict</th>");
+    pl_markup_put(page, "</tr></thead>\n<tbody>\n");
     for (int i = 0; i < N_MEASURES; i++) {
         const measure *m = &measures[i];
         if (!is_asked(figures, m))
@@ -261,13 +234,6 @@ static void put_numbers(pl_markup *page, const cJSON *object, const char *key, i
     }
 }
 
-static void put_region(pl_markup *page, const cJSON *element) {
-    const char *region = pl_figure_text(element, "region");
-    pl_markup_put(page, "<td class=\"word\">");
-    pl_markup_put_text(page, region);
-    pl_markup_put(page, "</td>");
-}
-
 static void put_element(pl_markup *page, const cJSON *element) {
     enum { SOME = 5, ALL = 17 }; /* digits */
     const int is_inverted = cJSON_IsNull(cJSON_GetObjectItemCaseSensitive(element, "radius_ratio"));
@@ -294,8 +260,9 @@ static void put_element(pl_markup *page, const cJSON *element) {
     pl_markup_put(page, "</td><td class=\"wrap\">");
     put_numbers(page, element, "nodes", ALL, " ");
     pl_markup_put(page, "</td>");
-    put_region(page, element);
-    pl_markup_put(page, "</tr>\n");
+    pl_markup_put(page, "<td class=\"word\">");
+    pl_markup_put_text(page, pl_figure_text(element, "region"));
+    pl_markup_put(page, "</td></tr>\n");
 }
 
 static void put_bad_elements(pl_markup *page, const cJSON *state) {

@@ -97,29 +97,6 @@ static void put_float(double value, uint8_t *out) {
     put_little_endian(bits, 4, out);
 }
 
-/** From 0 to 1 across the box on axis d. */
-static double share_of_box(const pl_picture *picture, int d, double x) {
-    const double extent = picture->high[d] - picture->low[d];
-    return extent > 0 ? fmin(fmax((x - picture->low[d]) / extent, 0), 1) : 0;
-}
-
-/** Points lie in the middle of their nodes. sum [n_points][dim] and n [n_points]: zeroed scratch.
- */
-static void take_points(const pl_picture *picture, const planish_mesh *mesh, double *sum,
-                        int32_t *n, uint8_t *out) {
-    const int dim = picture->dim;
-    for (int64_t i = 0; i < mesh->n_nodes; i++) {
-        const int64_t point = picture->surface.point[i];
-        if (point < 0)
-            continue;
-        for (int d = 0; d < dim; d++)
-            sum[point * dim + d] += share_of_box(picture, d, mesh->coordinates[i * dim + d]);
-        n[point]++;
-    }
-    for (int64_t i = 0; i < picture->surface.n_points * dim; i++)
-        put_little_endian((uint32_t)lround(PLACES * sum[i] / n[i / dim]), 2, out + 2 * i);
-}
-
 /** Corners of element i relative to the middle of the box, whose longest side is 1. */
 static void take_corners(const pl_picture *picture, const planish_mesh *mesh, int64_t element,
                          uint8_t *out) {
@@ -132,14 +109,28 @@ static void take_corners(const pl_picture *picture, const planish_mesh *mesh, in
     }
 }
 
+/** Take the points of the surface, which lie in the middle of their nodes. */
 static int take_surface(const pl_picture *picture, const pl_job *job, state *to) {
-    const size_t n = (size_t)picture->surface.n_points + 1, dim = (size_t)picture->dim;
-    double *sum = calloc(n * dim, sizeof *sum);
+    const int dim = picture->dim;
+    const size_t n = (size_t)picture->surface.n_points + 1;
+    const double *x = job->mesh.coordinates;
+    double *sum = calloc(n * (size_t)dim, sizeof *sum);
     int32_t *count = calloc(n, sizeof *count);
-    to->point = malloc(2 * n * dim);
+    to->point = malloc(2 * n * (size_t)dim);
     const int failed = !sum || !count || !to->point;
-    if (!failed)
-        take_points(picture, &job->mesh, sum, count, to->point);
+    for (int64_t i = 0; i < job->mesh.n_nodes && !failed; i++) {
+        const int64_t point = picture->surface.point[i];
+        if (point < 0)
+            continue;
+        for (int d = 0; d < dim; d++) { /* from 0 to 1 across the box */
+            const double extent = picture->high[d] - picture->low[d];
+            const double at = (x[i * dim + d] - picture->low[d]) / extent;
+            sum[point * dim + d] += extent > 0 ? fmin(fmax(at, 0), 1) : 0;
+        }
+        count[point]++;
+    }
+    for (int64_t i = 0; i < picture->surface.n_points * dim && !failed; i++)
+        put_little_endian((uint32_t)lround(PLACES * sum[i] / count[i / dim]), 2, to->point + 2 * i);
     free(sum);
     free(count);
     return failed ? complain_memory(job) : 0;
@@ -163,10 +154,6 @@ static int take_worst(const pl_picture *picture, const pl_job *job, state *to) {
     return status;
 }
 
-static uint8_t byte_of_ratio(double ratio) {
-    return ratio > 0 ? (uint8_t)fmin(1 + STEPS_PER_E * log(ratio), 255) : 0;
-}
-
 /** The radius ratios of the triangles drawn, in 2-D. */
 static int take_ratios(const pl_picture *picture, const pl_job *job, state *to) {
     planish_error error;
@@ -180,8 +167,10 @@ static int take_ratios(const pl_picture *picture, const pl_job *job, state *to) 
         status = complain_memory(job);
     else if (job->engine->measure_elements(job, ratio, &error))
         status = pl_job_complain(job, PL_EXIT_FAILED, &error);
-    for (int64_t i = 0; !status && i < surface->n_triangles; i++)
-        to->ratio[i] = byte_of_ratio(ratio[surface->element[i]]);
+    for (int64_t i = 0; !status && i < surface->n_triangles; i++) {
+        const double value = ratio[surface->element[i]];
+        to->ratio[i] = value > 0 ? (uint8_t)fmin(1 + STEPS_PER_E * log(value), 255) : 0;
+    }
     free(ratio);
     return status;
 }
@@ -243,31 +232,18 @@ static void put_triangles(pl_markup *page, const pl_drawn_surface *surface) {
     free(bytes);
 }
 
-/** Surfaces before and after are most often the same. */
-static int has_points_of(const pl_picture *picture, int i, int j) {
-    const size_t size = (size_t)(2 * picture->surface.n_points * picture->dim);
-    return memcmp(picture->states[i].point, picture->states[j].point, size) == 0;
-}
-
 static void put_state(pl_markup *page, const pl_picture *picture, int i) {
     const state *s = &picture->states[i];
-    const int64_t dim = picture->dim;
+    const int64_t dim = picture->dim, size = 2 * picture->surface.n_points * dim;
     pl_markup_put(page, "{\"name\":\"%s\",\"inverted\":%" PRId64, s->name, s->n_inverted);
-    if (i == 0 || !has_points_of(picture, i, 0))
-        put_array(page, "points", s->point, 2 * picture->surface.n_points * dim);
+    /* Surfaces before and after are most often the same. */
+    if (i == 0 || memcmp(s->point, picture->states[0].point, (size_t)size) != 0)
+        put_array(page, "points", s->point, size);
     if (s->ratio)
         put_array(page, "ratios", s->ratio, picture->surface.n_triangles);
     put_array(page, "corners", s->corner, 4 * s->n_bad * (dim + 1) * dim);
     put_array(page, "bad_ratios", s->bad_ratio, 4 * s->n_bad);
     pl_markup_put(page, "}");
-}
-
-/** What takes places of the file to those of the picture. */
-static void put_plane(pl_markup *page, const planish_plane *plane) {
-    const double *u = plane->direction[0], *v = plane->direction[1], *o = plane->origin;
-    pl_markup_put(page, ",\"origin\":[%.17g,%.17g,%.17g]", o[0], o[1], o[2]);
-    pl_markup_put(page, ",\"directions\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]]", u[0], u[1],
-                  u[2], v[0], v[1], v[2]);
 }
 
 void pl_picture_put(pl_markup *page, const pl_picture *picture) {
@@ -278,8 +254,13 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
                   solid ? high[2] : 0);
     pl_markup_put(page, ",\"elements\":%" PRId64 ",\"coarse\":%s", picture->n_elements,
                   picture->surface.n_triangles < picture->surface.n_all ? "true" : "false");
-    if (picture->has_plane)
-        put_plane(page, &picture->plane);
+    if (picture->has_plane) { /* which takes places of the file to those of the picture */
+        const double *u = picture->plane.direction[0], *v = picture->plane.direction[1];
+        const double *o = picture->plane.origin;
+        pl_markup_put(page, ",\"origin\":[%.17g,%.17g,%.17g]", o[0], o[1], o[2]);
+        pl_markup_put(page, ",\"directions\":[[%.17g,%.17g,%.17g],[%.17g,%.17g,%.17g]]", u[0], u[1],
+                      u[2], v[0], v[1], v[2]);
+    }
     put_triangles(page, &picture->surface);
     pl_markup_put(page, ",\n\"states\":[");
     for (int i = 0; i < picture->n_states; i++) {
@@ -289,18 +270,16 @@ void pl_picture_put(pl_markup *page, const pl_picture *picture) {
     pl_markup_put(page, "]}");
 }
 
-static void free_state(state *s) {
-    free(s->point);
-    free(s->ratio);
-    free(s->corner);
-    free(s->bad_ratio);
-}
-
 void pl_picture_free(pl_picture *picture) {
     if (!picture)
         return;
-    for (int i = 0; i < picture->n_states; i++)
-        free_state(&picture->states[i]);
+    for (int i = 0; i < picture->n_states; i++) {
+        state *s = &picture->states[i];
+        free(s->point);
+        free(s->ratio);
+        free(s->corner);
+        free(s->bad_ratio);
+    }
     pl_drawn_surface_free(&picture->surface);
     free(picture);
 }

@@ -26,36 +26,25 @@ int pl_page_write(const char *path, const pl_figures *figures, const pl_picture 
     return status;
 }
 
-static int write_page_of(const char *path, const char *json, const pl_picture *picture,
-                         int failed) {
-    pl_figures figures;
-    cJSON *result = cJSON_Parse(json);
-    int status;
-    if (!result || pl_figures_find(result, &figures)) /* it is ours: only memory can be short */
-        status = pl_complain(failed, "the page: %s: out of memory", shown(path));
-    else
-        status = pl_page_write(path, &figures, picture, NULL, failed);
-    cJSON_Delete(result);
-    return status;
-}
-
-static int write_json(const char *path, const char *json, int failed) {
-    planish_error error;
-    if (pl_output_write_text(path, PL_TEMPORARY_REPORT, json, strlen(json), &error))
-        return pl_complain(failed, "the report: %s", error.text);
-    return 0;
-}
-
 int pl_reports_write(const pl_arguments *arguments, const char *json, const pl_picture *picture,
                      int failed) {
+    planish_error error;
     int status = 0, page = 0;
     if (!json)
         return pl_complain(failed, "%s: out of memory for the report",
                            shown(arguments->json ? arguments->json : arguments->report));
-    if (arguments->json)
-        status = write_json(arguments->json, json, failed);
-    if (arguments->report)
-        page = write_page_of(arguments->report, json, picture, failed);
+    if (arguments->json &&
+        pl_output_write_text(arguments->json, PL_TEMPORARY_REPORT, json, strlen(json), &error))
+        status = pl_complain(failed, "the report: %s", error.text);
+    if (arguments->report) {
+        pl_figures figures;
+        cJSON *result = cJSON_Parse(json);
+        if (!result || pl_figures_find(result, &figures)) /* it is ours: only memory can be short */
+            page = pl_complain(failed, "the page: %s: out of memory", shown(arguments->report));
+        else
+            page = pl_page_write(arguments->report, &figures, picture, NULL, failed);
+        cJSON_Delete(result);
+    }
     return status ? status : page;
 }
 

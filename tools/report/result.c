@@ -81,24 +81,12 @@ static void add_text(document *json, cJSON *parent, const char *name, const char
     free(clean);
 }
 
-/** What slides, and what could (null: not looked for). */
-static void add_slides(document *json, cJSON *mesh, const pl_job *job) {
-    add_integer(json, mesh, "sliding_nodes", job->plan_info.n_sliding);
-    if (job->could_slide >= 0)
-        add_integer(json, mesh, "could_slide", job->could_slide);
+/** Add an integer, or null if it is negative: not looked for. */
+static void add_known(document *json, cJSON *parent, const char *name, int64_t value) {
+    if (value >= 0)
+        add_integer(json, parent, name, value);
     else
-        add(json, mesh, "could_slide", cJSON_CreateNull());
-}
-
-/** Null: not looked for. */
-static void add_layers(document *json, cJSON *mesh, const pl_job *job) {
-    if (job->layers.n >= 0) {
-        add_integer(json, mesh, "layer_elements", job->layers.n);
-        add_integer(json, mesh, "free_layer_elements", job->layers.n_loose);
-    } else {
-        add(json, mesh, "layer_elements", cJSON_CreateNull());
-        add(json, mesh, "free_layer_elements", cJSON_CreateNull());
-    }
+        add(json, parent, name, cJSON_CreateNull());
 }
 
 static void add_vector(document *json, cJSON *to, const char *name, const double *vector) {
@@ -124,44 +112,36 @@ static void add_plane(document *json, cJSON *mesh, const pl_job *job) {
     add_real(json, of, "off", plane.off);
 }
 
-/** Why nodes are held. Null: not known. */
-static void add_held(document *json, cJSON *mesh, const pl_held *held) {
-    if (!held->is_known) {
-        add(json, mesh, "held", cJSON_CreateNull());
-        add(json, mesh, "unused_nodes", cJSON_CreateNull());
-        add(json, mesh, "doubled_nodes", cJSON_CreateNull());
-        return;
-    }
-    cJSON *object = new_object(json, mesh, "held");
-    for (int i = 0; i < PL_N_HELD_BY; i++)
-        add_integer(json, object, pl_held_name(i), held->n[i]);
-    add_integer(json, mesh, "unused_nodes", held->n_unused);
-    add_integer(json, mesh, "doubled_nodes", held->n_doubled);
-}
-
-/** The arrays that tell regions. */
-static void add_region_arrays(document *json, cJSON *mesh, const pl_job *job) {
-    cJSON *list = new_array(json, mesh, "region_arrays");
-    for (const char *const *name = pl_job_region_arrays(job); *name; name++)
-        add_text(json, list, NULL, *name);
-}
-
 /** n_reversed: as measured of the input. */
 static void add_mesh(document *json, cJSON *root, const pl_job *job, int64_t n_reversed) {
+    const pl_held *held = &job->held;
+    const pl_layers *layers = &job->layers;
     cJSON *mesh = new_object(json, root, "mesh");
     add_integer(json, mesh, "dimension", job->mesh.dim);
     add_plane(json, mesh, job);
     add_integer(json, mesh, "nodes", job->mesh.n_nodes);
     add_integer(json, mesh, "elements", job->mesh.n_elements);
     add_integer(json, mesh, "free_nodes", job->plan_info.n_free);
-    add_slides(json, mesh, job);
-    add_held(json, mesh, &job->held);
-    add_layers(json, mesh, job);
+    add_integer(json, mesh, "sliding_nodes", job->plan_info.n_sliding);
+    add_known(json, mesh, "could_slide", job->could_slide);
+    if (held->is_known) {
+        cJSON *reasons = new_object(json, mesh, "held");
+        for (int i = 0; i < PL_N_HELD_BY; i++)
+            add_integer(json, reasons, pl_held_name(i), held->n[i]);
+    } else {
+        add(json, mesh, "held", cJSON_CreateNull());
+    }
+    add_known(json, mesh, "unused_nodes", held->is_known ? held->n_unused : -1);
+    add_known(json, mesh, "doubled_nodes", held->is_known ? held->n_doubled : -1);
+    add_known(json, mesh, "layer_elements", layers->n);
+    add_known(json, mesh, "free_layer_elements", layers->n >= 0 ? layers->n_loose : -1);
     add_integer(json, mesh, "fixed_elements", job->plan_info.n_fixed_elements);
     add_integer(json, mesh, "colours", job->plan_info.n_colours);
     add_integer(json, mesh, "nodes_with_parameters", job->n_with_parameters);
     add_integer(json, mesh, "reversed_elements", n_reversed);
-    add_region_arrays(json, mesh, job);
+    cJSON *arrays = new_array(json, mesh, "region_arrays");
+    for (const char *const *name = pl_job_region_arrays(job); *name; name++)
+        add_text(json, arrays, NULL, *name);
     add_integer(json, mesh, "wrapped_elements", job->plan_info.n_wrapped);
 }
 
@@ -170,17 +150,6 @@ static void add_spread(document *json, cJSON *quality, const char *name, const p
     add_real(json, spread, "min", s->min);
     add_real(json, spread, "mean", s->mean);
     add_real(json, spread, "max", s->max);
-}
-
-static void add_spreads(document *json, cJSON *quality, const planish_quality *q) {
-    add_spread(json, quality, "radius_ratio", &q->radius_ratio);
-    add_spread(json, quality, "circumradius_to_edge", &q->circumradius_to_edge);
-    add_spread(json, quality, "edge_to_inradius", &q->edge_to_inradius);
-    add_spread(json, quality, "edge_ratio", &q->edge_ratio);
-    add_spread(json, quality, "mean_ratio", &q->mean_ratio);
-    add_spread(json, quality, "scaled_jacobian", &q->scaled_jacobian);
-    add_spread(json, quality, "smallest_angle_deg", &q->smallest_angle_deg);
-    add_spread(json, quality, "largest_angle_deg", &q->largest_angle_deg);
 }
 
 /** edge [n + 1], count [n]. */
@@ -241,7 +210,14 @@ static void add_quality(document *json, cJSON *root, const char *name, const pl_
     add_real(json, quality, "max_dihedral_deg", q->max_angle_deg);
     add_real(json, quality, "max_radius_ratio_movable", q->max_radius_ratio_movable);
     add_real(json, quality, "min_dihedral_movable_deg", q->min_angle_deg_movable);
-    add_spreads(json, quality, q);
+    add_spread(json, quality, "radius_ratio", &q->radius_ratio);
+    add_spread(json, quality, "circumradius_to_edge", &q->circumradius_to_edge);
+    add_spread(json, quality, "edge_to_inradius", &q->edge_to_inradius);
+    add_spread(json, quality, "edge_ratio", &q->edge_ratio);
+    add_spread(json, quality, "mean_ratio", &q->mean_ratio);
+    add_spread(json, quality, "scaled_jacobian", &q->scaled_jacobian);
+    add_spread(json, quality, "smallest_angle_deg", &q->smallest_angle_deg);
+    add_spread(json, quality, "largest_angle_deg", &q->largest_angle_deg);
     add_histogram(json, quality, "histogram", PLANISH_HISTOGRAM_BINS, q->histogram_edges,
                   q->histogram_counts);
     add_histogram(json, quality, "angle_histogram", PLANISH_ANGLE_BINS, q->angle_edges_deg,
@@ -268,23 +244,27 @@ static void add_sweeps(document *json, cJSON *root, const pl_progress *progress)
     }
 }
 
-static const char *stop_name(planish_stop stop) {
-    switch (stop) {
-    case PLANISH_STOP_CONVERGED:
-        return "converged";
-    case PLANISH_STOP_MAX_SWEEPS:
-        return "max-sweeps";
-    case PLANISH_STOP_TIME_LIMIT:
-        return "time-limit";
-    case PLANISH_STOP_INTERRUPTED:
-        return "interrupted";
-    case PLANISH_STOP_INFEASIBLE:
-        return "infeasible";
-    }
-    return "unknown";
-}
+static const char *const stop_names[] = {[PLANISH_STOP_CONVERGED] = "converged",
+                                         [PLANISH_STOP_MAX_SWEEPS] = "max-sweeps",
+                                         [PLANISH_STOP_TIME_LIMIT] = "time-limit",
+                                         [PLANISH_STOP_INTERRUPTED] = "interrupted",
+                                         [PLANISH_STOP_INFEASIBLE] = "infeasible"};
 
-static void add_seconds(document *json, cJSON *root, const pl_job *job, const pl_result *result) {
+/** Add how it was done: threads, processes and seconds. */
+static void add_run(document *json, cJSON *root, const pl_job *job, const pl_result *result) {
+    const pl_traffic *traffic = &job->traffic;
+    add_integer(json, root, "threads", job->plan_info.threads);
+    add_text(json, root, "binding", job->plan_info.binding);
+    add_text(json, root, "isa", job->plan_info.isa);
+    if (traffic->n_processes > 0) {
+        cJSON *processes = new_object(json, root, "processes");
+        add_integer(json, processes, "count", traffic->n_processes);
+        add(json, processes, "in_parts", cJSON_CreateBool(traffic->in_parts));
+        add_integer(json, processes, "messages", traffic->messages);
+        add_integer(json, processes, "node_values", traffic->nodes);
+        add_integer(json, processes, "bytes", traffic->bytes);
+        add_real(json, processes, "longest_wait_seconds", traffic->wait_seconds);
+    }
     cJSON *seconds = new_object(json, root, "seconds");
     add_real(json, seconds, "read", job->read_seconds);
     add_real(json, seconds, "shape", job->shape_seconds);
@@ -294,40 +274,18 @@ static void add_seconds(document *json, cJSON *root, const pl_job *job, const pl
     add_real(json, seconds, "total", result->total_seconds);
 }
 
-/** Of several processes. */
-static void add_traffic(document *json, cJSON *root, const pl_traffic *traffic) {
-    if (traffic->n_processes == 0)
-        return;
-    cJSON *processes = new_object(json, root, "processes");
-    add_integer(json, processes, "count", traffic->n_processes);
-    add(json, processes, "in_parts", cJSON_CreateBool(traffic->in_parts));
-    add_integer(json, processes, "messages", traffic->messages);
-    add_integer(json, processes, "node_values", traffic->nodes);
-    add_integer(json, processes, "bytes", traffic->bytes);
-    add_real(json, processes, "longest_wait_seconds", traffic->wait_seconds);
-}
-
-static void add_fixed(document *json, cJSON *root, const planish_quality *quality) {
-    cJSON *fixed = new_object(json, root, "fixed");
-    add_integer(json, fixed, "count", quality->n_fixed);
-    add_real(json, fixed, "rms_radius_ratio", quality->fixed_rms_radius_ratio);
-    add_real(json, fixed, "max_radius_ratio", quality->fixed_max_radius_ratio);
-}
-
-/** F over no valid element is 0, and has no value. */
-static double exists(double objective) {
-    return objective > 0 ? objective : NAN;
-}
-
+/** Add the objective. F over no valid element is 0, and has no value. */
 static void add_objective(document *json, cJSON *root, const pl_job *job,
                           const planish_result *smooth) {
+    const double before = smooth->objective_before, after = smooth->objective;
     cJSON *objective = new_object(json, root, "objective");
     add_text(json, objective, "name", pl_objective_name(job->options.objective));
     add_real(json, objective, "area_weight", job->options.area_weight);
-    add_real(json, objective, "before", exists(smooth->objective_before));
-    add_real(json, objective, "after", exists(smooth->objective));
+    add_real(json, objective, "before", before > 0 ? before : NAN);
+    add_real(json, objective, "after", after > 0 ? after : NAN);
 }
 
+/** Add the gain of the worst elements; null: not asked for. */
 static void add_worst(document *json, cJSON *root, const pl_job *job,
                       const planish_result *smooth) {
     if (smooth->worst_sweeps == 0) {
@@ -405,14 +363,6 @@ static char *escape_controls(const char *text) {
     return line;
 }
 
-/** How many inverted elements stay so because an option holds them. */
-static void add_inverted_held(document *json, cJSON *root, const pl_unfixable *unfixable) {
-    cJSON *held = new_object(json, root, "inverted_held");
-    add_integer(json, held, "fix_layers", unfixable->n_held[PL_HOLDER_LAYERS]);
-    add_integer(json, held, "fix", unfixable->n_held[PL_HOLDER_FIX]);
-    add_integer(json, held, "regions", unfixable->n_held[PL_HOLDER_REGIONS]);
-}
-
 /** The text of root with a line end, or NULL; root is released. */
 static char *finish(document *json, cJSON *root) {
     char *text = json->failed ? NULL : cJSON_Print(root);
@@ -448,7 +398,7 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
                 &result->worst_after);
     add_sweeps(&json, root, progress);
     add_integer(&json, root, "untangling_sweeps", result->smooth.untangling_sweeps);
-    add_text(&json, root, "stop", stop_name(result->smooth.stop));
+    add_text(&json, root, "stop", stop_names[result->smooth.stop]);
     add(&json, root, "certified", cJSON_CreateBool(result->after.inverted == 0));
     add_checksum(&json, root, "input_checksum", result->input_checksum);
     add_checksum(&json, root, "checksum", result->checksum);
@@ -461,16 +411,18 @@ char *pl_result_smooth_json(const pl_job *job, const pl_result *result,
     add_integer(&json, root, "held_outside", result->smooth.held_outside);
     add_worst(&json, root, job, &result->smooth);
     add_optimality(&json, root, job, &result->smooth);
-    add_integer(&json, root, "threads", job->plan_info.threads);
-    add_text(&json, root, "binding", job->plan_info.binding);
-    add_text(&json, root, "isa", job->plan_info.isa);
-    add_traffic(&json, root, &job->traffic);
-    add_seconds(&json, root, job, result);
-    add_fixed(&json, root, &result->after);
+    add_run(&json, root, job, result);
+    cJSON *fixed = new_object(&json, root, "fixed");
+    add_integer(&json, fixed, "count", result->after.n_fixed);
+    add_real(&json, fixed, "rms_radius_ratio", result->after.fixed_rms_radius_ratio);
+    add_real(&json, fixed, "max_radius_ratio", result->after.fixed_max_radius_ratio);
     add_volumes(&json, root, job, &result->volumes, result->unfixable.state);
     add_elements(&json, root, "reversed", job, NULL, PLANISH_VOLUME_MET, result->reversed.state);
     add_elements(&json, root, "wrapped", job, NULL, PLANISH_VOLUME_MET, job->wrapped);
-    add_inverted_held(&json, root, &result->unfixable);
+    cJSON *held = new_object(&json, root, "inverted_held"); /* and stay so */
+    add_integer(&json, held, "fix_layers", result->unfixable.n_held[PL_HOLDER_LAYERS]);
+    add_integer(&json, held, "fix", result->unfixable.n_held[PL_HOLDER_FIX]);
+    add_integer(&json, held, "regions", result->unfixable.n_held[PL_HOLDER_REGIONS]);
     add_text(&json, root, "reason", result->reason);
     add_integer(&json, root, "peak_memory_bytes", pl_peak_memory_bytes());
     return finish(&json, root);

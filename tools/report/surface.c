@@ -96,69 +96,7 @@ static int find_facets(const planish_mesh *mesh, pl_drawn_surface *surface, plan
     return status || !c.failed ? status : complain_memory(error);
 }
 
-static int take_triangles(const planish_mesh *mesh, pl_drawn_surface *surface,
-                          planish_error *error) {
-    const size_t n = (size_t)mesh->n_elements;
-    surface->triangle = malloc((3 * n + 1) * sizeof *surface->triangle);
-    surface->element = malloc((n + 1) * sizeof *surface->element);
-    if (!surface->triangle || !surface->element)
-        return complain_memory(error);
-    surface->n_triangles = mesh->n_elements;
-    for (size_t i = 0; i < n; i++)
-        surface->element[i] = (int32_t)i;
-    if (n > 0)
-        memcpy(surface->triangle, mesh->elements, 3 * n * sizeof *surface->triangle);
-    return 0;
-}
-
 /* ---- fewer ---------------------------------------------------------------------------------- */
-
-/** A grid over the mesh: cells along each axis, and their size. */
-typedef struct grid {
-    double low[3], cell;
-    int64_t n[3];
-} grid;
-
-/** The box of the mesh: low and the extents. */
-typedef struct box {
-    double low[3], extent[3], longest;
-} box;
-
-static box find_box(const planish_mesh *mesh) {
-    box b = {.longest = 0};
-    for (int d = 0; d < mesh->dim; d++) {
-        double high = -INFINITY;
-        b.low[d] = INFINITY;
-        for (int64_t i = 0; i < mesh->n_nodes; i++) {
-            b.low[d] = fmin(b.low[d], mesh->coordinates[i * mesh->dim + d]);
-            high = fmax(high, mesh->coordinates[i * mesh->dim + d]);
-        }
-        b.extent[d] = high - b.low[d];
-        b.longest = fmax(b.longest, b.extent[d]);
-    }
-    return b;
-}
-
-static grid make_grid(const planish_mesh *mesh, const box *b, double resolution) {
-    grid g = {.cell = 1, .n = {1, 1, 1}};
-    if (b->longest > 0 && isfinite(b->longest))
-        g.cell = b->longest / resolution;
-    for (int d = 0; d < mesh->dim; d++) {
-        g.low[d] = b->low[d];
-        g.n[d] = (int64_t)fmin(b->extent[d] / g.cell, resolution) + 1;
-    }
-    return g;
-}
-
-static int64_t cell_of(const grid *g, const planish_mesh *mesh, int64_t node) {
-    int64_t cell = 0;
-    for (int d = 0; d < mesh->dim; d++) {
-        const double at = (mesh->coordinates[node * mesh->dim + d] - g->low[d]) / g->cell;
-        const int64_t i = (int64_t)fmin(at, (double)(g->n[d] - 1));
-        cell = cell * g->n[d] + i;
-    }
-    return cell;
-}
 
 /** Keep the triangles between three cells, in number and then (if compact) in place. */
 static int64_t count_kept(pl_drawn_surface *s, const int64_t *cell, int compact) {
@@ -180,15 +118,30 @@ static int64_t count_kept(pl_drawn_surface *s, const int64_t *cell, int compact)
 /** Fill cell [n_nodes] so that at most most triangles are between three cells: at first each node
  *  is a cell of its own. */
 static void find_cells(const planish_mesh *mesh, pl_drawn_surface *s, int64_t most, int64_t *cell) {
-    const box b = find_box(mesh);
-    double resolution = FINEST_GRID;
+    const int dim = mesh->dim;
+    double low[3], extent[3], longest = 0;
+    for (int d = 0; d < dim; d++) {
+        double high = -INFINITY;
+        low[d] = INFINITY;
+        for (int64_t i = 0; i < mesh->n_nodes; i++) {
+            low[d] = fmin(low[d], mesh->coordinates[i * dim + d]);
+            high = fmax(high, mesh->coordinates[i * dim + d]);
+        }
+        extent[d] = high - low[d];
+        longest = fmax(longest, extent[d]);
+    }
     for (int64_t i = 0; i < mesh->n_nodes; i++)
         cell[i] = i;
-    while (count_kept(s, cell, 0) > most) {
-        const grid g = make_grid(mesh, &b, resolution);
-        for (int64_t i = 0; i < mesh->n_nodes; i++)
-            cell[i] = cell_of(&g, mesh, i);
-        resolution *= COARSER;
+    for (double n = FINEST_GRID; count_kept(s, cell, 0) > most; n *= COARSER) {
+        const double size = longest > 0 && isfinite(longest) ? longest / n : 1;
+        for (int64_t i = 0; i < mesh->n_nodes; i++) {
+            cell[i] = 0;
+            for (int d = 0; d < dim; d++) {
+                const int64_t n_cells = (int64_t)fmin(extent[d] / size, n) + 1;
+                const double at = (mesh->coordinates[i * dim + d] - low[d]) / size;
+                cell[i] = cell[i] * n_cells + (int64_t)fmin(at, (double)(n_cells - 1));
+            }
+        }
     }
     s->n_triangles = count_kept(s, cell, 1);
 }
@@ -227,32 +180,37 @@ static void number_points(const planish_mesh *mesh, pl_drawn_surface *s, const i
         s->triangle[i] = s->point[s->triangle[i]];
 }
 
-static int coarsen(const planish_mesh *mesh, int64_t most, pl_drawn_surface *s,
-                   planish_error *error) {
-    const size_t n = (size_t)mesh->n_nodes + 1;
+int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
+                          planish_error *error) {
+    const size_t n = (size_t)mesh->n_nodes + 1, m = (size_t)mesh->n_elements;
     int64_t *cell = malloc(n * sizeof *cell);
     cell_node *order = malloc(n * sizeof *order);
-    s->point = malloc(n * sizeof *s->point);
-    const int failed = !cell || !order || !s->point;
-    s->n_all = s->n_triangles;
-    if (!failed) {
-        find_cells(mesh, s, most, cell);
-        number_points(mesh, s, cell, order);
+    *surface = (pl_drawn_surface){.point = malloc(n * sizeof *surface->point)};
+    int status = PLANISH_OK;
+    if (mesh->dim == 3) {
+        status = find_facets(mesh, surface, error);
+    } else {
+        surface->triangle = malloc((3 * m + 1) * sizeof *surface->triangle);
+        surface->element = malloc((m + 1) * sizeof *surface->element);
+        surface->n_triangles = mesh->n_elements;
+        if (!surface->triangle || !surface->element)
+            status = complain_memory(error);
+        for (size_t i = 0; i < m && !status; i++)
+            surface->element[i] = (int32_t)i;
+        if (m > 0 && !status)
+            memcpy(surface->triangle, mesh->elements, 3 * m * sizeof *surface->triangle);
+    }
+    if (!status && (!cell || !order || !surface->point))
+        status = complain_memory(error);
+    surface->n_all = surface->n_triangles;
+    if (!status) {
+        find_cells(mesh, surface, most, cell);
+        number_points(mesh, surface, cell, order);
+    } else {
+        pl_drawn_surface_free(surface);
     }
     free(cell);
     free(order);
-    return failed ? complain_memory(error) : 0;
-}
-
-int pl_drawn_surface_find(const planish_mesh *mesh, int64_t most, pl_drawn_surface *surface,
-                          planish_error *error) {
-    memset(surface, 0, sizeof *surface);
-    int status =
-        mesh->dim == 3 ? find_facets(mesh, surface, error) : take_triangles(mesh, surface, error);
-    if (!status)
-        status = coarsen(mesh, most, surface, error);
-    if (status)
-        pl_drawn_surface_free(surface);
     return status;
 }
 

@@ -122,7 +122,7 @@ static void row_mesh(FILE *stream, const pl_job *job) {
             pl_text_fit(job->arguments->input, PL_TEXT_WIDTH - width, name, sizeof name), counts);
 }
 
-/** What may move, or could. */
+/** Put how many nodes may move, or could. */
 static void row_free(FILE *stream, const pl_job *job) {
     const int64_t n = job->plan_info.n_free;
     fprintf(stream, "%" PRId64 " of %" PRId64 " %s free to move", n, job->mesh.n_nodes,
@@ -132,23 +132,6 @@ static void row_free(FILE *stream, const pl_job *job) {
     else if (job->could_slide > 0)
         fprintf(stream, ", %" PRId64 " could slide (--slide auto)", job->could_slide);
     fputc('\n', stream);
-}
-
-/** The floor: elements whose nodes are all fixed stay as they are, whatever the others do. */
-static void row_floor(FILE *stream, const planish_quality *before, const planish_quality *after) {
-    const double floor = after->fixed_max_radius_ratio;
-    if (after->n_fixed == 0)
-        return;
-    row_real(stream, "  floor (no node free)", before ? &before->fixed_max_radius_ratio : NULL,
-             floor, &ratio);
-}
-
-/** Elements that are numbered the other way round than most, where there are any. */
-static void row_reversed(FILE *stream, const planish_quality *before,
-                         const planish_quality *after) {
-    if (after->reversed > 0 || (before && before->reversed > 0))
-        row_count(stream, "reversed in the file's order", before ? &before->reversed : NULL,
-                  after->reversed);
 }
 
 /** Whether ratios and angles are of the same elements before (NULL: no matter) and after: they are
@@ -165,7 +148,9 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
     const measure *of_large_angle = same ? &large_angle : &other_large_angle;
     row_real(stream, "worst radius ratio", before ? &before->max_radius_ratio : NULL,
              after->max_radius_ratio, of_ratio);
-    row_floor(stream, before, after);
+    if (after->n_fixed > 0) /* their elements stay as they are, whatever the others do */
+        row_real(stream, "  floor (no node free)", before ? &before->fixed_max_radius_ratio : NULL,
+                 after->fixed_max_radius_ratio, &ratio);
     row_real(stream, dim == 3 ? "smallest dihedral angle" : "smallest angle",
              before ? &before->min_angle_deg : NULL, after->min_angle_deg, of_small_angle);
     if (after->n_fixed > 0)
@@ -184,7 +169,9 @@ static void rows_quality(FILE *stream, int dim, const planish_quality *before,
     row_real(stream, dim == 3 ? "smallest volume" : "smallest area",
              before ? &before->min_volume : NULL, after->min_volume, &volume);
     row_count(stream, "inverted elements", before ? &before->inverted : NULL, after->inverted);
-    row_reversed(stream, before, after);
+    if (after->reversed > 0 || (before && before->reversed > 0))
+        row_count(stream, "reversed in the file's order", before ? &before->reversed : NULL,
+                  after->reversed);
 }
 
 /** Elements below their minimum volume, where there is one. */
@@ -193,44 +180,36 @@ static void row_volumes(FILE *stream, const pl_job *job, const int64_t *before, 
         row_count(stream, "elements below minimum volume", before, after);
 }
 
-/** What was minimised, where it is not one of the measures. */
-static void row_objective(FILE *stream, const pl_job *job, const pl_result *result) {
-    const planish_result *smooth = &result->smooth;
-    const int same = are_of_same(&result->before, &result->after);
-    char label[LABEL_WIDTH + 1];
+/** Put the objective, where it is not one of the measures, and why ratios are not compared. */
+static void put_objective(FILE *stream, const pl_job *job, const pl_result *result) {
+    const planish_quality *before = &result->before, *after = &result->after;
+    const int same = are_of_same(before, after);
     const char *name = pl_objective_name(job->options.objective);
-    if (!pl_arguments_change_objective(job->arguments))
-        return;
+    char label[LABEL_WIDTH + 1], text[256];
     if (job->options.area_weight > 0)
         snprintf(label, sizeof label, "F (%s, mu2 = %.4g)", name, job->options.area_weight);
     else
         snprintf(label, sizeof label, "F (%s)", name);
-    row_real(stream, label, &smooth->objective_before, smooth->objective,
-             same ? &ratio : &other_ratio);
+    if (pl_arguments_change_objective(job->arguments))
+        row_real(stream, label, &result->smooth.objective_before, result->smooth.objective,
+                 same ? &ratio : &other_ratio);
+    if (same)
+        return;
+    snprintf(text, sizeof text,
+             "Ratios and angles are those of the valid elements, %" PRId64 " before and %" PRId64
+             " after, so they are not compared.",
+             before->n_elements - before->inverted, after->n_elements - after->inverted);
+    pl_text_wrap(stream, text);
 }
 
-static void put_held_outside(FILE *stream, int64_t n) {
-    if (n > 0)
-        pl_note(stream, "%" PRId64 " node%s outside of the bounds and stayed there", n,
-                n == 1 ? " was" : "s were");
-}
+static const char *const stop_texts[] = {
+    [PLANISH_STOP_CONVERGED] = "converged",
+    [PLANISH_STOP_MAX_SWEEPS] = "stopped by the largest number of sweeps",
+    [PLANISH_STOP_TIME_LIMIT] = "stopped by the time limit",
+    [PLANISH_STOP_INTERRUPTED] = "interrupted",
+    [PLANISH_STOP_INFEASIBLE] = "converged, except for volumes that cannot be reached,"};
 
-static const char *stop_text(planish_stop stop) {
-    switch (stop) {
-    case PLANISH_STOP_CONVERGED:
-        return "converged";
-    case PLANISH_STOP_MAX_SWEEPS:
-        return "stopped at the most sweeps allowed";
-    case PLANISH_STOP_TIME_LIMIT:
-        return "stopped by the time limit";
-    case PLANISH_STOP_INTERRUPTED:
-        return "interrupted";
-    case PLANISH_STOP_INFEASIBLE:
-        return "converged, but for volumes that cannot be reached,";
-    }
-    return "ended";
-}
-
+/** Put how the sweeps ended. */
 static void put_end(FILE *stream, const planish_result *smooth) {
     char text[256], untangling[64] = "";
     const int sweeps = smooth->sweeps - smooth->worst_sweeps;
@@ -238,13 +217,13 @@ static void put_end(FILE *stream, const planish_result *smooth) {
         snprintf(untangling, sizeof untangling, " (%d of them untangling)",
                  smooth->untangling_sweeps);
     snprintf(text, sizeof text, "%s after %d sweep%s%s, %" PRId64 " %s moved by up to %.3g",
-             stop_text(smooth->stop), sweeps, sweeps == 1 ? "" : "s", untangling,
+             stop_texts[smooth->stop], sweeps, sweeps == 1 ? "" : "s", untangling,
              smooth->moved_nodes, word_for(smooth->moved_nodes, "node", "nodes"),
              smooth->max_displacement);
     pl_text_wrap(stream, text);
 }
 
-/** What the sweeps for the worst elements brought, and what they cost. */
+/** Put the gain of the worst elements, and its cost. */
 static void put_worst(FILE *stream, const pl_job *job, const planish_result *smooth) {
     char text[256];
     const int of_angle = job->options.worst == PLANISH_WORST_ANGLE;
@@ -265,54 +244,31 @@ static void put_worst(FILE *stream, const pl_job *job, const planish_result *smo
     pl_text_wrap(stream, text);
 }
 
-static void put_back_note(FILE *stream, int64_t n) {
-    if (n > 0)
-        pl_note(stream, "%" PRId64 " node%s put back: the smallest angle was getting smaller", n,
-                n == 1 ? " was" : "s were");
-}
-
-static void put_seconds(FILE *stream, const pl_job *job, const pl_result *result) {
+void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
+    const int64_t n_outside = result->smooth.held_outside, n_back = result->smooth.put_back;
     char text[256];
+    row_mesh(stream, job);
+    fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
+            "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
+            pl_style_end(stream, PL_STYLE_HEADING));
+    rows_quality(stream, job->mesh.dim, &result->before, &result->after);
+    row_volumes(stream, job, &result->below_before, result->volumes.n_below);
+    put_objective(stream, job, result);
+    pl_histogram_print(stream, &result->before, &result->after);
+    if (n_outside > 0)
+        pl_note(stream, "%" PRId64 " %s outside the bounds and stayed there", n_outside,
+                word_for(n_outside, "node was", "nodes were"));
+    if (n_back > 0)
+        pl_note(stream, "%" PRId64 " %s put back: the smallest angle became smaller", n_back,
+                word_for(n_back, "node was", "nodes were"));
+    row_free(stream, job);
+    put_end(stream, &result->smooth);
+    put_worst(stream, job, &result->smooth);
     snprintf(text, sizeof text,
              "%.3f s: read %.3f, set up %.3f, smooth %.3f, write %.3f; %d thread%s",
              result->total_seconds, job->read_seconds, job->setup_seconds, result->smooth_seconds,
              result->write_seconds, job->plan_info.threads, job->plan_info.threads == 1 ? "" : "s");
     pl_text_wrap(stream, text);
-}
-
-/** Why ratios and angles are not compared. */
-static void put_validity(FILE *stream, const pl_result *result) {
-    char text[256];
-    if (are_of_same(&result->before, &result->after))
-        return;
-    snprintf(text, sizeof text,
-             "Ratios and angles are those of the valid elements, %" PRId64 " before and %" PRId64
-             " after, so they are not compared.",
-             result->before.n_elements - result->before.inverted,
-             result->after.n_elements - result->after.inverted);
-    pl_text_wrap(stream, text);
-}
-
-static void put_smooth_head(FILE *stream) {
-    fprintf(stream, "%s%-*s%*s%*s%*s%s\n", pl_style_begin(stream, PL_STYLE_HEADING), LABEL_WIDTH,
-            "", VALUE_WIDTH, "before", VALUE_WIDTH, "after", UNIT_WIDTH + CHANGE_WIDTH, "change",
-            pl_style_end(stream, PL_STYLE_HEADING));
-}
-
-void pl_table_smooth(FILE *stream, const pl_job *job, const pl_result *result) {
-    row_mesh(stream, job);
-    put_smooth_head(stream);
-    rows_quality(stream, job->mesh.dim, &result->before, &result->after);
-    row_volumes(stream, job, &result->below_before, result->volumes.n_below);
-    row_objective(stream, job, result);
-    put_validity(stream, result);
-    pl_histogram_print(stream, &result->before, &result->after);
-    put_held_outside(stream, result->smooth.held_outside);
-    put_back_note(stream, result->smooth.put_back);
-    row_free(stream, job);
-    put_end(stream, &result->smooth);
-    put_worst(stream, job, &result->smooth);
-    put_seconds(stream, job, result);
 }
 
 static void row_spread(FILE *stream, const char *label, const planish_spread *spread,
@@ -324,10 +280,18 @@ static void row_spread(FILE *stream, const char *label, const planish_spread *sp
     fprintf(stream, "  %s\n", range);
 }
 
-/** All measures of the elements (docs/measures.md); the range begins with the value of the regular
- *  element, but for R / longest edge, where that is 1. */
-static void rows_measures(FILE *stream, int dim, const planish_quality *q) {
-    const int solid = dim == 3;
+void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *q,
+                      const pl_volumes *volumes) {
+    const int solid = job->mesh.dim == 3;
+    row_mesh(stream, job);
+    rows_quality(stream, job->mesh.dim, NULL, q);
+    row_volumes(stream, job, NULL, volumes->n_below);
+    if (q->worst_element >= 0)
+        fprintf(stream, "the worst element is %" PRId64 "\n",
+                planish_file_element_number(job->file, q->worst_element));
+    row_free(stream, job);
+    /* All measures (docs/measures.md); the range begins with the value of the regular element, but
+     * for R / longest edge, where that is 1. */
     fprintf(stream, "%s%-*s%*s%*s%*s  %s%s\n", pl_style_begin(stream, PL_STYLE_HEADING),
             LABEL_WIDTH, "over the elements", SPREAD_WIDTH, "smallest", SPREAD_WIDTH, "mean",
             SPREAD_WIDTH, "largest", "best .. worst", pl_style_end(stream, PL_STYLE_HEADING));
@@ -343,29 +307,7 @@ static void rows_measures(FILE *stream, int dim, const planish_quality *q) {
                &q->smallest_angle_deg, solid ? "70.53 .. 0" : "60 .. 0");
     row_spread(stream, solid ? "largest dihedral angle, deg" : "largest angle, deg",
                &q->largest_angle_deg, solid ? "70.53 .. 180" : "60 .. 180");
-}
-
-void pl_table_quality(FILE *stream, const pl_job *job, const planish_quality *quality,
-                      const pl_volumes *volumes) {
-    row_mesh(stream, job);
-    rows_quality(stream, job->mesh.dim, NULL, quality);
-    row_volumes(stream, job, NULL, volumes->n_below);
-    if (quality->worst_element >= 0)
-        fprintf(stream, "the worst is element %" PRId64 "\n",
-                planish_file_element_number(job->file, quality->worst_element));
-    row_free(stream, job);
-    rows_measures(stream, job->mesh.dim, quality);
-    pl_histogram_print(stream, NULL, quality);
-}
-
-static void note_open_end(FILE *stream, const pl_job *job) {
-    const char *input = job->arguments->input, *open = planish_file_open_end(job->file);
-    /* Of several inputs the notes of each are named. */
-    const int is_named = job->arguments->n_inputs == 1 || strcmp(open, input) != 0;
-    pl_note(stream,
-            "the last line%s%s has no end: if the file was cut short there, its last number may be "
-            "wrong",
-            is_named ? " of " : "", is_named ? open : "");
+    pl_histogram_print(stream, NULL, q);
 }
 
 /** Arrays that were taken for regions by their values: the user is told which. */
@@ -383,8 +325,8 @@ static void note_regions(FILE *stream, const pl_job *job) {
     if (n == 0 || (n == 1 && is_expected) || job->arguments->n_regions > 0)
         return;
     pl_note(stream,
-            "the values of %s %s are taken for regions, and nodes between them stay on the "
-            "interfaces; --regions NAME chooses, --regions none lifts that",
+            "planish takes the values of %s %s for regions and holds the nodes between them; "
+            "choose with --regions NAME, or let them move with --regions none",
             n == 1 ? "array" : "arrays", list);
 }
 
@@ -412,8 +354,16 @@ void pl_table_oddities(FILE *stream, const pl_job *job) {
                 word_for(others, "element of another type passes", "elements of other types pass"),
                 word_for(others, "its", "their"));
     note_regions(stream, job);
-    if (job->file_info.ends_open)
-        note_open_end(stream, job);
+    if (job->file_info.ends_open) {
+        /* Of several inputs the notes of each are named. */
+        const char *open = planish_file_open_end(job->file);
+        const int is_named =
+            job->arguments->n_inputs == 1 || strcmp(open, job->arguments->input) != 0;
+        pl_note(stream,
+                "the last line%s%s has no end; if the file was cut there, its last number may be "
+                "wrong",
+                is_named ? " of " : "", is_named ? open : "");
+    }
 }
 
 void pl_table_reversed(FILE *stream, const planish_quality *quality) {
@@ -421,7 +371,7 @@ void pl_table_reversed(FILE *stream, const planish_quality *quality) {
     if (n > 0 && n > quality->inverted)
         pl_note(stream,
                 "%" PRId64
-                " %s numbered the other way round than most: planish finds the orientation "
-                "by itself and does not renumber them; a solver may take them for inverted",
+                " %s numbered the other way round than most; planish does not renumber them, "
+                "and a solver may take them for inverted",
                 n, word_for(n, "element is", "elements are"));
 }

@@ -10,16 +10,6 @@
 
 enum { NUMBER_WIDTH = 10, RATIO_WIDTH = 14, ANGLE_WIDTH = 10, PLACE_WIDTH = 12 };
 
-static void put_head(FILE *stream, int dim, int columns) {
-    fprintf(stream, "%s%*s%*s%*s%*s", pl_style_begin(stream, PL_STYLE_HEADING), NUMBER_WIDTH,
-            "element", RATIO_WIDTH, "radius ratio", 2 * ANGLE_WIDTH,
-            dim == 3 ? "dihedral angles" : "angles", PLACE_WIDTH, "x");
-    fprintf(stream, "%*s", PLACE_WIDTH, "y");
-    if (columns == 3)
-        fprintf(stream, "%*s", PLACE_WIDTH, "z");
-    fprintf(stream, "%s\n", pl_style_end(stream, PL_STYLE_HEADING));
-}
-
 static void put_angle(FILE *stream, double degrees) {
     if (isfinite(degrees))
         fprintf(stream, "%*.4g", ANGLE_WIDTH, degrees);
@@ -41,7 +31,7 @@ static void put_measures(FILE *stream, const pl_bad_element *bad, int columns) {
     fputc('\n', stream);
 }
 
-/** Its nodes, its region and whether it can change. */
+/** Put its nodes, its region and whether it can change. */
 static void put_surroundings(FILE *stream, const pl_bad_element *bad, int dim) {
     char region[4 * PL_TEXT_WIDTH + 1];
     int width = fprintf(stream, "%*s  nodes", NUMBER_WIDTH, "");
@@ -63,7 +53,12 @@ void pl_worst_print(FILE *stream, const pl_worst *worst, int64_t n) {
         n = worst->n;
     if (n == 0)
         return;
-    put_head(stream, worst->dim, worst->columns);
+    fprintf(stream, "%s%*s%*s%*s%*s%*s", pl_style_begin(stream, PL_STYLE_HEADING), NUMBER_WIDTH,
+            "element", RATIO_WIDTH, "radius ratio", 2 * ANGLE_WIDTH,
+            worst->dim == 3 ? "dihedral angles" : "angles", PLACE_WIDTH, "x", PLACE_WIDTH, "y");
+    if (worst->columns == 3)
+        fprintf(stream, "%*s", PLACE_WIDTH, "z");
+    fprintf(stream, "%s\n", pl_style_end(stream, PL_STYLE_HEADING));
     for (int64_t i = 0; i < n; i++) {
         put_measures(stream, &worst->bad[i], worst->columns);
         put_surroundings(stream, &worst->bad[i], worst->dim);
