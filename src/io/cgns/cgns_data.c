@@ -79,7 +79,7 @@ static int read_solution(cgns_reader *r, const char *name, io_hdf5_names *seen) 
 }
 
 int cgns_read_data(cgns_reader *r) {
-    const io_cells *cells = io_model_cells(r->model, r->model->tetrahedron.n > 0 ? 3 : 2);
+    const io_cells *cells = io_model_elements(r->model);
     io_hdf5_names solutions, seen = {0}; /* names of arrays that have been looked at */
     if (cells->n == 0 || cells->n != r->n_elements)
         return PLANISH_OK;

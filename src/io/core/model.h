@@ -277,11 +277,6 @@ void io_settle_cell_numbers(io_cells *cells);
 int64_t io_numbers_find(const io_numbers *table, int64_t number);
 void io_numbers_destroy(io_numbers *table);
 
-/** Find the coordinates of places in the file, as many as are written of each: nodes where each has
- *  one, else *owned, to be released by pl_free. */
-int io_copies_places(const io_model *model, const double *nodes, int threads, const double **places,
-                     double **owned, planish_error *error);
-
 /** Return the number in the file of node i, or of cell i of cells. */
 static inline int64_t io_node_number(const io_model *model, int64_t i) {
     return model->node_number ? model->node_number[i] : model->first_number + i;

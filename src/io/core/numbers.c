@@ -6,7 +6,6 @@
  * again, too. One that is given at different places is refused: which is meant, nobody knows.
  */
 #include "base/memory.h"
-#include "base/parallel.h"
 #include "base/status.h"
 #include "io/core/model.h"
 
@@ -14,7 +13,7 @@
 #include <string.h>
 
 /* Up to this many places per number (and a few) a table by number beats a search. */
-enum { PLACES_PER_NUMBER = 4, PLACES_AT_LEAST = 1024, CHUNK_NODES = 1 << 14 };
+enum { PLACES_PER_NUMBER = 4, PLACES_AT_LEAST = 1024 };
 
 typedef struct numbered {
     int64_t number;
@@ -163,36 +162,6 @@ static int unite_copies(io_model *model, planish_error *error) {
     model->n_nodes = kept;
     model->n_places = n;
     model->place_node = first;
-    return PLANISH_OK;
-}
-
-/** Copying the coordinates of nodes to all their places. */
-typedef struct place_copying {
-    const io_model *model;
-    const double *nodes;
-    double *places;
-} place_copying;
-
-static void copy_chunk(void *context, int64_t begin, int64_t end, int thread) {
-    const place_copying *c = context;
-    const int width = c->model->written;
-    (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        memcpy(c->places + width * i, c->nodes + width * (int64_t)c->model->place_node[i],
-               (size_t)width * sizeof *c->places);
-}
-
-int io_copies_places(const io_model *model, const double *nodes, int threads, const double **places,
-                     double **owned, planish_error *error) {
-    *owned = NULL;
-    *places = nodes;
-    if (!model->place_node)
-        return PLANISH_OK;
-    *places = *owned = pl_alloc(model->n_places, (size_t)model->written * sizeof **owned);
-    if (!*owned)
-        return pl_fail_memory(error, "the places of nodes");
-    place_copying c = {model, nodes, *owned};
-    pl_parallel_for(threads, model->n_places, CHUNK_NODES, copy_chunk, &c);
     return PLANISH_OK;
 }
 

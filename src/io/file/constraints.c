@@ -58,52 +58,44 @@ static int choose_number(const io_model *model, int dim, int64_t number, uint8_t
     return found;
 }
 
-/** Whether an entity before that of index i has the same number. */
-static int listed_before(const io_model *model, int32_t i, int dim, int32_t number) {
-    for (int32_t k = 0; k < i; k++) {
-        const io_entity *entity = &model->entity[k];
-        if (entity->dim == dim &&
-            (entity->n_physical ? has_physical(entity, number) : entity->tag == number))
-            return 1;
-    }
-    return 0;
-}
+enum { MOST_LISTED = 10, TAG_SIZE = 64 };
 
-/** Whether a group before that of index i has the same name: one of several entities, or of
- *  elements of several dimensions. */
-static int named_before(const io_model *model, int32_t i, int dim) {
-    for (int32_t k = 0; k < i; k++)
-        if ((dim < 0 || model->group[k].dim == dim) &&
-            strcmp(model->group[k].name, model->group[i].name) == 0)
-            return 1;
-    return 0;
+/** Put a tag in a list of n for a message, unless it is in there already. Return how many there are
+ *  then; at most MOST_LISTED. */
+static int list_tag(char list[][TAG_SIZE], int n, const char *text) {
+    char cut[TAG_SIZE];
+    snprintf(cut, sizeof cut, "%s", text);
+    for (int i = 0; i < n; i++)
+        if (strcmp(list[i], cut) == 0)
+            return n;
+    if (n < MOST_LISTED)
+        memcpy(list[n++], cut, sizeof cut);
+    return n;
 }
 
 /** List the tags of dimension dim (-1: any): "a, b, 3:1, ...". */
 static void list_tags(const io_model *model, int dim, char *text, size_t size) {
-    enum { LISTED = 10, LOOKED_AT = 64 }; /* tags; entities that are searched for them */
+    enum { LOOKED_AT = 64 }; /* entities that are searched for tags */
     const int32_t n_numbered = model->groups_by_name ? 0 : model->n_entities;
-    size_t used = 0;
-    int listed = 0;
-    text[0] = '\0';
-    for (int32_t i = 0; i < model->n_groups && listed < LISTED && used < size; i++)
-        if ((dim < 0 || model->group[i].dim == dim) && !named_before(model, i, dim))
-            used += (size_t)snprintf(text + used, size - used, "%s%s", listed++ ? ", " : "",
-                                     model->group[i].name);
+    char list[MOST_LISTED][TAG_SIZE];
+    int n = 0;
+    for (int32_t i = 0; i < model->n_groups; i++)
+        if (dim < 0 || model->group[i].dim == dim)
+            n = list_tag(list, n, model->group[i].name);
     for (int32_t i = 0; i < n_numbered && i < LOOKED_AT; i++) {
         const io_entity *entity = &model->entity[i];
-        if (dim >= 0 && entity->dim != dim)
-            continue;
-        for (int j = 0; j < (entity->n_physical ? entity->n_physical : 1); j++) {
-            int32_t number = entity->n_physical ? entity->physical[j] : entity->tag;
-            if (listed < LISTED && used < size && !listed_before(model, i, entity->dim, number))
-                used += (size_t)snprintf(text + used, size - used, "%s%d:%d", listed++ ? ", " : "",
-                                         entity->dim, number);
+        for (int j = 0; j < entity->n_physical || j == 0; j++) {
+            char number[TAG_SIZE];
+            snprintf(number, sizeof number, "%d:%d", entity->dim,
+                     entity->n_physical ? entity->physical[j] : entity->tag);
+            if (dim < 0 || entity->dim == dim)
+                n = list_tag(list, n, number);
         }
     }
-    if (!listed)
-        snprintf(text, size, "none");
-    else if (listed == LISTED && used < size)
+    size_t used = (size_t)snprintf(text, size, "%s", n ? list[0] : "none");
+    for (int i = 1; i < n && used < size; i++)
+        used += (size_t)snprintf(text + used, size - used, ", %s", list[i]);
+    if (n == MOST_LISTED && used < size)
         snprintf(text + used, size - used, ", ...");
 }
 
@@ -348,8 +340,9 @@ int planish_file_min_volumes(const planish_file *file, const char *const *tags,
         if (values[i] > 0 && values[i] <= DBL_MAX)
             status = choose_tags(model, &tags[i], 1, model->dim, &chosen, error);
         else
-            status = pl_fail(error, PLANISH_ERROR_ARGUMENT,
-                             "the minimum volume of group '%s' must be positive and finite", tags[i]);
+            status =
+                pl_fail(error, PLANISH_ERROR_ARGUMENT,
+                        "the minimum volume of group '%s' must be positive and finite", tags[i]);
         for (int32_t k = 0; k < model->n_entities && !status; k++)
             if (chosen[k] && values[i] > least[k])
                 least[k] = values[i];

@@ -327,17 +327,11 @@ double *planish_file_coordinates(planish_file *file) {
 }
 
 int64_t planish_file_element_number(const planish_file *file, int64_t element) {
-    if (!file)
-        return -1;
-    const io_cells *cells = io_file_elements(file);
-    return cells->number ? cells->number[element] : cells->first_number + element;
+    return file ? io_cell_number(io_file_elements(file), element) : -1;
 }
 
 int64_t planish_file_node_number(const planish_file *file, int64_t node) {
-    if (!file)
-        return -1;
-    const io_model *model = &file->model;
-    return model->node_number ? model->node_number[node] : model->first_number + node;
+    return file ? io_node_number(&file->model, node) : -1;
 }
 
 const char *const *planish_file_cell_arrays(const planish_file *file) {

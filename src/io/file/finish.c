@@ -170,7 +170,7 @@ static int move_behind(io_cells *cells, int dim, const uint8_t *is_plain, planis
     for (int64_t i = 0; i < cells->n; i++) {
         const int64_t k = to[is_plain[i]]++;
         memcpy(moved.nodes + k * (dim + 1), cells->nodes + i * (dim + 1), size);
-        moved.number[k] = cells->number ? cells->number[i] : cells->first_number + i;
+        moved.number[k] = io_cell_number(cells, i);
         if (cells->entity)
             moved.entity[k] = cells->entity[i];
         if (cells->region)

@@ -77,31 +77,38 @@ void io_model_place(const io_model *model, int64_t node, const double *at, doubl
     }
 }
 
-/** Nodes to be placed. */
+/** Nodes to be placed, some perhaps several times. */
 typedef struct placing {
     const io_model *model;
     const double *coordinates;
+    const int32_t *place_node;
     double *places;
 } placing;
 
 static void place_chunk(void *context, int64_t begin, int64_t end, int thread) {
     const placing *p = context;
+    const int dim = p->model->dim, written = p->model->written;
     (void)thread;
-    for (int64_t i = begin; i < end; i++)
-        io_model_place(p->model, i, p->coordinates + p->model->dim * i, p->places + 3 * i);
+    for (int64_t i = begin; i < end; i++) {
+        const int64_t node = p->place_node ? p->place_node[i] : i;
+        double xyz[3];
+        io_model_place(p->model, node, p->coordinates + dim * node, xyz);
+        memcpy(p->places + written * i, xyz, (size_t)written * sizeof *xyz);
+    }
 }
 
-int io_model_places(const io_model *model, const double *coordinates, int threads,
-                    const double **places, double **owned, planish_error *error) {
+int io_model_places(const io_model *model, const double *coordinates, const int32_t *place_node,
+                    int threads, const double **places, double **owned, planish_error *error) {
+    const int64_t n = place_node ? model->n_places : model->n_nodes;
     *owned = NULL;
     *places = coordinates;
-    if (model->dim == model->written)
+    if (model->dim == model->written && !place_node)
         return PLANISH_OK;
-    *places = *owned = pl_alloc(model->n_nodes, 3 * sizeof **owned);
+    *places = *owned = pl_alloc(n, (size_t)model->written * sizeof **owned);
     if (!*owned)
         return pl_fail_memory(error, "the places of nodes");
-    placing p = {model, coordinates, *owned};
-    pl_parallel_for(threads, model->n_nodes, CHUNK_NODES, place_chunk, &p);
+    placing p = {model, coordinates, place_node, *owned};
+    pl_parallel_for(threads, n, CHUNK_NODES, place_chunk, &p);
     return PLANISH_OK;
 }
 

@@ -53,17 +53,19 @@ static int digits_of_node(const io_model *model, const io_format *format, int64_
     return most;
 }
 
-/** Most digits that the writer of the file gave numbers; 0: no text. Where some nodes have few
- *  digits, others all that a double has, the latter have been moved since, by a smoother, say. */
-static int digits_of_file(const io_model *model, const io_format *format) {
+double io_tolerance_of_digits(const io_model *model, const io_format *format) {
     enum { LOOKED_AT_NODES = 4096, SOME = 100, SHORT = 4, LONG = 12 };
+    /* Single-precision coordinates have 24 bits. Whole numbers and the like may be exact with few
+     * digits, so that there is a limit. */
+    const double of_float = 1e-6, smallest = 1e-8, largest = 1e-5;
+    if (model->precision == PLANISH_FLOAT)
+        return of_float;
     int most = 0, most_of_few = 0;
     int64_t n = 0, n_few = 0;
     for (int64_t i = 0; i < model->n_spans; i++) {
         const io_span *span = &model->span[i];
-        if (span->encoding != IO_TEXT)
-            continue;
-        for (int64_t k = 0; k < span->n_nodes && n < LOOKED_AT_NODES; k++, n++) {
+        for (int64_t k = 0; span->encoding == IO_TEXT && k < span->n_nodes && n < LOOKED_AT_NODES;
+             k++, n++) {
             const int digits = digits_of_node(model, format, span->first_node + k);
             most = digits > most ? digits : most;
             if (digits > SHORT && digits <= LONG) {
@@ -72,16 +74,9 @@ static int digits_of_file(const io_model *model, const io_format *format) {
             }
         }
     }
-    return n_few * SOME >= n ? most_of_few : most;
-}
-
-double io_tolerance_of_digits(const io_model *model, const io_format *format) {
-    /* Single-precision coordinates have 24 bits. Whole numbers and the like may be exact with few
-     * digits, so that there is a limit. */
-    const double of_float = 1e-6, smallest = 1e-8, largest = 1e-5;
-    if (model->precision == PLANISH_FLOAT)
-        return of_float;
-    const int most = digits_of_file(model, format);
+    /* Where some nodes have few digits, others all that a double has, the latter have been moved
+     * since, by a smoother, say. */
+    most = n_few * SOME >= n ? most_of_few : most;
     if (most == 0)
         return 0;
     double tolerance = 10;
@@ -226,13 +221,15 @@ static void set_plane(const cloud *c, const double n[3], io_plane *plane) {
 }
 
 /** Find the tilted plane that fits the nodes of the triangles, within the box from low to high,
- *  best; not 0 at is_thin: they are along a line, as far as can be told. */
-static int fit_plane(const io_model *model, const double low[3], const double high[3],
-                     io_plane *plane, int *is_thin, planish_error *error) {
+ *  best; *is_thin: they are along a line, as far as can be told. */
+static int fit_plane(io_model *model, const double low[3], const double high[3], int *is_thin,
+                     planish_error *error) {
     const double narrow = 1e-12, thick = 30; /* of the diagonal; times what they are off */
+    io_plane *plane = &model->plane;
     double normal[3];
     cloud c = {.model = model, .size = 0};
     *plane = (io_plane){.off = INFINITY};
+    *is_thin = 0;
     for (int d = 0; d < 3; d++) {
         c.middle[d] = low[d] + (high[d] - low[d]) / 2;
         c.size = hypot(c.size, high[d] - low[d]);
@@ -255,37 +252,18 @@ static int fit_plane(const io_model *model, const double low[3], const double hi
 
 /* ---- finding it ----------------------------------------------------------------------------- */
 
-/** Find the tilted plane, or refuse the surface. */
-static int find_tilted(io_model *model, const io_format *format, const double low[3],
-                       const double high[3], planish_error *error) {
+/** Return how far nodes may be off their plane, of the diagonal. */
+static double tolerance_of(const io_model *model, const io_format *format) {
     const double usual = 1e-8;           /* as planish_find_slides has it */
     const double of_narrow_field = 1e-5; /* where some numbers have fewer digits than others */
     const int narrow_field = 8;
-    const io_plane *plane = &model->plane;
-    double tolerance = model->flatness;
-    int is_thin = 0;
-    if (!(tolerance > 0))
-        tolerance = format ? io_tolerance_of_digits(model, format) : 0;
-    if (!(tolerance > 0))
-        tolerance = usual;
-    if (!(model->flatness > 0) && model->precision == PLANISH_ROUNDED &&
-        model->field_width <= narrow_field)
-        tolerance = fmax(tolerance, of_narrow_field);
-    const int status = fit_plane(model, low, high, &model->plane, &is_thin, error);
-    const int is_flat = plane->off <= tolerance * plane->size;
-    if (status || (is_flat && !is_thin))
-        return status;
-    if (is_flat)
-        return pl_fail(error, PLANISH_ERROR_FORMAT,
-                       "%s: triangles in space whose nodes lie along a line, as far as can be told "
-                       "(they are up to %.3g off it): no plane can be found for them",
-                       model->input.path, plane->off);
-    return pl_fail(error, PLANISH_ERROR_FORMAT,
-                   "%s: triangles in space (nodes are up to %.3g off the plane that fits them "
-                   "best, and %.3g is allowed, %.3g of the size): only meshes in one plane can be "
-                   "smoothed, surfaces cannot (a larger tolerance is given by "
-                   "--slide-tolerance)",
-                   model->input.path, plane->off, tolerance * plane->size, tolerance);
+    if (model->flatness > 0)
+        return model->flatness;
+    double tolerance = format ? io_tolerance_of_digits(model, format) : 0;
+    tolerance = tolerance > 0 ? tolerance : usual;
+    return model->precision == PLANISH_ROUNDED && model->field_width <= narrow_field
+               ? fmax(tolerance, of_narrow_field)
+               : tolerance;
 }
 
 int io_plane_find(io_model *model, const io_format *format, planish_error *error) {
@@ -311,5 +289,22 @@ int io_plane_find(io_model *model, const io_format *format, planish_error *error
             return PLANISH_OK;
         }
     }
-    return find_tilted(model, format, low, high, error);
+    const io_plane *plane = &model->plane;
+    const double tolerance = tolerance_of(model, format);
+    int is_thin;
+    const int status = fit_plane(model, low, high, &is_thin, error);
+    const int is_flat = plane->off <= tolerance * plane->size;
+    if (status || (is_flat && !is_thin))
+        return status;
+    if (is_flat)
+        return pl_fail(error, PLANISH_ERROR_FORMAT,
+                       "%s: triangles in space whose nodes lie along a line, as far as can be told "
+                       "(they are up to %.3g off it): no plane can be found for them",
+                       model->input.path, plane->off);
+    return pl_fail(error, PLANISH_ERROR_FORMAT,
+                   "%s: triangles in space (nodes are up to %.3g off the plane that fits them "
+                   "best, and %.3g is allowed, %.3g of the size): only meshes in one plane can be "
+                   "smoothed, surfaces cannot (a larger tolerance is given by "
+                   "--slide-tolerance)",
+                   model->input.path, plane->off, tolerance * plane->size, tolerance);
 }

@@ -296,42 +296,35 @@ static int copy_input(splice *s, const char *at, const char *end, pl_output *out
     return status ? status : pl_output_write(output, at, end - at, error);
 }
 
-/** Make and write the pieces of one wave; *at: how far the input has been written. */
-static int write_wave(splice *s, int64_t n_pieces, const char **at, pl_output *output,
-                      planish_error *error) {
-    int status = PLANISH_OK;
-    pl_parallel_for(s->threads, n_pieces, 1, make_piece, s);
-    for (int64_t i = 0; i < n_pieces; i++) {
-        piece *p = &s->pieces[i];
-        if (!status && p->state == PIECE_OUT_OF_MEMORY)
-            status = pl_fail_memory(error, "the text of coordinates");
-        if (!status && (p->state == PIECE_CHANGED || p->begin < *at))
-            status = io_bytes_fail_changed(&s->model->input, error);
-        if (!status)
-            status = copy_input(s, *at, p->begin, output, error);
-        if (!status)
-            status = pl_output_write(output, p->text, p->length, error);
-        *at = p->end;
-        pl_free(p->text);
-    }
-    return status;
-}
-
+/** Write the input's bytes with all spans spliced: pieces are made in waves, one for each thread.
+ */
 static int write_spans(splice *s, pl_output *output, planish_error *error) {
     const io_model *model = s->model;
-    const int64_t wave = s->threads;
-    const char *at = model->input.data, *end = at + model->input.size;
+    const char *at = model->input.data; /* how far the input has been written */
     int status = PLANISH_OK;
     for (int64_t i = 0; i < model->n_spans && !status; i++) {
         s->span = &model->span[i];
-        int64_t n_pieces = (s->span->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES;
-        for (int64_t done = 0; done < n_pieces && !status; done += wave) {
+        const int64_t n_pieces = (s->span->n_nodes + CHUNK_NODES - 1) / CHUNK_NODES;
+        for (int64_t done = 0; done < n_pieces && !status; done += s->threads) {
+            const int64_t wave = n_pieces - done < s->threads ? n_pieces - done : s->threads;
             s->first = s->span->first_node + done * CHUNK_NODES;
-            status =
-                write_wave(s, n_pieces - done < wave ? n_pieces - done : wave, &at, output, error);
+            pl_parallel_for(s->threads, wave, 1, make_piece, s);
+            for (int64_t k = 0; k < wave; k++) {
+                piece *p = &s->pieces[k];
+                if (!status && p->state == PIECE_OUT_OF_MEMORY)
+                    status = pl_fail_memory(error, "the text of coordinates");
+                if (!status && (p->state == PIECE_CHANGED || p->begin < at))
+                    status = io_bytes_fail_changed(&model->input, error);
+                if (!status)
+                    status = copy_input(s, at, p->begin, output, error);
+                if (!status)
+                    status = pl_output_write(output, p->text, p->length, error);
+                at = p->end;
+                pl_free(p->text);
+            }
         }
     }
-    return status ? status : copy_input(s, at, end, output, error);
+    return status ? status : copy_input(s, at, io_input_end(model), output, error);
 }
 
 int io_splice_write(const planish_file *file, const double *coordinates, int threads,

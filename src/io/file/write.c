@@ -142,16 +142,6 @@ int planish_file_check_output(const planish_file *file, const char *path, planis
     return check_strangers(file, path, error);
 }
 
-static int check_finite(const planish_file *file, const double *coordinates, planish_error *error) {
-    const int dim = file->model.dim;
-    for (int64_t i = 0; i < dim * file->model.n_nodes; i++)
-        if (!(fabs(coordinates[i]) <= DBL_MAX))
-            return pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / dim,
-                              "coordinate %d of node %lld is not finite", (int)(i % dim),
-                              (long long)(i / dim));
-    return PLANISH_OK;
-}
-
 /** Whether the files are still what was read; where the input is replaced, those beside it stay. */
 static int check_inputs_unchanged(const planish_file *file, planish_error *error) {
     int status = io_bytes_check_unchanged(&file->model.input, error);
@@ -240,9 +230,9 @@ int planish_file_write(const planish_file *file, const char *path, const double 
                        "file, path and coordinates must not be NULL");
     const pl_outside outside = pl_call_enter(NULL);
     const pl_temporaries temporaries = {temporary, temporary_size};
-    const int n_companions = companions_to_write(file, path);
+    const int n_companions = companions_to_write(file, path), dim = file->model.dim;
     const double *places = NULL;
-    double *owned = NULL, *owned_places = NULL;
+    double *owned = NULL;
     char *main_path =
         pl_output_is_stream(path) ? pl_copy_text(path) : main_path_of(file->format, path);
     pl_output *output = pl_alloc(n_companions + 1, sizeof *output);
@@ -252,18 +242,19 @@ int planish_file_write(const planish_file *file, const char *path, const double 
     threads = pl_thread_count(threads);
     if (!status)
         status = check_name(file, path, error);
+    for (int64_t i = 0; i < dim * file->model.n_nodes && !status; i++)
+        if (!(fabs(coordinates[i]) <= DBL_MAX))
+            status = pl_fail_at(error, PLANISH_ERROR_ARGUMENT, -1, i / dim,
+                                "coordinate %d of node %lld is not finite", (int)(i % dim),
+                                (long long)(i / dim));
     if (!status)
-        status = check_finite(file, coordinates, error);
-    if (!status)
-        status = io_model_places(&file->model, coordinates, threads, &places, &owned, error);
-    if (!status)
-        status = io_copies_places(&file->model, places, threads, &places, &owned_places, error);
+        status = io_model_places(&file->model, coordinates, file->model.place_node, threads,
+                                 &places, &owned, error);
     if (!status)
         status = check_strangers(file, path, error);
     if (!status)
         status = write_all(file, path, main_path, places, threads, temporaries, output,
                            n_companions, error);
-    pl_free(owned_places);
     pl_free(owned);
     pl_free(output);
     pl_free(main_path);
@@ -344,8 +335,8 @@ int planish_file_convert(const planish_file *file, const char *path, const doubl
                        "%s: meshes are converted to .vtu and .vtk only", path);
     const pl_outside outside = pl_call_enter(NULL);
     pl_output output = {.fd = -1};
-    int status =
-        io_model_places(&file->model, coordinates, file->model.threads, &places, &owned, error);
+    int status = io_model_places(&file->model, coordinates, NULL, file->model.threads, &places,
+                                 &owned, error);
     const io_view view = io_view_of(&file->model, places, constraint, radius_ratio);
     if (!status)
         status = pl_output_open(path, temporaries, &output, error);
