@@ -13,27 +13,27 @@ static io_cursor cursor_on(const char *text) {
     return (io_cursor){text, text + strlen(text)};
 }
 
+static io_slice slice_on(const char *text) {
+    return (io_slice){text, text + strlen(text)};
+}
+
 static void words_between_any_white_space(void **state) {
     (void)state;
     io_cursor cursor = cursor_on(" \t\r\nalpha\r\n\v\fb,c\n");
-    int64_t length;
-    const char *word = io_word(&cursor, &length);
-    assert_true(io_word_is(word, length, "alpha", 0));
-    word = io_word(&cursor, &length);
-    assert_true(io_word_is(word, length, "b,c", 0));
-    io_word(&cursor, &length);
-    assert_int_equal(length, 0);
+    assert_true(io_slice_is(io_next_word(&cursor), "alpha", 0));
+    assert_true(io_slice_is(io_next_word(&cursor), "b,c", 0));
+    assert_int_equal(io_slice_length(io_next_word(&cursor)), 0);
     assert_ptr_equal(cursor.at, cursor.end);
 }
 
 static void words_are_compared_whole(void **state) {
     (void)state;
-    assert_true(io_word_is("Vertices", 8, "Vertices", 0));
-    assert_false(io_word_is("Vertices", 7, "Vertices", 0));
-    assert_false(io_word_is("Vertices2", 9, "Vertices", 0));
-    assert_false(io_word_is("VERTICES", 8, "Vertices", 0));
-    assert_true(io_word_is("VERTICES", 8, "Vertices", 1));
-    assert_false(io_word_is("", 0, "Vertices", 0));
+    assert_true(io_slice_is(slice_on("Vertices"), "Vertices", 0));
+    assert_false(io_slice_is(slice_on("Vertice"), "Vertices", 0));
+    assert_false(io_slice_is(slice_on("Vertices2"), "Vertices", 0));
+    assert_false(io_slice_is(slice_on("VERTICES"), "Vertices", 0));
+    assert_true(io_slice_is(slice_on("VERTICES"), "Vertices", 1));
+    assert_false(io_slice_is(slice_on(""), "Vertices", 0));
 }
 
 static void slices_are_words_and_lines(void **state) {

@@ -68,13 +68,12 @@ static char *cut_coordinates(const io_model *model, int64_t *size) {
                                                          : span->offset + i * span->stride),
                                 end};
             for (int d = 0; d < model->dim; d++) {
-                int64_t length = width;
                 if (is_text)
                     io_skip_space_comments(&cursor, '#');
                 memcpy(to, at, (size_t)(cursor.at - at));
                 to += cursor.at - at;
                 if (is_text)
-                    io_word(&cursor, &length);
+                    io_next_word(&cursor);
                 else
                     cursor.at += width;
                 at = cursor.at;

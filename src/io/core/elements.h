@@ -88,7 +88,7 @@ static inline void io_element_count(io_model *model, const io_element_type *type
 static inline const io_element_type *io_element_find(const io_element_type *table, int n,
                                                      const char *name, int64_t length) {
     for (int i = 0; i < n; i++)
-        if (table[i].name && io_word_is(name, length, table[i].name, 0))
+        if (table[i].name && io_slice_is((io_slice){name, name + length}, table[i].name, 0))
             return &table[i];
     return NULL;
 }

@@ -9,10 +9,6 @@ static int is_space(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
 }
 
-static char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
-
 io_cursor io_begin_text(const char *data, int64_t size) {
     static const char mark[] = "\xef\xbb\xbf";
     const int64_t length = sizeof mark - 1;
@@ -60,9 +56,12 @@ io_slice io_next_line(io_cursor *cursor) {
 }
 
 io_slice io_next_word(io_cursor *cursor) {
-    int64_t length;
-    const char *word = io_word(cursor, &length);
-    return (io_slice){word, word + length};
+    io_skip_space(cursor);
+    io_slice word = {cursor->at, NULL};
+    while (cursor->at < cursor->end && !is_space(*cursor->at))
+        cursor->at++;
+    word.end = cursor->at;
+    return word;
 }
 
 io_slice io_first_word(const char *data, int64_t size) {
@@ -71,24 +70,14 @@ io_slice io_first_word(const char *data, int64_t size) {
     return io_next_word(&cursor);
 }
 
-const char *io_word(io_cursor *cursor, int64_t *length) {
-    io_skip_space(cursor);
-    const char *word = cursor->at;
-    while (cursor->at < cursor->end && !is_space(*cursor->at))
-        cursor->at++;
-    *length = cursor->at - word;
-    return word;
-}
-
-int io_word_is(const char *word, int64_t length, const char *name, int fold) {
-    for (int64_t i = 0; i < length; i++)
-        if (name[i] == '\0' || (fold ? lower(word[i]) != lower(name[i]) : word[i] != name[i]))
-            return 0;
-    return name[length] == '\0';
-}
-
 int io_slice_is(io_slice s, const char *name, int fold) {
-    return io_word_is(s.begin, s.end - s.begin, name, fold);
+    const int64_t length = io_slice_length(s);
+    for (int64_t i = 0; i < length; i++) {
+        const char c = s.begin[i], d = name[i];
+        if (d == '\0' || (fold ? io_upper(c) != io_upper(d) : c != d))
+            return 0;
+    }
+    return name[length] == '\0';
 }
 
 int io_slice_integer(io_slice s, int64_t *value) {

@@ -15,12 +15,12 @@
 
 #include "io/core/model.h"
 
-/** Whether c is a blank or a tab. */
+/** Return whether c is a blank or a tab. */
 static inline int io_is_blank(char c) {
     return c == ' ' || c == '\t';
 }
 
-/** The letter c as a capital, in ASCII; any other byte as it is. */
+/** Return the letter c as a capital, in ASCII; any other byte as it is. */
 static inline char io_upper(char c) {
     return c >= 'a' && c <= 'z' ? (char)(c - 'a' + 'A') : c;
 }
@@ -30,6 +30,7 @@ typedef struct io_slice {
     const char *begin, *end;
 } io_slice;
 
+/** Return the number of bytes. */
 static inline int64_t io_slice_length(io_slice s) {
     return s.end - s.begin;
 }
@@ -45,36 +46,42 @@ static inline io_slice io_slice_trim(io_slice s) {
 
 /** Return whether s is name, letter case ignored if fold. */
 int io_slice_is(io_slice s, const char *name, int fold);
-/** Return the number that all of s is, white space before it aside: 0 or -1. */
+
+/** Read the number that all of s is, white space before it aside: 0 or -1. */
 int io_slice_integer(io_slice s, int64_t *value);
 
-/** A text of size bytes from behind the mark of UTF-8 that some editors put before it. */
+/** Return a text of size bytes from behind the mark of UTF-8 that some editors put before it. */
 io_cursor io_begin_text(const char *data, int64_t size);
-/** Return the first word of a file, behind that mark, white space and comments ('#'): what tells
- * the format. Empty if there is none. */
+
+/** Return the first word of a file, behind that mark, white space and comments ('#'): the word that
+ *  tells the format. Empty if there is none. */
 io_slice io_first_word(const char *data, int64_t size);
+
 /** Skip blanks, tabs, line ends (\n, \r\n, \r). */
 void io_skip_space(io_cursor *cursor);
-/** Skip the same and comments that run from mark ('#') to the end of the line. */
+
+/** Skip white space and comments that run from mark ('#') to the end of the line. */
 void io_skip_space_comments(io_cursor *cursor, char mark);
-/** To the beginning of the next line (or the end). */
+
+/** Skip to the beginning of the next line (or the end). */
 void io_skip_line(io_cursor *cursor);
-/** To the next word that begins with a letter (nan and inf are numbers), over comments ('#'). The
- *  cursor stands behind a word. */
+
+/** Skip to the next word that begins with a letter (nan and inf are numbers), over comments ('#').
+ *  The cursor stands behind a word. */
 void io_skip_numbers(io_cursor *cursor);
+
 /** Take the line at the cursor, without its end (\n, \r\n or \r), behind which the cursor goes. */
 io_slice io_next_line(io_cursor *cursor);
+
 /** Take the next word (no white space in it) after white space; empty at the end of the text. */
 io_slice io_next_word(io_cursor *cursor);
-/** The next word (no white space in it) after white space: its start, *length 0 at the end. */
-const char *io_word(io_cursor *cursor, int64_t *length);
-/** Whether the word is name, letter case ignored if fold. */
-int io_word_is(const char *word, int64_t length, const char *name, int fold);
-/** The next integer or real after white space; 0 or -1 (nothing is skipped then but white space).
- *  What follows must be white space or the end. */
+
+/** Take the next integer or real after white space; 0 or -1 (nothing is skipped then but white
+ *  space). White space or the end must follow. */
 int io_integer(io_cursor *cursor, int64_t *value);
 int io_real(io_cursor *cursor, double *value);
-/** First place at or after from that begins a line with name (for finding section ends), or end. */
+
+/** Find the first place at or after from that begins a line with name (a section's end), or end. */
 const char *io_find_line(const char *from, const char *end, const char *name);
 
 #endif

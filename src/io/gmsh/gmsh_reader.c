@@ -194,9 +194,7 @@ int gmsh_end_line(gmsh_reader *reader) {
 
 void gmsh_skip_affine(gmsh_reader *reader) {
     io_cursor ahead = reader->cursor;
-    int64_t length;
-    const char *word = io_word(&ahead, &length);
-    if (io_word_is(word, length, "Affine", 0)) {
+    if (io_slice_is(io_next_word(&ahead), "Affine", 0)) {
         io_skip_line(&ahead);
         reader->cursor = ahead;
     }

@@ -56,11 +56,10 @@ static int take_group(const netgen_reader *r, io_cursor *cursor, int64_t record,
 
 static int skip_words(const netgen_reader *r, io_cursor *cursor, int64_t record, int64_t n,
                       planish_error *error) {
-    int64_t length;
     for (int64_t i = 0; i < n; i++) {
-        const char *word = io_word(cursor, &length);
-        if (length == 0)
-            return io_fail_at(r->model, word, error, "%s %lld is cut short", r->current->name,
+        const io_slice word = io_next_word(cursor);
+        if (io_slice_length(word) == 0)
+            return io_fail_at(r->model, word.begin, error, "%s %lld is cut short", r->current->name,
                               (long long)record + 1);
     }
     return PLANISH_OK;

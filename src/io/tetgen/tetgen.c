@@ -147,10 +147,10 @@ static int read_corners(const table *t, io_cursor *cursor, int64_t row, planish_
 /** Read the marker or attribute at the end of a row; 0 where the line ends before. */
 static int read_tag(table *t, io_cursor *cursor, int64_t row, planish_error *error) {
     double real = 0;
-    int64_t length, tag = 0;
+    int64_t tag = 0;
     int failed = 0;
     for (int64_t i = 0; i < t->skipped && line_goes_on(cursor); i++)
-        io_word(cursor, &length);
+        io_next_word(cursor);
     io_cursor found = *cursor;
     if (line_goes_on(cursor) && (t->real_tag || io_integer(cursor, &tag))) {
         failed = io_real(cursor, &real);
@@ -160,11 +160,12 @@ static int read_tag(table *t, io_cursor *cursor, int64_t row, planish_error *err
         }
     }
     if (failed) {
-        const char *word = io_word(&found, &length);
-        return io_fail_at(&t->view, word, error, "a %s was expected, not '%.*s'",
+        const io_slice word = io_next_word(&found);
+        const int64_t length = io_slice_length(word);
+        return io_fail_at(&t->view, word.begin, error, "a %s was expected, not '%.*s'",
                           t->real_tag ? "region attribute (a number)"
                                       : "boundary marker (a whole number)",
-                          (int)(length < 24 ? length : 24), word);
+                          (int)(length < 24 ? length : 24), word.begin);
     }
     if (t->real_tag && !(real >= INT32_MIN && real <= INT32_MAX && floor(real) == real))
         atomic_store_explicit(&t->fractional, 1, memory_order_relaxed);

@@ -244,7 +244,7 @@ static int read_vtk(io_model *model, planish_error *error) {
 static int recognise_vtk(const char *data, int64_t size) {
     static const char mark[] = "# vtk DataFile";
     const int64_t length = (int64_t)sizeof mark - 1;
-    return size >= length && io_word_is(data, length, mark, 1);
+    return size >= length && io_slice_is((io_slice){data, data + length}, mark, 1);
 }
 
 static const char *const vtk_extensions[] = {".vtk", NULL};

@@ -26,10 +26,10 @@ static int take_words(io_cursor *cursor, io_slice *words) {
 }
 
 static int skip_words(vtk_reader *reader, int64_t n) {
-    int64_t length = 1;
-    for (int64_t i = 0; i < n && length > 0; i++)
-        io_word(&reader->cursor, &length);
-    return length > 0 ? PLANISH_OK : vtk_fail_here(reader, "attributes are cut short");
+    for (int64_t i = 0; i < n; i++)
+        if (io_slice_length(io_next_word(&reader->cursor)) == 0)
+            return vtk_fail_here(reader, "attributes are cut short");
+    return PLANISH_OK;
 }
 
 /** Bytes of a string's length and text, or more than left: the two highest bits say how many bytes
