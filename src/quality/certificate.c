@@ -18,7 +18,7 @@ static const double ERROR_3D = (7 + 56 * 0x1p-53) * 0x1p-53;
 static const double UNDERFLOW_ERROR = 0x1p-960;
 static const double SCALED_LOW = 0x1p-100, SCALED_HIGH = 0x1p100;
 
-/** a d - b c. */
+/** Minor a d - b c. */
 static void exact_minor(const pl_exact *a, const pl_exact *b, const pl_exact *c, const pl_exact *d,
                         pl_exact *minor) {
     pl_exact ad, bc;
@@ -27,7 +27,7 @@ static void exact_minor(const pl_exact *a, const pl_exact *b, const pl_exact *c,
     pl_exact_add(&ad, &bc, -1, minor);
 }
 
-/** m and the exponent of pl_certified_determinant by integers as long as needed. */
+/** Find m and the exponent of pl_certified_determinant by integers as long as needed. */
 static double certify_exactly(int dim, const double *const vertex[], int *exponent) {
     int unit = INT_MAX; /* the lowest one of the coordinates */
     *exponent = 0;

@@ -9,14 +9,15 @@
 #ifndef PL_QUALITY_CERTIFICATE_H
 #define PL_QUALITY_CERTIFICATE_H
 
-/** +1, 0 or -1: the sign of the measure of the simplex with vertices vertex [dim + 1], pointers to
+/** Sign, +1, 0 or -1, of the measure of the simplex with vertices vertex [dim + 1], pointers to
  *  coordinates [dim]. Right for any finite coordinates: neither rounding nor overflow nor underflow
  *  matter. 0 if a coordinate is not finite. */
 int pl_measure_sign(int dim, const double *const vertex[]);
 
-/** m with m 2^*exponent = D up to rounding, D = dim! times the measure, and the exact sign of D.
- *  m's error is at most that of the plain formula, and a few units in its last place where the
- *  plain formula does not tell the sign. 0 if a coordinate is not finite. */
+/** Measure of a simplex with the exact sign: m with m 2^*exponent = D up to rounding, D = dim!
+ * times the measure, and the exact sign of D. m's error is at most that of the plain formula, and a
+ * few units in its last place where the plain formula does not tell the sign. 0 if a coordinate is
+ * not finite. */
 double pl_certified_determinant(int dim, const double *const vertex[], int *exponent);
 
 #endif

@@ -41,7 +41,7 @@ void pl_sum_radius_ratio(const pl_view *view, const double *coordinates, int thr
 /** State of an element. */
 enum { PL_FINE = 0, PL_WORSE = 1, PL_INVERTED = 2 };
 
-/** Tell the elements whose RR is above ratio, or the acuteness of an angle above acuteness, or that
+/** Find the elements whose RR is above ratio, or the acuteness of an angle above acuteness, or that
  *  are not positive: state [m]. */
 void pl_find_worse(const pl_view *view, const double *coordinates, double ratio, double acuteness,
                    int threads, uint8_t *state);

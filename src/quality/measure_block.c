@@ -172,7 +172,7 @@ static double find_lengths(int dim, element *e, double *sum) {
     return ratio;
 }
 
-/** |D| in e's scale. */
+/** Mean ratio; determinant: |D| in e's scale. */
 static double mean_ratio(int dim, scaled determinant, double sum) {
     if (dim == 2)
         return pl_mean_ratio_of(2, value_of(determinant), sum);

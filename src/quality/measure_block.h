@@ -51,8 +51,8 @@ typedef struct pl_mesh_state {
     const double *coordinates; /* [n][dim] */
 } pl_mesh_state;
 
-/** PL_SUM_LANES elements, one per lane; lanes past the last element, and those of elements that
- * another process counts, are not present. */
+/** Block of PL_SUM_LANES elements, one per lane; lanes past the last element, and those of elements
+ * that another process counts, are not present. */
 typedef struct pl_block {
     double x[4][3][PL_SUM_LANES]; /* [dim + 1][dim] the vertices' coordinates */
     double sign[PL_SUM_LANES];    /* of the elements' orientation */
@@ -77,7 +77,7 @@ static inline double pl_smaller(double a, double b) {
     return a < b ? a : b;
 }
 
-/** +1, 0 or -1. */
+/** Sign of value: +1, 0 or -1. */
 static inline double pl_sign_of(double value) {
     return value > 0 ? 1 : value < 0 ? -1 : 0;
 }

@@ -33,7 +33,7 @@ enum { SCALE_LIMIT = 1000 };
 /** The sums of pl_objective_sums; of the first three there are two. */
 enum { RATIO = 0, RADIUS = 2, VOLUME = 4, SHORTFALL = 6, WHOLE, N_SUMS };
 
-/** Its counts; of the first there are two. */
+/** Counts of pl_objective_sums; of the first there are two. */
 enum { VALID = 0, INVERTED = 2, BELOW, N_COUNTS };
 
 /** pl_objective_sums, of a chunk or of all. */
@@ -60,7 +60,7 @@ typedef struct element {
     double measure;     /* as in the mesh */
 } element;
 
-/** Edges' sums of absolute components, multiplied: at least D's permanent. */
+/** Product of the edges' sums of absolute components: at least D's permanent. */
 static double permanent_bound(const element *e, const int dim) {
     double product = 1;
     for (int j = 1; j <= dim; j++) {
@@ -109,7 +109,7 @@ static element element_at(const pl_objective_problem *problem, int64_t index, co
 /* g of volumes that are huge multiples of delta: so that its square is finite. */
 static const double LOWEST_G = -1e100;
 
-/** g = 1 - V / delta, or -infinity for elements without a minimum volume. */
+/** Constraint g = 1 - V / delta, or -infinity for elements without a minimum volume. */
 static double volume_constraint(const pl_objective_problem *problem, int64_t index,
                                 const element *e) {
     const double own = problem->mesh.min_volume ? problem->mesh.min_volume[index] : 0;

@@ -1,7 +1,7 @@
 /* view: a mesh as all measures, and the sweeps, see it.
  *
  * pl_view has pointers alone and owns nothing; coordinates are given beside it. Where a field is
- * NULL the comment says what holds then.
+ * NULL the comment says what holds then. pl_view_has_free_node reads one of the fields.
  */
 #ifndef PL_QUALITY_VIEW_H
 #define PL_QUALITY_VIEW_H

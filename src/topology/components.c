@@ -1,5 +1,5 @@
 /* components: of elements that facets join, where several processes have parts of one. */
-#include "topology/components.h"
+#include "topology/topology.h"
 
 #include "base/memory.h"
 #include "base/parts.h"

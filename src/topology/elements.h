@@ -1,6 +1,10 @@
 /* elements: walk over the elements of one node after the other, and compare their nodes. Internal
  * to topology.
  *
+ *   pl_fetch_elements, _list, _ahead       ask for memory before it is needed
+ *   pl_is_same, pl_is_less                 comparisons of nodes without a branch
+ *   pl_place_in_element, pl_other_node     the nodes of an element but one
+ *
  * The elements of a node lie all over memory. Who walks over many nodes asks for those of a node
  * some steps ahead, and waits for none: on a million tetrahedra that halves the time.
  */
@@ -10,7 +14,7 @@
 #include "base/fetch.h"
 #include "topology/topology.h"
 
-/** How many nodes ahead to fetch the elements, the list of their numbers, where that begins, and
+/** Numbers of nodes ahead to fetch the elements, the list of their numbers, where that begins, and
  * room for what is found. */
 enum { PL_AHEAD_ELEMENTS = 2, PL_AHEAD_LIST = 6, PL_AHEAD_OFFSET = 16, PL_AHEAD_ROOM = 4 };
 

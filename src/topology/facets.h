@@ -11,7 +11,7 @@
 #include "base/parts.h"
 #include "topology/topology.h"
 
-/** A facet with the first two of its elements, in ascending order. */
+/** Facet with the first two of its elements, in ascending order. */
 typedef struct pl_facet {
     int32_t node[2];    /* its nodes above the smallest, ascending; node[1] < 0 in 2-D */
     int32_t count;      /* elements it is a facet of */

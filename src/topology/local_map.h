@@ -4,18 +4,24 @@
  * size stays in the first-level cache, where a table over all nodes per thread would neither stay
  * nor be affordable. Each thread has one and empties it for every node; entries of another stamp
  * than the map's count as empty.
+ *
+ *   pl_local_maps_create, _destroy, _failed     a map for each thread
+ *   pl_local_map_empty, _add                    number keys
+ *   pl_local_map_reserve, _destroy              the memory of one map
  */
 #ifndef PL_TOPOLOGY_LOCAL_MAP_H
 #define PL_TOPOLOGY_LOCAL_MAP_H
 
 #include <stdint.h>
 
+/** Key in a map. */
 typedef struct pl_local_entry {
     uint64_t key;
     uint32_t stamp;
     int32_t position;
 } pl_local_entry;
 
+/** Map of one thread. */
 typedef struct pl_local_map {
     pl_local_entry *entry; /* [capacity], a power of two */
     int64_t capacity;
@@ -27,7 +33,7 @@ typedef struct pl_local_map {
     char padding[24]; /* maps of different threads share no cache line */
 } pl_local_map;
 
-/** threads empty maps, or NULL. */
+/** Make an empty map for each thread; NULL without memory. */
 pl_local_map *pl_local_maps_create(int threads);
 
 /** Free maps [threads]; NULL: do nothing. */

@@ -71,7 +71,7 @@ static void make_curve(unsigned dim, curve *c) {
         }
 }
 
-/** The bits of place, dim apart from one another. */
+/** Bits of place, dim apart from one another. */
 static inline uint64_t spread(unsigned dim, uint32_t place) {
     uint64_t bits = place;
     if (dim == 3) {

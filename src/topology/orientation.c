@@ -21,7 +21,6 @@
 #include "base/parts.h"
 #include "base/status.h"
 #include "geometry/simplex.h"
-#include "topology/components.h"
 #include "topology/facets.h"
 #include "topology/frame.h"
 
@@ -48,7 +47,7 @@ typedef struct signs {
     int n_conflicts; /* facets at which the parities contradict one another: some, or 0 */
 } signs;
 
-/** In boundary->sign until the signs are known: what is known of an element's component. */
+/** Values of boundary->sign until the signs are known: about an element's component. */
 enum { ORIENTABLE = 0, CONFLICT = 1 };
 
 /** Measure an element in units of frame. anchor: the place of nodes that are not on the boundary;

@@ -9,7 +9,7 @@
 
 #include <planish/planish.h>
 
-/** n points of dim coordinates: coordinate d of point i is x[node * step + d * apart], where node
+/** Points, n of dim coordinates: coordinate d of point i is x[node * step + d * apart], where node
  * is node_of[i], or i without that. */
 typedef struct pl_points {
     const double *x;
@@ -24,7 +24,7 @@ static inline int64_t pl_point_at(const pl_points *p, int64_t i, int d) {
     return (p->node_of ? p->node_of[i] : i) * p->step + d * p->apart;
 }
 
-/** The coordinates x of a mesh's nodes: [n_nodes][dim], or as its strides say. */
+/** Describe the coordinates x of a mesh's nodes: [n_nodes][dim], or as its strides say. */
 pl_points pl_points_of(const planish_mesh *mesh, const double *x);
 
 /** Whether x is [n][dim] as it stands. */

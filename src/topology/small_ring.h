@@ -9,6 +9,10 @@
  *
  * Whether something is new, nothing could predict, so no branch asks: what has no number yet has
  * PL_SMALL_NONE, above all numbers, so that its number is the lesser of that and the next one.
+ *
+ *   pl_small_ring_init, _begin_nodes, _begin_edges     empty a table
+ *   pl_small_ring_node, _edge                          number a node, an edge
+ *   pl_small_ring_factor, _place, _edges_of            places in a table
  */
 #ifndef PL_TOPOLOGY_SMALL_RING_H
 #define PL_TOPOLOGY_SMALL_RING_H
@@ -25,6 +29,7 @@ enum {
     PL_SMALL_HASHES = 2
 };
 
+/** Table of one thread. */
 typedef struct pl_small_ring {
     uint8_t at[1 << PL_SMALL_HASH_BITS];         /* position of the node that hashes there */
     uint8_t edge[PL_SMALL_RING * PL_SMALL_RING]; /* [p][q] number of the edge from p to q */

@@ -22,7 +22,7 @@ typedef struct star_copy {
     pl_stars *stars;
 } star_copy;
 
-/** Lengths into the offsets. */
+/** Write lengths into the offsets. */
 static void measure_stars(void *context, int64_t begin, int64_t end, int thread) {
     star_copy *w = context;
     pl_stars *stars = w->stars;

@@ -18,7 +18,8 @@ typedef struct pl_subset {
     uint8_t *is_selected; /* [n_nodes] */
 } pl_subset;
 
-/** By a pass over the mesh, which is dense: selected [n_nodes], not 0 for the nodes. */
+/** Find a subset by a pass over the mesh, which is dense: selected [n_nodes], not 0 for the nodes.
+ */
 int pl_subset_by_marks(const planish_mesh *mesh, const uint8_t *selected, int threads,
                        pl_subset *subset, planish_error *error);
 
@@ -28,10 +29,10 @@ typedef struct pl_seeds {
     const int64_t *node, *element; /* [n] */
 } pl_seeds;
 
-/** From neighbour to neighbour, which mesh has: the nodes of seeds are selected, and those of so
- *  many rings of elements around. Of the mesh, which need not be dense, no more is looked at than
- *  the subset, and that is checked; and of a node no more elements than it has together with its
- *  seed, by facets at it. Errors: _ARGUMENT, _MESH, _MEMORY. */
+/** Find a subset from neighbour to neighbour, which mesh has: the nodes of seeds are selected, and
+ * those of so many rings of elements around. Of the mesh, which need not be dense, no more is
+ * looked at than the subset, and that is checked; and of a node no more elements than it has
+ * together with its seed, by facets at it. Errors: _ARGUMENT, _MESH, _MEMORY. */
 int pl_subset_by_walk(const planish_mesh *mesh, const pl_seeds *seeds, int rings, pl_subset *subset,
                       planish_error *error);
 

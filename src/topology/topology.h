@@ -1,4 +1,6 @@
-/* topology: what connects to what. One header for the folder; one source file per part.
+/* topology: what connects to what. One header for most of the folder; one source file per part.
+ * Headers of their own have facets, subset (and walk), points and frame; elements, local_map and
+ * small_ring are internal to the folder.
  *
  * Shapes use n = n_nodes, m = n_elements, k = dim + 1 (nodes of an element). A facet is a triangle
  * of a tetrahedron or an edge of a triangle. Everything is a function of the mesh alone, whatever
@@ -56,7 +58,8 @@ typedef struct pl_incidence {
     int32_t *element; /* [offset[n]] */
 } pl_incidence;
 
-/** unasked [n]: not 0 for nodes whose list shall be empty; NULL: for none. */
+/** List the elements of every node. unasked [n]: not 0 for nodes whose list shall be empty; NULL:
+ *  for none. Errors: _MEMORY. */
 int pl_incidence_create(const planish_mesh *mesh, const uint8_t *unasked, int threads,
                         pl_incidence *incidence, planish_error *error);
 
@@ -80,22 +83,22 @@ typedef struct pl_boundary {
     uint8_t *flags;               /* [m] PL_WRAPPED is set at these; NULL: there are none */
 } pl_boundary;
 
-/** Look at the measures: if all are positive (all_positive: that is known), or all negative, sign
- *  is that for a guess. mesh is valid. */
+/** Compare the signs of the measures: if all are positive (all_positive: that is known), or all
+ * negative, sign is that for a guess. mesh is valid. */
 int pl_boundary_create(const planish_mesh *mesh, int all_positive, int threads,
                        pl_boundary *boundary, planish_error *error);
 
 enum { PL_WRAPPED = 1 };
 
-/** Look at the facets. Orientation is combinatorial (docs/algorithm.md): inside a component of
- *  elements joined by facets of two elements (no duplicates), neighbours traverse their facet in
- *  opposite directions; the component's sign is that of its summed measure, elements that wrap
- *  around left out (wrapped.c). Where there are such, or no boundary, it is that of 80 % of the
- *  elements if they all contradict the sum. Neither is so in a mesh in parts. A component that
- * cannot be oriented, such as a Moebius strip, keeps the file's order up to that sign; where two of
- * its neighbours traverse their facet in the same direction, the facet's nodes are held. A guess
- * that no facet contradicts says the same, and remains. is_inside [n]: 1 for nodes that are known
- * to be inside, as pl_rings_create says, by that guess; NULL: none are. */
+/** Count the facets, and orient the elements. Orientation is combinatorial (docs/algorithm.md):
+ * inside a component of elements joined by facets of two elements (no duplicates), neighbours
+ * traverse their facet in opposite directions; the component's sign is that of its summed measure,
+ * elements that wrap around left out (wrapped.c). Where there are such, or no boundary, it is that
+ * of 80 % of the elements if they all contradict the sum. Neither is so in a mesh in parts. A
+ * component that cannot be oriented, such as a Moebius strip, keeps the file's order up to that
+ * sign; where two of its neighbours traverse their facet in the same direction, the facet's nodes
+ * are held. A guess that no facet contradicts says the same, and remains. is_inside [n]: 1 for
+ * nodes that are known to be inside, as pl_rings_create says, by that guess; NULL: none are. */
 int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
                      const uint8_t *is_inside, int threads, pl_boundary *boundary,
                      planish_error *error);
@@ -103,8 +106,7 @@ int pl_boundary_find(const planish_mesh *mesh, const pl_incidence *incidence,
 /** Free the arrays of boundary. */
 void pl_boundary_destroy(pl_boundary *boundary);
 
-/* ---- orientation.c: the positive order of the nodes of each element; for boundary.c alone -------
- */
+/* ---- orientation.c: the positive order of the nodes of each element, for boundary.c -------- */
 
 /** Fill in sign, n_reversed and is_guess of boundary if the measures of all elements agree. */
 int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *boundary,
@@ -115,13 +117,46 @@ int pl_orientation_guess(const planish_mesh *mesh, int threads, pl_boundary *bou
 int pl_orientation_create(const planish_mesh *mesh, const pl_incidence *incidence, int threads,
                           pl_boundary *boundary, planish_error *error);
 
-/* ---- wrapped.c: elements that reach around a periodic domain; for orientation.c alone ----------
+/* ---- components.c: components of elements that facets join, for orientation.c ----------------
+ *
+ * link [m] says of each element the root of its component among the elements here, an element, << 1
+ * | its parity: 1 if its order is opposite to that of the root. In a mesh in parts a component may
+ * have several roots, in one process or in several. pl_components_settle and _sum are collective
+ * there. */
+
+/** Number of the nodes of an element, by which they are known in all processes: two elements have
+ *  the same if they are duplicates, or by one chance in 2^62. */
+int64_t pl_element_id(const planish_mesh *mesh, int64_t element);
+
+/** Facts that processes exchange about components. In arrays [m] only the entries of roots
+ *  count. */
+typedef struct pl_settlement {
+    int64_t *label;    /* the same of all roots of a component, and of no other one; owned */
+    uint8_t *reversed; /* 1: parities here are opposite to those that all processes agree on: of the
+                          element of the smallest id it is 0; owned */
+    int8_t *conflict;  /* given: 1 where parities contradict one another; then in all processes */
+} pl_settlement;
+
+/** Settle the components of a mesh in parts. s->conflict is given. Errors: _MEMORY. */
+int pl_components_settle(const planish_mesh *mesh, const pl_incidence *incidence,
+                         const uint32_t *link, pl_settlement *s, planish_error *error);
+
+/** Free the arrays of s. */
+void pl_settlement_destroy(pl_settlement *s);
+
+/** Sum the measures of each component, exactly, rounded once: measure [m] of elements becomes, at
+ *  roots, that of the component. s: in a mesh in parts; else NULL. *n: how many components there
+ *  are. Errors: _MEMORY. */
+int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_settlement *s,
+                      double *measure, int64_t *n, planish_error *error);
+
+/* ---- wrapped.c: elements that reach around a periodic domain, for orientation.c ------------ */
  */
 
 /** Flags at the root of a component, beside PL_WRAPPED of an element. */
 enum { PL_HAS_WRAPPED = 2, PL_HAS_BOUNDARY = 4 };
 
-/** Find the elements that wrap around. link [m]: as in components.h, of a whole mesh; conflict [m]:
+/** Find the elements that wrap around. link [m]: as above, of a whole mesh; conflict [m]:
  *  not 0 at roots of components that cannot be oriented, which are left out. flags [m] is given
  *  PL_WRAPPED at such elements and PL_HAS_WRAPPED at the roots of their components; the rest of it
  *  is left as it is. *n: how many there are. Errors: _MEMORY. */
@@ -130,7 +165,8 @@ int pl_wrapped_find(const planish_mesh *mesh, const uint32_t *link, const int8_t
 
 /* ---- ordering.c: nodes along a space-filling curve ---------------------------------------- */
 
-/** order [n]: the nodes along a Hilbert curve through their bounding box (ties: by number). */
+/** Order the nodes along a Hilbert curve through their bounding box (ties: by number): order [n].
+ *  Errors: _MEMORY. */
 int pl_curve_order(const planish_mesh *mesh, int threads, int32_t *order, planish_error *error);
 
 /* ---- rings.c: the neighbours and the link of every free node ------------------------------- */
@@ -148,12 +184,12 @@ typedef struct pl_rings {
                      (p0 - x) x (p1 - x) > 0; their edges: p0 p1, p1 p2, p2 p0 */
 } pl_rings;
 
-/** is_free [n]: not 0 for the nodes that may move, node [n_rings]: these in the wanted order. Free
- * are those of them that are inside, and have no more than PL_MAX_LINK elements (open: half as
- * many); of the others is_free becomes 0, and node -1. Inside: the link is closed, every facet at
- * the node belongs to two elements, no duplicates, which traverse it in opposite directions. open:
- * links may be, as on the boundary: facets of one element will do. The edges of such links are not
- * in rings->link. sign: as in pl_boundary. */
+/** Make the rings of the free nodes. is_free [n]: not 0 for the nodes that may move, node
+ * [n_rings]: these in the wanted order. Free are those of them that are inside, and have no more
+ * than PL_MAX_LINK elements (open: half as many); of the others is_free becomes 0, and node -1.
+ * Inside: the link is closed, every facet at the node belongs to two elements, no duplicates, which
+ * traverse it in opposite directions. open: links may be, as on the boundary: facets of one element
+ * will do. The edges of such links are not in rings->link. sign: as in pl_boundary. */
 int pl_rings_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                     uint8_t *is_free, int32_t *node, int64_t n_rings, int open, int threads,
                     pl_rings *rings, planish_error *error);
@@ -163,7 +199,7 @@ void pl_rings_destroy(pl_rings *rings);
 
 /* ---- periodic.c: nodes that move together -------------------------------------------------- */
 
-/** A node that is where another one is, but for a constant: start + (x[of] - start of that). */
+/** Node that is where another one is, but for a constant: start + (x[of] - start of that). */
 typedef struct pl_follower {
     int32_t node, of;
     int32_t from, to; /* nodes: the constant is start[to] - start[from] */
@@ -186,7 +222,8 @@ typedef struct pl_periodic {
 /** Check the pairs of mesh. Errors: _ARGUMENT, _MESH. */
 int pl_check_periodic(const planish_mesh *mesh, planish_error *error);
 
-/** slides [n]: 1 for the nodes that may slide; of groups of which some may not, or not alike, or
+/** Find the nodes that move together, and copy the elements around them. slides [n]: 1 for the
+ *  nodes that may slide; of groups of which some may not, or not alike, or
  *  that are no translations of one another, it becomes 0. Errors: _MEMORY. */
 int pl_periodic_create(const planish_mesh *mesh, const pl_incidence *incidence, const int8_t *sign,
                        uint8_t *slides, pl_periodic *periodic, planish_error *error);
@@ -222,10 +259,11 @@ typedef struct pl_stars {
     int64_t max_ring, max_link; /* of one star */
 } pl_stars;
 
-/** Star star_of[r], of 0 .. rings->n_free-1, is that of ring r, which has a node; -1 where there is
- *  none: star_of [n_rings], node [n_rings] as returned by pl_rings_create. number_of [n] maps the
- * mesh's node numbers to those written to stars->ring. incidence is used if the mesh has least
- * volumes. Of the rings nothing is left afterwards. */
+/** Copy the rings and links of the free nodes in the order of their visits. Star star_of[r], of 0
+ * .. rings->n_free-1, is that of ring r, which has a node; -1 where there is none: star_of
+ * [n_rings], node [n_rings] as returned by pl_rings_create. number_of [n] maps the mesh's node
+ * numbers to those written to stars->ring. incidence is used if the mesh has least volumes. Of the
+ * rings nothing is left afterwards. */
 int pl_stars_create(const planish_mesh *mesh, const pl_incidence *incidence, pl_rings *rings,
                     const int32_t *node, const int32_t *star_of, const int32_t *number_of,
                     int threads, pl_stars *stars, planish_error *error);

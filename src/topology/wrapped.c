@@ -118,8 +118,8 @@ static int list_components(seams *s, const int8_t *conflict) {
     return 1;
 }
 
-/** Which nodes of an element are at the high end of a jump in direction d; 0: it does not jump. An
- *  element some of whose nodes are between the ends is divided about it. */
+/** Nodes of an element, in bits, that are at the high end of a jump in direction d; 0: it does not
+ * jump. An element some of whose nodes are between the ends is divided about it. */
 static unsigned jump_of(const seams *s, int64_t element, int d, direction *in) {
     double x[4], low = INFINITY, high = -INFINITY, below = -INFINITY, above = INFINITY;
     unsigned mask = 0;
@@ -182,7 +182,7 @@ static int32_t find_root(seams *s, int32_t node, int32_t *jumps) {
     return node;
 }
 
-/** Note that b is jumps from a; 0 if that contradicts what is known. */
+/** Join a and b, which is jumps from a; 0 if that contradicts what is known. */
 static int join(seams *s, int32_t a, int32_t b, int32_t jumps) {
     int32_t to_a, to_b;
     const int32_t root_a = find_root(s, a, &to_a), root_b = find_root(s, b, &to_b);
@@ -231,7 +231,7 @@ static int find_ways(seams *s) {
 
 /* ---- signs ---------------------------------------------------------------------------------- */
 
-/** How many directions that are seams an element jumps in. */
+/** Number of the directions that are seams which an element jumps in. */
 static int count_jumps(const seams *s, const component *c, int64_t element) {
     int n = 0;
     for (int d = 0; d < s->mesh->dim && c; d++)
