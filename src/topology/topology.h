@@ -151,7 +151,6 @@ int pl_components_sum(const planish_mesh *mesh, const uint32_t *link, const pl_s
                       double *measure, int64_t *n, planish_error *error);
 
 /* ---- wrapped.c: elements that reach around a periodic domain, for orientation.c ------------ */
- */
 
 /** Flags at the root of a component, beside PL_WRAPPED of an element. */
 enum { PL_HAS_WRAPPED = 2, PL_HAS_BOUNDARY = 4 };
